@@ -4,6 +4,7 @@ Commands, Python names, laws and figures are taken from the library while it is 
 MathML, the search runs in the browser, and nothing is loaded from elsewhere.
 """
 
+import logging
 import sys
 from pathlib import Path
 
@@ -27,6 +28,9 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns = ["_site", "paper", "samples"]
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
+
+smartquotes = False  # `--option` stays what can be typed
+default_role = "literal"
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
@@ -64,6 +68,10 @@ def _block(writer, node):
 
 def setup(app):
     """Write what the library knows of itself before the pages are read, and set formulas without a script."""
+    # A guide may be named in the navigation before it is written.
+    logging.getLogger("sphinx.sphinx.directives.other").addFilter(
+        lambda record: getattr(record, "subtype", "") != "empty_glob"
+    )
     app.add_lexer("console", SessionLexer)
     app.add_html_math_renderer("mathml", inline_renderers=(_inline, None), block_renderers=(_block, None))
     app.connect("builder-inited", lambda app: generate.everything(Path(app.srcdir) / "generated"))

@@ -4,27 +4,31 @@ Nothing of this is kept in the repository, so that no figure and no option on th
 """
 
 import inspect
+import json
 import typing
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
+from importlib import import_module
 from pathlib import Path
 
 import typer
+from pydantic import BaseModel
 
 import ropefric as rf
 from ropefric.accuracy.studies import STUDIES
 from ropefric.cli.app import build_app, find_commands
 from ropefric.errors import RopefricError
+from ropefric.files.toml_model import StrictTable
 from ropefric.friction.laws import LAWS
 from ropefric.plotting import style
 from ropefric.plotting.campaign import conditions_of, draw_condition
 from ropefric.plotting.figure import FigureWithData, drawing
 from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets
-from ropefric.plotting.machines import draw_sweep, scene_figures
+from ropefric.plotting.machines import draw_chart, draw_sweep, scene_figures
 from ropefric.plotting.svg import svg_text
 from ropefric.rig.recording import FAULTS
 from ropefric.rig.strangers import FAMILIES
-from ropefric.scenes.kind import Kind
+from ropefric.scenes.kind import Becomes, Kind
 from ropefric.scenes.kinds import KINDS
 from ropefric.traces.breakaway import ADVICE
 from ropefric.traces.protocols import PROTOCOLS
@@ -43,11 +47,17 @@ def everything(folder: Path) -> None:
         "commands.md": commands_page(),
         "python.rst": python_page(),
         "registered.md": registered_page(),
+        "scene-keys.md": scene_keys_page(),
     }
+    drawn = dict(figures())
+    if "paper" in find_commands():
+        for name in ("prth", "press", "saw"):
+            pages[f"paper-{name}.md"] = paper_page(name, drawn)
     # A piece of a page becomes a file of its own.
     namespace = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
     pictures = {
-        f"{stem}.svg": svg_text(figure, stem=stem).replace("<svg", namespace, 1) for stem, figure in figures()
+        f"{stem}.svg": svg_text(figure, stem=stem).replace("<svg", namespace, 1)
+        for stem, figure in drawn.items()
     }
     folder.mkdir(exist_ok=True)
     for name, text in (pages | pictures).items():
@@ -130,7 +140,7 @@ def _condition() -> FigureWithData:
 def commands_page() -> str:
     """Return the page of all commands, from what the program itself knows of them."""
     group = typer.main.get_command(build_app())
-    parts = ["# Commands\n", f"{group.epilog}\n", "```{contents}\n:local:\n:depth: 1\n```\n"]
+    parts = ["# Commands\n", f"{group.epilog}\n"]
     for declared in find_commands().values():
         command = group.commands[declared.name]
         parts.append(f"\n## `ropefric {declared.name}`\n\n{_escaped(command.help)}\n")
@@ -140,7 +150,7 @@ def commands_page() -> str:
         records = [one.get_help_record(context) for one in command.params]
         rows = [(f"`{record[0].strip('{}')}`", _escaped(record[1])) for record in records if record]
         parts.append(_rows(("option", "meaning"), rows))
-        parts.append(f"\n```sh\n{declared.example}\n```\n")
+        parts.append(f"\nExample:\n\n```sh\n{declared.example}\n```\n")
     return "\n".join(parts)
 
 
@@ -197,6 +207,33 @@ def _results(names: Iterable[str]) -> list[type]:
     return [found[name] for name in sorted(found)]
 
 
+# Papers.
+
+
+def paper_page(name: str, drawn: dict[str, FigureWithData]) -> str:
+    """Return the page of every number of a paper beside the printed one; its figures are added to those drawn."""
+    found = import_module("ropefric.papers.paper").read_paper(name)
+    first, *items = found.parts()
+    parts = [
+        f"# {first.title}: every number\n",
+        *(f"{_escaped(line[:1].upper() + line[1:])}.\n" for line in first.lines),
+        _notes(first),
+    ]
+    for (item, _), part in zip(found.rows, items, strict=True):
+        parts.append(f"## {_escaped(part.title)}\n\n{_escaped(' '.join(part.lines))}\n")
+        if part.rows:
+            parts.append(_rows(part.headings, ([_escaped(cell) for cell in row] for row in part.rows)))
+        parts.append(_notes(part))
+        for stem, chart in item.charts(found.machine):
+            drawn[f"paper-{name}-{stem}"] = draw_chart(chart)
+            parts.append(f"![{_escaped(chart.title)}](paper-{name}-{stem}.svg)\n")
+    return "\n".join(parts)
+
+
+def _notes(part: typing.Any) -> str:
+    return "".join(f"- {_escaped(note)}\n" for note in part.notes)
+
+
 # What is registered.
 
 
@@ -250,6 +287,56 @@ def _effects(kind: Kind) -> str:
     return _table(f"Effects of a scene of kind `{kind.name}`", ("name", "what it adds", "in its place"), rows)
 
 
+# Scenes.
+
+
+_KEYS_SAID = """\
+A key in a table `[wheel]` is written there; here it is named `wheel.radius`, as in a sweep and in messages. A `…` stands
+for a name of yours. Quantities are text with their unit. What is not needed in its table may be left out, and an effect
+that needs it is then not simulated. The scenes that `ropefric init --scenes` writes say in their comments what each key
+is."""
+
+
+def scene_keys_page() -> str:
+    """Return the page of every key that a scene can hold, by kind, with an example of its value."""
+    parts = [
+        "# What a scene can say\n",
+        f"{_KEYS_SAID}\n",
+    ]
+    for kind in KINDS.values():
+        rows = [*_keys(kind.schema)]
+        parts.append(_table(f'`system = "{kind.name}"`', ("key", "such as", "needed", "if left out"), rows))
+    return "\n".join(parts)
+
+
+def _keys(schema: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, ...]]:
+    for name, info in schema.model_fields.items():
+        tables = [one for one in _types(info.annotation) if issubclass(one, StrictTable)]
+        many = typing.get_origin(info.annotation) is dict
+        for table in tables:
+            yield from _keys(table, f"{prefix}{name}.{'….' if many else ''}")
+        if tables:
+            continue
+        becomes = next((one for one in info.metadata if isinstance(one, Becomes)), None)
+        like = getattr(becomes, "like", "")
+        default = (
+            f"`{json.dumps(info.default)}`" if isinstance(info.default, str | float | int | bool) else ""
+        )
+        if like and isinstance(info.default, float):
+            default = f"{info.default:g} {becomes.si_unit}"
+        yield f"`{prefix}{name}`", f'`"{like}"`' if like else "", "yes" if info.is_required() else "", default
+
+
+def _types(annotation: typing.Any) -> Iterator[type]:
+    """Yield the classes in an annotation, such as the table in `dict[str, Table]`."""
+    inner = typing.get_args(annotation)
+    for one in inner or (annotation,):
+        if inner:
+            yield from _types(one)
+        elif isinstance(one, type):
+            yield one
+
+
 def _described(title: str, registry: Mapping[str, typing.Any]) -> str:
     return _table(
         title, ("name", "meaning"), [(f"`{one.name}`", one.description) for one in registry.values()]
@@ -260,7 +347,7 @@ def _table(title: str, head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -
     return f"\n## {title}\n\n{_rows(head, rows)}"
 
 
-def _rows(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
-    lines = [f"| {' | '.join(head)} |", f"|{'---|' * len(head)}"]
+def _rows(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    lines = [f"| {' | '.join(head)} |", f"|{'---|' * len([*head])}"]
     lines += [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in rows]
     return "\n".join(lines) + "\n"

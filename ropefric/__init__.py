@@ -8,13 +8,11 @@
 from importlib import import_module
 from typing import Any
 
-from ropefric.shown import drawn_by
-
 __version__ = "0.1.0"
 
 _NAMES = {
-    "api": "budget compare design diagnose explain extract find_breakaway fit friction_table measured_budgets "
-    "plan_tests predict read_trace read_trial reject run smooth solve sweep trial_table",
+    "api": "accuracy_table budget compare design diagnose explain extract find_breakaway fit friction_table "
+    "measured_budgets plan_tests predict read_trace read_trial reject run smooth solve sweep trial_table",
     "errors": "RopefricError RopefricWarning",
     "fitting.lmfit_model": "lmfit_model",
     "fitting.store": "load_fit save_fit",
@@ -37,10 +35,8 @@ def __getattr__(name: str) -> Any:
 
 
 def _draw(result: Any, *args: Any, **options: Any) -> Any:
+    # For `plot()` of every result: see `ropefric.shown`.
     return import_module("ropefric.plotting.results").draw(result, *args, **options)
-
-
-drawn_by(_draw)
 
 
 def __dir__() -> list[str]:

@@ -1,3 +1,4 @@
+from ropefric.api import accuracy_table as accuracy_table
 from ropefric.api import budget as budget
 from ropefric.api import compare as compare
 from ropefric.api import design as design

@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Union
 
@@ -808,6 +809,63 @@ def plan_tests(
         planned, limits, wanted,
         n_conditions=n_conditions, repeats=repeats, criterion=criterion, level=level, starts=starts, seed=seed,
     )  # fmt: skip
+
+
+def accuracy_table(
+    study: str = "", case: str = "", *, method: str = "", timed: bool = False
+) -> "pd.DataFrame":
+    """Return what accuracy costs: the error and the work of every way to solve one of the problems behind the numbers.
+
+    Parameters
+    ----------
+    study : str
+        Such as "integral" or "peak"; "" for the list of studies with their cases.
+    case, method : str
+        One case of the study, by default all; and one method.
+    timed : bool
+        Measure the times, too; otherwise the table is the same on every machine.
+
+    Returns
+    -------
+    DataFrame
+        A row a setting: `error` (relative), `evaluations`, `bias`, `noise`; `seconds` where timed.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such study or case.
+
+    Examples
+    --------
+    >>> rows = accuracy_table("integral", "regular", method="gauss-legendre")
+    >>> bool((rows["error"] < 1e-12).any())
+    True
+    """
+    import pandas as pd  # noqa: PLC0415  (quick start-up)
+
+    from ropefric.accuracy.measure import error_table, measure_studies  # noqa: PLC0415  (likewise)
+    from ropefric.accuracy.studies import STUDIES  # noqa: PLC0415
+
+    if not study:
+        rows = [(one.name, one.title, ", ".join(each.name for each in one.cases)) for one in STUDIES.values()]
+        return pd.DataFrame(rows, columns=["study", "what is compared", "cases"])
+    cases = (STUDIES[study].case(case),) if case else STUDIES[study].cases
+    if timed:
+        (measured,) = measure_studies([replace(STUDIES[study], cases=cases)], quick=True)
+        points = [one for one in measured.points if method in {"", one.method}]
+    else:
+        points = [one for each in cases for one in error_table(study, each.name, method=method)]
+    columns = (
+        "case",
+        "method",
+        "setting",
+        "error",
+        "evaluations",
+        "bias",
+        "noise",
+        *(("seconds",) if timed else ()),
+    )
+    return pd.DataFrame([[getattr(one, name) for name in columns] for one in points], columns=columns)
 
 
 def solve(scene: Scene | PathLike, *, level: float = 0.95, identify: bool = False) -> Solution:

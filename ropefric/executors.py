@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ropefric.errors import InputError, RopefricError
-from ropefric.plugins import Plugin, loaded
 
 A = TypeVar("A")
 T = TypeVar("T")
@@ -28,6 +27,9 @@ AHEAD = 128
 
 CONNECT_S = 30.0
 """Time for a scheduler to answer."""
+
+CARRIED: list[Callable[[], Any]] = []
+"""What give something that every worker must have before its work: to unpickle it is to have it."""
 
 _MADE_BY = ("numpy", "scipy", "pandas")
 _ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL")}
@@ -98,7 +100,7 @@ def spread(
 def _handed(executor: Executor, work: Callable[[A], T], piece: A) -> "Future[T]":
     """Return the future of a piece; of an executor that is broken, one that failed."""
     try:
-        return executor.submit(_there, software(), loaded(), work, piece)
+        return executor.submit(_there, software(), [one() for one in CARRIED], work, piece)
     except Exception as error:  # noqa: BLE001
         future: Future[T] = Future()
         future.set_exception(error)
@@ -114,8 +116,8 @@ def _wait_for(future: "Future[Any]", every: "list[Future[Any]]", patience_s: flo
             raise TimeoutError
 
 
-def _there(made_by: str, _plugins: tuple[Plugin, ...], work: Callable[[A], T], piece: A) -> T:
-    """Do a piece in another process, if that is of the same make; it has loaded the plugins with the arguments."""
+def _there(made_by: str, _carried: object, work: Callable[[A], T], piece: A) -> T:
+    """Do a piece in another process, if that is of the same make."""
     if software() != made_by:
         raise InputError(
             f"a worker runs {software()}, this process {made_by}: numbers may differ",

@@ -18,6 +18,7 @@ from types import ModuleType
 from typing import Any
 
 from ropefric.errors import DataError, Problem, RopefricError, data_error
+from ropefric.executors import CARRIED
 from ropefric.files.read import read_file
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import Registry, count_added, did_you_mean, forget_added
@@ -67,6 +68,9 @@ _LOADED: list[Plugin] = []
 def loaded() -> tuple[Plugin, ...]:
     """Return the plugins that are loaded, in the order of loading."""
     return tuple(_LOADED)
+
+
+CARRIED.append(loaded)
 
 
 def provenance(*slots: str) -> list[dict[str, Any]]:

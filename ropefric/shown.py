@@ -2,7 +2,8 @@
 
 import html
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from enum import Enum
 from operator import attrgetter
@@ -14,15 +15,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _MOST_VALUES, _MOST_ROWS, _MOST_TEXT = 4, 10, 90
-_draw: list[Callable[..., Any]] = []
-
-
-def drawn_by(draw: Callable[..., Any]) -> None:
-    """Say who draws results: the rooms of results lie below the one that knows matplotlib and must not import it.
-
-    `ropefric/__init__.py`, which stands above all rooms, hands over a function that loads it when the first is drawn.
-    """
-    _draw[:] = [draw]
 
 
 class Shown:
@@ -84,7 +76,9 @@ class Shown:
 
     def plot(self, *args: Any, **options: Any) -> Any:
         """Return a matplotlib figure of the result; a break-away takes its trace, a fit `over`, a sweep `quantity`."""
-        return _draw[0](self, *args, **options)
+        # Results lie below the room that knows matplotlib and must not import it; the package itself, which stands above
+        # all rooms and may look at everything, loads it when the first is drawn.
+        return sys.modules["ropefric"]._draw(self, *args, **options)  # noqa: SLF001
 
 
 def _paths(said: Sequence[str]) -> Iterator[str]:

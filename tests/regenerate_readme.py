@@ -1,8 +1,8 @@
 """What README and docs print, written anew: the measured blocks where their markers are, and the sessions.
 
-`python tests/regenerate_readme.py` measures the blocks; `python tests/regenerate_readme.py sessions [PAGE …]` runs the
-sessions of all pages or of those named. The sentences of the blocks speak of errors and counted work, which are the same
-everywhere; times are in the pictures only, and the machine they were taken on is named beside them.
+`python tests/regenerate_readme.py [BLOCK …]` measures the blocks, `python tests/regenerate_readme.py sessions [PAGE …]`
+runs the sessions, of all pages or of those named. The sentences of the blocks speak of errors and counted work, which
+are the same everywhere; times are in the pictures only, and the machine they were taken on is named beside them.
 """
 
 import contextlib
@@ -11,12 +11,14 @@ import math
 import re
 import sys
 import tempfile
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
 from ropefric.accuracy.measure import enough, error_table, measure_studies, this_machine
 from ropefric.accuracy.studies import STUDIES
+from ropefric.accuracy.studies.picks import PICKERS
 from ropefric.accuracy.studies.press_transient import start_up
 from ropefric.accuracy.studies.scenes import PROBLEMS, planned
 from ropefric.plotting.style import house_style
@@ -118,6 +120,38 @@ def _power(value: float) -> str:
     return f"1e{round(math.log10(value))}"
 
 
+def picks_block() -> str:
+    """Return what five pickers say of recordings of rigs that none of them was made for."""
+    lines = [
+        "| recordings | picker | right | wrong | missed | doubtful | made up | error of 95 % below |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for case in STUDIES["picks"].cases:
+        for method, setting, _, quick in PICKERS:
+            if not quick:
+                continue
+            rows = error_table("picks", case.name, method=method)
+            (row,) = [one for one in rows if one.setting == setting]
+            shares = [
+                _percent(row.shares[name]) for name in ("right", "wrong", "missed", "doubtful", "false")
+            ]
+            lines.append(f"| {case.name} | {row.name} | {' | '.join(shares)} | {100 * row.error:.2g} % |")
+    return "\n".join([*lines, ""])
+
+
+def uncertainty_block() -> str:
+    """Return how many of the intervals of the mean and of one pull hold the truth, design by design."""
+    lines = ["| law and design | mean | one pull |", "|---|---|---|"]
+    for case in STUDIES["uncertainty"].cases:
+        row = error_table("uncertainty", case.name, method="covariance")[-1]
+        lines.append(f"| {case.name} | {_percent(row.shares['mean'])} | {_percent(row.shares['pull'])} |")
+    return "\n".join([*lines, ""])
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %" if math.isfinite(share) else "–"
+
+
 def _script(name: str, *parts: str) -> ModuleType:
     spec = importlib.util.spec_from_file_location(name, ROOT.joinpath("tests", *parts))
     assert spec is not None
@@ -172,13 +206,18 @@ def write_sessions(names: list[str]) -> list[str]:
     return changed
 
 
-def write_blocks() -> list[str]:
-    """Measure the blocks whose markers are in a page, write them there, and return their names."""
-    makers = {"cost": lambda: cost_block(this_machine().line), "hard-cases": lambda: hard_cases().table()}
+def write_blocks(only: list[str]) -> list[str]:
+    """Measure these blocks, or all, where their markers are in a page, write them there, and return their names."""
+    makers: dict[str, Callable[[], str]] = {
+        "cost": lambda: cost_block(this_machine().line),
+        "hard-cases": lambda: hard_cases().table(),
+        "picks": picks_block,
+        "uncertainty": uncertainty_block,
+    }
     written = []
     for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))):
         text = page.read_text(encoding="utf-8")
-        wanted = [name for name in makers if f"<!-- {name} -->" in text]
+        wanted = [name for name in only or makers if f"<!-- {name} -->" in text]
         if "cost" in wanted:
             write_pictures(FOLDER)
         if wanted:
@@ -190,7 +229,7 @@ def write_blocks() -> list[str]:
 
 def main(argv: list[str]) -> None:
     """Write what was asked for, and say what was done."""
-    done = write_sessions(argv[1:]) if argv[:1] == ["sessions"] else write_blocks()
+    done = write_sessions(argv[1:]) if argv[:1] == ["sessions"] else write_blocks(argv)
     sys.stdout.write(f"written anew: {', '.join(done) or 'nothing'}\n")
 
 

@@ -5,6 +5,7 @@ import multiprocessing
 import pickle
 import re
 import sys
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -144,6 +145,20 @@ def pickle_names(_number):
     from ropefric.traces.protocols import PROTOCOLS
 
     return list(PROTOCOLS)
+
+
+def test_an_executor_has_it(lab):
+    """Processes that are spawned: recordings by a plugin's reader, a bootstrap of a plugin's law with a lambda in it."""
+    campaign = rf.load_campaign("campaign.toml")
+    rf.load_plugin("my_law.py")
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        there, here = rf.extract(campaign, executor=pool), rf.extract(campaign)
+        assert [trial.peak_N for trial in there.trials] == [trial.peak_N for trial in here.trials]
+        assert pool.submit(parameters_of, LAWS["two-term"]).result() == ("a", "b")
+
+
+def parameters_of(law):
+    return law.parameter_names
 
 
 def test_a_plugin_that_is_unpickled_is_loaded(lab):

@@ -21,6 +21,7 @@ COUPLED = ROOT / "fits" / "prth-coupled.json"
 HOIST = ROOT / "data" / "scenes" / "hoist.toml"
 
 SIGNATURES = {
+    "accuracy_table": "(study='', case='', *, method='', timed=False)",
     "budget": "(fit, *, wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m=None, u_wheel_radius_m=0.0, "
     "u_rope_radius_m=0.0, u_wrap_angle_rad=0.0, u_end_tension_N=0.0, one_pull=False, level=0.95, draws=200000, "
     "seed=0)",
@@ -29,17 +30,17 @@ SIGNATURES = {
     "rope_radius_m=None, probability=0.95)",
     "diagnose": "(trials, comparison=None, *, touching_turns=None, columns=None)",
     "explain": "(scene, *, measure=False)",
-    "extract": "(campaign, *, jobs=1, cache_dir=None, progress=None)",
+    "extract": "(campaign, *, jobs=1, cache_dir=None, progress=None, executor=None)",
     "find_breakaway": "(trace, force_N=None, *, columns=None, window_s=None, peak='smoothed', start_s=None, "
     "stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
-    "n_starts=4, seed=0, intervals='auto', of='peak', columns=None)",
+    "n_starts=4, seed=0, intervals='auto', of='peak', columns=None, resamples=2000, executor=None)",
     "friction_table": "(fit, *, wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, rope_radius_m=None)",
     "lmfit_model": "(law)",
     "load_campaign": "(path, *, missing_recordings='error')",
     "load_fit": "(path)",
     "load_plugin": "(source, called='')",
-    "load_scene": "(path)",
+    "load_scene": "(path, changes=None)",
     "measured_budgets": "(trials, quantity='force', *, u_wrap_angle_rad=None, gain_limit=0.0, weights_tolerance=0.0, "
     "gravity_limit=0.0027, level=0.95, draws=200000, seed=0)",
     "plan_tests": "(known, *, wheels_m, wraps_rad, end_tensions_N, wheel_radius_m, wrap_angle_rad, end_tension_N, "
@@ -51,11 +52,11 @@ SIGNATURES = {
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
     "read_trial": "(campaign, trial)",
     "reject": "(values, rule='two-sigma')",
-    "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None, overwrite=False)",
+    "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None, overwrite=False, executor=None)",
     "save_fit": "(fit, path, *, overwrite=False)",
     "smooth": "(trace, window_s=None, *, columns=None)",
     "solve": "(scene, *, level=0.95, identify=False)",
-    "sweep": "(scene, *axes, progress=None, table=None)",
+    "sweep": "(scene, *axes, progress=None, table=None, executor=None)",
     "trial_table": "(trials, *, columns=None)",
     "write_scenes": "(folder, names=(), *, overwrite=False)",
 }

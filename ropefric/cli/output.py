@@ -11,9 +11,13 @@ from dataclasses import dataclass
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, Self, TextIO
 
+from ropefric.cli import on_first_use
 from ropefric.errors import Problem
 from ropefric.files.plain_text import visible
 from ropefric.files.write import cannot_write
+
+with on_first_use():
+    from ropefric.report import section
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -52,7 +56,7 @@ class Output:
     def note(self, text: str) -> None:
         """Say something on stderr, unless asked to be quiet."""
         if not self.quiet:
-            self._say(f"{visible(text)}\n")
+            self._say(f"{section.folded(visible(text), width_of(sys.stderr))}\n")
 
     def problems(self, problems: Iterable[Problem]) -> None:
         """List problems on stderr; warnings only if not asked to be quiet."""
@@ -60,12 +64,13 @@ class Output:
             if problem.severity == "error" or not self.quiet:
                 # Styled only for eyes: rich takes a while.
                 for_eyes = sys.stderr.isatty() or "FORCE_COLOR" in os.environ
-                self._say(self._styled(problem) if for_eyes else f"{visible(str(problem))}\n")
+                told = section.folded(visible(str(problem)), width_of(sys.stderr))
+                self._say(self._styled(problem, told) if for_eyes else f"{told}\n")
 
-    def _styled(self, problem: Problem) -> str:
+    def _styled(self, problem: Problem, told: str) -> str:
         from rich.text import Text  # noqa: PLC0415
 
-        text = Text(visible(str(problem)))
+        text = Text(told)
         text.stylize("bold red" if problem.severity == "error" else "bold yellow", 0, len(problem.severity))
         fix = text.plain.rfind("\n  fix: ")
         if problem.fix and fix >= 0:

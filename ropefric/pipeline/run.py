@@ -36,7 +36,7 @@ _EXTRACTED = (
 )
 _FIGURES = (
     *("overview", "mu_facets", "capstan", "fit_over_", "residuals", "ladder", "corner"),
-    *("tornado", "design_chart", "budget_", "typical_recording", "law", "recordings_"),
+    *("tornado", "design_chart", "budget_", "typical_recording", "law", "recordings_", "paper_"),
 )
 _ANSWERED = (
     *("comparison.csv", "prediction.json", "uncertainty.json", "next_tests.csv", "manifest.json"),

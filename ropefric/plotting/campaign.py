@@ -18,7 +18,7 @@ from matplotlib.ticker import MaxNLocator
 from ropefric.files.folder import Folder, as_folder
 from ropefric.glossary import counted
 from ropefric.plotting import style
-from ropefric.plotting.figure import DataTable, FigureWithData, begin, drawing, figure_files
+from ropefric.plotting.figure import DataTable, FigureWithData, begin, drawing, figure_files, localize
 from ropefric.traces.breakaway import Status
 from ropefric.trials.outliers import RULES
 from ropefric.trials.result import ConditionSummary, Extraction, TrialResult, count_trials, outcome_words
@@ -176,12 +176,13 @@ def start_condition_figures(
     folder: Folder | str | os.PathLike[str],
     *,
     under: str = "",
+    language: str = "en",
     executor: Executor | None = None,
 ) -> Callable[[Progress | None], tuple[Path, ...]]:
     """Begin to draw each condition of an extraction, if there is an executor; return what writes the figures."""
     target = as_folder(folder)
     conditions = conditions_of(extraction)
-    jobs = {stem: partial(_files, *item, f"{under}{stem}") for stem, item in conditions.items()}
+    jobs = {stem: partial(_files, *item, f"{under}{stem}", language) for stem, item in conditions.items()}
     drawn = begin(jobs, executor)
 
     def write(progress: Progress | None = None) -> tuple[Path, ...]:
@@ -196,8 +197,12 @@ def start_condition_figures(
     return write
 
 
-def _files(summary: ConditionSummary, trials: Sequence[TrialResult], stem: str) -> dict[str, bytes]:
-    return figure_files(draw_condition(summary, trials), stem)
+def _files(
+    summary: ConditionSummary, trials: Sequence[TrialResult], stem: str, language: str
+) -> dict[str, bytes]:
+    drawn = draw_condition(summary, trials)
+    localize(drawn.figure, language)
+    return figure_files(drawn, stem)
 
 
 def draw_condition(

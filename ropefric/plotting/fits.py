@@ -321,6 +321,8 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad", narrow: bool 
             _draw_measured(panel, fit, points, settings, over, off=off)
         axes.set_ylabel(style.figure_label("lift_force_N"))
         _plain_log(axes, "y")
+        # A span of less than a decade has one number or none at the decades.
+        axes.yaxis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2.0, 0.6)))
         last.set_xlabel(style.regressor_label(over))
         if over == "end_tension_N":
             _plain_log(last, "x")
@@ -328,12 +330,9 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad", narrow: bool 
         held = ",  ".join(style.shown_regressor(name, value) for name, value in settings.items())
         shown_trials = f"{counted(n, 'trial')} shown of {fit.statistics.n} fitted"
         if narrow:
-            # A span of less than a decade has one number or none at the decades.
-            axes.yaxis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2.0, 0.6)))
             axes.set_title(style.typeset(held), fontsize=9)
             style.legend_of_figure(figure, columns=2)
         else:
-            axes.yaxis.set_minor_formatter("")
             last.set_ylabel("Off the mean law [%]")
             axes.set_title(style.typeset(f"Law {fit.law} at {held};  {shown_trials}"))
             style.legend_of_figure(figure)

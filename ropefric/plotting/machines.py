@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ropefric.scenes.kind import Chart
     from ropefric.scenes.plan import Explanation
     from ropefric.scenes.solve import Solution
-    from ropefric.scenes.sweep import Axis, Sweep
+    from ropefric.scenes.sweep import Sweep
     from ropefric.systems.bandsaw.resonance import Excitation, SawChart
     from ropefric.systems.press.transient.start_up import StartUp
 
@@ -51,7 +51,7 @@ def draw_chart(chart: "Chart") -> FigureWithData:
                 axes.plot(line.x, line.y, color=style.GREY, linewidth=1.0, label=line.name)
                 continue
             dot: dict[str, Any] = {"marker": _MARKERS[drawn % 6], "linestyle": "none"}
-            look = dot if line.x.size == 1 else {"linestyle": style.LINE_STYLES[drawn % 4]}
+            look = dot if line.points or line.x.size == 1 else {"linestyle": style.LINE_STYLES[drawn % 4]}
             axes.plot(line.x, line.y, label=line.name, **look)
             drawn += 1
         axes.set(xlabel=chart.x_label, ylabel=chart.y_label)
@@ -88,7 +88,7 @@ def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
     label = (f"{path}: " if path else "") + (style.figure_label(last) if last in GLOSSARY else last)
     with drawing(9.0, 6.0) as figure:
         axes = figure.subplots()
-        axes.set_xlabel(_axis_words(across))
+        axes.set_xlabel(across.label)
         if not outer:
             axes.plot(places[0], grid, color="black")
             axes.set_ylabel(label)
@@ -102,7 +102,7 @@ def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
         else:
             shown = np.ma.masked_invalid(grid)
             drawn = axes.pcolormesh(places[1], places[0], shown, cmap="cividis", shading="nearest")
-            axes.set_ylabel(_axis_words(outer[0]))
+            axes.set_ylabel(outer[0].label)
             axes.figure.colorbar(drawn, ax=axes).set_label(label)
     columns = {
         axis.key: each.ravel()
@@ -138,10 +138,6 @@ def draw_explanation(told: "Explanation") -> FigureWithData:
     named: dict[str, Any] = {"effect": [one.name for one in shown], "fate": [one.fate for one in shown]}
     table = DataTable({**named, **columns})
     return FigureWithData(figure=figure, tables=(table,), alt=f"What effects are worth at most: {alt}.")
-
-
-def _axis_words(axis: "Axis") -> str:
-    return f"{axis.key} [{axis.unit}]" if axis.unit else axis.key
 
 
 _LEFT_BEHIND = 0.02

@@ -167,9 +167,10 @@ def _in_cell(
         return 0.02 + (_WIDE - 0.02) * (at_s - start_s) / long_s, 0.86 - 0.5 * up
 
     found = trial.breakaway
+    digits = max(0, 2 - math.floor(math.log10(max(high_N - low_N, 1e-3))))
     inside = start_s <= found.peak_time_s <= start_s + long_s and math.isfinite(found.peak_N)
     numbers = [
-        (0.0, 0.97, f"{low_N:.3g} to {high_N:.3g} N", "left"),
+        (0.0, 0.97, f"{low_N:.{digits}f} to {high_N:.{digits}f} N", "left"),
         (_WIDE, 0.97, f"{long_s:.3g} s", "right"),
     ]
     pick = placed(found.peak_time_s, min(max(found.peak_N, low_N), high_N)) if inside else None

@@ -10,6 +10,7 @@ from typing import Any
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import json_document
 from ropefric.glossary import counted
+from ropefric.papers.prth import reduction_of
 from ropefric.pipeline.evidence import (
     MANIFEST,
     Evidence,
@@ -25,6 +26,7 @@ from ropefric.report.front import USUAL, Subject, Wish, front_blocks, measured_r
 from ropefric.report.page import Alert, Block, Chapter, Fold, Picture, Report, as_html
 from ropefric.report.pdf import pdf_of
 from ropefric.report.section import Section, as_text, percent, plain
+from ropefric.scenes.kind import Part
 from ropefric.traces.breakaway import ADVICE, Status
 from ropefric.trials import result
 from ropefric.trials.campaign_model import ReportWords
@@ -45,6 +47,7 @@ _CHAPTERS = {
     "recordings": "Every recording and its pick",
     "friction": "Does it obey the capstan equation?",
     "law": "How good the law is",
+    "paper": "As the paper on rope and wheel reduces trials",
     "uncertainty": "What makes up the uncertainty",
     "design": "The design and its neighbours",
     "next": "What to measure next",
@@ -112,14 +115,15 @@ def _write(
     progress: Progress | None,
 ) -> tuple[Path, ...]:
     pictures: Pictures = {}
+    reduced, of_paper = reduction_of(subject.answer.table)
     if subject.wish.figures:
         from ropefric.report.pictures import draw_pictures  # noqa: PLC0415  (matplotlib takes half a second)
 
-        pictures = draw_pictures(subject, folder, executor=executor, progress=progress)
+        pictures = draw_pictures(subject, folder, of_paper, executor=executor, progress=progress)
     numbers = [
         folder.path / name for drawn in pictures.values() for picture in drawn for name in picture.files
     ]
-    page = as_html(_report(subject, pictures))
+    page = as_html(_report(subject, pictures, reduced))
     files: dict[str, str | bytes] = {**texts, **evidence_files(subject.evidence), "report.html": page}
     if subject.wish.pdf:
         files["report.pdf"] = pdf_of(page)
@@ -170,7 +174,7 @@ def _tally(extraction: result.Extraction) -> str:
     return f"{trials} of {conditions}: {result.outcome_words(counts)}"
 
 
-def _report(subject: Subject, pictures: Pictures) -> Report:
+def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Part]) -> Report:
     """Return a report: the result on the first pages, then what to know, the evidence, settings and provenance."""
     answer, evidence, run = subject.answer, subject.evidence, subject.run
     by_hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
@@ -188,7 +192,7 @@ def _report(subject: Subject, pictures: Pictures) -> Report:
         text = "This report was made without figures; `ropefric report` adds them."
         of_trials.append(Alert("note", "No figures", text))
     blocks: dict[str, Iterable[Block]] = {
-        "result": front_blocks(subject, of_answer, pictures.get("front", ())),
+        "result": front_blocks(subject, of_answer, len(of_trials), pictures.get("front", ())),
         "warnings": [of_trials] if of_trials else [],
         "trials": [*(_trial_sections(run, evidence) if run else ()), *pictures.get("trials", ())],
         "recordings": pictures.get("recordings", ()),
@@ -202,6 +206,7 @@ def _report(subject: Subject, pictures: Pictures) -> Report:
             *(drawn for key in _OF_LAW for drawn in pictures.get(key, ())),
             *parts.notes_sections(answer.fit),
         ],
+        "paper": [*(Section(**part._asdict()) for part in reduced), *pictures.get("paper", ())],
         "uncertainty": _uncertainty(evidence, pictures),
         "design": [*pictures.get("design", ()), *([by_hand] if evidence.hand else [])],
         "next": ()

@@ -17,12 +17,16 @@ _SPACE = '<mspace width="0.17em"/>'
 
 
 def formulas(law: FrictionLaw) -> tuple[str, ...]:
-    """Return the statements of a law's equation as MathML elements, each with its plain text."""
-    return tuple(
-        f'<math display="block" alttext="{escape(text)}">{_Statement(text).typeset()}</math>'
-        for part in law.equation.split(";")
-        for text in _split(part.strip())
-    )
+    """Return the statements of a law's equation as MathML elements; what is not in our notation stays plain text."""
+    statements = [text for part in law.equation.split(";") for text in _split(part.strip())]
+    return tuple(f'<math display="block">{_typeset(text)}</math>' for text in statements)
+
+
+def _typeset(text: str) -> str:
+    try:
+        return _Statement(text).typeset()
+    except ValueError:  # a law of somebody's own may be written in any way
+        return f"<mtext>{escape(text)}</mtext>"
 
 
 def symbol(name: str) -> str:

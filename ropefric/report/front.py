@@ -57,8 +57,13 @@ class Subject(NamedTuple):
         return self.wish.language or self.words.language
 
 
-def front_blocks(subject: Subject, alerts: Sequence[Alert], pictures: Sequence[Picture]) -> Iterator[Block]:
-    """Give the blocks of the first two pages: what is grave, who and what, the answer, pictures, law and limits."""
+def front_blocks(
+    subject: Subject, alerts: Sequence[Alert], n_remarks: int, pictures: Sequence[Picture]
+) -> Iterator[Block]:
+    """Give the blocks of the first two pages: what is grave, who and what, the answer, law, pictures, and limits.
+
+    `alerts` are of the answer; so many remarks on the measurements stand in the annex.
+    """
     answer, words = subject.answer, subject.words
     if grave := [alert for alert in alerts if alert.grade == "stop"]:
         yield grave
@@ -74,7 +79,8 @@ def front_blocks(subject: Subject, alerts: Sequence[Alert], pictures: Sequence[P
         yield Section("In pictures")
         yield from pictures
     tested = f"tested: {', '.join(parts.tested_ranges(answer.fit))}; beyond it the law is extrapolated"
-    yield Section("Limits and assumptions", notes=(tested, *words.assumptions))
+    annex = [f"{counted(n_remarks, 'remark')} on the measurements: see the annex"] if n_remarks else []
+    yield Section("Limits and assumptions", notes=(tested, *words.assumptions, *annex))
     doubts = [alert for alert in alerts if alert.grade == "doubt"]
     if doubts or not grave:
         yield doubts or [Alert("note", "Nothing was found", "No check stands against the result.")]
@@ -108,15 +114,13 @@ def measured_rows(run: CampaignRun) -> list[tuple[str, str]]:
 
 def _cell_words(name: str, cell: Any) -> str:
     """Return a cell's range, its number and calibration, and its limits of error, those that are assumed as such."""
-    known = [
-        f"{limit} {100 * getattr(cell, limit):.2g} %" + (" (assumed)" if limit in cell.assumed else "")
-        for limit in _LIMITS
-    ]
+    known = ", ".join(f"{limit} {100 * getattr(cell, limit):.2g} %" for limit in _LIMITS)
+    assumed = f" ({', '.join(cell.assumed)} assumed, not stated)" if cell.assumed else ""
     said = (
         f"{name} to {plain(cell.full_scale_N)} N",
         cell.serial and f"serial {cell.serial}",
         cell.calibrated and f"calibrated {cell.calibrated}",
-        f"of full scale: {', '.join(known)}",
+        f"of full scale: {known}{assumed}",
     )
     return ", ".join(filter(None, said))
 

@@ -313,6 +313,6 @@ def _draws_section(stated: Statement, unit: str) -> Section:
             f"the budget {word} with the draws: the ends differ by up to {plain(gap, '.2g')}{unit}, "
             f"{100 * gap / found.expanded:.2g} % of U ({100 * DISAGREEMENT:g} % count as agreement){left_out}"
         ),
-        f"the stricter test of JCGM 101, 8.1, {strict}",
+        f"the stricter test of JCGM 101 §8.1, {strict}",
     )
     return Section(f"Check by {drawn.draws} draws (seed {drawn.seed})", lines)

@@ -1,18 +1,20 @@
 """The figures of a report: which there are, under which chapter, and what is to be seen in them; drawn for the page."""
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import Executor
 from functools import partial
 
 from ropefric.files.folder import Folder
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.fitting.result import FitResult
+from ropefric.papers.paper import Shown
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignAnswer
 from ropefric.plotting.campaign import conditions_of, draw_condition, draw_overview
 from ropefric.plotting.design import draw_budget, draw_design_chart, draw_ladder, draw_tornado
 from ropefric.plotting.figure import FigureWithData, begin, figure_files, localize
 from ropefric.plotting.fits import draw_capstan, draw_corner, draw_fit_band, draw_mu_facets, draw_residuals
+from ropefric.plotting.machines import draw_chart
 from ropefric.plotting.recordings import draw_recording, draw_recordings, pages_of_recordings
 from ropefric.plotting.svg import svg_text
 from ropefric.report.front import Subject
@@ -33,6 +35,7 @@ Drawings = Iterator[tuple[str, str, str, Draw]]
 def draw_pictures(
     subject: Subject,
     folder: Folder,
+    of_paper: Iterable[Shown] = (),
     *,
     executor: Executor | None = None,
     progress: Callable[[int, int, str], None] | None = None,
@@ -43,6 +46,10 @@ def draw_pictures(
     drawings = [*_of_front(answer, extraction, evidence)]
     drawings += [] if extraction is None else _of_trials(extraction)
     drawings += [*_of_laws(answer), *_of_design(evidence)]
+    drawings += [
+        ("paper", f"paper_{one.stem}", f"{one.chart.title}.", partial(draw_chart, one.chart))
+        for one in of_paper
+    ]
     jobs = {
         stem: partial(_drawn, stem, draw, subject.language, subject.wish.formats)
         for _, stem, _, draw in drawings

@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from itertools import product
+from itertools import accumulate, product
 from typing import TYPE_CHECKING, Any
 
-from ropefric.glossary import GLOSSARY
-from ropefric.report.section import Section, plain
+from ropefric.glossary import GLOSSARY, counted
+from ropefric.report.section import Section, plain, to_error
 
 if TYPE_CHECKING:
     from ropefric.scenes.plan import Decision, Explanation, Plan
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 _NAMED = 4
 _SHOWN_POINTS = 20
+_ROOM = 200
+_SHOWN = {"rad]": ("deg]", math.degrees(1.0)), "m]": ("mm]", 1e3)}
 
 
 def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Section]:
@@ -27,12 +29,14 @@ def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Sec
     headings, rows = _quantities(whole, solution.level, scene.kind.words) if whole else ((), ())
     title = f"{scene.kind.name}: {scene.document.path}"
     bound = "not known" if math.isinf(plan.error_bound) else f"at most {plan.error_bound:.2g}"
-    simulated = (
+    beyond = "; ".join(scene.kind.beyond[name] for name in solution.beyond_bound)
+    simulated = [
         f"effects: {', '.join(plan.simulated) or 'none'}",
         f"left out: {', '.join(plan.left_out) or 'none'}",
         f"method: {_method(plan)}",
         f"relative difference to simulating everything: {bound} (wanted: {plan.accuracy:g})",
-    )
+        *([f"not bounded, but of the effects simulated: {beyond}"] if beyond else []),
+    ]
     return [
         Section(title, lines, headings, rows, notes=solution.warnings),
         *(Section(**part._asdict()) for part in scene.kind.sections(tree)),
@@ -47,11 +51,13 @@ def _quantities(
     uncertain = any(quantity.std[0] != 0.0 for quantity in quantities)
     rows = []
     for quantity in quantities:
-        cells = [words.get(quantity.name) or _label(quantity.name), f"{quantity.value[0]:.6g}"]
+        label, factor = _in_units(words.get(quantity.name) or _label(quantity.name))
+        std = factor * float(quantity.std[0])
+        cells = [label, to_error(factor * float(quantity.value[0]), std)]
         if uncertain:
-            low, high = quantity.interval[0]
-            known = math.isfinite(quantity.std[0])
-            cells += [f"{quantity.std[0]:.2g}", f"{low:.5g} … {high:.5g}"] if known else ["not known", ""]
+            known = math.isfinite(std)
+            ends = " … ".join(to_error(factor * float(end), std) for end in quantity.interval[0])
+            cells += [f"{std:.2g}", ends] if known else ["not known", ""]
         rows.append(cells)
     headings = ("quantity", "value", "standard error", f"{100 * level:g} % interval ")
     return headings[: 4 if uncertain else 2], rows
@@ -64,6 +70,13 @@ def _label(name: str) -> str:
     term = GLOSSARY[last]
     words = term.meaning.partition(";")[0] + (f" [{term.unit}]" if term.unit not in {"", "-"} else "")
     return f"{path}: {words}" if path else words
+
+
+def _in_units(label: str) -> tuple[str, float]:
+    """Return a label with the unit people set such a quantity in, and the factor to it from SI."""
+    head, bracket, unit = label.rpartition("[")
+    shown, factor = _SHOWN.get(unit, (unit, 1.0))
+    return f"{head}{bracket}{shown}", factor
 
 
 def _method(plan: "Plan") -> str:
@@ -111,8 +124,11 @@ def _time(seconds: float) -> str:
     return f"{1e6 * seconds:.0f} µs" if seconds < 1e-3 else f"{1e3 * seconds:.3g} ms"
 
 
-def sweep_sections(sweep: "Sweep") -> list[Section]:
-    """Return what a sweep found: its points where they are few, else the range of every number."""
+def sweep_sections(sweep: "Sweep", width: int | None = None) -> list[Section]:
+    """Return what a sweep found: its points where they are few, else the range of every number.
+
+    Only what changes from point to point has a column, as many as there is room for; the CSV has all.
+    """
     names = ", ".join(sweep.simulated) or "none"
     bound = f"at most {sweep.error_bound:.2g} (wanted: {sweep.accuracy:g})"
     lines = [f"effects: {names}; relative difference to everything {bound}"]
@@ -121,17 +137,36 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
         lines.append(f"{sweep.failed} points have no answer; the first says: {sweep.first_failure}")
     total = math.prod(sweep.shape)
     title = f"{' × '.join(axis.key for axis in sweep.axes)}: {total} points"
-    labels = [_label(name) for name in sweep.columns]
+    # Numbers of the whole machine before those of its parts.
+    ranges = sorted(sweep.ranges.items(), key=lambda item: item[0].count("."))
+    still = [name for name, (low, high) in ranges if low == high]
+    told = {name: _in_units(_label(name)) for name, _ in ranges}
+    if still:
+        same = [f"{told[name][0]} {told[name][1] * sweep.ranges[name][0]:.5g}" for name in still[:_NAMED]]
+        more = f", and {len(still) - _NAMED} more" if len(still) > _NAMED else ""
+        lines.append(f"the same at every point: {', '.join(same)}{more}")
+    moving = [(name, *told[name]) for name, _ in ranges if name not in still]
     rows: list[tuple[str, ...]]
     if total > _SHOWN_POINTS:
-        ends = sweep.ranges.values()
-        rows = [(label, f"{low:.6g}", f"{high:.6g}") for label, (low, high) in zip(labels, ends, strict=True)]
+        rows = [
+            (label, *(f"{factor * end:.5g}" for end in sweep.ranges[name])) for name, label, factor in moving
+        ]
         headings: Sequence[str] = ("quantity", "lowest", "highest")
         return [Section(title, lines, headings, rows, notes=sweep.warnings)]
-    headings = [f"{axis.key} [{axis.unit}]" if axis.unit else axis.key for axis in sweep.axes]
     points = product(*((axis.values / axis.factor).tolist() for axis in sweep.axes))
-    rows = [
-        tuple(f"{value:.6g}" for value in (*point, *answers))
-        for point, *answers in zip(points, *sweep.columns.values(), strict=True)
+    columns = [
+        (axis.label, [f"{value:.5g}" for value in values])
+        for axis, values in zip(sweep.axes, zip(*points, strict=True), strict=True)
     ]
-    return [Section(title, lines, [*headings, *labels], rows, left=0, notes=sweep.warnings)]
+    columns += [
+        (label, [f"{factor * value:.5g}" for value in sweep.columns[name].tolist()])
+        for name, label, factor in moving
+    ]
+    room = (width or _ROOM) - 2
+    widths = [2 + max(map(len, (*label.split(), *cells))) for label, cells in columns]
+    n = max(sum(reach <= room + 2 for reach in accumulate(widths)), len(sweep.axes) + 1)
+    if n < len(columns):
+        more = counted(len(columns) - n, "column")
+        lines.append(f"{more} more with what changes: --out FOLDER writes all to sweep.csv")
+    rows = [*zip(*(cells for _, cells in columns[:n]), strict=True)]
+    return [Section(title, lines, [label for label, _ in columns[:n]], rows, left=0, notes=sweep.warnings)]

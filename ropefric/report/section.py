@@ -5,7 +5,6 @@ The terminal and summary.txt show sections by `as_text`; `ropefric.report.page` 
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from functools import partial
 from itertools import zip_longest
 from textwrap import wrap
 from typing import Any, NamedTuple
@@ -46,12 +45,23 @@ def shorthand(value: float, std: float) -> str:
     """Return a value with its standard error in units of its last digits, as in 0.1192(12)."""
     if not (math.isfinite(value) and math.isfinite(std)) or std <= 0.0:
         return plain(value, ".5g")
+    exponent = _last_place(std)
+    last = f"{std / 10.0**exponent:.0f}" if exponent < 0 else to_error(std, std)
+    return f"{to_error(value, std)}({last})"
+
+
+def to_error(value: float, std: float) -> str:
+    """Return a value down to the second digit of its standard error; to six digits where it has none."""
+    if not (math.isfinite(value) and math.isfinite(std)) or std <= 0.0:
+        return plain(value, ".6g")
+    exponent = _last_place(std)
+    scale = 10.0**exponent
+    return f"{value:.{-exponent}f}" if exponent < 0 else f"{scale * round(value / scale):.0f}"
+
+
+def _last_place(std: float) -> int:
     # Rounded first, because 0.0999 becomes 0.10 and has a digit less.
-    exponent = math.floor(math.log10(float(f"{std:.1e}"))) - 1
-    if exponent >= 0:
-        scale = 10.0**exponent
-        return f"{scale * round(value / scale):.0f}({scale * round(std / scale):.0f})"
-    return f"{value:.{-exponent}f}({round(std * 10.0**-exponent):d})"
+    return math.floor(math.log10(float(f"{std:.1e}"))) - 1
 
 
 def interval(ends: Iterable[float], form: str = ".4g") -> str:
@@ -66,19 +76,46 @@ def percent(share: float, form: str = ".2g") -> str:
 
 
 def as_text(sections: Sequence[Section], width: int | None = None) -> str:
-    """Return sections as text with aligned columns; for a terminal of some width, tables folded to it too."""
+    """Return sections as text with aligned columns; for a terminal of some width, all of it folded to it."""
     return "\n".join("".join(f"{line}\n" for line in _text_lines(section, width)) for section in sections)
+
+
+def folded(text: str, width: int | None) -> str:
+    """Return text with its lines folded at blanks to a terminal's width, if it is one; no word is broken."""
+    return (
+        text if width is None else "\n".join(part for line in text.split("\n") for part in fold(line, width))
+    )
+
+
+def fold(line: str, width: int, indent: str = "", *, hang: str = "  ", more: str = "") -> list[str]:
+    """Return a line folded at blanks, what follows standing a little further in than its beginning.
+
+    `more` ends every line but the last; words that are longer than the width stay whole.
+    """
+    begin = indent + " " * (len(line) - len(line.lstrip()))
+    whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
+    if len(begin) + len(line.lstrip()) <= width:
+        return [f"{indent}{line}"]
+    parts = wrap(
+        line.lstrip(), width - len(more), initial_indent=begin, subsequent_indent=begin + hang, **whole
+    )
+    return [*(f"{part}{more}" for part in parts[:-1]), *parts[-1:]] or [""]
 
 
 def _text_lines(section: Section, width: int | None) -> list[str]:
     indent = "  " if section.title else ""
-    fold = partial(_folded, indent=indent, width=min(WIDTH, width or WIDTH))
-    lines = [section.title] if section.title else []
+    narrow = min(WIDTH, width or WIDTH)
+    lines = folded(section.title, width).split("\n") if section.title else []
     for line in section.lines:
-        lines += [f"{indent}{line}"] if section.verbatim else fold(line)
+        whole = section.verbatim and width is None
+        lines += (
+            [f"{indent}{line}"]
+            if whole
+            else fold(line, width or WIDTH if section.verbatim else narrow, indent)
+        )
     if section.headings:
         lines += [f"{indent}{line}".rstrip() for line in _table_lines(section, width and width - len(indent))]
-    return lines + [part for note in section.notes for part in fold(f"- {note}")]
+    return lines + [part for note in section.notes for part in fold(f"- {note}", narrow, indent)]
 
 
 def _table_lines(section: Section, width: int | None) -> Iterator[str]:
@@ -87,21 +124,31 @@ def _table_lines(section: Section, width: int | None) -> Iterator[str]:
     widths = [max(map(len, column)) for column in columns]
     if width is not None and sum(widths) + 2 * len(widths) - 2 > width:
         least = [max(len(word) for cell in column for word in cell.split() or [""]) for column in columns]
-        # The widest column gives way first, within words only where no blank is left to fold at.
-        while sum(widths) + 2 * len(widths) - 2 > width and max(widths) > 1:
-            can = [place for place, one in enumerate(widths) if one > least[place]] or range(len(widths))
+        if sum(least) + 2 * len(least) - 2 > width:
+            yield from _records(rows[0], section.rows, width)
+            return
+        # The widest column that still has a blank to fold at gives way first.
+        while sum(widths) + 2 * len(widths) - 2 > width:
+            can = [place for place, one in enumerate(widths) if one > least[place]]
             widths[max(can, key=widths.__getitem__)] -= 1
     forms = [f"{'<' if section.is_words(place) else '>'}{one}" for place, one in enumerate(widths)]
+    whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
     for row in rows:
         cells = (
-            wrap(cell, one) if len(cell) > one else [cell] for cell, one in zip(row, widths, strict=True)
+            wrap(cell, one, **whole) if len(cell) > one else [cell]
+            for cell, one in zip(row, widths, strict=True)
         )
         for line in zip_longest(*cells, fillvalue=""):
             yield "  ".join(f"{part:{form}}" for part, form in zip(line, forms, strict=True))
 
 
-def _folded(line: str, indent: str, width: int) -> list[str]:
-    """Return a line folded at blanks, what follows standing a little further in than its beginning."""
-    inner = indent + " " * (len(line) - len(line.lstrip(" -")))
-    whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
-    return wrap(line, width, initial_indent=indent, subsequent_indent=inner, **whole) or [""]
+def _records(headings: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> Iterator[str]:
+    """Give a table that is too wide for its columns as one block a row, a line a cell, its heading before it."""
+    for row in rows:
+        told = [
+            f"{heading}: {cell}" if heading else cell
+            for heading, cell in zip(headings, row, strict=True)
+            if cell
+        ]
+        for place, line in enumerate(told):
+            yield from fold(line, width, "  " if place else "")

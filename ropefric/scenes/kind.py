@@ -266,12 +266,13 @@ class Part(NamedTuple):
 
 
 class Line(NamedTuple):
-    """A line of a chart; a point where it has one value, a limit drawn thin where `limit` says so."""
+    """A line of a chart; a point where it has one value, or `points`; a limit drawn thin where `limit` says so."""
 
     name: str
     x: FloatArray
     y: FloatArray
     limit: bool = False
+    points: bool = False
 
 
 class Chart(NamedTuple):
@@ -338,6 +339,8 @@ class Kind:
         `histories[file name](answer)` returns columns to be written as CSV; None where there are none.
     figures : mapping of str to Figure
         By file name without ending.
+    beyond : mapping of str to str
+        Which parts of the tree the bound of a plan does not cover, in words: what they are is of the effects simulated.
     words : mapping of str to str
         What the numbers of its answer are, with unit, where the glossary does not say it.
 
@@ -365,6 +368,7 @@ class Kind:
     sections: Callable[[Mapping[str, Any]], tuple[Part, ...]] = lambda tree: ()  # noqa: ARG005  (no more to say)
     histories: Mapping[str, Callable[[Any], Mapping[str, FloatArray] | None]] = field(default_factory=dict)
     figures: Mapping[str, Figure] = field(default_factory=dict)
+    beyond: Mapping[str, str] = field(default_factory=dict)
     words: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property

@@ -158,7 +158,7 @@ def _refuse_impossible(missing: dict[str, tuple[str, ...]]) -> None:
 
 def _worth(much: str, bound: float) -> str:
     if bound in {0.0, math.inf}:
-        return "no bound is known" if bound else "cannot change the answer"
+        return "no bound is known" if bound else "changes no number that is there without it"
     return f"worth {much} {bound:.2g} of the answer"
 
 

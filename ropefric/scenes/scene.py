@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import DataError, Problem, RopefricError, data_error, raise_problems
+from ropefric.errors import DataError, InputError, Problem, RopefricError, data_error, raise_problems
 from ropefric.files.read import kind_of_file
 from ropefric.files.toml import TomlDocument, is_campaign, read_toml
 from ropefric.files.toml_model import validate_document
@@ -40,6 +41,7 @@ class FrictionSource:
     dof: float = math.inf
     tested: Mapping[str, tuple[float, float]] | None = None
     warnings: tuple[str, ...] = ()
+    fit: FitResult | None = None
 
 
 def source_of(kind: Kind, scene: SceneTable, folder: Path) -> FrictionSource | None:
@@ -57,6 +59,7 @@ def source_of(kind: Kind, scene: SceneTable, folder: Path) -> FrictionSource | N
             "covariance": np.asarray(fit.covariance),
             "dof": degrees_of_freedom(fit),
             "tested": {name: (float(low), float(high)) for name, (low, high) in fit.validity.items()},
+            "fit": fit,
             "warnings": () if sound else (f"the fit's status is {fit.status.value}", *fit.advice),
         }
     else:
@@ -138,13 +141,16 @@ class Scene(Shown):
         return self.table.effects
 
 
-def load_scene(path: str | os.PathLike[str]) -> Scene:
-    r"""Return the scene of a TOML file.
+def load_scene(path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None) -> Scene:
+    r"""Return the scene of a TOML file, or of what it becomes with some of its keys changed.
 
     Parameters
     ----------
     path : path-like
         The file.
+    changes : mapping of str to value, optional
+        What keys shall say, as TOML has it: `{"wheel.wrap": "720 deg"}`; None takes a key out. The parts of a list count
+        from 0: "measured.1.frequency".
 
     Raises
     ------
@@ -162,10 +168,34 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     _ = Path(folder, "scene.toml").write_text(text)
     ...     scene = load_scene(Path(folder, "scene.toml"))
-    >>> scene.kind.name, scene.accuracy, scene.effects
-    ('hoist', 0.01, 'auto')
+    ...     longer = load_scene(Path(folder, "scene.toml"), {"wheel.wrap": "2 turn", "friction.mu": 0.3})
+    >>> scene.kind.name, scene.accuracy, scene.effects, round(float(longer.problem.wrap_angle_rad[0]), 3)
+    ('hoist', 0.01, 'auto', 12.566)
     """
-    return read_scene(read_toml(path, "scene file"), Path(path).parent)
+    document = read_toml(path, "scene file")
+    if changes:
+        data = deepcopy(dict(document.data))
+        for key, value in changes.items():
+            _change(data, key, value)
+        document = replace(document, data=data)
+    return read_scene(document, Path(path).parent)
+
+
+def _change(data: dict[str, Any], key: str, value: Any) -> None:
+    """Set a key of a TOML tree, or take it out; tables on the way are made where they are not there."""
+    *tables, last = key.split(".")
+    place: Any = data
+    for name in tables:
+        if isinstance(place, list) and name.isdecimal() and int(name) < len(place):
+            place = place[int(name)]
+        elif isinstance(place, dict):
+            place = place.setdefault(name, {})
+    if not isinstance(place, dict):
+        raise InputError(f"{key!r} is no key of the scene", key="changes", fix='write it like "wheel.wrap"')
+    if value is None:
+        place.pop(last, None)
+    else:
+        place[last] = value
 
 
 def check_scene(path: str | os.PathLike[str]) -> tuple[Problem, ...]:

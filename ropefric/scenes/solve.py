@@ -95,6 +95,11 @@ class Solution(Shown):
         return self.plan.keeps_accuracy and not self.failures and (source is None or not source.warnings)
 
     @property
+    def beyond_bound(self) -> list[str]:
+        """Return the parts of the tree that the bound does not cover, where something is left out."""
+        return [name for name in self.scene.kind.beyond if name in self.tree] if self.plan.left_out else []
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """Return what speaks against using the answer, or the machine."""
         source, plan = self.scene.source, self.plan
@@ -124,6 +129,7 @@ class Solution(Shown):
             },
             "accuracy": plan.accuracy,
             "error_bound": finite(plan.error_bound),
+            "beyond_bound": self.beyond_bound,
             "method": method_tree(plan.method),
             "friction": None if source is None else source.origin,
             "failures": list(self.failures),

@@ -43,6 +43,11 @@ class Axis:
     unit: str
     factor: float
 
+    @property
+    def label(self) -> str:
+        """Return the key with the unit in which its values were asked for."""
+        return f"{self.key} [{self.unit}]" if self.unit else self.key
+
 
 def parse_axis(scene: Scene, text: str) -> Axis:
     """Return the axis that "KEY=START:STOP:COUNT" or "KEY=A,B,C" asks for."""
@@ -135,7 +140,7 @@ def _replaced(tree: Any, key: str, value: Any) -> Any:
     return {**tree, **inner} if isinstance(tree, dict) else tree.model_copy(update=inner)
 
 
-_BLOCK = 50_000
+BLOCK = 50_000
 _ONE_BY_ONE = 20
 """Points of a piece of work that are solved one after another."""
 _LEVELS = {1: 9, 2: 5, 3: 4, 4: 3}
@@ -263,8 +268,8 @@ def sweep_scene(
     failures, left_out = Counter[str](), Counter[str]()
     run = _Run(scene, axes, total)
     outcomes = run.spread(progress, executor)
-    for start in range(0, total, _BLOCK):
-        stop = min(start + _BLOCK, total)
+    for start in range(0, total, BLOCK):
+        stop = min(start + BLOCK, total)
         block: dict[str, FloatArray] = {}
         for places, found in chain.from_iterable(islice(outcomes, len(run.pieces(start, stop)))):
             if isinstance(found, RopefricError):
@@ -371,7 +376,7 @@ class _Run:
         effects = self.kind.system.effects.values()
         cost_s = sum(one.cost for one in effects if not one.needs(scene.problem))
         # Of a dear machine few at once, so that people see how far it is.
-        self.size = min(_BLOCK, max(1, int(_SEEN_S / max(cost_s, 1e-9)))) if self.by_array else 1
+        self.size = min(BLOCK, max(1, int(_SEEN_S / max(cost_s, 1e-9)))) if self.by_array else 1
         self.gone: frozenset[str] = frozenset()
         self.spent = 0.0
         self.bounded: tuple[str, ...] = ()
@@ -449,7 +454,7 @@ class _Run:
     def spread(self, progress: Progress | None, executor: Any) -> Iterator[list[Outcome]]:
         """Yield what the points of all pieces of all blocks give."""
         total = prod(self.shape)
-        blocks = ((start, min(start + _BLOCK, total)) for start in range(0, total, _BLOCK))
+        blocks = ((start, min(start + BLOCK, total)) for start in range(0, total, BLOCK))
         one, other = tee(piece for block in blocks for piece in self.pieces(*block))
         for (_, stop), found in zip(one, spread(self.outcomes, other, executor), strict=True):
             if progress is not None:

@@ -12,15 +12,12 @@ from ropefric.arrays import FloatArray
 from ropefric.files.folder import Folder
 from ropefric.files.parquet import arrow
 from ropefric.files.plain_text import csv_cell, csv_text
-from ropefric.scenes.sweep import Axis, Sweep
-
-_BLOCK = 50_000
+from ropefric.scenes.sweep import BLOCK, Axis, Sweep
 
 
 def header_of(axes: tuple[Axis, ...], columns: Iterable[str]) -> tuple[str, ...]:
     """Return the columns of a sweep's table: the swept keys with their units, then the numbers of the answer."""
-    keys = (f"{axis.key} [{axis.unit}]" if axis.unit else axis.key for axis in axes)
-    return (*keys, *columns)
+    return (*(axis.label for axis in axes), *columns)
 
 
 class SweepTable:
@@ -50,7 +47,7 @@ class SweepTable:
                 self._stream.write(csv_text([map(csv_cell, header_of(self._axes, columns))]).encode())
         values = np.stack([columns[name] for name in self._names], axis=-1)
         while self._waiting > count:
-            size = min(self._waiting - count, _BLOCK)
+            size = min(self._waiting - count, BLOCK)
             self._write(np.full((size, len(self._names)), np.nan))
         self._write(values)
 
@@ -100,9 +97,9 @@ def write_sweep(sweep: Sweep, folder: Folder, name: str) -> Path:
     """Write a sweep that is at hand as CSV or Parquet, as `SweepTable` does; return the path."""
     with sweep_table(sweep.kept, folder, name) as table:
         size = prod(axis.values.size for axis in sweep.kept)
-        for start in range(0, size, _BLOCK):
-            block = {key: values[start : start + _BLOCK] for key, values in sweep.columns.items()}
-            table.add(block, min(_BLOCK, size - start))
+        for start in range(0, size, BLOCK):
+            block = {key: values[start : start + BLOCK] for key, values in sweep.columns.items()}
+            table.add(block, min(BLOCK, size - start))
     return folder.path / name
 
 

@@ -33,8 +33,8 @@ ADVICE: dict[Status, str] = {
         "them. Look at the candidates and give the trial a pick_s or a peak_N, or exclude it."
     ),
     Status.NO_BREAKAWAY: (
-        "The rope never slipped while the recording ran: the force was still rising, or was held. "
-        "Raise the motor torque further or record for longer."
+        "This recording shows no slip: the force rises to its end, stays at a quiet level or is let down. If the rope "
+        "did slip, name the place with pick_s or peak_N; if not, load it further or record for longer."
     ),
     Status.NO_PEAK: (
         "The rope slides, but no static peak stands out of the sliding force. There may be none for this "

@@ -161,12 +161,12 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
             raise
         fix = error.fix if "no such file" in error.problem.message else "save the table as CSV text in UTF-8"
         raise DataError(error.problem.message, path=shown, line=error.problem.line, fix=fix) from None
-    lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if _counts(line)]
+    lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if is_row(line)]
     if not lines:
         fix = "write a header such as file,wheel_radius_mm,wrap_angle_deg,end_tension_N"
         raise DataError("the table is empty", path=shown, fix=fix)
     header_line, head = lines[0]
-    separator = next((mark for mark in (";", "\t") if mark in head), ",")
+    separator = separator_of(head)
     quoted = '"' in text
     split = [(number, _split(line, separator, quoted=quoted)) for number, line in lines]
     header = split[0][1]
@@ -189,7 +189,13 @@ def _text(source: Source) -> tuple[str, str]:
     return load_text(source).whole().data.decode(), ""
 
 
-def _counts(line: str) -> bool:
+def separator_of(head: str) -> str:
+    """Return what separates the cells of a table with this header line."""
+    return next((mark for mark in (";", "\t") if mark in head), ",")
+
+
+def is_row(line: str) -> bool:
+    """Return whether a line holds cells, not only blanks or a comment."""
     bare = line.strip()
     # A spreadsheet writes empty rows as ";;;;" and quotes a comment that holds a separator.
     return bool(bare.strip(",;\t ")) and not bare.lstrip('"').startswith("#")

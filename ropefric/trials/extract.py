@@ -124,6 +124,29 @@ def extract_campaign(
     One bad recording never ends the run: it gives a trial with a status and a problem. Results do not depend on
     `jobs`, the executor that reads in their stead, or what is in the cache.
     """
+    by_row, n_reused = extract_rows(
+        campaign, jobs=jobs, cache_dir=cache_dir, progress=progress, executor=executor
+    )
+    return summarised(campaign, [trial for _, trial in in_list_order(campaign, by_row)], n_reused=n_reused)
+
+
+ByRow = Mapping[str, tuple[TrialResult, ...]]
+"""The results of each row of a trial list, by the row's name."""
+
+
+def extract_rows(
+    campaign: Campaign,
+    *,
+    jobs: int = 1,
+    cache_dir: Path | None = None,
+    progress: Progress | None = None,
+    executor: Any = None,
+    trusted: bool = False,
+) -> tuple[ByRow, int]:
+    """Return what the recording of every row gives by itself, and how many recordings were in the cache.
+
+    Recordings that are `trusted`, since they were read before, are read at once, in this process.
+    """
     if jobs < 1:
         raise InputError(f"{jobs} processes cannot work", code="RF110", key="jobs", fix="use 1 or more")
     by_file: dict[Path, list[TrialSpec]] = {}  # so that a wide file is read once
@@ -138,27 +161,29 @@ def extract_campaign(
         if cache_dir is None
         else ResultCache(cache_dir.absolute(), campaign.settings_fingerprint()),
     )
-    _preload(work)
-    with closing(_results(work, jobs, executor)) as running:  # ends its processes
+    running: Generator[tuple[int, _Done]]
+    if trusted:
+        running = ((place, work(place)) for place in range(len(files)))
+    else:
+        _preload(work)
+        running = _results(work, jobs, executor)
+    with closing(running):  # ends its processes
         for count, (place, results) in enumerate(running, start=1):
             done[place] = results
             if progress is not None:
                 found = [trial for row in results[0] for trial in row]
                 worst = next((t for t in found if t.breakaway.status != "ok"), found[0])
                 progress(count, len(files), f"{worst.trial} {worst.breakaway.status.value}")
-    trials = _in_list_order(campaign, files, [results for results, _ in done])
-    return summarised(campaign, trials, n_reused=sum(reused for _, reused in done))
-
-
-def _in_list_order(
-    campaign: Campaign, files: Sequence[_Rows], results: Sequence[Results]
-) -> list[TrialResult]:
-    """Put the results of files back into the order of the trial list; each trial has a name of its own."""
     by_row = {
         spec.trial: found
-        for rows, of_file in zip(files, results, strict=True)
+        for rows, (of_file, _) in zip(files, done, strict=True)
         for spec, found in zip(rows, of_file, strict=True)
     }
+    return by_row, sum(reused for _, reused in done)
+
+
+def in_list_order(campaign: Campaign, by_row: ByRow) -> list[tuple[TrialSpec, TrialResult]]:
+    """Return each row of the trial list with each of its results, which has a name of its own."""
     taken = set(by_row)
     placed = []
     for row in campaign.trials:
@@ -169,7 +194,7 @@ def _in_list_order(
                 number += 1
                 name = f"{result.trial}-{number}"
             taken.add(name)
-            placed.append(result if name == result.trial else replace(result, trial=name))
+            placed.append((row, result if name == result.trial else replace(result, trial=name)))
     return placed
 
 

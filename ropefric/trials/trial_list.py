@@ -37,7 +37,7 @@ QUANTITIES = {
     "until": ("stop_s", "s", 1.0),
     "pick": ("pick_s", "s", 1.0),
 }
-_DECIDED = {"peak": ("peak_N", "N", 1.0), "peak_std": ("peak_std_N", "N", 1.0)}
+DECIDED = {"peak": ("peak_N", "N", 1.0), "peak_std": ("peak_std_N", "N", 1.0)}
 """Known only beside `why` and `by`: a table of results, which has them too, serves as a list."""
 _MEANINGS = {
     "file": "the recording it was made of",
@@ -94,7 +94,7 @@ def read_trials(
         # A trial list is named by the campaign file, and looked for where that is.
         fix = "check the path, relative to the campaign file"
         return (), tuple(replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
-    decided = _DECIDED if {"why", "by"} <= {cells.word_of(name) for name in table.header} else {}
+    decided = DECIDED if {"why", "by"} <= {cells.word_of(name) for name in table.header} else {}
     columns, others, found = table.bind({**QUANTITIES, **decided}, TEXTS)
     own = {name: table.header.index(name) for name in others}  # the user's own: kept, but not used
     reader = _Reader(table=table, columns=columns, own=own, context=context, header_is_good=not found)

@@ -1,9 +1,12 @@
 """The measured blocks of the docs are what the script would write, apart from the machine it ran on."""
 
 import importlib.util
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+
+from ropefric.accuracy.studies import STUDIES
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8")
@@ -44,6 +47,28 @@ def test_every_number_of_the_block_comes_from_a_study(script):
         "4 of 5 effects",
     ):
         assert said in block
+
+
+def block_of(name):
+    return PAGE.split(f"<!-- {name} -->\n", 1)[1].split("<!-- end -->", 1)[0]
+
+
+@pytest.mark.slow
+def test_the_page_says_what_the_pickers_did(script):
+    assert block_of("picks") == script.picks_block(), "run python tests/regenerate_readme.py picks"
+
+
+@pytest.mark.slow
+def test_the_page_says_how_many_intervals_hold_the_truth(script, monkeypatch):
+    """Every design stands there; those that take little time are counted again."""
+    shown = block_of("uncertainty").splitlines()
+    study = STUDIES["uncertainty"]
+    assert [line.split(" | ")[0] for line in shown[2:]] == [f"| {case.name}" for case in study.cases]
+    few = replace(study, cases=tuple(case for case in study.cases if case.name.startswith("constant")))
+    monkeypatch.setattr(script, "STUDIES", {"uncertainty": few})
+    again = script.uncertainty_block().splitlines()
+    assert len(again) == 4
+    assert set(again) <= set(shown), "run python tests/regenerate_readme.py uncertainty"
 
 
 def test_blocks_go_between_their_markers_and_nowhere_else(script):

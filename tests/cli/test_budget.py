@@ -177,7 +177,7 @@ def test_the_check_is_told_with_its_numbers(call, fit, words, agrees, strict):
     gap = 100 * max(found["monte_carlo"]["gaps"]) / found["expanded"]
     assert f"the budget {agrees} with the draws" in flat
     assert f"{gap:.2g} % of U (10 % count as agreement)" in flat
-    assert f"the stricter test of JCGM 101, 8.1, {strict}" in flat
+    assert f"the stricter test of JCGM 101 §8.1, {strict}" in flat
 
 
 def test_the_command_and_python_state_the_same(call):

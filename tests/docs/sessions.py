@@ -3,7 +3,8 @@
 A ```console block is a session: a line that begins with `$ ` is run, what follows is its output, and a line `…` stands
 for any number of lines left out. `ropefric` (with or without `2>&1`), `cat FILE` and `echo $?` can be run; a command
 that ends with another code than 0 has `echo $?` behind it. A ```pycon block is a doctest. All blocks of a page run in
-their order in one folder that holds the checkout's `data`, `fits` and `docs`.
+their order in one folder that holds the checkout's `data`, `fits` and `docs`, and every file that a block of the page
+begins with the name of: `# file: NAME`.
 """
 
 import contextlib
@@ -15,6 +16,7 @@ import shlex
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ropefric import plugins
 from ropefric.cli.app import main
 
 ROOT = Path(__file__).parents[2]
@@ -23,6 +25,7 @@ PAGES = [
     *(page for page in sorted(ROOT.glob("docs/**/*.md")) if page.parent.name != "generated"),
 ]
 LEFT_OUT = "…"
+_FILE = re.compile(r"^```\w+\n# file: (\S+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _BLOCK = re.compile(r"^```(console|pycon)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
@@ -153,7 +156,10 @@ def run_page(page, *, anew=False):
             lines += [f"$ {step.command}", *(written_anew(step.shown, printed) if anew else step.shown)]
         return "```console\n" + "".join(f"{line}\n" for line in lines) + "```"
 
-    text = _BLOCK.sub(done, page.read_text(encoding="utf-8"))
+    text = page.read_text(encoding="utf-8")
+    for name, content in _FILE.findall(text):
+        Path(name).write_text(content, encoding="utf-8")
+    text = _BLOCK.sub(done, text)
     assert shell.code == 0, (
         f"{page.name}: the last command ended with {shell.code}, and the page does not say so"
     )
@@ -162,9 +168,10 @@ def run_page(page, *, anew=False):
 
 @contextlib.contextmanager
 def quiet_terminal():
-    """Take away what a terminal or a user's settings would change in what is printed."""
+    """Take away what a terminal or a user's settings would change in what is printed, and plugins when it is over."""
     kept = {name: os.environ.pop(name, None) for name in ("COLUMNS", "LINES", "FORCE_COLOR")}
     try:
-        yield
+        with plugins.unloaded_after():
+            yield
     finally:
         os.environ.update({name: value for name, value in kept.items() if value is not None})

@@ -34,7 +34,7 @@ def test_a_peak_of_one_sample_is_not_lost_in_its_cell(trial):
     curve, _, numbers = _in_cell(trial("a"), outline())
     assert len(curve) <= 2 * 44
     assert curve[:, 1].min() == pytest.approx(0.86 - 0.5)  # the spike, on top of the cell
-    assert numbers[0][2] == "10 to 90 N"
+    assert numbers[0][2] == "10.0 to 90.0 N"
     assert numbers[1][2] == "3 s"
 
 
@@ -107,6 +107,23 @@ def test_a_law_has_one_colour_in_every_figure(comparison):
     marks = [line for line in ladder.lines if line.get_marker() in {"D", "o"}]
     ranked = [entry.law for entry in comparison.ranking if entry.counted]
     assert [to_hex(mark.get_color()) for mark in marks] == [to_hex(law_look(law)["color"]) for law in ranked]
+
+
+def numbers(axis):
+    """The numbers an axis shows within its frame."""
+    axis.axes.figure.canvas.draw()
+    low, high = sorted(axis.get_view_interval())
+    ticks = [*axis.get_major_ticks(), *axis.get_minor_ticks()]
+    return {tick.label1.get_text() for tick in ticks if low <= tick.get_loc() <= high} - {""}
+
+
+@pytest.mark.parametrize("over", ["wrap_angle_rad", "end_tension_N", "wheel_radius_m"])
+@pytest.mark.parametrize("narrow", [False, True])
+def test_every_axis_has_numbers_however_short_it_is(comparison, over, narrow):
+    for entry in comparison.ranking:
+        for axes in draw_fit_band(entry.fit, over=over, narrow=narrow).figure.axes:
+            assert len(numbers(axes.yaxis)) >= 2
+        assert len(numbers(axes.xaxis)) >= 2  # the lowest panel's
 
 
 def test_the_ellipses_of_a_corner_are_those_of_the_covariance(comparison):

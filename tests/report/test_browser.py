@@ -1,10 +1,13 @@
 """The report in a real browser: drawn without complaint, on any screen, by keyboard alone, on paper."""
 
 import base64
+import io
 import re
 from itertools import pairwise
 
+import numpy as np
 import pytest
+from matplotlib import image
 
 pytestmark = [pytest.mark.usefixtures("run"), pytest.mark.slow]
 WIDTHS = (1280, 390)
@@ -171,3 +174,58 @@ def test_dumping_the_page_needs_no_script(browser, results):
         assert browser.ask("document.querySelectorAll('figure svg').length") > 10
     finally:
         browser.call("Emulation.setScriptExecutionDisabled", value=False)
+
+
+@pytest.fixture
+def dark(browser):
+    """The browser, asked for dark pages."""
+    wish = [{"name": "prefers-color-scheme", "value": "dark"}]
+    browser.call("Emulation.setEmulatedMedia", media="", features=wish)
+    yield browser
+    browser.call("Emulation.setEmulatedMedia", media="", features=[])
+
+
+def test_ink_stands_out_in_the_dark_too(dark, results):
+    dark.show(results / "report.html", 1280)
+    dark.ask("document.querySelectorAll('details').forEach(e => { e.open = true; })")
+    paper = dark.ask("getComputedStyle(document.body).backgroundColor")
+    assert max(map(int, re.findall(r"\d+", paper)[:3])) < 60
+    # What has no colour of its own behind it lies on the page, which is dark.
+    found = dark.ask(CONTRAST.replace("[255, 255, 255]", f"[{paper[4:-1]}]"))
+    assert len(found) > 500
+    assert [row for row in found if row[0] < (LARGE if row[1] else FINE)] == []
+
+
+def test_figures_are_light_on_dark_where_the_page_is_dark(dark, results):
+    dark.show(results / "report.html", 1280)
+    box = dark.ask(
+        "(() => { const b = document.querySelector('#fig-law svg').getBoundingClientRect();"
+        "return [b.x + scrollX, b.y + scrollY, b.width, b.height]; })()"
+    )
+    clip = dict(zip(("x", "y", "width", "height"), box, strict=True), scale=1)
+    shot = dark.call("Page.captureScreenshot", format="png", captureBeyondViewport=True, clip=clip)["data"]
+    light = image.imread(io.BytesIO(base64.b64decode(shot)))[..., :3].mean(axis=2)
+    assert np.median(light) < 0.25
+    assert np.quantile(light, 0.999) > 0.8
+
+
+def test_on_a_telephone_the_first_pictures_fit_and_can_be_read(browser, results):
+    browser.show(results / "report.html", 390)
+    for stem in ("typical_recording", "law"):
+        width, letters = browser.ask(
+            f"(() => {{ const svg = document.querySelector('#fig-{stem} svg'), b = svg.getBoundingClientRect();"
+            "const sizes = [...svg.querySelectorAll('text')].map(t => t.getBoundingClientRect().height);"
+            "return [b.width, Math.min(...sizes)]; })()"
+        )
+        assert width <= 390
+        assert letters >= 8
+
+
+def test_formulas_are_typeset_and_stay_on_the_page(browser, results):
+    browser.show(results / "report.html", 390)
+    boxes = browser.ask(
+        "[...document.querySelectorAll('math')].map(e => { const b = e.getBoundingClientRect();"
+        "return [b.width, b.height]; })"
+    )
+    assert boxes
+    assert all(wide > 20 and 10 < high < 200 for wide, high in boxes)

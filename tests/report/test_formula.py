@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -54,6 +55,7 @@ def test_each_law_is_well_formed_and_has_its_parameters(law):
     for text in statements:
         root = ET.fromstring(text)  # noqa: S314  (our own text)
         assert {node.tag for node in root.iter()} <= ELEMENTS
+        assert root[0].tag == "mrow"  # typeset, not passed on as text
         assert "_" not in "".join(root.itertext())
     whole, names = "".join(statements), set(re.findall(r"[A-Za-z]\w*", law.equation))
     for name, meaning in ((item.name, item.meaning) for item in law.parameters):
@@ -84,6 +86,14 @@ def test_it_says_what_is_written(text, expected):
         expected = eval(plain, {"sqrt": math.sqrt} | names)  # noqa: S307  (our own text)
     root = ET.fromstring(_Statement(text).typeset())  # noqa: S314
     assert value(root, names) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_law_of_ones_own_in_another_notation_stays_text():
+    own = replace(ALL_LAWS["constant"], equation="F_A = F_B exp(mu phi); μ*φ < 3 & more")
+    first, second = formulas(own)
+    assert first == formulas(ALL_LAWS["constant"])[0]
+    assert ET.fromstring(second)[0].tag == "mtext"  # noqa: S314
+    assert "".join(ET.fromstring(second).itertext()) == "μ*φ < 3 & more"  # noqa: S314
 
 
 @pytest.mark.parametrize("text", ["a = (b", "a + ", "a = b )", "integral of mu to phi", "a * b"])

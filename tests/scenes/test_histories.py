@@ -14,5 +14,6 @@ def test_every_history_stands_under_its_name(loaded):
     assert np.array_equal(columns["tension_N.8"], found.tension_N[:, spans.index("8")])
     rollers = [roller.name for roller in found.press.rollers]
     assert np.array_equal(columns["utilisation.2"], found.utilisation[:, rollers.index("2")])
+    assert np.array_equal(columns["as_printed.2"], found.as_printed[:, rollers.index("2")])
     assert np.array_equal(columns["travel_m.13"], found.travel_m[:, 1])
-    assert len(columns) == 2 + 14 + 2 + 7 * 13
+    assert len(columns) == 2 + 14 + 2 + 8 * 13

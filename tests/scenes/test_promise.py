@@ -9,6 +9,8 @@ from promise import check_promise, costly
 
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
+from ropefric.report.scene import solution_sections
+from ropefric.report.section import as_text
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.solve import solve_scene
 from ropefric.systems.friction import WrapFriction
@@ -139,3 +141,18 @@ def test_a_load_is_worth_its_share_of_the_power_at_least(loaded):
     squeeze_N = sum(one.squeeze_torque_N_m / one.radius_m for one in scene.problem.press.rollers)
     bound = scene.kind.system.effects["squeeze-load"].influence(scene.problem)
     assert bound >= squeeze_N / 1826.667
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"), [("belt-press", ["critical"]), ("band-saw", ["resonance", "comparison"])]
+)
+def test_what_the_bound_does_not_cover_is_said_where_something_is_left_out(scene_of, loaded, name, parts):
+    tree = loaded(name).document.data
+    named, whole = (solve_scene(scene_of(**tree | {"effects": one})) for one in (tree["effects"], "all"))
+    assert named.plan.left_out
+    assert named.to_dict()["beyond_bound"] == parts
+    assert whole.to_dict()["beyond_bound"] == []
+    said, nothing = (as_text(solution_sections(one, one.to_dict())) for one in (named, whole))
+    assert "not bounded, but of the effects simulated" in said
+    assert "not bounded" not in nothing
+    assert ("torsion is left out: none of its frequencies stand here" in said) == (name == "band-saw")

@@ -99,8 +99,8 @@ def test_columns_are_written_row_by_row_with_empty_cells_for_what_is_not_known()
 def test_the_table_has_the_last_axis_fastest_whatever_is_written_at_once(
     hoist_of, tmp_path, monkeypatch, block
 ):
-    monkeypatch.setattr("ropefric.scenes.sweep._BLOCK", block)
-    monkeypatch.setattr("ropefric.scenes.sweep_table._BLOCK", block)
+    monkeypatch.setattr("ropefric.scenes.sweep.BLOCK", block)
+    monkeypatch.setattr("ropefric.scenes.sweep_table.BLOCK", block)
     scene = hoist_of(effects="all")
     axes = tuple(parse_axis(scene, text) for text in ("wheel.wrap=1turn,2turn", "load.end_tension=10N:50N:5"))
     swept = sweep_scene(scene, axes)

@@ -197,8 +197,8 @@ def test_the_bound_of_a_stiffness_holds_case_by_case(hoist_of, others):
 
 @pytest.mark.parametrize("name", ["sweep.csv", "sweep.parquet"])
 def test_the_table_written_block_by_block_is_the_table_of_the_whole(hoist_of, tmp_path, monkeypatch, name):
-    monkeypatch.setattr(sweeping, "_BLOCK", 7)
-    monkeypatch.setattr(tables, "_BLOCK", 7)
+    monkeypatch.setattr(sweeping, "BLOCK", 7)
+    monkeypatch.setattr(tables, "BLOCK", 7)
     scene = hoist_of(effects="all")
     # The first points lift off: their rows wait until the names of the numbers are known.
     axes = tuple(parse_axis(scene, text) for text in ("wheel.speed=60m/s:1m/s:9", "wheel.wrap=1turn:4turn:5"))

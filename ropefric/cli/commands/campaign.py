@@ -75,7 +75,9 @@ def extract(
         result.write_tables(extraction, target, parquet=parquet)
         target.publish("tables")
         if figures:
-            start_figures(extraction, target, out, drawing_pool(extraction, n_jobs, stack))()
+            start_figures(
+                extraction, loaded.report.language, target, out, drawing_pool(extraction, n_jobs, stack)
+            )()
     say_problems(extraction, folder, out)
     data, exit_code = extraction.to_dict(), 0
     # A campaign without a single usable force is an error, though its tables are there.
@@ -110,12 +112,18 @@ def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack)
 
 
 def start_figures(
-    extraction: "result.Extraction", folder: "folders.Folder", out: Output, executor: "Executor | None"
+    extraction: "result.Extraction",
+    language: str,
+    folder: "folders.Folder",
+    out: Output,
+    executor: "Executor | None",
 ) -> Callable[[], None]:
     """Begin to draw one figure per condition; return what waits for them, writes and publishes them."""
     from ropefric.plotting.campaign import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
 
-    write = start_condition_figures(extraction, folder, under="figures/", executor=executor)
+    write = start_condition_figures(
+        extraction, folder, under="figures/", language=language, executor=executor
+    )
 
     def finish() -> None:
         with Progress(out, "figures") as progress:
@@ -271,7 +279,7 @@ def work_through(
         if "conditions" in drawing:
             # Other processes draw while this one fits; what is published is one part at a time.
             pool[0] = drawing_pool(extraction, n_jobs, stack)
-            to_finish.append(start_figures(extraction, target, out, pool[0]))
+            to_finish.append(start_figures(extraction, campaign.report.language, target, out, pool[0]))
 
     with _saying_what_is_kept(out, cache_dir), target, ExitStack() as stack:
         try:

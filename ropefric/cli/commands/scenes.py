@@ -1,5 +1,6 @@
 """The commands of scenes: the answer to one or to a grid of them, how it is come by, and what accuracy costs."""
 
+import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
@@ -12,14 +13,15 @@ from typer import Argument, Option
 
 from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, out_folder
-from ropefric.cli.output import Output, Progress, json_text
+from ropefric.cli.output import Output, Progress, json_text, width_of
 
 with on_first_use():
     from ropefric import executors
     from ropefric.accuracy import measure
     from ropefric.accuracy import studies as all_studies
     from ropefric.files import folder as folders
-    from ropefric.report import cost_page
+    from ropefric.papers import paper as reading
+    from ropefric.report import cost_page, section
     from ropefric.report import scene as pages
     from ropefric.scenes import kinds, plan, sweep_table
     from ropefric.scenes import scene as scenes
@@ -98,7 +100,9 @@ def solve(
             )
         files = [] if target is None else _publish_sweep(out, found, target, f"sweep.{table}", plot)
         data = _tree(found) | {"files": files}
-        return Answer(data, pages.sweep_sections(found), exit_code_of(found.keeps_accuracy))
+        return Answer(
+            data, pages.sweep_sections(found, width_of(sys.stdout)), exit_code_of(found.keeps_accuracy)
+        )
 
 
 def _solved_names() -> tuple[str, ...]:
@@ -171,6 +175,48 @@ def explain(
             files += figure.save_figure(machines.draw_explanation(found), target, "effects")
             options.publish(out, target, "explanation", files)
         return Answer(tree | {"files": files}, pages.explanation_sections(found))
+
+
+@command("ropefric paper saw --out out/", order=175)
+def paper(
+    out: Output,
+    name: str = Argument(
+        ..., metavar="prth|press|saw", help="The rope on a wheel, the belt press or the band saw."
+    ),
+    *,
+    scene: Path | None = Option(
+        None, metavar="SCENE.toml", help="Of this machine; by default the published one."
+    ),
+    trials: Path | None = Option(
+        None, metavar="TRIALS.csv", help="For prth: reduce these trials as the paper does."
+    ),
+    fit: Path | None = Option(None, metavar="FIT.json", help="With the friction of this fit."),
+    reference_tension: options.Number = options.quantity(
+        "--reference-tension", "N", "For prth: F_0 of eqs. (11)-(13), 1 N by default."
+    ),
+    folder: Path | None = out_folder("Write the numbers, and the paper's figures, there."),
+    force: Force = False,
+) -> Answer:
+    """Read one of the three papers behind ropefric: each equation, table and figure, computed beside printed.
+
+    For the machine that the paper publishes, or for a scene, a fit or trials of yours. Where a printed number does not
+    come out to its last digit, a remark says why: misprints, rounded factors, or what the paper leaves open.
+    """
+    inputs = [one for one in (scene, trials, fit) if one is not None]
+    names = ("paper.json", *options.figure_names("figure_*", "rest_*", "running_*"))
+    with options.open_folder(folder, family="paper", names=names, inputs=inputs, force=force) as target:
+        table = None if trials is None else options.read_table(trials, out)
+        found = reading.read_paper(name, scene=scene, trials=table, fit=fit, reference_N=reference_tension)
+        tree, files = found.to_dict(), list[Path]()
+        if target is not None:
+            from ropefric.plotting import figure, machines  # noqa: PLC0415  (its package loads matplotlib)
+
+            files += target.write({"paper.json": json_text(tree)})
+            for stem, chart in found.charts():
+                files += figure.save_figure(machines.draw_chart(chart), target, stem)
+            options.publish(out, target, "paper", files)
+        shown = [section.Section(**part._asdict()) for part in found.parts()]
+        return Answer(tree | {"files": files}, shown)
 
 
 @command("ropefric cost integral --out cost --quick", order=180)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 from itertools import product
 from typing import Annotated, Any
@@ -140,6 +140,13 @@ class ExcitationTable(kind.Table):
             reject("RF110", "a range is two preloads, the lower first", key="preload_range")
 
 
+class FeedTable(kind.Table):
+    """`[feed]`: what pushes the wood against the teeth."""
+
+    force: Annotated[float, kind.key("N", "150 N", "feed_force_N")]
+    guide_distance: Annotated[float | None, kind.key("m", "0.4 m", "guided_m", many=False)] = None
+
+
 class MeasuredTable(kind.Table):
     """`[[measured]]`."""
 
@@ -158,11 +165,17 @@ class SawScene(kind.SceneTable):
     wheel: WheelTable | None = None
     drive: DriveTable | None = None
     excitation: ExcitationTable | None = None
+    feed: FeedTable | None = None
     measured: list[MeasuredTable] = Field(default_factory=list)
 
     def _check(self) -> None:
         if self.drive is not None and self.wheel is None:
             reject("RF121", "a drive needs a wheel", fix="add [wheel] with diameter and speed", key="drive")
+        if self.feed is not None:
+            for name in ("width", "thickness", "youngs_modulus", "shear_modulus"):
+                if getattr(self.blade, name) is None:
+                    fix = f"add {name} to [blade]"
+                    reject("RF121", "what feed a blade bears depends on its section", fix=fix, key="feed")
         needs_speed = self.drive is not None and self.drive.power is not None
         if needs_speed and (self.wheel is None or not self.wheel.speed):
             reject(
@@ -200,6 +213,7 @@ def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
                 thickness_m=blade.thickness,
                 density_kg_m3=density or 0.0,
                 shear_modulus_Pa=blade.shear_modulus,
+                **{} if blade.youngs_modulus is None else {"young_modulus_Pa": blade.youngs_modulus},
             )
     if shaken.tooth_pitch is not None:
         found.insert(0, resonance.tooth_passing(shaken.tooth_pitch))
@@ -227,14 +241,23 @@ def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
 
 
 def _quantities(answer: SawAnswer, _: SawProblem) -> tuple[kind.Quantity, ...]:
-    wheel = answer.wheel_utilisation
+    wheel, limit_N = answer.wheel_utilisation, answer.feed_limit_N
     return (
         *(
             kind.Quantity(f"{side.value}.first_frequency_Hz", one.frequencies_Hz[:, 0], positive=True)
             for side, one in answer.sides.items()
         ),
         *(() if wheel is None else (kind.Quantity("wheel.utilisation", wheel),)),
+        *(() if limit_N is None else (kind.Quantity("feed.limit_N", limit_N, positive=True),)),
     )
+
+
+def _failures(answer: SawAnswer, problem: SawProblem) -> tuple[kind.Failure, ...]:
+    limit_N = answer.feed_limit_N
+    if limit_N is None or problem.feed_force_N is None:
+        return ()
+    used = problem.feed_force_N / limit_N
+    return (kind.Failure("the blade buckles under the feed", "share of its limit", used, used > 1.0),)
 
 
 def _kept(problem: SawProblem) -> dict[str, str]:
@@ -263,10 +286,19 @@ _FASTEST = 0.98
 
 def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
     # A constant-force mounting has no critical speed.
-    names = ("frequencies_Hz", "tension_N", "wave_speed_m_s", "critical_speed_m_s", "torsion_Hz")
+    names = (
+        "frequencies_Hz",
+        "tension_N",
+        "wave_speed_m_s",
+        "critical_speed_m_s",
+        "torsion_Hz",
+        "feed_limit_N",
+    )
     tree: dict[str, Any] = {side.value: kind.first(one, *names) for side, one in answer.sides.items()}
     if problem.speed_m_s is not None:
         tree["speed_m_s"] = float(problem.speed_m_s[0])
+    if problem.feed_force_N is not None:
+        tree["feed"] = {"force_N": float(problem.feed_force_N[0])}
     saws = _saws(answer, problem)
     if saws is not None and problem.excitations:
         tree["resonance"] = _resonance(saws[1], problem, _SHARE * answer.accuracy)
@@ -294,11 +326,9 @@ def _saws(answer: SawAnswer, problem: SawProblem) -> tuple[Saw, Saw] | None:
     The one planned has a stiff blade only if the plan has one: which mounting explains a measurement, and where a
     mode meets an excitation, depends on it.
     """
-    if problem.speed_m_s is None:
+    whole = problem.saw
+    if whole is None:
         return None
-    parts: dict[str, Any] = {one.name: getattr(problem, one.name) for one in fields(Saw)}
-    first_case = {name: float(one[0]) for name, one in parts.items() if isinstance(one, np.ndarray)}
-    whole = Saw(**first_case, ends=problem.ends)
     stiff = answer.model.spans[Side.TIGHT].bending_stiffness_N_m2.any()
     return whole, whole if stiff else replace(whole, bending_stiffness_N_m2=0.0)
 
@@ -330,10 +360,7 @@ def _resonance(saw: Saw, problem: SawProblem, accuracy: float) -> dict[str, Any]
         )
     return {
         "recommended_preload": recommended,
-        "nearest": [
-            one._asdict()
-            for one in resonance.margins(saw, _RUNNING, shakes, n_modes, accuracy=accuracy)[:_NEAREST]
-        ],
+        "nearest": [one._asdict() for one in resonance.margins(saw, _RUNNING, shakes, n_modes)[:_NEAREST]],
         "crossings": [
             one._asdict() | {"speed_margin": kind.finite(one.speed_margin)}
             for side in _RUNNING
@@ -392,6 +419,11 @@ def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
         )
     if "wheel" in tree:
         lines.append(f"driving wheel: {100 * tree['wheel']['utilisation']:.3g} % of its grip is used")
+    if "torsion" in tree["effects"]["left_out"]:
+        lines.append("torsion is left out: none of its frequencies stand here")
+    if "feed" in tree:
+        bears = ", ".join(f"{tree[side]['feed_limit_N']:.4g} N on the {side} side" for side in sides[:2])
+        lines.append(f"feed {tree['feed']['force_N']:.4g} N; the blade buckles sideways at {bears}")
     frequencies = kind.Part(
         "Natural frequencies",
         lines=tuple(lines),
@@ -484,6 +516,7 @@ KIND = kind.Kind(
     tree=_tree,
     contacts=_contacts,
     answerable=answerable,
+    failures=_failures,
     kept=_kept,
     keys={
         "n_modes": "blade.modes",
@@ -493,5 +526,7 @@ KIND = kind.Kind(
     },
     identified=_identified,
     sections=_sections,
+    beyond={"resonance": "margins, crossings and the preload recommended", "comparison": "mounting factors"},
+    words={"feed.limit_N": "feed force at which the blade buckles [N]"},
     figures={"campbell": kind.Figure(_campbell, "draw_saw_chart")},
 )

@@ -1,5 +1,7 @@
 """Scenes of a rope on a wheel that lifts."""
 
+import math
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from ropefric.arrays import FloatArray
@@ -82,7 +84,18 @@ def _tree(lift: Lift, problem: HoistProblem) -> dict[str, Any]:
     tree, weight_N = kind.first(lift, "contact_rad", "log_lift", "end_tension_N"), _weight_N(problem)
     if weight_N is not None:
         tree |= {"payload_N": float(weight_N[0]), "lifts_payload": bool(lift.lift_force_N[0] >= weight_N[0])}
+    if lift.arcs is not None:
+        tree |= {f"{name[:-4]}_arc_rad": kind.finite(arc[0]) for name, arc in lift.arcs._asdict().items()}
     return tree
+
+
+def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
+    """Return over which part of its contact the rope slips under the payload."""
+    if tree.get("slip_arc_rad") is None:
+        return ()
+    slip_deg, stick_deg = (math.degrees(tree[f"{name}_arc_rad"]) for name in ("slip", "stick"))
+    line = f"under the payload the rope slips over {slip_deg:.4g} deg of the wheel and sticks over {stick_deg:.4g} deg"
+    return (kind.Part("Slip and stick", lines=(line,)),)
 
 
 KIND = kind.Kind(
@@ -96,4 +109,6 @@ KIND = kind.Kind(
     contacts=lambda problem: kind.at_contact(problem, problem.end_tension_N),
     answerable=answerable,
     failures=_failures,
+    sections=_sections,
+    beyond={"slip_arc_rad": "the arcs of slip and stick"},
 )

@@ -1,6 +1,7 @@
 """Scenes of a belt press: tensions, slip, and the start-up."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from inspect import signature
 from typing import Annotated, Any
 
@@ -8,6 +9,7 @@ import numpy as np
 from pydantic import Field, PlainValidator
 
 from ropefric.arrays import BoolArray, FloatArray
+from ropefric.errors import RopefricError
 from ropefric.files.toml_model import choice, got, quantity, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.systems.friction import WrapFriction
@@ -27,6 +29,7 @@ from ropefric.systems.press.statics import CLOSURES, solve_statics
 from ropefric.systems.press.steady import drive_power_W, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.integrators import INTEGRATORS
+from ropefric.systems.press.transient.motion import settled_press
 
 _ROLES = ("driver", "driven", "tensioner")
 
@@ -156,11 +159,11 @@ class StartUpTable(kind.Table):
     tolerance: Annotated[float, PlainValidator(kind.positive)] = 1e-6
 
     def _check(self) -> None:
-        if self.slip and self.integrator != "exact":
+        if self.slip and self.integrator not in {"exact", "rk4"}:
             reject(
                 "RF111",
                 f"{self.integrator} solves a start-up without slip only",
-                fix='write slip = false, or integrator = "exact"',
+                fix='write slip = false, or integrator = "exact" or "rk4"',
                 key="integrator",
             )
         if self.law == "table" and (self.times is None or self.speeds is None):
@@ -363,6 +366,16 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
         },
         **slip_margins(answer),
     }
+    with suppress(RopefricError):  # without EA, or with a belt that is slack at rest
+        ends = settled_press(answer.model.as_operated, tree["speed_m_s"], answer.model.effects)
+        if ends is not None:
+            tree["sticking"] = {
+                "tension_N": dict(zip(spans, ends.tension_N.tolist(), strict=True)),
+                "relative_angle_rad": dict(
+                    zip(slip.rollers, (ends.relative_way_m / press.radius_m).tolist(), strict=True)
+                ),
+                "travel_m": dict(zip(press.tensioners, ends.travel_m.tolist(), strict=True)),
+            }
     if answer.start_up is None:
         return tree
     return tree | {"start_up": answer.start_up.summary() | {"settles": _settles(answer)}}
@@ -377,7 +390,7 @@ def _settles(answer: PressAnswer) -> dict[str, Any]:
     found, steady_N, closure = answer.start_up, answer.state.tension_N[0], answer.statics.closure
     assert found is not None  # noqa: S101  (asked for by the caller)
     told: dict[str, Any] = {"steady": False, "differs_N": None, "span": None}
-    if found.settled_tension_N is None:
+    if found.settled is None:
         names = [
             f"{roller.name} {what}"
             for roller, what in zip(found.press.rollers, found.at_end.tolist(), strict=True)
@@ -385,7 +398,7 @@ def _settles(answer: PressAnswer) -> dict[str, Any]:
         ]
         why = f"at the end of the time simulated roller {', '.join(names)}" if names else ""
         return told | {"why": why or "drivers of different speed stretch the belts until one slips"}
-    apart_N = found.settled_tension_N - steady_N
+    apart_N = found.settled.tension_N - steady_N
     worst = int(np.argmax(np.abs(apart_N)))
     told |= {"differs_N": float(apart_N[worst]), "span": found.press.spans[worst].name}
     if abs(apart_N[worst]) <= _SAME_STATE * np.abs(steady_N).max():
@@ -536,7 +549,7 @@ def _start_up_columns(answer: PressAnswer) -> dict[str, FloatArray] | None:
         "tension_N": [span.name for span in found.press.spans],
         "travel_m": list(found.press.tensioners),
         **dict.fromkeys(("roller_speed_rad_s", "relative_angle_rad", "contact"), rollers),
-        **dict.fromkeys(("slip_m", "slip_speed_m_s", "friction_N", "utilisation"), rollers),
+        **dict.fromkeys(("slip_m", "slip_speed_m_s", "friction_N", "utilisation", "as_printed"), rollers),
     }
     columns = {"time_s": found.time_s, "drive_speed_m_s": found.drive_speed_m_s}
     for name, ends in members.items():
@@ -558,6 +571,10 @@ KIND = kind.Kind(
     in_one_call=lambda problem: problem.start_up is None,  # one start-up is simulated at a time
     answerable=_answerable,
     failures=_failures,
+    beyond={
+        "critical": "what has to change until a roller slips, and which is the first",
+        "sticking": "angles and travels of belts that stick from standstill on",
+    },
     # A span goes slack for want of preload; a roller has a table of its own.
     keys={"span": "press.preload", "roller": "rollers.{}"},
     sections=_sections,

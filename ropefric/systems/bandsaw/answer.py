@@ -1,7 +1,7 @@
 """A band saw as a scene simulates it: its blade with the effects that are in, and its frequencies."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import NamedTuple
 
@@ -9,9 +9,10 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
+from ropefric.systems.bandsaw.feed import feed_limit_N
 from ropefric.systems.bandsaw.measured import Measurement
 from ropefric.systems.bandsaw.resonance import Excitation
-from ropefric.systems.bandsaw.saw import Section, Side
+from ropefric.systems.bandsaw.saw import Saw, Section, Side
 from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span, refuse_no_modes
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
@@ -39,6 +40,8 @@ class SawProblem(Cases):
     measurements: tuple[Measurement, ...] = ()
     margin_wanted: float | None = None
     preload_range_N: list[float] | None = None
+    feed_force_N: Positive | None = None
+    guided_m: Positive | None = None
 
     def __post_init__(self) -> None:
         Cases.__post_init__(self)
@@ -50,6 +53,15 @@ class SawProblem(Cases):
         if self.wheel_radius_m is None or self.wheel_speed_rad_s is None:
             return None
         return self.wheel_speed_rad_s * self.wheel_radius_m
+
+    @property
+    def saw(self) -> Saw | None:
+        """Return the whole saw of the first case; None where its wheels are not known."""
+        if self.speed_m_s is None:
+            return None
+        parts = {one.name: getattr(self, one.name) for one in fields(Saw)}
+        numbers = {name: float(one[0]) for name, one in parts.items() if isinstance(one, np.ndarray)}
+        return Saw(**numbers, ends=self.ends)
 
     @property
     def inertia_N(self) -> FloatArray:
@@ -102,6 +114,7 @@ class SideAnswer(NamedTuple):
     critical_speed_m_s: FloatArray
     frequencies_Hz: FloatArray
     torsion_Hz: FloatArray | None
+    feed_limit_N: FloatArray | None
 
 
 class SawAnswer(NamedTuple):
@@ -113,6 +126,13 @@ class SawAnswer(NamedTuple):
     accuracy: float
 
     @property
+    def feed_limit_N(self) -> FloatArray | None:
+        """Return the limit under feed force of the side that bears less [N], shape (n,), where it is asked for."""
+        limits = [one.feed_limit_N for one in self.sides.values()]
+        found = [one for one in limits if one is not None]
+        return np.min(found, axis=0) if found else None
+
+    @property
     def logs(self) -> FloatArray:
         """Return the logarithms of all numbers but those of torsion, shape (k, n)."""
         numbers = [
@@ -120,8 +140,7 @@ class SawAnswer(NamedTuple):
             for one in self.sides.values()
             for part in (one.frequencies_Hz.T, [one.tension_N, one.wave_speed_m_s, one.critical_speed_m_s])
         ]
-        if self.wheel_utilisation is not None:
-            numbers.append(self.wheel_utilisation[np.newaxis])
+        numbers += [one[np.newaxis] for one in (self.wheel_utilisation, self.feed_limit_N) if one is not None]
         with np.errstate(divide="ignore"):
             return np.log(np.concatenate(numbers))
 
@@ -130,6 +149,13 @@ def solve_saw(model: SawModel, *, accuracy: float = 1e-10) -> SawAnswer:
     """Return the frequencies of a model."""
     problem = model.problem
     section = problem.section if "torsion" in model.effects else None
+    length_m = float(problem.free_span_m[0]) if problem.guided_m is None else float(problem.guided_m[0])
+
+    def bears_N(side: Side, span: Span) -> FloatArray | None:
+        if problem.feed_force_N is None or problem.section is None or side is Side.REST:
+            return None
+        return feed_limit_N(span.net_tension_N, problem.section, problem.ends, length_m)
+
     sides = {
         side: SideAnswer(
             tension_N=span.tension_N,
@@ -137,6 +163,7 @@ def solve_saw(model: SawModel, *, accuracy: float = 1e-10) -> SawAnswer:
             critical_speed_m_s=span.critical_speed_m_s(problem.ends),
             frequencies_Hz=beam_frequencies_Hz(span, problem.ends, problem.n_modes, accuracy=accuracy),
             torsion_Hz=None if section is None else torsion_frequencies_Hz(span, section, problem.n_modes),
+            feed_limit_N=bears_N(side, span),
         )
         for side, span in model.spans.items()
     }

@@ -38,6 +38,10 @@ def _string_changes(problem: SawProblem) -> dict[str, float]:
         held = 1.0 - model.part("wheel-inertia-tension", problem.mounting_factor)
         critical = 0.5 * (np.log(static_N) - np.log(held))
         found = np.concatenate([np.log(net_N) - 0.5 * np.log(tension_N), np.log(tension_N), critical])
+        if (
+            problem.feed_force_N is not None
+        ):  # the limit goes with the net tension to the power of 1.5 at most
+            found = np.concatenate([found, 1.5 * np.log(net_N)])
         use = grip_utilisation(problem, 2.0 * pull_N, net_N[1])
         return found if use is None else np.concatenate([found, np.log(use)[np.newaxis]])
 

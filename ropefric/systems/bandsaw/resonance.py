@@ -50,6 +50,7 @@ def fixed_frequency(name: str, frequency_Hz: float, harmonics: tuple[int, ...] =
 
 
 _MOST_NODES = 128
+_SAFE = 0.1
 _FINE = 1e-10
 """Accuracy at the ends of a range, where a yes or no depends on it, and if no other is asked for."""
 
@@ -72,7 +73,7 @@ def modes_over(
         return lambda at: exact(at, _FINE)
     power = 2.0 if what == "speed_m_s" else 1.0
     low, high = (end**power for end in ends)
-    count, accuracy = 4, max(accuracy, 1e-12)
+    count, accuracy = 2, max(accuracy, 1e-12)
 
     def place(step: npt.ArrayLike) -> FloatArray:
         """Return the numbers at some shares of a half turn."""
@@ -87,8 +88,8 @@ def modes_over(
         both = np.empty((2 * count + 1, n_modes))
         both[::2], both[1::2] = table, new
         table, count = both, 2 * count
-        # Squares err by twice as much; and to double the points squares what is missing.
-        if error <= accuracy:
+        # To double the points squares what is missing.
+        if error**2 <= _SAFE * accuracy:
             return lambda at: np.asarray(
                 np.sqrt(_interpolated(table, (np.asarray(at) ** power - low) / (high - low)))
             )
@@ -132,6 +133,9 @@ class Margin(NamedTuple):
     margin: float
 
 
+_CLOSE, _STEP = 0.1, 1e-4
+
+
 def find_crossings(
     saw: Saw,
     side: Side,
@@ -170,6 +174,18 @@ def find_crossings(
 
     low, high = (np.full(len(pairs), end) for end in ends)
     meeting = roots_between(above_Hz, low, high)
+    # How far a crossing is from the speed at work is the small difference of two speeds.
+    close = np.flatnonzero(np.abs(meeting - saw.speed_m_s) < _CLOSE * saw.speed_m_s)
+    if accuracy > _FINE and saw.bending_stiffness_N_m2 and close.size:
+        at = meeting[close]
+        fine_Hz = frequencies_Hz(saw, side, int(modes.max()), speed_m_s=at, accuracy=_FINE)
+        missed_Hz = (
+            fine_Hz[np.arange(close.size), modes[close] - 1] - constant_Hz[close] - per_metre[close] * at
+        )
+        slope = (above_Hz(at * (1.0 + _STEP), close) - above_Hz(at * (1.0 - _STEP), close)) / (
+            2.0 * _STEP * at
+        )
+        meeting[close] = at - missed_Hz / slope
     crossings = [
         Crossing(
             side=side,
@@ -195,15 +211,16 @@ def margins(
     sides: tuple[Side, ...],
     excitations: tuple[Excitation, ...],
     n_modes: int = 6,
-    *,
-    accuracy: float = _FINE,
 ) -> tuple[Margin, ...]:
-    """Return how far every mode is from every excitation at the speed at work, the nearest first."""
+    """Return how far every mode is from every excitation at the speed at work, the nearest first.
+
+    However roughly all else is asked for: a margin is the small difference of two frequencies.
+    """
     found = [
         Margin(side, mode, excitation.name, harmonic, mode_Hz, excited_Hz, mode_Hz / excited_Hz - 1.0)
         for side in sides
         for mode, mode_Hz in enumerate(
-            frequencies_Hz(saw, side, n_modes, accuracy=accuracy)[0].tolist(), start=1
+            frequencies_Hz(saw, side, n_modes, accuracy=_FINE)[0].tolist(), start=1
         )
         for excitation in excitations
         for harmonic, excited_Hz in zip(
@@ -252,7 +269,7 @@ def saw_chart(
     )
 
 
-_SEARCHED = 65
+_SEARCHED, _HILLS, _ZOOM, _SETTLED = 257, 4, 33, 1e-10
 
 
 class StrainStatus(AdvisedStatus):
@@ -334,8 +351,7 @@ def recommend_preload(
         nearest_N = min(allowed, key=lambda preload_N: (abs(preload_N - saw.preload_N), preload_N))
         status = StrainStatus.KEEP if nearest_N == saw.preload_N else StrainStatus.CHANGE
     else:
-        tried = np.linspace(*range_N, _SEARCHED)
-        nearest_N = float(tried[np.argmax(nearest(tried))])
+        nearest_N = _best(nearest, range_N)
         status = StrainStatus.IMPOSSIBLE
     return StrainAdvice(
         status=status,
@@ -343,6 +359,22 @@ def recommend_preload(
         margin=float(nearest(np.array([nearest_N]))[0]),
         forbidden_N=tuple((max(start, low_N), min(stop, high_N)) for start, stop in forbidden),
     )
+
+
+def _best(nearest: Callable[[FloatArray], FloatArray], range_N: tuple[float, float]) -> float:
+    """Return the preload of the greatest margin: every hill of it that may be the highest is looked at more closely."""
+    tried = np.linspace(*range_N, _SEARCHED)
+    margin, step = nearest(tried), (range_N[1] - range_N[0]) / (_SEARCHED - 1)
+    padded = np.pad(margin, 1, constant_values=-np.inf)
+    hills = np.flatnonzero((margin >= padded[:-2]) & (margin >= padded[2:]))
+    ends = []
+    for top in tried[hills[np.argsort(-margin[hills], kind="stable")][:_HILLS]]:
+        at, width = float(top), step
+        while width > _SETTLED * range_N[1]:
+            near = np.linspace(max(at - width, range_N[0]), min(at + width, range_N[1]), _ZOOM)
+            at, width = float(near[np.argmax(nearest(near))]), 2.0 * width / (_ZOOM - 1) * 2.0
+        ends.append(at)
+    return ends[int(np.argmax(nearest(np.array(ends))))]
 
 
 _UNSURE = 10.0

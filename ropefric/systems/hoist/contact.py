@@ -1,12 +1,13 @@
 """What is known of a rope on a wheel, and its mechanics: one exponential, with what does not press set apart."""
 
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
+from typing import NamedTuple
 
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError, SolverError
+from ropefric.errors import InputError, RopefricError, SolverError
 from ropefric.friction.laws.bending import bending_N, lifted_arc_rad
 from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, lean, refuse
 from ropefric.systems.effect import Model
@@ -20,6 +21,8 @@ TOLD = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
 
 _LARGEST = float(np.log(np.finfo(np.float64).max))
 _MAX_STEPS = 400
+_HALVINGS = 54
+"""Of an arc, to the last digit of the whole."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,10 +61,18 @@ HoistModel = Model[HoistProblem]
 """A rope on a wheel with the effects that are in it; without any F_A = F_B e^{μφ}, light, limp and at rest."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Arcs(NamedTuple):
+    """Under a payload: over which part of its contact the rope slips, and over which it sticks, shape (n,) [rad]."""
+
+    slip_rad: FloatArray
+    stick_rad: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Lift:
     """What a rope on a wheel lifts."""
 
+    model: HoistModel
     log_lift: FloatArray
     exponent: FloatArray
     contact_rad: FloatArray
@@ -69,9 +80,20 @@ class Lift:
 
     @property
     def logs(self) -> FloatArray:
-        """Return the logarithms of all numbers, shape (4, n)."""
+        """Return the logarithms of all numbers but the arcs under a payload, shape (4, n)."""
         with np.errstate(divide="ignore"):
             return np.stack([self.log_lift, *np.log((self.average_mu, self.contact_rad, self.end_tension_N))])
+
+    @cached_property
+    def arcs(self) -> Arcs | None:
+        """Return the arcs of slip and stick under the payload, if any; NaN where the law has no answer to it."""
+        problem = self.model.problem
+        if problem.payload_kg is None:
+            return None
+        try:
+            return _arcs(self.model)
+        except RopefricError:
+            return Arcs(*np.full((2, problem.n), np.nan))
 
     @property
     def lift_force_N(self) -> FloatArray:
@@ -99,9 +121,7 @@ def solve_lift(model: HoistModel) -> Lift:
     E = EI/(2R²) keeps it bent. What presses grows as P_A = P_B e^M over the arc that is in contact.
     """
     problem = model.problem
-    end_N = problem.end_tension_N + model.part("rope-weight", problem.weight_N)
-    circling_N = model.part("centrifugal", problem.circling_N)
-    stiff_N = model.part("bending-stiffness", problem.bending_N)
+    end_N, circling_N, stiff_N = _tensions_N(model)
     # In this order, because their sum would round away a small E beside a large c.
     pressing_N = (end_N - circling_N) - stiff_N
     refuse(
@@ -123,13 +143,7 @@ def solve_lift(model: HoistModel) -> Lift:
         stiff_N=stiff_N,
         pulling_N=end_N - circling_N,
     )
-    exponent_over = partial(
-        problem.friction.exponent,
-        wheel_radius_m=problem.wheel_radius_m,
-        rope_radius_m=problem.rope_radius_m,
-        slack_tension_N=pressing_N,
-        told=frozenset(TOLD[name] for name in model.effects & TOLD.keys()),
-    )
+    exponent_over = _exponent(model, pressing_N)
     contact, idle_N = problem.wrap_angle_rad, circling_N + stiff_N
     if stiff_N.any():
         contact = _contact_arc(contact, stiff_N, pressing_N, exponent_over)
@@ -138,7 +152,73 @@ def solve_lift(model: HoistModel) -> Lift:
     if idle_N.any():
         with np.errstate(divide="ignore"):
             log_lift = np.logaddexp(np.log(idle_N), log_lift)
-    return Lift(log_lift=log_lift, exponent=exponent, contact_rad=contact, end_tension_N=end_N)
+    return Lift(model=model, log_lift=log_lift, exponent=exponent, contact_rad=contact, end_tension_N=end_N)
+
+
+def _tensions_N(model: HoistModel) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the end tension, c and E [N]."""
+    problem = model.problem
+    return (
+        problem.end_tension_N + model.part("rope-weight", problem.weight_N),
+        model.part("centrifugal", problem.circling_N),
+        model.part("bending-stiffness", problem.bending_N),
+    )
+
+
+def _exponent(model: HoistModel, slack_N: FloatArray) -> partial[FloatArray]:
+    """Return M over a wrap yet to be given."""
+    problem = model.problem
+    return partial(
+        problem.friction.exponent,
+        wheel_radius_m=problem.wheel_radius_m,
+        rope_radius_m=problem.rope_radius_m,
+        slack_tension_N=slack_N,
+        told=frozenset(TOLD[name] for name in model.effects & TOLD.keys()),
+    )
+
+
+def _under_payload_N(model: HoistModel) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return c + E, what presses on the slack and the tight side, shape (2, n) [N], and where both do press."""
+    end_N, circling_N, stiff_N = _tensions_N(model)
+    payload_N = GRAVITY_M_S2 * model.problem.product("payload_kg")
+    sides_N = np.stack([end_N, payload_N]) - (circling_N + stiff_N)
+    touching = np.asarray((sides_N > 0.0).all(axis=0))
+    return circling_N + stiff_N, np.where(touching, np.sort(sides_N, axis=0), 1.0), touching
+
+
+def tension_along_N(lift: Lift, angle_rad: FloatArray) -> FloatArray:
+    """Return the tension of one case under its payload at angles from the slack side [N], the slip beside it."""
+    idle_N, (slack_N, tight_N), touching = _under_payload_N(lift.model)
+    if lift.arcs is None or not touching[0]:
+        return np.full(angle_rad.shape, np.nan)
+    exponent = _exponent(lift.model, slack_N)(wrap_angle_rad=angle_rad)
+    rising = np.where(angle_rad < lift.arcs.slip_rad[0], slack_N[0] * np.exp(exponent), tight_N[0])
+    return np.asarray(idle_N[0] + rising)
+
+
+def _arcs(model: HoistModel) -> Arcs:
+    """Return how far the rope slips before it as a whole does: M(θ) = |ln(P_W/P_B)|, P_W of the payload's weight.
+
+    Where less than the lift force is asked, friction is exhausted only over the arc θ that leads from one tension to
+    the other, after the paper's Fig. 1; over the rest the rope keeps the tension of one side and sticks. While the
+    wheel turns θ lies where the rope leaves it. A coefficient that depends on the wrap counts it from the slack
+    side's tension on, wherever θ lies: a wrap is but a tension (eqs. (5)-(11)). NaN where the payload presses nothing.
+    """
+    problem, stiff_N = model.problem, _tensions_N(model)[2]
+    _, (slack_N, tight_N), touching = _under_payload_N(model)
+    lifted = [lifted_arc_rad(stiff_N / (one + stiff_N)) for one in (slack_N, tight_N)]
+    contact = np.maximum(problem.wrap_angle_rad - lifted[0] - lifted[1], 0.0)
+    needed = np.log(tight_N / slack_N)
+    exponent_over = _exponent(model, slack_N)
+    held = touching & (needed < exponent_over(wrap_angle_rad=contact))
+    low, high = np.zeros_like(contact), contact
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        short = exponent_over(wrap_angle_rad=middle) < needed
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    slip = np.where(held, np.where(needed > 0.0, high, 0.0), contact)
+    slip, stick = (np.where(touching, one, np.nan) for one in (slip, contact - slip))
+    return Arcs(slip, stick)
 
 
 def _contact_arc(

@@ -155,6 +155,14 @@ class SlipTable:
         return values[..., self.rollers.index(roller)]
 
 
+def factor_in_motion(
+    upstream_N: FloatArray, downstream_N: FloatArray, exponent: FloatArray, arc_force_N: FloatArray
+) -> FloatArray:
+    """Return Λ of eq. (37): (38) with ρAR²θ''/μ added to both T'; the arc's mass takes the force ρAR²θ'' α."""
+    over_mu_N = np.divide(arc_force_N, exponent, out=np.zeros_like(arc_force_N), where=exponent > 0.0)
+    return _ratio(upstream_N + over_mu_N, (downstream_N + over_mu_N) * np.expm1(exponent))
+
+
 def _ratio(above: FloatArray, below: FloatArray) -> FloatArray:
     """Return above/below where below is positive, infinity elsewhere."""
     ratio = np.full(np.shape(below), np.inf)

@@ -12,7 +12,7 @@ from ropefric.errors import InputError
 from ropefric.systems.press.statics import solve_statics
 from ropefric.systems.press.steady import speed_shift_kg_m
 from ropefric.systems.press.transient.exact import Propagator
-from ropefric.systems.press.transient.motion import MOVING, ElasticPress, settled_tension_N
+from ropefric.systems.press.transient.motion import MOVING, ElasticPress, settled
 from ropefric.systems.press.transient.start_up import Energies, start_up
 
 POWERS = 6
@@ -104,10 +104,10 @@ def test_energies_add_up(kit, law, EA_N, eta_s):
 def test_a_start_up_ends_in_the_steady_run(kit, EA_N, eta_s):
     press = kit.paper(EA_N=EA_N, eta_s=eta_s)
     problem = kit.problem(press)
-    settled = settled_tension_N(problem.model, kit.speed_m_s)
+    settled_N = settled(problem.model, kit.speed_m_s).tension_N
     states = kit.solve(problem, [60.0])
-    np.testing.assert_allclose(tensions(problem, states, np.array([60.0]))[0], settled, rtol=1e-9)
-    net = press.incidence @ settled
+    np.testing.assert_allclose(tensions(problem, states, np.array([60.0]))[0], settled_N, rtol=1e-9)
+    net = press.incidence @ settled_N
     loads = press.rim_load_N
     np.testing.assert_allclose(net[press.is_driven], loads[press.is_driven], atol=1e-8)
     motion = problem.motion
@@ -127,7 +127,7 @@ def test_the_steady_run_is_that_of_the_paper_s_equations(kit):
     assert T[8] + T[9] - T[7] == pytest.approx(16.8 / 0.1, rel=1e-9)
     assert T[4] - T[3] - T[13] == pytest.approx(99.0 / 0.25, rel=1e-9)
     np.testing.assert_allclose(T[[10, 11]], T[12], rtol=1e-9)
-    np.testing.assert_allclose(found.settled_tension_N, T, rtol=1e-9)
+    np.testing.assert_allclose(found.settled.tension_N, T, rtol=1e-9)
 
 
 @pytest.mark.parametrize("k1", [1e3, 2e4, 1e9])
@@ -135,7 +135,7 @@ def test_what_speed_does_to_the_tensions(kit, k1):
     """dT' = −ρAv²/(1 + s) with the belt's stiffness from its free spans, which is what the model stretches."""
     press = kit.small(k1=k1)
     model = ElasticPress(press)
-    still, run = (settled_tension_N(model, v) for v in (0.0, 2.0))
+    still, run = (settled(model, v).tension_N for v in (0.0, 2.0))
     c = 8.0 * 4.0
     s = 4.0 * (2e5 / (0.8 + 1.0 + 1.3)) / k1
     np.testing.assert_allclose(run - c - still, -c / (1.0 + s), rtol=1e-6)
@@ -181,9 +181,9 @@ def test_bad_questions_are_refused(kit, arguments, said):
 
 def test_drivers_of_different_speed_settle_nowhere(kit):
     press = kit.paper(overspeed=1e-3)
-    assert settled_tension_N(ElasticPress(press), 1.0) is None
+    assert settled(ElasticPress(press), 1.0) is None
     found = start_up(press, speed=kit.run_up(), time_s=np.linspace(0.0, 5.0, 51))
-    assert found.settled_tension_N is None
+    assert found.settled is None
     assert found.energy.relative_residual < 1e-8
     # The faster driver takes span 10's load over from driver 1: 1 mm/s over belts of some 1e6 N/m.
     assert found.tension_N[-1, 9] - found.tension_N[-1, 8] > 1000.0

@@ -1,5 +1,7 @@
 """Where a start-up leads: the state its history leaves, and what creep makes of it; friction that follows tension."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import expm
@@ -8,7 +10,7 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.slip import SlipTable
-from ropefric.systems.press.transient.motion import ElasticPress, friction_limit, settled_tension_N
+from ropefric.systems.press.transient.motion import ElasticPress, friction_limit, settled, settled_press
 from ropefric.systems.press.transient.start_up import start_up
 
 LAW = WrapFriction(
@@ -25,16 +27,16 @@ def test_a_start_up_settles_where_it_says_slips_on_the_way_included(kit, mu, sli
     assert set(found.summary()["first_slip_s"]) >= slipped
     assert bool(found.slips) == bool(slipped)
     assert not any(found.summary()["at_end"].values())
-    np.testing.assert_allclose(found.tension_N[-1], found.settled_tension_N, rtol=1e-6)
-    unslipped = settled_tension_N(ElasticPress(press), kit.speed_m_s)
-    assert (np.abs(found.settled_tension_N / unslipped - 1.0).max() > 1e-3) == bool(slipped)
+    np.testing.assert_allclose(found.tension_N[-1], found.settled.tension_N, rtol=1e-6)
+    unslipped = settled(ElasticPress(press), kit.speed_m_s).tension_N
+    assert (np.abs(found.settled.tension_N / unslipped - 1.0).max() > 1e-3) == bool(slipped)
 
 
 def test_what_still_slips_or_stands_at_the_end_settles_nowhere(kit):
     found = start_up(
         kit.paper(force_N=1100.0), speed=kit.run_up(), time_s=np.linspace(0.0, 4.0, 41), friction=0.2
     )
-    assert found.settled_tension_N is None
+    assert found.settled is None
     ends = found.summary()["at_end"]
     assert ends["1"] == ends["10"] == "slips"
     assert ends["9"] == "stands"
@@ -43,7 +45,7 @@ def test_what_still_slips_or_stands_at_the_end_settles_nowhere(kit):
 def test_elastic_creep_carries_the_settled_state_to_the_closure_share(kit):
     """Strain goes round with the belts, L dT/dt = EA (v_end − v_start) + v (T_before − T), always in balance."""
     press = kit.paper(density=0.0)
-    settled_N = settled_tension_N(ElasticPress(press), kit.speed_m_s)
+    settled_N = settled(ElasticPress(press), kit.speed_m_s).tension_N
     spans = {(span.start, span.end): i for i, span in enumerate(press.spans)}
     places = [(belt, spans[step]) for belt in press.belts for step in belt.steps]
     n = len(places)
@@ -135,3 +137,48 @@ def test_a_law_that_looks_at_no_tension_has_nothing_to_follow(kit):
     question = {"speed": kit.run_up("ramp", 1.0, 0.3), "time_s": np.linspace(0.0, 0.5, 26), "friction": 0.2}
     one, other = (start_up(kit.small(), follows=follows, **question) for follows in (True, False))
     np.testing.assert_array_equal(one.tension_N, other.tension_N)
+
+
+def test_where_a_press_settles_needs_neither_its_start_up_nor_its_masses(kit):
+    press = kit.paper(eta_s=2e-2, C1=1e4, load=0.3, force_N=3000.0)
+    found = start_up(
+        press,
+        speed=kit.run_up("ramp", duration_s=0.3),
+        time_s=np.linspace(0.0, 40.0, 41),
+        friction=1.2,
+        slip=False,
+    )
+    bare = tuple(
+        replace(one, inertia_kg_m2=None, tensioner=one.tensioner and replace(one.tensioner, mass_kg=None))
+        for one in press.rollers
+    )
+    ends = settled_press(replace(press, rollers=bare), kit.speed_m_s)
+    np.testing.assert_allclose(ends.tension_N, found.tension_N[-1], rtol=1e-6)
+    np.testing.assert_allclose(ends.relative_way_m / press.radius_m, found.relative_angle_rad[-1], atol=1e-8)
+    np.testing.assert_allclose(ends.travel_m, found.travel_m[-1], atol=1e-8)
+    # By hand: what every span is longer by is its part of the turning and the travels.
+    stretch_m = -press.incidence.T @ ends.relative_way_m - press.pull.T @ (ends.travel_m - 0.03)
+    model = ElasticPress(press)
+    np.testing.assert_allclose(ends.tension_N - model.preload_N, model.stiffness_N_m * stretch_m, rtol=1e-9)
+
+
+def test_the_factor_of_eq_37_over_a_start_up(kit):
+    """By hand from the tensions, and with the acceleration of the smooth run-up: (37), and (38) at its end."""
+    press, mu = kit.paper(eta_s=2e-2, C1=1e4, load=0.3, force_N=3000.0), 1.2
+    times = np.linspace(0.0, 40.0, 4001)
+    found = start_up(
+        press, speed=kit.run_up("s-curve", duration_s=2.0), time_s=times, friction=mu, slip=False
+    )
+    density = np.array(
+        [sum(belt.linear_density_kg_m for belt in press.belts_on(one.name)) for one in press.rollers]
+    )
+    rims = found.roller_speed_rad_s * press.radius_m
+    momentum_N = rims[:, :1] ** 2 * press.density_kg_m
+    sides_N = [(found.tension_N - momentum_N) @ side.T for side in (press.into, press.out_of)]
+    added_N = density * press.radius_m * np.gradient(rims, times, axis=0, edge_order=2) / mu
+    growth = np.expm1(mu * np.array([one.wrap_angle_rad for one in press.rollers]))
+    by_hand = (sides_N[0] + added_N) / ((sides_N[1] + added_N) * growth)
+    np.testing.assert_allclose(found.as_printed[5:], by_hand[5:], rtol=2e-3)
+    steady = SlipTable(press, found.settled.tension_N - kit.speed_m_s**2 * press.density_kg_m, mu).as_printed
+    np.testing.assert_allclose(found.as_printed[-1], steady, rtol=1e-6)
+    assert found.summary()["peak_as_printed"]["2"] == found.as_printed[:, 1].max()

@@ -15,7 +15,7 @@ from ropefric.systems.press.transient.motion import (
     ElasticPress,
     friction_limit,
     friction_utilisation,
-    settled_tension_N,
+    settled,
 )
 from ropefric.systems.press.transient.start_up import start_up
 
@@ -134,8 +134,8 @@ def test_friction_that_suffices_changes_nothing(kit, load, rtol):
 def test_the_threshold_of_slip_in_a_slow_start(kit, factor, slips):
     """Slow enough, roller 2 slips just where the steady run needs more than its friction: ln(T2'/T1')/α."""
     press = kit.paper(eta_s=1e-2)
-    settled = settled_tension_N(ElasticPress(press), kit.speed_m_s) - 15.0 * kit.speed_m_s**2
-    needed = math.log(settled[1] / settled[0]) / press.rollers[1].wrap_angle_rad
+    settled_N = settled(ElasticPress(press), kit.speed_m_s).tension_N - 15.0 * kit.speed_m_s**2
+    needed = math.log(settled_N[1] / settled_N[0]) / press.rollers[1].wrap_angle_rad
     found = start_up(
         press, speed=kit.run_up(duration_s=12.0), time_s=np.linspace(0.0, 13.0, 14), friction=factor * needed
     )

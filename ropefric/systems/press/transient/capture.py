@@ -5,13 +5,16 @@ steps are dyadic parts of one, so that a mode costs one exponential and its squa
 nothing. The works are trapezoids of the powers.
 """
 
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
+from scipy.linalg import eigvals
 
 from ropefric.arrays import FloatArray
+from ropefric.errors import SolverError
 from ropefric.systems.press.transient.drives import SPEED
 from ropefric.systems.press.transient.exact import Guard, HybridSolver, Phase
+from ropefric.systems.press.transient.integrators import rk4_limit_s
 from ropefric.systems.press.transient.motion import FORWARD, Motion, power_pairs
 
 _LEVELS = 4
@@ -62,10 +65,39 @@ class _GridPhase(Phase):
         return forces, speeds, starts
 
 
+class _RK4Phase(_GridPhase):
+    """One mode whose steps are those of the classical Runge-Kutta method, each part of a step by a step of its own."""
+
+    def step(self, length_s: float) -> FloatArray:
+        """Return the matrix of one step, 1 + hG + … + (hG)⁴/24; a step that amplifies is refused."""
+        limit_s = rk4_limit_s(eigvals(self.state))
+        if length_s > limit_s:
+            slipping = np.flatnonzero(self.motion.mode.contact)
+            names = ", ".join(self.motion.model.press.rollers[i].name for i in slipping)
+            raise SolverError(
+                f"the step of {length_s:.6g} s is not within RK4's limit of stability, {limit_s:.6g} s"
+                + (f" while the belt slips on roller {names}" if names else ""),
+                code="RF524",
+                key="step_s",
+                fix=f"take {limit_s:.4g} s or less, or the integrator 'exact'",
+            )
+        generator, weights = self._balanced
+        flow = term = np.eye(len(generator))
+        for order in range(1, 5):
+            term = (length_s / order) * term @ generator
+            flow = flow + term
+        return np.asarray(weights[:, None] * flow / weights)
+
+    @lru_cache(maxsize=4)  # noqa: B019  (a phase lives as long as its start-up)
+    def flows(self, step_s: float) -> list[FloatArray]:
+        """Return the matrices of a step, of half of it, and so on."""
+        return [self.step(step_s / 2**level) for level in range(_LEVELS + 1)]
+
+
 class GridSolver(HybridSolver):
     """A start-up at evenly spaced times, in so many `steps` from one to the next; it may be run again with others."""
 
-    phase_type = _GridPhase
+    phase_type: type[_GridPhase] = _GridPhase
     steps = 1
 
     def run(self, times_s: FloatArray) -> tuple[list[Motion], FloatArray, FloatArray]:
@@ -153,3 +185,9 @@ class GridSolver(HybridSolver):
                 self._kept.append((phase.motion, states[i, :n_y], self.works + made[i - 1]))
         if len(made):
             self.works = self.works + made[-1]
+
+
+class RK4Solver(GridSolver):
+    """The same with the classical Runge-Kutta method between the changes of contacts."""
+
+    phase_type = _RK4Phase

@@ -15,7 +15,7 @@ for constant μ κ = M/(e^M − 1); where it slips backward, with the sides exch
 """
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import NamedTuple
 
@@ -365,10 +365,16 @@ def starting_state(motion: Motion, inputs: Inputs, *, held: bool = False) -> Flo
     return np.concatenate([resting_coordinates(motion, still, held_N), speeds])
 
 
-def settled_tension_N(
-    model: ElasticPress, speed_m_s: float, slip_m: FloatArray | None = None
-) -> FloatArray | None:
-    """Return the tensions in closed form that a start-up tends to whose belts stick from now on, (n_spans,) [N].
+class Settled(NamedTuple):
+    """Where a start-up leads: tensions of the spans [N], rims' ways relative to the first driver, and travels [m]."""
+
+    tension_N: FloatArray
+    relative_way_m: FloatArray
+    travel_m: FloatArray
+
+
+def settled(model: ElasticPress, speed_m_s: float, slip_m: FloatArray | None = None) -> Settled | None:
+    """Return in closed form what a start-up tends to whose belts stick from now on.
 
     With the tensioners' damping alone that takes hours, and with no damping at all it is only the mean. Belts that have
     slipped by `slip_m` keep what they are displaced by. None where drivers of different speed stretch the belts between
@@ -384,8 +390,22 @@ def settled_tension_N(
         spread_N = -model.stiffness_N_m * (model.press.incidence.T @ slip_m)
     shifted_N = model.press.incidence @ spread_N, model.press.pull @ spread_N
     at_rest = resting_coordinates(motion, inputs, shifted_N[0], shifted_N[1])
-    tension_N = motion.tension_N @ np.concatenate([at_rest, np.zeros_like(at_rest), inputs])
-    return np.asarray(tension_N + spread_N)
+    w = np.concatenate([at_rest, np.zeros_like(at_rest), inputs])
+    given_m = np.array([one.travel_m for one in model.press.tensioners.values()])
+    return Settled(motion.tension_N @ w + spread_N, motion.relative_way_m @ w, given_m + motion.travel_m @ w)
+
+
+def settled_press(press: Press, speed_m_s: float, effects: Collection[str] = MOVING) -> Settled | None:
+    """Return where a press settles whose belts stick from standstill on, without its start-up: no mass matters there."""
+    weighed = [
+        replace(
+            one,
+            inertia_kg_m2=one.inertia_kg_m2 or 1.0,
+            tensioner=one.tensioner and replace(one.tensioner, mass_kg=one.tensioner.mass_kg or 1.0),
+        )
+        for one in press.rollers
+    ]
+    return settled(ElasticPress(replace(press, rollers=tuple(weighed)), effects), speed_m_s)
 
 
 def power_pairs(motion: Motion) -> list[tuple[FloatArray, FloatArray]]:

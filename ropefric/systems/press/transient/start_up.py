@@ -13,10 +13,11 @@ from scipy.interpolate import PPoly
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, SolverError
+from ropefric.systems.checks import checked
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.machine import Press
-from ropefric.systems.press.slip import contacts_of
-from ropefric.systems.press.transient.capture import GridSolver
+from ropefric.systems.press.slip import contacts_of, factor_in_motion
+from ropefric.systems.press.transient.capture import GridSolver, RK4Solver
 from ropefric.systems.press.transient.drives import SPEED, Inputs, Loads, press_inputs
 from ropefric.systems.press.transient.exact import Guard, HybridSolver, check_steps
 from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
@@ -26,11 +27,12 @@ from ropefric.systems.press.transient.motion import (
     ElasticPress,
     FrictionLimit,
     Motion,
+    Settled,
     elastic_energy_J,
     friction_limit,
     friction_utilisation,
     kinetic_energy_J,
-    settled_tension_N,
+    settled,
 )
 
 
@@ -108,9 +110,10 @@ class StartUp:
     slip_speed_m_s: FloatArray
     friction_N: FloatArray
     utilisation: FloatArray | None
+    as_printed: FloatArray | None
     energy: Energies
     slips: tuple[SlipInterval, ...]
-    settled_tension_N: FloatArray | None
+    settled: Settled | None
     at_end: npt.NDArray[np.str_]
 
     def summary(self) -> dict[str, Any]:
@@ -126,17 +129,22 @@ class StartUp:
         def named(names: Sequence[str], values: FloatArray) -> dict[str, float]:
             return dict(zip(names, values.tolist(), strict=True))
 
-        used, settled = self.utilisation, self.settled_tension_N
+        used, printed, ends = self.utilisation, self.as_printed, self.settled
         return {
             "peak_tension_N": named(spans, self.tension_N.max(axis=0)),
             "lowest_tension_N": named(spans, self.tension_N.min(axis=0)),
             "peak_utilisation": {} if used is None else named(rollers, used.max(axis=0)),
+            "peak_as_printed": {} if printed is None else named(rollers, printed.max(axis=0)),
             "first_slip_s": first,
             "slipping_s": dict(total),
             "drive_work_J": float(self.energy.drive[-1]),
             "slip_loss_J": float(self.energy.slip[-1]),
             "energy_residual": self.energy.relative_residual,
-            "settled_tension_N": None if settled is None else named(spans, settled),
+            "settled_tension_N": None if ends is None else named(spans, ends.tension_N),
+            "settled_relative_angle_rad": None
+            if ends is None
+            else named(rollers, ends.relative_way_m / self.press.radius_m),
+            "settled_travel_m": None if ends is None else named(list(self.press.tensioners), ends.travel_m),
             "at_end": {name: what for name, what in zip(rollers, self.at_end.tolist(), strict=True) if what},
         }
 
@@ -159,7 +167,7 @@ def start_up(
     """Return the start-up of a press from rest, eqs. (10)-(22) closed by elastic belts.
 
     The drivers follow `speed` exactly; span tensions are T_0 + Σ EA/L (e + η de/dt). Without friction no belt slips
-    and none goes slack, and the problem is linear, which is all that integrators other than the exact one solve. With
+    and none goes slack, and the problem is linear, which is all that DOP853, Radau and LSODA solve. With
     friction and `slip` a belt does not push, a roller takes no more than T'_tight = T'_slack e^M with what accelerating
     the belt adds, and drag opposes the motion and holds at rest; between two changes of these the solution is exact.
     Without slip that is so where the linear model would let its loads drive the press by a thousandth of the energy. A
@@ -169,7 +177,7 @@ def start_up(
     model = ElasticPress(press, effects=effects)
     inputs = press_inputs(model.overspeed, speed, loads)
     limit = None if friction is None else friction_limit(model, friction, told)
-    slips = limit is not None and slip and integrator == "exact"
+    slips = limit is not None and slip and integrator in {"exact", "rk4"}
     if slips and not (model.arc_mass_kg > 0.0).all():
         raise InputError(
             "a belt that slips moves by its own mass, but it has none on the rollers",
@@ -198,6 +206,10 @@ def start_up(
             INTEGRATORS[integrator](problem, times, **settings), [problem.n_state], axis=1
         )
         return made(([problem.motion] * len(times), states, works, []), _LINEAR_CLOSES)
+    if slips and integrator == "rk4":
+        step_s = settings.get("step_s")
+        stepped = _rk4_solver(model, inputs, limit, times, step_s=step_s, follow=following)
+        return made(_solved(stepped, times), GRID_ERROR)
     if slips and not exact_switching and _even(times):
         on_grid = _on_grid(
             GridSolver(model, inputs, limit, follow=following), times, lambda found: made(found, GRID_ERROR)
@@ -225,6 +237,32 @@ GRID_ERROR = 5e-3
 """What changes of contacts that are caught on a grid may be worth."""
 _LONGEST_STEP_S = 5e-3
 _DOUBLINGS = 5
+
+
+def _rk4_solver(
+    model: ElasticPress,
+    inputs: Inputs,
+    limit: FrictionLimit | None,
+    times_s: FloatArray,
+    *,
+    step_s: float | None,
+    follow: Callable[[FloatArray], FrictionLimit] | None,
+) -> RK4Solver:
+    """Return the solver of the classical Runge-Kutta method with steps no longer than asked for."""
+    if not _even(times_s):
+        raise InputError(
+            "RK4 with slip needs evenly spaced times from 0 on",
+            key="time_s",
+            fix="take the integrator 'exact'",
+        )
+    step_s = _RK4_STEP_S if step_s is None else float(checked("step_s", step_s))
+    check_steps(float(times_s[-1]) / step_s)
+    solver = RK4Solver(model, inputs, limit, follow=follow)
+    solver.steps = math.ceil(float(times_s[1]) / step_s * (1.0 - 1e-9))
+    return solver
+
+
+_RK4_STEP_S = 2e-4
 
 
 def _even(times_s: FloatArray) -> bool:
@@ -315,7 +353,7 @@ def _histories(
     first, tension = motions[0], read(lambda motion: motion.tension_N)
     friction_N, pressing_N = (read(lambda motion: motion.friction_N), read(lambda motion: motion.pressing_N))
     contact = np.array([motion.mode.contact for motion in motions], dtype=np.int8)
-    utilisation = None
+    utilisation = as_printed = None
     if limit is not None:
         sides_N, forward = (pressing_N @ press.into.T, pressing_N @ press.out_of.T), friction_N >= 0.0
         if exponents is not None:
@@ -325,13 +363,15 @@ def _histories(
             limit = FrictionLimit(
                 np.exp(exponents(np.where(forward, *sides_N))), np.where(forward, kept[:, 0], kept[:, 1])
             )
+        arc_force_N = model.arc_mass_kg * read(lambda motion: motion.belt_acceleration_m_s2)
         utilisation = friction_utilisation(
             limit,
             friction_N=friction_N,
             upstream_N=sides_N[0],
             downstream_N=sides_N[1],
-            arc_force_N=model.arc_mass_kg * read(lambda motion: motion.belt_acceleration_m_s2),
+            arc_force_N=arc_force_N,
         )
+        as_printed = factor_in_motion(*sides_N, np.log(limit.growth), arc_force_N)
     if slips and utilisation is not None:
         tension = np.maximum(tension, 0.0)  # the moment a belt goes slack is met to rounding only
         # Beside a span that has lifted off the formula has no slack side, but the friction still has a limit.
@@ -356,9 +396,10 @@ def _histories(
         slip_speed_m_s=w @ first.slip_speed_m_s.T,
         friction_N=friction_N,
         utilisation=utilisation,
+        as_printed=as_printed,
         energy=Energies(first, w, works),
         slips=_slip_intervals([roller.name for roller in press.rollers], changes, float(times[-1])),
-        settled_tension_N=None if at_end.any() else settled_tension_N(model, final_m_s, slip_m[-1]),
+        settled=None if at_end.any() else settled(model, final_m_s, slip_m[-1]),
         at_end=at_end,
     )
 

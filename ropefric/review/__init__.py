@@ -1,0 +1,11 @@
+"""Review of picks in the browser: a person looks at recordings and decides, the campaign's own list keeps it.
+
+In: a campaign, and the cache that its extraction left. `session` holds its trials, decides and computes anew what
+that changes; `view` is what a page shows of it; `decisions` puts a decision into the bytes of the trial list; `server`
+lets one browser on this machine see and do it, with the page `page.html`.
+Out: cells of the trial list; everything else follows from it the next time the campaign is run.
+
+The server is Python's own `http.server` and the page plain HTML, script and canvas, in one file: ten addresses for one
+person on the loopback address need no framework, so no package is installed for it (there is no extra), nothing is
+fetched, and it works offline and unchanged with every version of anything else.
+"""

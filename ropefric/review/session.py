@@ -1,0 +1,468 @@
+"""A campaign under review: its trials, the decisions written to its list, and what these change."""
+
+import threading
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from datetime import datetime
+from functools import cached_property
+from math import ceil, degrees, isfinite, log10
+from pathlib import Path
+from typing import Any
+
+from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.files.digits import rounded_tree
+from ropefric.files.read import read_file
+from ropefric.files.text import GZIP_MAGIC
+from ropefric.files.write import write_file
+from ropefric.pipeline.run import answer_trials
+from ropefric.review import view
+from ropefric.review.decisions import with_decision
+from ropefric.traces.breakaway import Status
+from ropefric.traces.readers.excel import READER as EXCEL
+from ropefric.trials.campaign import load_campaign
+from ropefric.trials.campaign_model import Campaign, TrialSpec
+from ropefric.trials.conditions import set_aside_impossible, summarised
+from ropefric.trials.extract import ByRow, Progress, extract_rows, in_list_order
+from ropefric.trials.result import ConditionSummary, Extraction, TrialResult, count_trials, no_force
+from ropefric.trials.table import table_of_extraction
+
+OWN_WORDS = "review: "
+"""How a reason begins that nobody has written by hand."""
+UNREADABLE = "RF101"
+"""Code of the problem that reading a recording came to nothing, perhaps as it ended the process that did it."""
+FEW = 20
+"""Recordings, at most, that are read at once where they were read before."""
+STEADY = 1e-5
+MOST_UNDONE = 100
+HELD_CURVES = 3
+"""Recordings that are kept to be drawn again."""
+
+
+class _OutdatedError(Exception):
+    """What is being computed is of a state that is no more."""
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """A campaign as its files say, what every row of its list gives, and what all of them give together."""
+
+    content: bytes
+    campaign: Campaign
+    by_row: ByRow
+    extraction: Extraction
+    specs: Mapping[str, TrialSpec]
+
+    @cached_property
+    def bare(self) -> dict[str, TrialSpec]:
+        """Return the rows of the list without what no result depends on: their lines, columns of the user's own."""
+        return {row.trial: replace(row, line=0, own=()) for row in self.campaign.trials}
+
+    @cached_property
+    def rows(self) -> dict[str, dict[str, Any]]:
+        """Return what the list of trials shows of each."""
+        names = {name: self._name_of(one) for one in self.extraction.conditions for name in one.trials}
+        return {trial.trial: view.row_of(trial, names[trial.trial]) for trial in self.extraction.trials}
+
+    def _name_of(self, one: ConditionSummary) -> str:
+        """Return the settings of a condition in words."""
+        slack = self.campaign.protocol.needs_lift_force
+        known = f"F_A {one.lift_force_N:.4g} N" if slack else f"F_B {one.end_tension_N:.4g} N"
+        return f"R {1e3 * one.wheel_radius_m:.4g} mm, {degrees(one.wrap_angle_rad):.4g}°, {known}"
+
+    def condition(self, trial: str) -> dict[str, Any]:
+        """Return mean, scatter and number of the repeats that a trial is one of."""
+        one = next(one for one in self.extraction.conditions if trial in one.trials)
+        numbers = {
+            "mean_N": one.mean_kept_N,
+            "std_N": one.std_kept_N,
+            "n_kept": one.n_kept,
+            "n": one.n_recorded,
+        }
+        return {"name": self._name_of(one), "rejected": list(one.rejected), **rounded_tree(numbers)}
+
+
+class Review:
+    """A campaign under review by one person, in any number of threads.
+
+    Parameters
+    ----------
+    campaign : Path
+        The campaign file.
+    by : str
+        Who decides.
+    law : str
+        The law to use, "" for the best.
+    cache_dir : Path, optional
+        Where the results of recordings are kept.
+    jobs : int
+        Processes that extract what the cache does not hold.
+    progress : callable, optional
+        Told of every recording extracted.
+    now : callable, optional
+        The clock by which decisions are dated.
+    """
+
+    def __init__(
+        self,
+        campaign: Path,
+        *,
+        by: str,
+        law: str = "",
+        cache_dir: Path | None = None,
+        jobs: int = 1,
+        progress: Progress | None = None,
+        now: Callable[[], datetime] = lambda: datetime.now().astimezone(),
+    ) -> None:
+        self._path, self.by, self._law, self._now = campaign, by, law, now
+        self._cache_dir, self._jobs = cache_dir, jobs
+        self.lock = threading.RLock()
+        self.n_written = 0
+        self._curves: dict[tuple[object, ...], view.Curves] = {}
+        self._undo: deque[tuple[bytes, bytes, str]] = deque(maxlen=MOST_UNDONE)
+        self._state = self._load(None, progress=progress)
+        self._change: dict[str, Any] | None = None
+        self._number, self._computed = 0, -1
+        self._doing = ""
+        self._thread: threading.Thread | None = None
+        self._first: dict[str, Any] | None = None
+        self._before: dict[str, Any] | None = None
+        self._answer: dict[str, Any] | None = None
+        self._recompute()
+
+    @property
+    def trial_list(self) -> Path:
+        """Return the list that decisions are written to."""
+        return self._state.campaign.trial_list
+
+    # --- the files ---
+
+    def _load(
+        self, before: _State | None, content: bytes | None = None, progress: Progress | None = None
+    ) -> _State:
+        """Return the campaign as its files say now; only rows that differ from those before are extracted."""
+        if content is None:
+            content = _content_of(load_campaign(self._path, missing_recordings="flag").trial_list)
+        campaign = load_campaign(self._path, missing_recordings="flag")
+        if _content_of(campaign.trial_list) != content:
+            raise _changed(campaign.trial_list)
+        seen: ByRow = {} if before is None else before.by_row
+        kept: dict[str, tuple[TrialResult, ...]] = {}
+        if before is not None and before.campaign.settings_fingerprint() == campaign.settings_fingerprint():
+            kept = {
+                row.trial: tuple(
+                    one if one.own == row.own else replace(one, own=row.own) for one in seen[row.trial]
+                )
+                for row in campaign.trials
+                if before.bare.get(row.trial) == replace(row, line=0, own=())
+            }
+        rows = tuple(row for row in campaign.trials if row.trial not in kept)
+        readable = all(row.trial in seen and all(map(_is_readable, seen[row.trial])) for row in rows)
+        new, n_reused = extract_rows(
+            campaign.model_copy(update={"trials": rows, "warnings": ()}),
+            jobs=self._jobs,
+            cache_dir=self._cache_dir,
+            progress=progress,
+            trusted=readable and len(rows) <= FEW,
+        )
+        by_row = {**kept, **new}
+        placed = in_list_order(campaign, by_row)
+        found = summarised(campaign, [result for _, result in placed], n_reused=n_reused)
+        return _State(
+            content=content,
+            campaign=campaign,
+            by_row=by_row,
+            extraction=set_aside_impossible(found, campaign),
+            specs={result.trial: row for row, result in placed},
+        )
+
+    def reload(self) -> dict[str, Any]:
+        """Read the campaign again, which somebody has changed; what was decided before can no longer be undone."""
+        with self.lock:
+            self._state = self._load(self._state)
+            self._undo.clear()
+            self._change = None
+            self._recompute()
+            return self.overview()
+
+    def decide(
+        self, trial: str, action: str, *, pick_s: float | None = None, text: str = ""
+    ) -> dict[str, Any]:
+        """Write a decision about a trial into the list, and return what it changes.
+
+        Parameters
+        ----------
+        trial : str
+            Its name.
+        action : {"pick", "exclude", "comment", "clear"}
+            `pick` sets the time of the break-away; `clear` takes back whatever a person decided.
+        pick_s : float, optional
+            When F_A was reached [s].
+        text : str
+            The reason, or comment.
+
+        Raises
+        ------
+        InputError
+            If it is no possible decision.
+        DataError
+            RF153 if somebody else changed the list meanwhile; another code if it cannot be written.
+            The list is then as it was.
+        """
+        with self.lock:
+            state, spec = self._state, self._spec(trial)
+            signed: dict[str, str | float] = {
+                "by": self.by,
+                "when": self._now().isoformat(timespec="seconds"),
+            }
+            if action == "pick":
+                values = {**signed, **self._picked(trial, pick_s, text)}
+            elif action == "exclude":
+                values = {**signed, "exclude": _needed(text, "an exclusion needs its reason")}
+            elif action == "comment":
+                values = {**signed, "why": _needed(text, "the comment is empty")}
+            elif action == "clear":
+                cleared = ("pick_s", "peak_N", "peak_std_N", "exclude", "why", "by", "when")
+                values = dict.fromkeys(cleared, "")
+            else:
+                raise InputError(f"there is no action {action!r}", key="action", fix="reload the page")
+            content = with_decision(state.content, spec.line, values, state.campaign.trial_list.as_posix())
+            if content == state.content:
+                raise InputError("this changes nothing in the list", code="RF110", key=trial)
+            self._replace(content, trial)
+            self._undo.append((state.content, content, trial))
+            self.n_written += 1
+            return self._changed_since(state, trial)
+
+    def _picked(self, trial: str, pick_s: float | None, text: str) -> dict[str, str | float]:
+        if pick_s is None or not isfinite(pick_s):
+            fix = "click where the break-away is, or choose a candidate"
+            raise InputError("no time is given for the break-away", code="RF121", key="pick_s", fix=fix)
+        self.preview(trial, pick_s)  # which refuses a place without a peak
+        spec, result = self._spec(trial), self._result(trial)
+        events, outline = result.breakaway.candidates, result.outline
+        near = [
+            place for place, event in enumerate(events, 1) if abs(event.time_s - pick_s) < 1e-6 * abs(pick_s)
+        ]
+        said = f"candidate {near[0]} of {len(events)} accepted" if near else "set by hand"
+        own = spec.why if not spec.why.startswith(OWN_WORDS) else ""
+        if outline is not None:  # no finger is steadier than this part of the recording
+            span_s = float(outline.time_s[-1] - outline.time_s[0])
+            pick_s = round(pick_s, max(0, ceil(-log10(max(STEADY * span_s, 1e-12)))))
+        emptied = dict.fromkeys(("peak_N", "peak_std_N", "exclude"), "")
+        return {"pick_s": pick_s, "why": text.strip() or own or OWN_WORDS + said, **emptied}
+
+    def undo(self) -> dict[str, Any]:
+        """Give the list back the bytes it had before the last decision, and return what that changes."""
+        with self.lock:
+            if not self._undo:
+                raise InputError("there is nothing to undo", code="RF110")
+            state, (before, _, trial) = self._state, self._undo[-1]
+            self._replace(before, trial)
+            self._undo.pop()
+            self.n_written -= 1
+            return self._changed_since(state, trial)
+
+    def _replace(self, content: bytes, trial: str) -> None:
+        """Write the list, if it is what was read; if others than a trial's row changed by that, write it back."""
+        state, path = self._state, self._state.campaign.trial_list
+        if self._number < 0:
+            raise DataError("the review has ended: nothing was written", path=path, fix="start it again")
+        if read_file(path) != state.content:
+            raise _changed(path)
+        write_file(path, content)
+        try:
+            new = self._load(state, content)
+            names = {*state.bare, *new.bare}
+            changed = {name for name in names if state.bare.get(name) != new.bare.get(name)}
+            if not changed <= {state.specs[trial].trial}:
+                raise _not_alone(changed, path)  # noqa: TRY301  (whatever is wrong, the list becomes what it was)
+        except BaseException:
+            if read_file(path) == content:
+                write_file(path, state.content)
+            raise
+        self._state = new
+
+    def _changed_since(self, state: _State, trial: str) -> dict[str, Any]:
+        before, now = state.rows, self._state.rows
+        self._change = {
+            "trial": trial,
+            "was": before[trial] | {"condition_was": state.condition(trial)},
+            "is": now[trial] | {"condition_is": self._state.condition(trial)},
+        }
+        self._recompute()
+        rows = {name: row for name, row in now.items() if row != before.get(name)}
+        return {"rows": rows, "undo": len(self._undo), "counts": self._counts(), **self.answer()}
+
+    # --- the answer, computed behind the scenes ---
+
+    def _recompute(self) -> None:
+        """Let what all trials say be found out again, by a thread of its own."""
+        if self._computed == self._number:
+            self._before = self._answer
+        self._number += 1
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._compute, name="fit", daemon=True)
+            self._thread.start()
+
+    def _compute(self) -> None:
+        while True:
+            with self.lock:
+                number, state = self._number, self._state
+                if number in (self._computed, -1):
+                    self._thread = None
+                    return
+
+            def stop_if_outdated(law: str, done: int, total: int, number: int = number) -> None:
+                self._doing = f"{law}, {done} of {total} laws"
+                if number != self._number:
+                    raise _OutdatedError
+
+            try:
+                said = _said(state, self._law, stop_if_outdated)
+            except _OutdatedError:
+                continue
+            except RopefricError as error:
+                said = {"error": error.problem.to_dict()}
+            except Exception as error:  # noqa: BLE001  (a page that computes for ever says less)
+                said = {
+                    "error": {"code": "RF000", "message": f"internal fault, {type(error).__name__}: {error}"}
+                }
+            with self.lock:
+                if number == self._number:
+                    self._answer, self._computed = said, number
+                    self._first = self._first or said
+
+    def close(self) -> None:
+        """Wait for a decision that is being written, a moment for the fit of a law; nothing comes after it."""
+        with self.lock:
+            self._number, thread = -1, self._thread
+        if thread is not None:
+            thread.join(2.0)
+
+    def answer(self) -> dict[str, Any]:
+        """Return the last decision, and what all trials say before and after it, as far as it is known."""
+        with self.lock:
+            ready = self._computed == self._number
+            return {
+                "change": self._change,
+                "computing": "" if ready else self._doing or "fit",
+                "first": self._first,
+                "before": self._before,
+                "now": self._answer if ready else None,
+            }
+
+    # --- what the page shows ---
+
+    def overview(self) -> dict[str, Any]:
+        """Return the whole list of trials, and what is known of all of them."""
+        with self.lock:
+            campaign = self._state.campaign
+            return {
+                "campaign": campaign.name,
+                "list": campaign.trial_list.name,
+                "by": self.by,
+                "slack": campaign.protocol.needs_lift_force,
+                "order": list(self._state.specs),
+                "rows": self._state.rows,
+                "undo": len(self._undo),
+                "counts": self._counts(),
+                **self.answer(),
+            }
+
+    def _counts(self) -> dict[str, Any]:
+        return count_trials(self._state.extraction)
+
+    def _spec(self, trial: str) -> TrialSpec:
+        if trial not in self._state.specs:
+            raise InputError(f"there is no trial {trial!r}", code="RF120", key="trial", fix="reload the page")
+        return self._state.specs[trial]
+
+    def _result(self, trial: str) -> TrialResult:
+        self._spec(trial)
+        return next(one for one in self._state.extraction.trials if one.trial == trial)
+
+    def trial(self, trial: str) -> dict[str, Any]:
+        """Return all that is known of a trial but its samples."""
+        with self.lock:
+            spec, result = self._spec(trial), self._result(trial)
+            condition = self._state.condition(trial)
+        return view.facts_of(spec, result) | {"trial": trial, "condition": condition}
+
+    def preview(self, trial: str, pick_s: float) -> dict[str, Any]:
+        """Return the force that a trial would have with its break-away at a time; nothing is written."""
+        with self.lock:
+            campaign, spec, was = self._state.campaign, self._spec(trial), self._result(trial)
+        self._refuse_unread(was)
+        decided = replace(spec, pick_s=pick_s, peak_N=None, peak_std_N=None, exclude="", why="-", by="-")
+        one = campaign.model_copy(update={"trials": (decided,), "warnings": ()})
+        results, _ = extract_rows(one, trusted=True)
+        result = results[spec.trial][0]
+        found = result.breakaway
+        if found.status is not Status.OK:
+            raise DataError(found.detail, code="RF244", key="pick_s", fix="choose another place")
+        return view.pick_of(result)
+
+    def curve(self, trial: str, start_s: float, stop_s: float, columns: int) -> dict[str, Any]:
+        """Return a stretch of a recording as it is drawn; a time that is no number stands for the recording's end."""
+        with self.lock:
+            campaign, spec, result = self._state.campaign, self._spec(trial), self._result(trial)
+        self._refuse_unread(result)
+        key = (trial, result.sha256, campaign.settings_fingerprint(), result.breakaway.window_s)
+        curves = self._curves.get(key) or view.curves_of(campaign, spec, result)
+        with self.lock:
+            self._curves.pop(key, None)
+            self._curves[key] = curves  # the last one is the newest
+            for old in [*self._curves][:-HELD_CURVES]:
+                del self._curves[old]
+        return view.decimated(curves, start_s, stop_s, columns)
+
+    def _refuse_unread(self, result: TrialResult) -> None:
+        if not _is_readable(result):
+            fix = "".join(problem.fix for problem in result.problems[-1:])
+            raise DataError(result.breakaway.detail, path=result.file, fix=fix)
+
+
+def _said(state: _State, law: str, progress: Callable[[str, int, int], None]) -> dict[str, Any]:
+    """Return what all trials say, as few numbers as tell one answer from another."""
+    campaign = state.campaign
+    if (without := no_force(state.extraction, campaign.path)) is not None:
+        raise without
+    rope_m, table = campaign.rope.radius_m, table_of_extraction(state.extraction)
+    answer = answer_trials(table, design=campaign.design, rope_radius_m=rope_m, law=law, progress=progress)
+    return view.answer_of(answer)
+
+
+def _needed(text: str, otherwise: str) -> str:
+    if not text.strip():
+        raise InputError(otherwise, code="RF121", fix="say in a few words what was seen")
+    return text.strip()
+
+
+def _is_readable(result: TrialResult) -> bool:
+    """Return whether a recording is no danger to this process: another one read it to its end."""
+    return all(problem.code != UNREADABLE for problem in result.problems)
+
+
+def _content_of(path: Path) -> bytes:
+    """Return the bytes of a trial list that decisions can be written to."""
+    what = ""
+    if path.suffix.lower() in EXCEL.suffixes:
+        what = "a workbook"
+    elif (content := read_file(path)).startswith(GZIP_MAGIC):
+        what = "packed"
+    if what:
+        why = f"the list of trials is {what}, which decisions are not written to"
+        fix = 'save it as a CSV file, and name that in the campaign file: trials = "trials.csv"'
+        raise DataError(why, code="RF154", path=path, fix=fix)
+    return content
+
+
+def _not_alone(changed: set[str], path: Path) -> DataError:
+    why = f"the decision would change other trials too: {', '.join(sorted(changed))}"
+    return DataError(why, path=path, fix="write it into the list by hand")
+
+
+def _changed(path: Path) -> DataError:
+    why = "somebody else has changed the list of trials since it was read: nothing was written"
+    return DataError(why, code="RF153", path=path, fix="read it again, then decide anew")

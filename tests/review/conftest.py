@@ -1,0 +1,82 @@
+"""A small campaign with two doubtful recordings, to decide about."""
+
+import shutil
+import threading
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+
+from ropefric.review import session
+from ropefric.review.server import ReviewServer
+from ropefric.review.session import Review
+
+BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
+
+
+@pytest.fixture(scope="session")
+def extracted(tmp_path_factory):
+    """The folder of the campaign and the cache of its extraction; do not write to it."""
+    folder = tmp_path_factory.mktemp("review")
+    toml = (BENCH / "campaign.toml").read_text().replace(
+        'trials = "trials.csv"', f'trials = "trials.csv"\ndata = "{BENCH.as_posix()}"'
+    )  # fmt: skip
+    (folder / "campaign.toml").write_text(toml)
+    head, *rows = (BENCH / "trials.csv").read_text().splitlines()
+    some = [row for row in rows if row[:3] in {"c07", "c08", "c11"} and row[5:7] < "07"]
+    (folder / "trials.csv").write_text("\n".join([head, "# taken in spring", *some, ""]))
+    Review(folder / "campaign.toml", by="nobody", cache_dir=folder / "out" / ".cache").close()
+    return folder
+
+
+@pytest.fixture
+def campaign(extracted, tmp_path):
+    """A copy of it."""
+    shutil.copytree(extracted, tmp_path / "campaign")
+    return tmp_path / "campaign"
+
+
+@pytest.fixture
+def begin(campaign, monkeypatch):
+    """Begin a review of the campaign, which ends with the test; laws are fitted only where that is asked for."""
+    begun = []
+
+    def begin(*, fits=False):
+        if not fits:
+            monkeypatch.setattr(session, "_said", lambda *_: {"error": {"message": "not fitted"}})
+        now = datetime(2026, 11, 22, 14, 30, tzinfo=UTC)
+        cache = campaign / "out" / ".cache"
+        begun.append(Review(campaign / "campaign.toml", by="A. Meier", cache_dir=cache, now=lambda: now))
+        return begun[-1]
+
+    yield begin
+    for review in begun:
+        review.close()
+
+
+@pytest.fixture(scope="session")
+def served(extracted, tmp_path_factory):
+    """A review and the server of its page; tests leave its list as it was."""
+    folder = tmp_path_factory.mktemp("served") / "campaign"
+    shutil.copytree(extracted, folder)
+    review = Review(folder / "campaign.toml", by="A. Meier", cache_dir=folder / "out" / ".cache")
+    with ReviewServer(review) as server:
+        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
+        thread.start()
+        yield server
+        server.shutdown()
+        thread.join()
+    review.close()
+
+
+@pytest.fixture
+def settled():
+    """Return what all trials of a review say, once that is computed."""
+
+    def settled(review):
+        while review.answer()["computing"]:
+            time.sleep(0.01)
+        return review.answer()
+
+    return settled

@@ -1,0 +1,271 @@
+"""The page in a real browser: what a person does with keys and mouse stands in the list, and nowhere else."""
+
+import csv
+import io
+import shutil
+import threading
+
+import pytest
+
+from ropefric.cli.app import main
+from ropefric.review.server import ReviewServer
+
+webdriver = pytest.importorskip("selenium.webdriver")
+from selenium.webdriver.chrome.service import Service  # noqa: E402
+from selenium.webdriver.common.by import By  # noqa: E402
+from selenium.webdriver.common.keys import Keys  # noqa: E402
+from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: E402
+
+ARGUMENTS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-dev-shm-usage",
+    "--disable-gpu",
+    "--window-size=1280,900",
+)
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """A browser without a screen; tests that need one skip where there is none."""
+    names = ("chromium", "chromium-browser", "google-chrome")
+    program, driver = next(filter(None, map(shutil.which, names)), None), shutil.which("chromedriver")
+    if program is None or driver is None:
+        pytest.skip("no Chromium that can be driven: apt-get install chromium chromium-driver")
+    options = webdriver.ChromeOptions()
+    options.binary_location = program
+    for argument in ARGUMENTS:
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    found = webdriver.Chrome(options=options, service=Service(driver))
+    yield found
+    found.quit()
+
+
+@pytest.fixture
+def page(chromium, begin):
+    """The page of a new review, as a function that opens it; what it complained of fails the test."""
+    servers = []
+
+    def page(*, fits=False):
+        server = ReviewServer(begin(fits=fits))
+        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
+        thread.start()
+        servers.append((server, thread))
+        chromium.get(server.address)
+        wait(chromium, lambda: chromium.execute_script("return S.curve !== null && S.info !== null"))
+        return chromium
+
+    yield page
+    assert [one for one in chromium.get_log("browser") if "409" not in one["message"]] == []
+    chromium.get("about:blank")
+    for server, thread in servers:
+        server.shutdown()
+        thread.join()
+        server.server_close()
+
+
+def wait(driver, done):
+    WebDriverWait(driver, 60, poll_frequency=0.02).until(lambda _: done())
+
+
+def text(driver, name):
+    return driver.find_element(By.ID, name).text
+
+
+def press(driver, *keys):
+    driver.switch_to.active_element.send_keys(*keys)
+
+
+def written(path):
+    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+    return {row["trial"]: row for row in csv.DictReader(io.StringIO("\n".join(lines)))}
+
+
+def test_a_person_decides_and_the_list_and_the_next_extraction_follow(page, campaign):
+    path = campaign / "trials.csv"
+    before = written(path)
+    driver = page(fits=True)
+    wait(driver, lambda: not text(driver, "computing").startswith("computing"))
+    # Doubtful ones come first, and the first is shown.
+    first, second = (
+        row.get_attribute("data-trial") for row in driver.find_elements(By.CSS_SELECTOR, ".row")[:2]
+    )
+    assert (first, second) == ("c07-r03", "c08-r06")
+    assert (text(driver, "trial"), text(driver, "status")) == ("c07-r03", "doubtful: to decide")
+
+    # Its candidate is chosen, seen, accepted.
+    press(driver, "1")
+    wait(driver, lambda: "it would be F_A = 96.4" in text(driver, "said"))
+    press(driver, "a")
+    wait(driver, lambda: text(driver, "status") == "counts")
+    assert "1 to decide" in text(driver, "counts")
+    wait(driver, lambda: not text(driver, "computing").startswith("computing"))
+    change = {cells[0].text: [cell.text for cell in cells[1:]] for cells in (
+        row.find_elements(By.TAG_NAME, "td") for row in driver.find_elements(By.CSS_SELECTOR, "#change tbody tr")
+    )}  # fmt: skip
+    assert change["F_A of c07-r03"][0] == "–"
+    assert change["F_A of c07-r03"][1].startswith("96.4")
+    assert change["counting"] == ["5 of 6", "6 of 6"]
+    for name in ("Its condition: mean", "s", "Lift force, 95 % interval"):
+        was, now = change[name]
+        assert was != now
+        assert was[0].isdigit()
+        assert now[0].isdigit()
+
+    # The pick of the next is moved by the mouse, then by keys, and accepted there.
+    press(driver, "j")
+    wait(driver, lambda: text(driver, "trial") == second and driver.execute_script("return S.curve !== null"))
+    driver.execute_script("document.getElementById('plot').scrollIntoView({block: 'center'})")
+    plot = driver.find_element(By.ID, "plot")
+    x = driver.execute_script("return scales().x(S.info.candidates[0].time_s)") - plot.size["width"] / 2
+    webdriver.ActionChains(driver).move_to_element_with_offset(plot, int(x) + 1, 0).click().perform()
+    wait(driver, lambda: "it would be" in text(driver, "said"))
+    clicked = driver.execute_script("return S.draft")
+    press(driver, Keys.ARROW_LEFT, Keys.ARROW_LEFT)
+    moved, candidate = driver.execute_script("return [S.draft, S.info.candidates[0].time_s]")
+    assert moved < clicked
+    press(driver, "a")
+    wait(driver, lambda: text(driver, "status") == "counts")
+
+    # Another one is excluded with its reason; a comment on a third is undone.
+    Select(driver.find_element(By.ID, "by-condition")).select_by_index(3)
+    field = driver.find_element(By.ID, "by-text")
+    field.send_keys("r02")
+    assert text(driver, "n-shown") == "1 of 18 shown"
+    driver.find_element(By.CSS_SELECTOR, ".row").click()
+    wait(
+        driver,
+        lambda: (
+            text(driver, "trial") == "c11-r02" and driver.execute_script("return S.info.trial") == "c11-r02"
+        ),
+    )
+    driver.find_element(By.ID, "list").send_keys("x")
+    press(driver, "torn, by hand", Keys.ENTER)
+    wait(driver, lambda: text(driver, "status") == "excluded")
+    driver.find_element(By.ID, "do-comment").click()
+    press(driver, "loud", Keys.ENTER)
+    wait(driver, lambda: "loud" in text(driver, "detail"))
+    assert written(path)["c11-r02"]["why"] == "loud"
+    driver.find_element(By.ID, "list").send_keys("u")
+    wait(driver, lambda: "undone" in text(driver, "said") and "loud" not in text(driver, "detail"))
+
+    after = written(path)
+    decided = ("pick_s", "exclude", "why", "by", "when")
+    assert [after["c07-r03"][name] for name in decided[:4]] == [
+        "1.928",
+        "",
+        "review: candidate 1 of 1 accepted",
+        "A. Meier",
+    ]
+    assert float(after["c08-r06"]["pick_s"]) == pytest.approx(moved, abs=1e-4)
+    assert moved == pytest.approx(candidate, abs=0.05)
+    assert after["c08-r06"]["why"] == "review: set by hand"
+    assert [after["c11-r02"][name] for name in decided[1:4]] == ["torn, by hand", "", "A. Meier"]
+    touched = {"c07-r03", "c08-r06", "c11-r02"}
+    for name, row in after.items():
+        assert {key: row[key] for key in row if key not in decided} == {
+            key: before[name][key] for key in before[name] if key not in decided
+        }
+        assert bool(row["by"]) == (name in touched)
+
+    out = campaign / "fresh"
+    assert (
+        main(["extract", str(campaign / "campaign.toml"), "--out", str(out), "--no-figures", "--quiet"]) == 0
+    )
+    found = written(out / "trials.csv")
+    shown = driver.execute_script("return [...S.rows].map(([name, row]) => [name, row.outcome, row.force_N])")
+    for name, outcome, force_N in shown:
+        assert (found[name]["kept"] == "true") == (outcome == "kept")
+        assert (float(found[name]["peak_N"] or 0)) == pytest.approx(force_N or 0, rel=1e-7)
+    assert found["c11-r02"]["excluded"] == "torn, by hand"
+
+
+def test_five_thousand_trials_are_a_screenful(page):
+    driver = page()
+    driver.execute_script("""
+      const row = (i) => ({file: `f${i}.csv`, condition: `R ${i % 7} mm`, status: i % 50 ? "ok" : "doubtful",
+        outcome: i % 50 ? "kept" : "without a force", force_N: i % 50 ? 60 + i / 1000 : null, std_N: 1,
+        excluded: "", decision: "", why: "", by: ""});
+      const order = [...Array(5000).keys()].map((i) => `t${i}`);
+      const counts = {n_trials: 5000, n_kept: 4900, n_rejected: 0, n_excluded: 0, n_without_force: 100,
+        status: {ok: 4900, doubtful: 100}};
+      take({campaign: "many", list: "trials.csv", by: "me", slack: false, order, undo: 0, counts,
+        rows: Object.fromEntries(order.map((name, i) => [name, row(i)]))});
+    """)
+
+    def names():
+        return [row.get_attribute("data-trial") for row in driver.find_elements(By.CSS_SELECTOR, ".row")]
+
+    assert text(driver, "n-shown") == "5000 of 5000 shown"
+    assert names()[:3] == ["t0", "t50", "t100"]
+    assert len(names()) < 60
+    driver.execute_script("const list = document.getElementById('list'); list.scrollTop = list.scrollHeight")
+    wait(driver, lambda: names()[-1] == "t4999")
+    assert len(names()) < 60
+    Select(driver.find_element(By.ID, "by-status")).select_by_value("ask")
+    assert text(driver, "n-shown") == "100 of 5000 shown"
+    Select(driver.find_element(By.ID, "by-condition")).select_by_value("R 3 mm")
+    driver.find_element(By.ID, "by-text").send_keys("F4")
+    wanted = [f"t{i}" for i in range(0, 5000, 50) if i % 7 == 3 and f"{i}"[0] == "4"]
+    assert names() == wanted
+    assert text(driver, "n-shown") == f"{len(wanted)} of 5000 shown"
+    assert driver.execute_script("return document.getElementsByTagName('*').length") < 700
+
+
+def test_a_list_changed_by_somebody_else_is_told_and_read_again(page, campaign):
+    path, driver = campaign / "trials.csv", page()
+    path.write_bytes(path.read_bytes().replace(b"# taken in spring", b"# taken in autumn"))
+    press(driver, "a")
+    wait(driver, lambda: driver.find_element(By.ID, "error").is_displayed())
+    assert "RF153: somebody else has changed" in text(driver, "why")
+    assert b"pick_s" not in path.read_bytes()
+    driver.find_element(By.ID, "do-reload").click()
+    wait(driver, lambda: "read again" in text(driver, "said"))
+    press(driver, "a")
+    wait(driver, lambda: text(driver, "status") == "counts")
+    assert path.read_bytes().count(b"# taken in autumn") == path.read_bytes().count(b"1.928") == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_is_cut_off_and_everything_can_be_read(page, width, scheme):
+    driver = page()
+    sizes = {"width": width, "height": 844, "deviceScaleFactor": 1, "mobile": width < 600}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", sizes)
+    features = [{"name": "prefers-color-scheme", "value": scheme}]
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+    try:
+        assert driver.execute_script("return document.documentElement.scrollWidth") <= width
+        low = driver.execute_script(CONTRAST)
+        assert low == []
+        assert driver.execute_script(UNNAMED) == 0
+        # By keys alone: to the list, down, and the trial changes.
+        driver.execute_script("document.getElementById('list').focus()")
+        was = text(driver, "trial")
+        press(driver, Keys.ARROW_DOWN)
+        wait(driver, lambda: text(driver, "trial") != was)
+    finally:
+        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+
+
+UNNAMED = """return [...document.querySelectorAll('button, select, input')]
+  .filter(e => !e.textContent.trim() && !e.labels?.length).length"""
+CONTRAST = """
+  const channel = c => { c /= 255; return c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4; };
+  const light = c => 0.2126 * channel(c[0]) + 0.7152 * channel(c[1]) + 0.0722 * channel(c[2]);
+  const read = text => (text.match(/[\\d.]+/g) || [0, 0, 0, 0]).map(Number);
+  const behind = e => { for (; e; e = e.parentElement) { const c = read(getComputedStyle(e).backgroundColor);
+    if (c.length < 4 || c[3] > 0) return c; } return [255, 255, 255]; };
+  const low = [];
+  for (const e of document.querySelectorAll('body *')) {
+    const says = [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim());
+    if (!says || !e.checkVisibility() || e.closest('button:disabled, option, script')) continue;
+    const [a, b] = [light(read(getComputedStyle(e).color)), light(behind(e))].sort((x, y) => y - x);
+    const ratio = (a + 0.05) / (b + 0.05);
+    if (ratio < 4.5) low.push([e.tagName, e.className, e.textContent.slice(0, 20), ratio]);
+  }
+  return low;
+"""

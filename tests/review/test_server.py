@@ -1,0 +1,173 @@
+"""Only the browser that has the address may ask; nothing it gets is a traceback or comes from elsewhere."""
+
+import http.client
+import json
+import re
+import signal
+import subprocess
+import sys
+from urllib.parse import quote
+
+import pytest
+
+from ropefric.cli.app import main
+from ropefric.review.server import MOST_BYTES, ReviewServer
+
+
+@pytest.fixture
+def ask(served):
+    """Send a request; what is not said is as the page does it."""
+
+    def ask(path, body=None, *, token=served.token, host=None, method=None, raw=None, **headers):
+        host = host or f"127.0.0.1:{served.server_port}"
+        given = {"Host": host, "X-Ropefric-Token": token}
+        if body is not None:
+            given |= {"Origin": f"http://{host}", "Content-Type": "application/json"}
+        given |= {name.replace("_", "-"): value for name, value in headers.items()}
+        given = {name: value for name, value in given.items() if value is not None}
+        line = http.client.HTTPConnection("127.0.0.1", served.server_port, timeout=20)
+        text = raw if raw is not None else None if body is None else json.dumps(body)
+        line.request(method or ("GET" if text is None else "POST"), path, text, given)
+        answer = line.getresponse()
+        content = answer.read().decode()
+        line.close()
+        assert "Traceback" not in content
+        if answer.getheader("Content-Type") == "application/json":
+            content = json.loads(content)
+        return answer.status, content, answer.headers
+
+    return ask
+
+
+def test_the_page_asks_for_nothing_from_elsewhere(ask, served):
+    status, page, headers = ask(f"/?token={quote(served.token)}", token=None)
+    assert status == 200
+    assert not re.findall(r"""(?:https?:)?//[a-z]|\bimport\b|\bsrc=|url\(|@import""", page)
+    policy = headers["Content-Security-Policy"]
+    assert "default-src 'none'" in policy
+    assert "unsafe" not in policy
+    nonce = re.search(r"'nonce-([^']+)'", policy)[1]
+    assert page.count(f'nonce="{nonce}"') == 2
+    assert headers["Referrer-Policy"] == "no-referrer"
+    # The next page has another one.
+    assert nonce not in ask("/")[1]
+
+
+@pytest.mark.parametrize("given", [None, "", "x", "\xfc"])
+def test_whoever_lacks_the_token_gets_nothing(ask, served, given):
+    for path in ("/", "/api/overview", "/api/answer"):
+        status, tree, _ = ask(path, token=given)
+        assert (status, list(tree)) == (403, ["error"])
+    assert ask("/api/undo", {}, token=given)[0] == 403
+    assert ask(f"/api/overview?token={served.token}", token=None)[0] == 200
+
+
+@pytest.mark.parametrize("host", ["evil.example", "evil.example:{port}", "127.0.0.1", "localhost:1"])
+def test_another_name_for_this_address_is_refused(ask, served, host):
+    assert ask("/api/overview", host=host.format(port=served.server_port))[0] == 403
+    assert ask("/api/overview", host=f"localhost:{served.server_port}")[0] == 200
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        ({"Origin": "http://evil.example"}, 403),
+        ({"Origin": "null"}, 403),
+        ({"Origin": None}, 403),
+        ({"Origin": "http://127.0.0.1:1"}, 403),
+        ({"Content-Type": "text/plain"}, 415),
+        ({"Content-Type": None}, 415),
+        ({"Content-Type": "application/x-www-form-urlencoded"}, 415),
+    ],
+)
+def test_another_page_cannot_write(ask, served, headers, status):
+    path = served.review.trial_list
+    before = path.read_bytes()
+    body = {"trial": "c08-r01", "action": "exclude", "text": "torn"}
+    assert (
+        ask("/api/decide", body, **{name.replace("-", "_"): value for name, value in headers.items()})[0]
+        == status
+    )
+    assert path.read_bytes() == before
+    assert ask("/api/decide", method="GET")[0] == 404
+    done, tree, _ = ask("/api/decide", body)
+    assert (done, tree["rows"]["c08-r01"]["excluded"]) == (200, "torn")
+    assert ask("/api/undo", {})[0] == 200
+    assert path.read_bytes() == before
+
+
+def test_requests_that_make_no_sense_are_answered_in_words(ask):
+    for path in (
+        "/api/trial",
+        "/api/curve?trial=c08-r01&columns=x",
+        "/api/preview?trial=c08-r01&pick_s=soon",
+    ):
+        assert ask(path)[0] == 400
+    for path in ("/x", "/api/", "/api/../page.html", "/page.html"):
+        assert ask(path)[0] == 404
+    for raw in ("", "{", "[]", "7", '{"trial": "c08-r01"}', '{"trial": [], "action": "clear"}'):
+        status, tree, _ = ask("/api/decide", {}, raw=raw)
+        assert status in {400, 409}, raw
+        assert tree["error"]["message"]
+    assert ask("/api/decide", {}, raw="x" * (MOST_BYTES + 1))[0] == 413
+    assert ask("/api/decide", {}, raw="{}", Content_Length="-1")[0] == 413
+    status, tree, _ = ask("/api/decide", {"trial": "c99", "action": "clear"})
+    assert (status, tree["error"]["code"]) == (409, "RF120")
+    assert tree["error"]["fix"]
+
+
+def test_a_fault_of_ours_is_told_in_words(ask, served, monkeypatch):
+    monkeypatch.setattr(served.review, "overview", lambda: 1 / 0)
+    status, tree, _ = ask("/api/overview")
+    assert (status, tree["error"]["code"]) == (500, "RF000")
+
+
+def test_data_come_as_json_and_are_kept_nowhere(ask):
+    status, tree, headers = ask("/api/curve?trial=c08-r01&start_s=&stop_s=&columns=200")
+    assert status == 200
+    assert headers["Cache-Control"] == "no-store"
+    assert len(tree["time_s"]) == len(tree["low_N"]) == len(tree["high_N"]) <= 400
+    assert ask("/api/trial?trial=c07-r03")[1]["candidates"][0]["time_s"] == 1.928
+    assert ask("/api/preview?trial=c07-r03&pick_s=1.928")[1]["picked"][0] == pytest.approx(96.41, abs=0.01)
+
+
+def test_a_port_that_is_taken_is_told(served):
+    with pytest.raises(ValueError, match=f"port {served.server_port} cannot be used"):
+        ReviewServer(served.review, served.server_port)
+
+
+def test_the_command_serves_until_it_is_interrupted(campaign):
+    out = campaign / "out"
+    (out / "manifest.json").write_text(
+        json.dumps({"schema": "ropefric.run/1", "campaign": "../campaign.toml", "law": ""})
+    )
+    words = [sys.executable, "-m", "ropefric", "review", str(out), "--no-open", "--by", "A. Meier"]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        address = ""
+        while "token=" not in address:
+            address = process.stderr.readline()
+            assert address
+        port, token = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=(\S+)\n", address).groups()
+        line = http.client.HTTPConnection("127.0.0.1", int(port), timeout=60)
+        headers = {"Origin": f"http://127.0.0.1:{port}", "Content-Type": "application/json"}
+        body = json.dumps({"trial": "c08-r01", "action": "exclude", "text": "torn"})
+        line.request("POST", f"/api/decide?token={token}", body, headers)
+        assert line.getresponse().status == 200
+        line.close()
+        process.send_signal(signal.SIGINT)
+        said, _ = process.communicate(timeout=60)
+    finally:
+        process.kill()
+        process.communicate()
+    assert process.returncode == 0
+    assert said.startswith("1 decision written to ")
+    assert "`ropefric report" in said
+    assert ",torn,A. Meier,20" in (campaign / "trials.csv").read_text()
+
+
+def test_a_folder_that_knows_no_campaign_needs_its_name(campaign, capfd):
+    assert main(["review", str(campaign / "out"), "--no-open"]) == 3
+    assert "--campaign CAMPAIGN.toml" in capfd.readouterr().err
+    assert main(["review", str(campaign / "nowhere"), "--no-open"]) == 3
+    assert "there is no such folder" in capfd.readouterr().err

@@ -1,0 +1,243 @@
+"""A review decides, writes, computes anew; whatever goes wrong, the list is whole."""
+
+import csv
+import gzip
+import io
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ropefric.cli.app import main
+from ropefric.errors import DataError, InputError
+from ropefric.review import session
+from ropefric.review.view import decimated
+
+DOUBTFUL = ("c07-r03", "c08-r06")
+
+
+def rows_of(path):
+    return {row["trial"]: row for row in csv.DictReader(io.StringIO(path.read_text()))}
+
+
+def accept(review, trial):
+    return review.decide(trial, "pick", pick_s=review.trial(trial)["candidates"][0]["time_s"])
+
+
+def test_an_accepted_candidate_counts_and_everything_else_stays(begin, campaign):
+    review, path = begin(), campaign / "trials.csv"
+    before = path.read_text().splitlines()
+    changed = accept(review, "c07-r03")
+    was, now = (changed["change"][key] for key in ("was", "is"))
+    assert (was["outcome"], was["force_N"], now["outcome"]) == ("without a force", None, "kept")
+    assert now["force_N"] == pytest.approx(96.41, abs=0.01)
+    assert now["condition_is"]["n_kept"] == was["condition_was"]["n_kept"] + 1
+    assert now["condition_is"]["mean_N"] != was["condition_was"]["mean_N"]
+    assert set(changed["rows"]) == {"c07-r03"}
+    after = path.read_text().splitlines()
+    assert after[0] == before[0] + ",pick_s,why,by,when"
+    assert after[1] == before[1] == "# taken in spring"
+    signed = ",1.928,review: candidate 1 of 1 accepted,A. Meier,2026-11-22T14:30:00+00:00"
+    assert [new for old, new in zip(before, after, strict=True) if new not in {old, f"{old},,,,"}] == [
+        after[0], next(row for row in before if row.startswith("c07-r03")) + signed,
+    ]  # fmt: skip
+
+
+def test_what_the_page_says_is_what_run_says(begin, settled, campaign, capfd):
+    review = begin(fits=True)
+    first = settled(review)["now"]
+    for trial in DOUBTFUL:  # the second while the first is being fitted
+        accept(review, trial)
+    answer = settled(review)
+    assert answer["before"] == answer["first"] == first
+    said, out = answer["now"], campaign / "fresh"
+    assert said["lift"] != first["lift"]
+    main(["run", str(campaign / "campaign.toml"), "--out", str(out), "--no-figures", "--quiet", "--json"])
+    told = json.loads(capfd.readouterr().out)
+    assert said["law"] == told["law"]
+    found = told["prediction"]
+    assert said["lift"]["force_N"] == pytest.approx(found["lift_force_N"], rel=1e-6)
+    assert [said["lift"]["low_N"], said["lift"]["high_N"]] == pytest.approx(found["interval_N"], rel=1e-6)
+    row = rows_of(out / "trials.csv")["c07-r03"]
+    assert (row["status"], row["kept"], row["decided_by"]) == ("ok", "true", "A. Meier")
+    force_N = review.overview()["rows"]["c07-r03"]["force_N"]
+    assert float(row["peak_N"]) == pytest.approx(force_N, rel=1e-7)
+
+
+def test_exclude_comment_take_back_and_undo(begin, campaign):
+    review, path = begin(), campaign / "trials.csv"
+    contents = [path.read_bytes()]
+    review.decide("c08-r01", "exclude", text="rope, torn")
+    assert review.overview()["rows"]["c08-r01"]["excluded"] == "rope, torn"
+    contents.append(path.read_bytes())
+    review.decide("c08-r02", "comment", text="loud")
+    assert review.overview()["rows"]["c08-r02"]["why"] == "loud"
+    contents.append(path.read_bytes())
+    accept(review, "c08-r06")
+    contents.append(path.read_bytes())
+    changed = review.decide("c08-r06", "clear")
+    assert changed["rows"]["c08-r06"]["outcome"] == "without a force"
+    for content in reversed(contents):
+        review.undo()
+        assert path.read_bytes() == content
+    with pytest.raises(InputError, match="nothing to undo"):
+        review.undo()
+    assert review.n_written == 0
+
+
+def test_a_moved_pick_is_where_the_person_put_it(begin, campaign):
+    review = begin()
+    was = review.trial("c08-r01")["picked"]
+    shown = review.preview("c08-r01", was[2] + 0.0123456789)["picked"]
+    assert (campaign / "trials.csv").read_text().count("pick_s") == 0
+    changed = review.decide("c08-r01", "pick", pick_s=was[2] + 0.0123456789, text="the later one")
+    row = changed["rows"]["c08-r01"]
+    assert [row["force_N"], row["std_N"]] == pytest.approx(shown[:2], rel=1e-9)
+    assert row["why"] == "the later one"
+    assert row["decision"] == f"pick_s = {was[2] + 0.0123456789:.6g} s"
+    # Where the force only rises there is no peak, and nothing is written.
+    content = (campaign / "trials.csv").read_bytes()
+    with pytest.raises(DataError, match="no peak to measure") as refused:
+        review.decide("c08-r01", "pick", pick_s=was[2] - 0.3)
+    assert refused.value.code == "RF244"
+    assert (campaign / "trials.csv").read_bytes() == content
+
+
+def test_a_list_that_somebody_else_changed_is_not_written(begin, campaign):
+    review, path = begin(), campaign / "trials.csv"
+    theirs = path.read_bytes().replace(b"# taken in spring", b"# taken in autumn")
+    path.write_bytes(theirs)
+    with pytest.raises(DataError, match="somebody else") as refused:
+        review.decide("c08-r01", "exclude", text="torn")
+    assert refused.value.code == "RF153"
+    assert path.read_bytes() == theirs
+    assert review.overview()["rows"]["c08-r01"]["excluded"] == ""
+    review.reload()
+    review.decide("c08-r01", "exclude", text="torn")
+    assert b"\n# taken in autumn\n" in path.read_bytes()
+    # An undo would take their change along.
+    theirs = path.read_bytes() + b"# and more\n"
+    path.write_bytes(theirs)
+    with pytest.raises(DataError, match="somebody else"):
+        review.undo()
+    assert path.read_bytes() == theirs
+
+
+def test_only_what_changed_is_extracted_again(begin, campaign, monkeypatch):
+    review, path = begin(), campaign / "trials.csv"
+    extract, asked = session.extract_rows, []
+
+    def extract_rows(campaign, **options):
+        asked.append([row.trial for row in campaign.trials])
+        return extract(campaign, **options)
+
+    monkeypatch.setattr(session, "extract_rows", extract_rows)
+    path.write_bytes(path.read_bytes().replace(b"W30,900,60", b"W30,900,61"))
+    review.reload()
+    review.decide("c08-r01", "exclude", text="torn")
+    review.undo()
+    assert asked == [[f"c11-r0{i}" for i in range(1, 7)], ["c08-r01"], ["c08-r01"]]
+
+
+@pytest.mark.parametrize("what", ["disk", "campaign"])
+def test_a_decision_that_cannot_be_kept_leaves_the_list_as_it_was(begin, campaign, monkeypatch, what):
+    review, path = begin(), campaign / "trials.csv"
+    before, overview = path.read_bytes(), review.overview()["rows"]
+    if what == "disk":
+
+        def refuse(*_, **__):
+            raise DataError("cannot be written: no space left on device", code="RF105")
+
+        monkeypatch.setattr(session, "write_file", refuse)
+    else:  # as the protocol would, where one decision cannot stand for several trials
+        toml = campaign / "campaign.toml"
+        toml.write_text(toml.read_text().replace('name = "breakaway"', 'name = "stick-slip"'))
+    with pytest.raises(DataError, match=r"no space|several trials"):
+        accept(review, "c07-r03")
+    assert path.read_bytes() == before
+    assert review.overview()["rows"] == overview
+
+
+def test_decisions_that_say_nothing_are_refused(begin, campaign):
+    review, before = begin(), (campaign / "trials.csv").read_bytes()
+    for action, options, why in (
+        ("exclude", {"text": " "}, "needs its reason"),
+        ("comment", {}, "empty"),
+        ("pick", {}, "no time"),
+        ("pick", {"pick_s": float("nan")}, "no time"),
+        ("clear", {}, "changes nothing"),
+        ("delete", {}, "no action"),
+    ):
+        with pytest.raises(InputError, match=why):
+            review.decide("c08-r01", action, **options)
+    with pytest.raises(InputError, match="no trial"):
+        review.decide("c99", "clear")
+    assert (campaign / "trials.csv").read_bytes() == before
+
+
+@pytest.mark.parametrize("kind", ["xlsx", "gz"])
+def test_lists_that_are_no_text_are_refused_with_what_to_do(begin, campaign, kind):
+    path, name = campaign / "trials.csv", f"trials.{kind}"
+    if kind == "gz":
+        (campaign / name).write_bytes(gzip.compress(path.read_bytes()))
+    else:
+        openpyxl = pytest.importorskip("openpyxl")
+        book = openpyxl.Workbook()
+        for line in path.read_text().splitlines():
+            book.active.append(line.split(","))
+        book.save(campaign / name)
+    toml = campaign / "campaign.toml"
+    toml.write_text(toml.read_text().replace('"trials.csv"', f'"{name}"'))
+    with pytest.raises(DataError, match=r"workbook|packed") as refused:
+        begin()
+    assert refused.value.code == "RF154"
+    assert "save it as a CSV file" in refused.value.fix
+
+
+@pytest.mark.slow  # a process is started for what may be of harm to this one
+def test_a_recording_that_is_not_there_is_told_and_can_be_excluded(begin, campaign):
+    path = campaign / "trials.csv"
+    path.write_bytes(path.read_bytes() + b"lost,traces/lost.csv.gz,W30,180,60,K1,,,\n")
+    review = begin()
+    assert review.overview()["rows"]["lost"]["status"] == "unreadable"
+    with pytest.raises(DataError, match="no such file"):
+        review.curve("lost", np.nan, np.nan, 100)
+    assert review.decide("lost", "exclude", text="never recorded")["rows"]["lost"]["outcome"] == "excluded"
+
+
+def test_a_curve_of_the_whole_and_of_a_stretch(begin):
+    review = begin()
+    whole = review.curve("c08-r01", np.nan, np.nan, 300)
+    peak = review.trial("c08-r01")
+    at_s = peak["picked"][2]
+    near = review.curve("c08-r01", at_s - 0.05, at_s + 0.05, 1000)
+    assert max(whole["high_N"]) == pytest.approx(max(near["high_N"]), rel=1e-6)
+    assert len(whole["time_s"]) <= 300 < len(near["time_s"]) + 100
+    smoothed = np.interp(at_s, near["time_s"], near["smoothed_N"])
+    assert smoothed == pytest.approx(peak["picked"][0], rel=1e-3)
+
+
+@settings(max_examples=40)
+@given(data=st.data(), n=st.integers(1, 300), columns=st.integers(10, 60))
+def test_decimation_keeps_every_extreme(data, n, columns):
+    random = np.random.default_rng(data.draw(st.integers(0, 2**32 - 1)))
+    time_s = np.cumsum(random.exponential(size=n) + 1e-3)
+    force_N = random.normal(size=n) * 10.0 ** random.integers(-3, 4)
+    start_s, stop_s = sorted(random.uniform(time_s[0], time_s[-1] + 1.0, 2))
+    if data.draw(st.booleans()):
+        start_s = stop_s = np.nan
+    shown = decimated((time_s, force_N, force_N), start_s, stop_s, columns)
+    inside = (time_s >= shown["start_s"]) & (time_s <= shown["stop_s"])
+    assert len(shown["time_s"]) <= 2 * columns + 2
+    assert (np.diff(shown["time_s"]) > 0).all()
+    if inside.any():
+        low, high = force_N[inside].min(), force_N[inside].max()
+        assert min(shown["low_N"]) <= low + 1e-7 * abs(low)
+        assert max(shown["high_N"]) >= high - 1e-7 * abs(high)
+        # And the highest is drawn where it was.
+        width_s = (shown["stop_s"] - shown["start_s"]) / columns
+        of_shown = shown["time_s"][int(np.argmax(shown["high_N"]))]
+        top = np.argmax(np.where(inside, force_N, -np.inf))
+        assert max(shown["high_N"]) > high * (1 + 1e-7) or abs(of_shown - time_s[top]) <= width_s

@@ -8,6 +8,7 @@ begins with the name of: `# file: NAME`.
 """
 
 import contextlib
+import difflib
 import doctest
 import io
 import os
@@ -125,12 +126,14 @@ def _parts(shown):
 
 
 def _begins(line, printed, at):
-    """Return where a part begins that began with this line: there, or at one that begins with the same words."""
+    """Return where a part begins that began with this line: there, or where the same words or most alike ones are."""
     for like in (str, _words):
         for place in range(at, len(printed)):
             if like(printed[place]) == like(line):
                 return place
-    raise AssertionError(f"nothing printed begins like: {line}")
+    alike = difflib.get_close_matches(line, printed[at:], n=1, cutoff=0.7)
+    assert alike, f"nothing printed begins like: {line}"
+    return printed.index(alike[0], at)
 
 
 def _words(line):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import cached_property
-from math import ceil, degrees, isfinite, log10
+from math import ceil, degrees, isclose, isfinite, log10
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from ropefric.files.text import GZIP_MAGIC
 from ropefric.files.write import write_file
 from ropefric.pipeline.run import answer_trials
 from ropefric.review import view
-from ropefric.review.decisions import with_decision
+from ropefric.review.decisions import COLUMNS, with_decision
 from ropefric.traces.breakaway import Status
 from ropefric.traces.readers.excel import READER as EXCEL
 from ropefric.trials.campaign import load_campaign
@@ -35,6 +35,7 @@ FEW = 20
 """Recordings, at most, that are read at once where they were read before."""
 STEADY = 1e-5
 MOST_UNDONE = 100
+_TEXTS = {"exclude": ("exclude", "an exclusion needs its reason"), "comment": ("why", "the comment is empty")}
 HELD_CURVES = 3
 """Recordings that are kept to be drawn again."""
 
@@ -73,13 +74,8 @@ class _State:
     def condition(self, trial: str) -> dict[str, Any]:
         """Return mean, scatter and number of the repeats that a trial is one of."""
         one = next(one for one in self.extraction.conditions if trial in one.trials)
-        numbers = {
-            "mean_N": one.mean_kept_N,
-            "std_N": one.std_kept_N,
-            "n_kept": one.n_kept,
-            "n": one.n_recorded,
-        }
-        return {"name": self._name_of(one), "rejected": list(one.rejected), **rounded_tree(numbers)}
+        numbers: dict[str, Any] = rounded_tree({"mean_N": one.mean_kept_N, "std_N": one.std_kept_N})
+        return numbers | {"n_kept": one.n_kept, "n": one.n_recorded, "rejected": list(one.rejected)}
 
 
 class Review:
@@ -119,7 +115,7 @@ class Review:
         self.lock = threading.RLock()
         self.n_written = 0
         self._curves: dict[tuple[object, ...], view.Curves] = {}
-        self._undo: deque[tuple[bytes, bytes, str]] = deque(maxlen=MOST_UNDONE)
+        self._undo: deque[tuple[bytes, str]] = deque(maxlen=MOST_UNDONE)
         self._state = self._load(None, progress=progress)
         self._change: dict[str, Any] | None = None
         self._number, self._computed = 0, -1
@@ -211,26 +207,26 @@ class Review:
         """
         with self.lock:
             state, spec = self._state, self._spec(trial)
-            signed: dict[str, str | float] = {
+            values: dict[str, str | float] = {
                 "by": self.by,
                 "when": self._now().isoformat(timespec="seconds"),
             }
             if action == "pick":
-                values = {**signed, **self._picked(trial, pick_s, text)}
-            elif action == "exclude":
-                values = {**signed, "exclude": _needed(text, "an exclusion needs its reason")}
-            elif action == "comment":
-                values = {**signed, "why": _needed(text, "the comment is empty")}
+                values |= self._picked(trial, pick_s, text)
+            elif action in _TEXTS:
+                column, otherwise = _TEXTS[action]
+                if not text.strip():
+                    raise InputError(otherwise, code="RF121", fix="say in a few words what was seen")
+                values[column] = text.strip()
             elif action == "clear":
-                cleared = ("pick_s", "peak_N", "peak_std_N", "exclude", "why", "by", "when")
-                values = dict.fromkeys(cleared, "")
+                values = dict.fromkeys((*COLUMNS, "peak_N", "peak_std_N"), "")
             else:
                 raise InputError(f"there is no action {action!r}", key="action", fix="reload the page")
             content = with_decision(state.content, spec.line, values, state.campaign.trial_list.as_posix())
             if content == state.content:
                 raise InputError("this changes nothing in the list", code="RF110", key=trial)
             self._replace(content, trial)
-            self._undo.append((state.content, content, trial))
+            self._undo.append((state.content, trial))
             self.n_written += 1
             return self._changed_since(state, trial)
 
@@ -241,10 +237,10 @@ class Review:
         self.preview(trial, pick_s)  # which refuses a place without a peak
         spec, result = self._spec(trial), self._result(trial)
         events, outline = result.breakaway.candidates, result.outline
-        near = [
-            place for place, event in enumerate(events, 1) if abs(event.time_s - pick_s) < 1e-6 * abs(pick_s)
-        ]
-        said = f"candidate {near[0]} of {len(events)} accepted" if near else "set by hand"
+        near = next(
+            (i for i, event in enumerate(events, 1) if isclose(event.time_s, pick_s, rel_tol=1e-6)), 0
+        )
+        said = f"candidate {near} of {len(events)} accepted" if near else "set by hand"
         own = spec.why if not spec.why.startswith(OWN_WORDS) else ""
         if outline is not None:  # no finger is steadier than this part of the recording
             span_s = float(outline.time_s[-1] - outline.time_s[0])
@@ -257,7 +253,7 @@ class Review:
         with self.lock:
             if not self._undo:
                 raise InputError("there is nothing to undo", code="RF110")
-            state, (before, _, trial) = self._state, self._undo[-1]
+            state, (before, trial) = self._state, self._undo[-1]
             self._replace(before, trial)
             self._undo.pop()
             self.n_written -= 1
@@ -285,6 +281,10 @@ class Review:
 
     def _changed_since(self, state: _State, trial: str) -> dict[str, Any]:
         before, now = state.rows, self._state.rows
+        if before.keys() != now.keys():  # what was one trial has become several
+            self._change = None
+            self._recompute()
+            return self.overview()
         self._change = {
             "trial": trial,
             "was": before[trial] | {"condition_was": state.condition(trial)},
@@ -325,9 +325,8 @@ class Review:
             except RopefricError as error:
                 said = {"error": error.problem.to_dict()}
             except Exception as error:  # noqa: BLE001  (a page that computes for ever says less)
-                said = {
-                    "error": {"code": "RF000", "message": f"internal fault, {type(error).__name__}: {error}"}
-                }
+                words = f"internal fault, {type(error).__name__}: {error}"
+                said = {"error": {"code": "RF000", "message": words}}
             with self.lock:
                 if number == self._number:
                     self._answer, self._computed = said, number
@@ -431,12 +430,6 @@ def _said(state: _State, law: str, progress: Callable[[str, int, int], None]) ->
     rope_m, table = campaign.rope.radius_m, table_of_extraction(state.extraction)
     answer = answer_trials(table, design=campaign.design, rope_radius_m=rope_m, law=law, progress=progress)
     return view.answer_of(answer)
-
-
-def _needed(text: str, otherwise: str) -> str:
-    if not text.strip():
-        raise InputError(otherwise, code="RF121", fix="say in a few words what was seen")
-    return text.strip()
 
 
 def _is_readable(result: TrialResult) -> bool:

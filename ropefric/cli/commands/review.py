@@ -17,6 +17,7 @@ from ropefric.glossary import counted
 with on_first_use():
     from ropefric.files import folder as folders
     from ropefric.pipeline import evidence
+    from ropefric.report import section
     from ropefric.review import server, session
     from ropefric.trials import campaign as campaigns
 
@@ -78,7 +79,8 @@ def review(
     written = counted(reviewed.n_written, "decision")
     more = f"; `ropefric report {folder}` brings the results up to date" if reviewed.n_written else ""
     data = {"trial_list": reviewed.trial_list, "n_decisions": reviewed.n_written, "by": reviewed.by}
-    return Answer(data, f"{written} written to {reviewed.trial_list}{more}")
+    said = f"{written} written to {reviewed.trial_list}{more}"
+    return Answer(data, [section.Section(title="", lines=(said,), verbatim=True)])
 
 
 def _login_name() -> str:

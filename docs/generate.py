@@ -8,7 +8,6 @@ import json
 import typing
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
-from importlib import import_module
 from pathlib import Path
 
 import typer
@@ -20,6 +19,7 @@ from ropefric.cli.app import build_app, find_commands
 from ropefric.errors import RopefricError
 from ropefric.files.toml_model import StrictTable
 from ropefric.friction.laws import LAWS
+from ropefric.papers.paper import PAPERS, read_paper
 from ropefric.plotting import style
 from ropefric.plotting.campaign import conditions_of, draw_condition
 from ropefric.plotting.figure import FigureWithData, drawing
@@ -50,9 +50,7 @@ def everything(folder: Path) -> None:
         "scene-keys.md": scene_keys_page(),
     }
     drawn = dict(figures())
-    if "paper" in find_commands():
-        for name in ("prth", "press", "saw"):
-            pages[f"paper-{name}.md"] = paper_page(name, drawn)
+    pages |= {f"paper-{name}.md": paper_page(name, drawn) for name in PAPERS}
     # A piece of a page becomes a file of its own.
     namespace = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
     pictures = {
@@ -60,6 +58,8 @@ def everything(folder: Path) -> None:
         for stem, figure in drawn.items()
     }
     folder.mkdir(exist_ok=True)
+    for old in {path.name for path in folder.iterdir()} - pages.keys() - pictures.keys():
+        (folder / old).unlink()
     for name, text in (pages | pictures).items():
         path = folder / name
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
@@ -212,7 +212,7 @@ def _results(names: Iterable[str]) -> list[type]:
 
 def paper_page(name: str, drawn: dict[str, FigureWithData]) -> str:
     """Return the page of every number of a paper beside the printed one; its figures are added to those drawn."""
-    found = import_module("ropefric.papers.paper").read_paper(name)
+    found = read_paper(name)
     first, *items = found.parts()
     parts = [
         f"# {first.title}: every number\n",
@@ -254,8 +254,8 @@ def registered_page() -> str:
         _table("Friction laws", ("name", "equation", "parameters", "source"), law_rows),
         _table(
             "File formats",
-            ("name", "endings"),
-            [(f"`{one.name}`", ", ".join(one.suffixes)) for one in READERS.values()],
+            ("name", "what", "endings"),
+            [(f"`{one.name}`", one.description, ", ".join(one.suffixes)) for one in READERS.values()],
         ),
         _described("Protocols", PROTOCOLS),
         _described("Rejection rules", RULES),

@@ -52,7 +52,7 @@ from ropefric.trials.conditions import Repeatability, summarise
 from ropefric.trials.extract import extract_campaign
 from ropefric.trials.recording import blocks_of, tared_trace
 from ropefric.trials.result import Extraction
-from ropefric.trials.table import TrialTable, read_trial_table, table_of_extraction
+from ropefric.trials.table import TrialTable, table_of_extraction
 from ropefric.uncertainty.budget import Statement
 
 if TYPE_CHECKING:
@@ -311,13 +311,16 @@ def trial_table(trials: Trials, *, columns: Columns = None) -> TrialTable:
     >>> found.to_frame()["peak_N"].tolist(), found.wheel_radius_m.tolist()
     ([70.0, 71.0], [0.04, 0.04])
     """
-    if isinstance(trials, TrialTable):
-        return trials
-    if isinstance(trials, Extraction):
-        return table_of_extraction(trials)
-    if isinstance(trials, str | os.PathLike):
-        return read_trial_table(trials)
-    if isinstance(trials, Mapping) or hasattr(trials, "columns") or hasattr(trials, "dtype"):
+    if isinstance(trials, TrialTable | Extraction):
+        if columns is not None:
+            text = f"the columns of a {type(trials).__name__} have their names"
+            raise InputError(text, key="columns", fix="leave columns out")
+        return trials if isinstance(trials, TrialTable) else table_of_extraction(trials)
+    if (
+        isinstance(trials, str | os.PathLike | Mapping)
+        or hasattr(trials, "columns")
+        or hasattr(trials, "dtype")
+    ):
         return as_table(trials, columns)
     raise InputError(
         f"{type(trials).__name__} is no trial table",

@@ -146,7 +146,7 @@ def cluster(address: str, n_workers: int = 0) -> Iterator["Executor | None"]:
         if address == "local":
             import_module("dask").config.set({"distributed.nanny.pre-spawn-environ": _ONE_THREAD})
             local = distributed.LocalCluster(
-                n_workers=max(2, n_workers or usable_cores()), threads_per_worker=1, dashboard_address=None
+                n_workers=max(2, n_workers or usable_cores()), threads_per_worker=1, dashboard_address=":0"
             )
             address = stack.enter_context(local)
         try:

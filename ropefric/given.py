@@ -15,7 +15,7 @@ from ropefric.registry import did_you_mean
 from ropefric.traces.readers.table import SAFE_NAMES
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials import cells
-from ropefric.trials.table import QUANTITIES, TrialTable, table_from_frame
+from ropefric.trials.table import QUANTITIES, TrialTable, read_trial_table, table_from_frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -136,8 +136,14 @@ def _has_units(values: Any) -> bool:
 
 
 def as_table(table: Any, columns: Columns = None) -> TrialTable:
-    """Return the trial table of what `as_frame` takes."""
-    found = table_from_frame(as_frame(table, columns))
+    """Return the trial table of a file, or of what `as_frame` takes."""
+    if isinstance(table, str | os.PathLike):
+        if columns is not None and not isinstance(columns, Mapping):
+            text = "the columns of a file have names, so new ones are given by the old ones"
+            raise InputError(text, key="columns", fix='write {"F [N]": "peak_N"}')
+        found = read_trial_table(table, columns)
+    else:
+        found = table_from_frame(as_frame(table, columns))
     warn_of_odd({name: getattr(found, name)[found.used] for name in _ODD})
     return found
 

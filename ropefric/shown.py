@@ -32,7 +32,7 @@ class Shown:
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        cls.__repr__ = Shown.__repr__  # type: ignore[method-assign]  # a dataclass would write its own
+        cls.__repr__ = cls.__str__ = Shown.__repr__  # type: ignore[method-assign,assignment]  # others would write their own
 
     def __repr__(self) -> str:
         rows = [(name, text) for name, text in _rows(self) if text]

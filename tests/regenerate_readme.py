@@ -149,7 +149,7 @@ def uncertainty_block() -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.0f} %" if math.isfinite(share) else "–"
+    return f"{100 * share:.0f}\N{NO-BREAK SPACE}%" if math.isfinite(share) else "–"
 
 
 def _script(name: str, *parts: str) -> ModuleType:

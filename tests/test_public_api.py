@@ -245,7 +245,7 @@ def test_tests_are_planned_from_a_fit():
         rf.plan_tests(guessed, **rig, **wanted)
 
 
-def test_tables_of_any_form_with_names_and_units_of_ones_own():
+def test_tables_of_any_form_with_names_and_units_of_ones_own(tmp_path):
     """A frame with a lab's headers, columns by name, an array and quantities all give the same trials."""
     pint = pytest.importorskip("pint")
     unit = pint.UnitRegistry()
@@ -277,6 +277,15 @@ def test_tables_of_any_form_with_names_and_units_of_ones_own():
     )
     with pytest.raises(UnknownNameError, match=r"no column 'F \[KN\]'.*did you mean 'F \[kN\]'"):
         rf.trial_table(lab, columns={"F [KN]": "peak_kN"})
+    path = tmp_path / "lab.csv"
+    lab.to_csv(path, index=False)
+    np.testing.assert_allclose(rf.trial_table(path, columns=names).peak_N, forces, rtol=1e-14)
+    with pytest.raises(UnknownNameError, match="no column 'F'"):
+        rf.trial_table(path, columns={"F": "peak_kN"})
+    with pytest.raises(InputError, match="a file have names"):
+        rf.trial_table(path, columns=heads)
+    with pytest.raises(InputError, match="columns of a TrialTable"):
+        rf.trial_table(tables[0], columns=names)
     with pytest.raises(InputError, match="cannot be given in N"):
         rf.trial_table(columns | {"peak": unit.Quantity(forces, "m")})
     with pytest.raises(InputError, match="this is no table"):

@@ -28,6 +28,8 @@ MADE = {
     "design": lambda: rf.design(COUPLED, lift_N=900.0, wheel_radius_m=[0.03, 0.04], end_tension_N=80.0),
     "budget": lambda: rf.budget(COUPLED, **WHEEL, draws=20_000),
     "export": lambda: rf.friction_table(COUPLED, wheel_radius_m=["20 mm", "40 mm"]),
+    "campaign": lambda: rf.load_campaign(ROOT / "data" / "prth-bench" / "campaign.toml"),
+    "scene": lambda: rf.load_scene(HOIST),
     "series": lambda: rf.reject([7.18, 7.64, 8.00, 7.40, 9.14, 7.82]),
     "smoothed": lambda: rf.smooth({"time_s": time_s, "force_N": force_N}, 0.01),
     "solution": lambda: rf.solve(HOIST),
@@ -46,6 +48,7 @@ def test_a_result_shows_itself_in_every_form(name):
 
     result = MADE[name]()
     lines = repr(result).splitlines()
+    assert str(result) == repr(result)
     assert lines[0] == type(result).__name__
     assert 2 < len(lines) <= 12
     assert max(map(len, lines)) < 120
@@ -54,7 +57,11 @@ def test_a_result_shows_itself_in_every_form(name):
     frame = result.to_frame()
     assert isinstance(frame, pd.DataFrame)
     assert len(frame) >= 1
-    assert isinstance(result.plot(), Figure)
+    if name in {"campaign", "scene"}:
+        with pytest.raises(rf.RopefricError, match="there is no figure of"):
+            result.plot()
+    else:
+        assert isinstance(result.plot(), Figure)
 
 
 def test_everything_the_interface_returns_does():

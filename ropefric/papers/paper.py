@@ -116,6 +116,7 @@ class Paper:
     scene: str
     machine: Callable[[Given], Any]
     of: str = "the published machine"
+    beside: str = ""
     items: tuple[Item, ...]
     notes: tuple[str, ...] = ()
 
@@ -165,7 +166,7 @@ class Reading:
         lines = (
             self.paper.source,
             f"for {self.of}",
-            *([f"{said}; the others have a remark"] if self.printed else []),
+            *([said + "; the others have a remark" * (agree < len(self.printed))] if self.printed else []),
         )
         yield Part(self.paper.title, lines=lines, notes=self.paper.notes)
         for item, rows in self.rows:
@@ -258,8 +259,10 @@ def read_paper(
     machine = paper.machine(case)
     rows = tuple((item, tuple(_of(case, item.rows(machine)))) for item in paper.items)
     whose = paper.of if scene is None else str(scene)
-    named = [whose, *([f"the fit {fit}"] if fit else []), *([trials.source] if trials is not None else [])]
-    return Reading(name=name, paper=paper, of=", ".join(named), machine=machine, rows=rows)
+    with_fit, beside = (f"the fit {fit}" if fit else ""), (trials.source if trials is not None else "")
+    own = paper.beside if scene is None and not with_fit and not beside else ""
+    of = "; ".join(filter(None, (whose, with_fit, beside, own)))
+    return Reading(name=name, paper=paper, of=of, machine=machine, rows=rows)
 
 
 def _of(given: Given, rows: Iterable[Row]) -> Iterator[Row]:

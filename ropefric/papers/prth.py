@@ -414,7 +414,8 @@ PAPER = Paper(
     system="hoist",
     scene="climbing-hoist",
     machine=_machine,
-    of="the climbing hoist and the simulated trials that ropefric brings along",
+    of="the climbing hoist that ropefric brings along",
+    beside="the conditions its fit rests on, simulated",
     items=(
         Item(number="(1), Fig. 1", says="the element with its mass, and the slip angle θ of the wrap φ", where="1",
             rows=_figure_1, charts=_chart_1),
@@ -467,5 +468,6 @@ def reduction_of(trials: TrialTable) -> tuple[list[Part], list[Shown]]:
     if not found.reduction.series:
         return [], []
     rows = {item: tuple(item.rows(found)) for item in PAPER.items[3:-1]}
-    charts = [one for item in rows for one in item.charts(found)]
+    # A report shows the coefficients over each setting, of all conditions, anyway.
+    charts = [one for item in rows for one in item.charts(found) if not one.stem.endswith(_MU[0])]
     return [part_of(item, some) for item, some in rows.items() if some], charts

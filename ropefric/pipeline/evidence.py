@@ -23,6 +23,7 @@ from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions, distinct
 from ropefric.pipeline.run import CampaignAnswer, CampaignRun
+from ropefric.plugins import provenance
 from ropefric.trials.outliers import RULES
 from ropefric.uncertainty.budget import LinearBudget, Statement, linear_budget, state_uncertainty
 
@@ -255,6 +256,8 @@ def trace_provenance(run: CampaignRun, evidence: Evidence) -> dict[str, Any]:
     """
     campaign, law = run.campaign, run.answer.forced_law
     words = ["ropefric", "run", campaign.path.name, "--out", "out", *(("--law", law) if law else ())]
+    named_here = [one["file"] for one in provenance() if one["file"] not in campaign.plugins]
+    words += [word for file in named_here for word in ("--plugin", file)]
     recordings: dict[str, str] = {}
     for trial in run.extraction.trials:
         recordings.setdefault(trial.file, trial.sha256)
@@ -330,6 +333,9 @@ def recorded_run(folder: Path) -> tuple[Path, str]:
     known = isinstance(tree, dict) and tree.get("schema") == SCHEMA
     if not known or not all(isinstance(tree.get(key), str) for key in ("campaign", "law")):
         raise DataError(
-            f"this is no {SCHEMA}", code="RF101", path=path.as_posix(), fix="give the campaign itself"
+            f"this is no {SCHEMA}",
+            code="RF101",
+            path=path.as_posix(),
+            fix="give the campaign or the table itself",
         )
     return Path(os.path.normpath(folder / tree["campaign"])), tree["law"]

@@ -19,6 +19,7 @@ from ropefric.plotting.recordings import draw_recording, draw_recordings, pages_
 from ropefric.plotting.svg import svg_text
 from ropefric.report.front import Subject
 from ropefric.report.page import Picture
+from ropefric.traces.breakaway import Breakaway
 from ropefric.trials.result import Extraction, TrialResult
 
 FOLDER = "figures"
@@ -88,13 +89,20 @@ def _of_front(answer: CampaignAnswer, extraction: Extraction | None, evidence: E
 
 
 def typical_trial(extraction: Extraction, number: int) -> TrialResult | None:
-    """Return the kept trial of a condition, or of the first that has one, whose force is closest to their mean."""
+    """Return the kept trial of a condition, or of the first that has one, whose force is closest to their mean.
+
+    One with bumps, spikes or hum is typical only where all have them.
+    """
     by_name = {trial.trial: trial for trial in extraction.trials}
     for item in (*extraction.conditions[max(number - 1, 0) : number], *extraction.conditions):
         kept = [by_name[name] for name in item.trials if by_name[name].kept and by_name[name].outline]
         if kept:
-            return min(kept, key=lambda trial: abs(trial.measured_N - item.mean_kept_N))
+            return min(kept, key=lambda t: (_has_more(t.breakaway), abs(t.measured_N - item.mean_kept_N)))
     return None
+
+
+def _has_more(found: Breakaway) -> bool:
+    return bool(found.events or found.notes)
 
 
 def _swept(answer: CampaignAnswer) -> list[str]:

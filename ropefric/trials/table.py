@@ -285,16 +285,22 @@ class TrialTable(Shown):
         return pd.DataFrame(data | {"kept": self.kept, "status": list(self.status)})
 
 
-def read_trial_table(path: str | os.PathLike[str]) -> TrialTable:
+def read_trial_table(path: str | os.PathLike[str], columns: Mapping[str, str] | None = None) -> TrialTable:
     r"""Return the trial table of a CSV file: what an extraction writes, or a table of one's own.
 
     The header names each column with its unit: `wheel_radius_mm`, `rope_diameter_mm`, `wrap_angle_deg`,
     `end_tension_N` (or `end_mass_kg`), `peak_N` (or `lift_force_kN`); optional `trial`, `kept`, `status`,
     `peak_std_N`, `end_tension_std_N`, `wrap_angle_std_deg`, `wheel_radius_std_mm`; `rope_id`, `wheel`, `operator`,
     `dwell_s` and `order`, by which a diagnosis tells trials into groups. Other columns are passed over.
-    Separators ";", tab and "," and decimal commas are found out.
+    Separators ";", tab and "," and decimal commas are found out. `columns` gives headers new names.
     """
-    return _table(*cells.read_cells(path))
+    table, problems = cells.read_cells(path)
+    for name in columns or ():
+        if name not in table.header:
+            text, fix = f"there is no column {name!r} to be renamed", did_you_mean(name, table.header)
+            raise UnknownNameError(text, path=table.path, key="columns", fix=fix)
+    header = tuple((columns or {}).get(name, name) for name in table.header)
+    return _table(replace(table, header=header), problems)
 
 
 def table_from_frame(frame: "pd.DataFrame") -> TrialTable:

@@ -10,7 +10,9 @@ import pytest
 import sessions
 
 import ropefric
+from ropefric.accuracy.studies import STUDIES
 from ropefric.cli.app import build_app
+from ropefric.traces import decision
 
 ROOT = sessions.ROOT
 PAGES = [*sessions.PAGES, ROOT / "CONTRIBUTING.md", ROOT / "CODE_OF_CONDUCT.md"]
@@ -122,6 +124,15 @@ def test_samples_are_what_their_script_writes():
     assert len(made) == 24
     for path, content in made.items():
         assert path.read_bytes() == content, f"{path}: run python docs/samples/make.py"
+
+
+def test_f_a_is_defined_once():
+    """In the words of the picker, of the studies that judge it, and of the page that explains it."""
+    words = "the onset of macroscopic slip"
+    page = " ".join((ROOT / "docs" / "concepts.md").read_text(encoding="utf-8").split())
+    assert page.count(f"F_A is the largest force between {words}") == 1
+    assert f"between {words} and its first fall" in STUDIES["picks"].reference
+    assert f"the largest force from {words} to its first fall" in " ".join(decision.__doc__.split())
 
 
 def test_one_version():

@@ -81,6 +81,11 @@ def test_a_failing_command_says_so(page):
             sessions.run_page(page(silent))
 
 
+def test_what_waits_for_a_browser_is_left_as_it_stands(page):
+    waits = "```console\n$ ropefric review out\nhttp://127.0.0.1:1/\n```\n"
+    assert sessions.run_page(page(waits), anew=True) == waits
+
+
 def test_only_our_own_program_is_run(page):
     with pytest.raises(AssertionError, match="not a command"):
         sessions.run_page(page("```console\n$ rm -rf x\n```\n"))

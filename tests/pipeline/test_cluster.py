@@ -33,7 +33,7 @@ BENCH = ROOT / "data" / "prth-bench"
 def client():
     """Two processes behind a scheduler, reached by its address as a remote one would be."""
     with (
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as local,
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as local,
         Client(local) as one,
     ):
         yield one

@@ -1,6 +1,7 @@
 """Small multiples and single recordings: nothing is lost of a recording, a page stays small, laws keep their colour."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from matplotlib.colors import to_hex
 from ropefric.fitting.compare import compare_laws
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.plotting.design import draw_ladder
+from ropefric.plotting.figure import figure_files, localize
 from ropefric.plotting.fits import draw_capstan, draw_corner, draw_fit_band, draw_mu_facets
 from ropefric.plotting.recordings import MOST, _in_cell, draw_recording, draw_recordings, pages_of_recordings
 from ropefric.plotting.style import law_look
@@ -46,7 +48,8 @@ def test_the_pick_stands_on_the_curve(trial):
 
 
 def test_a_campaign_of_thousands_stays_a_page(trial):
-    many = [trial(f"t{i:04d}") for i in range(3000)]
+    one = trial("t")
+    many = [replace(one, trial=f"t{i:04d}") for i in range(3000)]
     many[2900] = replace(many[2900], excluded="by hand")
     pages = list(pages_of_recordings(many))
     assert sum(map(len, pages)) == MOST
@@ -117,13 +120,34 @@ def numbers(axis):
     return {tick.label1.get_text() for tick in ticks if low <= tick.get_loc() <= high} - {""}
 
 
-@pytest.mark.parametrize("over", ["wrap_angle_rad", "end_tension_N", "wheel_radius_m"])
-@pytest.mark.parametrize("narrow", [False, True])
+@pytest.mark.parametrize(("over", "narrow"), [("wheel_radius_m", False), ("wrap_angle_rad", True)])
 def test_every_axis_has_numbers_however_short_it_is(comparison, over, narrow):
-    for entry in comparison.ranking:
-        for axes in draw_fit_band(entry.fit, over=over, narrow=narrow).figure.axes:
-            assert len(numbers(axes.yaxis)) >= 2
-        assert len(numbers(axes.xaxis)) >= 2  # the lowest panel's
+    panels = draw_fit_band(comparison.ranking[0].fit, over=over, narrow=narrow).figure.axes
+    for axes in panels:
+        assert len(numbers(axes.yaxis)) >= 2
+    assert len(numbers(panels[-1].xaxis)) >= 2
+
+
+def test_pictures_in_every_format_are_the_same_each_time(trial):
+    first, second = (
+        figure_files(draw_recording(trial("a", 88.25)), "f", formats=("svg", "pdf")) for _ in "ab"
+    )
+    assert first == second
+    assert first["f.svg"].startswith(b"<?xml")
+    assert first["f.pdf"].startswith(b"%PDF")
+    assert b"Date" not in first["f.svg"] + first["f.pdf"]
+
+
+def test_axes_and_words_are_german_where_that_is_asked_for(comparison):
+    drawn = draw_fit_band(comparison.ranking[0].fit, narrow=True)
+    before = {*numbers(drawn.figure.axes[0].xaxis)}
+    localize(drawn.figure, "de")
+    axes = drawn.figure.axes[0]
+    axes.set_ylim(100.5, 101.5)
+    shown = numbers(axes.xaxis) | numbers(axes.yaxis) | {text.get_text() for text in axes.texts}
+    assert any("," in text for text in shown)
+    assert not any(re.search(r"\d\.\d", text) for text in shown)
+    assert {text.replace(",", ".") for text in numbers(axes.xaxis)} == before
 
 
 def test_the_ellipses_of_a_corner_are_those_of_the_covariance(comparison):

@@ -1,18 +1,24 @@
 """What is handed over: the first pages, numbers as a language writes them, PDF, figures as files, a table's report."""
 
 import csv
+import datetime as dt
 import html
 import json
+import math
 import re
 import shutil
 from dataclasses import replace
 
+import pandas as pd
 import pytest
 
 from ropefric.cli.app import main
 from ropefric.files.plain_text import localized
 from ropefric.report import pdf
+from ropefric.report.campaign import write_report
+from ropefric.report.front import Wish
 from ropefric.report.pictures import typical_trial
+from ropefric.trials.campaign_model import ReportWords
 
 WORDS = """
 [report]
@@ -35,7 +41,7 @@ def five(tmp_path_factory):
     assert main(words) == 0
     campaign = folder / "c" / "campaign.toml"
     campaign.write_text(campaign.read_text(encoding="utf-8") + WORDS, encoding="utf-8")
-    words = ["report", str(campaign), "--out", str(folder / "out"), "--figure-files", "svg,pdf", "--quiet"]
+    words = ["report", str(campaign), "--out", str(folder / "out"), "--figure-files", "svg", "--quiet"]
     assert main(words) == 4
     return folder
 
@@ -51,6 +57,7 @@ def seen(page):
     return " ".join(html.unescape(re.sub(r"<[^>]+>", " ", page)).split())
 
 
+@pytest.mark.slow
 def test_the_first_page_says_what_is_given_and_nothing_else(handed, page):
     first = handed[: handed.index('<section id="warnings"')]
     for said in (
@@ -65,6 +72,22 @@ def test_the_first_page_says_what_is_given_and_nothing_else(handed, page):
         assert f"<dt>{label}</dt>" not in page
 
 
+def test_what_is_given_is_said_in_german_and_nothing_is_made_up(run, page, tmp_path):
+    given = ReportWords(customer="Hoists & Ropes", date=dt.date(2026, 1, 20), language="de")
+    told = replace(run, campaign=run.campaign.model_copy(update={"report": given}))
+    write_report(told, tmp_path, Wish(figures=False))
+    handed = (tmp_path / "report.html").read_text(encoding="utf-8")
+    for said in ("<dt>Customer</dt><dd>Hoists &amp; Ropes</dd>", "<dt>Date</dt><dd>20.01.2026</dd>"):
+        assert said in handed
+    lift_N = run.answer.prediction.lift_force_N[0]
+    assert f'<dd class="value">{f"{lift_N:.5g}".replace(".", ",")} N</dd>' in handed
+    assert not re.search(r"<td>[^<]*\d\.\d", handed[: handed.index('<section id="provenance"')])
+    for label in ("Laboratory", "Operator", "Question"):
+        assert f"<dt>{label}</dt>" not in handed
+    assert "<dt>Customer</dt>" not in page
+
+
+@pytest.mark.slow
 def test_numbers_and_dates_are_german_where_that_is_asked_for(five, handed):
     words = seen(handed[: handed.index('<section id="provenance"')])
     assert re.findall(r"(?<![§\w.])\d+\.\d+(?!\.?\w)", words) == []
@@ -77,6 +100,7 @@ def test_numbers_and_dates_are_german_where_that_is_asked_for(five, handed):
         float(next(csv.DictReader(stream))["lift_force_N"])  # programs go on reading points
 
 
+@pytest.mark.slow
 def test_english_asked_for_by_option_wins(five, tmp_path):
     shutil.copytree(five / "out", tmp_path / "out")
     shutil.copytree(five / "c", tmp_path / "c")
@@ -106,19 +130,15 @@ def test_only_numbers_and_dates_change(text, expected):
     assert localized(text, "en") == text
 
 
-def test_figures_stand_beside_it_as_files_alike_each_time(five, tmp_path):
-    written = {path.name: path.read_bytes() for path in (five / "out" / "figures").iterdir()}
-    assert {"law.svg", "law.pdf", "typical_recording.svg", "residuals.pdf"} <= written.keys()
-    assert "law.png" not in written
-    words = ["report", str(five / "c"), "--out", str(tmp_path), "--figure-files", "svg,pdf", "--quiet"]
-    assert main(words) == 4
-    again = {path.name: path.read_bytes() for path in (tmp_path / "figures").iterdir()}
-    assert again == written
-    assert written["law.svg"].startswith(b"<?xml")
-    assert written["law.pdf"].startswith(b"%PDF")
-    assert b"Date" not in written["law.pdf"] + written["law.svg"]
+@pytest.mark.slow
+def test_figures_stand_beside_it_as_files(five, handed):
+    written = {path.name for path in (five / "out" / "figures").iterdir()}
+    assert {"law.svg", "typical_recording.svg", "residuals.svg"} <= written
+    assert not {"law.png", "law.pdf"} & written
+    assert "<code>figures/law.svg</code>" in handed
 
 
+@pytest.mark.slow
 def test_it_is_printed_short_with_page_numbers_alike_each_time(five, handed):
     try:
         pdf.find_browser()
@@ -130,15 +150,15 @@ def test_it_is_printed_short_with_page_numbers_alike_each_time(five, handed):
     assert pdf.pdf_of(handed) == printed
 
 
-def test_without_a_browser_it_is_said_what_to_do(five, monkeypatch, capfd):
+def test_without_a_browser_it_is_said_what_to_do(run, results, monkeypatch, capfd):
     monkeypatch.setenv("PATH", "")
     monkeypatch.setattr(pdf, "_PLACES", ())
-    assert main(["report", str(five / "out"), "--pdf"]) == 3
+    assert main(["report", str(results), "--pdf"]) == 3
     said = capfd.readouterr().err
     assert "no Chromium, Chrome or Edge was found" in said
     assert pdf.BROWSER in said
     monkeypatch.setenv(pdf.BROWSER, "/nowhere/chrome")
-    assert main(["report", str(five / "out"), "--pdf"]) == 3
+    assert main(["report", str(results), "--pdf"]) == 3
     assert "'/nowhere/chrome', which is no program" in capfd.readouterr().err
 
 
@@ -148,6 +168,7 @@ def test_a_browser_that_prints_nothing_is_said(monkeypatch):
         pdf.pdf_of("<p>page</p>")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".csv", ".xlsx"])
 def test_a_table_of_forces_has_a_report_without_recordings(run, tmp_path, suffix):
     kept = run.answer.table.to_frame()
@@ -173,19 +194,26 @@ def test_a_table_of_forces_has_a_report_without_recordings(run, tmp_path, suffix
     assert ("<svg" in page) == (suffix == ".csv")
 
 
-def test_a_table_without_a_file_beside_it_has_a_law_alone(tmp_path):
+def test_a_sheet_of_forces_has_a_law_and_a_first_page(tmp_path):
+    """Without a wheel to predict; what is said beside it is looked for in the file that is named."""
+    header = ["wheel_radius_mm", "rope_diameter_mm", "wrap_angle_deg", "end_tension_N", "peak_N"]
     rows = [
-        f"0.03,0.005,{wrap},20,{20 * 2.718281828 ** (0.15 * wrap) * (1 + off):.6g}"
-        for wrap in (2.0, 4.0, 6.0, 8.0, 10.0)
+        (30, 10, wrap, 20, 20 * math.exp(0.15 * math.radians(wrap)) * (1 + off))
+        for wrap in (180, 360, 540, 720)
         for off in (-0.01, 0.0, 0.01)
     ]
-    header = "wheel_radius_m,rope_radius_m,wrap_angle_rad,end_tension_N,peak_N"
-    (tmp_path / "t.csv").write_text("\n".join([header, *rows]), encoding="utf-8")
-    words = ["report", str(tmp_path / "t.csv"), "--out", str(tmp_path / "o"), "--quiet", "--no-figures"]
-    assert main(words) in {0, 4}
+    table, about = tmp_path / "t.xlsx", tmp_path / "about.toml"
+    pd.DataFrame(rows, columns=header).to_excel(table, index=False)
+    about.write_text('[report]\noperator = "A. Smith"\n', encoding="utf-8")
+    words = ["report", str(table), "--out", str(tmp_path / "o"), "--quiet", "--no-figures"]
+    assert main([*words, "--about", str(about)]) in {0, 4}
     page = (tmp_path / "o" / "report.html").read_text(encoding="utf-8")
     assert "Lift force of the design" not in page
-    assert "15 trials of 5 conditions" in page
+    assert "12 trials of 4 conditions" in page
+    assert "<dt>Operator</dt><dd>A. Smith</dd>" in page
+    assert not {"trials", "recordings"} & {*re.findall(r'<section id="(\w+)"', page)}
+    about.write_text('[report]\noperater = "A. Smith"\n', encoding="utf-8")
+    assert main([*words, "--about", str(about)]) == 3
     assert main(["report", str(tmp_path / "missing.csv"), "--out", str(tmp_path / "p")]) == 3
 
 

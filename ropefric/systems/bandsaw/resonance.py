@@ -52,13 +52,22 @@ def fixed_frequency(name: str, frequency_Hz: float, harmonics: tuple[int, ...] =
 _MOST_NODES = 128
 _SAFE = 0.1
 _FINE = 1e-10
-"""Accuracy at the ends of a range, where a yes or no depends on it, and if no other is asked for."""
+"""Accuracy at the ends of a range, and if no other is asked for."""
 
 
 def modes_over(
-    saw: Saw, side: Side, n_modes: int, what: str, *, ends: tuple[float, float], accuracy: float = _FINE
+    saw: Saw,
+    side: Side,
+    n_modes: int,
+    what: str,
+    *,
+    ends: tuple[float, float],
+    accuracy: float = _FINE,
+    at_ends_Hz: FloatArray | None = None,
 ) -> Callable[[FloatArray], FloatArray]:
     """Return the frequencies as a function of "speed_m_s" or "preload_N" between two ends, shape (m, n_modes) [Hz].
+
+    At the ends themselves, where a yes or no depends on them, they have ten digits; they may be known.
 
     A string's have a closed form. For a beam f² is a smooth function of v² and of F_0, up to the critical speed and
     through it, so it is interpolated at Chebyshev's points; their number is doubled until that changes nothing.
@@ -80,7 +89,9 @@ def modes_over(
         shares = 0.5 - 0.5 * np.cos(np.pi * np.asarray(step))
         return np.asarray(np.clip((low + (high - low) * shares) ** (1.0 / power), *ends))
 
-    table = exact(place(np.arange(count + 1) / count), 0.1 * accuracy) ** 2
+    if at_ends_Hz is None:
+        at_ends_Hz = exact(np.array(ends), min(accuracy, _FINE))
+    table = np.insert(at_ends_Hz, 1, exact(place(0.5), 0.1 * accuracy), axis=0) ** 2
     while count < _MOST_NODES:
         between = (np.arange(count) + 0.5) / count
         new = exact(place(between), 0.1 * accuracy) ** 2
@@ -165,7 +176,13 @@ def find_crossings(
     constant_Hz, per_metre = np.array([(h * one.constant_Hz, h * one.per_metre) for one, h, _ in pairs]).T
 
     curve = modes_over(
-        saw, side, int(modes.max()), "speed_m_s", ends=(float(ends[0]), float(ends[1])), accuracy=accuracy
+        saw,
+        side,
+        int(modes.max()),
+        "speed_m_s",
+        ends=(float(ends[0]), float(ends[1])),
+        accuracy=accuracy,
+        at_ends_Hz=of_modes[:, : modes.max()],
     )
 
     def above_Hz(speed: FloatArray, cases: IntArray) -> FloatArray:
@@ -313,10 +330,8 @@ def recommend_preload(
     }
     intervals = [
         interval
-        for side, curve in curves.items()
-        for interval in _forbidden(
-            saw, side, curve, excitations, margin=margin, range_N=range_N, n_modes=n_modes
-        )
+        for curve in curves.values()
+        for interval in _forbidden(saw, curve, excitations, margin=margin, range_N=range_N, n_modes=n_modes)
     ]
     present_N = min(max(saw.preload_N, low_N), high_N)
     starts_N, stops_N = (np.array([one[end] for one in intervals]) for end in (0, 1))
@@ -387,7 +402,6 @@ def _excited_Hz(saw: Saw, excitations: tuple[Excitation, ...]) -> FloatArray:
 
 def _forbidden(
     saw: Saw,
-    side: Side,
     curve: Callable[[FloatArray], FloatArray],
     excitations: tuple[Excitation, ...],
     *,
@@ -395,8 +409,8 @@ def _forbidden(
     range_N: tuple[float, float],
     n_modes: int,
 ) -> list[tuple[float, float]]:
-    """Return the intervals of preload that the modes of one side forbid, cut to the range."""
-    slowest, fastest = frequencies_Hz(saw, side, n_modes, preload_N=range_N)
+    """Return the intervals of preload that the modes of one side, a curve, forbid, cut to the range."""
+    slowest, fastest = curve(np.array(range_N))
     excited_Hz, mode = (
         part.ravel()
         for part in np.meshgrid(_excited_Hz(saw, excitations), np.arange(1, n_modes + 1), indexing="ij")

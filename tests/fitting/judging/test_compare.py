@@ -7,6 +7,7 @@ import pytest
 from scipy import optimize, stats
 
 from ropefric.errors import RopefricError, UnknownNameError
+from ropefric.fitting import standing
 from ropefric.fitting.compare import compare_laws
 from ropefric.fitting.statistics import (
     aicc,
@@ -178,6 +179,27 @@ def test_leave_one_out_against_refits_one_by_one(campaign):
         others = np.arange(mean.size) != i
         missed.append(np.polyval(np.polyfit(wrap[others], mean[others], 1), wrap[i]) - mean[i])
     assert entry.loco_error == pytest.approx(np.sqrt(np.mean(np.square(missed))), rel=1e-6)
+
+
+@pytest.mark.parametrize("law", ["wrap-power", "wrap-exponential", "constant-offset"])
+def test_leaving_one_of_many_out_is_one_step_and_agrees_with_refits(monkeypatch, law):
+    """The step errs by the square of a leverage: of 120 conditions and three parameters, some 1e-3 of the error."""
+    k, rng = 120, np.random.default_rng(4)
+    wrap = np.repeat(np.pi * np.linspace(0.5, 4.0, 20), 6)
+    end_N = np.tile(np.geomspace(10.0, 120.0, 6), 20)
+    peak_N = end_N * np.exp(0.25 * wrap**0.6 + 0.1 * wrap + 0.02 * rng.standard_normal(k))
+    table = TrialTable(
+        trial=tuple(map(str, range(k))),
+        wheel_radius_m=np.full(k, 0.04),
+        rope_radius_m=np.full(k, 0.0049),
+        wrap_angle_rad=wrap,
+        end_tension_N=end_N,
+        peak_N=peak_N,
+    )
+    exact = compare_laws(table, [law])[law].loco_error
+    monkeypatch.setattr(standing, "_MANY", k - 1)
+    assert compare_laws(table, [law])[law].loco_error == pytest.approx(exact, rel=2e-3)
+    assert compare_laws(table, [law])[law].loco_error != exact
 
 
 def test_f_test_against_regression_of_a_line():

@@ -50,6 +50,8 @@ _USUAL: dict[str, dict[str, float]] = {
 """Factors that nearly every file needs, so that nearly none has to wait for pint; its own, to the last bit."""
 
 _GUARDED = {"kn": "kN", "n": "N", "KN": "kN", "hz": "Hz", "khz": "kHz", "v": "V", "mpa": "MPa"}
+# A gon or a gigaradian to pint, a degree to whoever writes German.
+_GUARDED |= dict.fromkeys(("grad", "Grad", "GRAD"), "deg' or 'gon")
 _SI_UNITS = (
     *("m", "N", "s", "V", "Pa", "kg", "m^2", "m^3", "rad", "", "Hz", "m/s", "m/s^2", "kg/m", "N/m"),
     *("N*s", "N*m", "N/s", "N/V", "V/N", "kg/m^2", "kg/m^3", "A", "ohm", "W", "m^4", "N*m^2", "Pa/V"),
@@ -98,7 +100,7 @@ def unit_factor(unit: str, si_unit: str, *, name: str = "quantity") -> float:
     """Return the factor that turns a number in `unit` into SI."""
     meant = _GUARDED.get(unit, unit)
     if meant != unit:
-        note = "'kn' is a knot, not a force." if unit == "kn" else f"'{unit}' is not a unit of [{si_unit}]."
+        note = "'kn' is a knot, not a force." if unit == "kn" else f"'{unit}' is not clear as [{si_unit}]."
         raise _unreadable(name, note, f"write '{meant}'")
     asked = "percent" if unit == "%" else unit
     found = 1.0 if asked == si_unit else _USUAL.get(si_unit, {}).get(asked) or _factor_by_pint(asked, si_unit)

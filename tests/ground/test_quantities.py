@@ -48,6 +48,8 @@ def test_decimal_numbers_stay_what_was_written():
         (40, "m", r'radius: 40 has no unit Fix: write it with one, for example "40 mm"'),
         ("5 kn", "N", "'kn' is a knot, not a force. Fix: write 'kN'"),
         ("5 hz", "Hz", "write 'Hz'"),
+        ("540 Grad", "rad", "'Grad' is not clear as \\[rad\\]. Fix: write 'deg' or 'gon'"),
+        ("540 grad", "rad", "write 'deg' or 'gon'"),
         ("40 N", "m", "'N' is not a unit of length"),
         ("40,5 mm", "m", "has a decimal comma"),
         ("40 foos", "m", "unknown unit 'foos'"),

@@ -46,7 +46,7 @@ def in_si(value: Any, si_unit: str, name: str = "quantity") -> FloatArray:
     try:
         array = np.asarray(value)
         if array.dtype.kind in "mMc":  # as floats they would be nanoseconds, or lose their imaginary part
-            raise TypeError
+            raise TypeError  # noqa: TRY301
         return array.astype(np.float64, copy=False)
     except (TypeError, ValueError):
         fix = f"give numbers{f' in {si_unit}' if si_unit else ''}"

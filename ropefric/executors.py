@@ -150,6 +150,8 @@ def cluster(address: str, n_workers: int = 0) -> Iterator["Executor | None"]:
             )
             address = stack.enter_context(local)
         try:
+            if not address.rpartition(":")[2].isdigit():  # dask would try for a minute, and leave a traceback
+                raise ValueError("the address has no port")  # noqa: TRY301
             client = stack.enter_context(distributed.Client(address, timeout=CONNECT_S, set_as_default=False))
         except (OSError, ValueError) as error:
             message = f"no scheduler answers at {address!r}: {str(error) or type(error).__name__}"

@@ -44,9 +44,13 @@ def in_si(value: Any, si_unit: str, name: str = "quantity") -> FloatArray:
     elif isinstance(value, Sequence) or getattr(getattr(value, "dtype", None), "kind", "") in {"O", "U"}:
         value = [in_si(one, si_unit, name) for one in value]
     try:
-        return np.asarray(value, dtype=np.float64)
+        array = np.asarray(value)
+        if array.dtype.kind in "mMc":  # as floats they would be nanoseconds, or lose their imaginary part
+            raise TypeError  # noqa: TRY301
+        return array.astype(np.float64, copy=False)
     except (TypeError, ValueError):
-        raise InputError(f"{name}: {value!r:.60} is no number", key=name, fix="give numbers") from None
+        fix = f"give numbers{f' in {si_unit}' if si_unit else ''}"
+        raise InputError(f"{name}: {value!r:.60} is no number", key=name, fix=fix) from None
 
 
 def settings(**given: Any) -> dict[str, FloatArray]:

@@ -75,6 +75,16 @@ def test_every_plugin_of_the_page_keeps_its_promises(lab, capsys, name, files):
     assert not plugins.loaded(), "a command's plugins are not those of the next"
 
 
+def test_what_a_plugin_prints_stays_out_of_the_json(lab, capsys):
+    (lab / "talks.py").write_text(f"print('hello')\n{FILES['my_law.py']}", encoding="utf-8")
+    fit = str(ROOT / "fits" / "prth-coupled.json")
+    for line in (("show", fit, "--plugin", "talks.py"), ("--plugin", "talks.py", "show", fit)):
+        assert main(["--json", *line]) == 0
+        told = capsys.readouterr()
+        assert json.loads(told.out)["law"] == "coupled"
+        assert told.err == "hello\n"
+
+
 def test_a_law_is_fitted_compared_and_stored_with_its_plugin(lab, capsys):
     code, fit = run(
         capsys, "fit", str(TRIALS), "--law", "two-term", "--plugin", "my_law.py", "--out", "two.json"

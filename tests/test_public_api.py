@@ -312,6 +312,9 @@ def test_a_recording_of_any_form_gives_the_same_break_away():
         rf.find_breakaway({"time_s": time_s, "kraft_N": force_N})
     with pytest.raises(InputError, match="1 columns are a time with its unit"):
         rf.find_breakaway({"time": time_s, "force_N": force_N})
+    for odd in (pd.to_timedelta(time_s, unit="s"), pd.to_datetime(time_s, unit="s").to_numpy(), time_s + 0j):
+        with pytest.raises(InputError, match="is no number Fix: give numbers in s"):
+            rf.find_breakaway(odd, force_N)
 
 
 def test_settings_of_any_form_and_a_warning_of_degrees_and_millimetres():

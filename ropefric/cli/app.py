@@ -8,6 +8,7 @@ import pkgutil
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import nullcontext, redirect_stdout
 from functools import cache
 from itertools import takewhile
 from shutil import get_terminal_size
@@ -109,8 +110,9 @@ def _top(
     version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
 ) -> None:
     context.obj = Output(json=json_, quiet=quiet, color=not no_color)
-    for source in plugin or ():
-        plugins.load_plugin(source)
+    with redirect_stdout(sys.stderr) if json_ else nullcontext():
+        for source in plugin or ():
+            plugins.load_plugin(source)
     if version:
         text = json_text({"version": __version__}) if json_ else f"ropefric {__version__}"
         context.obj.result(f"{text}\n")
@@ -130,9 +132,11 @@ def _with_global_options(command: Command, on_start: Callable[[], None] | None) 
         try:
             if on_start is not None:
                 on_start()
-            for source in sources:
-                plugins.load_plugin(source)
-            answer = command.run(out, **arguments)
+            # What a plugin prints is no part of the result.
+            with redirect_stdout(sys.stderr) if out.json else nullcontext():
+                for source in sources:
+                    plugins.load_plugin(source)
+                answer = command.run(out, **arguments)
             out.result(json_text(answer.data) + "\n" if out.json else _shown(answer))
         except KeyboardInterrupt as interrupt:  # typer would end here without a word
             return report_failure(interrupt, out)

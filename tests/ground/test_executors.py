@@ -151,6 +151,17 @@ def test_without_an_address_there_is_no_cluster_and_without_dask_it_says_what_to
     assert "ropefric[cluster]" in caught.value.fix
 
 
+@pytest.mark.parametrize("address", ["foo", "tcp://host", "127.0.0.1:no"])
+def test_an_address_without_a_port_is_refused_before_dask_tries_it(monkeypatch, address):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(distributed, "Client", None)
+    with (
+        pytest.raises(InputError, match=r"no scheduler answers at .* the address has no port"),
+        cluster(address),
+    ):
+        pass
+
+
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense://x", "127.0.0.1:no"])
 def test_where_no_scheduler_answers_that_is_said(monkeypatch, address):
     monkeypatch.setattr(executors, "CONNECT_S", 0.2)

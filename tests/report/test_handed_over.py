@@ -154,7 +154,7 @@ def test_without_a_browser_it_is_said_what_to_do(run, results, monkeypatch, capf
     monkeypatch.setenv("PATH", "")
     monkeypatch.setattr(pdf, "_PLACES", ())
     assert main(["report", str(results), "--pdf"]) == 3
-    said = capfd.readouterr().err
+    said = " ".join(capfd.readouterr().err.split())
     assert "no Chromium, Chrome or Edge was found" in said
     assert pdf.BROWSER in said
     monkeypatch.setenv(pdf.BROWSER, "/nowhere/chrome")

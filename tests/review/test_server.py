@@ -142,7 +142,10 @@ def test_the_command_serves_until_it_is_interrupted(campaign):
     (out / "manifest.json").write_text(
         json.dumps({"schema": "ropefric.run/1", "campaign": "../campaign.toml", "law": ""})
     )
-    words = [sys.executable, "-m", "ropefric", "review", str(out), "--no-open", "--by", "A. Meier"]
+    # A job in the background, as these tests may be, ignores Ctrl-C, and so do its processes.
+    start = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+    start += "from ropefric.__main__ import main; sys.exit(main())"
+    words = [sys.executable, "-c", start, "review", str(out), "--no-open", "--by", "A. Meier"]
     # Without a width of the terminal, which a library of the line editor may hand on behind Python's back.
     env = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
     process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env)

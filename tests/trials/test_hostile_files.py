@@ -15,7 +15,7 @@ import pytest
 
 from ropefric.cli.app import main
 from ropefric.files import read
-from ropefric.trials import recording
+from ropefric.trials import recording, workers
 from ropefric.trials.extract import extract_campaign
 from ropefric.trials.result import write_tables
 
@@ -145,6 +145,11 @@ def test_a_hostile_file_alone_ends_the_command_with_a_message(lab, capfd):
     assert "Traceback" not in said.err
 
 
+def forked(monkeypatch):
+    """Have processes forked, so that what is patched here is patched there, though other tests left threads behind."""
+    monkeypatch.setattr(workers.threading, "active_count", lambda: 1)
+
+
 @LINUX
 @pytest.mark.parametrize("jobs", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_a_reader_that_hangs_dies_or_fails_costs_one_recording(lab, monkeypatch, jobs):
@@ -162,6 +167,7 @@ def test_a_reader_that_hangs_dies_or_fails_costs_one_recording(lab, monkeypatch,
                 raise ZeroDivisionError("something new")
         return real(path, *args, **options)
 
+    forked(monkeypatch)
     monkeypatch.setattr(recording, "read_recordings", spoilt)
     lab.pulls(a=100.0, hang=100.0, b=100.0, die=100.0, full=100.0, bug=100.0, c=100.0)
     names = ["a", "hang", "b", "die", "full", "bug", "c"]
@@ -183,6 +189,7 @@ def test_lost_recordings_are_tried_again(lab, monkeypatch):
     campaign, store = lab.load(), lab.folder / ".cache"
     if sys.platform == "linux":
         with monkeypatch.context() as patch:
+            forked(patch)
             patch.setattr(recording, "read_recordings", lambda *_, **__: os._exit(7))
             assert extract_campaign(campaign, cache_dir=store).trials[0].breakaway.status == "unreadable"
     assert [t.breakaway.status for t in extract_campaign(campaign, cache_dir=store).trials] == ["ok", "ok"]

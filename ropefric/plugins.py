@@ -216,8 +216,8 @@ def _declared(names: dict[str, Any], text: str, shown: str) -> Iterator[str]:
         fix = f"declare one of {', '.join(SLOTS)}: LAW = FrictionLaw(...)"
         raise DataError("the plugin declares nothing", code="RF161", path=shown, fix=fix)
     for slot in found:
-        place = re.search(rf"^{slot}\b", text, re.MULTILINE)
-        line = text.count("\n", 0, place.start()) + 1 if place else None
+        lines = enumerate(text.split("\n"), start=1)
+        line = next((n for n, one in lines if one.split("=")[0].split(":")[0].rstrip() == slot), None)
         where: dict[str, Any] = {"path": shown, "line": line, "key": slot}
         registry = registry_of(slot)
         wanted = type(registry[next(iter(registry))])

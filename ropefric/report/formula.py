@@ -9,7 +9,7 @@ from html import escape
 
 from ropefric.friction.law import FrictionLaw
 
-_TOKEN = re.compile(r"\s*(?:(\d+(?:\.\d+)?)|([A-Za-z]\w*)|(.))")
+_TOKEN = re.compile(r"(\d+(?:\.\d+)?)|([A-Za-z]\w*)|(\S)")
 _GREEK = {"mu": "μ", "phi": "φ", "lambda": "λ", "inf": "∞"}
 _SYMBOL = re.compile(r"([A-Za-z]+?)(?:_(\w+)|(\d+))?")
 _FUNCTIONS = {"exp", "sqrt", "sin", "arccos", "ln"}

@@ -1,6 +1,7 @@
 """A person's decision about one trial, written into the trial list: every byte that it does not touch stays."""
 
 import codecs
+import io
 import re
 from collections.abc import Mapping
 
@@ -20,13 +21,12 @@ _MARKS = {
     codecs.BOM_UTF16_BE: "utf-16-be",
     codecs.BOM_UTF8: "utf-8",
 }
-_LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+")
 
 
 def with_decision(content: bytes, line: int, values: Mapping[str, str | float], path: str = "") -> bytes:
     """Return a trial list with these cells of one of its lines set; a number is in SI, "" empties the cell."""
     mark, codec, text = _decoded(content)
-    lines = _LINE.findall(text)
+    lines = [*io.StringIO(text, newline="")]  # with their ends as they are
     rows = [number for number, one in enumerate(lines, start=1) if is_row(one)]
     head = rows[0]
     separator = separator_of(lines[head - 1])

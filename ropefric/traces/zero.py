@@ -165,7 +165,13 @@ def drift(blocks: Blocks, rests: list[tuple[int, int]], at_s: float) -> tuple[fl
         if abs(shared - slope) < AGREE * std:
             slope, std = shared, shared_std
     drift_N = abs(slope) * float(at_s - at[0].mean()) if abs(slope) >= DRIFT_SIGMAS * std else 0.0
-    walk_N2 = float(np.mean(np.concatenate([np.diff(each) for each in means]) ** 2)) - 2.0 * white_N**2
+    # The steps of a random walk add up; those of noise that is slow, but no walk, do not.
+    near, far = (
+        np.concatenate([each[lag:] - each[:-lag] for each in means if each.size > 2] or [np.zeros(1)])
+        for lag in (1, 2)
+    )
+    near_N2 = float(np.mean(near**2))
+    walk_N2 = min(near_N2 - 2.0 * white_N**2, float(np.mean(far**2)) - near_N2)
     if walk_N2 < DRIFT_SIGMAS * white_N**2:
         walk_N2 = 0.0
     since = max(at_s - at[0][-1], 0.0) / float(at[0][1] - at[0][0])

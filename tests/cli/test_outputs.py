@@ -360,7 +360,7 @@ STOPPED = """
 import os, signal
 signal.signal(signal.SIGINT, signal.default_int_handler)
 import ropefric.trials.result as tables
-def stop(*_):
+def stop(*_, **__):
     os.kill(os.getpid(), signal.{signal})
     raise AssertionError("went on")
 tables.write_tables = stop

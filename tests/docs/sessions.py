@@ -8,6 +8,7 @@ begins with the name of: `# file: NAME`.
 """
 
 import contextlib
+import difflib
 import doctest
 import io
 import os
@@ -99,7 +100,7 @@ def agrees(shown, printed):
 
 
 def written_anew(shown, printed):
-    """Return what was printed with the same parts left out as on the page: a part is found by its first word."""
+    """Return what was printed with the same parts left out as on the page: a part is found by its first line."""
     if not any(line.strip() == LEFT_OUT for line in shown):
         return printed
     kept, at = [], 0
@@ -108,9 +109,7 @@ def written_anew(shown, printed):
             kept.append(LEFT_OUT)
         if not part:
             continue
-        keys = [_key(line) for line in printed]
-        start = 0 if place == 0 else next((n for n in range(at, len(keys)) if keys[n] == _key(part[0])), None)
-        assert start is not None, f"nothing printed begins like: {part[0]}"
+        start = 0 if place == 0 else _begins(part[0], printed, at)
         kept += printed[start : start + len(part)]
         at = start + len(part)
     return kept
@@ -126,8 +125,22 @@ def _parts(shown):
     return parts
 
 
-def _key(line):
-    return re.split(r"\s{2,}|[:=\d]", line.strip())[0] or line.strip()[:4]
+def _begins(line, printed, at):
+    """Return where a part begins that began with this line: there, or where the same words or most alike ones are."""
+    for like in (str, _words):
+        for place in range(at, len(printed)):
+            if like(printed[place]) == like(line):
+                return place
+    alike = difflib.get_close_matches(line, printed[at:], n=1, cutoff=0.7)
+    assert alike, f"nothing printed begins like: {line}"
+    return printed.index(alike[0], at)
+
+
+def _words(line):
+    """Return what a line begins with before its numbers."""
+    first = re.split(r"\s{2,}|[:=]", line.strip())[0]
+    words = re.split(r"\d", first)[0]
+    return words if len(words) > 3 else first
 
 
 def run_page(page, *, anew=False):

@@ -55,7 +55,7 @@ def begin(campaign, monkeypatch):
         review.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def served(extracted, tmp_path_factory):
     """A review and the server of its page; tests leave its list as it was."""
     folder = tmp_path_factory.mktemp("served") / "campaign"

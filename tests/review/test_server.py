@@ -2,6 +2,7 @@
 
 import http.client
 import json
+import os
 import re
 import signal
 import subprocess
@@ -142,7 +143,9 @@ def test_the_command_serves_until_it_is_interrupted(campaign):
         json.dumps({"schema": "ropefric.run/1", "campaign": "../campaign.toml", "law": ""})
     )
     words = [sys.executable, "-m", "ropefric", "review", str(out), "--no-open", "--by", "A. Meier"]
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    # Without a width of the terminal, which a library of the line editor may hand on behind Python's back.
+    env = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env)
     try:
         address = ""
         while "token=" not in address:

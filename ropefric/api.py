@@ -571,6 +571,10 @@ def _wheel(
         wheel_radius_m=wheel_radius_m, rope_radius_m=rope_radius_m, wrap_angle_rad=wrap_angle_rad,
         end_tension_N=end_tension_N,
     )  # fmt: skip
+    for name, value in given.items():
+        if value.size != 1:
+            text = f"{value.size} values, and this is of one wheel"
+            raise InputError(text, key=name, fix="call it for one after the other")
     return one_condition(**{name: value.item() for name, value in given.items()})
 
 

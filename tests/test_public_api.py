@@ -162,6 +162,17 @@ def test_a_fit_goes_into_a_file_and_predicts_the_same(tmp_path):
     np.testing.assert_allclose(needed.value, 7.0, rtol=1e-9)
 
 
+def test_a_parameter_that_a_law_lacks_is_an_unknown_name():
+    with pytest.raises(UnknownNameError, match="unknown parameter 'mu_in' Fix: did you mean 'mu_inf'"):
+        rf.load_fit(COUPLED)["mu_in"]
+
+
+def test_one_budget_is_of_one_wheel():
+    wheel = {"wrap_angle_rad": 6.98, "end_tension_N": 60.0}
+    with pytest.raises(InputError, match="wheel_radius_m: 2 values, and this is of one wheel"):
+        rf.budget(COUPLED, wheel_radius_m=[0.03, 0.04], **wheel)
+
+
 def test_comparison_and_diagnosis_fit_together():
     comparison = rf.compare(TRIALS, ["coupled", "wrap-power"])
     assert comparison.best.law == "coupled"

@@ -40,6 +40,7 @@ from ropefric.fitting.statistics import FitStatistics, Identifiability
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted
+from ropefric.registry import Registry
 from ropefric.shown import Shown, in_words
 
 
@@ -337,7 +338,7 @@ class FitResult(Shown):
         return low
 
     def __getitem__(self, name: str) -> FittedParameter:
-        return {parameter.name: parameter for parameter in self.parameters}[name]
+        return Registry("parameter", self.parameters)[name]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.fit/1`; a number that is not there or infinite is None."""

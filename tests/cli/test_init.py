@@ -8,6 +8,8 @@ def test_templates_are_written_and_never_over_others_work(call, tmp_path):
     assert "ropefric check" in done.err
     campaign = tmp_path / "mine" / "campaign.toml"
     campaign.write_text("mine", encoding="utf-8")
+    spaced = call("init", tmp_path / "Prüf stand").err  # to be copied into a shell
+    assert spaced.endswith(f"ropefric check '{tmp_path / 'Prüf stand' / 'campaign.toml'}'\n")
     again = call("init", tmp_path / "mine", "--json")
     assert again.code == 3
     assert "already" in again.json()["error"]["message"]

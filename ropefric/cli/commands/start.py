@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import accumulate
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from typer import Argument, Option
@@ -71,7 +72,7 @@ def init(
     if scenes or scene:
         written = scene_templates.write_scenes(folder, () if scenes else scene or (), overwrite=force)
         first = folder / "hoist.toml"
-        out.note(f"next: ropefric solve {first if first in written else written[0]}")
+        out.note(f"next: ropefric solve {quote(str(first if first in written else written[0]))}")
     else:
         trials = None
         if recordings:
@@ -82,7 +83,7 @@ def init(
             fix = "add --from 'daq/*.csv'"
             raise InputError("a pattern of names needs recordings", key="--pattern", fix=fix)
         written = campaigns.write_templates(folder, trials=trials, overwrite=force)
-        out.note(f"next: fill them in, then  ropefric check {folder / 'campaign.toml'}")
+        out.note(f"next: fill them in, then  ropefric check {quote(str(folder / 'campaign.toml'))}")
     return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
 
 
@@ -358,7 +359,7 @@ def simulate(
     with Progress(out, "simulate") as progress:
         written = rigs.simulate_campaign(folder, plan, seed=seed, progress=progress.update)
     campaign = next(path for path in written if path.name == "campaign.toml")
-    out.note(f"next: ropefric extract {campaign} --out out")
+    out.note(f"next: ropefric extract {quote(str(campaign))} --out out")
     data = {
         "campaign": campaign,
         "bench": bench,

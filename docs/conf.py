@@ -4,7 +4,6 @@ Commands, Python names, laws and figures are taken from the library while it is 
 MathML, the search runs in the browser, and nothing is loaded from elsewhere.
 """
 
-import logging
 import sys
 from pathlib import Path
 
@@ -68,10 +67,6 @@ def _block(writer, node):
 
 def setup(app):
     """Write what the library knows of itself before the pages are read, and set formulas without a script."""
-    # A guide may be named in the navigation before it is written.
-    logging.getLogger("sphinx.sphinx.directives.other").addFilter(
-        lambda record: getattr(record, "subtype", "") != "empty_glob"
-    )
     app.add_lexer("console", SessionLexer)
     app.add_html_math_renderer("mathml", inline_renderers=(_inline, None), block_renderers=(_block, None))
     app.connect("builder-inited", lambda app: generate.everything(Path(app.srcdir) / "generated"))

@@ -433,3 +433,10 @@ def test_a_roller_without_torque_uses_no_friction(call):
         line.split() for line in done.out.splitlines() if line.split()[:1] == ["4"] and len(line.split()) == 6
     ]
     assert row[1:4] == ["0", "0", "0"]
+
+
+def test_a_cluster_is_for_sweeps(call):
+    done = call("solve", SCENES / "hoist.toml", "--cluster", "local")
+    assert done.code == 3
+    assert "--cluster" in done.err
+    assert "add --sweep" in done.err

@@ -14,6 +14,7 @@ from typer import Argument, Option
 from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, out_folder
 from ropefric.cli.output import Output, Progress, json_text, width_of
+from ropefric.errors import InputError
 
 with on_first_use():
     from ropefric import executors
@@ -68,6 +69,8 @@ def solve(
     slips. A traction sheave is checked by one clause of EN 81-50, which is no certificate. A sweep says at how many
     points that is so, and exits with 4 for the error alone.
     """
+    if cluster and not sweep:
+        raise InputError("one scene is no work to share", key="--cluster", fix="add --sweep, or leave it out")
     loaded = scenes.load_scene(scene)
     swept = ("sweep.csv", "sweep.parquet", *options.figure_names("sweep_figure"))
     names = swept if sweep else _solved_names()

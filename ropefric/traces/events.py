@@ -303,7 +303,7 @@ def flat_top(force_N: FloatArray, fall: Fall, noise_N: float) -> str:
     tail = force_N[fall.top : fall.settled + 1]
     last = fall.top + int(np.argmax(tail <= fall.top_N - 0.5 * fall.drop_N))
     band_N = max(0.1 * fall.drop_N, 4.0 * noise_N)
-    near = force_N[fall.start : last + 1] > fall.top_N - band_N
+    near = force_N[fall.start : last + 1] >= fall.top_N - band_N
     begins, ends = (fall.start + int(k) for k in np.flatnonzero(near)[[0, -1]])
     wide = force_N[fall.start : last + 1] > fall.top_N - 4.0 * band_N
     if (

@@ -96,9 +96,10 @@ def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
     if half < 2 * LEAST or rate <= 0.0:
         return []
     # Means over w blocks that follow each other differ by noise of √(2/w), that is √2 w^-1.5 in slope.
-    w = int(np.ceil((SLOPE_SIGMAS * np.sqrt(2.0) * blocks.noise_N / (STANDS * rate)) ** (2.0 / 3.0)))
-    if half <= 2 * w:
+    wide = (SLOPE_SIGMAS * np.sqrt(2.0) * blocks.noise_N / (STANDS * rate)) ** (2.0 / 3.0)
+    if half <= 2.0 * wide + 2.0:
         return []
+    w = max(1, int(np.ceil(wide)))
     sums = np.concatenate([[0.0], np.cumsum(force_N[:half] - force_N[0])])
     slope = np.abs(sums[2 * w :] - 2.0 * sums[w:-w] + sums[: -2 * w]) / w**2
     low = force_N[w : half - w + 1] < low_N + AT_REST * (float(force_N[top]) - low_N)

@@ -236,7 +236,8 @@ def _undercut_rad(problem: TractionProblem, factor: FloatArray) -> FloatArray:
     if not problem.is_round:
         return np.full_like(factor, np.nan)
     gamma = problem.groove_angle_rad
-    largest = np.pi - gamma
+    # Where the wedge begins nothing is left of the bed to divide by.
+    largest = (1.0 - 1e-12) * (np.pi - gamma)
     beta = np.broadcast_to(0.5 * largest, factor.shape).copy()
     possible = (factor >= round_factor(gamma, np.zeros_like(gamma))) & (factor < wedge_factor(gamma))
     for _ in range(100):

@@ -139,7 +139,8 @@ def sweep_sections(sweep: "Sweep", width: int | None = None) -> list[Section]:
     title = f"{' × '.join(axis.key for axis in sweep.axes)}: {total} points"
     # Numbers of the whole machine before those of its parts.
     ranges = sorted(sweep.ranges.items(), key=lambda item: item[0].count("."))
-    still = [name for name, (low, high) in ranges if low == high]
+    # To the last bits, which differ from machine to machine.
+    still = [name for name, ends in ranges if math.isclose(*ends, rel_tol=1e-9)]
     told = {name: _in_units(_label(name)) for name, _ in ranges}
     if still:
         same = [f"{told[name][0]} {told[name][1] * sweep.ranges[name][0]:.5g}" for name in still[:_NAMED]]

@@ -97,10 +97,15 @@ def spread(
             future.cancel()
 
 
+def carried() -> list[Any]:
+    """Return what goes with the work to other processes, to be unpickled there first."""
+    return [one() for one in CARRIED]
+
+
 def _handed(executor: Executor, work: Callable[[A], T], piece: A) -> "Future[T]":
     """Return the future of a piece; of an executor that is broken, one that failed."""
     try:
-        return executor.submit(_there, software(), [one() for one in CARRIED], work, piece)
+        return executor.submit(_there, software(), carried(), work, piece)
     except Exception as error:  # noqa: BLE001
         future: Future[T] = Future()
         future.set_exception(error)

@@ -158,10 +158,11 @@ def drift(blocks: Blocks, rests: list[tuple[int, int]], at_s: float) -> tuple[fl
         return 0.0, 0.0
     white_N = blocks.noise_N / np.sqrt(n)
     own = np.repeat(np.arange(len(means)), [each.size for each in means])
-    slope, std = _common_slope(np.concatenate(at), np.concatenate(means), own, white_N)
+    times_s, means_N = np.concatenate(at), np.concatenate(means)
+    slope, std = _common_slope(times_s, means_N, own, white_N)
     if any(bumps):
         one = np.cumsum([0, *np.logical_not(bumps)])[own]
-        shared, shared_std = _common_slope(np.concatenate(at), np.concatenate(means), one, white_N)
+        shared, shared_std = _common_slope(times_s, means_N, one, white_N)
         # Where the stretches themselves do not rise, something was taken up in between after all.
         if abs(shared - slope) < AGREE * std:
             slope, std = shared, shared_std

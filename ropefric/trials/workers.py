@@ -19,8 +19,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ropefric.errors import RopefricError
-from ropefric.executors import usable_cores
-from ropefric.plugins import Plugin, loaded
+from ropefric.executors import carried, usable_cores
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -133,7 +132,7 @@ class _Worker(Generic[T]):
         self.dead = self._ready = False
         forks = context.get_start_method() == "fork"
         # A process that is not forked loads the plugins with its arguments, before what may be made of them.
-        arguments = (loaded(), work, theirs, limits, [*others, self.ours] if forks else [])
+        arguments = (carried(), work, theirs, limits, [*others, self.ours] if forks else [])
         self.process: BaseProcess = context.Process(target=_serve, args=arguments, daemon=True)  # type: ignore[attr-defined]
         try:
             with warnings.catch_warnings(), _signals_held(), nullcontext() if forks else _nobody_is_main():
@@ -231,7 +230,7 @@ def _nobody_is_main() -> Iterator[None]:
 
 
 def _serve(
-    _plugins: tuple[Plugin, ...],
+    _carried: object,
     work: Callable[[int], Any],
     connection: "Connection",
     limits: Limits,

@@ -30,6 +30,8 @@ def __getattr__(name: str) -> Any:
     if name not in _WHERE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(_WHERE[name]), name)
+    if not isinstance(value, type):  # a class of errors
+        value = import_module("ropefric.given").judged(value)
     globals()[name] = value
     return value
 

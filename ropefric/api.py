@@ -29,7 +29,7 @@ from ropefric.fitting.problem import Loss
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
-from ropefric.given import Columns, as_table, as_trace, in_si, settings, wheels_of
+from ropefric.given import Columns, as_table, as_trace, number, settings, wheels_of
 from ropefric.pipeline.run import CampaignRun, campaign_folder, run_campaign
 from ropefric.scenes.plan import Explanation, explain_scene
 from ropefric.scenes.scene import Scene, load_scene
@@ -487,11 +487,11 @@ def predict(
         )
     if rope_radius_m is not None or "rope_radius_m" not in given:
         given["rope_radius_m"] = _rope(stored, rope_radius_m)
-    moving = (("kg/m", linear_density_kg_m), ("m/s", speed_m_s))
-    density, speed = (None if value is None else float(in_si(value, unit)) for unit, value in moving)
-    return predict_lift(
-        stored, Conditions(**given), level=level, method=method, linear_density_kg_m=density, speed_m_s=speed
-    )
+    moving: dict[str, Any] = {"linear_density_kg_m": linear_density_kg_m, "speed_m_s": speed_m_s}
+    for name, unit in (("linear_density_kg_m", "kg/m"), ("speed_m_s", "m/s")):
+        if moving[name] is not None:
+            moving[name] = number(moving[name], unit, name)
+    return predict_lift(stored, Conditions(**given), level=level, method=method, **moving)
 
 
 def design(
@@ -571,11 +571,7 @@ def _wheel(
         wheel_radius_m=wheel_radius_m, rope_radius_m=rope_radius_m, wrap_angle_rad=wrap_angle_rad,
         end_tension_N=end_tension_N,
     )  # fmt: skip
-    for name, value in given.items():
-        if value.size != 1:
-            text = f"{value.size} values, and this is of one wheel"
-            raise InputError(text, key=name, fix="call it for one after the other")
-    return one_condition(**{name: value.item() for name, value in given.items()})
+    return one_condition(**{name: number(value, "", name) for name, value in given.items()})
 
 
 def friction_table(
@@ -679,10 +675,10 @@ def budget(
     stored = as_fit(fit)
     at = _wheel(wheel_radius_m, _rope(stored, rope_radius_m), wrap_angle_rad, end_tension_N)
     wheel_std = {
-        "wheel_radius_m": float(in_si(u_wheel_radius_m, "m")),
-        "rope_radius_m": float(in_si(u_rope_radius_m, "m")),
-        "wrap_angle_rad": float(in_si(u_wrap_angle_rad, "rad")),
-        "end_tension_N": float(in_si(u_end_tension_N, "N")),
+        "wheel_radius_m": number(u_wheel_radius_m, "m", "u_wheel_radius_m"),
+        "rope_radius_m": number(u_rope_radius_m, "m", "u_rope_radius_m"),
+        "wrap_angle_rad": number(u_wrap_angle_rad, "rad", "u_wrap_angle_rad"),
+        "end_tension_N": number(u_end_tension_N, "N", "u_end_tension_N"),
     }
     return budgets.state_lift(stored, at, wheel_std, one_pull=one_pull, level=level, draws=draws, seed=seed)
 
@@ -810,7 +806,7 @@ def plan_tests(
     limits = next_tests.RigLimits(
         **{name: tuple(values.tolist()) for name, values in rig.items()},
         rope_radius_m=float(wanted.rope_radius_m[0]),
-        largest_force_N=float(in_si(largest_force_N, "N")),
+        largest_force_N=number(largest_force_N, "N", "largest_force_N"),
     )
     return next_tests.plan_tests(
         planned, limits, wanted,

@@ -14,7 +14,7 @@ from scipy.special import ndtri, stdtr, stdtrit
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import rounded_tree
-from ropefric.fitting.result import Doubt, FitResult, FitStatus, Verdict, far_apart, verdict_of
+from ropefric.fitting.result import Doubt, FitResult, FitStatus, Verdict, verdict_of
 from ropefric.fitting.statistics import combined_dof
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
@@ -36,6 +36,8 @@ REGRESSORS = {
 _SLACK = 1e-6
 _LARGEST = math.log(np.finfo(np.float64).max)
 _DISAGREEMENT = 0.1
+# Forces that agree to this are the same whatever their intervals.
+_SAME = 1e-6
 # The check of the linear interval by draws is made unasked only where it is quick.
 _CHECKED_CONDITIONS = 100
 _MOST_DRAWS = 10_000_000
@@ -200,8 +202,12 @@ class Prediction(Shown):
     def verdict(self, index: int = 0) -> Verdict:
         """Return the verdict on the lift force of one condition: that on the law, and on the interval."""
         doubts: list[Doubt] = [(self.judged.word, text) for text in self.judged.reasons]
-        drawn_N = self.drawn_interval_N
-        if self.method == "linear" and (drawn_N is None or far_apart(self.interval_N[index], drawn_N[index])):
+        linear_N, drawn_N = self.interval_N[index], self.drawn_interval_N
+        # By more than half a width: a gross disagreement.
+        room = 0.5 * float(np.diff(linear_N)[0]) + _SAME * float(np.abs(linear_N).max())
+        if self.method == "linear" and (
+            drawn_N is None or float(np.abs(drawn_N[index] - linear_N).max()) > room
+        ):
             doubts += [("undecided", text) for text in self._disagreement(index)]
         return verdict_of(doubts, self.judged.reason.removesuffix("."))
 

@@ -298,6 +298,12 @@ def _distinct(conditions: Conditions) -> tuple[Rows, Rows]:
     return order, np.flatnonzero(new)
 
 
+def typical_mu(conditions: Conditions, log_lift: FloatArray) -> float:
+    """Return the median of the average coefficients ln(F_A/F_B)/φ, which one bad condition cannot move far."""
+    rise = log_lift - conditions.log_end_tension
+    return float(np.median(rise / np.maximum(conditions.wrap_angle_rad, 1e-9)))
+
+
 def _row(array: FloatArray, rows: Rows) -> FloatArray:
     """Return the rows of an array that may stand for all data sets with its only one."""
     return array if len(array) == 1 else array[rows]

@@ -15,6 +15,7 @@ from ropefric.errors import FitError, RopefricError, UnknownNameError
 from ropefric.files.digits import rounded_tree
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import Candidate, Prediction, averaged, predict
+from ropefric.fitting.problem import law_named
 from ropefric.fitting.result import RIVAL, Doubt, FitResult, FitStatus, Verdict, verdict_of
 from ropefric.fitting.standing import (
     CHANCE,
@@ -155,7 +156,7 @@ def compare_laws(
     """Return how friction laws stand against each other on a trial table."""
     if isinstance(laws, str | FrictionLaw):
         laws = [laws]
-    given = LAWS.values() if laws is None else [ALL_LAWS[x] if isinstance(x, str) else x for x in laws]
+    given = LAWS.values() if laws is None else map(law_named, laws)
     # In one order whatever was asked for, so that ties are always settled alike.
     chosen = {law.name: law for law in [*(LAWS[name] for name in ALWAYS), *given]}
     fits: dict[str, FitResult] = {}

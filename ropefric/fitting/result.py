@@ -24,7 +24,7 @@ supported
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from math import inf, isfinite, nan
 from typing import Any, Literal, NamedTuple
 
@@ -305,26 +305,18 @@ class FitResult(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.fit/1`; a number that is not there or infinite is None."""
-        names = (
-            "law",
-            "covariance",
-            "covariance_kind",
-            "status",
-            "trustworthy",
-            "advice",
-            "notes",
-            "validity",
-        )
-        tree = {name: getattr(self, name) for name in (*names, "provenance", "trials")} | {
+        tree = {item.name: getattr(self, item.name) for item in fields(self) if item.name != "problem"} | {
             "schema": SCHEMA,
             "status": self.status.value,
+            "trustworthy": self.trustworthy,
             "parameters": {item.name: asdict(item) for item in self.parameters},
             "parameter_order": [item.name for item in self.parameters],
             "statistics": asdict(self.statistics),
             "identifiability": asdict(self.identifiability),
+            "common_errors": [item._asdict() for item in self.common_errors],
         }
-        if self.common_errors:
-            tree["common_errors"] = [item._asdict() for item in self.common_errors]
+        if not self.common_errors:
+            del tree["common_errors"]
         for item in tree["parameters"].values():
             del item["name"]
         return dict(_plain(tree))

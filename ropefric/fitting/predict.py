@@ -14,9 +14,9 @@ from scipy.special import ndtri, stdtr, stdtrit
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import rounded_tree
-from ropefric.fitting.result import Doubt, FitResult, FitStatus, Verdict, far_apart, verdict_of
+from ropefric.fitting.result import Doubt, FitResult, FitStatus, Verdict, verdict_of
 from ropefric.fitting.statistics import combined_dof
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.shown import Shown
 from ropefric.uncertainty.quantity import check_level, joint_draws, symmetric_root
@@ -36,6 +36,9 @@ REGRESSORS = {
 _SLACK = 1e-6
 _LARGEST = math.log(np.finfo(np.float64).max)
 _DISAGREEMENT = 0.1
+_ENDS_N = ("interval_N", "prediction_interval_N")
+# Forces that agree to this are the same whatever their intervals.
+_SAME = 1e-6
 # The check of the linear interval by draws is made unasked only where it is quick.
 _CHECKED_CONDITIONS = 100
 _MOST_DRAWS = 10_000_000
@@ -132,26 +135,9 @@ class Prediction(Shown):
         Which force was fitted, so that `lift_force_N` is what sets the rope in motion or what keeps it sliding.
     """
 
-    _said = (
-        "law",
-        "lift_force_N ± std_N",
-        "interval_N",
-        "prediction_interval_N",
-        "level",
-        "extrapolated",
-        "verdict=judged.word",
-    )
-    _framed = (
-        "conditions.wheel_radius_m",
-        "conditions.rope_radius_m",
-        "conditions.wrap_angle_rad",
-        "conditions.end_tension_N",
-        "lift_force_N",
-        "std_N",
-        "interval_N",
-        "prediction_interval_N",
-        "extrapolated",
-    )
+    _said = ("law", "lift_force_N ± std_N", *_ENDS_N, "level", "extrapolated", "verdict=judged.word")
+    _settings = tuple(f"conditions.{name}" for name in SETTINGS)
+    _framed = (*_settings, "lift_force_N", "std_N", *_ENDS_N, "extrapolated")
 
     law: str
     conditions: Conditions
@@ -200,8 +186,12 @@ class Prediction(Shown):
     def verdict(self, index: int = 0) -> Verdict:
         """Return the verdict on the lift force of one condition: that on the law, and on the interval."""
         doubts: list[Doubt] = [(self.judged.word, text) for text in self.judged.reasons]
-        drawn_N = self.drawn_interval_N
-        if self.method == "linear" and (drawn_N is None or far_apart(self.interval_N[index], drawn_N[index])):
+        linear_N, drawn_N = self.interval_N[index], self.drawn_interval_N
+        # By more than half a width: a gross disagreement.
+        room = 0.5 * float(np.diff(linear_N)[0]) + _SAME * float(np.abs(linear_N).max())
+        if self.method == "linear" and (
+            drawn_N is None or float(np.abs(drawn_N[index] - linear_N).max()) > room
+        ):
             doubts += [("undecided", text) for text in self._disagreement(index)]
         return verdict_of(doubts, self.judged.reason.removesuffix("."))
 
@@ -226,7 +216,7 @@ class Prediction(Shown):
 
     def _row(self, i: int) -> dict[str, Any]:
         given = {name: float(getattr(self.conditions, name)[i]) for name in REGRESSORS}
-        arrays = ("lift_force_N", "std_N", "interval_N", "prediction_interval_N", "extrapolated", "dof")
+        arrays = ("lift_force_N", "std_N", *_ENDS_N, "extrapolated", "dof")
         found = {name: getattr(self, name)[i].tolist() for name in arrays}
         found |= {name: getattr(self, name) for name in ("level", "method", "spread_N", "of")}
         found |= {

@@ -17,6 +17,7 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw
+from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
 
 Rows = npt.NDArray[np.intp]
@@ -69,6 +70,16 @@ class FitSettings:
     n_starts: int = 4
     seed: int = 0
     of: str = "peak"
+
+
+def law_named(law: object) -> FrictionLaw:
+    """Return a law by its name, or the law itself; refuse what is neither."""
+    if isinstance(law, FrictionLaw):
+        return law
+    if not isinstance(law, str):
+        text = f"law is {law!r:.60}, a {type(law).__name__}, and neither the name of a friction law nor a law"
+        raise InputError(text, key="law", fix=f"give a name such as {', '.join([*ALL_LAWS][:3])}")
+    return ALL_LAWS[law]
 
 
 def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
@@ -296,6 +307,12 @@ def _distinct(conditions: Conditions) -> tuple[Rows, Rows]:
     new = np.ones(order.size, dtype=np.bool_)
     new[1:] = np.any([column[order[1:]] != column[order[:-1]] for column in columns], axis=0)
     return order, np.flatnonzero(new)
+
+
+def typical_mu(conditions: Conditions, log_lift: FloatArray) -> float:
+    """Return the median of the average coefficients ln(F_A/F_B)/φ, which one bad condition cannot move far."""
+    rise = log_lift - conditions.log_end_tension
+    return float(np.median(rise / np.maximum(conditions.wrap_angle_rad, 1e-9)))
 
 
 def _row(array: FloatArray, rows: Rows) -> FloatArray:

@@ -7,13 +7,13 @@ uncertainty; its check by draws (JCGM 101); and what would make it smaller.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from enum import StrEnum
 from typing import Any
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
+from ropefric.glossary import AdvisedStatus
 from ropefric.shown import Shown, in_words
 from ropefric.uncertainty.quantity import Block, Evaluation, Quantity, check_level, directions, quantile
 
@@ -264,32 +264,21 @@ def propagate(
     )
 
 
-class BudgetStatus(StrEnum):
+class BudgetStatus(AdvisedStatus):
     """What a budget is worth, from good to bad."""
 
-    OK = "ok"
-    DRAWS_DISAGREE = "draws-disagree"
-    NO_REPEATS = "no-repeats"
-    FIT_NOT_TRUSTED = "fit-not-trusted"
-
-    @property
-    def advice(self) -> str:
-        """Return what the status means and what to do."""
-        return _ADVICE[self]
-
-
-_ADVICE = {
-    BudgetStatus.OK: "The draws agree with the budget.",
-    BudgetStatus.DRAWS_DISAGREE: (
-        "The draws disagree with the budget: the inputs are so uncertain that the answer bends within them, or one "
+    OK = "ok: The draws agree with the budget."
+    DRAWS_DISAGREE = (
+        "draws-disagree: The draws disagree with the budget: the inputs are so uncertain that the answer bends within them, or one "
         "with a flat distribution outweighs the rest. Use the interval of the draws, not y ± U."
-    ),
-    BudgetStatus.NO_REPEATS: (
-        "There is one trial and nothing tells its scatter, which is usually the largest part: the budget leaves it "
+    )
+    NO_REPEATS = (
+        "no-repeats: There is one trial and nothing tells its scatter, which is usually the largest part: the budget leaves it "
         "out. Repeat the condition."
-    ),
-    BudgetStatus.FIT_NOT_TRUSTED: "The fit is not to be trusted, and so neither is what it adds to the budget.",
-}
+    )
+    FIT_NOT_TRUSTED = (
+        "fit-not-trusted: The fit is not to be trusted, and so neither is what it adds to the budget."
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError
 from ropefric.files.folder import Folder
-from ropefric.fitting import budgets, next_tests
+from ropefric.fitting import budgets, next_tests, resolution
 from ropefric.fitting.compare import Comparison, compare_laws
 from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
@@ -803,7 +803,7 @@ def plan_tests(
         rope_m = _rope(stored, rope_m)
     wanted = _wheel(wheel_radius_m, rope_m, wrap_angle_rad, end_tension_N)
     rig = settings(wheel_radius_m=wheels_m, wrap_angle_rad=wraps_rad, end_tension_N=end_tensions_N)
-    limits = next_tests.RigLimits(
+    limits = resolution.RigLimits(
         **{name: tuple(values.tolist()) for name, values in rig.items()},
         rope_radius_m=float(wanted.rope_radius_m[0]),
         largest_force_N=number(largest_force_N, "N", "largest_force_N"),

@@ -31,6 +31,7 @@ from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.given import Columns, as_table, as_trace, number, settings, wheels_of
 from ropefric.pipeline.run import CampaignRun, campaign_folder, run_campaign
+from ropefric.scenes.draws import Draws, draw_scene
 from ropefric.scenes.plan import Explanation, explain_scene
 from ropefric.scenes.scene import Scene, load_scene
 from ropefric.scenes.solve import Solution, solve_scene
@@ -980,6 +981,66 @@ def sweep(
         return sweep_scene(
             loaded, grid, progress=progress, write=written.add, keep=KEPT_POINTS, executor=executor
         )
+
+
+def monte_carlo(
+    scene: Scene | PathLike,
+    *,
+    draws: int = 10_000,
+    seed: int = 0,
+    level: float = 0.95,
+    progress: Callable[[int, int, str], None] | None = None,
+    table: PathLike | None = None,
+    executor: Any = None,
+) -> Draws:
+    """Return what a scene answers to draws of what it is not sure of, planned once for all of them.
+
+    The parameters of a fit are drawn together, from its covariance with its degrees of freedom (multivariate t); what
+    the scene's `[tolerances]` state is a limit of error, so each value within it is as likely.
+
+    Parameters
+    ----------
+    scene : Scene or path-like
+        The scene or its file.
+    draws, seed : int
+        How many, 10 to 10 million, and what they begin with: the same draws whatever solves them.
+    level : float
+        Of the outer quantiles: at 0.95 those of 2.5 % and 97.5 %.
+    progress : callable, optional
+        Called with draws done, draws in all, and what they are.
+    table : path-like, optional
+        A file ending in .csv or .parquet: what was drawn and the answer to it, a row a draw, written block by block.
+    executor : concurrent.futures.Executor or dask.distributed.Client, optional
+        Solves the draws, with the same result to the last bit.
+
+    Returns
+    -------
+    Draws
+        `numbers` with mean, standard deviation and quantiles; `shares` in which the machine fails; `to_dict()`.
+
+    Raises
+    ------
+    InputError
+        Where nothing in the scene is uncertain, or no draw has an answer.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from ropefric.scenes.scene_templates import write_scenes
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = write_scenes(folder, ["hoist"])[0]
+    ...     off = {"tolerances": {"wheel": {"wrap": "5 deg"}, "load": {"end_tension": "2 %"}}}
+    ...     found = monte_carlo(load_scene(path, off), draws=1000)
+    >>> lift = found.numbers["lift_force_N"]
+    >>> round(lift.value), round(lift.mean), round(lift.std, 1)
+    (319, 319, 4.0)
+    """
+    loaded, how = _as_scene(scene), {"seed": seed, "level": level, "progress": progress, "executor": executor}
+    if table is None:
+        return draw_scene(loaded, draws, **how)
+    path = Path(table)
+    with sweep_table((), Folder(path.parent), path.name) as written:
+        return draw_scene(loaded, draws, write=written.add, **how)
 
 
 def _as_scene(scene: Scene | PathLike) -> Scene:

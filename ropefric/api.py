@@ -704,7 +704,8 @@ def measured_budgets(
     Parameters
     ----------
     trials : TrialTable, Extraction, DataFrame, mapping, ndarray or path-like
-        See `trial_table`, which takes `columns`, too. An extraction knows its measuring chain, a table only the total.
+        See `trial_table`, which takes `columns`, too; a path is that of a table, not of a campaign. An extraction knows
+        its measuring chain, a table only the total.
     quantity : {"force", "mu"}
         What the budget is of.
     u_wrap_angle_rad : float, optional

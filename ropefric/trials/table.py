@@ -6,12 +6,13 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
-from ropefric.errors import InputError, Problem, UnknownNameError, raise_problems
+from ropefric.errors import DataError, InputError, Problem, UnknownNameError, raise_problems
 from ropefric.files.plain_text import from_spreadsheet
 from ropefric.friction.condition import Conditions, condition_groups
 from ropefric.glossary import counted
@@ -294,6 +295,9 @@ def read_trial_table(path: str | os.PathLike[str], columns: Mapping[str, str] | 
     `dwell_s` and `order`, by which a diagnosis tells trials into groups. Other columns are passed over.
     Separators ";", tab and "," and decimal commas are found out. `columns` gives headers new names.
     """
+    if PurePath(path).suffix.lower() == ".toml":
+        fix = "give a table such as the trials.csv that `ropefric extract` writes, or in Python what extract() returns"
+        raise DataError("this is a TOML file, not a table of trials", path=PurePath(path).as_posix(), fix=fix)
     table, problems = cells.read_cells(path)
     for name in columns or ():
         if name not in table.header:

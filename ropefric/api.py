@@ -49,8 +49,8 @@ from ropefric.traces.smoothing import smooth as average
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import Campaign
-from ropefric.trials.conditions import Repeatability, summarise
 from ropefric.trials.extract import extract_campaign
+from ropefric.trials.outliers import Repeatability, summarise
 from ropefric.trials.recording import blocks_of, tared_trace
 from ropefric.trials.result import Extraction
 from ropefric.trials.table import TrialTable, table_of_extraction
@@ -701,7 +701,8 @@ def measured_budgets(
     Parameters
     ----------
     trials : TrialTable, Extraction, DataFrame, mapping, ndarray or path-like
-        See `trial_table`, which takes `columns`, too. An extraction knows its measuring chain, a table only the total.
+        See `trial_table`, which takes `columns`, too; a path is that of a table, not of a campaign. An extraction knows
+        its measuring chain, a table only the total.
     quantity : {"force", "mu"}
         What the budget is of.
     u_wrap_angle_rad : float, optional

@@ -101,8 +101,8 @@ def in_si(value: Any, si_unit: str, name: str = "quantity") -> FloatArray:
         try:
             value = value.to(si_unit or "dimensionless").magnitude
         except Exception as error:  # noqa: BLE001  (whatever pint says of another dimension)
-            text = f"{name}: {value} cannot be given in {si_unit or '1'}: {error}"
-            raise InputError(text, code="RF130", key=name) from None
+            text = f"{value} cannot be given in {si_unit or '1'}: {error}"
+            raise InputError(text, code="RF130", key=name, fix="give a quantity of that dimension") from None
     elif isinstance(value, str):
         value = parse_quantity(value, si_unit, name=name)
     elif isinstance(value, Sequence) or getattr(getattr(value, "dtype", None), "kind", "") in {"O", "U"}:
@@ -114,7 +114,7 @@ def in_si(value: Any, si_unit: str, name: str = "quantity") -> FloatArray:
         return array.astype(np.float64, copy=False)
     except (TypeError, ValueError):
         fix = f"give numbers{f' in {si_unit}' if si_unit else ''}"
-        raise InputError(f"{name}: {value!r:.60} is no number", key=name, fix=fix) from None
+        raise InputError(f"{value!r:.60} is no number", key=name, fix=fix) from None
 
 
 def number(value: Any, si_unit: str, name: str) -> float:

@@ -156,7 +156,9 @@ def _friction(scene: Scene) -> _Friction | None:
         root = symmetric_root(np.asarray(fit.covariance))
     if not root.any() and not half.any():
         return None
-    return _Friction(law.parameter_names, theta, root, math.inf if fit is None else degrees_of_freedom(fit), half)
+    return _Friction(
+        law.parameter_names, theta, root, math.inf if fit is None else degrees_of_freedom(fit), half
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -269,12 +269,12 @@ class BudgetStatus(AdvisedStatus):
 
     OK = "ok: The draws agree with the budget."
     DRAWS_DISAGREE = (
-        "draws-disagree: The draws disagree with the budget: the inputs are so uncertain that the answer bends within them, or one "
-        "with a flat distribution outweighs the rest. Use the interval of the draws, not y ± U."
+        "draws-disagree: The draws disagree with the budget: the inputs are so uncertain that the answer bends within "
+        "them, or one with a flat distribution outweighs the rest. Use the interval of the draws, not y ± U."
     )
     NO_REPEATS = (
-        "no-repeats: There is one trial and nothing tells its scatter, which is usually the largest part: the budget leaves it "
-        "out. Repeat the condition."
+        "no-repeats: There is one trial and nothing tells its scatter, which is usually the largest part: the budget "
+        "leaves it out. Repeat the condition."
     )
     FIT_NOT_TRUSTED = (
         "fit-not-trusted: The fit is not to be trusted, and so neither is what it adds to the budget."

@@ -7,6 +7,7 @@ uncertainty; its check by draws (JCGM 101); and what would make it smaller.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,15 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.glossary import AdvisedStatus
 from ropefric.shown import Shown, in_words
-from ropefric.uncertainty.quantity import Block, Evaluation, Quantity, check_level, directions, quantile
+from ropefric.uncertainty.quantity import (
+    Block,
+    Evaluation,
+    Quantity,
+    check_level,
+    check_type,
+    directions,
+    quantile,
+)
 
 SCHEMA = "ropefric.uncertainty/1"
 
@@ -233,6 +242,7 @@ def propagate(
     model: MeasurementModel, budget: LinearBudget, *, draws: int = 200_000, seed: int = 0
 ) -> DrawnAnswer:
     """Return the answer to draws of the inputs, and whether the linear budget agrees with it."""
+    check_type(Integral, "a whole number", draws=draws, seed=seed)
     if not _FEWEST <= draws <= _MOST or seed < 0:
         fix = f"draw {_FEWEST} or more, at most {_MOST}, with seed 0 or more"
         raise InputError(f"{draws} draws with seed {seed}", key="draws", fix=fix)
@@ -269,12 +279,12 @@ class BudgetStatus(AdvisedStatus):
 
     OK = "ok: The draws agree with the budget."
     DRAWS_DISAGREE = (
-        "draws-disagree: The draws disagree with the budget: the inputs are so uncertain that the answer bends within them, or one "
-        "with a flat distribution outweighs the rest. Use the interval of the draws, not y ± U."
+        "draws-disagree: The draws disagree with the budget: the inputs are so uncertain that the answer bends "
+        "within them, or one with a flat distribution outweighs the rest. Use the interval of the draws, not y ± U."
     )
     NO_REPEATS = (
-        "no-repeats: There is one trial and nothing tells its scatter, which is usually the largest part: the budget leaves it "
-        "out. Repeat the condition."
+        "no-repeats: There is one trial and nothing tells its scatter, which is usually the largest part: the budget "
+        "leaves it out. Repeat the condition."
     )
     FIT_NOT_TRUSTED = (
         "fit-not-trusted: The fit is not to be trusted, and so neither is what it adds to the budget."

@@ -36,6 +36,7 @@ from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.trials.table import TrialTable
+from ropefric.uncertainty.quantity import check_type
 
 Unit = Literal["conditions", "trials"]
 
@@ -156,7 +157,9 @@ def compare_laws(
     """Return how friction laws stand against each other on a trial table."""
     if isinstance(laws, str | FrictionLaw):
         laws = [laws]
-    given = LAWS.values() if laws is None else map(law_named, laws)
+    laws = LAWS.values() if laws is None else laws
+    check_type(Iterable, "names of friction laws", laws=laws)
+    given = map(law_named, laws)
     # In one order whatever was asked for, so that ties are always settled alike.
     chosen = {law.name: law for law in [*(LAWS[name] for name in ALWAYS), *given]}
     fits: dict[str, FitResult] = {}

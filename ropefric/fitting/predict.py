@@ -6,6 +6,7 @@ The covariance of the parameters becomes the uncertainty of ln F_A by J C Jᵀ, 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from numbers import Integral
 from typing import Any, Literal
 
 import numpy as np
@@ -19,7 +20,7 @@ from ropefric.fitting.statistics import combined_dof
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.shown import Shown
-from ropefric.uncertainty.quantity import check_level, joint_draws, symmetric_root
+from ropefric.uncertainty.quantity import check_level, check_type, joint_draws, symmetric_root
 
 Method = Literal["linear", "monte-carlo"]
 Validity = Mapping[str, tuple[float, float]]
@@ -244,12 +245,13 @@ def predict(
     """Return the lift force of a fitted law for n conditions, with its intervals."""
     model = _model(fit, linear_density_kg_m, speed_m_s)
     check_level(level)
+    check_type(Integral, "a whole number", n=n, seed=seed)
     if method not in {"linear", "monte-carlo"}:
         raise InputError(f"unknown method {method!r}", key="method", fix="use 'linear' or 'monte-carlo'")
     if not 100 <= n <= _MOST_DRAWS:
         few = "few" if n < 100 else "many"
         raise InputError(f"{n} draws are too {few}", key="n", fix=f"draw 100 to {_MOST_DRAWS}")
-    theta, covariance = np.asarray(fit.theta), np.asarray(fit.covariance)
+    theta, covariance = fit.theta, fit.covariance
     log_lift = model.log_lift(theta, conditions)
     if (log_lift > _LARGEST).any():
         worst = int(np.argmax(log_lift))
@@ -285,7 +287,7 @@ def predict(
             std, ends = drawn if drawing else (std, ends)
     # About the middle of the law's own interval, which is not quite log_lift where draws are skew; as much wider.
     middle, drawn_half = ends.mean(axis=1), 0.5 * np.diff(ends, axis=1)[:, 0]
-    wide = half_width(fit, model, conditions, probability, one_pull=True) if told else half
+    wide = half_width(fit, model, conditions, probability) if told else half
     wide = np.sqrt(np.maximum(wide**2 - half**2, 0.0) + drawn_half**2)
     with np.errstate(over="ignore"):
         lift = np.exp(log_lift)
@@ -322,7 +324,7 @@ def _law_spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> tup
     """Return the variance of ln F_A of the mean law, J C Jᵀ, and its degrees of freedom, shape (n,) each."""
     variance = linear_std(model, fit.theta, fit.covariance, conditions) ** 2
     changes = fit.common_changes
-    known = linear_std(model, fit.theta, changes @ changes.T, conditions) ** 2 if changes.size else 0.0
+    known = linear_std(model, fit.theta, changes @ changes.T, conditions) ** 2
     return variance, combined_dof(variance, known, degrees_of_freedom(fit))
 
 
@@ -341,19 +343,14 @@ def _quantiles(probability: float, dof: FloatArray) -> FloatArray:
     return np.where(dof > 0.0, np.where(np.isinf(dof), ndtri(probability), finite), np.nan)
 
 
-def half_width(
-    fit: FitResult, model: LiftModel, conditions: Conditions, probability: float, *, one_pull: bool
-) -> FloatArray:
-    """Return how far ln F_A may lie from the law to one side, with a probability, shape (n,).
+def half_width(fit: FitResult, model: LiftModel, conditions: Conditions, probability: float) -> FloatArray:
+    """Return how far ln F_A of one pull with a new rope may lie to one side, with a probability, shape (n,).
 
-    Of the mean law, or of one pull with a new rope. What that brings on top, s_b² + s_w², is a mean square between
-    conditions, with the degrees of freedom of the law's own errors, and what single pulls scatter beyond it, with
-    those of the repeats (Welch and Satterthwaite).
+    What a new rope brings on top of the law, s_b² + s_w², is a mean square between conditions, with the degrees of
+    freedom of the law's own errors, and what single pulls scatter beyond it, with those of the repeats (Welch and
+    Satterthwaite).
     """
-    variance, dof = _law_spread(fit, model, conditions)
-    if not one_pull:
-        return _quantiles(probability, dof) * np.sqrt(variance)
-    found, new2 = fit.statistics, new_rope_std(fit) ** 2
+    (variance, dof), found, new2 = _law_spread(fit, model, conditions), fit.statistics, new_rope_std(fit) ** 2
     pulls = float(np.nan_to_num(found.scatter_within)) ** 2 * (1.0 - found.n_conditions / found.n)
     with np.errstate(divide="ignore", invalid="ignore"):
         shared = variance / np.sqrt(dof) + (new2 - pulls) / math.sqrt(degrees_of_freedom(fit))

@@ -170,7 +170,7 @@ def test_a_parameter_that_a_law_lacks_is_an_unknown_name():
 
 def test_one_budget_is_of_one_wheel():
     wheel = {"wrap_angle_rad": 6.98, "end_tension_N": 60.0}
-    with pytest.raises(InputError, match="wheel_radius_m: 2 values, and this is of one wheel"):
+    with pytest.raises(InputError, match="wheel_radius_m: 2 values where one is meant"):
         rf.budget(COUPLED, wheel_radius_m=[0.03, 0.04], **wheel)
 
 

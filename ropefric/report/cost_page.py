@@ -72,8 +72,7 @@ def _study_section(result: StudyResult) -> Section:
 
 def _shares_table(result: StudyResult) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Return headings and rows of a study that counts outcomes: shares in percent, errors, and time."""
-    every = dict.fromkeys(name for point in result.points for name in point.shares)
-    names = [name for name in every if name != "recordings"]
+    names = dict.fromkeys(name for point in result.points for name in point.shares if name != "recordings")
     if all(math.isnan(point.bias) for point in result.points):
         table = [
             (

@@ -146,11 +146,6 @@ def by_covariance(fit: FitResult) -> Intervals:
     return Intervals(ends, np.log(found.interval_N[0]), np.log(found.prediction_interval_N[0]))
 
 
-def by_default(fit: FitResult) -> Intervals:
-    """Return the covariance's where they will do, else along the profiles."""
-    return by_covariance(with_intervals(fit, "auto"))
-
-
 def by_sandwich(fit: FitResult) -> Intervals:
     """Return the intervals of CR2 with Bell and McCaffrey's degrees of freedom, one by one."""
     problem = fit.data
@@ -162,11 +157,6 @@ def by_sandwich(fit: FitResult) -> Intervals:
     centre = np.append(fit.theta[problem.vary], fit.friction_law.log_lift(fit.theta, WHEEL))
     ends = centre[:, None] + half[:, None] * [-1.0, 1.0]
     return Intervals(np.clip(ends[:-1], problem.lower[:, None], problem.upper[:, None]), ends[-1])
-
-
-def by_profile(fit: FitResult) -> Intervals:
-    """Return the intervals along the profiles."""
-    return Intervals(profile_of(fit).ci)
 
 
 def by_drawn_conditions(fit: FitResult) -> Intervals:
@@ -185,9 +175,9 @@ def by_bootstrap_t(fit: FitResult) -> Intervals:
 
 KINDS: dict[str, Callable[[FitResult], Intervals]] = {
     "covariance": by_covariance,
-    "auto": by_default,
+    "auto": lambda fit: by_covariance(with_intervals(fit, "auto")),
     "CR2, Bell-McCaffrey": by_sandwich,
-    "profile": by_profile,
+    "profile": lambda fit: Intervals(profile_of(fit).ci),
     "bootstrap of conditions": by_drawn_conditions,
     "bootstrap-t": by_bootstrap_t,
 }
@@ -266,38 +256,28 @@ def verdicts(design: Design, n: int) -> Outcome:
     )
 
 
-def _judged(design: Design, *, full: bool) -> tuple[Setting, ...]:
-    def setting(effect: str, n: int) -> Setting:
-        true = design._replace(special=effect)
-        return Setting(
-            effect,
-            f"{n} campaigns",
-            partial(verdicts, true, 1),
-            partial(verdicts, true, n),
-            n == QUICK // 3,
-        )
-
-    counts = {effect: FULL if effect == design.special else USUAL for effect in EFFECTS}
-    return tuple(setting(e, n) for e in EFFECTS for n in (QUICK // 3, counts[e] if full else JUDGED))
-
-
 def _settings(design: Design, *, full: bool) -> tuple[Setting, ...]:
-    def setting(kind: str, n: int) -> Setting:
-        how = KINDS[kind]
-        return Setting(
-            kind,
-            f"{n} campaigns",
-            lambda: how(_campaign(design, 0)[0]),
-            partial(coverage, design, how, n),
-            n == QUICK,
-        )
+    rows: list[tuple[str, Callable[[], object], Callable[[int], Outcome], tuple[int, int]]] = []
+    for effect in EFFECTS if design.special in EFFECTS else ():
+        true = design._replace(special=effect)
+        many = (FULL if true == design else USUAL) if full else JUDGED
+        rows.append((effect, partial(verdicts, true, 1), partial(verdicts, true), (QUICK // 3, many)))
+    for kind, how in () if design.special in EFFECTS else KINDS.items():
+        one, all_of = partial(_one, design, how), partial(coverage, design, how)
+        rows.append((kind, one, all_of, (QUICK, FULL if full else USUAL)))
+    return tuple(
+        Setting(name, f"{n} campaigns", one, partial(all_of, n), n == counts[0])
+        for name, one, all_of, counts in rows
+        for n in counts
+    )
 
-    return tuple(setting(kind, n) for kind in KINDS for n in (QUICK, FULL if full else USUAL))
+
+def _one(design: Design, how: Callable[[FitResult], Intervals]) -> Intervals:
+    return how(_campaign(design, 0)[0])
 
 
 def _case(design: Design, *, full: bool = False) -> Case:
-    settings = _judged if design.special in EFFECTS else _settings
-    return Case(design.name, design.title, partial(settings, design, full=full))
+    return Case(design.name, design.title, partial(_settings, design, full=full))
 
 
 def with_all_designs(study: Study) -> Study:
@@ -316,22 +296,17 @@ def with_all_designs(study: Study) -> Study:
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
     """Say where the default holds, what it covers where it does not, and the cheapest kind that always does."""
     every = {(point.case, point.method): point for point in sorted(points, key=lambda one: one.evaluations)}
-    best = {key: point for key, point in every.items() if key[1] in KINDS}
-    lines, always = [], []
-    for kind in KINDS:
-        mine = [point for (_, method), point in best.items() if method == kind]
-        off = [point for point in mine if _off(point)]
-        if mine and not off:
-            always.append(min(mine, key=lambda one: one.seconds))
-        if mine and kind == "auto":
-            lines.append(
-                f"{kind}, the default, holds 93 to 97 % in {len(mine) - len(off)} of {len(mine)} designs."
-            )
-            lines += [f"{point.case}: {_off(point)}." for point in off]
+    of_kind = {kind: [point for key, point in every.items() if key[1] == kind] for kind in KINDS}
+    lines = []
+    if default := of_kind["auto"]:
+        off = [f"{point.case}: {_off(point)}." for point in default if _off(point)]
+        held = len(default) - len(off)
+        lines = [f"auto, the default, holds 93 to 97 % in {held} of {len(default)} designs.", *off]
+    always = [point for mine in of_kind.values() if not any(map(_off, mine)) for point in mine]
     if always:
         first = min(always, key=lambda one: one.seconds)
         lines.append(f"Cheapest kind that holds 93 to 97 % everywhere, but for chance: {first.method}.")
-    elif best:
+    elif any(of_kind.values()):
         lines.append("No kind of interval holds 93 to 97 % in every design; what each covers stands above.")
     for (case, effect), point in every.items():
         if effect in EFFECTS:

@@ -1,5 +1,6 @@
 """Scenes of a belt press: tensions, slip, and the start-up."""
 
+import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from inspect import signature
@@ -319,6 +320,23 @@ def _quantities(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ..
     )
 
 
+def _outcomes(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ...]:
+    """Return what a start-up amounts to: the extremes, whether and how long anything slipped, and the works."""
+    if answer.start_up is None:
+        return ()
+    told = answer.start_up.summary()
+    found = {
+        "peak_tension_N": max(told["peak_tension_N"].values()),
+        "lowest_tension_N": min(told["lowest_tension_N"].values()),
+        "peak_utilisation": max(told["peak_utilisation"].values(), default=math.nan),
+        "slips": float(bool(told["slipping_s"])),
+        "slipping_s": sum(told["slipping_s"].values()),
+        "drive_work_J": told["drive_work_J"],
+        "slip_loss_J": told["slip_loss_J"],
+    }
+    return tuple(kind.Quantity(f"start_up.{name}", np.array([value])) for name, value in found.items())
+
+
 def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure, ...]:
     """Return the slip of a press that runs steadily; in a start-up slip is simulated, and part of the answer."""
     if problem.start_up is not None:
@@ -566,6 +584,7 @@ KIND = kind.Kind(
     own_wheel=_own_wheel,
     problem=_problem,
     quantities=_quantities,
+    outcomes=_outcomes,
     tree=_tree,
     contacts=_contacts,
     in_one_call=lambda problem: problem.start_up is None,  # one start-up is simulated at a time

@@ -14,8 +14,7 @@ from ropefric.errors import RopefricError
 from ropefric.files.toml_model import choice, got, quantity, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.answer import PressAnswer, PressProblem
-from ropefric.systems.press.critical import slip_margins
+from ropefric.systems.press.answer import PressAnswer, PressProblem, slip_margins
 from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import (
     Belt,
@@ -26,8 +25,7 @@ from ropefric.systems.press.machine import (
     squeeze_torque_N_m,
 )
 from ropefric.systems.press.slip import MEASURES
-from ropefric.systems.press.statics import CLOSURES, solve_statics
-from ropefric.systems.press.steady import drive_power_W, steady_state
+from ropefric.systems.press.statics import CLOSURES, solve_statics, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.integrators import INTEGRATORS
 from ropefric.systems.press.transient.motion import settled_press
@@ -307,7 +305,7 @@ def _quantities(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ..
     slip, tensions_N = answer.slip, answer.state.effective_tension_N
     return (
         kind.Quantity("largest_utilisation", slip.utilisation.max(axis=-1)),
-        kind.Quantity("power_W", drive_power_W(answer.state)),
+        kind.Quantity("power_W", answer.state.drive_power_W),
         *(
             kind.Quantity(f"slip.{name}.{measure}", getattr(slip, measure)[..., place])
             for measure in ("utilisation", "as_plotted", "as_printed")

@@ -15,6 +15,7 @@ from scipy.special import stdtr
 import ropefric as rf
 from ropefric.errors import DataError, InputError
 from ropefric.files.folder import Folder
+from ropefric.fitting.predict import degrees_of_freedom
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.draws import draw_scene
@@ -28,8 +29,12 @@ FIT = {"fit": "../../fits/prth-coupled.json"}
 STIFF = {"linear_density": "62 g/m", "hanging_length": "5 m", "bending_stiffness": "1e-4 N*m^2"}
 
 
-def with_source(scene, **changes):
-    return replace(scene, source=replace(scene.source, **changes))
+def with_fit(scene, factor, dof=None):
+    """Return a scene of which the fit is surer by a factor of its variances, and rests on other degrees of freedom."""
+    fit = scene.source.fit
+    told = fit.statistics if dof is None else replace(fit.statistics, interval_dof=dof)
+    fit = replace(fit, covariance=factor * fit.covariance, statistics=told)
+    return replace(scene, source=replace(scene.source, fit=fit))
 
 
 # --- against the law of propagation, and against each draw by itself ---
@@ -57,8 +62,8 @@ def test_a_constant_coefficient_spreads_as_its_closed_form_says(hoist_of):
 
 def test_the_parameters_of_a_fit_spread_as_to_first_order(hoist_of):
     scene = hoist_of(effects="all")
-    scene = with_source(scene, covariance=1e-2 * scene.source.covariance)
-    found, first, dof = draw_scene(scene, N), solve_scene(scene), scene.source.dof
+    scene = with_fit(scene, 1e-2)
+    found, first, dof = draw_scene(scene, N), solve_scene(scene), degrees_of_freedom(scene.source.fit)
     wider = math.sqrt(dof / (dof - 2.0))  # of Student's t
     for one in first.quantities:
         drawn = found.numbers[one.name]
@@ -69,8 +74,8 @@ def test_the_parameters_of_a_fit_spread_as_to_first_order(hoist_of):
 
 def test_few_degrees_of_freedom_spread_as_student_s_t(hoist_of):
     scene = hoist_of(effects="all")
-    few = with_source(scene, covariance=1e-4 * scene.source.covariance, dof=5.0)
-    many = with_source(few, dof=math.inf)
+    few = with_fit(scene, 1e-4, dof=5.0)
+    many = with_fit(few, 1.0, dof=math.inf)
     found, normal = (draw_scene(one, N, level=0.9).numbers["lift_force_N"] for one in (few, many))
     assert found.std / normal.std == pytest.approx(math.sqrt(5.0 / 3.0), rel=0.05)
     width = found.quantiles[2] - found.quantiles[0]
@@ -207,7 +212,7 @@ def test_what_a_law_is_told_goes_where_the_box_of_the_draws_says_so(hoist_of, mo
 def test_the_share_that_lifts_is_that_of_the_margin_s_distribution(hoist_of):
     def little(**load):
         scene = hoist_of(effects="all", load={"end_tension": "80 N", **load})
-        return with_source(scene, covariance=1e-2 * scene.source.covariance)
+        return with_fit(scene, 1e-2)
 
     lift = solve_scene(little()).quantities[0]
     weight_N = float(lift.value[0] - 0.9 * lift.std[0])
@@ -264,7 +269,7 @@ def test_nothing_uncertain_and_too_few_or_many_draws_are_refused(hoist_of):
         with pytest.raises(InputError, match=f"{count} draws"):
             draw_scene(hoist_of(), count)
     unknown = hoist_of()
-    unknown = with_source(unknown, covariance=np.full_like(unknown.source.covariance, np.nan))
+    unknown = with_fit(unknown, np.nan)
     with pytest.raises(DataError, match="covariance of the fit is not known"):
         draw_scene(unknown, 100)
 

@@ -29,11 +29,16 @@ FIT = {"fit": "../../fits/prth-coupled.json"}
 STIFF = {"linear_density": "62 g/m", "hanging_length": "5 m", "bending_stiffness": "1e-4 N*m^2"}
 
 
-def with_fit(scene, factor, dof=None):
+def with_fit(scene, factor, *, dof=None, common=False):
     """Return a scene of which the fit is surer by a factor of its variances, and rests on other degrees of freedom."""
-    fit = scene.source.fit
+    fit, size = scene.source.fit, math.sqrt(factor)
     told = fit.statistics if dof is None else replace(fit.statistics, interval_dof=dof)
-    fit = replace(fit, covariance=factor * fit.covariance, statistics=told)
+    errors = tuple(
+        one._replace(change=tuple(size * part for part in one.change)) for one in fit.common_errors
+    )
+    fit = replace(
+        fit, covariance=factor * fit.covariance, common_errors=errors if common else (), statistics=told
+    )
     return replace(scene, source=replace(scene.source, fit=fit))
 
 
@@ -80,6 +85,18 @@ def test_few_degrees_of_freedom_spread_as_student_s_t(hoist_of):
     assert found.std / normal.std == pytest.approx(math.sqrt(5.0 / 3.0), rel=0.05)
     width = found.quantiles[2] - found.quantiles[0]
     assert width / normal.std == pytest.approx(2.0 * 2.015, rel=0.04)  # t of 5 degrees of freedom at 95 %
+
+
+def test_errors_that_are_known_spread_as_normal_ones(hoist_of):
+    """Of the variance V, K by errors that all conditions share: 5/3 (V - K) + K with five degrees of freedom."""
+    scene = hoist_of(effects="all")
+    few, many = (with_fit(scene, 1e-4, dof=dof, common=True) for dof in (5.0, math.inf))
+    changes = few.source.fit.common_changes
+    known = replace(many.source, fit=replace(many.source.fit, covariance=changes @ changes.T))
+    scenes = (few, many, replace(many, source=known))
+    found, all_V, known_V = (draw_scene(one, N).numbers["lift_force_N"].std ** 2 for one in scenes)
+    assert 0.05 < known_V / all_V < 0.95
+    assert found == pytest.approx(5.0 / 3.0 * (all_V - known_V) + known_V, rel=0.1)
 
 
 @pytest.mark.parametrize("name", ["hoist", "climbing-hoist"])
@@ -217,7 +234,7 @@ def test_the_share_that_lifts_is_that_of_the_margin_s_distribution(hoist_of):
     lift = solve_scene(little()).quantities[0]
     weight_N = float(lift.value[0] - 0.9 * lift.std[0])
     scene = little(payload=f"{weight_N / 9.80665!r} kg")
-    found, share = draw_scene(scene, N), float(stdtr(scene.source.dof, -0.9))
+    found, share = draw_scene(scene, N), float(stdtr(degrees_of_freedom(scene.source.fit), -0.9))
     told = found.to_dict()["failures"]["the hoist does not lift its payload"]
     assert told["share"] == pytest.approx(share, abs=4.0 * math.sqrt(share * (1.0 - share) / N))
     assert found.stands, "that it may not lift is an answer"

@@ -248,9 +248,7 @@ class _Trends:
     def least(self, title: str, *, there: bool, without: str = "") -> float:
         """Return the lowest AICc of trends that have one or not, and have not another."""
         found = (
-            value
-            for chosen, value in self.aicc.items()
-            if (title in chosen) == there and without not in chosen
+            value for some, value in self.aicc.items() if (title in some) == there and without not in some
         )
         return min(found, default=math.inf)
 
@@ -307,7 +305,7 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     best = min(trends.least(title, there=True), by_having)
     other = min(trends.least(title, there=False), by_lacking)
     if not (math.isfinite(plain) and math.isfinite(best)):
-        parts.append(f"{ranked.n} {ranked.unit} are too few for any law with it")
+        parts.append(f"{ranked.n} conditions are too few for any law with it")
         return Cause(title, "cannot-tell", "; ".join(parts), experiment, numbers)
     gain, lead = plain - best, other - best
     numbers |= {"gain_on_constant": gain, "lead_on_others": lead}
@@ -323,11 +321,7 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
         # The law that won names the effect where no description without it that is as simple comes near. A fuller law
         # may contain the winner as a limit and then cannot be far behind; that it does not win is enough.
         rivals = [entry.aicc for entry in ranked.ranking if entry.law in lacking and entry.k <= winner.k]
-        rivals += [
-            value
-            for chosen, value in trends.aicc.items()
-            if title not in chosen and len(chosen) + 2 <= winner.k
-        ]
+        rivals += [x for some, x in trends.aicc.items() if title not in some and len(some) + 2 <= winner.k]
         yes = min(rivals, default=math.inf) - winner.aicc >= _STRONG
     # An offset and a wrap effect both explain what the constant law cannot, as well as each other.
     looks_like_offset = (
@@ -337,9 +331,8 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
         and abs(offset.aicc - by_having) < _STRONG
     )
     if looks_like_offset:
-        parts.append(
-            "a constant μ with a constant offset in ln F looks exactly like a wrap effect, and here both fit"
-        )
+        text = "a constant μ with a constant offset in ln F looks exactly like a wrap effect"
+        parts.append(f"{text}, and here both fit")
     if yes:
         return Cause(title, "yes", "; ".join(parts), experiment, numbers)
     # Another effect could stand in its place: it is as good without what the best description has.
@@ -402,13 +395,12 @@ def _limits(title: str, line: _Line, trends: _Trends) -> tuple[dict[str, float],
         span = f"{_percent(low)} to {_percent(high)}"
         return numbers, f"an offset may still change F_A by {span}{beside} (at 95 % each)"
     if title == "coil contact":
-        text = (
-            f"contact may still raise μ beyond the first turn by up to {_percent(max(high, 0.0))} (at 95 %)"
-        )
+        most = _percent(max(high, 0.0))
+        text = f"contact may still raise μ beyond the first turn by up to {most} (at 95 %)"
         return numbers, text
     ends = " to ".join(f"{significant(float(end) * factor, 4):g}" for end in levels)
     room = [
-        f"{word} by up to {_percent(size)}" for word, size in (("fall", -low), ("rise", high)) if size > 0.0
+        f"{word} by up to {_percent(size)}" for word, size in (("fall", -low), ("rise", high)) if size > 0
     ]
     span = " ".join(filter(None, (name, ends, unit)))
     return numbers, f"μ may still {' or '.join(room)} from {span}{beside} (at 95 % each)"
@@ -465,9 +457,7 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
         )
     clear = min(test[0] for test in told.values()) * len(told) < _SIGNIFICANT
     # The one that sees it, or else the one that leaves least room.
-    where, (p_value, low, high) = min(
-        told.items(), key=lambda item: item[1][0] if clear else item[1][2] - item[1][1]
-    )
+    where, (p_value, low, high) = min(told.items(), key=lambda x: x[1][0] if clear else x[1][2] - x[1][1])
     p_value = min(1.0, p_value * len(told))
     supported: Supported = "yes" if p_value < _SIGNIFICANT else "no"
     may = "changes" if supported == "yes" else "may still change"
@@ -478,9 +468,10 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
     return Cause(title, supported, text, experiment, numbers)
 
 
-def _explained(
-    base: FloatArray, extra: FloatArray, rise: FloatArray, n: int
-) -> tuple[float, float, float] | None:
+_Limits = tuple[float, float, float]
+
+
+def _explained(base: FloatArray, extra: FloatArray, rise: FloatArray, n: int) -> _Limits | None:
     """Return the p-value of columns beside others, and the limits of the largest of their effects on ln F_A.
 
     `n` counts the independent observations. None where the columns hold nothing of their own, or leave nothing over.

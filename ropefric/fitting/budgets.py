@@ -19,7 +19,7 @@ from ropefric.fitting.predict import degrees_of_freedom, new_rope_std, outside_w
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
 from ropefric.traces.budget import chain_quantities
-from ropefric.trials.conditions import trimming_bias
+from ropefric.trials.outliers import trimming_bias
 from ropefric.trials.result import Extraction, TrialResult
 from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import (

@@ -257,8 +257,7 @@ def predict(
         text = f"ln F_A = {log_lift[worst]:.6g} at {conditions.describe(worst)}: the force overflows"
         raise InputError(text, code="RF420", fix="use a smaller wrap; in Python, law.log_lift stays finite")
     (variance, dof), probability = _law_spread(fit, model, conditions), 0.5 + 0.5 * level
-    seen = all(math.isfinite(item.std) or item.at_bound for item in fit.parameters)
-    told = fit.statistics.interval_dof != 0.0 and fit.status not in _NOTHING_TOLD and seen
+    told = has_interval(fit)
     if not told:
         variance, dof = np.full_like(variance, math.nan), np.zeros_like(dof)
     std = np.sqrt(variance)
@@ -312,6 +311,12 @@ def predict(
             judged=fit.verdict,
             of=fit.of,
         )
+
+
+def has_interval(fit: FitResult) -> bool:
+    """Return whether the data leave anything to estimate an interval of the law from."""
+    seen = all(math.isfinite(item.std) or item.at_bound for item in fit.parameters)
+    return fit.statistics.interval_dof != 0.0 and fit.status not in _NOTHING_TOLD and seen
 
 
 def _law_spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> tuple[FloatArray, FloatArray]:

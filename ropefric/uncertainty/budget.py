@@ -266,8 +266,8 @@ class BudgetStatus(AdvisedStatus):
 
     OK = "ok: The draws agree with the budget."
     DRAWS_DISAGREE = (
-        "draws-disagree: The draws disagree with the budget: the inputs are so uncertain that the answer bends "
-        "within them, or one with a flat distribution outweighs the rest. Use the interval of the draws, not y ± U."
+        "draws-disagree: The draws disagree with the budget: the inputs are so uncertain that the answer bends within "
+        "them, or one with a flat distribution outweighs the rest. Use the interval of the draws, not y ± U."
     )
     NO_REPEATS = (
         "no-repeats: There is one trial and nothing tells its scatter, which is usually the largest part: the budget "

@@ -107,7 +107,7 @@ def test_a_fuller_law_is_preferred_in_a_twentieth_of_constant_campaigns_at_most(
 @pytest.mark.parametrize(
     ("design", "law", "theta", "n"),
     [
-        ((12, 5, 0.0), "constant-offset", (0.2, 0.1), 3),
+        ((12, 5, 0.0), "constant-offset", (0.2, 0.1), 2),
         pytest.param((20, 3, 0.0), "wrap-power", (0.2, -0.5, 0.1), 50, marks=pytest.mark.slow),
         pytest.param((8, 5, 0.0), "constant-offset", (0.2, 0.1), 50, marks=pytest.mark.slow),
     ],

@@ -19,20 +19,11 @@ from scipy.special import fdtrc, stdtr, stdtrit
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import significant
+from ropefric.fitting import statistics as stats
 from ropefric.fitting.compare import Comparison, choose_law, compare_laws
 from ropefric.fitting.predict import has_interval
 from ropefric.fitting.problem import FitProblem, typical_mu
 from ropefric.fitting.result import FitResult, Verdict
-from ropefric.fitting.statistics import (
-    SMALLEST_SCATTER,
-    ConditionMeans,
-    ScatterFit,
-    aicc,
-    condition_means,
-    f_test,
-    group_means,
-    scatter_fit,
-)
 from ropefric.friction.condition import distinct
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted
@@ -162,7 +153,7 @@ def diagnose(
         ranked = compare_laws(table, [entry.law for entry in ranked.ranking])
         fit = ranked["constant"].fit or fit
     problem = fit.data
-    means = condition_means(problem)
+    means = stats.condition_means(problem)
     trends = _Trends(means, ranked, slack=table.measures_slack, touching_turns=touching_turns)
     causes = [_judged(title, ranked, trends) for title in _EFFECTS]
     causes += [_grouped(title, table, problem, trends) for title in _GROUPS]
@@ -197,7 +188,7 @@ class _Trends:
     """Trends of μ with the settings on condition means: ln(F_A/F_B) = φ (μ + Σ slope · ln level) + offset."""
 
     def __init__(
-        self, means: ConditionMeans, ranked: Comparison, *, slack: bool, touching_turns: float | None
+        self, means: stats.ConditionMeans, ranked: Comparison, *, slack: bool, touching_turns: float | None
     ) -> None:
         at, self.means = means.conditions, means
         wrap = at.wrap_angle_rad
@@ -229,12 +220,12 @@ class _Trends:
         """Return the columns of μ and of some trends, shape (K, 1 + number of trends)."""
         return np.stack([self.means.conditions.wrap_angle_rad, *(self.columns[t] for t in chosen)], axis=-1)
 
-    def _solved(self, X: FloatArray, rise: FloatArray) -> tuple[FloatArray, ScatterFit]:
+    def _solved(self, X: FloatArray, rise: FloatArray) -> tuple[FloatArray, stats.ScatterFit]:
         """Return the coefficients of columns, and the scatter of the means about them that makes them likeliest."""
         root = self.means.std
         for _ in range(4):
             theta = np.asarray(np.linalg.lstsq(X / root[:, None], rise / root, rcond=None)[0])
-            scatter = scatter_fit(X @ theta - rise, self.means)
+            scatter = stats.scatter_fit(X @ theta - rise, self.means)
             root = np.sqrt(scatter.variance)
         return theta, scatter
 
@@ -245,7 +236,7 @@ class _Trends:
         theta, scatter = self._solved(X, self.rise)
         if "coil contact" in chosen and theta[1 + chosen.index("coil contact")] < 0.0:
             return math.inf  # contact between coils cannot help the rope along
-        return aicc(float(scatter.deviance), K, X.shape[1] + 1)
+        return stats.aicc(float(scatter.deviance), K, X.shape[1] + 1)
 
     def least(self, title: str, *, there: bool, without: str = "") -> float:
         """Return the lowest AICc of trends that have one or not, and have not another."""
@@ -270,7 +261,7 @@ class _Trends:
             return None
         theta, scatter = self._solved(X, rise)
         known = self.means.std.max() if self.means.repeated else 0.0
-        if max(known, float(np.abs(X @ theta - rise).max())) < SMALLEST_SCATTER:
+        if max(known, float(np.abs(X @ theta - rise).max())) < stats.SMALLEST_SCATTER:
             return None  # they agree to rounding, which is no scatter to judge by
         root = np.sqrt(scatter.variance)
         left = float((((X @ theta - rise) / root) ** 2).sum()) / dof
@@ -451,8 +442,8 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
         x = np.stack([np.array([v == word for v in values], float) for word in found[1:]], axis=-1)
     rise = problem.log_lift - problem.conditions.log_end_tension
     group = np.unique(problem.group, return_inverse=True)[1]
-    mean = np.stack([group_means(column, group) for column in x.T], axis=-1)
-    about = rise - group_means(rise, group)[group]
+    mean = np.stack([stats.group_means(column, group) for column in x.T], axis=-1)
+    about = rise - stats.group_means(rise, group)[group]
     tests = [_explained(np.zeros((rise.size, 0)), x - mean[group], about, rise.size - len(mean))]
     weight = (trends.means.std.mean() / trends.means.std)[:, None]
     full = trends.matrix(trends.columns) * weight
@@ -491,7 +482,7 @@ def _explained(base: FloatArray, extra: FloatArray, rise: FloatArray, n: int) ->
         return None
     slope = np.linalg.lstsq(left, rest, rcond=None)[0]
     chi2 = float(((rest - left @ slope) ** 2).sum())
-    p_value = f_test(float(rest @ rest), chi2, n=n - base.shape[1], p_simpler=0, p_fuller=q)[2]
+    p_value = stats.f_test(float(rest @ rest), chi2, n=n - base.shape[1], p_simpler=0, p_fuller=q)[2]
     reach = float(stdtrit(dof, _LEVEL)) * np.sqrt(np.diag(np.linalg.inv(left.T @ left)) * chi2 / dof)
     return p_value, float((slope - reach).min()), float((slope + reach).max())
 
@@ -520,7 +511,7 @@ def _no_slip(table: TrialTable) -> Cause:
     return Cause(title, supported, text, experiment, {"not_ok": float(bad.total()), "trials": float(n)})
 
 
-def _scatter(ranked: Comparison, means: ConditionMeans) -> Cause:
+def _scatter(ranked: Comparison, means: stats.ConditionMeans) -> Cause:
     """Return whether conditions lie further off the best law than their repeats allow."""
     title = "condition scatter"
     experiment = "repeat each condition with a new rope in random order, and again with the same rope"

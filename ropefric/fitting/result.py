@@ -41,24 +41,8 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant, to_share
 from ropefric.files.read import hash_file, kind_of_file
+from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
-from ropefric.fitting.statistics import (
-    SMALLEST_SCATTER,
-    FitStatistics,
-    Identifiability,
-    Scatter,
-    TwoLevels,
-    clustered_covariance,
-    combined_dof,
-    decomposed,
-    find_trends,
-    fit_statistics,
-    group_means,
-    identify,
-    plain_covariance,
-    rounded_covariance,
-    two_levels,
-)
 from ropefric.friction.condition import SETTINGS, distinct
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
@@ -225,10 +209,10 @@ class FitResult(Shown):
     parameters: tuple[FittedParameter, ...]
     covariance: FloatArray
     covariance_kind: CovarianceKind
-    statistics: FitStatistics
+    statistics: stats.FitStatistics
     status: FitStatus
     advice: tuple[str, ...]
-    identifiability: Identifiability
+    identifiability: stats.Identifiability
     validity: Mapping[str, tuple[float, float]]
     notes: tuple[str, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
@@ -350,11 +334,13 @@ class FitResult(Shown):
             parameters=tuple(_parameter(name, tree["parameters"][name]) for name in tree["parameter_order"]),
             covariance=np.array([[_number(cell) for cell in row] for row in tree["covariance"]], np.float64),
             covariance_kind=tree["covariance_kind"],
-            statistics=FitStatistics(**{key: _number(value) for key, value in tree["statistics"].items()}),
+            statistics=stats.FitStatistics(
+                **{key: _number(value) for key, value in tree["statistics"].items()}
+            ),
             status=FitStatus(tree["status"]),
             advice=tuple(tree["advice"]),
             notes=tuple(tree["notes"]),
-            identifiability=Identifiability.from_dict(tree["identifiability"]),
+            identifiability=stats.Identifiability.from_dict(tree["identifiability"]),
             validity={name: (float(low), float(high)) for name, (low, high) in tree["validity"].items()},
             provenance=dict(tree["provenance"]),
             trials={name: [_number(cell) for cell in column] for name, column in tree["trials"].items()},
@@ -452,7 +438,7 @@ class Found:
     theta: FloatArray
     at_bound: BoolArray
     converged: bool
-    scatter: Scatter
+    scatter: stats.Scatter
     shared: FloatArray
     notes: tuple[str, ...]
     common: tuple[CommonError, ...]
@@ -476,31 +462,31 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     residuals, slopes = problem.residuals_and_jacobian(theta)
     jacobian, free = slopes[:, shown], shown
     if found.at_bound.any():
-        values = decomposed(slopes[:, problem.vary]).values
+        values = stats.decomposed(slopes[:, problem.vary]).values
         # The data tell all parameters apart, those that lie on their bounds too.
         if values.max(initial=0.0) <= _HOPELESS_RATIO * values.min(initial=inf):
             free = problem.vary
     errors, left = slopes[:, free], (-residuals * problem.std, problem.std, problem.group)
     levels = None
     if problem.n_conditions > errors.shape[1]:
-        levels = two_levels(errors, *left, found.scatter, found.effects)
+        levels = stats.two_levels(errors, *left, found.scatter, found.effects)
     covariance, kind, dof, note = _errors(found, settings, errors, residuals, levels)
-    common, svd = np.zeros((theta.size, len(found.common))), decomposed(errors)
+    common, svd = np.zeros((theta.size, len(found.common))), stats.decomposed(errors)
     if levels is not None and settings.clustered and settings.scale_covar == "auto":
         common[free] = levels.common
         covariance = covariance + levels.common @ levels.common.T
-    covariance = rounded_covariance(covariance, lost=int(svd.lost.sum()))
+    covariance = stats.rounded_covariance(covariance, lost=int(svd.lost.sum()))
     full = np.zeros((theta.size, theta.size))
     full[np.ix_(free, free)] = covariance
     std = np.zeros(theta.size)
     known = [significant(sqrt(variance), STD_DIGITS) for variance in np.diag(covariance).tolist()]
     std[free] = np.where(svd.unseen, inf, known)
-    seen = identify(jacobian, np.array(problem.law.parameter_names)[shown].tolist())
+    seen = stats.identify(jacobian, np.array(problem.law.parameter_names)[shown].tolist())
     between, p_value = (levels.between, levels.p_value) if levels else (nan, nan)
     findings = [*_of_search(found), *_of_design(found, seen, std)]
     if table.measures_slack:
         findings += _of_slack(found)
-    for trend in find_trends(jacobian, *left, problem.conditions):
+    for trend in stats.find_trends(jacobian, *left, problem.conditions):
         if trend.p_value < _TREND_P:
             text = f"What {problem.law.name} leaves over follows the {trend.regressor} (by {trend.size:.2%} of the "
             text += f"force, p = {trend.p_value:.1g}): the law misses an effect. "
@@ -522,7 +508,7 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
         parameters=_parameters(found, std, dof, common),
         covariance=full,
         covariance_kind=kind,
-        statistics=fit_statistics(problem, residuals, found.scatter, between, dof),
+        statistics=stats.fit_statistics(problem, residuals, found.scatter, between, dof),
         status=findings[0][0] if findings else FitStatus.OK,
         advice=tuple(text for _, text in findings),
         notes=(note, *found.notes),
@@ -542,7 +528,11 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
 
 
 def _errors(
-    found: Found, settings: FitSettings, jacobian: FloatArray, residuals: FloatArray, levels: TwoLevels | None
+    found: Found,
+    settings: FitSettings,
+    jacobian: FloatArray,
+    residuals: FloatArray,
+    levels: stats.TwoLevels | None,
 ) -> tuple[FloatArray, CovarianceKind, float, str]:
     """Return the covariance of the parameters shown, its kind, the degrees of freedom of t, and why."""
     problem, (n, q), linear = found.problem, jacobian.shape, settings.loss == "linear"
@@ -550,17 +540,17 @@ def _errors(
     if settings.clustered and settings.scale_covar == "auto" and levels is not None:
         repeated = problem.n_conditions < n
         if linear:
-            exact = sqrt(float(np.mean((residuals * problem.std) ** 2))) < SMALLEST_SCATTER
+            exact = sqrt(float(np.mean((residuals * problem.std) ** 2))) < stats.SMALLEST_SCATTER
             kind: CovarianceKind = "clustered" if repeated else "scaled"
             return levels.covariance, kind, 0.0 if exact else levels.dof, _EXACT if exact else _NOTES[kind]
         if repeated:
-            sandwich, each = clustered_covariance(jacobian, residuals, problem.group, weights)
+            sandwich, each = stats.clustered_covariance(jacobian, residuals, problem.group, weights)
             return sandwich, "clustered", min(each, default=0.0), _NOTES["clustered"]
     # A weighted residual has less variance than one; the sandwich over trials knows by how much.
     inverse = (
-        plain_covariance(jacobian, weights)
+        stats.plain_covariance(jacobian, weights)
         if linear
-        else clustered_covariance(jacobian, residuals, np.arange(n), weights)[0]
+        else stats.clustered_covariance(jacobian, residuals, np.arange(n), weights)[0]
     )
     known = found.scatter.known
     if known if settings.scale_covar == "auto" else not settings.scale_covar:
@@ -586,7 +576,7 @@ def _parameters(found: Found, std: FloatArray, dof: float, common: FloatArray) -
     columns = (found.theta, std, *given, (common**2).sum(axis=1))
     for name, *row in zip(problem.law.parameter_names, *(column.tolist() for column in columns), strict=True):
         value, error, low, high, at_bound, vary, known = row
-        reach = quantile(0.975, float(combined_dof(error**2, known, dof))) if dof > 0 else inf
+        reach = quantile(0.975, float(stats.combined_dof(error**2, known, dof))) if dof > 0 else inf
         half = reach * error if error > 0 else 0.0
         # Rounded, but never past the estimate itself, which may have more digits than a tiny error has room for.
         near, far = min(to_share(value - half, error), value), max(to_share(value + half, error), value)
@@ -603,12 +593,12 @@ def _parameters(found: Found, std: FloatArray, dof: float, common: FloatArray) -
 def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:
     """Return the data by condition: settings, number of trials, mean and sample standard deviation of ln F_A."""
     problem, group = found.problem, found.problem.group
-    n, means = np.bincount(group), group_means(problem.log_lift, group)
+    n, means = np.bincount(group), stats.group_means(problem.log_lift, group)
     squares = np.bincount(group, (problem.log_lift - means[group]) ** 2)
     std = np.sqrt(squares / np.where(n > 1, n - 1, np.nan))
     columns = {name: getattr(problem.conditions, name) for name in SETTINGS}
     columns["peak_std_N"] = table.peak_std_N[table.used]
-    return {name: group_means(values, group).tolist() for name, values in columns.items()} | {
+    return {name: stats.group_means(values, group).tolist() for name, values in columns.items()} | {
         "n": n.tolist(),
         "mean_log_lift": [significant(value, GIVEN_DIGITS) for value in means.tolist()],
         "std_log_lift": [significant(value, smallest=_RESIDUE) for value in std.tolist()],
@@ -654,7 +644,7 @@ def _of_search(found: Found) -> Iterator[Finding]:
         yield kind, f"Repeats scatter by {scatter:.0%} of the force. {kind.advice}"
 
 
-def _of_design(found: Found, seen: Identifiability, std: FloatArray) -> Iterator[Finding]:
+def _of_design(found: Found, seen: stats.Identifiability, std: FloatArray) -> Iterator[Finding]:
     lost, law, at, experiments = list(seen.unseen), found.problem.law, found.problem.conditions, []
     levels = (at.size_ratio, np.degrees(at.wrap_angle_rad), at.end_tension_N)
     for (what, (effects, shown, more)), values in zip(

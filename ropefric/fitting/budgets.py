@@ -311,9 +311,8 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
         if single or shared:
             found.append(item)
         else:
-            notes.append(
-                f"each trial has its own {words} ({item.std:.2g} N): the repeatability holds it already"
-            )
+            text = f"each trial has its own {words} ({item.std:.2g} N)"
+            notes.append(f"{text}: the repeatability holds it already")
 
     if chains:
         worst = max(chains, key=lambda chain: chain.cell.full_scale_N)
@@ -328,9 +327,8 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
         add(Quantity("tare", "δ_0", "N", tare_N), "tare", shared=one_tare)
         if not single and largest.repeatability:
             limit_N = largest.repeatability * largest.full_scale_N
-            notes.append(
-                f"the cell's own repeatability (limit {limit_N:.2g} N) is part of that of the trials"
-            )
+            text = f"the cell's own repeatability (limit {limit_N:.2g} N) is part of that of the trials"
+            notes.append(text)
     else:
         text = "the recordings come in newtons without their chain: calibration and resolution are unknown"
         notes.append(text)

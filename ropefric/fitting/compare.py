@@ -462,9 +462,7 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
         doubts=tuple(dict.fromkeys(text for _, text in doubts)),
         rivals=rivals,
         # Where criteria disagree none of them may outvote the others by more than laws that are not told apart.
-        undecided={
-            law: math.exp(-0.5 * min(max(comparison[law].delta_aicc, 0.0), RIVAL)) for law in undecided
-        },
+        undecided={x: math.exp(-0.5 * min(max(comparison[x].delta_aicc, 0.0), RIVAL)) for x in undecided},
     )
 
 
@@ -510,10 +508,8 @@ def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
         own, other = (predict(one, wheel, check=False) for one in (fit, rival))
     except RopefricError:
         return False
-    widths = (own.log_half_width, np.nan_to_num(other.log_half_width))
-    apart, half, others = (
-        math.sqrt(float(np.mean(values**2))) for values in (other.log_lift - own.log_lift, *widths)
-    )
+    values = (other.log_lift - own.log_lift, own.log_half_width, np.nan_to_num(other.log_half_width))
+    apart, half, others = (math.sqrt(float(np.mean(x**2))) for x in values)
     laws = ALL_LAWS[fit.law], ALL_LAWS[rival.law]
     nested = laws[0] in laws[1].special_cases or laws[1] in laws[0].special_cases
     if apart <= _SAME:

@@ -240,9 +240,7 @@ class _Trends:
 
     def least(self, title: str, *, there: bool, without: str = "") -> float:
         """Return the lowest AICc of trends that have one or not, and have not another."""
-        found = (
-            value for some, value in self.aicc.items() if (title in some) == there and without not in some
-        )
+        found = (x for some, x in self.aicc.items() if (title in some) == there and without not in some)
         return min(found, default=math.inf)
 
     def line(self, title: str) -> _Line | None:
@@ -353,10 +351,8 @@ def _of_line(title: str, line: _Line | None, ranked: Comparison) -> tuple[dict[s
     """Return what the trend of an effect is, as numbers and in words."""
     if title == "offset" and (fit := ranked["constant-offset"].fit) is not None:
         k = fit["k"]
-        numbers, text = (
-            {"k": k.value, "k_std": k.std},
-            f"offset of ln F_A k = {_with_error(fit, 'k', '+.3g')}",
-        )
+        numbers = {"k": k.value, "k_std": k.std}
+        text = f"offset of ln F_A k = {_with_error(fit, 'k', '+.3g')}"
         for test in ranked.tests:
             if (test.simpler, test.fuller) == ("constant", "constant-offset"):
                 text += f" (F-test p = {test.p_value:.2g})"
@@ -398,9 +394,7 @@ def _limits(title: str, line: _Line, trends: _Trends) -> tuple[dict[str, float],
         text = f"contact may still raise μ beyond the first turn by up to {most} (at 95 %)"
         return numbers, text
     ends = " to ".join(f"{significant(float(end) * factor, 4):g}" for end in levels)
-    room = [
-        f"{word} by up to {_percent(size)}" for word, size in (("fall", -low), ("rise", high)) if size > 0
-    ]
+    room = [f"{way} by up to {_percent(size)}" for way, size in (("fall", -low), ("rise", high)) if size > 0]
     span = " ".join(filter(None, (name, ends, unit)))
     return numbers, f"μ may still {' or '.join(room)} from {span}{beside} (at 95 % each)"
 

@@ -188,10 +188,9 @@ def common_errors(
 
 def rope_slopes(law: FrictionLaw, theta: FloatArray, at: Conditions) -> FloatArray:
     """Return ∂ ln F_A/∂R_r [1/m] by central differences, shape (n,): no law has it in closed form."""
-    ends = [
-        law.log_lift(theta, replace(at, rope_radius_m=at.rope_radius_m * s)) for s in (1 + _STEP, 1 - _STEP)
-    ]
-    return np.asarray((ends[0] - ends[1]) / (2.0 * _STEP * at.rope_radius_m))
+    radius_m = at.rope_radius_m
+    ends = [law.log_lift(theta, replace(at, rope_radius_m=radius_m * s)) for s in (1 + _STEP, 1 - _STEP)]
+    return np.asarray((ends[0] - ends[1]) / (2.0 * _STEP * radius_m))
 
 
 def trial_std(within: float, shared: FloatArray, group: IntArray) -> FloatArray:
@@ -303,10 +302,8 @@ def _end_of_the_valley(
     """Return the bound that a search creeps towards, where it leads lower; how far it got hangs on the last bits."""
     index = np.repeat(np.flatnonzero(problem.vary), 2)
     bound = np.stack([problem.lower, problem.upper], axis=-1)[problem.vary].ravel()
-    rows, starts, vary = (
-        np.arange(index.size),
-        *(np.tile(row, (index.size, 1)) for row in (theta, problem.vary)),
-    )
+    rows = np.arange(index.size)
+    starts, vary = (np.tile(row, (index.size, 1)) for row in (theta, problem.vary))
     starts[rows, index], vary[rows, index] = bound, False
     good = np.flatnonzero(np.isfinite(bound) & vary.any(axis=1))
     good = good[problem.law.admissible(starts[good], problem.conditions)]

@@ -334,9 +334,7 @@ class FitResult(Shown):
             parameters=tuple(_parameter(name, tree["parameters"][name]) for name in tree["parameter_order"]),
             covariance=np.array([[_number(cell) for cell in row] for row in tree["covariance"]], np.float64),
             covariance_kind=tree["covariance_kind"],
-            statistics=stats.FitStatistics(
-                **{key: _number(value) for key, value in tree["statistics"].items()}
-            ),
+            statistics=stats.FitStatistics(**{key: _number(x) for key, x in tree["statistics"].items()}),
             status=FitStatus(tree["status"]),
             advice=tuple(tree["advice"]),
             notes=tuple(tree["notes"]),
@@ -647,13 +645,11 @@ def _of_search(found: Found) -> Iterator[Finding]:
 def _of_design(found: Found, seen: stats.Identifiability, std: FloatArray) -> Iterator[Finding]:
     lost, law, at, experiments = list(seen.unseen), found.problem.law, found.problem.conditions, []
     levels = (at.size_ratio, np.degrees(at.wrap_angle_rad), at.end_tension_N)
-    for (what, (effects, shown, more)), values in zip(
-        _EXPERIMENTS.items(), map(distinct, levels), strict=True
-    ):
+    for (what, (effects, shown, do)), values in zip(_EXPERIMENTS.items(), map(distinct, levels), strict=True):
         if effects & law.effects and values.size <= _FEW:
             there = f"is only one {what}" if values.size == 1 else f"are only {values.size} {what}s"
             given = shown.format(", ".join(f"{value:.4g}" for value in values))
-            experiments.append(f"There {there} ({given}): {more}")
+            experiments.append(f"There {there} ({given}): {do}")
     if not lost and seen.ratio > _POOR_RATIO:
         one_value = any("only one" in text for text in experiments)
         limit = _UNKNOWN_BY_DESIGN if one_value else _UNKNOWN

@@ -17,12 +17,11 @@ from ropefric.errors import InputError
 from ropefric.files.digits import significant, to_share
 from ropefric.fitting.assemble import Found, assemble
 from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings, Loss, check_settings, reduced
+from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings, Loss, check_settings, law_named, reduced
 from ropefric.fitting.result import CommonError, FitResult
 from ropefric.fitting.statistics import RANK_RATIO, Scatter, decomposed, pooled_scatter
 from ropefric.friction.condition import Conditions, levels
 from ropefric.friction.law import FrictionLaw
-from ropefric.friction.laws import ALL_LAWS
 from ropefric.trials.table import TrialTable
 
 # Beyond this the squares of residuals and slopes, and their sums, are no floats.
@@ -69,7 +68,7 @@ def fit_law(table: TrialTable, law: str | FrictionLaw, **settings: Any) -> FitRe
 
     A doubtful result comes back with a status that says so; see `FitResult.status`.
     """
-    chosen = ALL_LAWS[law] if isinstance(law, str) else law
+    chosen = law_named(law)
     how = FitSettings(**{name: value for name, value in settings.items() if value is not None})
     check_settings(how, chosen)
     table = table.of(how.of)

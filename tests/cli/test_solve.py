@@ -442,3 +442,20 @@ def test_a_cluster_is_for_sweeps(call):
     assert done.code == 3
     assert "--cluster" in done.err
     assert "add --sweep" in done.err
+
+
+def test_draws_are_a_summary_and_a_table(call, tmp_path):
+    done = call(
+        "solve", SCENES / "hoist.toml", "--draws", "500", "--seed", "3", "--out", tmp_path / "o", "--json"
+    )
+    assert done.code == 0
+    told = done.json()
+    assert told["draws"] == 500
+    assert told["quantiles_percent"] == [2.5, 50.0, 97.5]
+    assert (tmp_path / "o" / "draws.json").exists()
+    assert len((tmp_path / "o" / "draws.csv").read_text(encoding="utf-8").splitlines()) == 501
+    words = call("solve", SCENES / "hoist.toml", "--draws", "500", "--seed", "3")
+    assert "500 draws (seed 3)" in words.out
+    both = call("solve", SCENES / "hoist.toml", "--draws", "500", "--sweep", "wheel.wrap=1turn,2turn")
+    assert both.code == 3
+    assert "a sweep is not drawn" in both.err

@@ -33,7 +33,7 @@ from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.smoothing import SmoothedForce
 from ropefric.traces.trace import ForceTrace
-from ropefric.trials.conditions import Repeatability
+from ropefric.trials.outliers import Repeatability
 from ropefric.trials.result import Extraction
 from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import Statement

@@ -11,19 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
-from ropefric.errors import (
-    DataError,
-    InputError,
-    Problem,
-    RopefricError,
-    data_error,
-    raise_problems,
-)
+from ropefric.errors import DataError, InputError, Problem, RopefricError, data_error, raise_problems
 from ropefric.files.read import kind_of_file
 from ropefric.files.toml import TomlDocument, is_campaign, read_toml
 from ropefric.files.toml_model import got, validate_document
-from ropefric.fitting.predict import degrees_of_freedom
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import SETTINGS, Conditions, one_condition
@@ -46,8 +37,6 @@ class FrictionSource:
 
     friction: WrapFriction
     origin: str
-    covariance: FloatArray | None = None
-    dof: float = math.inf
     tested: Mapping[str, tuple[float, float]] | None = None
     warnings: tuple[str, ...] = ()
     fit: FitResult | None = None
@@ -65,8 +54,6 @@ def source_of(kind: Kind, scene: SceneTable, folder: Path) -> FrictionSource | N
         origin = f"{fit.law} fitted to {fit.statistics.n} trials ({Path(table.fit).name})"
         sound = fit.status.value == "ok"
         known = {
-            "covariance": np.asarray(fit.covariance),
-            "dof": degrees_of_freedom(fit),
             "tested": {name: (float(low), float(high)) for name, (low, high) in fit.validity.items()},
             "fit": fit,
             "warnings": () if sound else (f"the fit's status is {fit.status.value}", *fit.advice),

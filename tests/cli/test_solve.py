@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from ropefric.fitting.predict import degrees_of_freedom
+from ropefric.fitting.predict import predict
 from ropefric.fitting.store import load_fit
+from ropefric.friction.condition import one_condition
 from ropefric.uncertainty.quantity import quantile
 
 ROOT = Path(__file__).parents[2]
@@ -276,8 +277,9 @@ def test_a_folder_is_answered_with_what_may_be_meant(call, tmp_path, bench):
 
 
 def test_the_level_of_the_intervals_is_asked_for(call):
-    """By Student's t of the fit's degrees of freedom."""
-    dof = degrees_of_freedom(load_fit(ROOT / "fits" / "prth-coupled.json"))
+    """By Student's t of the degrees of freedom that `predict` gives the same wheel."""
+    wheel = one_condition(0.04, 0.0049, 3.0 * math.pi, 80.0)
+    dof = float(predict(load_fit(ROOT / "fits" / "prth-coupled.json"), wheel).dof[0])
     wide, narrow = (
         call("solve", SCENES / "hoist.toml", "--level", level, "--json").json() for level in ("0.95", "0.5")
     )

@@ -34,9 +34,10 @@ class _Friction(NamedTuple):
 
     names: tuple[str, ...]
     theta: FloatArray
-    root: FloatArray
-    dof: float
     half: FloatArray
+    root: FloatArray = np.zeros((0, 0))
+    dof: float = math.inf
+    bounds: tuple[FloatArray | float, FloatArray | float] = (-math.inf, math.inf)
 
 
 class _Draws:
@@ -69,10 +70,11 @@ class _Draws:
             for axis, one in zip(self.axes, flat, strict=True)
         ]
         if friction is not None:
-            size, columns = friction.root.shape
-            together = _scattered(self.seed, block, size, columns - size, friction.dof)[own] @ friction.root.T
-            apart = _flat(self.seed, block, friction.theta.size, 2)[own] * friction.half
-            found.append(friction.theta + together + apart)
+            theta = friction.theta + _flat(self.seed, block, friction.theta.size, 2)[own] * friction.half
+            if friction.root.size:
+                scattered = _scattered(self.seed, block, *friction.root.shape, friction.dof)[own]
+                theta = np.clip(theta + scattered @ friction.root.T, *friction.bounds)
+            found.append(theta)
         return found
 
     def box(self) -> list[FloatArray]:
@@ -80,10 +82,10 @@ class _Draws:
         corners = [one.ravel() for one in np.meshgrid(*(axis.values for axis in self.axes), indexing="ij")]
         if self.friction is None:
             return corners
-        names, theta, root, dof, half = self.friction
+        names, theta, half, root, dof, bounds = self.friction
         reach = quantile(1.0 - 0.5 / (self.shape[0] * len(names)), dof)
-        ways = np.vstack([np.zeros(theta.size), reach * root.T, np.diag(half)])
-        stars = theta + np.unique(np.vstack([ways, -ways]), axis=0)
+        ways = np.vstack([np.zeros(theta.size), np.diag(half), reach * root.T.reshape(-1, theta.size)])
+        stars = np.clip(theta + np.unique(np.vstack([ways, -ways]), axis=0), *bounds)
         count = corners[0].size if corners else 1
         return [*(np.tile(one, len(stars)) for one in corners), np.repeat(stars, count, axis=0)]
 
@@ -110,39 +112,39 @@ def _flat(seed: int, block: int, size: int, stream: int = 0) -> FloatArray:
 
 
 @lru_cache(maxsize=2)
-def _scattered(seed: int, block: int, size: int, common: int, dof: float) -> FloatArray:
-    """Return how far along each column of a root: of Student's t together, and normal where an error is known."""
+def _scattered(seed: int, block: int, size: int, columns: int, dof: float) -> FloatArray:
+    """Return draws of a standard t, and behind them of the normal for what is known for sure, (n, columns)."""
     rng = np.random.default_rng([seed, block, 1])
-    together = joint_draws(np.zeros(size), np.eye(size), dof=dof, n=BLOCK, rng=rng)
-    return np.hstack([together, rng.standard_normal((BLOCK, common))])
+    own = joint_draws(np.zeros(size), np.eye(size), dof=dof, n=BLOCK, rng=rng)
+    return np.hstack([own, rng.standard_normal((BLOCK, columns - size))])
 
 
 def _friction(scene: Scene) -> _Friction | None:
-    """Return how the parameters of a scene's law scatter; None where they do not."""
+    """Return how the parameters of a scene's law scatter; None where they do not.
+
+    As in a prediction: by t of the fit's covariance, but for the part that common errors make, which is normal, and
+    moved onto the law's bounds where they cross them.
+    """
     source = scene.source
     if source is None:
         return None
-    law, theta = source.friction.law, source.friction.theta
+    law, theta, fit = source.friction.law, source.friction.theta, source.fit
     own = {"friction.mu": 0} | {_OWN_PARAMETERS + name: i for i, name in enumerate(law.parameter_names)}
     half = np.zeros(theta.size)
     for key in own.keys() & scene.tolerances.keys():
         half[own[key]] = scene.tolerances[key]
-    root = np.zeros((theta.size, theta.size))
-    fit = source.fit
-    if fit is not None:
-        if not (has_interval(fit) and np.isfinite(fit.covariance).all()):
-            raise InputError(
-                "the covariance of the fit is not known, so nothing can be drawn from it",
-                key="friction.fit",
-                fix="measure the conditions that would show all parameters, or fit a simpler law",
-            )
-        common = fit.common_changes
-        root = np.hstack([symmetric_root(fit.covariance - common @ common.T), common])
-    if not root.any() and not half.any():
-        return None
-    return _Friction(
-        law.parameter_names, theta, root, math.inf if fit is None else degrees_of_freedom(fit), half
-    )
+    if fit is None:
+        return _Friction(law.parameter_names, theta, half) if half.any() else None
+    if not (has_interval(fit) and np.isfinite(fit.covariance).all()):
+        raise InputError(
+            "the covariance of the fit is not known, so nothing can be drawn from it",
+            key="friction.fit",
+            fix="measure the conditions that would show all parameters, or fit a simpler law",
+        )
+    common = fit.common_changes
+    root = np.hstack([symmetric_root(np.asarray(fit.covariance) - common @ common.T), common])
+    bounds = np.minimum(law.lower, theta), np.maximum(law.upper, theta)
+    return _Friction(law.parameter_names, theta, half, root, degrees_of_freedom(fit), bounds)
 
 
 class Drawn(NamedTuple):

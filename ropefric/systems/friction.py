@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.arrays import BoolArray, FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.law import FrictionLaw
@@ -65,7 +65,6 @@ class WrapFriction:
 
     def exponent(
         self,
-        *,
         wheel_radius_m: npt.ArrayLike,
         rope_radius_m: npt.ArrayLike,
         wrap_angle_rad: npt.ArrayLike,
@@ -73,12 +72,8 @@ class WrapFriction:
         told: frozenset[str] = EVERYTHING,
     ) -> FloatArray:
         """Return M = ∫μ dφ over the wrap, the logarithm of the greatest tension ratio, eq. (17)."""
-        arrays = {
-            "wheel_radius_m": np.asarray(wheel_radius_m, dtype=np.float64),
-            "rope_radius_m": np.asarray(rope_radius_m, dtype=np.float64),
-            "wrap_angle_rad": np.asarray(wrap_angle_rad, dtype=np.float64),
-            "end_tension_N": np.asarray(slack_tension_N, dtype=np.float64),
-        }
+        given = (wheel_radius_m, rope_radius_m, wrap_angle_rad, slack_tension_N)
+        arrays = {name: np.asarray(one, dtype=np.float64) for name, one in zip(_OWNER, given, strict=True)}
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
         # What the law gets to see of the contacts, on one axis; over a wrap of zero no coefficient is needed.
         seen = {
@@ -98,23 +93,6 @@ class WrapFriction:
         if coefficient.size == 1:
             coefficient = coefficient.reshape(())
         return np.broadcast_to(coefficient * arrays["wrap_angle_rad"], shape)
-
-    def has_answer(
-        self,
-        *,
-        wheel_radius_m: FloatArray,
-        rope_radius_m: FloatArray,
-        wrap_angle_rad: FloatArray,
-        slack_tension_N: FloatArray,
-    ) -> BoolArray:
-        """Return for which of n contacts, arrays of shape (n,) in their valid range, `exponent` has an answer."""
-        contacts = Conditions(
-            wheel_radius_m=wheel_radius_m,
-            rope_radius_m=rope_radius_m,
-            wrap_angle_rad=wrap_angle_rad,
-            end_tension_N=slack_tension_N,
-        )
-        return self.law.answers(self.theta, contacts)
 
 
 _OWNER = {

@@ -193,7 +193,9 @@ def _coefficients(model: DriveModel, slack_N: FloatArray) -> FloatArray:
     if problem.driven_radius_m is not None and problem.driven_wrap_rad is not None:
         pulleys.append((problem.driven_radius_m, problem.driven_wrap_rad))
     found = [
-        problem.friction.exponent(radius_m, problem.rope_radius_m, wrap_rad, slack_N, told_by(model.effects))
+        problem.friction.exponent(
+            radius_m, problem.rope_radius_m, wrap_rad, slack_N, told=told_by(model.effects)
+        )
         / wrap_rad
         for radius_m, wrap_rad in pulleys
     ]

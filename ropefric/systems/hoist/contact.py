@@ -262,9 +262,9 @@ def answerable(problem: HoistProblem) -> BoolArray:
     possible = pressing_N > 0.0
     share = problem.bending_N / np.where(possible, pressing_N + problem.bending_N, np.inf)
     possible &= problem.wrap_angle_rad > 2.0 * lifted_arc_rad(share)
-    if "end-tension" not in problem.friction.law.effects:
+    if "end-tension" not in problem.friction.law.effects and problem.friction.theta.ndim == 1:
         return possible
     names = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")
     contacts = {name: getattr(problem, name) for name in names}
     contacts["end_tension_N"] = np.where(possible, pressing_N, 1.0)
-    return possible & problem.friction.law.answers(problem.friction.theta, Conditions(**contacts))
+    return possible & problem.friction.has_answer(Conditions(**contacts))

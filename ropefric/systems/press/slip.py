@@ -57,7 +57,9 @@ class Contacts(NamedTuple):
         # A law that looks at nothing is the same at every operating point.
         slack_N = np.maximum(self.slack_N, LEAST_SLACK_N) if friction.law.effects else 1.0
         wrap_rad = self.wrap_angle_rad * share
-        exponent = friction.exponent(self.radius_m, self.half_thickness_m, wrap_rad, slack_N, told)
+        exponent = friction.exponent(
+            self.radius_m, self.half_thickness_m, wrap_rad, slack_N, told=told, places=1
+        )
         bad = ~((exponent > 0.0) & (exponent < _LARGEST_EXPONENT))
         if bad.any():
             wrong, roller = (np.broadcast_to(one, bad.shape)[bad][0] for one in (exponent, self.roller))

@@ -100,11 +100,9 @@ class CellTable:
             if column is None:
                 others.append(name)
             elif column.field in bound:
-                message, fix = (
-                    f"this column says the same as '{bound[column.field].header}'",
-                    "remove one of the two",
-                )
-                problems.append(self.problem(self.header_line, name, "RF122", message, fix))
+                message = f"this column says the same as '{bound[column.field].header}'"
+                twice = InputError(message, code="RF122", fix="remove one of the two")
+                problems.append(self.refusal(self.header_line, name, twice))
             else:
                 bound[column.field] = column
         return bound, others, problems
@@ -121,7 +119,7 @@ class CellTable:
         message = "this column is not known; it is kept, but not used"
         return [self.problem(self.header_line, name, "RF120", message, fix, warning=True)]
 
-    def decimal_mark(self, columns: Mapping[str, "Column"]) -> str:
+    def decimal_mark(self, columns: "Columns") -> str:
         """Return "," where columns are not separated by it and any number has one, else "."."""
         numeric = [column.index for column in columns.values() if column.si_unit]
         if self.separator != "," and any("," in cells[index] for _, cells in self.rows for index in numeric):
@@ -129,11 +127,7 @@ class CellTable:
         return "."
 
     def numbers(
-        self,
-        columns: Mapping[str, "Column"],
-        *,
-        empty: Collection[str] = ("",),
-        doubted: Collection[str] = (),
+        self, columns: "Columns", *, empty: Collection[str] = ("",), doubted: Collection[str] = ()
     ) -> tuple[dict[str, list[float]], dict[int, list[Problem]]]:
         """Return the numbers of the columns in SI, NaN where there is none; and by place what cannot be read in a row.
 
@@ -170,6 +164,10 @@ class Column:
     scale: float = 1.0
 
 
+Columns = Mapping[str, Column]
+"""Columns that are known, by field."""
+
+
 def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, ...]]:
     r"""Return the cells of a CSV or Parquet file or of a workbook's first sheet, and what is wrong with single rows.
 
@@ -200,12 +198,8 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
         raise DataError(message, path=shown, line=header_line, fix=fix)
     good = tuple((n, cells) for n, cells in split[1:] if cells is not None and len(cells) == len(header))
     table = CellTable(path=shown, separator=separator, header=header, header_line=header_line, rows=good)
-    told = (
-        []
-        if not sheet
-        else [table.problem(header_line, "", "RF141", sheet, "put the table first", warning=True)]
-    )
-    return table, (*told, *_torn(table, split))
+    told = table.problem(header_line, "", "RF141", sheet, "put the table first", warning=True)
+    return table, (*([told] if sheet else ()), *_torn(table, split))
 
 
 def _text(source: Source) -> tuple[str, str]:
@@ -229,14 +223,12 @@ def is_row(line: str) -> bool:
 
 
 def _split(line: str, separator: str, *, quoted: bool) -> tuple[str, ...] | None:
-    try:
-        cells = (
-            next(csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True))
-            if quoted
-            else line.split(separator)
-        )
-    except csv.Error:
-        return None
+    cells = line.split(separator)
+    if quoted:
+        try:
+            (cells,) = csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True)
+        except csv.Error:
+            return None
     return tuple(cell.strip() for cell in cells)
 
 

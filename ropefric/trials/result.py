@@ -339,19 +339,14 @@ def _summarise(
     )
     problems = [replace(p, message=f"{where}: {p.message}") for p in series.problems]
     summary = ConditionSummary(
-        wheel_radius_m=first.wheel_radius_m,
-        rope_radius_m=first.rope_radius_m,
-        wrap_angle_rad=first.wrap_angle_rad,
+        **{name: getattr(first, name) for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")},
+        **{f"{name}_N": getattr(series, name) for name in ("mean_all", "std_all", "mean_kept", "std_kept")},
         end_tension_N=end_N,
         lift_force_N=lift_N,
         n_recorded=len(trials),
         n=series.n,
         n_kept=series.n_kept,
         rejected=tuple(trials[place].trial for place in rejected),
-        mean_all_N=series.mean_all,
-        std_all_N=series.std_all,
-        mean_kept_N=series.mean_kept,
-        std_kept_N=series.std_kept,
         rule=rule,
         notes=(*series.warnings, *series.notes),
         trials=tuple(trial.trial for trial in trials),

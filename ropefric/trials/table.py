@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -344,7 +344,12 @@ def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
     beside = {stem: meant for stem, meant in _QUANTITIES_BESIDE.items() if stem in united}
     columns, others, found = table.bind({**QUANTITIES, **beside}, _TEXTS)
     found += _strange_columns(table, others, {*columns, *(_field_like(problem.key) for problem in found)})
-    texts = {name: _known([row[1][column.index] for row in table.rows]) for name, column in columns.items()}
+
+    def texts_of(index: int) -> list[str]:
+        written = (cells_of[index] for _, cells_of in table.rows)
+        return ["" if cell.lower() in _EMPTY else cell for cell in written]
+
+    texts = {name: texts_of(columns[name].index) for name in _TEXTS if name in columns}
     n = len(table.rows)
     read, wrong = table.numbers(columns, empty=_EMPTY, doubted=_BESIDE)
     numbers = {name: np.array(read.get(name, [math.nan] * n)) for name in (*_NUMBERS, *_BESIDE)}
@@ -373,23 +378,9 @@ def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
     every = (*problems, *found, *of_rows, *twice, *_cut_off(table), *_too_few(table, kept, status))
     raise_problems(every)
     stems = {cells.stem_of(name): i for i, name in enumerate(table.header)}
-    labels = _filled(
-        {name: _known([row[1][stems[name]] for row in table.rows]) for name in LABELS if name in stems}
-    )
-    return TrialTable(
-        trial=trial,
-        status=status,
-        kept=kept,
-        source=table.path,
-        warnings=every,
-        labels=labels,
-        **cast("dict[str, Any]", numbers),
-    )
-
-
-def _known(cells: list[str]) -> list[str]:
-    meaning = {cell: "" if cell.lower() in _EMPTY else cell for cell in set(cells)}
-    return [meaning[cell] for cell in cells]
+    labels = {name: texts_of(stems[name]) for name in LABELS if name in stems}
+    known_of: dict[str, Any] = {**numbers, "labels": _filled(labels)}
+    return TrialTable(trial=trial, status=status, kept=kept, source=table.path, warnings=every, **known_of)
 
 
 def _strange_columns(table: cells.CellTable, others: Sequence[str], there: set[str]) -> Iterator[Problem]:
@@ -448,7 +439,7 @@ def _why_unusable(
     table: cells.CellTable,
     line: int,
     numbers: Mapping[str, float],
-    columns: Mapping[str, cells.Column],
+    columns: cells.Columns,
     *,
     by_scatter: bool,
 ) -> Iterator[Problem]:
@@ -520,8 +511,7 @@ def _cut_off(table: cells.CellTable) -> Iterator[Problem]:
 def _too_few(table: cells.CellTable, kept: BoolArray, status: Sequence[str]) -> Iterator[Problem]:
     used = sum(is_kept and word == "ok" for is_kept, word in zip(kept.tolist(), status, strict=True))
     if used < 2:
-        message = (
-            f"{used} of {len(status)} trials can be used; a fit needs at least two, with different conditions"
-        )
+        of_all = f"{used} of {len(status)} trials can be used"
+        message = f"{of_all}; a fit needs at least two, with different conditions"
         fix = "measure more conditions, or correct the columns kept and status"
         yield table.problem(None, "", "RF410", message, fix)

@@ -16,7 +16,7 @@ from ropefric.errors import DataError, RopefricError
 from ropefric.files.digits import rounded_tree
 from ropefric.files.plain_text import json_document
 from ropefric.files.read import hash_file, read_file
-from ropefric.fitting import budgets, next_tests
+from ropefric.fitting import budgets, next_tests, resolution
 from ropefric.fitting.design import DesignChart, design_chart
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std
@@ -206,7 +206,7 @@ def plan_for_design(answer: CampaignAnswer, run: CampaignRun | None, wheel: Cond
     wraps_deg = [float(f"{math.degrees(end):.12g}") for end in fit.validity["wrap_angle_rad"]]
     low_N, high_N = fit.validity["end_tension_N"]
     cells_N = [] if run is None else [cell.full_scale_N for cell in run.campaign.cells.values()]
-    limits = next_tests.RigLimits(
+    limits = resolution.RigLimits(
         wheel_radius_m=tuple(distinct(table.wheel_radius_m[used]).tolist()),
         wrap_angle_rad=tuple(math.radians(x) for x in _between(wraps_deg[0], wraps_deg[1], step=45.0)),
         end_tension_N=_between(low_N, high_N),
@@ -226,8 +226,8 @@ def _between(low: float, high: float, step: float | None = None) -> tuple[float,
     if not high > low * (1.0 + 1e-9):
         return (low,)
     if step is None:
-        return next_tests.geometric_levels(low, high, _LEVELS)
-    return next_tests.linear_levels(low, high, _LEVELS, step=step)
+        return resolution.geometric_levels(low, high, _LEVELS)
+    return resolution.linear_levels(low, high, _LEVELS, step=step)
 
 
 SCHEMA, TABLE_SCHEMA = "ropefric.run/1", "ropefric.table/1"

@@ -225,6 +225,7 @@ class SceneTable(Table):
     accuracy: Annotated[float, PlainValidator(_accuracy)] = 0.01
     effects: Annotated[str | tuple[str, ...], PlainValidator(_effects)] = "auto"
     friction: FrictionTable | None = None
+    tolerances: dict[str, Any] = Field(default_factory=dict)
     plugins: tuple[str, ...] = ()
 
 

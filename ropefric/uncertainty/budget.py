@@ -7,15 +7,24 @@ uncertainty; its check by draws (JCGM 101); and what would make it smaller.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from enum import StrEnum
+from numbers import Integral
 from typing import Any
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
+from ropefric.glossary import AdvisedStatus
 from ropefric.shown import Shown, in_words
-from ropefric.uncertainty.quantity import Block, Evaluation, Quantity, check_level, directions, quantile
+from ropefric.uncertainty.quantity import (
+    Block,
+    Evaluation,
+    Quantity,
+    check_level,
+    check_type,
+    directions,
+    quantile,
+)
 
 SCHEMA = "ropefric.uncertainty/1"
 
@@ -233,6 +242,7 @@ def propagate(
     model: MeasurementModel, budget: LinearBudget, *, draws: int = 200_000, seed: int = 0
 ) -> DrawnAnswer:
     """Return the answer to draws of the inputs, and whether the linear budget agrees with it."""
+    check_type(Integral, "a whole number", draws=draws, seed=seed)
     if not _FEWEST <= draws <= _MOST or seed < 0:
         fix = f"draw {_FEWEST} or more, at most {_MOST}, with seed 0 or more"
         raise InputError(f"{draws} draws with seed {seed}", key="draws", fix=fix)
@@ -264,32 +274,21 @@ def propagate(
     )
 
 
-class BudgetStatus(StrEnum):
+class BudgetStatus(AdvisedStatus):
     """What a budget is worth, from good to bad."""
 
-    OK = "ok"
-    DRAWS_DISAGREE = "draws-disagree"
-    NO_REPEATS = "no-repeats"
-    FIT_NOT_TRUSTED = "fit-not-trusted"
-
-    @property
-    def advice(self) -> str:
-        """Return what the status means and what to do."""
-        return _ADVICE[self]
-
-
-_ADVICE = {
-    BudgetStatus.OK: "The draws agree with the budget.",
-    BudgetStatus.DRAWS_DISAGREE: (
-        "The draws disagree with the budget: the inputs are so uncertain that the answer bends within them, or one "
-        "with a flat distribution outweighs the rest. Use the interval of the draws, not y ± U."
-    ),
-    BudgetStatus.NO_REPEATS: (
-        "There is one trial and nothing tells its scatter, which is usually the largest part: the budget leaves it "
-        "out. Repeat the condition."
-    ),
-    BudgetStatus.FIT_NOT_TRUSTED: "The fit is not to be trusted, and so neither is what it adds to the budget.",
-}
+    OK = "ok: The draws agree with the budget."
+    DRAWS_DISAGREE = (
+        "draws-disagree: The draws disagree with the budget: the inputs are so uncertain that the answer bends within "
+        "them, or one with a flat distribution outweighs the rest. Use the interval of the draws, not y ± U."
+    )
+    NO_REPEATS = (
+        "no-repeats: There is one trial and nothing tells its scatter, which is usually the largest part: the budget "
+        "leaves it out. Repeat the condition."
+    )
+    FIT_NOT_TRUSTED = (
+        "fit-not-trusted: The fit is not to be trusted, and so neither is what it adds to the budget."
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

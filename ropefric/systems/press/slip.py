@@ -57,6 +57,7 @@ class Contacts(NamedTuple):
             # A law that looks at nothing is the same at every operating point.
             slack_tension_N=np.maximum(self.slack_N, LEAST_SLACK_N) if friction.law.effects else 1.0,
             told=told,
+            places=1,
         )
         bad = ~((exponent > 0.0) & (exponent < _LARGEST_EXPONENT))
         if bad.any():

@@ -67,9 +67,6 @@ class Bench:
     zero_counts: Range = (6.0, 15.0)
     noise_counts: Range = (0.3, 1.0)
     zero_drift_counts: float = 0.2
-    hum_counts: float = 0.0
-    hum_Hz: float = 50.0
-    gain_error: float = 0.0
 
     def __post_init__(self) -> None:
         for item in fields(self):

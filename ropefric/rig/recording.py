@@ -339,10 +339,7 @@ def simulate_recording(
         zero_counts=draw_rng.uniform(*bench.zero_counts),
         drift_counts=bench.zero_drift_counts * draw_rng.uniform(-1.0, 1.0),
         noise_counts=draw_rng.uniform(*bench.noise_counts),
-        hum_counts=bench.hum_counts,
-        hum_Hz=bench.hum_Hz,
         hum_phase_rad=draw_rng.uniform(0.0, 2.0 * np.pi),
-        gain_error=bench.gain_error,
     )
     for fault in chosen:
         if fault.on_setup:

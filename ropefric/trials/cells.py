@@ -17,7 +17,7 @@ from ropefric.errors import DataError, InputError, Problem
 from ropefric.files.parquet import parquet_as_csv
 from ropefric.files.read import use_file
 from ropefric.files.text import Source, load_text
-from ropefric.quantities import in_range, parse_quantity, split_unit_suffix, unit_factor
+from ropefric.quantities import example_unit, in_range, parse_quantity, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.traces.readers.excel import READER, sheet_as_csv
 
@@ -29,7 +29,7 @@ SLIP = 0.8
 _NUMBER = re.compile(r"[+-]?(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eE][+-]?\d{1,4})?", re.ASCII)
 _GROUPED = re.compile(r"[+-]?\d{1,3}(?:[.,' \u00a0]\d{3})+(?:[.,]\d*+)?")
 _WITH_UNIT = re.compile(rf"({_NUMBER.pattern})\s*+[A-Za-z°%]++")
-_POSITIVE = {
+POSITIVE = {
     "wheel_radius_m": "a wheel radius",
     "rope_radius_m": "a rope size",
     "wrap_angle_rad": "a wrap angle",
@@ -51,7 +51,24 @@ SETTINGS: Mapping[str, Quantity] = {
     "end_mass": ("end_tension_N", "kg", STANDARD_GRAVITY_M_S2),
 }
 """The settings of a trial, by what a header calls them without its unit."""
-_UNITS = {"m": "mm", "rad": "deg"}
+QUANTITIES = {
+    **SETTINGS,
+    "peak": ("peak_N", "N", 1.0),
+    "breakaway_force": ("peak_N", "N", 1.0),
+    "lift_force": ("peak_N", "N", 1.0),
+    "lift_mass": ("peak_N", "kg", STANDARD_GRAVITY_M_S2),
+    "peak_std": ("peak_std_N", "N", 1.0),
+    "lift_force_std": ("peak_std_N", "N", 1.0),
+    "end_tension_std": ("end_tension_std_N", "N", 1.0),
+    "wrap_angle_std": ("wrap_std_rad", "rad", 1.0),
+    "wrap_std": ("wrap_std_rad", "rad", 1.0),
+    "wheel_radius_std": ("wheel_radius_std_m", "m", 1.0),
+    "wheel_diameter_std": ("wheel_radius_std_m", "m", 0.5),
+    "rope_radius_std": ("rope_radius_std_m", "m", 1.0),
+    "rope_diameter_std": ("rope_radius_std_m", "m", 0.5),
+    "cell_std": ("cell_std_N", "N", 1.0),
+}
+"""All numbers of a trial table, likewise."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -261,7 +278,7 @@ def stem_of(name: str) -> str:
 def example_of(stem: str, quantities: Mapping[str, Quantity]) -> str:
     """Return how a header may call a column."""
     si_unit = quantities[stem][1]
-    return f"{stem}_{'turns' if stem == 'wrap' else _UNITS.get(si_unit, si_unit)}"
+    return f"{stem}_{'turns' if stem == 'wrap' else example_unit(si_unit)}"
 
 
 def _quantity_column(index: int, name: str, quantities: Mapping[str, Quantity]) -> Column | None:
@@ -302,8 +319,8 @@ def read_number(cell: str, column: Column, decimal: str) -> float:
     value *= column.scale
     written = f"{cell} {column.unit}"
     # Written so that an overflow to infinity is refused like a zero.
-    if column.field in _POSITIVE and not 0 < value < 1e30:
-        message = f"{written} is no possible value; {_POSITIVE[column.field]} must be above zero"
+    if column.field in POSITIVE and not 0 < value < 1e30:
+        message = f"{written} is no possible value; {POSITIVE[column.field]} must be above zero"
         raise InputError(message, code="RF110", fix="correct the number")
     if column.field == "dwell_s" and value < 0:
         raise InputError(f"{written} of dwell is negative", code="RF110", fix="write 0 or more")

@@ -43,10 +43,8 @@ QUANTITIES = {
 DECIDED = {"peak": ("peak_N", "N", 1.0), "peak_std": ("peak_std_N", "N", 1.0)}
 """Known only beside `why` and `by`: a table of results, which has them too, serves as a list."""
 _MEANINGS = {
+    **cells.POSITIVE,
     "file": "the recording it was made of",
-    "wheel_radius_m": "a wheel radius",
-    "wrap_angle_rad": "a wrap angle",
-    "end_tension_N": "an end tension",
     "lift_force_N": "the known tight-side tension, for the sensor measures the slack side",
     "cell": "a force cell, for its recording is in counts",
     "end_cell": "the force cell of its slack side, which is in counts",
@@ -440,11 +438,6 @@ def _unseen_effects(trials: Sequence[TrialSpec]) -> Iterator[_Doubt]:
 _DIGITS, _WILD = re.compile(r"([0-9]+)"), re.compile(r"[*?\[]")
 _GROUP = re.compile(r"\{(\w+)\}")
 _DIGITS_OF = r"[+-]?\d+(?:[.,]\d+)?"
-_NEEDED = {
-    "wheel_radius_m": "wheel_radius_mm",
-    "wrap_angle_rad": "wrap_angle_deg",
-    "end_tension_N": "end_tension_N",
-}
 _SHOWN = 3
 
 
@@ -479,7 +472,10 @@ def list_from_names(files: str, pattern: str, folder: Path) -> tuple[bytes, str]
         raise data_error(problems)
     known = columns.keys() | ({"wheel_radius_m"} if "wheel" in columns else set())
     known |= {"end_tension_N"} if "lift_force_N" in columns else set()
-    names += [name for field, name in _NEEDED.items() if field not in known]
+    needed = (
+        stem for stem in ("wheel_radius", "wrap_angle", "end_tension") if QUANTITIES[stem][0] not in known
+    )
+    names += [cells.example_of(stem, QUANTITIES) for stem in needed]
     numbers = {column.header for column in columns.values() if column.si_unit}
     table = [names]
     for row in rows:

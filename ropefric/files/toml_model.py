@@ -162,13 +162,14 @@ def choice(names: Callable[[], Collection[str]]) -> Callable[[object], str]:
 
 def whole_number(lowest: int, highest: int = 2**31 - 1) -> Callable[[object], int]:
     """Return a reader of whole numbers from `lowest` to `highest`."""
+    limit = f"from {lowest} to {highest}" if highest < 2**31 - 1 else f"of at least {lowest}"
 
     def read(value: object) -> int:
         if isinstance(value, bool) or not isinstance(value, int) or not lowest <= value <= highest:
-            limit = f"from {lowest} to {highest}" if highest < 2**31 - 1 else f"of at least {lowest}"
             reject("RF110", f"expected a whole number {limit}, got {got(value)}")
         return value
 
+    read.__doc__ = f"a whole number {limit}"  # for the documentation's page of keys
     return read
 
 

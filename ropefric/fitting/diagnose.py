@@ -20,9 +20,11 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import significant
 from ropefric.fitting.compare import Comparison, choose_law, compare_laws
+from ropefric.fitting.predict import has_interval
 from ropefric.fitting.problem import FitProblem, typical_mu
-from ropefric.fitting.result import Verdict
+from ropefric.fitting.result import FitResult, Verdict
 from ropefric.fitting.statistics import (
+    SMALLEST_SCATTER,
     ConditionMeans,
     ScatterFit,
     aicc,
@@ -269,6 +271,9 @@ class _Trends:
         if dof < 1 or not _adds(others, X[:, -1]):
             return None
         theta, scatter = self._solved(X, rise)
+        known = self.means.std.max() if self.means.repeated else 0.0
+        if max(known, float(np.abs(X @ theta - rise).max())) < SMALLEST_SCATTER:
+            return None  # they agree to rounding, which is no scatter to judge by
         root = np.sqrt(scatter.variance)
         left = float((((X @ theta - rise) / root) ** 2).sum()) / dof
         inverse = np.linalg.pinv((X / root[:, None]).T @ (X / root[:, None]), hermitian=True)
@@ -364,7 +369,10 @@ def _of_line(title: str, line: _Line | None, ranked: Comparison) -> tuple[dict[s
     """Return what the trend of an effect is, as numbers and in words."""
     if title == "offset" and (fit := ranked["constant-offset"].fit) is not None:
         k = fit["k"]
-        numbers, text = {"k": k.value, "k_std": k.std}, f"offset of ln F_A k = {k.value:+.3g} ± {k.std:.2g}"
+        numbers, text = (
+            {"k": k.value, "k_std": k.std},
+            f"offset of ln F_A k = {_with_error(fit, 'k', '+.3g')}",
+        )
         for test in ranked.tests:
             if (test.simpler, test.fuller) == ("constant", "constant-offset"):
                 text += f" (F-test p = {test.p_value:.2g})"
@@ -548,16 +556,29 @@ def _scatter(ranked: Comparison, means: ConditionMeans) -> Cause:
 
 def _summary(ranked: Comparison, causes: Sequence[Cause]) -> str:
     found = [item.cause for item in causes if item.supported == "yes"]
+    effects = [cause for cause in found if cause in _EFFECTS or cause in _GROUPS]
     open_ = [item.cause for item in causes if item.supported == "cannot-tell" and item.cause in _EFFECTS]
     plain = ranked["constant"]
-    mu = plain.fit["mu"] if plain.fit is not None else None
-    law = "the capstan equation" + ("" if mu is None else f" with μ = {mu.value:.3g} ± {mu.std:.2g}")
-    if found:
-        text = f"{law} does not describe the trials; the data support: {', '.join(found)}"
+    law = "the capstan equation"
+    if plain.fit is not None:
+        law += f" with μ = {_with_error(plain.fit, 'mu', '.3g')}"
+    named = f"the data support: {', '.join(found)}"
+    if effects:
+        text = f"{law} does not describe the trials; {named}"
+    elif not ranked.conclusive:
+        text = f"{counted(ranked.n, ranked.unit[:-1])} cannot test {law}" + (f"; {named}" if found else "")
     elif ranked.best.law == "constant" or plain.delta_aicc <= _WEAK:
         text = f"{law} describes the trials; no cause to leave it is supported"
         hidden = [item for item in causes if item.cause == "wrap effect" and "bound_low" in item.numbers]
         text += "".join(f", but {item.evidence.rsplit('; ', 1)[-1]}" for item in hidden)
+        text += f"; {named}" if found else ""
     else:
         text = f"{law} is not the best description ({ranked.best.law} is), but the data do not show why"
+        text += f"; {named}" if found else ""
     return text + (f"; cannot be told: {', '.join(open_)}" if open_ else "")
+
+
+def _with_error(fit: FitResult, name: str, form: str) -> str:
+    """Return a fitted parameter with its standard error, where the data leave anything to estimate one from."""
+    item = fit[name]
+    return f"{item.value:{form}}" + (f" ± {item.std:.2g}" if has_interval(fit) else "")

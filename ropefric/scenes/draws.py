@@ -294,7 +294,8 @@ def draw_scene(
     try:
         points = _Draws(scene, count, seed)
         plan, model = make_plan(kind.system, problem, accuracy=scene.accuracy, effects=scene.effects)
-        as_given = kind.quantities(kind.system.solve(model, plan.method), problem)
+        answer = kind.system.solve(model, plan.method)
+        as_given = (*kind.quantities(answer, problem), *kind.outcomes(answer, problem))
         found, kept = solve_points(
             scene, points, progress=progress, write=write, keep=KEPT_DRAWS, executor=executor
         )

@@ -205,22 +205,11 @@ class DrawnAnswer:
     unanswered: int
     median: float
     half_68: float
-    symmetric: tuple[float, float]
-    shortest: tuple[float, float]
-    low_gap: float
-    high_gap: float
-    digits: int
+    symmetric_interval: tuple[float, float]
+    shortest_interval: tuple[float, float]
+    gaps: tuple[float, float]
+    validated_digits: int
     agrees: bool
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the answer as JSON-able values."""
-        names = ("draws", "seed", "unanswered", "median", "half_68", "agrees")
-        return {name: getattr(self, name) for name in names} | {
-            "symmetric_interval": list(self.symmetric),
-            "shortest_interval": list(self.shortest),
-            "gaps": [self.low_gap, self.high_gap],
-            "validated_digits": self.digits,
-        }
 
 
 def numerical_tolerance(std: float, digits: int) -> float:
@@ -256,8 +245,7 @@ def propagate(
     tail = 0.5 * (1.0 - budget.level)
     at = [tail, 1.0 - tail, 1.0 - _ONE_SIGMA, 0.5, _ONE_SIGMA]
     low, high, below, median, above = (float(end) for end in np.quantile(values, at))
-    low_gap, high_gap = abs(low - budget.interval[0]), abs(high - budget.interval[1])
-    wider = max(low_gap, high_gap)
+    gaps = abs(low - budget.interval[0]), abs(high - budget.interval[1])
     room = (DISAGREEMENT + 3.0 * _END_NOISE / math.sqrt(draws)) * budget.expanded
     return DrawnAnswer(
         draws=draws,
@@ -265,12 +253,11 @@ def propagate(
         unanswered=unanswered,
         median=median,
         half_68=0.5 * (above - below),
-        symmetric=(low, high),
-        shortest=shortest_interval(values, budget.level),
-        low_gap=low_gap,
-        high_gap=high_gap,
-        digits=next((d for d in (2, 1) if wider <= numerical_tolerance(budget.combined, d)), 0),
-        agrees=wider <= room and unanswered <= _UNANSWERED * draws,
+        symmetric_interval=(low, high),
+        shortest_interval=shortest_interval(values, budget.level),
+        gaps=gaps,
+        validated_digits=next((d for d in (2, 1) if max(gaps) <= numerical_tolerance(budget.combined, d)), 0),
+        agrees=max(gaps) <= room and unanswered <= _UNANSWERED * draws,
     )
 
 
@@ -351,7 +338,7 @@ class Statement(Shown):
             "unit": model.unit,
             "lines": [line.to_dict() for line in found.lines],
             "effective_dof": found.effective_dof if math.isfinite(found.effective_dof) else None,
-            "monte_carlo": self.drawn.to_dict(),
+            "monte_carlo": asdict(self.drawn),
             "improvements": [asdict(item) for item in self.improvements],
             "status": self.status.value,
             "trustworthy": self.trustworthy,

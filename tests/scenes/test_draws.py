@@ -325,3 +325,7 @@ def test_start_ups_are_drawn_one_by_one(loaded):
     found = draw_scene(scene, 10)
     assert found.answered == 10
     assert found.numbers["largest_utilisation"].std > 0.0
+    slips = found.columns["start_up.slips"]
+    assert found.numbers["start_up.slips"].mean == slips.mean()
+    assert ((found.columns["start_up.slipping_s"] > 0.0) == (slips == 1.0)).all()
+    assert found.numbers["start_up.peak_tension_N"].value > found.numbers["start_up.lowest_tension_N"].value

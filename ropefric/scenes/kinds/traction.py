@@ -19,7 +19,17 @@ _UNDERCUT = {"undercut", "v"}
 
 
 class LiftTable(kind.Table):
-    """`[lift]`."""
+    """`[lift]`.
+
+    Keys
+    ----
+    car : P, mass of the empty car.
+    rated_load : Q.
+    counterweight : Its mass.
+    travel : Between lowest and highest stop.
+    speed : Rated; it lowers the coefficient in an emergency stop.
+    deceleration : Of the emergency stop.
+    """
 
     car: Annotated[float, kind.key("kg", "700 kg", "car_kg")]
     rated_load: Annotated[float, kind.key("kg", "630 kg", "rated_load_kg")]
@@ -30,7 +40,16 @@ class LiftTable(kind.Table):
 
 
 class SheaveTable(kind.Table):
-    """`[sheave]`."""
+    """`[sheave]`.
+
+    Keys
+    ----
+    diameter : Of the sheave.
+    wrap : α, over which the ropes lie on it.
+    groove : Its form.
+    groove_angle : γ.
+    undercut : β; of undercut and v grooves alone.
+    """
 
     diameter: Annotated[float, kind.key("m", "400 mm", "wheel_radius_m", factor=0.5)]
     wrap: Annotated[float, kind.key("rad", "160 deg", "wrap_angle_rad")]
@@ -51,7 +70,16 @@ class SheaveTable(kind.Table):
 
 
 class RopesTable(kind.Table):
-    """`[ropes]`."""
+    """`[ropes]`.
+
+    Keys
+    ----
+    count : Ropes side by side.
+    diameter : Of one rope.
+    linear_density : Mass per length of one rope.
+    above_car : Rope between the car at the highest stop and the sheave (zero or more).
+    above_counterweight : Rope between the counterweight at its highest and the sheave (zero or more).
+    """
 
     count: Annotated[int, PlainValidator(whole_number(1, 100)), kind.Becomes("rope_count", many=False)]
     diameter: Annotated[float, kind.key("m", "10 mm", "rope_radius_m", factor=0.5)]
@@ -61,7 +89,13 @@ class RopesTable(kind.Table):
 
 
 class PulleysTable(kind.Table):
-    """`[pulleys]`: inertia of deflector pulleys over the square of their radius."""
+    """`[pulleys]`: inertia of deflector pulleys over the square of their radius.
+
+    Keys
+    ----
+    car_side : Of those on the car's side.
+    counterweight_side : Of those on the counterweight's side.
+    """
 
     car_side: Annotated[float | None, kind.key("kg", "20 kg", "car_pulley_kg")] = None
     counterweight_side: Annotated[float | None, kind.key("kg", "20 kg", "counterweight_pulley_kg")] = None

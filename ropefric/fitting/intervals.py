@@ -407,6 +407,7 @@ def with_intervals(
         text = f"{method} intervals are those of least squares, not of a robust loss"
         raise InputError(text, key="intervals", fix="use loss = 'linear', or intervals = 'covariance'")
     how: dict[str, str | int] = {"method": method}
+    draws: FloatArray | None = None
     if method == "profile":
         found = profile_of(fit)
         on_bound = any(item.at_bound for item in fit.parameters)
@@ -419,7 +420,7 @@ def with_intervals(
         whole = enough <= fit.statistics.n_conditions < fit.statistics.n
         kind: BootstrapKind = "clustered" if whole else "parametric"
         drawn = bootstrap(problem, fit.theta, kind=kind, n=n, seed=seed, executor=executor)
-        ends, notes = drawn.interval(), drawn.notes
+        ends, notes, draws = drawn.interval(), drawn.notes, drawn.theta
         how |= {"n": n, "seed": seed}
     parameters = tuple(
         replace(item, ci95=(to_share(low, item.std), to_share(high, item.std))) if item.vary else item
@@ -429,6 +430,7 @@ def with_intervals(
         fit,
         parameters=parameters,
         notes=(*fit.notes, f"95 % intervals by {method}", *notes),
+        draws=draws,
         provenance=dict(fit.provenance) | {"intervals": how},
     )
 

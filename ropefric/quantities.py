@@ -159,9 +159,8 @@ def si_unit_of(unit: str) -> str:
                 raise
         else:
             return si_unit
-    raise _unreadable(
-        "quantity", f"no SI unit is known for {unit!r}", "write the number in SI, without a unit"
-    )
+    fix = "write the number in SI, without a unit"
+    raise _unreadable("quantity", f"no SI unit is known for {unit!r}", fix)
 
 
 def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> float:

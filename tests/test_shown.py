@@ -35,6 +35,7 @@ MADE = {
     "solution": lambda: rf.solve(HOIST),
     "explanation": lambda: rf.explain(HOIST),
     "sweep": lambda: rf.sweep(HOIST, "wheel.wrap=1turn,2turn", "wheel.radius=20mm,40mm,50mm"),
+    "draws": lambda: rf.monte_carlo(HOIST, draws=100),
     "plan": lambda: rf.plan_tests(
         COUPLED, wheels_m=["20 mm"], wraps_rad=["1 turn", "2 turn"], end_tensions_N=[20, 40], **WHEEL,
         n_conditions=2, repeats=3, largest_force_N="1 kN",

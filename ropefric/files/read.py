@@ -91,11 +91,8 @@ class InputFile:
     def read(self, limit: int | None = None) -> bytes:
         """Return the whole content."""
         if limit is not None and self.size > limit:
-            raise DataError(
-                f"the file has {self.size} bytes; more than {limit} are not read",
-                path=self.shown,
-                fix="check that this is the file you mean",
-            )
+            message = f"the file has {self.size} bytes; more than {limit} are not read"
+            raise DataError(message, path=self.shown, fix="check that this is the file you mean")
         if self._kept is not None:
             return self._kept
         if self.size > KEPT_BYTES:
@@ -159,14 +156,12 @@ def open_file(path: str | os.PathLike[str], what: str = "file", *, shown: str = 
         raise DataError(f"there is no such {what}", path=shown, fix="check the path") from None
     except (OSError, ValueError) as error:  # ValueError: a null byte in the name
         reason = error.strerror if isinstance(error, OSError) and error.strerror else "not a usable file name"
-        raise DataError(
-            f"the {what} cannot be read: {reason}", path=shown, fix="check its name and permissions"
-        ) from None
+        message, fix = f"the {what} cannot be read: {reason}", "check its name and permissions"
+        raise DataError(message, path=shown, fix=fix) from None
+    message, fix = "this is a device or pipe, not a file", "write its content to a file, and name that"
     if kind == "folder":
-        raise DataError(f"this is a folder, not a {what}", path=shown, fix="name a file in it")
-    raise DataError(
-        "this is a device or pipe, not a file", path=shown, fix="write its content to a file, and name that"
-    )
+        message, fix = f"this is a folder, not a {what}", "name a file in it"
+    raise DataError(message, path=shown, fix=fix)
 
 
 def read_file(

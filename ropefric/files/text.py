@@ -325,10 +325,8 @@ def _clean_blocks(blocks: Iterable[bytes], encoding: str, source: Source) -> Ite
 def _without_zeros(data: bytes, line: int, source: Source) -> bytes:
     at = data.find(b"\0")
     if at >= 0:
-        fix = (
-            'name the format ([import] format = "matlab", "tdms" or "excel"), or the encoding '
-            '([import] encoding = "utf-16-le") where it is text'
-        )
+        encoding = 'the encoding ([import] encoding = "utf-16-le") where it is text'
+        fix = f'name the format ([import] format = "matlab", "tdms" or "excel"), or {encoding}'
         line += data.count(b"\n", 0, at)
         raise source.error("this is not a text file: a byte is zero", line=line, fix=fix)
     return data

@@ -46,15 +46,9 @@ class TomlDocument:
         self, key: KeyPath, code: str, message: str, *, fix: str = "", warning: bool = False
     ) -> Problem:
         """Return a problem that points at a key of this file."""
-        return Problem(
-            code=code,
-            message=message,
-            path=self.path,
-            line=self.line_of(key),
-            key=key_text(key),
-            fix=fix,
-            severity="warning" if warning else "error",
-        )
+        place, line = key_text(key), self.line_of(key)
+        doubtful: dict[str, Any] = {"severity": "warning"} if warning else {}
+        return Problem(code=code, message=message, path=self.path, line=line, key=place, fix=fix, **doubtful)
 
 
 def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocument:
@@ -74,11 +68,9 @@ def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocu
         fix = "save the file as UTF-8; TOML knows no other encoding"
         raise DataError(f"the {what} is not in UTF-8", path=name, line=line, fix=fix) from None
     text = text.replace("\r\n", "\n")
-    endless = endless_key(text, _MAX_PARTS)
-    if endless is not None:
-        raise DataError(
-            f"a key has more than {_MAX_PARTS} parts", path=name, line=endless, fix="shorten the key"
-        )
+    if (endless := endless_key(text, _MAX_PARTS)) is not None:
+        message = f"a key has more than {_MAX_PARTS} parts"
+        raise DataError(message, path=name, line=endless, fix="shorten the key")
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -159,9 +151,7 @@ _TOKEN = re.compile(
 
 def toml_lines(text: str) -> dict[KeyPath, int]:
     r"""Return the 1-based line of every key, table and array element of a TOML text."""
-    locator = _Locator([token for token in _tokens(text) if token.kind not in ("comment", "space")])
-    locator.run()
-    return locator.lines
+    return _Locator([token for token in _tokens(text) if token.kind not in ("comment", "space")]).run()
 
 
 def endless_key(text: str, most: int) -> int | None:
@@ -226,7 +216,7 @@ class _Locator:
         self.lines: dict[KeyPath, int] = {}
         self.repeats: dict[KeyPath, int] = {}  # arrays of tables: how many elements so far
 
-    def run(self) -> None:
+    def run(self) -> dict[KeyPath, int]:
         table: KeyPath = ()
         while self.at < len(self.tokens):
             before = self.at
@@ -239,6 +229,7 @@ class _Locator:
                 self._value(self._key(table))
             if self.at == before:
                 self.at += 1
+        return self.lines
 
     def _note(self, path: KeyPath, line: int) -> None:
         self.lines.setdefault(path, line)

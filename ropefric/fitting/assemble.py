@@ -111,16 +111,19 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     would make the others look better known than they are (90 % of the 95 % intervals beside a bound held the truth).
     """
     problem, theta = found.problem, found.theta
-    law, names = problem.law, problem.law.parameter_names
     shown = problem.vary & ~found.at_bound
     residuals, slopes = problem.residuals_and_jacobian(theta)
-    jacobian = slopes[:, shown]
-    free = problem.vary if found.at_bound.any() and _seen_on_bounds(found, slopes) else shown
+    jacobian, free = slopes[:, shown], shown
+    if found.at_bound.any():
+        values = decomposed(slopes[:, problem.vary]).values
+        # The data tell all parameters apart, those that lie on their bounds too.
+        if values.max(initial=0.0) <= _HOPELESS_RATIO * values.min(initial=inf):
+            free = problem.vary
     errors, left = slopes[:, free], (-residuals * problem.std, problem.std, problem.group)
     levels = None
     if problem.n_conditions > errors.shape[1]:
         levels = two_levels(errors, *left, found.scatter, found.effects)
-    covariance, kind, dof, notes = _errors(found, settings, errors, residuals, levels)
+    covariance, kind, dof, note = _errors(found, settings, errors, residuals, levels)
     common, svd = np.zeros((theta.size, len(found.common))), decomposed(errors)
     if levels is not None and settings.clustered and settings.scale_covar == "auto":
         common[free] = levels.common
@@ -131,15 +134,15 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     std = np.zeros(theta.size)
     known = [significant(sqrt(variance), STD_DIGITS) for variance in np.diag(covariance).tolist()]
     std[free] = np.where(svd.unseen, inf, known)
-    seen = identify(jacobian, [name for name, free in zip(names, shown, strict=True) if free])
+    seen = identify(jacobian, np.array(problem.law.parameter_names)[shown].tolist())
     between, p_value = (levels.between, levels.p_value) if levels else (nan, nan)
     findings = [*_of_search(found), *_of_design(found, seen, std)]
     if table.measures_slack:
         findings += _of_slack(found)
     for trend in find_trends(jacobian, *left, problem.conditions):
         if trend.p_value < _TREND_P:
-            text = f"What {law.name} leaves over follows the {trend.regressor} (by {trend.size:.2%} of the force, "
-            text += f"p = {trend.p_value:.1g}): the law misses an effect. "
+            text = f"What {problem.law.name} leaves over follows the {trend.regressor} (by {trend.size:.2%} of the "
+            text += f"force, p = {trend.p_value:.1g}): the law misses an effect. "
             text += f"Compare laws with {_REMEDY[trend.regressor]}."
             findings.append((FitStatus.RESIDUAL_STRUCTURE, text))
     if p_value < _LACK_OF_FIT_P:
@@ -150,81 +153,69 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
         findings.append((FitStatus.OK, text))
     rank = list(FitStatus)
     findings.sort(key=lambda finding: -rank.index(finding[0]))
+    ranges = ((name, getattr(problem.conditions, name)) for name in _REGRESSORS)
+    # Of two parameters that are traded for each other a change may cancel: digits count from the error.
+    sizes = np.sqrt(np.diag(full)).tolist()
     return FitResult(
-        law=law.name,
+        law=problem.law.name,
         parameters=_parameters(found, std, dof, common),
         covariance=full,
         covariance_kind=kind,
         statistics=fit_statistics(problem, residuals, found.scatter, between, dof),
         status=findings[0][0] if findings else FitStatus.OK,
         advice=tuple(text for _, text in findings),
-        notes=(*notes, *found.notes),
+        notes=(note, *found.notes),
         common_errors=tuple(
-            # Of two parameters that are traded for each other a change may cancel: digits count from the error.
             item._replace(
-                change=tuple(
-                    significant(value, GIVEN_DIGITS, size=sqrt(variance))
-                    for value, variance in zip(column, np.diag(full).tolist(), strict=True)
-                )
+                change=tuple(significant(x, GIVEN_DIGITS, size=y) for x, y in zip(column, sizes, strict=True))
             )
             for item, column in zip(found.common, common.T.tolist(), strict=True)
             if any(column)
         ),
         identifiability=seen,
-        validity={
-            name: (float(values.min()), float(values.max()))
-            for name in _REGRESSORS
-            for values in [getattr(problem.conditions, name)]
-        },
+        validity={name: (float(values.min()), float(values.max())) for name, values in ranges},
         provenance=_provenance(table, settings),
         trials=_summary(found, table),
         problem=problem,
     )
 
 
-def _seen_on_bounds(found: Found, slopes: FloatArray) -> bool:
-    """Return whether the data tell all parameters apart, those that lie on their bounds too."""
-    svd = decomposed(slopes[:, found.problem.vary])
-    return bool(svd.values.max(initial=0.0) <= _HOPELESS_RATIO * svd.values.min(initial=np.inf))
-
-
 def _errors(
     found: Found, settings: FitSettings, jacobian: FloatArray, residuals: FloatArray, levels: TwoLevels | None
-) -> tuple[FloatArray, CovarianceKind, float, list[str]]:
+) -> tuple[FloatArray, CovarianceKind, float, str]:
     """Return the covariance of the parameters shown, its kind, the degrees of freedom of t, and why."""
-    problem, (n, q) = found.problem, jacobian.shape
+    problem, (n, q), linear = found.problem, jacobian.shape, settings.loss == "linear"
     weights = LOSSES[settings.loss](residuals**2)[1]
     if settings.clustered and settings.scale_covar == "auto" and levels is not None:
         repeated = problem.n_conditions < n
-        if settings.loss == "linear":
+        if linear:
             exact = sqrt(float(np.mean((residuals * problem.std) ** 2))) < SMALLEST_SCATTER
             kind: CovarianceKind = "clustered" if repeated else "scaled"
-            return levels.covariance, kind, 0.0 if exact else levels.dof, [_EXACT if exact else _NOTES[kind]]
+            return levels.covariance, kind, 0.0 if exact else levels.dof, _EXACT if exact else _NOTES[kind]
         if repeated:
             sandwich, each = clustered_covariance(jacobian, residuals, problem.group, weights)
-            return sandwich, "clustered", min(each, default=0.0), [_NOTES["clustered"]]
-    inverse = plain_covariance(jacobian, weights)
-    if settings.loss != "linear":
-        # A weighted residual has less variance than one; the sandwich over trials knows by how much.
-        inverse = clustered_covariance(jacobian, residuals, np.arange(n), weights)[0]
-    scaled = not found.scatter.known if settings.scale_covar == "auto" else bool(settings.scale_covar)
-    if not scaled:
-        if not (found.scatter.known or found.shared.all()):
-            raise InputError(
-                "scale_covar = False needs a known scatter, but there are no repeats and not every trial has an "
-                "uncertainty",
-                code="RF403",
-                key="scale_covar",
-                fix="repeat conditions, give peak_std_N, or use scale_covar = 'auto'",
-            )
+            return sandwich, "clustered", min(each, default=0.0), _NOTES["clustered"]
+    # A weighted residual has less variance than one; the sandwich over trials knows by how much.
+    inverse = (
+        plain_covariance(jacobian, weights)
+        if linear
+        else clustered_covariance(jacobian, residuals, np.arange(n), weights)[0]
+    )
+    known = found.scatter.known
+    if known if settings.scale_covar == "auto" else not settings.scale_covar:
+        if not (known or found.shared.all()):
+            text = "there are no repeats and not every trial has an uncertainty"
+            text = f"scale_covar = False needs a known scatter, but {text}"
+            fix = "repeat conditions, give peak_std_N, or use scale_covar = 'auto'"
+            raise InputError(text, code="RF403", key="scale_covar", fix=fix)
         note = "the scatter is known from the repeats and the budget (scale_covar = False)"
-        return inverse, "absolute", float(found.scatter.dof) if found.scatter.known else inf, [note]
+        return inverse, "absolute", float(found.scatter.dof) if known else inf, note
     dof = float(n - q)
     factor = float(residuals @ residuals) / dof if dof > 0 else 1.0
     if settings.scale_covar == "auto" and found.shared.any():
         # What is known of the instrument stays, however well the points happen to lie.
         factor = max(factor, 1.0)
-    return inverse * factor, "scaled", max(dof, 0.0), [_NOTES["scaled"]]
+    return inverse * factor, "scaled", max(dof, 0.0), _NOTES["scaled"]
 
 
 def _parameters(found: Found, std: FloatArray, dof: float, common: FloatArray) -> tuple[FittedParameter, ...]:
@@ -303,12 +294,19 @@ def _of_search(found: Found) -> Iterator[Finding]:
 
 
 def _of_design(found: Found, seen: Identifiability, std: FloatArray) -> Iterator[Finding]:
-    lost, experiments, law = list(seen.unseen), list(_experiments(found)), found.problem.law
+    lost, law, at, experiments = list(seen.unseen), found.problem.law, found.problem.conditions, []
+    regressors = (at.size_ratio, np.degrees(at.wrap_angle_rad), at.end_tension_N)
+    for (what, (effects, shown, advice)), values in zip(
+        _EXPERIMENTS.items(), map(distinct, regressors), strict=True
+    ):
+        if effects & law.effects and values.size <= _FEW:
+            there = f"is only one {what}" if values.size == 1 else f"are only {values.size} {what}s"
+            given = shown.format(", ".join(f"{value:.4g}" for value in values))
+            experiments.append(f"There {there} ({given}): {advice}")
     if not lost and seen.ratio > _POOR_RATIO:
         one_value = any("only one" in text for text in experiments)
         limit = _UNKNOWN_BY_DESIGN if one_value else _UNKNOWN
-        values = zip(law.parameter_names, std.tolist(), found.theta.tolist(), strict=True)
-        unknown = {name for name, error, value in values if error > limit * abs(value)}
+        unknown = np.array(law.parameter_names)[std > limit * np.abs(found.theta)]
         lost = [name for name in seen.weak if name in unknown]
     if lost:
         how = f": {seen.weak_direction} leaves the forces as they are" if len(seen.weak) > 1 else ""
@@ -334,17 +332,6 @@ def _of_slack(found: Found) -> Iterator[Finding]:
             "or its form ending in '-from-zero', or measure F_A at known end tensions."
         )
         yield FitStatus.UNIDENTIFIABLE, text
-
-
-def _experiments(found: Found) -> Iterator[str]:
-    at = found.problem.conditions
-    regressors = (at.size_ratio, np.degrees(at.wrap_angle_rad), at.end_tension_N)
-    for (what, (effects, shown, advice)), values in zip(
-        _EXPERIMENTS.items(), map(distinct, regressors), strict=True
-    ):
-        if effects & found.problem.law.effects and values.size <= _FEW:
-            there = f"is only one {what}" if values.size == 1 else f"are only {values.size} {what}s"
-            yield f"There {there} ({shown.format(', '.join(f'{value:.4g}' for value in values))}): {advice}"
 
 
 def _listed(names: Sequence[str]) -> str:

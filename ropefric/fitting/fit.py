@@ -17,12 +17,11 @@ from ropefric.errors import InputError
 from ropefric.files.digits import significant, to_share
 from ropefric.fitting.assemble import Found, assemble
 from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings, Loss, check_settings, reduced
+from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings, Loss, check_settings, law_named, reduced
 from ropefric.fitting.result import CommonError, FitResult
 from ropefric.fitting.statistics import RANK_RATIO, Scatter, decomposed, pooled_scatter
 from ropefric.friction.condition import Conditions, levels
 from ropefric.friction.law import FrictionLaw
-from ropefric.friction.laws import ALL_LAWS
 from ropefric.trials.table import TrialTable
 
 # Beyond this the squares of residuals and slopes, and their sums, are no floats.
@@ -54,13 +53,14 @@ _FLAT = 1e-3
 _FLAT_RANK = 1e-6
 _STEP = 1e-5
 _SETTINGS_STD = ("wheel_radius_std_m", "wrap_std_rad", "rope_radius_std_m")
-_COMMON: tuple[tuple[Callable[[Any], str], str], ...] = (
+COMMON: tuple[tuple[Callable[[Any], str], str], ...] = (
     (lambda cell: f"calibration of cell {cell}" if cell else "calibration of the force cell", "-"),
     (lambda force_N: f"weights of {force_N:.4g} N" if force_N else "the second force cell", "-"),
     (lambda radius_m: f"radius of the wheels of {1e3 * radius_m:.4g} mm", "m"),
     (lambda wrap_rad: f"setting of the wrap of {math.degrees(wrap_rad):.4g} deg", "rad"),
     (lambda rope: f"radius of the rope {rope if isinstance(rope, str) else f'of {1e3 * rope:.4g} mm'}", "m"),
 )
+"""What conditions can have in common, in words, and its unit: cell, load, wheel, wrap, rope."""
 
 
 def fit_law(table: TrialTable, law: str | FrictionLaw, **settings: Any) -> FitResult:
@@ -68,7 +68,7 @@ def fit_law(table: TrialTable, law: str | FrictionLaw, **settings: Any) -> FitRe
 
     A doubtful result comes back with a status that says so; see `FitResult.status`.
     """
-    chosen = ALL_LAWS[law] if isinstance(law, str) else law
+    chosen = law_named(law)
     how = FitSettings(**{name: value for name, value in settings.items() if value is not None})
     check_settings(how, chosen)
     table = table.of(how.of)
@@ -175,7 +175,7 @@ def common_errors(
     names = {name: np.array(words)[used] for name, words in table.labels.items()}
     cells, ropes = names.get("cell", np.full(len(at), "")), names.get("rope_id", at.rope_radius_m)
     values = (cells, set_N, at.wheel_radius_m, at.wrap_angle_rad, ropes)
-    kinds = zip(_COMMON, stated, (*by_force, *slopes.T[:2], by_rope), values, strict=True)
+    kinds = zip(COMMON, stated, (*by_force, *slopes.T[:2], by_rope), values, strict=True)
     found, effects = list[CommonError](), list[FloatArray]()
     for (words, unit), std, slope, value in kinds:
         number = np.unique(value, return_inverse=True)[1] if value.dtype.kind == "U" else levels(value)

@@ -7,6 +7,7 @@ once: along a grid, further where needed, then to the root. A bootstrap refits t
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, isfinite
+from numbers import Integral
 from typing import Any, Literal
 
 import numpy as np
@@ -24,7 +25,7 @@ from ropefric.fitting.result import FitResult, FitStatus
 from ropefric.fitting.statistics import decomposed, plain_covariance, two_level_scatter
 from ropefric.friction.condition import Conditions
 from ropefric.registry import did_you_mean
-from ropefric.uncertainty.quantity import quantile
+from ropefric.uncertainty.quantity import check_type, quantile
 
 EndKind = Literal["crossing", "bound", "open", "edge"]
 
@@ -393,6 +394,7 @@ def with_intervals(
     if method not in INTERVALS:
         text = f"unknown way to intervals {method!r}"
         raise UnknownNameError(text, key="intervals", fix=did_you_mean(method, INTERVALS))
+    check_type(Integral, "a whole number", n=n, seed=seed)
     linear = fit.provenance.get("settings", {}).get("loss", "linear") == "linear"
     if method == "auto":
         bound = any(item.at_bound for item in fit.parameters)
@@ -412,16 +414,16 @@ def with_intervals(
         found = profile_of(fit)
         on_bound = any(item.at_bound for item in fit.parameters)
         ends, notes = found.ci, (*found.notes, *((_BESIDE_A_BOUND,) if on_bound else ()))
-    elif method == "bootstrap-t":
-        ends, notes = bootstrap_t(problem, fit.theta, n=n, seed=seed, executor=executor), ()
-        how |= {"n": n, "seed": seed}
     else:
-        enough = max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
-        whole = enough <= fit.statistics.n_conditions < fit.statistics.n
-        kind: BootstrapKind = "clustered" if whole else "parametric"
-        drawn = bootstrap(problem, fit.theta, kind=kind, n=n, seed=seed, executor=executor)
-        ends, notes, draws = drawn.interval(), drawn.notes, drawn.theta
         how |= {"n": n, "seed": seed}
+        draw: dict[str, Any] = {"n": n, "seed": seed, "executor": executor}
+        if method == "bootstrap-t":
+            ends, notes = bootstrap_t(problem, fit.theta, **draw), ()
+        else:
+            enough = max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
+            whole = enough <= fit.statistics.n_conditions < fit.statistics.n
+            drawn = bootstrap(problem, fit.theta, kind="clustered" if whole else "parametric", **draw)
+            ends, notes, draws = drawn.interval(), drawn.notes, drawn.theta
     parameters = tuple(
         replace(item, ci95=(to_share(low, item.std), to_share(high, item.std))) if item.vary else item
         for item, (low, high) in zip(fit.parameters, ends.tolist(), strict=True)

@@ -1,7 +1,10 @@
-"""What a list of conditions can tell before anything is measured: laws, parameters, and laws from simpler ones."""
+"""What a rig can set, and what a list of conditions can tell before anything is measured.
+
+Of laws, of their parameters, and of laws from simpler ones.
+"""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -23,6 +26,14 @@ from ropefric.trials.campaign_model import Campaign
 TYPICAL_WITHIN, TYPICAL_BETWEEN = 0.015, 0.01
 """Scatter of ln F_A between repeats and between conditions where none is known [-]."""
 
+FACTORS = ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")
+"""What a plan may vary; the rope is the same throughout."""
+
+MOST = 1000
+"""Settings of one factor, conditions, repeats and starts of a plan."""
+
+# Of all combinations, each weighed against the others.
+_MOST_CONDITIONS = 50_000
 # The share of campaigns from which on laws are told apart.
 _SURE = 0.8
 # A parameter is told where its standard error is at most this part of it.
@@ -31,6 +42,65 @@ _TYPICAL_MU = 0.2
 _TEST_LEVEL = 0.05
 # A noncentrality whose power no float tells from one, and for which the distribution is not computed.
 _BEYOND_DOUBT = 1e3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RigLimits:
+    """Every setting a rig offers; each combination is a condition that might be tested."""
+
+    wheel_radius_m: tuple[float, ...]
+    wrap_angle_rad: tuple[float, ...]
+    end_tension_N: tuple[float, ...]
+    rope_radius_m: float
+    largest_force_N: float = math.inf
+
+    def __post_init__(self) -> None:
+        for name in FACTORS:
+            levels = sorted(float(level) for level in getattr(self, name))
+            if not levels or not (levels[0] > 0.0 and math.isfinite(levels[-1])):
+                text = f"{name}: {levels} are no settings"
+                raise InputError(text, key=name, fix="give one or more above zero")
+            if len(set(levels)) < len(levels):
+                raise InputError(f"{name}: a setting is given twice", key=name, fix="give each once")
+            object.__setattr__(self, name, tuple(levels))
+        if math.prod(self.shape) > _MOST_CONDITIONS:
+            sizes = " × ".join(str(size) for size in self.shape)
+            text = f"{sizes} settings are {math.prod(self.shape)} conditions; the limit is {_MOST_CONDITIONS}"
+            fix = "give fewer wheels, wraps or end tensions, or fewer levels"
+            raise InputError(text, key="limits", fix=fix)
+        for name in ("rope_radius_m", "largest_force_N"):
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"{name} = {getattr(self, name):g} is not positive", key=name)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Return the number of settings of each factor."""
+        return tuple(len(getattr(self, name)) for name in FACTORS)
+
+    def conditions(self) -> Conditions:
+        """Return all combinations, wheel by wheel, wrap by wrap, end tension by end tension."""
+        grid = np.meshgrid(*(getattr(self, name) for name in FACTORS), indexing="ij")
+        columns = dict(zip(FACTORS, (axis.ravel() for axis in grid), strict=True))
+        return Conditions(rope_radius_m=np.array(self.rope_radius_m), **columns)
+
+
+def linear_levels(low: float, high: float, n: int, *, step: float) -> tuple[float, ...]:
+    """Return about n settings from low to high that are whole multiples of a step, ends included."""
+    return _levels(low, high, n, lambda: [round(x / step) * step for x in np.linspace(low, high, n).tolist()])
+
+
+def geometric_levels(low: float, high: float, n: int) -> tuple[float, ...]:
+    """Return about n settings from low to high in even ratios, rounded to two digits, ends included."""
+    if not low > 0.0:
+        raise InputError(f"a range from {low:g} has no even ratios", key="range", fix="begin above zero")
+    return _levels(low, high, n, lambda: [float(f"{x:.2g}") for x in np.geomspace(low, high, n).tolist()])
+
+
+def _levels(low: float, high: float, n: int, rounded: Callable[[], list[float]]) -> tuple[float, ...]:
+    if not (low < high and 2 <= n <= MOST):
+        fix = f"give low before high, two to {MOST} settings"
+        raise InputError(f"{n} settings from {low:g} to {high:g}", key="range", fix=fix)
+    return tuple(sorted({low, high, *(x for x in rounded()[1:-1] if low <= x <= high)}))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -23,10 +23,8 @@ supported
     in its own, wider interval, and that it is wider says nothing against the simpler law.
 """
 
-import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, field
-from enum import StrEnum
+from dataclasses import asdict, dataclass, field, fields
 from math import inf, isfinite, nan
 from typing import Any, Literal, NamedTuple
 
@@ -39,50 +37,38 @@ from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.statistics import FitStatistics, Identifiability
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.glossary import counted
+from ropefric.glossary import AdvisedStatus, counted
 from ropefric.registry import Registry
 from ropefric.shown import Shown, in_words
 
 
-class FitStatus(StrEnum):
+class FitStatus(AdvisedStatus):
     """What became of a fit, from good to bad."""
 
-    OK = "ok"
-    EXTREME_SCATTER = "extreme-scatter"
-    RESIDUAL_STRUCTURE = "residual-structure"
-    AT_BOUND = "at-bound"
-    UNIDENTIFIABLE = "unidentifiable"
-    TOO_FEW_POINTS = "too-few-points"
-    NOT_CONVERGED = "not-converged"
+    OK = "ok: The parameters are determined by the data within their intervals."
+    EXTREME_SCATTER = (
+        "extreme-scatter: The repeats scatter so widely that the logarithm of the force is no longer its own mean. "
+        "Find the cause in the recordings before using the law."
+    )
+    RESIDUAL_STRUCTURE = (
+        "residual-structure: What the law leaves over follows the wrap, the size or the load, so the law misses an "
+        "effect. Compare other laws before using this one."
+    )
+    AT_BOUND = (
+        "at-bound: A parameter lies on its bound, and that is not a measurement of it. Use the simpler law it "
+        "amounts to, or measure the conditions that would show it."
+    )
+    UNIDENTIFIABLE = (
+        "unidentifiable: The data cannot tell all parameters apart. Fix one of them, use a simpler law, or measure "
+        "the conditions that are named."
+    )
+    TOO_FEW_POINTS = (
+        "too-few-points: There are fewer conditions than parameters. Measure more, or use a simpler law."
+    )
+    NOT_CONVERGED = (
+        "not-converged: The search did not reach a minimum. Give start values, or use a simpler law."
+    )
 
-    @property
-    def advice(self) -> str:
-        """Return what the status means and what to do."""
-        return ADVICE[self]
-
-
-ADVICE: dict[FitStatus, str] = {
-    FitStatus.OK: "The parameters are determined by the data within their intervals.",
-    FitStatus.EXTREME_SCATTER: (
-        "The repeats scatter so widely that the logarithm of the force is no longer its own mean. Find the cause "
-        "in the recordings before using the law."
-    ),
-    FitStatus.RESIDUAL_STRUCTURE: (
-        "What the law leaves over follows the wrap, the size or the load, so the law misses an effect. "
-        "Compare other laws before using this one."
-    ),
-    FitStatus.AT_BOUND: (
-        "A parameter lies on its bound, and that is not a measurement of it. Use the simpler law it amounts to, "
-        "or measure the conditions that would show it."
-    ),
-    FitStatus.UNIDENTIFIABLE: (
-        "The data cannot tell all parameters apart. Fix one of them, use a simpler law, or measure the conditions "
-        "that are named."
-    ),
-    FitStatus.TOO_FEW_POINTS: "There are fewer conditions than parameters. Measure more, or use a simpler law.",
-    FitStatus.NOT_CONVERGED: "The search did not reach a minimum. Give start values, or use a simpler law.",
-}
-"""What each status means and what to do about it."""
 
 Word = Literal["supported", "undecided", "not judged"]
 Doubt = tuple[Word, str]
@@ -98,9 +84,6 @@ SPARE = 3
 _MANY_SPARE = 10
 _SCATTER_RATIO = 2.0
 _LACK_OF_FIT_P = 1e-3
-_WIDTHS = 2.0
-# Forces that agree to this are the same whatever their intervals.
-_SAME = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -158,26 +141,6 @@ def doubts_of_fit(
             )
             doubts.append(("undecided", text))
     return tuple(doubts)
-
-
-def far_apart(linear: FloatArray, drawn: FloatArray) -> bool:
-    """Return whether a linear and a drawn interval disagree grossly: by more than half the width of the first."""
-    apart, half = float(np.abs(drawn - linear).max()), 0.5 * float(linear[1] - linear[0])
-    return apart > half + _SAME * float(np.abs(linear).max())
-
-
-def same_lift(
-    difference: FloatArray, half_width: FloatArray, rival_half_width: FloatArray, *, nested: bool
-) -> bool:
-    """Return whether two laws give the same lift force, by root mean squares over n conditions."""
-    apart, own, others = (
-        math.sqrt(float(np.mean(values**2))) for values in (difference, half_width, rival_half_width)
-    )
-    if apart <= _SAME:
-        return True
-    if nested:
-        return apart <= math.hypot(own, others)
-    return apart <= own and own / _WIDTHS <= others <= own * _WIDTHS
 
 
 CovarianceKind = Literal["absolute", "scaled", "clustered"]
@@ -345,26 +308,18 @@ class FitResult(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.fit/1`; a number that is not there or infinite is None."""
-        names = (
-            "law",
-            "covariance",
-            "covariance_kind",
-            "status",
-            "trustworthy",
-            "advice",
-            "notes",
-            "validity",
-        )
-        tree = {name: getattr(self, name) for name in (*names, "provenance", "trials")} | {
+        tree = {item.name: getattr(self, item.name) for item in fields(self) if item.name != "problem"} | {
             "schema": SCHEMA,
             "status": self.status.value,
+            "trustworthy": self.trustworthy,
             "parameters": {item.name: asdict(item) for item in self.parameters},
             "parameter_order": [item.name for item in self.parameters],
             "statistics": asdict(self.statistics),
             "identifiability": asdict(self.identifiability),
+            "common_errors": [item._asdict() for item in self.common_errors],
         }
-        if self.common_errors:
-            tree["common_errors"] = [item._asdict() for item in self.common_errors]
+        if not self.common_errors:
+            del tree["common_errors"]
         for item in tree["parameters"].values():
             del item["name"]
         return dict(_plain(tree))

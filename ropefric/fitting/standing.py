@@ -17,7 +17,7 @@ from scipy.special import stdtr
 
 from ropefric.arrays import FloatArray
 from ropefric.fitting.levenberg import BatchFit, batched_fit
-from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.problem import FitProblem, typical_mu
 from ropefric.fitting.result import RIVAL
 from ropefric.fitting.statistics import ConditionMeans, ScatterFit, aicc, bic, decomposed, f_test, scatter_fit
 from ropefric.friction.condition import SETTINGS, Conditions
@@ -255,8 +255,8 @@ def searched(problem: FitProblem, log_lift: FloatArray, theta: FloatArray) -> Ba
     """
     law, at = problem.law, problem.conditions
     how: dict[str, Any] = {"tolerance": _NEAR, "max_iterations": _STEPS * max(problem.n_varying - 2, 1)}
-    mu = float(np.median((log_lift[0] - at.log_end_tension) / np.maximum(at.wrap_angle_rad, 1e-9)))
-    starts = [problem.start, *np.asarray(law.candidates(max(mu, 1e-3), at, log_lift[0]), np.float64)]
+    mu = max(typical_mu(at, log_lift[0]), 1e-3)
+    starts = [problem.start, *np.asarray(law.candidates(mu, at, log_lift[0]), np.float64)]
     pool = np.clip(np.stack(starts), problem.lower, problem.upper)
     pool = np.where(problem.vary, pool, problem.start)
     fits = batched_fit(problem, log_lift, theta, **how)

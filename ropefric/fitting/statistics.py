@@ -226,11 +226,7 @@ def two_levels(  # noqa: PLR0917  (the fit's own arrays, in the order of `find_t
     residual = root * np.bincount(group, log_residuals / std**2) / weight
     by_trial = half @ (left / std[:, None]).T
     effects = np.zeros((n, 0)) if common is None else common
-    shown = (
-        _by_condition(effects / std[:, None] ** 2, group) / root[:, None]
-        if effects.size
-        else np.zeros((k, 0))
-    )
+    shown = _by_condition(effects / std[:, None] ** 2, group) / root[:, None]
     shown = shown - mean @ (mean.T @ shown)
     free = 1.0 - np.minimum((mean**2).sum(axis=1), 1.0)
     within2 = scatter.within**2 if scatter.known else 0.0

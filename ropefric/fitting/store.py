@@ -28,9 +28,9 @@ MOST_BYTES = 256 * 2**20
 
 _FAMILY, _VERSION = SCHEMA.split("/")
 _FIELDS = {
+    str: ("text", ("law", "covariance_kind", "status")),
     dict: ("object", ("parameters", "statistics", "identifiability", "validity", "provenance", "trials")),
     list: ("list", ("parameter_order", "covariance", "advice", "notes")),
-    str: ("text", ("covariance_kind", "status")),
 }
 _AGAIN = "fit again: `ropefric fit TRIALS.csv --law NAME --out FIT.json`, or save_fit in Python"
 _PARTS = ("input", "settings", "versions")
@@ -163,20 +163,20 @@ def _check_tree(tree: Any, shown: str) -> None:
         found = "there is no schema" if schema is None else f"the schema is {str(schema)[:60]!r}"
         message = f"this is no stored fit: {found}, not {SCHEMA!r}"
         raise refuse(message, "schema", "give a file that save_fit or `ropefric fit` wrote")
-    law = tree.get("law")
-    if not isinstance(law, str) or law not in ALL_LAWS:
-        message, fix = f"the friction law {str(law)[:60]!r} is not known", did_you_mean(str(law), ALL_LAWS)
-        if declared := _declared_by(tree, str(law)):
-            file, sha256 = declared
-            message = f"the friction law {str(law)[:60]!r} is declared by the plugin {file}"
-            message += f" (SHA-256 {sha256:.12}…), which is not loaded"
-            fix = f"name it: --plugin {file} (in Python, rf.load_plugin)"
-        raise refuse(message, "law", fix)
     for kind, (word, names) in _FIELDS.items():
         for name in names:
             if not isinstance(tree.get(name), kind):
-                what = f"no {word}" if name in tree else "missing"
+                what = f"no {word}" if name in tree else "missing, which every stored fit has"
                 raise refuse(f"the field is {what}", name, _AGAIN, "RF431")
+    law = tree["law"]
+    if law not in ALL_LAWS:
+        message, fix = f"the friction law {law[:60]!r} is not known", did_you_mean(law, ALL_LAWS)
+        if declared := _declared_by(tree, law):
+            file, sha256 = declared
+            message = f"the friction law {law[:60]!r} is declared by the plugin {file}"
+            message += f" (SHA-256 {sha256:.12}…), which is not loaded"
+            fix = f"name it: --plugin {file} (in Python, rf.load_plugin)"
+        raise refuse(message, "law", fix)
 
 
 def _declared_by(tree: Mapping[str, Any], law: str) -> tuple[str, str] | None:

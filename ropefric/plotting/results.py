@@ -18,7 +18,7 @@ from ropefric.fitting.next_tests import LabPlan
 from ropefric.fitting.predict import Prediction
 from ropefric.fitting.result import FitResult
 from ropefric.given import as_trace
-from ropefric.glossary import counted
+from ropefric.glossary import GLOSSARY, counted
 from ropefric.pipeline.run import CampaignRun
 from ropefric.plotting import style
 from ropefric.plotting.campaign import draw_overview
@@ -26,6 +26,7 @@ from ropefric.plotting.design import draw_budget, draw_ladder
 from ropefric.plotting.figure import drawing
 from ropefric.plotting.fits import draw_fit_band
 from ropefric.plotting.machines import draw_explanation, draw_layout, draw_sweep, scene_figures
+from ropefric.scenes.draws import Draws
 from ropefric.scenes.plan import Explanation
 from ropefric.scenes.scene import Scene
 from ropefric.scenes.solve import Solution
@@ -36,6 +37,7 @@ from ropefric.traces.smoothing import SmoothedForce
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.conditions import Repeatability
+from ropefric.trials.outliers import Repeatability
 from ropefric.trials.result import Extraction
 from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import Statement
@@ -45,7 +47,7 @@ _WORDS = {"yes": 1.0, "no": -1.0}
 
 @singledispatch
 def draw(result: Any, *_args: Any, **_options: Any) -> Figure:
-    """Return the figure of a result; a fit takes `over`, a sweep `quantity`, a break-away its trace."""
+    """Return the figure of a result; a fit takes `over`, a sweep or draws `quantity`, a break-away its trace."""
     raise InputError(f"there is no figure of {type(result).__name__}", fix="use to_frame()")
 
 
@@ -64,6 +66,24 @@ def _simple(
         elif axes.get_legend_handles_labels()[0]:
             axes.legend()
     return figure
+
+
+@draw.register
+def _(drawn: Draws, *, quantity: str = "") -> Figure:
+    name = quantity or next(iter(drawn.numbers))
+    if name not in drawn.numbers:
+        raise InputError(f"the draws have no {name!r}", fix=f"they have {', '.join(drawn.numbers)}")
+    values, told = drawn.columns[name], drawn.numbers[name]
+
+    def paint(axes: Axes) -> None:
+        axes.hist(values[np.isfinite(values)], bins=60, color=style.GREY)
+        axes.axvline(told.value, color=style.BLUE, label="as given")
+        for end in told.quantiles[::2]:
+            label = f"{100.0 * drawn.level:g} % lie between" if end == told.quantiles[0] else ""
+            axes.axvline(end, color=style.ORANGE, linestyle="--", label=label)
+
+    label = style.figure_label(name) if name in GLOSSARY else name
+    return _simple(label, "draws", paint)
 
 
 @draw.register

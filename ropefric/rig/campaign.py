@@ -17,8 +17,7 @@ from ropefric.files.write import write_file
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
-from ropefric.rig.bench import Bench
-from ropefric.rig.mechanics import RIG_PROTOCOLS, RecordingTruth
+from ropefric.rig.bench import RIG_PROTOCOLS, Bench, RecordingTruth
 from ropefric.rig.pulls import PHYSICS
 from ropefric.rig.recording import FAULTS, SATURATION_MARGIN, SimulatedRecording, simulate_recording
 
@@ -63,19 +62,13 @@ class CampaignPlan:
     physics: str = "coulomb"
 
     def __post_init__(self) -> None:
+        planned = f"{len(self.conditions)} conditions with {self.repeats} repeats"
         if not self.conditions or self.repeats < 1:
-            raise InputError(
-                f"{len(self.conditions)} conditions with {self.repeats} repeats make no recording",
-                key="repeats",
-                fix="plan at least one condition and one repeat",
-            )
+            fix = "plan at least one condition and one repeat"
+            raise InputError(f"{planned} make no recording", key="repeats", fix=fix)
         if self.n_trials > _MOST_TRIALS:
-            raise InputError(
-                f"{len(self.conditions)} conditions with {self.repeats} repeats are {self.n_trials} recordings;"
-                f" the limit is {_MOST_TRIALS}",
-                key="repeats",
-                fix="ask for fewer repeats",
-            )
+            message = f"{planned} are {self.n_trials} recordings; the limit is {_MOST_TRIALS}"
+            raise InputError(message, key="repeats", fix="ask for fewer repeats")
         for name, rate in self.faults.items():
             fault = FAULTS[name]
             if not 0.0 <= rate <= 1.0:
@@ -84,15 +77,11 @@ class CampaignPlan:
                 fault.check_protocol(RIG_PROTOCOLS[self.protocol].name)
         known = ("coulomb", *PHYSICS)
         if self.physics not in known:
-            raise UnknownNameError(
-                f"unknown physics {self.physics!r}", key="physics", fix=did_you_mean(self.physics, known)
-            )
+            fix = did_you_mean(self.physics, known)
+            raise UnknownNameError(f"unknown physics {self.physics!r}", key="physics", fix=fix)
         if self.physics != "coulomb" and self.protocol != "breakaway":
-            raise InputError(
-                f"physics '{self.physics}' does not go with protocol '{self.protocol}'",
-                key="physics",
-                fix="use physics 'coulomb', or protocol 'breakaway'",
-            )
+            message = f"physics '{self.physics}' does not go with protocol '{self.protocol}'"
+            raise InputError(message, key="physics", fix="use physics 'coulomb', or protocol 'breakaway'")
         self.lift_force_N(self.conditions)
 
     @property
@@ -237,8 +226,7 @@ def record_trial(plan: CampaignPlan, trial: PlannedTrial, *, seed: int) -> tuple
     data = buffer.getvalue()
     file_rng = np.random.default_rng([seed, 3, trial.index])
     for name in trial.faults:
-        on_bytes = FAULTS[name].on_bytes
-        if on_bytes:
+        if on_bytes := FAULTS[name].on_bytes:
             data = on_bytes(data, file_rng)
     return recording, data
 
@@ -262,11 +250,11 @@ def simulate_campaign(
         taken = sorted(path.name for path in base.iterdir() if path.name != "traces" or path.is_symlink())
         taken += sorted(f"traces/{path.name}" for path in (base / "traces").iterdir())
         if taken:
-            raise InputError(
+            message, fix = (
                 f"the folder already holds {taken[0]}; nothing is overwritten",
-                path=base,
-                fix="name an empty or a new folder",
+                "name an empty or a new folder",
             )
+            raise InputError(message, path=base, fix=fix)
         for done, trial in enumerate(trials, start=1):
             recording, data = record_trial(plan, trial, seed=seed)
             write_file(base / trial.file, data, durable=False)
@@ -281,9 +269,8 @@ def simulate_campaign(
         for name, text in texts.items():
             write_file(base / name, text)
     except OSError as error:
-        raise InputError(
-            f"cannot write there: {error.strerror or error}", path=base, fix="name a folder you may write to"
-        ) from error
+        message, fix = f"cannot write there: {error.strerror or error}", "name a folder you may write to"
+        raise InputError(message, path=base, fix=fix) from error
     return (*(base / name for name in texts), *(base / trial.file for trial in trials))
 
 

@@ -115,10 +115,8 @@ def _shifted(take: Take) -> None:
 
 
 def _drifted(take: Take) -> None:
-    part = take.time_s / take.time_s[-1]
-    take.force_N = (
-        take.force_N + take.rng.choice((-1.0, 1.0)) * take.rng.uniform(0.02, 0.1) * _size_N(take) * part
-    )
+    drift_N = take.rng.choice((-1.0, 1.0)) * take.rng.uniform(0.02, 0.1) * _size_N(take)
+    take.force_N = take.force_N + drift_N * (take.time_s / take.time_s[-1])
 
 
 def _spiked(take: Take, *, double: bool = False) -> None:
@@ -138,10 +136,8 @@ def _clear(take: Take, length: int) -> int:
     n = take.time_s.size
     starts = np.arange(1, max(n - length - 1, 2))
     if take.truth.status == Status.OK:
-        peak, room = (
-            int(np.searchsorted(take.time_s, take.truth.time_s)),
-            max(6, int(0.02 * n * take.rng.random())),
-        )
+        peak = int(np.searchsorted(take.time_s, take.truth.time_s))
+        room = max(6, int(0.02 * n * take.rng.random()))
         starts = starts[(starts + length < peak - room) | (starts > peak + room)]
     return int(take.rng.choice(starts)) if starts.size else 1
 
@@ -227,9 +223,8 @@ def sense(take: Take, motion: Motion, faults: Sequence[str]) -> None:
     """Turn the spring's force into samples."""
     rng, drawn = take.rng, take.drawn
     end_s = float(motion.time_s[-1])
-    rate_Hz = min(
-        max(drawn["rate_Hz"], 40.0 / end_s, drawn.get("per_climb", 80.0) / drawn["climb_s"]), 5e4 / end_s
-    )
+    rate_Hz = max(drawn["rate_Hz"], 40.0 / end_s, drawn.get("per_climb", 80.0) / drawn["climb_s"])
+    rate_Hz = min(rate_Hz, 5e4 / end_s)
     finer = int(np.ceil(2e3 / rate_Hz)) if any(name in _ANALOG for name in faults) else 1
     take.time_s = np.arange(int(end_s * rate_Hz * finer)) / (rate_Hz * finer)
     take.force_N = motion.spring_N(take.time_s)

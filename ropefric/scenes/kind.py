@@ -258,6 +258,7 @@ class SceneTable(Table):
     accuracy: Annotated[float, PlainValidator(_accuracy)] = 0.01
     effects: Annotated[str | tuple[str, ...], PlainValidator(_effects)] = "auto"
     friction: FrictionTable | None = None
+    tolerances: dict[str, Any] = Field(default_factory=dict)
     plugins: tuple[str, ...] = ()
 
 
@@ -360,6 +361,9 @@ class Kind:
     quantities : callable
         `quantities(answer, problem)` returns the numbers that people read; none of them is uncertain where no
         friction enters.
+    outcomes : callable
+        `outcomes(answer, problem)` returns what tables of many cases have beside them and no single answer: numbers
+        that friction changes in jumps, so that they have no slope, such as whether anything slipped.
     tree : callable
         `tree(answer, problem)` returns the JSON shape of the answer, without what all scenes share.
     identified : callable
@@ -409,6 +413,7 @@ class Kind:
     tree: Callable[[Any, Any], dict[str, Any]]
     contacts: Callable[[Any], Mapping[str, FloatArray]]
     answerable: Callable[[Any], BoolArray]
+    outcomes: Callable[[Any, Any], tuple[Quantity, ...]] = lambda answer, problem: ()  # noqa: ARG005  (none known)
     failures: Callable[[Any, Any], tuple[Failure, ...]] = lambda answer, problem: ()  # noqa: ARG005  (none known)
     identified: Callable[[Any, Any], dict[str, Any] | None] = lambda answer, problem: None  # noqa: ARG005
     kept: Callable[[Any], Mapping[str, str]] = lambda problem: {}  # noqa: ARG005  (none)

@@ -27,7 +27,6 @@ from ropefric.traces.events import (
     loading_rate,
 )
 from ropefric.traces.evidence import (
-    LEAST_DROP,
     LEAST_PEAK,
     TOOTH,
     comes_on,
@@ -52,6 +51,7 @@ from ropefric.traces.segments import (
 )
 from ropefric.traces.slips import (
     FEW_BLOCKS,
+    LEAST_DROP,
     TALL,
     Candidate,
     found_pulls,

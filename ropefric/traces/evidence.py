@@ -8,12 +8,10 @@ from ropefric.arrays import FloatArray
 from ropefric.traces.events import SAME_KIND, Fall, as_loaded
 from ropefric.traces.noise import noise_std
 from ropefric.traces.segments import PIECE_BLOCKS, Prepared, Sliding, roughness_N, sliding_after
-from ropefric.traces.slips import FEWEST_TEETH, SMALL_GROWTH, TINY, Candidate
+from ropefric.traces.slips import FEWEST_TEETH, LEAST_DROP, SMALL_GROWTH, TINY, Candidate
 
 RESOLVED_SIGMAS = 4.0
 QUIET_SIGMAS = 1.5
-LEAST_DROP = 0.04
-"""The force of a rope that is held and creeps falls by some per cent."""
 SWING, DAMPED, HALF_PERIODS = 2.0, 0.2, 5.0
 """A swing passes its level as fast up as down, falls below it, and follows a load that comes on within few periods."""
 WAVES, SLOWEST, FASTEST = 0.06, 0.4, 1.25

@@ -27,12 +27,17 @@ TALL = 0.1
 """What is lower, of a pull or of the highest pull, is a wiggle of the unloaded rope."""
 FAR = 0.95
 """A force that is loaded to about the double has not slipped before."""
+CREEPS, OBSTACLE, SWUNG, SLOWER = 0.3, 0.2, 0.55, 1.25
+"""An obstacle lifts the force by this part of it at least; a slip swings as far below the force of sliding as it began
+above it; a partial one is loaded again at the rate of before."""
 FULL = 0.16
 """A slip by which the force falls by more than this part of itself is no partial one."""
 AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
 SWINGS = 4
 BACK, ABOUT, FAR_FASTER = 0.6, 0.8, 5.0
 SMALL_GROWTH = 0.03
+LEAST_DROP = 0.04
+"""The force of a rope that is held and creeps falls by some per cent."""
 LARGER = 1.2
 _RANGE = 0.004
 TINY = 1e-300
@@ -79,6 +84,7 @@ def rate_of(force_N: FloatArray, pull: Pull) -> float:
 def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Candidate]:
     """Return the first fall of a pull that is no partial slip; two where it may be one; none where all are."""
     whole = rate_of(force_N, pull)
+    passed: list[Fall] = []
     for i, fall in enumerate(falls):
         height_N = fall.top_N - pull.base_N
         if height_N < TALL * (pull.top_N - pull.base_N):
@@ -87,10 +93,38 @@ def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Cand
         own = loading_rate(force_N, fall.start, fall.top)
         rate = min(whole, own) if fall.top_N - float(force_N[fall.start]) > LITTLE * height_N else whole
         rivals = _rivals(force_N, pull, fall, falls[i + 1 :], (rate, own))
-        if rivals is not None:
-            first = Candidate(pull, fall, rate, falls[i + 1 :])
-            return [first, Candidate(pull, rivals[0], rate, rivals[1:])] if rivals else [first]
+        if rivals is None:
+            passed += [fall]
+            continue
+        first = Candidate(pull, fall, rate, falls[i + 1 :])
+        earlier = [g for g in passed if _is_contested(force_N, pull, g, fall)]
+        if earlier:
+            return [Candidate(pull, earlier[0], rate, falls[falls.index(earlier[0]) + 1 :]), first]
+        return [first, Candidate(pull, rivals[0], rate, rivals[1:])] if rivals else [first]
     return []
+
+
+def _is_contested(force_N: FloatArray, pull: Pull, fall: Fall, first: Fall) -> bool:
+    """Return whether a fall that was taken for a partial slip may be the break-away, and a later one an obstacle.
+
+    A macroscopic slip falls to the force of sliding or, where nothing damps it, as far below; a partial one does not.
+    """
+    height_N = fall.top_N - pull.base_N
+    again = (first.top_N - fall.bottom_N) / (first.top - fall.bottom)
+    if fall.drop_N < LEAST_DROP * height_N or STICKS * loading_rate(force_N, fall.start, fall.top) > again:
+        return False
+    growth = (first.top_N - fall.top_N) / height_N
+    if growth < LITTLE:
+        return ABOUT * first.drop_N <= fall.drop_N <= first.drop_N / ABOUT
+    if growth >= FAR or fall.drop_N < 0.5 * FULL * height_N:
+        return False
+    if _turned_on(force_N[: first.top + 1], fall) > SLOWER:
+        return True
+    over = (median(force_N[first.settled : pull.stop]) - fall.bottom_N) / (fall.top_N - fall.bottom_N)
+    again_N = max(
+        (g.top_N for g in pull.falls if g.top > first.top and g.drop_N > CREEPS * fall.drop_N), default=0.0
+    )
+    return growth > OBSTACLE and (0.0 < over < SWUNG or abs(again_N - fall.top_N) < ALIKE * height_N)
 
 
 class _Place(NamedTuple):
@@ -122,8 +156,9 @@ def _rivals(
     if above_N <= 0.0:
         return None if later and _is_partial(pull, fall, later[0], rate) else []
     growth = above_N / max(height_N, 1e-12 * above_N, TINY)
+    slid = _slid_on(force_N, pull, fall, top, rates[1])
     between = [g for g in later[:n_lower] if g.drop_N >= AGAIN * fall.drop_N]
-    if _is_passed(force_N, _Place(pull, fall, later, between, higher, top, growth, *rates)):
+    if not slid and _is_passed(force_N, _Place(pull, fall, later, between, higher, top, growth, *rates)):
         return None
     # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
     passed = top - int(np.flatnonzero(force_N[fall.top : top + 1] <= fall.top_N)[-1]) - fall.top
@@ -132,7 +167,7 @@ def _rivals(
     alike = [g for g in between if _is_alike(fall, g, pull)]
     weaker = bool(between) and (growth <= LITTLE or len(between) >= FEWEST_TEETH or len(alike) >= 2)
     weaker |= len(later) >= 2 and all(_is_alike(fall, g, pull, ALIKE) for g in later[:2])
-    if hardens or weaker or fall.drop_N > FULL * height_N:
+    if slid or hardens or weaker or fall.drop_N > FULL * height_N:
         return []
     if growth > GROWTH or not higher:
         return None
@@ -141,6 +176,25 @@ def _rivals(
         return []
     against = _against_the_higher(pull, fall, higher, growth)
     return higher if against else None if against is None else []
+
+
+def _slid_on(force_N: FloatArray, pull: Pull, fall: Fall, top: int, own_rate: float) -> bool:
+    """Return whether a rope slid on after a fall before the force was as high again; a held one only creeps."""
+    height_N, rate = fall.top_N - pull.base_N, loading_rate(force_N, fall.bottom, top)
+    is_far_below = pull.top_N - fall.top_N >= FAR * height_N
+    if is_far_below or fall.drop_N < LEAST_DROP * height_N or not STICKS <= own_rate / rate <= 1 / STICKS:
+        return False
+    return _turned_on(force_N[: top + 1], fall, rate) > 1.0 / STICKS
+
+
+def _turned_on(force_N: FloatArray, fall: Fall, rate: float | None = None) -> float:
+    """Return how far the motor turned until the force was as high again, against what the fall took off the spring.
+
+    A partial slip is loaded again along the machine's line, so that it is one.
+    """
+    rate = loading_rate(force_N, fall.start, fall.top) if rate is None else rate
+    passed = int(np.flatnonzero(force_N <= fall.top_N)[-1]) - fall.bottom
+    return rate * (passed - 1) / (fall.top_N - fall.bottom_N)
 
 
 def _is_alike(fall: Fall, other: Fall, pull: Pull, apart: float = AGAIN) -> bool:
@@ -165,8 +219,12 @@ def _is_passed(force_N: FloatArray, place: _Place) -> bool:
     # Hung weights bounce and come to rest, and later the motor loads on.
     ends = not higher and growth > SMALL_GROWTH  # while it still climbs
     few = (growth > LITTLE or ends) and len(between) <= SWINGS
-    if few and any(
-        _rests(force_N[start:top], fall, pull, ends=ends) for start in (fall.settled, fall.bottom)
+    # A rope that is held creeps, one that is loaded by hand or weights swings; one that fell further has slid.
+    creeps = fall.drop_N < LEAST_DROP * height_N or own_rate > FAST * loading_rate(force_N, low, top)
+    if (
+        few
+        and creeps
+        and any(_rests(force_N[start:top], fall, pull, ends=ends) for start in (fall.settled, fall.bottom))
     ):
         return True
     # Or without a rest, to a slip that is larger.

@@ -53,6 +53,9 @@ _RATE, _WINDOW = quantity("Hz", "3 kHz", above=0), quantity("s", "10 ms", above=
 Text = Annotated[str, PlainValidator(text)]
 Length = Annotated[float, PlainValidator(_LENGTH)]
 Time = Annotated[float | None, PlainValidator(_TIME)]
+MinStep = Annotated[float | None, PlainValidator(quantity("N", "5 N", above=0))]
+Angle = Annotated[float, PlainValidator(quantity("rad", "1 deg", above=0))]
+Density = Annotated[float | None, PlainValidator(quantity("kg/m", "62 g/m", above=0))]
 
 
 class Round(StrictTable):
@@ -85,9 +88,7 @@ class Rope(Round):
     """`[rope]`: also its mass per length [kg/m], where it is known."""
 
     example: ClassVar[str] = 'diameter = "9.8 mm"'
-    linear_density_kg_m: Annotated[float | None, PlainValidator(quantity("kg/m", "62 g/m", above=0))] = Field(
-        default=None, alias="linear_density"
-    )
+    linear_density_kg_m: Density = Field(default=None, alias="linear_density")
 
 
 def _pair(value: object, what: str, like: str) -> list[object]:
@@ -121,12 +122,8 @@ class Protocol(StrictTable):
     name: Annotated[str, PlainValidator(choice(protocol_names))] = "breakaway"
     start_s: Time = Field(default=None, alias="from")
     stop_s: Time = Field(default=None, alias="until")
-    min_step_N: Annotated[float | None, PlainValidator(quantity("N", "5 N", above=0))] = Field(
-        default=None, alias="min_step"
-    )
-    wrap_tolerance_rad: Annotated[float, PlainValidator(quantity("rad", "1 deg", above=0))] = Field(
-        default=0.0, alias="wrap_tolerance"
-    )
+    min_step_N: MinStep = Field(default=None, alias="min_step")
+    wrap_tolerance_rad: Angle = Field(default=0.0, alias="wrap_tolerance")
     side: Annotated[str, PlainValidator(choice(lambda: SIDES))] = "slack"
     ending: Annotated[str, PlainValidator(choice(lambda: ENDINGS))] = "sliding"
     rest: Annotated[str, PlainValidator(choice(lambda: RESTS))] = "unknown"
@@ -478,17 +475,8 @@ class Campaign(CampaignFile, Shown):
 
     def resolved(self) -> dict[str, Any]:
         """Return the whole campaign, defaults included, as JSON-able data without absolute paths."""
-        elsewhere = {
-            "path",
-            "trial_list",
-            "folder",
-            "data",
-            "trials",
-            "warnings",
-            "limits",
-            "schema_name",
-            "plugins",
-        }
+        elsewhere = {"trial_list", "data", "limits", "schema_name"}
+        elsewhere |= {"path", "folder", "trials", "warnings", "plugins"}  # said below in other words
         tree: dict[str, Any] = {"schema": self.schema_name, **_plain(self, exclude=elsewhere)}
         tree["smoothing"]["mode"] = self.smoothing.mode
         tree["path"] = self.path.name

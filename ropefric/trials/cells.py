@@ -3,13 +3,15 @@
 import csv
 import os
 import re
-from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from difflib import get_close_matches
 from functools import lru_cache
+from math import nan
 from pathlib import Path
+from typing import Any
 
 from ropefric.errors import DataError, InputError, Problem
 from ropefric.files.parquet import parquet_as_csv
@@ -57,24 +59,17 @@ class CellTable:
     """The cells of a table, without blanks around them, each row with its line."""
 
     path: str
-    separator: str
+    separator: str = ","
     header: tuple[str, ...]
-    header_line: int | None
-    rows: tuple[tuple[int, tuple[str, ...]], ...]
+    header_line: int | None = None
+    rows: tuple[tuple[int, tuple[str, ...]], ...] = ()
 
     def problem(
         self, line: int | None, key: str, code: str, message: str, fix: str, *, warning: bool = False
     ) -> Problem:
         """Return a problem of this table."""
-        return Problem(
-            code=code,
-            message=message,
-            path=self.path,
-            line=line,
-            key=key,
-            fix=fix,
-            severity="warning" if warning else "error",
-        )
+        doubtful: dict[str, Any] = {"severity": "warning"} if warning else {}
+        return Problem(code=code, message=message, path=self.path, line=line, key=key, fix=fix, **doubtful)
 
     def refusal(self, line: int | None, key: str, error: InputError) -> Problem:
         """Return a refused name or number as a problem of this table."""
@@ -105,10 +100,11 @@ class CellTable:
             if column is None:
                 others.append(name)
             elif column.field in bound:
-                message = f"this column says the same as '{bound[column.field].header}'"
-                problems.append(
-                    self.problem(self.header_line, name, "RF122", message, "remove one of the two")
+                message, fix = (
+                    f"this column says the same as '{bound[column.field].header}'",
+                    "remove one of the two",
                 )
+                problems.append(self.problem(self.header_line, name, "RF122", message, fix))
             else:
                 bound[column.field] = column
         return bound, others, problems
@@ -131,6 +127,35 @@ class CellTable:
         if self.separator != "," and any("," in cells[index] for _, cells in self.rows for index in numeric):
             return ","
         return "."
+
+    def numbers(
+        self,
+        columns: Mapping[str, "Column"],
+        *,
+        empty: Collection[str] = ("",),
+        doubted: Collection[str] = (),
+    ) -> tuple[dict[str, list[float]], dict[int, list[Problem]]]:
+        """Return the numbers of the columns in SI, NaN where there is none; and by place what cannot be read in a row.
+
+        In `doubted` columns what cannot be read is none.
+        """
+        decimal, wrong = self.decimal_mark(columns), defaultdict[int, list[Problem]](list)
+        found = {}
+        for name, column in columns.items():
+            if not column.si_unit:
+                continue
+            cells = [row[column.index] for _, row in self.rows]
+            meaning, refused = dict[str, float](), dict[str, InputError]()
+            for cell in set(cells):  # a number of settings is repeated in many rows
+                try:
+                    meaning[cell] = nan if cell.lower() in empty else read_number(cell, column, decimal)
+                except InputError as error:
+                    meaning[cell], refused[cell] = nan, error
+            found[name] = [meaning[cell] for cell in cells]
+            for i, cell in enumerate(cells if refused and name not in doubted else ()):
+                if cell in refused:
+                    wrong[i].append(self.refusal(self.rows[i][0], column.header, refused[cell]))
+        return found, wrong
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,9 +201,11 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
     good = tuple((n, cells) for n, cells in split[1:] if cells is not None and len(cells) == len(header))
     table = CellTable(path=shown, separator=separator, header=header, header_line=header_line, rows=good)
     told = (
-        [table.problem(header_line, "", "RF141", sheet, "put the table first", warning=True)] if sheet else []
+        []
+        if not sheet
+        else [table.problem(header_line, "", "RF141", sheet, "put the table first", warning=True)]
     )
-    return table, (*told, *_unclosed(table, split), *_ragged(table, split))
+    return table, (*told, *_torn(table, split))
 
 
 def _text(source: Source) -> tuple[str, str]:
@@ -213,17 +240,11 @@ def _split(line: str, separator: str, *, quoted: bool) -> tuple[str, ...] | None
     return tuple(cell.strip() for cell in cells)
 
 
-_Split = list[tuple[int, tuple[str, ...] | None]]
-
-
-def _unclosed(table: CellTable, split: _Split) -> Iterator[Problem]:
-    message = "a quoted cell is not closed on its line, or text follows its end"
+def _torn(table: CellTable, split: Sequence[tuple[int, tuple[str, ...] | None]]) -> Iterator[Problem]:
+    """Yield the rows whose quotes are not closed, then those of too few or too many cells."""
+    message, n = "a quoted cell is not closed on its line, or text follows its end", len(table.header)
     fix = "keep each row on one line and close the quotes"
-    return (table.problem(line, "", "RF103", message, fix) for line, cells in split if cells is None)
-
-
-def _ragged(table: CellTable, split: _Split) -> Iterator[Problem]:
-    n = len(table.header)
+    yield from (table.problem(line, "", "RF103", message, fix) for line, cells in split if cells is None)
     for line, cells in split:
         if cells is None or len(cells) == n:
             continue

@@ -111,6 +111,7 @@ def guarded(
 def _end(workers: "list[_Worker[T]]") -> None:
     """End all processes: an idle one at once, a busy one after its piece, or soon."""
     for worker in workers:
+        worker.dead = True
         worker.ours.close()
     until_s = time.monotonic() + GRACE_S
     for worker in workers:
@@ -157,14 +158,12 @@ class _Worker(Generic[T]):
         try:
             kind, content = self.ours.recv()
         except (EOFError, OSError):
-            self._end()
-            if not self.given and self._ready:
-                return
+            _end([self])
             if not self._ready:
-                code = self.process.exitcode
-                message = f"a process for reading ended as it started (exit code {code})"
+                message = f"a process for reading ended as it started (exit code {self.process.exitcode})"
                 raise RopefricError(message, code="RF000") from None
-            yield self.given.popleft(), self._crashed()
+            if self.given:
+                yield self.given.popleft(), self._crashed()
             return
         if kind == _READY:
             self._ready = True
@@ -173,7 +172,7 @@ class _Worker(Generic[T]):
         else:
             number = self.given.popleft()
             if kind == _NO_MEMORY:
-                self._end()
+                _end([self])
                 reason = f"reading it took more than {self._limits.memory} of memory"
                 yield number, Lost(reason=reason, fix=_RAISE.format("memory"))
             else:
@@ -183,17 +182,9 @@ class _Worker(Generic[T]):
     def stop_late(self) -> tuple[int, Lost]:
         """End the process, which took too long."""
         self.process.kill()
-        self._end()
+        _end([self])
         reason = f"reading it took longer than {self._limits.time_s:g} s"
         return self.given.popleft(), Lost(reason=reason, fix=_RAISE.format("time"))
-
-    def _end(self) -> None:
-        self.dead = True
-        self.ours.close()
-        self.process.join(GRACE_S)
-        if self.process.is_alive():
-            self.process.kill()
-        self.process.join()
 
     def _crashed(self) -> Lost:
         code = self.process.exitcode or 0

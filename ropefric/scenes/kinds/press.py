@@ -1,5 +1,6 @@
 """Scenes of a belt press: tensions, slip, and the start-up."""
 
+import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from inspect import signature
@@ -13,8 +14,7 @@ from ropefric.errors import RopefricError
 from ropefric.files.toml_model import choice, got, quantity, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.answer import PressAnswer, PressProblem
-from ropefric.systems.press.critical import slip_margins
+from ropefric.systems.press.answer import PressAnswer, PressProblem, slip_margins
 from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import (
     Belt,
@@ -25,8 +25,7 @@ from ropefric.systems.press.machine import (
     squeeze_torque_N_m,
 )
 from ropefric.systems.press.slip import MEASURES
-from ropefric.systems.press.statics import CLOSURES, solve_statics
-from ropefric.systems.press.steady import drive_power_W, steady_state
+from ropefric.systems.press.statics import CLOSURES, solve_statics, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.integrators import INTEGRATORS
 from ropefric.systems.press.transient.motion import settled_press
@@ -383,7 +382,7 @@ def _quantities(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ..
     slip, tensions_N = answer.slip, answer.state.effective_tension_N
     return (
         kind.Quantity("largest_utilisation", slip.utilisation.max(axis=-1)),
-        kind.Quantity("power_W", drive_power_W(answer.state)),
+        kind.Quantity("power_W", answer.state.drive_power_W),
         *(
             kind.Quantity(f"slip.{name}.{measure}", getattr(slip, measure)[..., place])
             for measure in ("utilisation", "as_plotted", "as_printed")
@@ -394,6 +393,23 @@ def _quantities(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ..
             for place, span in enumerate(answer.model.press.spans)
         ),
     )
+
+
+def _outcomes(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ...]:
+    """Return what a start-up amounts to: the extremes, whether and how long anything slipped, and the works."""
+    if answer.start_up is None:
+        return ()
+    told = answer.start_up.summary()
+    found = {
+        "peak_tension_N": max(told["peak_tension_N"].values()),
+        "lowest_tension_N": min(told["lowest_tension_N"].values()),
+        "peak_utilisation": max(told["peak_utilisation"].values(), default=math.nan),
+        "slips": float(bool(told["slipping_s"])),
+        "slipping_s": sum(told["slipping_s"].values()),
+        "drive_work_J": told["drive_work_J"],
+        "slip_loss_J": told["slip_loss_J"],
+    }
+    return tuple(kind.Quantity(f"start_up.{name}", np.array([value])) for name, value in found.items())
 
 
 def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure, ...]:
@@ -643,6 +659,7 @@ KIND = kind.Kind(
     own_wheel=_own_wheel,
     problem=_problem,
     quantities=_quantities,
+    outcomes=_outcomes,
     tree=_tree,
     contacts=_contacts,
     in_one_call=lambda problem: problem.start_up is None,  # one start-up is simulated at a time

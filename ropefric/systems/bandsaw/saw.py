@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from enum import StrEnum
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -69,19 +69,6 @@ def tension_difference_N(torque_N_m: npt.ArrayLike, wheel_radius_m: npt.ArrayLik
     """Return the difference of the tensions on the two sides of the driven wheel ΔF = M/R [N], eq. (17)."""
     torque = checked("torque_N_m", torque_N_m, "zero or more")
     return np.asarray(torque / checked("wheel_radius_m", wheel_radius_m))
-
-
-class AdvisedStatus(StrEnum):
-    """A status that says what it means and what to do; its members are written "value: advice"."""
-
-    advice: str  # type: ignore[misc]  # it is set below
-
-    def __new__(cls, text: str) -> Self:
-        """Return the member of a value, with its advice."""
-        value, _, advice = text.partition(": ")
-        member = str.__new__(cls, value)
-        member._value_, member.advice = value, advice  # type: ignore[misc]
-        return member
 
 
 class Side(StrEnum):

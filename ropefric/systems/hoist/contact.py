@@ -261,7 +261,7 @@ def answerable(problem: HoistProblem) -> BoolArray:
     possible = pressing_N > 0.0
     share = problem.bending_N / np.where(possible, pressing_N + problem.bending_N, np.inf)
     possible &= problem.wrap_angle_rad > 2.0 * lifted_arc_rad(share)
-    if "end-tension" not in problem.friction.law.effects:
+    if "end-tension" not in problem.friction.law.effects and problem.friction.theta.ndim == 1:
         return possible
     return possible & problem.friction.has_answer(
         wheel_radius_m=problem.wheel_radius_m,

@@ -36,7 +36,6 @@ from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.smoothing import SmoothedForce
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign_model import Campaign
-from ropefric.trials.conditions import Repeatability
 from ropefric.trials.outliers import Repeatability
 from ropefric.trials.result import Extraction
 from ropefric.trials.table import TrialTable

@@ -465,6 +465,14 @@ def lone_wheel(problem: Any, ends: tuple[str, str], name: str = "wheel") -> Whee
     return Wheel(name, float(problem.wheel_radius_m[0]), float(problem.wrap_angle_rad[0]), "driver", ends)
 
 
+def loops(machine: Any) -> dict[str, tuple[Wheel, ...]]:
+    """Return the rollers of each belt of a machine, in the order of its loop."""
+    wheels = {
+        one.name: Wheel(one.name, one.radius_m, one.wrap_angle_rad, one.role) for one in machine.rollers
+    }
+    return {belt.name: tuple(wheels[name] for name in belt.loop) for belt in machine.belts}
+
+
 def at_contact(problem: Any, end_tension_N: FloatArray) -> dict[str, FloatArray]:
     """Return the conditions on the one wheel of a problem."""
     names = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")

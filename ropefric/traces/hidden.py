@@ -24,9 +24,9 @@ def hidden(
     trace: ForceTrace, prepared: Prepared, block: int | None, fallen: int
 ) -> tuple[Status, str] | None:
     """Say why the converter did not show the peak; None if it did, or nothing broke away."""
-    if saturated := _saturation_detail(trace, prepared, block):
+    if saturated := _saturation_detail(trace, prepared, block, fallen):
         return Status.SATURATED, saturated
-    clipped = _clipped_detail(prepared, block)
+    clipped = _clipped_detail(prepared, block, fallen)
     # Noise finer than the converter's steps touches the limit again and again; a force that sticks keeps still once.
     noisy = prepared.blocks.resolution_N < prepared.noise_N
     if clipped and noisy and runs_of(prepared.force_N == prepared.force_N.max()).shape[0] > 1:
@@ -38,13 +38,13 @@ def hidden(
     return (Status.SATURATED, clipped) if clipped else None
 
 
-def _saturation_detail(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:
+def _saturation_detail(trace: ForceTrace, prepared: Prepared, block: int | None, fallen: int) -> str:
     """Return where the converter sat at its ceiling up to the break; empty where it did not."""
     if trace.saturation is None:
         return ""
     begin_s, end_s = prepared.time_s[0], prepared.time_s[-1]
-    if block is not None and block + 2 < prepared.blocks.time_s.size:
-        end_s = prepared.blocks.time_s[block + 2]
+    if block is not None and (last := max(block + 2, fallen)) < prepared.blocks.time_s.size:
+        end_s = prepared.blocks.time_s[last]
     samples, longest_s = 0, 0.0
     for start, stop in trace.saturation.high_runs:
         first_s, last_s = trace.time_s[start], trace.time_s[stop - 1]
@@ -60,10 +60,14 @@ def _saturation_detail(trace: ForceTrace, prepared: Prepared, block: int | None)
     )
 
 
-def _clipped_detail(prepared: Prepared, block: int | None) -> str:
+def _clipped_detail(prepared: Prepared, block: int | None, fallen: int) -> str:
     """Return where a force in newtons is cut off: it stays exactly at its largest, far longer than anywhere else."""
     force_N = prepared.force_N
-    stop = force_N.size if block is None else prepared.blocks.last_sample(block + 2, force_N.size) + 1
+    stop = (
+        force_N.size
+        if block is None
+        else prepared.blocks.last_sample(max(block + 2, fallen), force_N.size) + 1
+    )
     top_N = float(force_N[:stop].max())
     at_top = runs_of(force_N[:stop] == top_N)
     longest = int((at_top[:, 1] - at_top[:, 0]).max())

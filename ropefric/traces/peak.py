@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import FloatArray, median
 from ropefric.errors import InputError
 from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
 from ropefric.traces.segments import Prepared, Sliding, kinetic
@@ -31,7 +31,7 @@ JUMP = 0.05
 NOISE_ABOVE_MEAN = 4.0
 """The highest of a few noisy samples is seldom more standard deviations above their mean."""
 WIDE_GAP = 5.0
-FEWEST_WINDOWS = 8
+FEWEST_WINDOWS, PUSHED = 8, 9.0
 # The largest of values with noise 1 that lie on a slope of 10^x from one to the next: how far it lies above the top, and
 # its standard deviation, from the product of their distribution functions.
 _APART = (-2.0, -1.523, -1.0, -0.523, -0.222, 0.0, 0.176, 0.301, 0.477, 0.699)
@@ -186,7 +186,8 @@ def _smoothed_noise_N(rest_N: FloatArray, noise_std_N: float, n_window: int) -> 
     smoothed = average_over_samples(rest_N, n_window)
     x = np.arange(smoothed.size) - 0.5 * (smoothed.size - 1)
     flat = smoothed - smoothed.mean() - x * float(x @ smoothed) / float(x @ x)
-    return max(white_N, float(flat.std()))
+    # What pushes on the rope meanwhile is no noise.
+    return max(white_N, float(flat[np.abs(flat) <= PUSHED * median(np.abs(flat))].std()))
 
 
 def _std_of_a_maximum_N(rise_N: float, noise_N: float, n_window: int) -> float:

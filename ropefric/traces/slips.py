@@ -114,9 +114,9 @@ def _is_contested(force_N: FloatArray, pull: Pull, fall: Fall, first: Fall) -> b
     if fall.drop_N < LEAST_DROP * height_N or STICKS * loading_rate(force_N, fall.start, fall.top) > again:
         return False
     growth = (first.top_N - fall.top_N) / height_N
-    if growth < LITTLE:
-        return ABOUT * first.drop_N <= fall.drop_N <= first.drop_N / ABOUT
-    if growth >= FAR or fall.drop_N < 0.5 * FULL * height_N:
+    if growth < FAR and fall.drop_N >= (ABOUT if growth < LITTLE else 1.0 / ABOUT) * first.drop_N:
+        return True
+    if not LITTLE <= growth < FAR or fall.drop_N < 0.5 * FULL * height_N:
         return False
     if _turned_on(force_N[: first.top + 1], fall) > SLOWER:
         return True

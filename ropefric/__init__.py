@@ -12,9 +12,9 @@ __version__ = "0.1.0"
 
 _NAMES = {
     "api": "accuracy_table budget compare design diagnose explain extract find_breakaway fit friction_table "
-    "measured_budgets plan_tests predict read_trace read_trial reject run smooth solve sweep trial_table",
+    "measured_budgets monte_carlo plan_tests predict read_trace read_trial reject run smooth solve sweep trial_table",
     "errors": "RopefricError RopefricWarning",
-    "fitting.lmfit_model": "lmfit_model",
+    "fitting.export": "lmfit_model",
     "fitting.store": "load_fit save_fit",
     "plugins": "load_plugin",
     "scenes.scene": "load_scene",
@@ -30,6 +30,8 @@ def __getattr__(name: str) -> Any:
     if name not in _WHERE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(_WHERE[name]), name)
+    if not isinstance(value, type):  # a class of errors
+        value = import_module("ropefric.given").judged(value)
     globals()[name] = value
     return value
 

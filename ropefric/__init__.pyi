@@ -9,6 +9,7 @@ from ropefric.api import find_breakaway as find_breakaway
 from ropefric.api import fit as fit
 from ropefric.api import friction_table as friction_table
 from ropefric.api import measured_budgets as measured_budgets
+from ropefric.api import monte_carlo as monte_carlo
 from ropefric.api import plan_tests as plan_tests
 from ropefric.api import predict as predict
 from ropefric.api import read_trace as read_trace
@@ -21,7 +22,7 @@ from ropefric.api import sweep as sweep
 from ropefric.api import trial_table as trial_table
 from ropefric.errors import RopefricError as RopefricError
 from ropefric.errors import RopefricWarning as RopefricWarning
-from ropefric.fitting.lmfit_model import lmfit_model as lmfit_model
+from ropefric.fitting.export import lmfit_model as lmfit_model
 from ropefric.fitting.store import load_fit as load_fit
 from ropefric.fitting.store import save_fit as save_fit
 from ropefric.plugins import load_plugin as load_plugin

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError
 from ropefric.files.folder import Folder
-from ropefric.fitting import budgets, next_tests
+from ropefric.fitting import budgets, next_tests, resolution
 from ropefric.fitting.compare import Comparison, compare_laws
 from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
@@ -29,8 +29,9 @@ from ropefric.fitting.problem import Loss
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
-from ropefric.given import Columns, as_table, as_trace, in_si, settings, wheels_of
+from ropefric.given import Columns, as_table, as_trace, number, settings, wheels_of
 from ropefric.pipeline.run import CampaignRun, campaign_folder, run_campaign
+from ropefric.scenes.draws import Draws, draw_scene
 from ropefric.scenes.plan import Explanation, explain_scene
 from ropefric.scenes.scene import Scene, load_scene
 from ropefric.scenes.solve import Solution, solve_scene
@@ -48,8 +49,8 @@ from ropefric.traces.smoothing import smooth as average
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import Campaign
-from ropefric.trials.conditions import Repeatability, summarise
 from ropefric.trials.extract import extract_campaign
+from ropefric.trials.outliers import Repeatability, summarise
 from ropefric.trials.recording import blocks_of, tared_trace
 from ropefric.trials.result import Extraction
 from ropefric.trials.table import TrialTable, table_of_extraction
@@ -487,11 +488,11 @@ def predict(
         )
     if rope_radius_m is not None or "rope_radius_m" not in given:
         given["rope_radius_m"] = _rope(stored, rope_radius_m)
-    moving = (("kg/m", linear_density_kg_m), ("m/s", speed_m_s))
-    density, speed = (None if value is None else float(in_si(value, unit)) for unit, value in moving)
-    return predict_lift(
-        stored, Conditions(**given), level=level, method=method, linear_density_kg_m=density, speed_m_s=speed
-    )
+    moving: dict[str, Any] = {"linear_density_kg_m": linear_density_kg_m, "speed_m_s": speed_m_s}
+    for name, unit in (("linear_density_kg_m", "kg/m"), ("speed_m_s", "m/s")):
+        if moving[name] is not None:
+            moving[name] = number(moving[name], unit, name)
+    return predict_lift(stored, Conditions(**given), level=level, method=method, **moving)
 
 
 def design(
@@ -571,11 +572,7 @@ def _wheel(
         wheel_radius_m=wheel_radius_m, rope_radius_m=rope_radius_m, wrap_angle_rad=wrap_angle_rad,
         end_tension_N=end_tension_N,
     )  # fmt: skip
-    for name, value in given.items():
-        if value.size != 1:
-            text = f"{value.size} values, and this is of one wheel"
-            raise InputError(text, key=name, fix="call it for one after the other")
-    return one_condition(**{name: value.item() for name, value in given.items()})
+    return one_condition(**{name: number(value, "", name) for name, value in given.items()})
 
 
 def friction_table(
@@ -679,10 +676,10 @@ def budget(
     stored = as_fit(fit)
     at = _wheel(wheel_radius_m, _rope(stored, rope_radius_m), wrap_angle_rad, end_tension_N)
     wheel_std = {
-        "wheel_radius_m": float(in_si(u_wheel_radius_m, "m")),
-        "rope_radius_m": float(in_si(u_rope_radius_m, "m")),
-        "wrap_angle_rad": float(in_si(u_wrap_angle_rad, "rad")),
-        "end_tension_N": float(in_si(u_end_tension_N, "N")),
+        "wheel_radius_m": number(u_wheel_radius_m, "m", "u_wheel_radius_m"),
+        "rope_radius_m": number(u_rope_radius_m, "m", "u_rope_radius_m"),
+        "wrap_angle_rad": number(u_wrap_angle_rad, "rad", "u_wrap_angle_rad"),
+        "end_tension_N": number(u_end_tension_N, "N", "u_end_tension_N"),
     }
     return budgets.state_lift(stored, at, wheel_std, one_pull=one_pull, level=level, draws=draws, seed=seed)
 
@@ -704,7 +701,8 @@ def measured_budgets(
     Parameters
     ----------
     trials : TrialTable, Extraction, DataFrame, mapping, ndarray or path-like
-        See `trial_table`, which takes `columns`, too. An extraction knows its measuring chain, a table only the total.
+        See `trial_table`, which takes `columns`, too; a path is that of a table, not of a campaign. An extraction knows
+        its measuring chain, a table only the total.
     quantity : {"force", "mu"}
         What the budget is of.
     u_wrap_angle_rad : float, optional
@@ -807,10 +805,10 @@ def plan_tests(
         rope_m = _rope(stored, rope_m)
     wanted = _wheel(wheel_radius_m, rope_m, wrap_angle_rad, end_tension_N)
     rig = settings(wheel_radius_m=wheels_m, wrap_angle_rad=wraps_rad, end_tension_N=end_tensions_N)
-    limits = next_tests.RigLimits(
+    limits = resolution.RigLimits(
         **{name: tuple(values.tolist()) for name, values in rig.items()},
         rope_radius_m=float(wanted.rope_radius_m[0]),
-        largest_force_N=float(in_si(largest_force_N, "N")),
+        largest_force_N=number(largest_force_N, "N", "largest_force_N"),
     )
     return next_tests.plan_tests(
         planned, limits, wanted,
@@ -984,6 +982,66 @@ def sweep(
         return sweep_scene(
             loaded, grid, progress=progress, write=written.add, keep=KEPT_POINTS, executor=executor
         )
+
+
+def monte_carlo(
+    scene: Scene | PathLike,
+    *,
+    draws: int = 10_000,
+    seed: int = 0,
+    level: float = 0.95,
+    progress: Callable[[int, int, str], None] | None = None,
+    table: PathLike | None = None,
+    executor: Any = None,
+) -> Draws:
+    """Return what a scene answers to draws of what it is not sure of, planned once for all of them.
+
+    The parameters of a fit are drawn together, from its covariance with its degrees of freedom (multivariate t); what
+    the scene's `[tolerances]` state is a limit of error, so each value within it is as likely.
+
+    Parameters
+    ----------
+    scene : Scene or path-like
+        The scene or its file.
+    draws, seed : int
+        How many, 10 to 10 million, and what they begin with: the same draws whatever solves them.
+    level : float
+        Of the outer quantiles: at 0.95 those of 2.5 % and 97.5 %.
+    progress : callable, optional
+        Called with draws done, draws in all, and what they are.
+    table : path-like, optional
+        A file ending in .csv or .parquet: what was drawn and the answer to it, a row a draw, written block by block.
+    executor : concurrent.futures.Executor or dask.distributed.Client, optional
+        Solves the draws, with the same result to the last bit.
+
+    Returns
+    -------
+    Draws
+        `numbers` with mean, standard deviation and quantiles; `shares` in which the machine fails; `to_dict()`.
+
+    Raises
+    ------
+    InputError
+        Where nothing in the scene is uncertain, or no draw has an answer.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from ropefric.scenes.scene_templates import write_scenes
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = write_scenes(folder, ["hoist"])[0]
+    ...     off = {"tolerances": {"wheel": {"wrap": "5 deg"}, "load": {"end_tension": "2 %"}}}
+    ...     found = monte_carlo(load_scene(path, off), draws=1000)
+    >>> lift = found.numbers["lift_force_N"]
+    >>> round(lift.value), round(lift.mean), round(lift.std, 1)
+    (319, 319, 4.0)
+    """
+    loaded, how = _as_scene(scene), {"seed": seed, "level": level, "progress": progress, "executor": executor}
+    if table is None:
+        return draw_scene(loaded, draws, **how)
+    path = Path(table)
+    with sweep_table((), Folder(path.parent), path.name) as written:
+        return draw_scene(loaded, draws, write=written.add, **how)
 
 
 def _as_scene(scene: Scene | PathLike) -> Scene:

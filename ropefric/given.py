@@ -1,10 +1,14 @@
 """What users hand over in the forms they have it in: tables, arrays, quantities with their units; SI comes out."""
 
+import functools
+import inspect
 import os
 import sys
 import warnings
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from numbers import Integral, Real
+from types import NoneType, UnionType
+from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin
 
 import numpy as np
 
@@ -15,7 +19,7 @@ from ropefric.registry import did_you_mean
 from ropefric.traces.readers.table import SAFE_NAMES
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials import cells
-from ropefric.trials.table import QUANTITIES, TrialTable, read_trial_table, table_from_frame
+from ropefric.trials.table import TrialTable, read_trial_table, table_from_frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,14 +35,74 @@ _ODD = {
 """Above what a setting is hardly meant, how to say it, and the unit it was probably given in."""
 
 
+_PLAIN: Mapping[Any, tuple[Any, str]] = {
+    float: (Real, "a number"), int: (Integral, "a whole number"), str: (str, "text"), bool: (bool, "True or False"),
+    os.PathLike: (os.PathLike, "a path"), Mapping: (Mapping, "a mapping"), NoneType: (NoneType, "None"),
+    Sequence: (Iterable, "several values"), Iterable: (Iterable, "several values"), tuple: (Iterable, "a pair"),
+    Any: (None, "another value"),
+}  # fmt: skip
+
+
+def _fits(value: Any, wanted: Any) -> bool:
+    """Return whether a value is what an annotation says; of what is quoted or `Any`, its function judges itself."""
+    origin, inner = get_origin(wanted), get_args(wanted)
+    if origin in {Union, UnionType}:
+        arrays = any(str(one).startswith("numpy") for one in inner)  # `ArrayLike`: NumPy judges
+        return arrays or any(_fits(value, one) for one in inner)
+    if origin is Literal:
+        return any(type(value) is type(one) and value == one for one in inner)
+    kind: Any = _PLAIN.get(origin or wanted, (origin or wanted,))[0]
+    if not isinstance(kind, type):
+        return True
+    if isinstance(value, bool | np.bool_) or (kind is Iterable and isinstance(value, str | bytes)):
+        return wanted is bool
+    if not isinstance(value, kind):
+        return False
+    parts = value.values() if isinstance(value, Mapping) else value if isinstance(value, Collection) else ()
+    return not inner or inner[-1] is Any or all(_fits(one, inner[-1]) for one in parts)
+
+
+def _in_words(wanted: Any) -> str:
+    origin, inner = get_origin(wanted), get_args(wanted)
+    if origin in {Union, UnionType}:
+        return " or ".join(dict.fromkeys(map(_in_words, inner)))
+    if origin is Literal:
+        return " or ".join(map(repr, inner))
+    return _PLAIN.get(origin or wanted, (None, f"a {getattr(wanted, '__name__', wanted)}"))[1]
+
+
+def judged(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that refuses arguments which are not what its signature says, before it begins."""
+    signature = inspect.signature(function)
+
+    @functools.wraps(function)
+    def called(*args: Any, **options: Any) -> Any:
+        try:
+            bound = signature.bind(*args, **options).arguments
+        except TypeError:
+            bound = {}  # Python says better what is missing or too much
+        for name, value in bound.items():
+            parameter = signature.parameters[name]
+            for one in value if parameter.kind is parameter.VAR_POSITIONAL else (value,):
+                nothing = one is None and parameter.default is parameter.empty
+                if nothing or not _fits(one, parameter.annotation):
+                    text = f"{function.__name__}: {name} cannot be {one!r:.60}"
+                    raise InputError(text, key=name, fix=f"give {_in_words(parameter.annotation)}")
+        return function(*args, **options)
+
+    return called
+
+
 def in_si(value: Any, si_unit: str, name: str = "quantity") -> FloatArray:
     """Return numbers in SI: bare ones as they stand, text with a unit (`"35 mm"`) and pint quantities converted."""
+    if isinstance(value, bool):
+        raise InputError(f"{name}: {value} is no number", key=name, fix="give a number")
     if hasattr(value, "to") and hasattr(value, "magnitude"):
         try:
             value = value.to(si_unit or "dimensionless").magnitude
         except Exception as error:  # noqa: BLE001  (whatever pint says of another dimension)
-            text = f"{name}: {value} cannot be given in {si_unit or '1'}: {error}"
-            raise InputError(text, code="RF130", key=name) from None
+            text = f"{value} cannot be given in {si_unit or '1'}: {error}"
+            raise InputError(text, code="RF130", key=name, fix="give a quantity of that dimension") from None
     elif isinstance(value, str):
         value = parse_quantity(value, si_unit, name=name)
     elif isinstance(value, Sequence) or getattr(getattr(value, "dtype", None), "kind", "") in {"O", "U"}:
@@ -50,13 +114,24 @@ def in_si(value: Any, si_unit: str, name: str = "quantity") -> FloatArray:
         return array.astype(np.float64, copy=False)
     except (TypeError, ValueError):
         fix = f"give numbers{f' in {si_unit}' if si_unit else ''}"
-        raise InputError(f"{name}: {value!r:.60} is no number", key=name, fix=fix) from None
+        raise InputError(f"{value!r:.60} is no number", key=name, fix=fix) from None
+
+
+def number(value: Any, si_unit: str, name: str) -> float:
+    """Return one number in SI, of what `in_si` takes."""
+    found = in_si(value, si_unit, name)
+    if found.size != 1:
+        raise InputError(f"{name}: {found.size} values where one is meant", key=name, fix="give one")
+    return float(found.item())
 
 
 def settings(**given: Any) -> dict[str, FloatArray]:
     """Return the settings that are given (not None) in SI, by name, and warn of what is hardly meant."""
     known = {name: value for name, value in given.items() if value is not None}
     found = {name: in_si(value, split_unit_suffix(name)[1], name) for name, value in known.items()}
+    for name, values in found.items():
+        if not values.size:
+            raise InputError(f"{name} is empty", key=name, fix="give one value or more")
     warn_of_odd(found)
     return found
 
@@ -88,8 +163,16 @@ def as_frame(table: Any, columns: Columns = None) -> "pd.DataFrame":
     import pandas as pd  # noqa: PLC0415  (slow to load, and few calls need it)
 
     renamed = dict(columns) if isinstance(columns, Mapping) else {}
+    if not (isinstance(table, Mapping) or hasattr(table, "columns")):
+        names = None if columns is None or renamed or table.dtype.names else list(columns)
+        table = _whole(pd.DataFrame, table, columns=names)
+    known_names = getattr(table, "columns", table)
+    strangers = [name for name in renamed if name not in known_names]
+    if strangers:
+        fix = did_you_mean(str(strangers[0]), map(str, known_names))
+        raise UnknownNameError(f"there is no column {strangers[0]!r} to be renamed", key="columns", fix=fix)
     if isinstance(table, Mapping):
-        known = {**QUANTITIES, **{name: ("", unit, 1.0) for name, unit in (("time", "s"), ("force", "N"))}}
+        known = {**cells.QUANTITIES, "time": ("", "s", 1.0), "force": ("", "N", 1.0)}
         plain = {}
         for name, values in table.items():
             header = renamed.get(name, name)
@@ -103,13 +186,6 @@ def as_frame(table: Any, columns: Columns = None) -> "pd.DataFrame":
             name: np.repeat(values, longest) if len(values) == 1 else values for name, values in plain.items()
         }
         return _whole(pd.DataFrame, spread)
-    if not hasattr(table, "columns"):
-        names = None if columns is None or renamed or table.dtype.names else list(columns)
-        table = _whole(pd.DataFrame, table, columns=names)
-    strangers = [name for name in renamed if name not in table.columns]
-    if strangers:
-        fix = did_you_mean(str(strangers[0]), map(str, table.columns))
-        raise UnknownNameError(f"there is no column {strangers[0]!r} to be renamed", key="columns", fix=fix)
     frame: pd.DataFrame = table.rename(columns=renamed)
     if any(
         not pd.api.types.is_numeric_dtype(frame[name]) and _has_units(frame[name]) for name in frame.columns

@@ -1,8 +1,23 @@
-"""The field's words: name, symbol, unit and meaning of the quantities that figures and answers show."""
+"""The field's words: name, symbol, unit and meaning of the quantities that figures and answers show; statuses."""
 
 from dataclasses import dataclass
+from enum import StrEnum
+from typing import Self
 
 from ropefric.registry import Registry
+
+
+class AdvisedStatus(StrEnum):
+    """A status that says what it means and what to do; its members are written "value: advice"."""
+
+    advice: str  # type: ignore[misc]  # it is set below
+
+    def __new__(cls, text: str) -> Self:
+        """Return the member of a value, with its advice."""
+        value, _, advice = text.partition(": ")
+        member = str.__new__(cls, value)
+        member._value_, member.advice = value, advice  # type: ignore[misc]
+        return member
 
 
 @dataclass(frozen=True, slots=True)

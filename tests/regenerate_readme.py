@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 
 from ropefric.accuracy.measure import enough, error_table, measure_studies, this_machine
-from ropefric.accuracy.studies import STUDIES
+from ropefric.accuracy.studies import STUDIES, uncertainty
 from ropefric.accuracy.studies.picks import PICKERS
 from ropefric.accuracy.studies.press_transient import start_up
 from ropefric.accuracy.studies.scenes import PROBLEMS, planned
@@ -36,6 +36,8 @@ PICTURES = {
     "scenes": "saw",
 }
 """The case of each study that is shown."""
+WRONG, FOUND = 50, 20
+"""Campaigns of constant data, and of each effect, that are judged at each design."""
 MACHINE_LINE = "Times in the pictures: "
 _DPI = 80
 # Below this an error is rounding, which every processor and every version of SciPy does in its own way.
@@ -143,8 +145,38 @@ def uncertainty_block() -> str:
     """Return how many of the intervals of the mean and of one pull hold the truth, design by design."""
     lines = ["| law and design | mean | one pull |", "|---|---|---|"]
     for case in STUDIES["uncertainty"].cases:
-        row = error_table("uncertainty", case.name, method="covariance")[-1]
+        if not (rows := error_table("uncertainty", case.name, method="covariance")):
+            continue
+        row = rows[-1]
         lines.append(f"| {case.name} | {_percent(row.shares['mean'])} | {_percent(row.shares['pull'])} |")
+    return "\n".join([*lines, ""])
+
+
+def verdicts_block() -> str:
+    """Return how often constant data support a richer law, design by design, and effects are found; hours."""
+    designs = {(one.conditions, one.repeats, one.between): one for one in uncertainty.JUDGED_DESIGNS}
+    sizes, columns = (
+        list(dict.fromkeys(key[part] for key in designs)) for part in (slice(0, 1), slice(1, 3))
+    )
+    heads = (f"× {repeats}, {100 * between:.0f} %" for repeats, between in columns)
+    lines = [f"| conditions | {' | '.join(heads)} |", f"|---{len(columns) * '|---'}|"]
+    for size in sizes:
+        shares = (uncertainty.verdicts(designs[(*size, *column)], WRONG).shares["law"] for column in columns)
+        lines.append(f"| {size[0]} | {' | '.join(map(_percent, shares))} |")
+    lines += [
+        "",
+        "| conditions × repeats | wrap effect | size effect | load dependence |",
+        "|---|---|---|---|",
+    ]
+    for repeats in (1, 5):
+        for (size,) in sizes:
+            true = designs[size, repeats, uncertainty.WITHIN]
+            shares = (
+                uncertainty.verdicts(true._replace(special=effect), FOUND).shares["effect"]
+                for effect in uncertainty.EFFECTS
+                if effect != true.special
+            )
+            lines.append(f"| {size} × {repeats} | {' | '.join(map(_percent, shares))} |")
     return "\n".join([*lines, ""])
 
 
@@ -213,11 +245,14 @@ def write_blocks(only: list[str]) -> list[str]:
         "hard-cases": lambda: hard_cases().table(),
         "picks": picks_block,
         "uncertainty": uncertainty_block,
+        "verdicts": verdicts_block,
     }
     written = []
     for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))):
         text = page.read_text(encoding="utf-8")
-        wanted = [name for name in only or makers if f"<!-- {name} -->" in text]
+        wanted = [
+            name for name in only or [*makers][:-1] if f"<!-- {name} -->" in text
+        ]  # the last takes hours
         if "cost" in wanted:
             write_pictures(FOLDER)
         if wanted:

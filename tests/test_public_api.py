@@ -43,6 +43,7 @@ SIGNATURES = {
     "load_scene": "(path, changes=None)",
     "measured_budgets": "(trials, quantity='force', *, u_wrap_angle_rad=None, gain_limit=0.0, weights_tolerance=0.0, "
     "gravity_limit=0.0027, level=0.95, draws=200000, seed=0)",
+    "monte_carlo": "(scene, *, draws=10000, seed=0, level=0.95, progress=None, table=None, executor=None)",
     "plan_tests": "(known, *, wheels_m, wraps_rad, end_tensions_N, wheel_radius_m, wrap_angle_rad, end_tension_N, "
     "rope_radius_m=None, largest_force_N=inf, n_conditions=12, repeats=12, criterion='v', level=0.95, starts=10, "
     "seed=0)",
@@ -169,7 +170,7 @@ def test_a_parameter_that_a_law_lacks_is_an_unknown_name():
 
 def test_one_budget_is_of_one_wheel():
     wheel = {"wrap_angle_rad": 6.98, "end_tension_N": 60.0}
-    with pytest.raises(InputError, match="wheel_radius_m: 2 values, and this is of one wheel"):
+    with pytest.raises(InputError, match="wheel_radius_m: 2 values where one is meant"):
         rf.budget(COUPLED, wheel_radius_m=[0.03, 0.04], **wheel)
 
 
@@ -238,8 +239,10 @@ def test_measured_budgets_know_every_condition():
     assert len(forces) == len(mu) == rf.fit(table, "constant").statistics.n_conditions
     first = forces[0].model
     assert (first.symbol, first.unit, mu[0].model.unit) == ("F_A", "N", "-")
-    with pytest.raises(InputError, match="neither 'force' nor 'mu'"):
+    with pytest.raises(InputError, match=r"quantity cannot be .* give 'force' or 'mu'"):
         rf.measured_budgets(table, "mü")
+    with pytest.raises(DataError, match="a TOML file, not a table of trials Fix: give a table such as"):
+        rf.measured_budgets("data/prth-bench/campaign.toml")
 
 
 def test_tests_are_planned_from_a_fit():
@@ -297,8 +300,9 @@ def test_tables_of_any_form_with_names_and_units_of_ones_own(tmp_path):
         rf.trial_table(path, columns=heads)
     with pytest.raises(InputError, match="columns of a TrialTable"):
         rf.trial_table(tables[0], columns=names)
-    with pytest.raises(InputError, match="cannot be given in N"):
+    with pytest.raises(InputError, match="cannot be given in N") as refused:
         rf.trial_table(columns | {"peak": unit.Quantity(forces, "m")})
+    assert str(refused.value).count("peak") == 1
     with pytest.raises(InputError, match="this is no table"):
         rf.trial_table({"wheel_radius_m": [1.0, 2.0], "peak_N": [1.0, 2.0, 3.0]})
 

@@ -13,13 +13,12 @@ import platform
 import shlex
 import stat
 import sys
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager, suppress
+from collections.abc import Iterable, Mapping
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
-from types import TracebackType
 from typing import Any, BinaryIO, Self
 
 from ropefric.errors import DataError, Problem, data_error
@@ -91,18 +90,14 @@ class OutputFolder(Folder):
         force: bool = False,
     ) -> None:
         super().__init__(path)
-        self._family = family
-        self._names = tuple(names)
-        self._sources = tuple(inputs)
-        self._basis = basis
-        self._force = force
+        self._family, self._basis, self._force = family, basis, force
+        self._names, self._sources = tuple(names), tuple(inputs)
         self._own = self.path / OWN
         self._entries: dict[str, _Entry] = {}
         self._staged: dict[str, Path] = {}
         self._inputs: set[tuple[int, int]] = set()
         self._made: list[Path] = []
-        self._lock = -1
-        self._key = (0, 0)
+        self._lock, self._key = -1, (0, 0)
 
     def __enter__(self) -> Self:
         try:
@@ -119,9 +114,7 @@ class OutputFolder(Folder):
             raise
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_why: object) -> None:
         for part in self._staged.values():
             write.discard(part)
         self._staged.clear()
@@ -134,24 +127,15 @@ class OutputFolder(Folder):
                 stream.write(content.encode() if isinstance(content, str) else content)
         return tuple(self.path / name for name in contents)
 
-    @contextmanager
-    def stream(self, name: str) -> Iterator[BinaryIO]:
-        """Yield a stream whose bytes become a file when it is published."""
-        part = write.new_part(self._own)
-        try:
-            try:
-                with part.open("xb") as stream:
-                    yield stream
-                    stream.flush()
-                    os.fsync(stream.fileno())
-            except BaseException:
-                write.discard(part)
-                raise
-        except OSError as error:
-            raise write.cannot_write(error, self.path / name) from None
-        if name in self._staged:
-            write.discard(self._staged[name])
-        self._staged[name] = part
+    def stream(self, name: str) -> AbstractContextManager[BinaryIO]:
+        """Return a context whose stream becomes a file when it is published."""
+
+        def stage(part: Path) -> None:
+            if name in self._staged:
+                write.discard(self._staged[name])
+            self._staged[name] = part
+
+        return write.new_file(self._own, stage, meant=self.path / name)
 
     def publish(self, part: str) -> None:
         """Put in place what was written since the last time, as one whole part of the result.
@@ -193,17 +177,19 @@ class OutputFolder(Folder):
         """Return the entries that stay, without this part where it is not written again, and names that go."""
         kept: dict[str, _Entry] = {}
         for name, entry in self._entries.items():
-            if not any(part.startswith(f"{self._family}/") for part in entry.parts):
+            left = entry.parts - {label}
+            if name in new or not any(part.startswith(f"{self._family}/") for part in entry.parts):
                 kept[name] = entry
-                continue
-            parts = entry.parts if name in new else entry.parts - {label}
-            if name in new or (parts and entry.basis == basis):
-                kept[name] = _Entry(entry.sha256, parts, entry.basis)
+            elif left and entry.basis == basis:
+                kept[name] = replace(entry, parts=left)
         return kept, tuple(name for name in self._entries if name not in kept)
 
     def _remove(self, name: str) -> None:
         path = self.path / name
-        if not self._behind_a_link(name) and self._is_ours(name) and _file_key(path) not in self._inputs:
+        behind_a_link = any(
+            (self.path / one).is_symlink() for one in PurePosixPath(name).parents if one.parts
+        )
+        if not behind_a_link and self._is_ours(name) and _file_key(path) not in self._inputs:
             path.unlink()
             if path.parent != self.path:
                 with suppress(OSError):
@@ -220,8 +206,8 @@ class OutputFolder(Folder):
                 write.refuse_link(folder)
             if not os.path.lexists(folder) or parent == CACHE:
                 continue
-            patterns = [PurePosixPath(name).name for name in self._names
-                        if PurePosixPath(name).parent.as_posix() == parent]  # fmt: skip
+            paths = map(PurePosixPath, self._names)
+            patterns = [path.name for path in paths if path.parent.as_posix() == parent]
             reason = errno.EACCES if folder.is_dir() else errno.ENOTDIR
             if reason == errno.ENOTDIR or not os.access(folder, os.W_OK | os.X_OK):
                 raise write.cannot_write(OSError(reason, os.strerror(reason)), folder)
@@ -243,9 +229,9 @@ class OutputFolder(Folder):
                 code, what = "RF151", "this is an input of the same command and is never replaced"
                 fix = "choose another folder for the results"
             elif os.path.lexists(path) and not self._force and not self._is_ours(name):
-                known = "it was changed since ropefric wrote it" if name in self._entries else (
-                    "ropefric did not write this file, or an earlier version of it did"
-                )  # fmt: skip
+                known = "ropefric did not write this file, or an earlier version of it did"
+                if name in self._entries:
+                    known = "it was changed since ropefric wrote it"
                 code, what = "RF150", f"{known}, and it is not replaced"
                 fix += ", or replace it with --force"
             if code:
@@ -266,11 +252,6 @@ class OutputFolder(Folder):
             why = f"the folder is neither new nor one of ropefric's: it holds {', '.join(names[:3])}{more}"
             fix = "choose a new or empty folder, or have the results written among these files with --force"
             raise write.not_written(self.path, why, fix, "RF150")
-
-    def _behind_a_link(self, name: str) -> bool:
-        return any(
-            (self.path / parent).is_symlink() for parent in PurePosixPath(name).parents if parent.parts
-        )
 
     def _is_ours(self, name: str) -> bool:
         path = self.path / name
@@ -309,9 +290,8 @@ class OutputFolder(Folder):
 
     def _make(self) -> None:
         try:
-            missing = [
-                path for path in (self._own, self.path, *self.path.parents) if not os.path.lexists(path)
-            ]
+            paths = (self._own, self.path, *self.path.parents)
+            missing = [path for path in paths if not os.path.lexists(path)]
             self._own.mkdir(parents=True, exist_ok=True)
             self._made = missing
             write.refuse_link(self._own)
@@ -334,12 +314,10 @@ class OutputFolder(Folder):
             raise _busy(_me(), self.path)
         try:
             # Not for ever: some network file systems give a file another number each time.
-            handle = next(
-                (h for again in range(20) if (h := self._open_lock(path, last=again == 19)) >= 0), -1
-            )
+            tried = (self._open_lock(path, last=again == 19) for again in range(20))
+            self._lock, self._key = next((handle for handle in tried if handle >= 0), -1), key
         except OSError as error:
             raise write.cannot_write(error, path) from None
-        self._lock, self._key = handle, key
         _held.add(key)
 
     def _open_lock(self, path: Path, *, last: bool) -> int:
@@ -412,11 +390,10 @@ def _me() -> dict[str, Any]:
 
 def _holder(text: bytes) -> dict[str, Any]:
     """Return what a lock says of its owner; nothing for one that was never finished."""
-    try:
-        tree = json.loads(text)
-    except ValueError:
-        return {}
-    return tree if isinstance(tree, dict) else {}
+    with suppress(ValueError):
+        if isinstance(tree := json.loads(text), dict):
+            return tree
+    return {}
 
 
 def _lock_file(handle: int) -> bool:

@@ -19,12 +19,9 @@ def arrow(key: str = "") -> tuple[Any, Any]:
     try:
         return import_module("pyarrow"), import_module("pyarrow.parquet")
     except ImportError:
-        raise InputError(
-            "Parquet needs pyarrow, which is not installed",
-            code="RF107",
-            key=key,
-            fix='pip install "ropefric[parquet]", or use CSV',
-        ) from None
+        message = "Parquet needs pyarrow, which is not installed"
+        fix = 'pip install "ropefric[parquet]", or use CSV'
+        raise InputError(message, code="RF107", key=key, fix=fix) from None
 
 
 def parquet_bytes(rows: Sequence[Mapping[str, Any]], *, key: str) -> bytes:
@@ -46,18 +43,16 @@ def parquet_as_csv(content: bytes, shown: str) -> str:
         about = file.metadata
         size = sum(about.row_group(i).total_byte_size for i in range(about.num_row_groups))
         if about.num_rows * about.num_columns > MOST_CELLS or size > MOST_BYTES:
-            message = (
-                f"the table has {about.num_rows} rows of {about.num_columns} columns, {size} bytes: too many"
-            )
+            shape = f"{about.num_rows} rows of {about.num_columns} columns, {size} bytes"
+            message = f"the table has {shape}: too many"
             raise DataError(message, path=shown, fix="check that this is the table you mean, or split it")
         table = file.read()
         columns = [table.column(i).to_pylist() for i in range(table.num_columns)]
     except (pyarrow.ArrowException, OSError, ValueError) as error:
         message = f"this is not a readable Parquet file: {error}"
         raise DataError(message, path=shown, fix="write it again, or save the table as CSV") from None
-    return csv_text(
-        [map(_cell, table.column_names), *(map(_cell, row) for row in zip(*columns, strict=True))]
-    )
+    rows = (table.column_names, *zip(*columns, strict=True))
+    return csv_text(map(_cell, row) for row in rows)
 
 
 def _cell(value: Any) -> Any:

@@ -109,12 +109,10 @@ def _days(
         order = "ymd"
     elif not order and all("." in text for text in texts):
         order = "dmy"
-    elif (
-        not order
-    ):  # nobody can tell the fourth of March from the third of April, but the 25th of a month is a day
-        order = next(
-            (way for way, at in (("dmy", 0), ("mdy", 1)) if any(n[at] > 12 for n in numbers.values())), ""
-        )
+    elif not order:
+        # Nobody can tell the fourth of March from the third of April, but the 25th of a month is a day.
+        late = (way for way, at in (("dmy", 0), ("mdy", 1)) if any(n[at] > 12 for n in numbers.values()))
+        order = next(late, "")
     if not order:
         why = f"{some!r} may mean day, month, year or month, day, year"
         raise refuse(line, why, 'set [import] date_order = "mdy" or "dmy"')

@@ -259,10 +259,9 @@ def _find_decimal(head: bytes, data_row: int, separator: str, source: Source) ->
         cell = grouped[1]
         meanings = f"{cell.replace(',', '.')} or {cell.replace(',', '')}"
         why = f"{cell!r} may mean {meanings}; no cell in the first 64 kB tells which"
-        fix = (
-            'set [import] decimal = "," if it is a decimal comma; if the comma groups thousands, save the '
-            'file without them (with decimal = "." such a cell is refused)'
-        )
+        refused = '(with decimal = "." such a cell is refused)'
+        grouping = f"if the comma groups thousands, save the file without them {refused}"
+        fix = f'set [import] decimal = "," if it is a decimal comma; {grouping}'
         raise source.error(why, code="RF104", line=grouped[0], fix=fix)
     return "."
 

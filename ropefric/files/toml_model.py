@@ -5,15 +5,8 @@ import types
 from collections.abc import Callable, Collection, Mapping
 from typing import Annotated, Any, NoReturn, TypeVar, Union, get_args, get_origin
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    GetCoreSchemaHandler,
-    PlainValidator,
-    ValidationError,
-    create_model,
-)
+import pydantic
+from pydantic import BaseModel, Field, PlainValidator
 from pydantic_core import PydanticCustomError
 from pydantic_core.core_schema import CoreSchema, no_info_after_validator_function
 
@@ -31,7 +24,7 @@ CUSTOM = "ropefric"
 class StrictTable(BaseModel):
     """A TOML table that refuses keys it does not know."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = pydantic.ConfigDict(extra="forbid", frozen=True)
 
     @property
     def given(self) -> dict[str, Any]:
@@ -64,9 +57,11 @@ class Table:
             key, reader = given if isinstance(given, tuple) else (name, given)
             kind = reader if get_origin(reader) is not None else Annotated[Any, PlainValidator(reader)]
             columns[name] = (kind, Field(alias=key) if name in needed else Field(default=None, alias=key))
-        self.model = create_model("Table", __base__=StrictTable, **columns)
+        self.model = pydantic.create_model("Table", __base__=StrictTable, **columns)
 
-    def __get_pydantic_core_schema__(self, _source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+    def __get_pydantic_core_schema__(
+        self, _source: Any, handler: pydantic.GetCoreSchemaHandler
+    ) -> CoreSchema:
         return no_info_after_validator_function(self._made, handler.generate_schema(self.model))
 
     def _made(self, table: StrictTable) -> Any:
@@ -147,11 +142,8 @@ def date_text(value: object) -> str:
     if isinstance(value, dt.datetime):
         return value.date().isoformat()
     if not isinstance(value, dt.date):
-        reject(
-            "RF110",
-            f"expected a date, got {got(value)}",
-            fix="write it without quotes, for example 2026-01-15",
-        )
+        fix = "write it without quotes, for example 2026-01-15"
+        reject("RF110", f"expected a date, got {got(value)}", fix=fix)
     return value.isoformat()
 
 
@@ -161,7 +153,8 @@ def choice(names: Callable[[], Collection[str]]) -> Callable[[object], str]:
     def read(value: object) -> str:
         known = names()
         if not isinstance(value, str) or value not in known:
-            reject("RF120", f"{got(value)} is not known here", fix=did_you_mean(_plain(value), known))
+            word = value if isinstance(value, str) else got(value)
+            reject("RF120", f"{got(value)} is not known here", fix=did_you_mean(word, known))
         return value
 
     return read
@@ -169,18 +162,15 @@ def choice(names: Callable[[], Collection[str]]) -> Callable[[object], str]:
 
 def whole_number(lowest: int, highest: int = 2**31 - 1) -> Callable[[object], int]:
     """Return a reader of whole numbers from `lowest` to `highest`."""
+    limit = f"from {lowest} to {highest}" if highest < 2**31 - 1 else f"of at least {lowest}"
 
     def read(value: object) -> int:
         if isinstance(value, bool) or not isinstance(value, int) or not lowest <= value <= highest:
-            limit = f"from {lowest} to {highest}" if highest < 2**31 - 1 else f"of at least {lowest}"
             reject("RF110", f"expected a whole number {limit}, got {got(value)}")
         return value
 
+    read.__doc__ = f"a whole number {limit}"  # for the documentation's page of keys
     return read
-
-
-def _plain(value: Any) -> str:
-    return value if isinstance(value, str) else got(value)
 
 
 def _converted(read: Callable[[], float], like: str) -> float:
@@ -195,7 +185,7 @@ def validate_document(model: type[M], document: TomlDocument) -> tuple[M | None,
     """Return a document as a model, or what is wrong with it."""
     try:
         return model.model_validate(dict(document.data)), ()
-    except ValidationError as error:
+    except pydantic.ValidationError as error:
         problems = [
             _problem(model, document, item) for item in error.errors(include_url=False, include_input=True)
         ]
@@ -208,37 +198,20 @@ def _problem(model: type[BaseModel], document: TomlDocument, item: Any) -> Probl
     if kind == CUSTOM:
         place = (*key, *context["key"].split(".")) if context["key"] else key
         return document.problem(place, context["code"], context["message"], fix=context["fix"])
+    name, table = str(key[-1]), key_text(key[:-1])
     if kind == "missing":
-        return _missing(document, key)
+        where = f"the table [{table}]" if table else "the file"
+        return document.problem(key, "RF121", f"'{name}' is missing in {where}", fix=f"add {name} to {where}")
     if kind == "extra_forbidden":
-        return _unknown(model, document, key)
-    expected = {
-        "model_type": "a table",
-        "model_attributes_type": "a table",
-        "dict_type": "a table",
-        "list_type": "a list",
-        "tuple_type": "a list",
-    }.get(kind, "something else")
-    return document.problem(
-        key,
-        "RF110",
-        f"expected {expected}, got {got(value)}",
-        fix=f"open a table with [{key_text(key)}] on a line of its own" if "table" in expected else "",
-    )
-
-
-def _missing(document: TomlDocument, key: KeyPath) -> Problem:
-    table = key_text(key[:-1])
-    where = f"the table [{table}]" if table else "the file"
-    name = key[-1]
-    return document.problem(key, "RF121", f"'{name}' is missing in {where}", fix=f"add {name} to {where}")
-
-
-def _unknown(model: type[BaseModel], document: TomlDocument, key: KeyPath) -> Problem:
-    owner = _model_at(model, key[:-1])
-    known = [] if owner is None else [field.alias or name for name, field in owner.model_fields.items()]
-    message = f"unknown key '{key[-1]}'" + (f" in [{key_text(key[:-1])}]" if key[:-1] else "")
-    return document.problem(key, "RF120", message, fix=did_you_mean(str(key[-1]), known))
+        owner = _model_at(model, key[:-1])
+        known = [field.alias or name for name, field in owner.model_fields.items()] if owner else []
+        message = f"unknown key '{name}'" + (f" in [{table}]" if table else "")
+        return document.problem(key, "RF120", message, fix=did_you_mean(name, known))
+    if kind.removesuffix("_type") in ("model", "model_attributes", "dict"):
+        fix = f"open a table with [{key_text(key)}] on a line of its own"
+        return document.problem(key, "RF110", f"expected a table, got {got(value)}", fix=fix)
+    expected = "a list" if kind in ("list_type", "tuple_type") else "something else"
+    return document.problem(key, "RF110", f"expected {expected}, got {got(value)}")
 
 
 def _model_at(model: type[BaseModel], key: KeyPath) -> type[BaseModel] | None:

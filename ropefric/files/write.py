@@ -3,8 +3,8 @@
 import errno
 import os
 import stat
-from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
@@ -77,31 +77,36 @@ def refuse_input(path: Path, *inputs: Path | None) -> None:
             raise not_written(path, why, "choose another name for what is written", "RF151")
 
 
-def new_part(folder: Path) -> Path:
-    """Return a name in `folder` for a file that is still being written; no other process or thread uses it."""
-    # Short, whatever the name of the file will be: the system allows names of 255 bytes only.
-    return folder / f".{os.urandom(6).hex()}{PART}"
-
-
 @contextmanager
-def replacing(path: Path, *, durable: bool = True) -> Iterator[BinaryIO]:
-    """Yield a stream whose bytes become the file when the block ends well; else the file stays as it was."""
-    refuse_special(path)
-    part = new_part(path.parent)
+def new_file(
+    folder: Path, finish: Callable[[Path], None], *, meant: Path, durable: bool = True
+) -> Iterator[BinaryIO]:
+    """Yield a stream into a new file of a folder; `finish` takes it when the block ends well, else it is gone.
+
+    `meant` is where it is to stand at last, for messages.
+    """
+    # Short, whatever the name of the file will be: the system allows names of 255 bytes only. None is used twice.
+    part = folder / f".{os.urandom(6).hex()}{PART}"
     try:
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            folder.mkdir(parents=True, exist_ok=True)
             with part.open("xb") as stream:
                 yield stream
                 stream.flush()
                 if durable:
                     os.fsync(stream.fileno())
-            put_in_place(part, path)
+            finish(part)
         except BaseException:
             discard(part)
             raise
     except OSError as error:
-        raise cannot_write(error, path) from None
+        raise cannot_write(error, meant) from None
+
+
+def replacing(path: Path, *, durable: bool = True) -> AbstractContextManager[BinaryIO]:
+    """Return a stream whose bytes become the file when the block ends well; else the file stays as it was."""
+    refuse_special(path)
+    return new_file(path.parent, lambda part: put_in_place(part, path), meant=path, durable=durable)
 
 
 def put_in_place(part: Path, path: Path) -> None:
@@ -113,10 +118,8 @@ def put_in_place(part: Path, path: Path) -> None:
 
 def discard(part: Path) -> None:
     """Remove a file that did not become one; a folder that does not let go of it is not the trouble to tell of."""
-    try:
+    with suppress(OSError):
         part.unlink(missing_ok=True)
-    except OSError:
-        return
 
 
 def write_file(path: str | os.PathLike[str], content: str | bytes, *, durable: bool = True) -> Path:

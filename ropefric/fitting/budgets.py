@@ -8,7 +8,7 @@ and the parameters of a fitted law with their covariance, leave open of the lift
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from ropefric.fitting.predict import degrees_of_freedom, new_rope_std, outside_w
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
 from ropefric.traces.budget import chain_quantities
-from ropefric.trials.conditions import trimming_bias
+from ropefric.trials.outliers import trimming_bias
 from ropefric.trials.result import Extraction, TrialResult
 from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import (
@@ -79,18 +79,13 @@ def weights(
     """Return the force of dead weights, m g: its uncertainty is that of mass and gravity, not of a converter."""
     if not (math.isfinite(force_N) and force_N > 0.0):
         raise InputError(f"{symbol} = {force_N:g} N is not positive", key=symbol)
-    g = _STANDARD_GRAVITY_M_S2
-    known = gravity_limit != GRAVITY_LIMIT
-    assumed = "" if known else "how well the local g is known (--gravity, gravity_limit)"
-    limits = (
-        (f"mass of the weights of {symbol}", "m", "kg", tolerance, force_N / g, ""),
-        ("acceleration of gravity", "g", "m/s2", gravity_limit, g, assumed),
-    )
+    g, mass_kg = _STANDARD_GRAVITY_M_S2, force_N / _STANDARD_GRAVITY_M_S2
+    why = "" if gravity_limit != GRAVITY_LIMIT else "how well the local g is known (--gravity, gravity_limit)"
     factors = (
-        limit_of_error(name, sign, unit, part * value, estimate=value, assumed=why)
-        for name, sign, unit, part, value, why in limits
+        limit_of_error(f"mass of the weights of {symbol}", "m", "kg", tolerance * mass_kg, estimate=mass_kg),
+        limit_of_error("acceleration of gravity", "g", "m/s2", gravity_limit * g, estimate=g, assumed=why),
     )
-    return ForceSide(symbol=symbol, quantities=tuple(factors), is_product=True)
+    return ForceSide(symbol=symbol, quantities=factors, is_product=True)
 
 
 def force_model(side: ForceSide) -> MeasurementModel:
@@ -99,7 +94,7 @@ def force_model(side: ForceSide) -> MeasurementModel:
 
 
 def coefficient_model(
-    lift: ForceSide, end: ForceSide, wrap: Quantity, *, gain_limit: float = 0.0
+    lift: ForceSide, end: ForceSide, wrap: Quantity, *, gain_limit: float = 0
 ) -> MeasurementModel:
     """Return the measurement equation of the average coefficient, μ̄ = ln(F_A/F_B)/φ, eq. (2).
 
@@ -199,10 +194,10 @@ def conditions_of_extraction(
     and not counted again; what all trials share (linearity, hysteresis, transmitter, calibration line, resolution,
     bias of the smoothing) does not average out and is.
     """
-    by_name = {trial.trial: trial for trial in extraction.trials}
+    by_name = {trial.trial: trial for trial in extraction.trials if trial.kept}
     found = []
     for number, one in enumerate(extraction.conditions, start=1):
-        kept = [by_name[name] for name in one.trials if by_name[name].kept]
+        kept = [by_name[name] for name in one.trials if name in by_name]
         if not kept:
             continue
         slack, (chain, notes), ratio = kept[0].measures_slack, _instrument(kept), 1.0
@@ -210,11 +205,9 @@ def conditions_of_extraction(
             notes.insert(0, "the mass of the weights is assumed to be exact: state weights.tolerance")
         if len(kept) > 1 and (ratio := 1.0 + trimming_bias(one.n, one.rule).bias) < 1.0:
             notes.insert(0, f"s is divided by {ratio:.3f}, which the rejection rule leaves of it on average")
-        values_N = np.array([trial.measured_N for trial in kept])
         sides = ("F_B", "F_A", one.lift_force_N) if slack else ("F_A", "F_B", one.end_tension_N)
-        symbol, other, known_N = sides
-        measured = _mean_force(symbol, values_N, chain, ratio)
-        known = weights(other, known_N, tolerance=weights_tolerance, gravity_limit=gravity_limit)
+        measured = _mean_force(sides[0], np.array([trial.measured_N for trial in kept]), chain, ratio)
+        known = weights(*sides[1:], tolerance=weights_tolerance, gravity_limit=gravity_limit)
         place = {name: getattr(one, name) for name in _PLACE}
         found.append(MeasuredCondition(number, measured, known, slack, len(kept), tuple(notes), **place))
     return _with_scatter_of_others(found)
@@ -239,9 +232,8 @@ def conditions_of_table(
         if not u_N:
             notes.append("the table gives no uncertainty of the measuring chain: it is taken as exact")
         elif row.size > 1:
-            notes.append(
-                "tare and picking of each trial are counted with the chain as if shared: on the safe side"
-            )
+            text = "tare and picking of each trial are counted with the chain as if shared: on the safe side"
+            notes.append(text)
         if not known_std_N:
             notes.append(f"the table gives no uncertainty of {other}: only gravity is counted")
         chain = Quantity("measuring chain, tare and picking", "δ_chain", "N", u_N)
@@ -254,9 +246,7 @@ def conditions_of_table(
     return _with_scatter_of_others(found)
 
 
-def _mean_force(
-    symbol: str, values_N: FloatArray, chain: Iterable[Quantity], ratio: float = 1.0
-) -> ForceSide:
+def _mean_force(symbol: str, values_N: FloatArray, chain: list[Quantity], ratio: float = 1.0) -> ForceSide:
     """Return a mean force with its s/√n and what its trials share; the scatter of a single trial is not known yet."""
     n, std_N = values_N.size, float(values_N.std(ddof=1)) / ratio if values_N.size > 1 else 0.0
     what, dof = ("repeatability", f"mean {symbol}", "N"), None if n > 1 else math.inf
@@ -274,12 +264,14 @@ def _with_scatter_of_others(conditions: Sequence[MeasuredCondition]) -> tuple[Me
     if square:
         scatter = math.sqrt(square / dof)
         note = f"one trial: its scatter is that of the other conditions, {100 * scatter:.2g} % of the force"
-    found = list(conditions)
-    for place, (item, mean) in enumerate(zip(conditions, means, strict=True)):
-        if mean.repeats == 1:
-            known = replace(mean, stated=scatter * mean.estimate, dof=dof if square else math.inf)
-            side = replace(item.measured, quantities=(known, *item.measured.quantities[1:]))
-            found[place] = replace(item, measured=side, notes=(note, *item.notes))
+    found = []
+    for item, mean in zip(conditions, means, strict=True):
+        if mean.repeats > 1:
+            found.append(item)
+            continue
+        known = replace(mean, stated=scatter * mean.estimate, dof=dof if square else math.inf)
+        side = replace(item.measured, quantities=(known, *item.measured.quantities[1:]))
+        found.append(replace(item, measured=side, notes=(note, *item.notes)))
     return tuple(found)
 
 
@@ -289,28 +281,23 @@ def state_condition(
     *,
     u_wrap_angle_rad: float | None = None,
     gain_limit: float = 0.0,
-    level: float = 0.95,
-    draws: int = 200_000,
-    seed: int = 0,
+    **check: Any,
 ) -> Statement:
-    """Return the uncertainty of what was measured at one condition."""
+    """Return the uncertainty of what was measured at one condition; `state_uncertainty` says how it can be checked."""
     notes = condition.notes
-    if quantity == "force":
-        model = force_model(condition.measured)
-    elif quantity == "mu":
+    if quantity not in {"force", "mu"}:
+        text = f"{quantity!r} is neither 'force' nor 'mu'"
+        raise InputError(text, key="quantity", fix="choose one of the two")
+    model = force_model(condition.measured)
+    if quantity == "mu":
         u_rad = condition.wrap_std_rad if u_wrap_angle_rad is None else u_wrap_angle_rad
         if not u_rad:
-            notes += (
-                'the wrap is taken as exact; --u-wrap "2 deg", or u_wrap_angle_rad in Python, says otherwise',
-            )
+            how = '--u-wrap "2 deg", or u_wrap_angle_rad in Python, says otherwise'
+            notes += (f"the wrap is taken as exact; {how}",)
         wrap = Quantity("wrap angle", "φ", "rad", u_rad, estimate=condition.wrap_angle_rad)
         model = coefficient_model(condition.lift, condition.end, wrap, gain_limit=gain_limit)
-    else:
-        raise InputError(
-            f"{quantity!r} is neither 'force' nor 'mu'", key="quantity", fix="choose one of the two"
-        )
     status = BudgetStatus.OK if condition.measured.quantities[0].stated else BudgetStatus.NO_REPEATS
-    return state_uncertainty(model, level=level, draws=draws, seed=seed, status=status, notes=notes)
+    return state_uncertainty(model, status=status, notes=notes, **check)
 
 
 def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str]]:
@@ -318,38 +305,37 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
     chains = [trial.calibration for trial in trials if trial.calibration is not None]
     found: list[Quantity] = []
     notes: list[str] = []
-    own = "each trial has its own {} ({:.2g} N): the repeatability holds it already"
     single = len(trials) == 1
-    if not chains:
-        notes.append(
-            "the recordings come in newtons without their chain: calibration and resolution are unknown"
-        )
-    else:
+
+    def add(item: Quantity, words: str, *, shared: bool) -> None:
+        if single or shared:
+            found.append(item)
+        else:
+            text = f"each trial has its own {words} ({item.std:.2g} N)"
+            notes.append(f"{text}: the repeatability holds it already")
+
+    if chains:
         worst = max(chains, key=lambda chain: chain.cell.full_scale_N)
-        if any(chain.cell != worst.cell for chain in chains):
-            notes.append(
-                f"several force cells were used: the chain is that of the largest, {worst.cell.name}"
-            )
+        largest = worst.cell
+        if any(chain.cell != largest for chain in chains):
+            notes.append(f"several force cells were used: the chain is that of the largest, {largest.name}")
         shared = chain_quantities(_mean(trial.measured_N for trial in trials), worst)
         # What changes from one loading to the next shows in the scatter of the trials.
         found += [item for item in shared if single or item.name != "cell's repeatability"]
         tare_N = math.sqrt(_mean(chain.tare_std_N**2 for chain in chains))
-        if single or len({chain.tare_N for chain in chains}) == 1:
-            found.append(Quantity("tare", "δ_0", "N", tare_N))
-        else:
-            notes.append(own.format("tare", tare_N))
-        if not single and worst.cell.repeatability:
-            limit_N = worst.cell.repeatability * worst.cell.full_scale_N
-            notes.append(
-                f"the cell's own repeatability (limit {limit_N:.2g} N) is part of that of the trials"
-            )
+        one_tare = len({chain.tare_N for chain in chains}) == 1
+        add(Quantity("tare", "δ_0", "N", tare_N), "tare", shared=one_tare)
+        if not single and largest.repeatability:
+            limit_N = largest.repeatability * largest.full_scale_N
+            text = f"the cell's own repeatability (limit {limit_N:.2g} N) is part of that of the trials"
+            notes.append(text)
+    else:
+        text = "the recordings come in newtons without their chain: calibration and resolution are unknown"
+        notes.append(text)
     bias_N = _mean(trial.breakaway.bias_N for trial in trials)
     found.append(limit_of_error("bias of the smoothing", "δ_sm", "N", abs(bias_N)))
     picking_N = math.sqrt(_mean(trial.breakaway.peak_std_N**2 for trial in trials))
-    if single:
-        found.append(Quantity("picking", "δ_pick", "N", picking_N))
-    else:
-        notes.append(own.format("peak to pick", picking_N))
+    add(Quantity("picking", "δ_pick", "N", picking_N), "peak to pick", shared=False)
     return found, notes
 
 
@@ -377,7 +363,14 @@ def lift_model(
         Quantity(*words, wheel_std.get(key, 0.0), estimate=float(getattr(wheel, key)[0]))
         for key, words in _SETTINGS.items()
     ]
-    quantities += [_rope(fit)] if one_pull else []
+    if one_pull:
+        if not math.isfinite(new := new_rope_std(fit)):
+            text = f"the fit of {fit.law} knows no scatter, so nothing can be said of one pull"
+            raise InputError(text, key="one_pull", fix="repeat conditions, or ask for the mean law")
+        told = fit.statistics
+        scatter = np.nan_to_num([told.scatter_within, told.scatter_between]).tolist()
+        dof = effective_dof(scatter, [max(told.n - told.n_conditions, 1.0), degrees_of_freedom(fit)])
+        quantities.append(Quantity("scatter of one new rope", "δ_rope", "-", new, dof=dof, type="A"))
     first = len(quantities)
     # Known by their own uncertainty, and a line each: what many conditions have in common.
     quantities += [Quantity(item.name, "δ", item.unit, item.std) for item in fit.common_errors]
@@ -407,12 +400,8 @@ def lift_model(
         return found
 
     by_radius, by_wrap, by_log_tension = law.log_lift_gradient_conditions(theta, wheel)[0]
-    slopes = [
-        by_radius,
-        float(rope_slopes(law, theta, wheel)[0]),
-        by_wrap,
-        by_log_tension / wheel.end_tension_N[0],
-    ]
+    by_rope = float(rope_slopes(law, theta, wheel)[0])
+    slopes = [by_radius, by_rope, by_wrap, by_log_tension / wheel.end_tension_N[0]]
     by_parameter = law.jacobian(theta, wheel)[0]
     slopes += [1.0] * (first - 4)
     by_all = F_A * np.concatenate([slopes, by_parameter @ common, by_parameter[free]])
@@ -421,33 +410,9 @@ def lift_model(
 
 
 def state_lift(
-    fit: FitResult,
-    at: Conditions,
-    wheel_std: Mapping[str, float],
-    *,
-    one_pull: bool = False,
-    level: float = 0.95,
-    draws: int = 200_000,
-    seed: int = 0,
+    fit: FitResult, at: Conditions, wheel_std: Mapping[str, float], *, one_pull: bool = False, **check: Any
 ) -> Statement:
     """Return the uncertainty of the lift force that a fit predicts for a wheel known only so well."""
-    return state_uncertainty(
-        lift_model(fit, at, wheel_std, one_pull=one_pull),
-        level=level,
-        draws=draws,
-        seed=seed,
-        status=BudgetStatus.OK if fit.trustworthy else BudgetStatus.FIT_NOT_TRUSTED,
-        notes=outside_words(fit.validity, at),
-    )
-
-
-def _rope(fit: FitResult) -> Quantity:
-    std, found = new_rope_std(fit), fit.statistics
-    if not math.isfinite(std):
-        text = f"the fit of {fit.law} knows no scatter, so nothing can be said of one pull"
-        raise InputError(text, key="one_pull", fix="repeat conditions, or ask for the mean law")
-    parts = np.nan_to_num([found.scatter_within, found.scatter_between])
-    dof = effective_dof(
-        parts.tolist(), [float(max(found.n - found.n_conditions, 1)), degrees_of_freedom(fit)]
-    )
-    return Quantity("scatter of one new rope", "δ_rope", "-", std, dof=dof, type="A")
+    status = BudgetStatus.OK if fit.trustworthy else BudgetStatus.FIT_NOT_TRUSTED
+    model, notes = lift_model(fit, at, wheel_std, one_pull=one_pull), outside_words(fit.validity, at)
+    return state_uncertainty(model, status=status, notes=notes, **check)

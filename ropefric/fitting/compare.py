@@ -7,7 +7,7 @@ fuller law is preferred to a simpler one takes AICc, the error at conditions lef
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +15,8 @@ from ropefric.errors import FitError, RopefricError, UnknownNameError
 from ropefric.files.digits import rounded_tree
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import Candidate, Prediction, averaged, predict
-from ropefric.fitting.result import RIVAL, Doubt, FitResult, FitStatus, Verdict, same_lift, verdict_of
+from ropefric.fitting.problem import law_named
+from ropefric.fitting.result import RIVAL, Doubt, FitResult, FitStatus, Verdict, verdict_of
 from ropefric.fitting.standing import (
     CHANCE,
     Contest,
@@ -35,8 +36,7 @@ from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.trials.table import TrialTable
-
-Unit = Literal["conditions", "trials"]
+from ropefric.uncertainty.quantity import check_type
 
 ALWAYS = ("constant", "constant-offset")
 """Laws that stand in every comparison: a constant μ with an offset can look exactly like a wrap effect."""
@@ -50,6 +50,8 @@ _SAME = 1e-6
 # Twice a log-likelihood this far below the best that the law can do is another solution.
 _STRAYED = 10.0
 _CLEAR = 1e-5
+# Half widths of two intervals that differ by no more than this factor are alike.
+_WIDTHS = 2.0
 # Criteria are differences of logarithms, weights and p-values their powers.
 _DIGITS = 6
 
@@ -88,10 +90,8 @@ class Comparison(Shown):
         Counted laws by AICc, then the others.
     tests : tuple of FTest
         Nested pairs, on the same observations.
-    unit : {"conditions", "trials"}
-        What an observation is.
     n, n_trials : int
-        Observations and trials.
+        Conditions, which are the observations, and trials.
     scatter_within : float
         Standard deviation of ln F_A between repeats [-]; NaN without repeats.
     notes : tuple of str
@@ -104,10 +104,10 @@ class Comparison(Shown):
 
     _said = ("best.law", "n", "unit", "n_trials", "scatter_within", "notes")
     _framed = "ranking"
+    unit = "conditions"
 
     ranking: tuple[ComparisonEntry, ...]
     tests: tuple[FTest, ...]
-    unit: Unit
     n: int
     n_trials: int
     scatter_within: float
@@ -147,13 +147,14 @@ def compare_laws(
     table: TrialTable,
     laws: Iterable[str | FrictionLaw] | None = None,
     *,
-    unit: Unit = "conditions",
     progress: Callable[[str, int, int], None] | None = None,
 ) -> Comparison:
     """Return how friction laws stand against each other on a trial table."""
     if isinstance(laws, str | FrictionLaw):
         laws = [laws]
-    given = LAWS.values() if laws is None else [ALL_LAWS[x] if isinstance(x, str) else x for x in laws]
+    laws = LAWS.values() if laws is None else laws
+    check_type(Iterable, "names of friction laws", laws=laws)
+    given = map(law_named, laws)
     # In one order whatever was asked for, so that ties are always settled alike.
     chosen = {law.name: law for law in [*(LAWS[name] for name in ALWAYS), *given]}
     fits: dict[str, FitResult] = {}
@@ -171,13 +172,12 @@ def compare_laws(
             reasons = law.validity([parameter.start for parameter in law.parameters], table.conditions())
             notes[name] = reasons[0] if reasons else str(error)
     data, slack = fits["constant"].data, table.measures_slack
-    means = condition_means(data if unit == "conditions" else replace(data, group=np.arange(data.n_points)))
+    means = condition_means(data)
     wild = wild_trial(data, slack=slack)
     standings = {name: standing(fit.data, means, fit.theta, slack=slack) for name, fit in fits.items()}
     for name, stands in standings.items():
-        notes[name] = (
-            notes[name] or _no_judge(fits[name], stands, means, slack=slack) or _twin(name, standings, notes)
-        )
+        notes[name] = notes[name] or _no_judge(fits[name], stands, means, slack=slack)
+        notes[name] = notes[name] or _twin(name, standings, notes)
     ranking = _ranking(fits, standings, notes, len(means))
     tests = tuple(
         found
@@ -189,11 +189,10 @@ def compare_laws(
         ranking=ranking,
         tests=tests,
         contests=_contests(ranking, tests, standings, means),
-        unit=unit,
         n=len(means),
         n_trials=data.n_points,
         scatter_within=means.scatter_within,
-        notes=_notes(ranking, tests, means, unit, slack=slack),
+        notes=_notes(ranking, tests, means, slack=slack),
         wild=() if wild is None else (np.array(table.trial)[table.used][wild].item(),),
     )
 
@@ -223,26 +222,23 @@ def _contests(
                 for law in entries
                 if law != low and (low == "constant" or ALL_LAWS[low] in ALL_LAWS[law].special_cases)
             ]
-            tested = (test.p_value for test in tests if (test.simpler, test.fuller) == (low, high))
+            tested = [test.p_value for test in tests if (test.simpler, test.fuller) == (low, high)]
             # So clear that no simulated campaign would lead as far.
-            clear = next((p_value for p_value in tested if p_value < _CLEAR), None)
+            clear = bool(tested) and tested[0] < _CLEAR
+            below, above = entries[low].loco_error, entries[high].loco_error
             contest = Contest(
                 simpler=low,
                 fuller=high,
                 lead=standings[low].aicc - standings[high].aicc,
-                p_value=clear
-                if clear is not None
+                p_value=tested[0]
+                if clear
                 else lead_by_chance(standings[low], standings[high], family, means),
-                loco_ratio=_ratio(entries[high].loco_error, entries[low].loco_error),
+                loco_ratio=above / below if below > 0.0 else math.nan,
             )
             held.append(contest)
             if contest.preferred == "simpler" and low not in waiting:
                 waiting.append(low)
     return tuple(held)
-
-
-def _ratio(above: float, below: float) -> float:
-    return above / below if below > 0.0 else math.nan
 
 
 def _ranking(
@@ -257,11 +253,11 @@ def _ranking(
         fit.status not in _NO_ANSWER and standings[name].aicc < math.inf for name, fit in fits.items()
     )
     told = len(ranked) > 1 and (judged or not set(ranked) <= set(ALWAYS))
-    weight_of = dict(zip(ranked, akaike_weights(criteria).tolist(), strict=True))
-    best, entries = min(criteria, default=math.nan), []
+    weights = akaike_weights(criteria).tolist() if told else [math.nan] * len(ranked)
+    weight_of, best = dict(zip(ranked, weights, strict=True)), min(criteria, default=math.nan)
+    entries = []
     for name, note in notes.items():
-        weight = 0.0 if note else weight_of[name] if told else math.nan
-        entry = ComparisonEntry(law=name, n=n, note=note, counted=not note, weight=weight)
+        entry = ComparisonEntry(law=name, n=n, note=note, counted=not note, weight=weight_of.get(name, 0.0))
         if name in fits:
             stands, fit = standings[name], fits[name]
             entry = replace(
@@ -315,26 +311,19 @@ def _twin(name: str, standings: Mapping[str, Standing], notes: Mapping[str, str]
 
 
 def _notes(
-    ranking: Sequence[ComparisonEntry],
-    tests: Sequence[FTest],
-    means: ConditionMeans,
-    unit: Unit,
-    *,
-    slack: bool,
+    ranking: Sequence[ComparisonEntry], tests: Sequence[FTest], means: ConditionMeans, *, slack: bool
 ) -> tuple[str, ...]:
     """Return what to know before reading a ranking; first what an observation is."""
-    in_all = counted(len(means), unit[:-1])
-    notes = [f"AICc counts {in_all}, not repeats" if unit == "conditions" else "AICc counts every trial"]
-    if not means.repeated and unit == "conditions":
+    in_all = counted(len(means), "condition")
+    notes = [f"AICc counts {in_all}, not repeats"]
+    if not means.repeated:
         notes.append("no condition was repeated, so every trial is a condition of its own")
     if slack:
         notes.append("the load was set and the end tension measured, so the residuals are those of ln F_B")
     ranked = {entry.law: entry for entry in ranking if entry.counted}
     if not ranked or math.isnan(ranking[0].weight):
-        named = f"only {' and '.join(ranked)} could be" if ranked else "no law could be"
-        notes.append(
-            f"{named} ranked on {in_all}, so weights would say nothing and no law is chosen: measure more conditions"
-        )
+        text = "so weights would say nothing and no law is chosen: measure more conditions"
+        notes.append(f"{_ranked_on(ranked, in_all)}, {text}")
         against = [test for test in tests if test.simpler in ranked and test.fuller not in ranked]
         worst = min(against, key=lambda test: test.p_value, default=None)
         if worst is not None and worst.p_value < CHANCE:
@@ -382,18 +371,31 @@ class Choice:
     def of(self, prediction: Prediction) -> Prediction:
         """Return a prediction of one condition with this verdict, averaged over the laws that are undecided.
 
-        Beside it stands what each rival answers.
+        Beside it stands what each rival answers, the same answer once.
         """
-        answers = _answers(prediction, (self.fit, *self.rivals))
-        judged = replace(prediction, judged=self.verdict, candidates=_candidates(answers))
-        weights = {
-            answer.law: self.undecided[answer.law] for answer in answers if answer.law in self.undecided
-        }
-        if len(weights) < 2:
-            return judged
-        return averaged(
-            judged, [answer for answer in answers if answer.law in weights], list(weights.values())
+        answers: list[Prediction] = []
+        settings: dict[str, Any] = {"level": prediction.level, "method": prediction.method, "check": False}
+        for fit in (self.fit, *self.rivals):
+            try:
+                new = predict(fit, prediction.conditions, **settings)
+            except RopefricError:
+                continue
+            known = (item.lift_force_N for item in answers)
+            if not any(np.allclose(new.lift_force_N, lift_N, rtol=1e-6, atol=0.0) for lift_N in known):
+                answers.append(new)
+        candidates = tuple(
+            Candidate(
+                law=item.law,
+                lift_force_N=float(item.lift_force_N[0]),
+                std_N=float(item.std_N[0]),
+                interval_N=(float(item.interval_N[0, 0]), float(item.interval_N[0, 1])),
+            )
+            for item in answers
         )
+        candidates = candidates if len(candidates) > 1 else ()
+        judged = replace(prediction, judged=self.verdict, candidates=candidates)
+        open_ = [answer for answer in answers if answer.law in self.undecided]
+        return judged if len(open_) < 2 else averaged(judged, open_, [self.undecided[x.law] for x in open_])
 
 
 def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None = None) -> Choice:
@@ -401,21 +403,21 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
 
     That is the best one whose fit may be used as it stands, or a simpler one that chance alone leaves behind it.
     """
-    fits = {entry.law: entry.fit for entry in comparison.ranking if entry.fit is not None}
-    fitted = [entry for entry in comparison.ranking if entry.law in fits]
+    fitted = [(entry, entry.fit) for entry in comparison.ranking if entry.fit is not None]
+    good = [(entry, fit) for entry, fit in fitted if entry.counted and fit.trustworthy]
     contests = comparison.contests if comparison.conclusive else ()
+    chosen, fit = (good or fitted)[0]
     if law:
         chosen = comparison[law]
-        if law not in fits:
+        if chosen.fit is None:
             raise FitError(f"{law} has no answer on these data: {chosen.note}", fix="use another law")
-    else:
-        good = [entry for entry in fitted if entry.counted and fits[entry.law].trustworthy]
-        chosen = (good or fitted)[0]
-        while lost := {c.simpler for c in contests if c.fuller == chosen.law and c.preferred == "simpler"}:
-            if (simpler := next((entry for entry in good if entry.law in lost), None)) is None:
-                break
-            chosen = simpler
-    fit = fits[chosen.law]
+        fit = chosen.fit
+    while not law:
+        lost = {c.simpler for c in contests if c.fuller == chosen.law and c.preferred == "simpler"}
+        simpler = [(entry, other) for entry, other in good if entry.law in lost]
+        if not simpler:
+            break
+        chosen, fit = simpler[0]
     # What the three criteria say of the law used: laws that it beats, and laws of which they do not agree.
     beaten = {c.simpler for c in contests if c.fuller == chosen.law and c.preferred == "fuller"}
     open_ = {
@@ -424,25 +426,22 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
         if chosen.law in {c.simpler, c.fuller} and c.preferred == "undecided"
     }
     # The laws that the data do not tell from the one used: all that fit, where none could be weighed.
-    others = [(entry, fits[entry.law]) for entry in fitted if entry is not chosen]
+    others = [(entry, other) for entry, other in fitted if entry is not chosen]
+    rivals = tuple(other for _, other in others if other.status is FitStatus.OK)
     if comparison.conclusive:
-        near = [
-            (entry, other)
+        rivals = tuple(
+            other
             for entry, other in others
-            if entry.law in open_ or (entry.counted and entry.delta_aicc <= RIVAL and entry.law not in beaten)
-        ]
-        rivals = tuple(other for _, other in near if other.status in _ANSWERING)
-    else:
-        rivals = tuple(other for _, other in others if other.status is FitStatus.OK)
-    doubts = [*_of_place(comparison, chosen, fitted[0], forced=bool(law)), *fit.doubts]
-    doubts += [("undecided", contest.text) for contest in open_.values()]
-    doubts += [
-        (
-            "undecided",
-            f"trial {name} lies far off what all the others agree on: look at it, and set it aside if it is bad",
+            if other.status in _ANSWERING
+            and (
+                entry.law in open_
+                or (entry.counted and entry.delta_aicc <= RIVAL and entry.law not in beaten)
+            )
         )
-        for name in comparison.wild
-    ]
+    doubts = [*_of_place(comparison, chosen, fitted[0][0], forced=bool(law)), *fit.doubts]
+    doubts += [("undecided", contest.text) for contest in open_.values()]
+    text = "lies far off what all the others agree on: look at it, and set it aside if it is bad"
+    doubts += [("undecided", f"trial {name} {text}") for name in comparison.wild]
     apart = [r.law for r in rivals if comparison[r.law].counted and not _agree(fit, r, wheel)]
     if other := [name for name in apart if name not in open_]:
         where = "on the conditions tested" if wheel is None else "for the wheel asked for"
@@ -463,9 +462,7 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
         doubts=tuple(dict.fromkeys(text for _, text in doubts)),
         rivals=rivals,
         # Where criteria disagree none of them may outvote the others by more than laws that are not told apart.
-        undecided={
-            name: math.exp(-0.5 * min(max(comparison[name].delta_aicc, 0.0), RIVAL)) for name in undecided
-        },
+        undecided={x: math.exp(-0.5 * min(max(comparison[x].delta_aicc, 0.0), RIVAL)) for x in undecided},
     )
 
 
@@ -475,9 +472,8 @@ def _of_place(
     """Return what the place of a law in the comparison says against it."""
     if not comparison.conclusive:
         ranked = [entry.law for entry in comparison.ranking if entry.counted]
-        named = f"only {' and '.join(ranked)} could be" if ranked else "no law could be"
-        where = counted(comparison.n, comparison.unit[:-1])
-        return [("not judged", f"no choice of law: {named} ranked on {where}; measure more conditions")]
+        where = f"{_ranked_on(ranked, counted(comparison.n, 'condition'))}; measure more conditions"
+        return [("not judged", f"no choice of law: {where}")]
     if not chosen.counted:
         return [("not judged", f"{chosen.law} takes no part in the comparison: {chosen.note}")]
     lead = chosen.delta_aicc - (first.delta_aicc if first.counted else 0.0)
@@ -493,8 +489,17 @@ def _of_place(
     return [("undecided" if lead > RIVAL else "supported", text)]
 
 
+def _ranked_on(ranked: Iterable[str], what: str) -> str:
+    """Return in words which laws could be ranked."""
+    names = " and ".join(ranked)
+    return f"{f'only {names}' if names else 'no law'} could be ranked on {what}"
+
+
 def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
-    """Return whether two laws give the same lift force for a wheel, or on the conditions tested."""
+    """Return whether two laws give the same lift force for a wheel, or on the conditions tested.
+
+    By root mean squares of ln F_A over them; the rules stand in `ropefric.fitting.result`.
+    """
     if wheel is None:
         if fit.problem is None:
             return True
@@ -503,37 +508,13 @@ def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
         own, other = (predict(one, wheel, check=False) for one in (fit, rival))
     except RopefricError:
         return False
+    values = (other.log_lift - own.log_lift, own.log_half_width, np.nan_to_num(other.log_half_width))
+    apart, half, others = (math.sqrt(float(np.mean(x**2))) for x in values)
     laws = ALL_LAWS[fit.law], ALL_LAWS[rival.law]
     nested = laws[0] in laws[1].special_cases or laws[1] in laws[0].special_cases
+    if apart <= _SAME:
+        return True
     # Of a law on a bound, or not shown by the data, no interval is known, and only its force can be looked at.
-    known = rival.status is FitStatus.OK
-    return same_lift(
-        other.log_lift - own.log_lift,
-        own.log_half_width,
-        np.nan_to_num(other.log_half_width),
-        nested=nested or not known,
-    )
-
-
-def _answers(prediction: Prediction, fits: Sequence[FitResult]) -> list[Prediction]:
-    """Return the answers of several laws for the conditions of a prediction, the same one once."""
-    found: list[Prediction] = []
-    settings: dict[str, Any] = {"level": prediction.level, "method": prediction.method, "check": False}
-    for fit in fits:
-        try:
-            other = predict(fit, prediction.conditions, **settings)
-        except RopefricError:
-            continue
-        if not any(np.allclose(other.lift_force_N, item.lift_force_N, rtol=1e-6, atol=0.0) for item in found):
-            found.append(other)
-    return found
-
-
-def _candidates(answers: Sequence[Prediction]) -> tuple[Candidate, ...]:
-    """Return the answers of several laws for the first condition as one row each, if there is more than one."""
-    found = []
-    for item in answers if len(answers) > 1 else ():
-        low, high = item.interval_N[0].tolist()
-        numbers = {"lift_force_N": float(item.lift_force_N[0]), "std_N": float(item.std_N[0])}
-        found.append(Candidate(law=item.law, interval_N=(low, high), **numbers))
-    return tuple(found)
+    if nested or rival.status is not FitStatus.OK:
+        return apart <= math.hypot(half, others)
+    return apart <= half and half / _WIDTHS <= others <= half * _WIDTHS

@@ -1,7 +1,7 @@
 """The inverse of a prediction: the smallest wrap, wheel or end tension that lifts a load with a given probability.
 
 In: a fit and the load. Out: a `Design` with what was found, or why there is none; `design_chart` gives the lift forces
-over wheels and wraps. The mean law is solved by Newton's method, then the first place is found where its lower bound
+over wheels and wraps. The mean law is solved in brackets, then the first place is found where its lower bound
 suffices.
 """
 
@@ -9,18 +9,22 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from numbers import Real
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize.elementwise import find_root
 
-from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.predict import half_width, new_rope_std, outside_range
+from ropefric.fitting.problem import Rows
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import Conditions, as_floats
+from ropefric.friction.condition import SETTINGS, Conditions, as_floats
 from ropefric.friction.law import LiftModel
 from ropefric.shown import Shown
+from ropefric.uncertainty.quantity import check_type
 
 SolveFor = Literal["wrap", "radius", "end_tension"]
 
@@ -31,15 +35,18 @@ QUANTITIES: dict[str, tuple[str, str, tuple[float, float]]] = {
 }
 """The name and unit of each quantity a design can look for, and where unless told otherwise."""
 
+_FORCES = ("required_N", "lift_force_N", "lower_bound_N")
 # Designs worked on at a time: their temporaries stay in the processor's cache.
 _CHUNK = 16384
 # A wrap of zero has no slope in some laws; this much wrap lifts nothing.
 _LEAST_WRAP_RAD = 1e-9
-_MAX_STEPS = 200
 _SCAN = 24
+_MEAN_LAW = "the mean law (--on-average, None in Python)"
+# Stands for ln F_A less the load where a law has no answer.
+_NO_ANSWER = -1e3
 
-Rising = Callable[[FloatArray, npt.NDArray[np.intp]], tuple[FloatArray, FloatArray]]
-"""`f(x, rows) -> (values, slopes)` of the functions numbered `rows` at one x each; −inf where there is no answer."""
+Rising = Callable[[FloatArray, Rows], FloatArray]
+"""`f(x, rows)`: the values of the functions numbered `rows` at one x each; −inf where there is no answer."""
 
 
 class DesignStatus(IntEnum):
@@ -80,26 +87,8 @@ class Design(Shown):
         Whether the design lies outside what was tested.
     """
 
-    _said = (
-        "solve_for",
-        "value",
-        "required_N",
-        "lift_force_N",
-        "lower_bound_N",
-        "probability",
-        "extrapolated",
-    )
-    _framed = (
-        "wheel_radius_m",
-        "rope_radius_m",
-        "wrap_angle_rad",
-        "end_tension_N",
-        "required_N",
-        "lift_force_N",
-        "lower_bound_N",
-        "reached",
-        "extrapolated",
-    )
+    _said = ("solve_for", "value", *_FORCES, "probability", "extrapolated")
+    _framed = (*SETTINGS, *_FORCES, "reached", "extrapolated")
 
     solve_for: SolveFor
     value: FloatArray
@@ -153,10 +142,7 @@ class Design(Shown):
         return rows[0] if len(rows) == 1 else {"designs": rows}
 
     def _row(self, i: int) -> dict[str, Any]:
-        names = (
-            "wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "required_N", "lift_force_N",
-            "lower_bound_N", "limit_lift_N", "limit_bound_N",
-        )  # fmt: skip
+        names = (*SETTINGS, *_FORCES, "limit_lift_N", "limit_bound_N")
         numbers = {name: float(getattr(self, name)[i]) for name in names}
         return {name: value if math.isfinite(value) else None for name, value in numbers.items()} | {
             "solve_for": self.solve_for,
@@ -175,15 +161,14 @@ class LiftBound:
         self.fit, self.law, self.theta, self.probability = fit, fit.friction_law, fit.theta, probability
         if probability is None:
             return
+        check_type(Real, "a number, or None for the mean law", probability=probability)
         if not 0.5 <= probability < 1.0:
             text = f"the probability is {probability:g}"
-            fix = "give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)"
+            fix = f"give 0.5 or more and less than 1; or take {_MEAN_LAW}"
             raise InputError(text, key="probability", fix=fix)
         if not (math.isfinite(new_rope_std(fit)) and np.isfinite(fit.covariance).all()):
             text = f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability"
-            fix = (
-                "repeat some trials and fit again, or design for the mean law (--on-average, None in Python)"
-            )
+            fix = f"repeat some trials and fit again, or design for {_MEAN_LAW}"
             raise InputError(text, key="probability", fix=fix)
 
     def evaluate(self, conditions: Conditions) -> tuple[FloatArray, FloatArray]:
@@ -196,7 +181,7 @@ class LiftBound:
             eta[some] = bound[some] = self.law.log_lift(self.theta, chosen)
             if self.probability is not None:
                 model = LiftModel(law=self.law)
-                bound[some] -= half_width(self.fit, model, chosen, self.probability, one_pull=True)
+                bound[some] -= half_width(self.fit, model, chosen, self.probability)
         return eta, bound
 
 
@@ -214,8 +199,8 @@ def design(
 ) -> Design:
     """Return the smallest wrap, wheel radius or end tension that lifts a load, for n designs at once.
 
-    ln F_A rises with each of the three, so the mean law has one crossing, found by Newton's method in brackets. The
-    bound may fall again where extrapolation widens it; the first crossing above that of the mean is taken.
+    ln F_A rises with each of the three, so the mean law has one crossing, found in brackets by Chandrupatla's method.
+    The bound may fall again where extrapolation widens it; the first crossing above that of the mean is taken.
     """
     given, load_N, (low, high) = _checked(
         fit, solve_for, limits,
@@ -307,40 +292,36 @@ def _search(
     The search moves in the wrap itself, and in the logarithm of a radius or an end tension.
     """
     (mean, bound), n, wrap = bounds, load.size, solve_for == "wrap"
-    target, column = QUANTITIES[solve_for][0], list(QUANTITIES).index(solve_for)
+    target = QUANTITIES[solve_for][0]
     low, high = (max(end, _LEAST_WRAP_RAD) if wrap else math.log(end) for end in limits)
 
-    def above(at: FloatArray, rows: IntArray, by: LiftBound) -> tuple[FloatArray, FloatArray]:
-        """Return how far above the load ln F_A is and its slope; −inf where the law has no answer."""
-        tried = Conditions(
-            **{name: values[rows] for name, values in given.items()}, **{target: at if wrap else np.exp(at)}
-        )
-        value, slope = by.evaluate(tried)[1] - load[rows], np.full(rows.size, np.nan)
-        good = np.flatnonzero(np.isfinite(value))
-        if good.size:
-            chosen = tried if good.size == rows.size else tried.select(good)
-            by_setting = mean.law.log_lift_gradient_conditions(mean.theta, chosen)[:, column]
-            slope[good] = by_setting * chosen.wheel_radius_m if solve_for == "radius" else by_setting
-        return np.where(np.isnan(value), -np.inf, value), slope
+    def above(by: LiftBound, some: Rows) -> Rising:
+        """Return how far above the loads of some designs ln F_A is; −inf where the law has no answer."""
+
+        def function(x: FloatArray, i: Rows) -> FloatArray:
+            rows = some[i]
+            tried = {name: values[rows] for name, values in given.items()}
+            tried[target] = x if wrap else np.exp(x)
+            return np.nan_to_num(by.evaluate(Conditions(**tried))[1] - load[rows], nan=-np.inf)
+
+        return function
 
     x, status = np.full(n, np.nan), np.full(n, DesignStatus.OK, dtype=np.int8)
     lows, highs, everything = np.full(n, low), np.full(n, high), np.arange(n)
-    enough = above(lows, everything, bound)[0] >= 0.0
+    enough = above(bound, everything)(lows, everything) >= 0.0
     x[enough], status[enough] = low, DesignStatus.LOWER_LIMIT
-    status[~enough & (above(highs, everything, mean)[0] < 0.0)] = DesignStatus.OUT_OF_REACH
+    status[~enough & (above(mean, everything)(highs, everything) < 0.0)] = DesignStatus.OUT_OF_REACH
     rows = np.flatnonzero(status == DesignStatus.OK)
-    if rows.size:
-        root = lows[rows]
-        below = above(root, rows, mean)[0] < 0.0
-        some = rows[below]
-        root[below] = rising_root(lambda at, i: above(at, some[i], mean), lows[some], highs[some])
-        if bound.probability is not None:
-            left, right = first_crossing(lambda at, i: above(at, rows[i], bound), root, highs[rows])
-            held = ~np.isnan(right)
-            status[rows[~held]] = DesignStatus.TOO_UNCERTAIN
-            rows, left, right = rows[held], left[held], right[held]
-            root = rising_root(lambda at, i: above(at, rows[i], bound), left, right, start=left)
-        x[rows] = root
+    root = lows[rows]
+    below = np.flatnonzero(above(mean, rows)(root, np.arange(rows.size)) < 0.0)
+    root[below] = rising_root(above(mean, rows[below]), root[below], highs[rows[below]])
+    if bound.probability is not None:
+        left, right = first_crossing(above(bound, rows), root, highs[rows])
+        held = ~np.isnan(right)
+        status[rows[~held]] = DesignStatus.TOO_UNCERTAIN
+        rows = rows[held]
+        root = rising_root(above(bound, rows), left[held], right[held])
+    x[rows] = root
     return np.where(x <= _LEAST_WRAP_RAD, limits[0], x) if wrap else np.exp(x), status
 
 
@@ -389,47 +370,15 @@ def design_chart(
     )
 
 
-def rising_root(
-    function: Rising,
-    low: FloatArray,
-    high: FloatArray,
-    *,
-    start: FloatArray | None = None,
-    tolerance: float = 1e-13,
-) -> FloatArray:
-    """Return the zeros of n functions that rise from below zero at `low` to zero or more at `high`.
+def rising_root(function: Rising, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return the zeros of n functions that rise from below zero at `low` to zero or more at `high`."""
 
-    A Newton step that leaves the bracket, or that does not shrink, is replaced by halving the bracket, so every
-    function is done after at most about 50 more steps than it takes to halve.
-    """
-    low, high = low.astype(np.float64), high.astype(np.float64)
-    x = 0.5 * (low + high) if start is None else np.clip(start, low, high)
-    rows = np.arange(x.size)
-    last_x, last_value, last_step = np.full(x.size, np.nan), np.full(x.size, np.nan), high - low
-    for _ in range(_MAX_STEPS):
-        at = x[rows]
-        value, slope = function(at, rows)
-        below = value < 0.0
-        low[rows] = np.where(below, at, low[rows])
-        high[rows] = np.where(below, high[rows], at)
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            secant = (value - last_value[rows]) / (at - last_x[rows])
-            # Close to the root the chord knows what the slope leaves out.
-            slope = np.where((secant > 0.5 * slope) & (secant < 2.0 * slope), secant, slope)
-            new = at - value / slope
-        middle = 0.5 * (low[rows] + high[rows])
-        bad = ~np.isfinite(new) | (new < low[rows]) | (new > high[rows])
-        bad |= np.abs(new - at) > 0.9 * np.abs(last_step[rows])
-        new = np.where(bad, middle, new)
-        new = np.where(value == 0.0, at, new)
-        last_x[rows], last_value[rows], last_step[rows] = at, value, new - at
-        x[rows] = new
-        small = tolerance * (1.0 + np.abs(new))
-        moving = (np.abs(new - at) > small) & (high[rows] - low[rows] > small)
-        rows = rows[moving]
-        if not rows.size:
-            break
-    return x
+    def finite(x: FloatArray, rows: Rows) -> FloatArray:
+        return np.maximum(function(x, rows), _NO_ANSWER)
+
+    found = find_root(finite, (low, high), args=(np.arange(low.size),))
+    # Where rounding leaves no change of sign, `low` is the zero already.
+    return np.where(np.isnan(found.x), low, found.x)
 
 
 def first_crossing(function: Rising, low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -442,8 +391,7 @@ def first_crossing(function: Rising, low: FloatArray, high: FloatArray) -> tuple
     rows = np.arange(low.size)
     for step in range(1, _SCAN + 1):
         at = low[rows] + (high[rows] - low[rows]) * (step / _SCAN) ** 4
-        value, _slope = function(at, rows)
-        found = value >= 0.0
+        found = function(at, rows) >= 0.0
         right[rows[found]] = at[found]
         left[rows[~found]] = at[~found]
         rows = rows[~found]

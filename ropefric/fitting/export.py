@@ -1,6 +1,11 @@
-"""A fitted law for simulators: a table μ(φ, F_B, R_w), and the constant that stands for it best over that range."""
+"""Laws for others: a table μ(φ, F_B, R_w) of a fit for simulators and the constant that stands for it best, and lmfit.
+
+A law as an `lmfit.Model` is for fits and plots of one's own; ropefric itself fits without lmfit.
+"""
 
 from dataclasses import dataclass
+from inspect import Parameter, Signature
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -8,10 +13,15 @@ from scipy.optimize import brentq
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.fitting.predict import REGRESSORS
+from ropefric.fitting.predict import outside_range
+from ropefric.fitting.problem import law_named
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions
+from ropefric.friction.law import FrictionLaw
 from ropefric.shown import Shown
+
+if TYPE_CHECKING:
+    import lmfit
 
 _COUNTS = {"wheel_radius_m": 5, "rope_radius_m": 1, "wrap_angle_rad": 25, "end_tension_N": 5}
 _MOST_ROWS = 10_000_000
@@ -86,14 +96,10 @@ def friction_table(fit: FitResult, **levels: npt.ArrayLike | None) -> FrictionTa
     if np.nanmax(log_lift) > _MOST_LOG:
         text = f"ln F_A reaches {np.nanmax(log_lift):.4g}: the force overflows"
         raise InputError(text, code="RF420", key="wrap_angle_rad", fix="use fewer turns")
-    outside = np.zeros(n, dtype=np.bool_)
-    for name in REGRESSORS:
-        low, high = fit.validity[name]
-        outside |= (grid[name] < low * (1 - 1e-9)) | (grid[name] > high * (1 + 1e-9))
     mu, error = best_constant(rise[good], part.wrap_angle_rad)
     return FrictionTable(
         law=law.name, **grid, mu_average=rise / at.wrap_angle_rad, mu_local=local, lift_force_N=np.exp(log_lift),
-        extrapolated=outside, constant_mu=mu, constant_error=error,
+        extrapolated=np.asarray(outside_range(fit.validity, at).any(axis=1)), constant_mu=mu, constant_error=error,
     )  # fmt: skip
 
 
@@ -111,3 +117,57 @@ def best_constant(rise: FloatArray, wrap_rad: FloatArray) -> tuple[float, float]
     if high - low > 1e-15 * abs(high):
         low = float(brentq(lambda mu: off(mu)[0] - off(mu)[1], low, high, xtol=1e-15, rtol=1e-14))
     return low, max(off(low))
+
+
+def lmfit_model(law: str | FrictionLaw) -> "lmfit.Model":
+    """Return a friction law as an `lmfit.Model` of ln(F_A / 1 N), with its start values and bounds.
+
+    The scatter of break-away forces is a part of the force, so the logarithm is what least squares should see.
+    lmfit takes derivatives by differences and knows nothing of repeats of a condition: for a law with honest
+    uncertainty use `fit`.
+
+    Parameters
+    ----------
+    law : str or FrictionLaw
+        "constant", "wrap-power", "coupled", …
+
+    Returns
+    -------
+    lmfit.Model
+        Its independent variables are `wheel_radius_m`, `rope_radius_m` [m], `wrap_angle_rad` [rad] and
+        `end_tension_N` [N], numbers or arrays of one length; its parameters are those of the law. `make_params()`
+        gives them the law's start values and bounds, and holds those that a fit of the law holds.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such law.
+    InputError
+        RF420 on evaluation, where the law has no answer.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import ropefric as rf
+    >>> model = rf.lmfit_model("constant")
+    >>> pulls = {"wheel_radius_m": 0.04, "rope_radius_m": 0.005, "wrap_angle_rad": np.array([3.0, 6.0, 9.0]),
+    ...     "end_tension_N": 20.0}
+    >>> found = model.fit(np.log([36.6, 66.1, 121.7]), **pulls)
+    >>> round(found.best_values["mu"], 3)
+    0.2
+    """
+    import lmfit  # noqa: PLC0415  (slow to load, and nothing else needs it)
+
+    chosen = law_named(law)
+
+    def log_lift(**values: npt.ArrayLike) -> FloatArray:
+        conditions = Conditions(**{name: np.asarray(values[name], np.float64) for name in SETTINGS})
+        return chosen.log_lift([float(values[name]) for name in chosen.parameter_names], conditions)  # type: ignore[arg-type]
+
+    # lmfit reads the names of a model from its signature.
+    names = (*SETTINGS, *chosen.parameter_names)
+    log_lift.__signature__ = Signature([Parameter(name, Parameter.KEYWORD_ONLY) for name in names])  # type: ignore[attr-defined]
+    model = lmfit.Model(log_lift, independent_vars=list(SETTINGS), name=chosen.name)
+    for item in chosen.parameters:
+        model.set_param_hint(item.name, value=item.start, min=item.lower, max=item.upper, vary=not item.fixed)
+    return model

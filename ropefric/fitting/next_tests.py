@@ -7,23 +7,24 @@ compare with varies one factor at a time about a centre, as such campaigns are u
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
-from ropefric.errors import InputError, UnknownNameError
+from ropefric.errors import InputError
 from ropefric.files.plain_text import csv_text
+from ropefric.fitting.fit import COMMON, rope_slopes
 from ropefric.fitting.predict import REGRESSORS, outside_words
-from ropefric.fitting.resolution import law_outlook
-from ropefric.fitting.result import FitResult
-from ropefric.fitting.statistics import decomposed, plain_covariance
+from ropefric.fitting.problem import FitSettings, check_settings
+from ropefric.fitting.resolution import FACTORS, MOST, RigLimits, law_outlook
+from ropefric.fitting.result import CommonError, FitResult
+from ropefric.fitting.statistics import combined_dof, decomposed
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
-from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.uncertainty.quantity import quantile
 
@@ -32,14 +33,9 @@ SCHEMA = "ropefric.test-plan/1"
 Criterion = Literal["v", "d"]
 """Make the variance of the wanted predictions small, or the volume of the parameters' ellipsoid."""
 
-FACTORS = ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")
-"""What a plan may vary; the rope is the same throughout."""
-
 BALANCE = 0.3
 """Weight of the parameters' ellipsoid in a plan for a prediction [-]; it costs that prediction a few per cent."""
 
-# Of one factor, of conditions, repeats and starts; and of all combinations, each weighed against the others.
-_MOST, _MOST_CONDITIONS = 1000, 50_000
 # Keeps the inverse finite while a plan of few conditions has one taken out; a whitened plan has eigenvalues near 1.
 _RIDGE = 1e-13
 _TINY = float(np.finfo(np.float64).tiny)
@@ -47,68 +43,10 @@ _WORTHWHILE = 1e-9
 _MAX_PASSES = 100
 # Half a per cent of a standard error.
 _AS_GOOD = 0.01
-
-
-# ---- what a rig can set ----
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RigLimits:
-    """Every setting a rig offers; each combination is a condition that might be tested."""
-
-    wheel_radius_m: tuple[float, ...]
-    wrap_angle_rad: tuple[float, ...]
-    end_tension_N: tuple[float, ...]
-    rope_radius_m: float
-    largest_force_N: float = math.inf
-
-    def __post_init__(self) -> None:
-        for name in FACTORS:
-            levels = sorted(float(level) for level in getattr(self, name))
-            if not levels or not (levels[0] > 0.0 and math.isfinite(levels[-1])):
-                text = f"{name}: {levels} are no settings"
-                raise InputError(text, key=name, fix="give one or more above zero")
-            if len(set(levels)) < len(levels):
-                raise InputError(f"{name}: a setting is given twice", key=name, fix="give each once")
-            object.__setattr__(self, name, tuple(levels))
-        if math.prod(self.shape) > _MOST_CONDITIONS:
-            sizes = " × ".join(str(size) for size in self.shape)
-            text = f"{sizes} settings are {math.prod(self.shape)} conditions; the limit is {_MOST_CONDITIONS}"
-            fix = "give fewer wheels, wraps or end tensions, or fewer levels"
-            raise InputError(text, key="limits", fix=fix)
-        for name in ("rope_radius_m", "largest_force_N"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"{name} = {getattr(self, name):g} is not positive", key=name)
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Return the number of settings of each factor."""
-        return tuple(len(getattr(self, name)) for name in FACTORS)
-
-    def conditions(self) -> Conditions:
-        """Return all combinations, wheel by wheel, wrap by wrap, end tension by end tension."""
-        grid = np.meshgrid(*(getattr(self, name) for name in FACTORS), indexing="ij")
-        columns = dict(zip(FACTORS, (axis.ravel() for axis in grid), strict=True))
-        return Conditions(rope_radius_m=np.array(self.rope_radius_m), **columns)
-
-
-def linear_levels(low: float, high: float, n: int, *, step: float) -> tuple[float, ...]:
-    """Return about n settings from low to high that are whole multiples of a step, ends included."""
-    return _levels(low, high, n, lambda: [round(x / step) * step for x in np.linspace(low, high, n).tolist()])
-
-
-def geometric_levels(low: float, high: float, n: int) -> tuple[float, ...]:
-    """Return about n settings from low to high in even ratios, rounded to two digits, ends included."""
-    if not low > 0.0:
-        raise InputError(f"a range from {low:g} has no even ratios", key="range", fix="begin above zero")
-    return _levels(low, high, n, lambda: [float(f"{x:.2g}") for x in np.geomspace(low, high, n).tolist()])
-
-
-def _levels(low: float, high: float, n: int, rounded: Callable[[], list[float]]) -> tuple[float, ...]:
-    if not (low < high and 2 <= n <= _MOST):
-        fix = f"give low before high, two to {_MOST} settings"
-        raise InputError(f"{n} settings from {low:g} to {high:g}", key="range", fix=fix)
-    return tuple(sorted({low, high, *(x for x in rounded()[1:-1] if low <= x <= high)}))
+# Share of the variance from which on more pulls hardly help.
+_MOSTLY = 0.5
+_CHAIN = "measuring chain"
+_UNTESTED = Conditions(**dict.fromkeys(SETTINGS, np.zeros(0)))
 
 
 # ---- what is known of a law ----
@@ -116,7 +54,7 @@ def _levels(low: float, high: float, n: int, rounded: Callable[[], list[float]])
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeanScatter:
-    """How the mean of a condition's repeats scatters."""
+    """How the mean of a condition's repeats scatters, and the error that the measuring chain brings to all forces."""
 
     within: float
     between: float = 0.0
@@ -129,10 +67,9 @@ class MeanScatter:
             fix = "give standard deviations of ln F from 0, one above it: 0.017 is 1.7 % between repeats"
             raise InputError(text, key="scatter", fix=fix)
 
-    def variance(self, log_lift: FloatArray, repeats: npt.ArrayLike) -> FloatArray:
-        """Return the variance of mean ln F_A of conditions, s_b² + s_w²/m + (u/F_A)², shape (n,)."""
-        m = np.asarray(repeats, dtype=np.float64)
-        return np.asarray(self.between**2 + self.within**2 / m + (self.instrument_N * np.exp(-log_lift)) ** 2)
+    def variance(self, repeats: npt.ArrayLike) -> FloatArray:
+        """Return the variance of the means of repeats about what they share, s_b² + s_w²/m."""
+        return np.asarray(self.between**2 + self.within**2 / np.asarray(repeats, dtype=np.float64))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -143,8 +80,10 @@ class PlannedLaw:
     theta: FloatArray
     free: BoolArray
     scatter: MeanScatter
-    tested: Conditions | None = None
+    tested: Conditions = _UNTESTED
     tested_repeats: npt.ArrayLike = 1.0
+    common: tuple[CommonError, ...] = ()
+    chain: str = _CHAIN
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -163,30 +102,90 @@ class PlannedLaw:
         return tuple(np.array(self.law.parameter_names)[self.free].tolist())
 
     @property
-    def known(self) -> FloatArray:
-        """Return the `rows` of what was tested before, shape (k, q)."""
-        if self.tested is None:
-            return np.zeros((0, self.n_free))
-        return self.rows(self.tested, self.tested_repeats)
+    def known(self) -> "Evidence":
+        """Return what was tested before; of common errors, by what they did to the fit."""
+        found = self.evidence(self.tested, self.tested_repeats)
+        information = found.rows.T @ found.rows
+        chain = {name: moved for name, moved in found.shared.items() if name == _CHAIN}
+        moved = {item.name: information @ np.array(item.change)[self.free] for item in self.common}
+        return found._replace(shared=chain | moved)
 
     def gradients(self, conditions: Conditions) -> FloatArray:
         """Return ∂ ln F_A/∂θ by the free parameters, shape (n, q)."""
         return np.asarray(self.law.jacobian(self.theta, conditions)[:, self.free])
 
-    def rows(self, conditions: Conditions, repeats: npt.ArrayLike) -> FloatArray:
-        """Return gradients over the standard deviation of a mean, shape (n, q): Σ rows rowsᵀ is the information."""
+    def evidence(self, conditions: Conditions, repeats: npt.ArrayLike) -> "Evidence":
+        """Return what means of conditions tell, each weighed by its scatter and what it shares with others."""
         log_lift, slopes = self.law.log_lift_and_jacobian(self.theta, conditions)
-        return np.asarray(slopes[:, self.free] / np.sqrt(self.scatter.variance(log_lift, repeats))[:, None])
+        effects = self._effects(conditions, log_lift)
+        own2 = self.scatter.variance(repeats) + np.zeros(len(conditions))
+        std = np.sqrt(sum((effect**2 for effect in effects.values()), own2))
+        rows = slopes[:, self.free] / std[:, None]
+        return Evidence(rows, np.sqrt(own2) / std, {name: rows.T @ (e / std) for name, e in effects.items()})
+
+    def _effects(self, at: Conditions, log_lift: FloatArray) -> dict[str, FloatArray]:
+        """Return how one standard uncertainty of each error that conditions share moves their ln F_A, shape (n,).
+
+        New tests have one cell; a load, a wheel, a wrap or a rope that was not there before has an error of its own,
+        as large as those of the others.
+        """
+        found = {self.chain: self.scatter.instrument_N * np.exp(-log_lift)}
+        slopes, roped = self.law.log_lift_gradient_conditions(self.theta, at), "radius of the rope"
+        known = any(item.name.startswith(roped) for item in self.common)
+        by_rope = rope_slopes(self.law, self.theta, at) if known else slopes[:, 0]
+        kinds = (
+            ("the second", slopes[:, 2], COMMON[1], np.zeros(len(at))),
+            ("weights", slopes[:, 2], COMMON[1], at.end_tension_N),
+            ("radius of the wheels", slopes[:, 0], COMMON[2], at.wheel_radius_m),
+            ("setting", slopes[:, 1], COMMON[3], at.wrap_angle_rad),
+            (roped, by_rope, COMMON[4], at.rope_radius_m),
+        )
+        for start, slope, (words, _unit), values in kinds:
+            stds = {item.name: item.std for item in self.common if item.name.startswith(start)}
+            for value in np.unique(values).tolist() if stds else ():
+                size = stds.get(name := words(value), float(np.median([*stds.values()])))
+                found[name] = found.get(name, 0.0) + np.where(values == value, size * slope, 0.0)
+        return {name: effect for name, effect in found.items() if effect.any()}
+
+
+class Evidence(NamedTuple):
+    """What the means of conditions tell of the free parameters.
+
+    Gradients over the standard deviation that a mean is weighed by (n, q), the part of that which is a mean's own
+    scatter (n,), and by how much one standard uncertainty of each shared error moves the sum Σ rows · mean/std (q,).
+    """
+
+    rows: FloatArray
+    own: FloatArray
+    shared: dict[str, FloatArray]
+
+    def joined(self, other: "Evidence") -> "Evidence":
+        """Return both together: an error of the same name is the same one."""
+        shared = {name: other.shared.get(name, 0.0) + moved for name, moved in self.shared.items()}
+        shared |= {name: moved for name, moved in other.shared.items() if name not in shared}
+        return Evidence(np.vstack([self.rows, other.rows]), np.append(self.own, other.own), shared)
+
+    def errors(self, gradients: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the standard errors of weighted least squares along gradients (t, q), and their shared parts.
+
+        Shapes (t,) and (t, b), a column an error. Infinite where the rows leave undetermined what is asked for.
+        """
+        svd = decomposed(self.rows)
+        half, left = svd.root()
+        turned = (gradients / svd.length) @ svd.rows.T
+        needed = np.abs(turned[:, svd.lost]) > 1e-6 * np.linalg.norm(turned, axis=1)[:, None]
+        along = gradients @ half
+        moved = np.array([*self.shared.values()]).reshape(-1, half.shape[0]) @ half
+        own, shared = np.linalg.norm((along @ left.T) * self.own, axis=1), along @ moved.T
+        total = np.hypot(own, np.linalg.norm(shared, axis=1))
+        return np.where(needed.any(axis=1), np.inf, total), shared
 
 
 def planned_guess(
     law: FrictionLaw, guess: Mapping[str, float], scatter: MeanScatter, *, fixed: tuple[str, ...] = ()
 ) -> PlannedLaw:
     """Return a law at guessed parameters, nothing of them known yet."""
-    for name in fixed:
-        if name not in law.parameter_names:
-            fix = did_you_mean(name, law.parameter_names)
-            raise UnknownNameError(f"{law.name} has no parameter {name!r}", fix=fix)
+    check_settings(FitSettings(fixed=dict.fromkeys(fixed, 0.0)), law)
     free = np.array([not item.fixed and item.name not in fixed for item in law.parameters])
     return PlannedLaw(law=law, theta=law.theta_from(guess), free=free, scatter=scatter)
 
@@ -214,6 +213,10 @@ def planned_fit(
     if instrument_N is None:
         known_N = columns["peak_std_N"][np.isfinite(columns["peak_std_N"])]
         instrument_N = float(np.median(known_N)) if known_N.size else 0.0
+    # New tests are pulled with the cell whose error moves the fit most.
+    size = np.where(fit.shown, np.sqrt(np.diag(fit.covariance)), np.inf)
+    moves = {item.name: float(np.linalg.norm(item.change / size)) for item in fit.common_errors}
+    cells = [name for name in moves if name.startswith("calibration")]
     held = [item.name for item in fit.parameters if item.vary and item.at_bound]
     if held:
         notes.append(f"{', '.join(held)} lies on a bound in the fit and is held there")
@@ -224,22 +227,10 @@ def planned_fit(
         scatter=MeanScatter(within=within, between=between, instrument_N=instrument_N),
         tested=Conditions(**{name: columns[name] for name in SETTINGS}),
         tested_repeats=columns["n"],
+        common=fit.common_errors,
+        chain=max(cells, key=moves.__getitem__, default=_CHAIN),
         notes=tuple(notes),
     )
-
-
-def expected_std(planned: PlannedLaw, rows: FloatArray, wanted: Conditions) -> FloatArray:
-    """Return the standard error of ln F_A that rows of information give at conditions, shape (n,).
-
-    Infinite where the rows leave undetermined what the prediction needs.
-    """
-    if not len(rows):
-        return np.full(len(wanted), np.inf)
-    svd = decomposed(rows)
-    along = (planned.gradients(wanted) / svd.length) @ svd.rows.T
-    needed = np.abs(along[:, svd.lost]) > 1e-6 * np.linalg.norm(along, axis=1)[:, None]
-    std = np.linalg.norm(along[:, ~svd.lost] / svd.values[~svd.lost], axis=1)
-    return np.where(needed.any(axis=1), np.inf, std)
 
 
 def allowed_conditions(
@@ -252,21 +243,9 @@ def allowed_conditions(
         f"{law.name} has no answer there": np.isnan(log_lift),
         f"F_A would exceed the {most_N:.4g} N of the cell": log_lift > math.log(most_N),
     }
-    notes = [
-        f"{out.sum()} of {len(grid)} settings are left out: {why}"
-        for why, out in reasons.items()
-        if out.any()
-    ]
+    left_out = ((out.sum(), why) for why, out in reasons.items() if out.any())
+    notes = [f"{n} of {len(grid)} settings are left out: {why}" for n, why in left_out]
     return log_lift <= math.log(most_N), notes
-
-
-def tested_before(planned: PlannedLaw, grid: Conditions) -> BoolArray:
-    """Return which combinations were tested before, shape (N,): a condition set up again is no new one."""
-    if planned.tested is None:
-        return np.zeros(len(grid), dtype=bool)
-    columns = ([getattr(at, name) for at in (planned.tested, grid)] for name in SETTINGS)
-    group, n_tested = condition_groups(*map(np.concatenate, columns)), len(planned.tested)
-    return np.isin(group[n_tested:], group[:n_tested])
 
 
 # ---- the search ----
@@ -382,11 +361,10 @@ def one_factor_plan(allowed: BoolArray, centre: tuple[int, ...], n: int) -> IntA
     The n − 1 conditions beside the centre are dealt evenly to the factors that can vary, and spread evenly over the
     settings of each, its ends first.
     """
-    lines = [np.moveaxis(allowed, axis, 0)[:, *np.delete(centre, axis)] for axis in range(allowed.ndim)]
-    others = [
-        np.delete(np.arange(line.size), at)[np.delete(line, at)]
-        for line, at in zip(lines, centre, strict=True)
-    ]
+    others = []
+    for axis, at in enumerate(centre):
+        spots = np.flatnonzero(np.moveaxis(allowed, axis, 0)[:, *np.delete(centre, axis)])
+        others.append(spots[spots != at])
     shares = [0] * len(others)
     for _ in range(min(n - 1, sum(spots.size for spots in others))):
         still = [axis for axis, spots in enumerate(others) if shares[axis] < spots.size]
@@ -407,26 +385,36 @@ class Outlook:
     """How certain predictions are expected to be."""
 
     std_log: FloatArray
+    shared_log: FloatArray
     dof: int
     level: float
 
     @property
     def half_width_log(self) -> FloatArray:
-        """Return half the width of the interval of each ln F_A, t(dof) · std; infinite without degrees of freedom."""
+        """Return half the width of the interval of each ln F_A, t · std; infinite without degrees of freedom.
+
+        These are more than `dof` where a part of the variance is that of shared errors, which is known for sure.
+        """
         if not self.dof:
             return np.full_like(self.std_log, np.inf)
-        return quantile(0.5 + 0.5 * self.level, float(self.dof)) * self.std_log
+        dof = combined_dof(self.std_log**2, self.shared_log**2, float(self.dof))
+        return self.std_log * [quantile(0.5 + 0.5 * self.level, nu) for nu in dof.tolist()]
 
     def to_dict(self, lift_N: FloatArray) -> list[dict[str, Any]]:
         """Return standard error and interval [N] about lift forces; None where infinite."""
         half = self.half_width_log
         ends_N = lift_N * np.exp(np.minimum([-half, half], 700.0))
         ends_N[:, np.isinf(half)] = np.inf
-        found = []
-        for std, lift, *ends in zip(self.std_log.tolist(), lift_N.tolist(), *ends_N.tolist(), strict=True):
-            row = {"std_log": _number(std), "std_N": _number(std * lift), "interval_N": [*map(_number, ends)]}
-            found.append(row | {"dof": self.dof})
-        return found
+        columns = self.std_log, self.std_log * lift_N, ends_N.T
+        return [
+            {
+                "std_log": _number(std),
+                "std_N": _number(std_N),
+                "interval_N": [*map(_number, ends)],
+                "dof": self.dof,
+            }
+            for std, std_N, ends in zip(*columns, strict=True)
+        ]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -530,17 +518,11 @@ class LabPlan(Shown):
     def to_csv(self) -> str:
         r"""Return the plan as CSV for the lab: a row a condition, in millimetres, degrees and newtons."""
         heads = ("wheel_radius_mm", "rope_diameter_mm", "wrap_angle_deg", "end_tension_N")
+        factors = np.array([1e3, 2e3, math.degrees(1.0), 1.0])
         rows: list[tuple[object, ...]] = [("condition", *heads, "repeats", "expected_lift_force_N")]
         for row in self.rows():
-            wrap_deg = math.degrees(row["wrap_angle_rad"])
-            settings = (
-                1e3 * row["wheel_radius_m"],
-                2e3 * row["rope_radius_m"],
-                wrap_deg,
-                row["end_tension_N"],
-            )
-            force = f"{row['expected_lift_force_N']:.4g}"
-            rows.append((row["condition"], *(f"{x:.10g}" for x in settings), row["repeats"], force))
+            settings = (f"{x:.10g}" for x in factors * [row[name] for name in SETTINGS])
+            rows.append((row["condition"], *settings, row["repeats"], f"{row['expected_lift_force_N']:.4g}"))
         return csv_text(rows)
 
     def to_dict(self) -> dict[str, Any]:
@@ -559,6 +541,7 @@ class LabPlan(Shown):
             "scatter": asdict(self.planned.scatter),
             "conditions": self.rows(),
             "n_tests": len(self) * self.repeats,
+            "shared_log": self.after.shared_log.tolist(),
             "wanted": [_settings(at, i) | {"lift_force_N": float(lift_N[i])} for i in range(len(at))],
             "notes": list(self.notes),
         }
@@ -593,35 +576,41 @@ def plan_tests(
 ) -> LabPlan:
     """Return the conditions to test next.
 
-    A condition adds g gᵀ/(s_b² + s_w²/m + (u/F_A)²) to the information, g = ∂ ln F_A/∂θ: the scatter between
-    conditions is not averaged out by its m repeats. A law that bends makes the plan depend on the parameters it is
-    made for; it is the best for those given.
+    A condition adds g gᵀ/(s_b² + s_w²/m + Σ e²) to the information, g = ∂ ln F_A/∂θ: the scatter between conditions
+    is not averaged out by its m repeats, nor by any number of tests the errors e that they share. A law that bends
+    makes the plan depend on the parameters it is made for; it is the best for those given.
     """
     if n_conditions < 1 or repeats < 1 or not 0.0 < level < 1.0 or criterion not in {"v", "d"}:
         text = f"{n_conditions} conditions of {repeats} repeats by criterion {criterion!r} at level {level:g}"
         fix = "plan one or more of each, by 'v' or 'd', at a level such as 0.95"
         raise InputError(text, key="n_conditions", fix=fix)
     for name, asked in (("n_conditions", n_conditions), ("repeats", repeats), ("starts", starts)):
-        if asked > _MOST:
-            raise InputError(f"{name} is {asked}; the limit is {_MOST}", key=name, fix="ask for fewer")
+        if asked > MOST:
+            raise InputError(f"{name} is {asked}; the limit is {MOST}", key=name, fix="ask for fewer")
     law, theta, grid = planned.law, planned.theta, limits.conditions()
     allowed, notes = allowed_conditions(planned, limits, grid)
-    free = allowed & ~tested_before(planned, grid)
+    # A condition set up again is no new one.
+    both_at = (np.append(getattr(planned.tested, name), getattr(grid, name)) for name in SETTINGS)
+    group, n_tested = condition_groups(*both_at), len(planned.tested)
+    free = allowed & ~np.isin(group[n_tested:], group[:n_tested])
     places, known = np.flatnonzero(free), planned.known
     if places.size < n_conditions:
         text = f"the rig's settings leave {places.size} conditions to choose from, and {n_conditions} are to be planned"
         fix = "give more wheels, wraps or end tensions, a larger cell, or plan fewer conditions"
         raise InputError(text, key="limits", fix=fix)
-    rows = planned.rows(grid.select(places), repeats)
-    _check_determined(planned, np.vstack([rows, known]), planned.n_free + 1 - len(known), n_conditions)
-    exchange = Exchange(rows, known, planned.gradients(wanted), criterion=criterion)
-    chosen, agreeing = best_plan(exchange, n_conditions, starts=starts, seed=seed)
+    rows, old = planned.evidence(grid.select(places), repeats).rows, known.rows
+    _check_determined(planned, np.vstack([rows, old]), planned.n_free + 1 - len(old), n_conditions)
+    along = planned.gradients(wanted)
+    chosen, agreeing = best_plan(
+        Exchange(rows, old, along, criterion=criterion), n_conditions, starts=starts, seed=seed
+    )
     plan = grid.select(places[chosen])
+    both = known.joined(planned.evidence(plan, repeats))
 
-    def outlook(added: FloatArray) -> Outlook:
-        both = np.vstack([known, added])
-        dof = max(len(both) - planned.n_free, 0)
-        return Outlook(std_log=expected_std(planned, both, wanted), dof=dof, level=level)
+    def outlook(at: Conditions) -> Outlook:
+        found = known.joined(planned.evidence(at, repeats))
+        (std, shared), dof = found.errors(along), max(len(found.rows) - planned.n_free, 0)
+        return Outlook(std_log=std, shared_log=np.linalg.norm(shared, axis=1), dof=dof, level=level)
 
     # The usual plans: about the middle of the settings, and about the first wanted condition.
     spots = (
@@ -630,7 +619,7 @@ def plan_tests(
     )
     possible = free.reshape(limits.shape)
     about_middle, about_target = (
-        outlook(planned.rows(grid.select(one_factor_plan(possible, centre, n_conditions)), repeats))
+        outlook(grid.select(one_factor_plan(possible, centre, n_conditions)))
         for centre in (nearest_to(possible), nearest_to(possible, tuple(map(float, spots))))
     )
     return LabPlan(
@@ -642,9 +631,9 @@ def plan_tests(
         wanted_log_lift=law.log_lift(theta, wanted),
         criterion=criterion,
         level=level,
-        parameter_std=np.sqrt(np.diag(plain_covariance(np.vstack([known, rows[chosen]])))),
-        before=outlook(rows[:0]),
-        after=outlook(rows[chosen]),
+        parameter_std=both.errors(np.eye(planned.n_free))[0],
+        before=outlook(_UNTESTED),
+        after=outlook(plan),
         one_factor=about_middle,
         one_factor_at_target=about_target,
         largest_force_N=limits.largest_force_N,
@@ -657,25 +646,34 @@ def plan_tests(
             *notes,
             *_told(planned, plan, repeats),
             *_on_trust(planned, limits, wanted, plan),
+            *_of_shared(both, along),
         ),
     )
 
 
+def _of_shared(found: Evidence, along: FloatArray) -> list[str]:
+    """Return that more pulls do not help any more, where what all of them share is most of the expected variance."""
+    total, shared = found.errors(along)
+    part = (shared**2).sum(axis=1) / total**2
+    worst = int(np.argmax(part))
+    if not part[worst] > _MOSTLY:
+        return []
+    name = [*found.shared][int(np.argmax(shared[worst] ** 2))]
+    text = (
+        f"{part[worst]:.0%} of the variance to expect is of errors that all tests share, above all the {name}"
+    )
+    return [f"{text}: more pulls hardly help, to know that better does"]
+
+
 def _told(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:
     """Return what the conditions tested so far can tell of the law and its parameters, and what with the plan."""
-    tested = planned.tested
-    parts = [plan] if tested is None else [tested, plan]
-    often = [np.broadcast_to(planned.tested_repeats, len(tested))] if tested is not None else []
-    often += [np.full(len(plan), float(repeats))]
-    words = []
-    for name, count in (("what was tested", len(parts) - 1), ("with this plan", len(parts))):
-        if count:
-            columns = ([getattr(at, setting) for at in parts[:count]] for setting in SETTINGS)
-            at = Conditions(**dict(zip(SETTINGS, map(np.concatenate, columns), strict=True)))
-            variance = planned.scatter.variance(
-                planned.law.log_lift(planned.theta, at), np.concatenate(often[:count])
-            )
-            words.append(f"{name}: {law_outlook(planned.law, at, variance, planned.theta).text}")
+    tested, before = planned.tested, np.broadcast_to(planned.tested_repeats, len(planned.tested))
+    both = Conditions(**{name: np.append(getattr(tested, name), getattr(plan, name)) for name in SETTINGS})
+    often, words = np.append(before, np.full(len(plan), repeats)), []
+    for name, at in (("what was tested", tested), ("with this plan", both)):
+        if len(at):
+            outlook = law_outlook(planned.law, at, planned.scatter.variance(often[: len(at)]), planned.theta)
+            words.append(f"{name}: {outlook.text}")
     return words
 
 
@@ -700,7 +698,7 @@ def _on_trust(planned: PlannedLaw, limits: RigLimits, wanted: Conditions, plan: 
     spans: dict[str, tuple[float, float]] = {}
     few = []
     for name in SETTINGS:
-        tested = np.array([]) if planned.tested is None else getattr(planned.tested, name)
+        tested = getattr(planned.tested, name)
         settings = np.array(getattr(limits, name)).ravel()
         both = np.append(settings, tested)
         spans[name] = (float(both.min()), float(both.max()))

@@ -6,6 +6,7 @@ The covariance of the parameters becomes the uncertainty of ln F_A by J C Jᵀ, 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from numbers import Integral
 from typing import Any, Literal
 
 import numpy as np
@@ -14,12 +15,12 @@ from scipy.special import ndtri, stdtr, stdtrit
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import rounded_tree
-from ropefric.fitting.result import Doubt, FitResult, FitStatus, Verdict, far_apart, verdict_of
+from ropefric.fitting.result import Doubt, FitResult, FitStatus, Verdict, verdict_of
 from ropefric.fitting.statistics import combined_dof
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.shown import Shown
-from ropefric.uncertainty.quantity import check_level, joint_draws, symmetric_root
+from ropefric.uncertainty.quantity import check_level, check_type, joint_draws, symmetric_root
 
 Method = Literal["linear", "monte-carlo"]
 Validity = Mapping[str, tuple[float, float]]
@@ -36,6 +37,9 @@ REGRESSORS = {
 _SLACK = 1e-6
 _LARGEST = math.log(np.finfo(np.float64).max)
 _DISAGREEMENT = 0.1
+_ENDS_N = ("interval_N", "prediction_interval_N")
+# Forces that agree to this are the same whatever their intervals.
+_SAME = 1e-6
 # The check of the linear interval by draws is made unasked only where it is quick.
 _CHECKED_CONDITIONS = 100
 _MOST_DRAWS = 10_000_000
@@ -132,26 +136,9 @@ class Prediction(Shown):
         Which force was fitted, so that `lift_force_N` is what sets the rope in motion or what keeps it sliding.
     """
 
-    _said = (
-        "law",
-        "lift_force_N ± std_N",
-        "interval_N",
-        "prediction_interval_N",
-        "level",
-        "extrapolated",
-        "verdict=judged.word",
-    )
-    _framed = (
-        "conditions.wheel_radius_m",
-        "conditions.rope_radius_m",
-        "conditions.wrap_angle_rad",
-        "conditions.end_tension_N",
-        "lift_force_N",
-        "std_N",
-        "interval_N",
-        "prediction_interval_N",
-        "extrapolated",
-    )
+    _said = ("law", "lift_force_N ± std_N", *_ENDS_N, "level", "extrapolated", "verdict=judged.word")
+    _settings = tuple(f"conditions.{name}" for name in SETTINGS)
+    _framed = (*_settings, "lift_force_N", "std_N", *_ENDS_N, "extrapolated")
 
     law: str
     conditions: Conditions
@@ -200,8 +187,11 @@ class Prediction(Shown):
     def verdict(self, index: int = 0) -> Verdict:
         """Return the verdict on the lift force of one condition: that on the law, and on the interval."""
         doubts: list[Doubt] = [(self.judged.word, text) for text in self.judged.reasons]
-        drawn_N = self.drawn_interval_N
-        if self.method == "linear" and (drawn_N is None or far_apart(self.interval_N[index], drawn_N[index])):
+        linear_N, drawn_N = self.interval_N[index], self.drawn_interval_N
+        # By more than half a width: a gross disagreement.
+        room = 0.5 * float(np.diff(linear_N)[0]) + _SAME * float(np.abs(linear_N).max())
+        apart = math.inf if drawn_N is None else float(np.abs(drawn_N[index] - linear_N).max())
+        if self.method == "linear" and apart > room:
             doubts += [("undecided", text) for text in self._disagreement(index)]
         return verdict_of(doubts, self.judged.reason.removesuffix("."))
 
@@ -226,7 +216,7 @@ class Prediction(Shown):
 
     def _row(self, i: int) -> dict[str, Any]:
         given = {name: float(getattr(self.conditions, name)[i]) for name in REGRESSORS}
-        arrays = ("lift_force_N", "std_N", "interval_N", "prediction_interval_N", "extrapolated", "dof")
+        arrays = ("lift_force_N", "std_N", *_ENDS_N, "extrapolated", "dof")
         found = {name: getattr(self, name)[i].tolist() for name in arrays}
         found |= {name: getattr(self, name) for name in ("level", "method", "spread_N", "of")}
         found |= {
@@ -254,20 +244,20 @@ def predict(
     """Return the lift force of a fitted law for n conditions, with its intervals."""
     model = _model(fit, linear_density_kg_m, speed_m_s)
     check_level(level)
+    check_type(Integral, "a whole number", n=n, seed=seed)
     if method not in {"linear", "monte-carlo"}:
         raise InputError(f"unknown method {method!r}", key="method", fix="use 'linear' or 'monte-carlo'")
     if not 100 <= n <= _MOST_DRAWS:
         few = "few" if n < 100 else "many"
         raise InputError(f"{n} draws are too {few}", key="n", fix=f"draw 100 to {_MOST_DRAWS}")
-    theta, covariance = np.asarray(fit.theta), np.asarray(fit.covariance)
+    theta, covariance = fit.theta, fit.covariance
     log_lift = model.log_lift(theta, conditions)
     if (log_lift > _LARGEST).any():
         worst = int(np.argmax(log_lift))
         text = f"ln F_A = {log_lift[worst]:.6g} at {conditions.describe(worst)}: the force overflows"
         raise InputError(text, code="RF420", fix="use a smaller wrap; in Python, law.log_lift stays finite")
     (variance, dof), probability = _law_spread(fit, model, conditions), 0.5 + 0.5 * level
-    seen = all(math.isfinite(item.std) or item.at_bound for item in fit.parameters)
-    told = fit.statistics.interval_dof != 0.0 and fit.status not in _NOTHING_TOLD and seen
+    told = has_interval(fit)
     if not told:
         variance, dof = np.full_like(variance, math.nan), np.zeros_like(dof)
     std = np.sqrt(variance)
@@ -296,7 +286,7 @@ def predict(
             std, ends = drawn if drawing else (std, ends)
     # About the middle of the law's own interval, which is not quite log_lift where draws are skew; as much wider.
     middle, drawn_half = ends.mean(axis=1), 0.5 * np.diff(ends, axis=1)[:, 0]
-    wide = half_width(fit, model, conditions, probability, one_pull=True) if told else half
+    wide = half_width(fit, model, conditions, probability) if told else half
     wide = np.sqrt(np.maximum(wide**2 - half**2, 0.0) + drawn_half**2)
     with np.errstate(over="ignore"):
         lift = np.exp(log_lift)
@@ -323,11 +313,17 @@ def predict(
         )
 
 
+def has_interval(fit: FitResult) -> bool:
+    """Return whether the data leave anything to estimate an interval of the law from."""
+    seen = all(math.isfinite(item.std) or item.at_bound for item in fit.parameters)
+    return fit.statistics.interval_dof != 0.0 and fit.status not in _NOTHING_TOLD and seen
+
+
 def _law_spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> tuple[FloatArray, FloatArray]:
     """Return the variance of ln F_A of the mean law, J C Jᵀ, and its degrees of freedom, shape (n,) each."""
     variance = linear_std(model, fit.theta, fit.covariance, conditions) ** 2
     changes = fit.common_changes
-    known = linear_std(model, fit.theta, changes @ changes.T, conditions) ** 2 if changes.size else 0.0
+    known = linear_std(model, fit.theta, changes @ changes.T, conditions) ** 2
     return variance, combined_dof(variance, known, degrees_of_freedom(fit))
 
 
@@ -346,19 +342,14 @@ def _quantiles(probability: float, dof: FloatArray) -> FloatArray:
     return np.where(dof > 0.0, np.where(np.isinf(dof), ndtri(probability), finite), np.nan)
 
 
-def half_width(
-    fit: FitResult, model: LiftModel, conditions: Conditions, probability: float, *, one_pull: bool
-) -> FloatArray:
-    """Return how far ln F_A may lie from the law to one side, with a probability, shape (n,).
+def half_width(fit: FitResult, model: LiftModel, conditions: Conditions, probability: float) -> FloatArray:
+    """Return how far ln F_A of one pull with a new rope may lie to one side, with a probability, shape (n,).
 
-    Of the mean law, or of one pull with a new rope. What that brings on top, s_b² + s_w², is a mean square between
-    conditions, with the degrees of freedom of the law's own errors, and what single pulls scatter beyond it, with
-    those of the repeats (Welch and Satterthwaite).
+    What a new rope brings on top of the law, s_b² + s_w², is a mean square between conditions, with the degrees of
+    freedom of the law's own errors, and what single pulls scatter beyond it, with those of the repeats (Welch and
+    Satterthwaite).
     """
-    variance, dof = _law_spread(fit, model, conditions)
-    if not one_pull:
-        return _quantiles(probability, dof) * np.sqrt(variance)
-    found, new2 = fit.statistics, new_rope_std(fit) ** 2
+    (variance, dof), found, new2 = _law_spread(fit, model, conditions), fit.statistics, new_rope_std(fit) ** 2
     pulls = float(np.nan_to_num(found.scatter_within)) ** 2 * (1.0 - found.n_conditions / found.n)
     with np.errstate(divide="ignore", invalid="ignore"):
         shared = variance / np.sqrt(dof) + (new2 - pulls) / math.sqrt(degrees_of_freedom(fit))
@@ -398,9 +389,8 @@ def averaged(own: Prediction, answers: Sequence[Prediction], weights: Sequence[f
         return np.asarray(np.exp(np.stack(ends, axis=1)))
 
     mean = (share * centre).sum(axis=0)
-    std = np.sqrt(
-        (share * (known([item.std_log for item in answers]) ** 2 + (centre - mean) ** 2)).sum(axis=0)
-    )
+    variance = known([item.std_log for item in answers]) ** 2 + (centre - mean) ** 2
+    std = np.sqrt((share * variance).sum(axis=0))
     with np.errstate(invalid="ignore"):
         return replace(
             own,

@@ -7,8 +7,8 @@ weighs each trial by its own residual, so there the trials stay as they are.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from numbers import Integral
-from typing import Literal
+from numbers import Integral, Real
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -17,9 +17,12 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw
+from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
+from ropefric.uncertainty.quantity import check_type
 
 Rows = npt.NDArray[np.intp]
+_Three = tuple[FloatArray, FloatArray, FloatArray]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy", "arctan"]
 
 LOSSES: dict[Loss, Callable[[FloatArray], tuple[FloatArray, FloatArray]]] = {
@@ -71,13 +74,20 @@ class FitSettings:
     of: str = "peak"
 
 
+def law_named(law: object) -> FrictionLaw:
+    """Return a law by its name, or the law itself; refuse what is neither."""
+    if isinstance(law, FrictionLaw):
+        return law
+    if not isinstance(law, str):
+        text = f"law is {law!r:.60}, a {type(law).__name__}, and neither the name of a friction law nor a law"
+        raise InputError(text, key="law", fix=f"give a name such as {', '.join([*ALL_LAWS][:3])}")
+    return ALL_LAWS[law]
+
+
 def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
     """Refuse settings that no fit of this law can follow; return quietly otherwise."""
-    for key in ("fixed", "bounds", "start"):
-        for name in getattr(settings, key):
-            if name not in law.parameter_names:
-                fix = did_you_mean(name, law.parameter_names)
-                raise UnknownNameError(f"{law.name} has no parameter {name!r}", key=key, fix=fix)
+    for key in ("fixed", "start", "bounds"):
+        _check_values(key, getattr(settings, key), law)
     for name, (low, high) in settings.bounds.items():
         if not low < high:
             text = f"the bounds of {name}, {low:g} … {high:g}, leave nothing between them"
@@ -96,6 +106,19 @@ def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
         value = getattr(settings, key)
         if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most:
             raise InputError(f"{key} is {value!r:.40}; {why} and at most {most}", key=key)
+
+
+def _check_values(key: str, given: Mapping[str, Any], law: FrictionLaw) -> None:
+    what = "(lower, upper)" if key == "bounds" else "a number"
+    check_type(Mapping, f"a mapping of parameter names to {what}", **{key: given})
+    for name, value in given.items():
+        if name not in law.parameter_names:
+            fix = did_you_mean(str(name), law.parameter_names)
+            raise UnknownNameError(f"{law.name} has no parameter {name!r}", key=key, fix=fix)
+        ends = value if isinstance(value, Sequence | np.ndarray) else ()
+        pair = len(ends) == 2 and all(isinstance(end, Real) for end in ends)
+        if not (pair if key == "bounds" else isinstance(value, Real)):
+            raise InputError(f"{name} is given as {value!r:.40}, not as {what}", key=key, fix=f"give {what}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -174,20 +197,17 @@ class Reduced:
             chi2[part] = self._misfit(values, has_answer, chosen[part])[0]
         return chi2
 
-    def evaluate(
-        self, theta: FloatArray, rows: Rows, limit: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def evaluate(self, theta: FloatArray, rows: Rows, limit: FloatArray) -> _Three:
         """Return χ², JᵀWJ and JᵀW(y − f) of parameter sets."""
         (r, p), k = theta.shape, len(self.conditions)
         chi2, normal, downhill = np.empty(r), np.zeros((r, p, p)), np.zeros((r, p))
+        both = self.law.log_lift_and_jacobian
         (plain,), (sloped,) = (limit < 0.0).nonzero(), (limit >= 0.0).nonzero()
         if plain.size:
             chi2[plain] = self.chi2(theta[plain], rows[plain])
         for part in self._blocks(sloped.size):
             at = sloped[part]
-            (values, J), has_answer = _each(
-                self.law.log_lift_and_jacobian, theta[at], self.conditions, (k,), (k, p)
-            )
+            (values, J), has_answer = _each(both, theta[at], self.conditions, (k,), (k, p))
             chi2[at], residual, weight = self._misfit(values, has_answer, rows[at])
             (good,) = (np.isfinite(chi2[at]) & (chi2[at] <= limit[at])).nonzero()
             if good.size < at.size:
@@ -197,7 +217,7 @@ class Reduced:
             downhill[at] = (weighted @ residual[:, :, np.newaxis])[..., 0]
         return chi2, normal, downhill
 
-    def evaluate_shared(self, theta: FloatArray, m: int) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+    def evaluate_shared(self, theta: FloatArray, m: int) -> _Three | None:
         """Return the same as `evaluate` for all m data sets at one parameter set of shape (p,), or None.
 
         The law is evaluated once, so this costs next to nothing; None where it has no answer, or the loss is robust.
@@ -220,9 +240,7 @@ class Reduced:
             np.broadcast_to(downhill, (m, p)).copy(),
         )
 
-    def _misfit(
-        self, values: FloatArray, has_answer: BoolArray, rows: Rows
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _misfit(self, values: FloatArray, has_answer: BoolArray, rows: Rows) -> _Three:
         """Return the cost, the residuals and the weights of their squares."""
         residual, weight = _row(self.mean, rows) - values, _row(self.weight, rows)
         # A law may answer with 1e300, which no square can hold: such a set is no candidate.
@@ -296,6 +314,12 @@ def _distinct(conditions: Conditions) -> tuple[Rows, Rows]:
     new = np.ones(order.size, dtype=np.bool_)
     new[1:] = np.any([column[order[1:]] != column[order[:-1]] for column in columns], axis=0)
     return order, np.flatnonzero(new)
+
+
+def typical_mu(conditions: Conditions, log_lift: FloatArray) -> float:
+    """Return the median of the average coefficients ln(F_A/F_B)/φ, which one bad condition cannot move far."""
+    rise = log_lift - conditions.log_end_tension
+    return float(np.median(rise / np.maximum(conditions.wrap_angle_rad, 1e-9)))
 
 
 def _row(array: FloatArray, rows: Rows) -> FloatArray:

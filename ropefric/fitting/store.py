@@ -28,9 +28,9 @@ MOST_BYTES = 256 * 2**20
 
 _FAMILY, _VERSION = SCHEMA.split("/")
 _FIELDS = {
+    str: ("text", ("law", "covariance_kind", "status")),
     dict: ("object", ("parameters", "statistics", "identifiability", "validity", "provenance", "trials")),
     list: ("list", ("parameter_order", "covariance", "advice", "notes")),
-    str: ("text", ("covariance_kind", "status")),
 }
 _AGAIN = "fit again: `ropefric fit TRIALS.csv --law NAME --out FIT.json`, or save_fit in Python"
 _PARTS = ("input", "settings", "versions")
@@ -163,20 +163,20 @@ def _check_tree(tree: Any, shown: str) -> None:
         found = "there is no schema" if schema is None else f"the schema is {str(schema)[:60]!r}"
         message = f"this is no stored fit: {found}, not {SCHEMA!r}"
         raise refuse(message, "schema", "give a file that save_fit or `ropefric fit` wrote")
-    law = tree.get("law")
-    if not isinstance(law, str) or law not in ALL_LAWS:
-        message, fix = f"the friction law {str(law)[:60]!r} is not known", did_you_mean(str(law), ALL_LAWS)
-        if declared := _declared_by(tree, str(law)):
-            file, sha256 = declared
-            message = f"the friction law {str(law)[:60]!r} is declared by the plugin {file}"
-            message += f" (SHA-256 {sha256:.12}…), which is not loaded"
-            fix = f"name it: --plugin {file} (in Python, rf.load_plugin)"
-        raise refuse(message, "law", fix)
     for kind, (word, names) in _FIELDS.items():
         for name in names:
             if not isinstance(tree.get(name), kind):
-                what = f"no {word}" if name in tree else "missing"
+                what = f"no {word}" if name in tree else "missing, which every stored fit has"
                 raise refuse(f"the field is {what}", name, _AGAIN, "RF431")
+    law = tree["law"]
+    if law not in ALL_LAWS:
+        message, fix = f"the friction law {law[:60]!r} is not known", did_you_mean(law, ALL_LAWS)
+        if declared := _declared_by(tree, law):
+            file, sha256 = declared
+            message = f"the friction law {law[:60]!r} is declared by the plugin {file}"
+            message += f" (SHA-256 {sha256:.12}…), which is not loaded"
+            fix = f"name it: --plugin {file} (in Python, rf.load_plugin)"
+        raise refuse(message, "law", fix)
 
 
 def _declared_by(tree: Mapping[str, Any], law: str) -> tuple[str, str] | None:
@@ -211,18 +211,13 @@ def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
     plain = "intervals" not in fit.provenance
     for item in fit.parameters:
         name, value, (low, high), slack = item.name, item.value, item.ci95, _ROUNDING * abs(item.value)
-        inside = isfinite(value) and item.lower <= value <= item.upper
-        yield (
-            not inside,
-            f"{name} = {value:g} does not lie between its bounds {item.lower:g} and {item.upper:g}",
-        )
+        outside = not (isfinite(value) and item.lower <= value <= item.upper)
+        bounds = f"{item.lower:g} and {item.upper:g}"
+        yield outside, f"{name} = {value:g} does not lie between its bounds {bounds}"
         known = item.std >= 0.0 or (isnan(item.std) and item.at_bound)
         yield not known, f"the standard error of {name} is {item.std:g}"
-        around = low <= high and (not plain or low - slack <= value <= high + slack)
-        yield (
-            not (around or item.at_bound),
-            f"the interval of {name} from {low:g} to {high:g} is none of {value:g}",
-        )
+        around = item.at_bound or (low <= high and (not plain or low - slack <= value <= high + slack))
+        yield not around, f"the interval of {name} from {low:g} to {high:g} is none of {value:g}"
     yield not np.isfinite(covariance).all(), "the covariance is not finite"
     yield bool((variance < 0.0).any()), "the covariance has a negative variance"
     symmetric = np.allclose(covariance, covariance.T, rtol=_ROUNDING, atol=0.0)
@@ -348,8 +343,6 @@ def _difference(stored: FitResult, again: FitResult) -> float:
     for old, new in zip(stored.parameters, again.parameters, strict=True):
         known = isfinite(old.std) and old.std > 0
         scale = old.std if known else max(abs(old.value), 1e-12)
-        changes += [
-            abs(new.value - old.value) / scale,
-            abs(new.std - old.std) / scale if known and of_today else 0.0,
-        ]
+        changes.append(abs(new.value - old.value) / scale)
+        changes.append(abs(new.std - old.std) / scale if known and of_today else 0.0)
     return float(np.max(changes))

@@ -16,7 +16,7 @@ from ropefric.errors import DataError, RopefricError
 from ropefric.files.digits import rounded_tree
 from ropefric.files.plain_text import json_document
 from ropefric.files.read import hash_file, read_file
-from ropefric.fitting import budgets, next_tests
+from ropefric.fitting import budgets, next_tests, resolution
 from ropefric.fitting.design import DesignChart, design_chart
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std
@@ -103,8 +103,7 @@ def rejection_words(run: CampaignRun) -> tuple[str, ...]:
     rejected = np.array([bool(trial.rejected_by) for trial in trials])
     lost, words = math.fsum(map(rule.good_lost, sizes)), []
     if rule.can_reject(10**6) and math.isfinite(lost):
-        few, many = min(sizes), max(sizes)
-        n = f"{few}" if few == many else f"{few} to {many}"
+        n = " to ".join(map(str, sorted({min(sizes), max(sizes)})))
         took = f"{np.count_nonzero(rejected)} of {sum(sizes)}"
         words.append(
             f"with n = {n} {rule.label} takes {lost:.2g} good trials on average; here it took {took}"
@@ -115,22 +114,19 @@ def rejection_words(run: CampaignRun) -> tuple[str, ...]:
         values = ", ".join(f"{item.name} = {item.value:.4g} ± {item.std:.2g}" for item in shown)
         text = f"without it {fit.law} has {values}"
         if (asked := answer.prediction) is not None:
-            with_N, without_N = (
-                _lift_N(one, asked.conditions, "wrap_angle_rad", 1.0) for one in (answer.fit, fit)
-            )
+            both = (_lift_N(one, asked.conditions, "wrap_angle_rad", 1.0) for one in (answer.fit, fit))
+            with_N, without_N = both
             text += f", and lifts {without_N:.5g} N in the design instead of {with_N:.5g} N"
         words.append(text)
     return tuple(words)
 
 
 def _measured(answer: CampaignAnswer, run: CampaignRun | None) -> Measured:
-    conditions = (
-        budgets.conditions_of_table(answer.table)
-        if run is None
-        else budgets.conditions_of_extraction(
-            run.extraction, weights_tolerance=run.campaign.weights_tolerance
-        )
-    )
+    if run is None:
+        conditions = budgets.conditions_of_table(answer.table)
+    else:
+        tolerance = run.campaign.weights_tolerance
+        conditions = budgets.conditions_of_extraction(run.extraction, weights_tolerance=tolerance)
     return tuple((item, linear_budget(budgets.force_model(item.measured))) for item in conditions)
 
 
@@ -210,32 +206,28 @@ def plan_for_design(answer: CampaignAnswer, run: CampaignRun | None, wheel: Cond
     wraps_deg = [float(f"{math.degrees(end):.12g}") for end in fit.validity["wrap_angle_rad"]]
     low_N, high_N = fit.validity["end_tension_N"]
     cells_N = [] if run is None else [cell.full_scale_N for cell in run.campaign.cells.values()]
-    limits = next_tests.RigLimits(
+    limits = resolution.RigLimits(
         wheel_radius_m=tuple(distinct(table.wheel_radius_m[used]).tolist()),
         wrap_angle_rad=tuple(math.radians(x) for x in _between(wraps_deg[0], wraps_deg[1], step=45.0)),
         end_tension_N=_between(low_N, high_N),
         rope_radius_m=float(wheel.rope_radius_m[0]),
         largest_force_N=max(cells_N, default=float(np.max(table.peak_N[used]))),
     )
-    repeats = (
-        np.sort(np.bincount(table.group())).tolist()
-        if run is None
-        else sorted(summary.n_recorded for summary in run.extraction.conditions)
-    )
-    return next_tests.plan_tests(
-        next_tests.planned_fit(fit), limits, wheel, n_conditions=_PLANNED, repeats=repeats[len(repeats) // 2]
-    )
+    if run is None:
+        repeats = sorted(np.bincount(table.group()).tolist())
+    else:
+        repeats = sorted(summary.n_recorded for summary in run.extraction.conditions)
+    usual, known = repeats[len(repeats) // 2], next_tests.planned_fit(fit)
+    return next_tests.plan_tests(known, limits, wheel, n_conditions=_PLANNED, repeats=usual)
 
 
 def _between(low: float, high: float, step: float | None = None) -> tuple[float, ...]:
     """Return settings from low to high, or the one there is."""
     if not high > low * (1.0 + 1e-9):
         return (low,)
-    return (
-        next_tests.geometric_levels(low, high, _LEVELS)
-        if step is None
-        else next_tests.linear_levels(low, high, _LEVELS, step=step)
-    )
+    if step is None:
+        return resolution.geometric_levels(low, high, _LEVELS)
+    return resolution.linear_levels(low, high, _LEVELS, step=step)
 
 
 SCHEMA, TABLE_SCHEMA = "ropefric.run/1", "ropefric.table/1"
@@ -272,11 +264,8 @@ def trace_provenance(run: CampaignRun, evidence: Evidence) -> dict[str, Any]:
 def trace_table(answer: CampaignAnswer, evidence: Evidence, inputs: Sequence[Path]) -> dict[str, Any]:
     """Return the same for the answer to a trial table: the first input; a second one says more about it."""
     words = ["ropefric", "report", inputs[0].name, "--out", "out"]
-    for option, values in (
-        ("--about", [path.name for path in inputs[1:]]),
-        ("--law", filter(None, [answer.forced_law])),
-    ):
-        words += [word for value in values for word in (option, value)]
+    words += [word for path in inputs[1:] for word in ("--about", path.name)]
+    words += ("--law", answer.forced_law) if answer.forced_law else ()
     at = None if answer.prediction is None else answer.prediction.conditions
     design = {} if at is None else {name: float(getattr(at, name)[0]) for name in REGRESSORS}
     hashes = {path.name: hash_file(path) for path in inputs}
@@ -318,24 +307,16 @@ def manifest(provenance: dict[str, Any], campaign: Path, folder: Path) -> dict[s
 
 def recorded_run(folder: Path) -> tuple[Path, str]:
     """Return the campaign file that a folder of results was made from, and the law that was asked for."""
-    path = folder / MANIFEST
+    path = (folder / MANIFEST).as_posix()
     try:
         tree = json.loads(read_file(path, limit=MOST_BYTES))
     except DataError:
-        raise DataError(
-            "no results stand here",
-            code="RF101",
-            path=path.as_posix(),
-            fix="give a folder that `ropefric run` wrote, or the campaign",
-        ) from None
+        fix = "give a folder that `ropefric run` wrote, or the campaign"
+        raise DataError("no results stand here", code="RF101", path=path, fix=fix) from None
     except (ValueError, RecursionError):
         tree = None
     known = isinstance(tree, dict) and tree.get("schema") == SCHEMA
     if not known or not all(isinstance(tree.get(key), str) for key in ("campaign", "law")):
-        raise DataError(
-            f"this is no {SCHEMA}",
-            code="RF101",
-            path=path.as_posix(),
-            fix="give the campaign or the table itself",
-        )
+        fix = "give the campaign or the table itself"
+        raise DataError(f"this is no {SCHEMA}", code="RF101", path=path, fix=fix)
     return Path(os.path.normpath(folder / tree["campaign"])), tree["law"]

@@ -20,9 +20,8 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.shown import Shown
 from ropefric.trials.campaign_model import Campaign, DesignWheel
-from ropefric.trials.conditions import set_aside_impossible
 from ropefric.trials.extract import extract_campaign
-from ropefric.trials.result import Extraction, count_trials, no_force, write_tables
+from ropefric.trials.result import Extraction, count_trials, no_force, set_aside_impossible, write_tables
 from ropefric.trials.table import TrialTable, read_trial_table
 
 Progress = Callable[[str, int, int], None]
@@ -149,10 +148,8 @@ class CampaignRun(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return counts of the extraction, ranking, fit, prediction and diagnosis as a JSON tree."""
-        return {
-            "campaign": self.campaign.name,
-            "extraction": count_trials(self.extraction),
-        } | self.answer.to_dict()
+        counts = count_trials(self.extraction)
+        return {"campaign": self.campaign.name, "extraction": counts, **self.answer.to_dict()}
 
 
 def run_campaign(
@@ -193,12 +190,8 @@ def run_campaign(
         law=law,
         progress=fit_progress,
     )
-    return CampaignRun(
-        campaign=campaign,
-        extraction=extraction,
-        answer=answer,
-        written=(*tables, *write_answer(answer, target)),
-    )
+    written = (*tables, *write_answer(answer, target))
+    return CampaignRun(campaign=campaign, extraction=extraction, answer=answer, written=written)
 
 
 def write_answer(answer: CampaignAnswer, folder: Folder | str | os.PathLike[str]) -> tuple[Path, ...]:
@@ -217,22 +210,14 @@ def _ranking_text(comparison: Comparison) -> str:
 
 
 def campaign_folder(
-    campaign: Campaign,
-    folder: str | os.PathLike[str],
-    *,
-    answers: bool = True,
-    force: bool = False,
+    campaign: Campaign, folder: str | os.PathLike[str], *, answers: bool = True, force: bool = False
 ) -> OutputFolder:
     """Return the folder of a campaign's results, as a context that keeps it from other runs; see `OutputFolder`."""
     return OutputFolder(
         folder,
         family="campaign",
         names=(*_EXTRACTED, *(_answered() if answers else ())),
-        inputs=(
-            campaign.path,
-            campaign.trial_list,
-            *dict.fromkeys(trial.path for trial in campaign.trials),
-        ),
+        inputs=(campaign.path, campaign.trial_list, *dict.fromkeys(trial.path for trial in campaign.trials)),
         basis="trials.csv",
         force=force,
     )

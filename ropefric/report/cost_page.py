@@ -72,13 +72,13 @@ def _study_section(result: StudyResult) -> Section:
 
 def _shares_table(result: StudyResult) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Return headings and rows of a study that counts outcomes: shares in percent, errors, and time."""
-    names = [name for name in result.points[0].shares if name != "recordings"]
+    names = dict.fromkeys(name for point in result.points for name in point.shares if name != "recordings")
     if all(math.isnan(point.bias) for point in result.points):
         table = [
             (
                 point.case,
                 point.name,
-                *(plain(100.0 * point.shares[name], ".3g") for name in names),
+                *(plain(100.0 * point.shares.get(name, math.nan), ".3g") for name in names),
                 time_text(point.seconds),
             )
             for point in result.points

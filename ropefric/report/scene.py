@@ -9,6 +9,7 @@ from ropefric.glossary import GLOSSARY, counted
 from ropefric.report.section import Section, plain, to_error
 
 if TYPE_CHECKING:
+    from ropefric.scenes.draws import Draws
     from ropefric.scenes.plan import Decision, Explanation, Plan
     from ropefric.scenes.solve import Solution, Uncertain
     from ropefric.scenes.sweep import Sweep
@@ -122,6 +123,27 @@ def _bound(decision: "Decision") -> str:
 
 def _time(seconds: float) -> str:
     return f"{1e6 * seconds:.0f} µs" if seconds < 1e-3 else f"{1e3 * seconds:.3g} ms"
+
+
+def draws_sections(drawn: "Draws", words: Mapping[str, str]) -> list[Section]:
+    """Return what draws of a scene's uncertain quantities lead to: mean, standard deviation and quantiles."""
+    bound = f"at most {drawn.error_bound:.2g} (wanted: {drawn.accuracy:g})"
+    lines = [
+        f"drawn: {', '.join(drawn.inputs)}",
+        f"effects: {', '.join(drawn.simulated) or 'none'}; relative difference to everything {bound}",
+        *(f"{name} left out in {count} draws" for name, count in drawn.left_out.items()),
+        *(f"in {100.0 * share:.3g} % of the draws {what}" for what, share in drawn.shares.items()),
+    ]
+    rows = []
+    for name, one in drawn.numbers.items():
+        label, factor = _in_units(words.get(name) or _label(name))
+        told = [to_error(factor * each, factor * one.std) for each in (one.value, one.mean, *one.quantiles)]
+        rows.append([label, *told, f"{factor * one.std:.2g}"])
+    tail = 50.0 * (1.0 - drawn.level)
+    ends = (f"{tail:g} %", "median", f"{100.0 - tail:g} %")
+    headings = ("quantity", "as given", "mean", *ends, "standard deviation")
+    title = f"{drawn.system}: {drawn.count} draws (seed {drawn.seed})"
+    return [Section(title, lines, headings, rows, notes=[*drawn.doubts, *drawn.unanswered])]
 
 
 def sweep_sections(sweep: "Sweep", width: int | None = None) -> list[Section]:

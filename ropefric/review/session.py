@@ -20,11 +20,10 @@ from ropefric.review import view
 from ropefric.review.decisions import COLUMNS, with_decision
 from ropefric.traces.breakaway import Status
 from ropefric.traces.readers.excel import READER as EXCEL
+from ropefric.trials import result as results
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import Campaign, TrialSpec
-from ropefric.trials.conditions import set_aside_impossible, summarised
 from ropefric.trials.extract import ByRow, Progress, extract_rows, in_list_order
-from ropefric.trials.result import ConditionSummary, Extraction, TrialResult, count_trials, no_force
 from ropefric.trials.table import table_of_extraction
 
 OWN_WORDS = "review: "
@@ -51,7 +50,7 @@ class _State:
     content: bytes
     campaign: Campaign
     by_row: ByRow
-    extraction: Extraction
+    extraction: results.Extraction
     specs: Mapping[str, TrialSpec]
 
     @cached_property
@@ -65,7 +64,7 @@ class _State:
         names = {name: self._name_of(one) for one in self.extraction.conditions for name in one.trials}
         return {trial.trial: view.row_of(trial, names[trial.trial]) for trial in self.extraction.trials}
 
-    def _name_of(self, one: ConditionSummary) -> str:
+    def _name_of(self, one: results.ConditionSummary) -> str:
         """Return the settings of a condition in words."""
         slack = self.campaign.protocol.needs_lift_force
         known = f"F_A {one.lift_force_N:.4g} N" if slack else f"F_B {one.end_tension_N:.4g} N"
@@ -143,7 +142,7 @@ class Review:
         if _content_of(campaign.trial_list) != content:
             raise _changed(campaign.trial_list)
         seen: ByRow = {} if before is None else before.by_row
-        kept: dict[str, tuple[TrialResult, ...]] = {}
+        kept: dict[str, tuple[results.TrialResult, ...]] = {}
         if before is not None and before.campaign.settings_fingerprint() == campaign.settings_fingerprint():
             kept = {
                 row.trial: tuple(
@@ -163,12 +162,12 @@ class Review:
         )
         by_row = {**kept, **new}
         placed = in_list_order(campaign, by_row)
-        found = summarised(campaign, [result for _, result in placed], n_reused=n_reused)
+        found = results.summarised(campaign, [result for _, result in placed], n_reused=n_reused)
         return _State(
             content=content,
             campaign=campaign,
             by_row=by_row,
-            extraction=set_aside_impossible(found, campaign),
+            extraction=results.set_aside_impossible(found, campaign),
             specs={result.trial: row for row, result in placed},
         )
 
@@ -370,14 +369,14 @@ class Review:
             }
 
     def _counts(self) -> dict[str, Any]:
-        return count_trials(self._state.extraction)
+        return results.count_trials(self._state.extraction)
 
     def _spec(self, trial: str) -> TrialSpec:
         if trial not in self._state.specs:
             raise InputError(f"there is no trial {trial!r}", code="RF120", key="trial", fix="reload the page")
         return self._state.specs[trial]
 
-    def _result(self, trial: str) -> TrialResult:
+    def _result(self, trial: str) -> results.TrialResult:
         self._spec(trial)
         return next(one for one in self._state.extraction.trials if one.trial == trial)
 
@@ -395,8 +394,8 @@ class Review:
         self._refuse_unread(was)
         decided = replace(spec, pick_s=pick_s, peak_N=None, peak_std_N=None, exclude="", why="-", by="-")
         one = campaign.model_copy(update={"trials": (decided,), "warnings": ()})
-        results, _ = extract_rows(one, trusted=True)
-        result = results[spec.trial][0]
+        by_row, _ = extract_rows(one, trusted=True)
+        result = by_row[spec.trial][0]
         found = result.breakaway
         if found.status is not Status.OK:
             raise DataError(found.detail, code="RF244", key="pick_s", fix="choose another place")
@@ -416,7 +415,7 @@ class Review:
                 del self._curves[old]
         return view.decimated(curves, start_s, stop_s, columns)
 
-    def _refuse_unread(self, result: TrialResult) -> None:
+    def _refuse_unread(self, result: results.TrialResult) -> None:
         if not _is_readable(result):
             fix = "".join(problem.fix for problem in result.problems[-1:])
             raise DataError(result.breakaway.detail, path=result.file, fix=fix)
@@ -425,14 +424,14 @@ class Review:
 def _said(state: _State, law: str, progress: Callable[[str, int, int], None]) -> dict[str, Any]:
     """Return what all trials say, as few numbers as tell one answer from another."""
     campaign = state.campaign
-    if (without := no_force(state.extraction, campaign.path)) is not None:
+    if (without := results.no_force(state.extraction, campaign.path)) is not None:
         raise without
     rope_m, table = campaign.rope.radius_m, table_of_extraction(state.extraction)
     answer = answer_trials(table, design=campaign.design, rope_radius_m=rope_m, law=law, progress=progress)
     return view.answer_of(answer)
 
 
-def _is_readable(result: TrialResult) -> bool:
+def _is_readable(result: results.TrialResult) -> bool:
     """Return whether a recording is no danger to this process: another one read it to its end."""
     return all(problem.code != UNREADABLE for problem in result.problems)
 

@@ -1,14 +1,26 @@
-"""What the virtual rig is built of and how it is driven, and its chain from force to ADC counts."""
+"""The PRTH bench: its settings, its chain from force to ADC counts, what happens to the rope, and the force it makes."""
 
 import math
-from dataclasses import dataclass, field, fields
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, replace
+from itertools import accumulate
+from math import nan
+from typing import Any
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.registry import Registry
+from ropefric.traces.breakaway import Phase, Status
 from ropefric.traces.calibration import Adc, ForceCell
+
+SETTLED_S = 0.03  # after break-away from which the sliding force counts as kinetic
+RELAXATION_S = 0.4  # in which a held rope relaxes
+_ONSET_S = 0.05
+_TONES, _BAND_HZ = 6, (3.0, 15.0)
+_SLOW_TEETH, _SLOW_TEETH_HZ = (8, 16), (2.0, 6.0)
+_CYCLES, _JERKS = 3, 5
 
 Range = tuple[float, float]
 """Lower and upper limit of a quantity that differs from recording to recording (uniform)."""
@@ -55,18 +67,13 @@ class Bench:
     zero_counts: Range = (6.0, 15.0)
     noise_counts: Range = (0.3, 1.0)
     zero_drift_counts: float = 0.2
-    hum_counts: float = 0.0
-    hum_Hz: float = 50.0
-    gain_error: float = 0.0
 
     def __post_init__(self) -> None:
         for item in fields(self):
             value = getattr(self, item.name)
             if item.type == Range and not 0.0 <= value[0] <= value[1] < math.inf:
-                raise InputError(
-                    f"{item.name} = {value} is not a range: lower and upper limit, neither negative",
-                    key=item.name,
-                )
+                message = f"{item.name} = {value} is not a range: lower and upper limit, neither negative"
+                raise InputError(message, key=item.name)
         for key in ("sampling_rate_Hz", "rope_stiffness_N_m", "cell_stiffness_N_m", "moving_mass_kg"):
             if not 0.0 < getattr(self, key) < math.inf:
                 raise InputError(f"{key} = {getattr(self, key)} is not a positive number", key=key)
@@ -143,3 +150,354 @@ class Sensor:
         counts = self.ideal_counts(force_N, time_s)
         counts += self.noise_counts * rng.standard_normal(counts.size)
         return np.clip(np.rint(counts), 0, self.adc.max_count)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordingTruth:
+    """What is true of one simulated recording, before noise, conversion and damage; NaN where nothing is."""
+
+    status: Status
+    lift_force_N: float
+    breakaway_time_s: float = nan
+    kinetic_N: float = nan
+    faults: tuple[str, ...] = ()
+    cell: str = ""
+    dwell_s: float = nan
+    tooth_tops_N: tuple[float, ...] = ()
+    tooth_times_s: tuple[float, ...] = ()
+    plateaus_N: tuple[float, ...] = ()
+    phases: tuple[Phase, ...] = ()
+
+
+def phases_of(*ends_s: float, slides: bool) -> tuple[Phase, ...]:
+    """Return the phases of a pull by their ends [s]."""
+    names = ("idle", "loading", "sliding" if slides else "held", "unloading")
+    spans = zip(names, (0.0, *ends_s), ends_s, strict=False)
+    return tuple(Phase(name=name, start_s=start_s, end_s=end_s) for name, start_s, end_s in spans)
+
+
+def draw_roughness(rng: np.random.Generator, std_N: float) -> Callable[[FloatArray], FloatArray]:
+    """Return the force [N] of tones between 3 and 15 Hz, of a standard deviation, at times since sliding began [s]."""
+    amplitude_N = std_N * np.sqrt(2.0 * rng.dirichlet(np.full(_TONES, 3.0)))
+    frequency_Hz, phase_rad = rng.uniform(*_BAND_HZ, _TONES), rng.uniform(0.0, 2.0 * np.pi, _TONES)
+
+    def force_N(elapsed_s: FloatArray) -> FloatArray:
+        angle = 2.0 * np.pi * np.multiply.outer(elapsed_s, frequency_Hz) + phase_rad
+        return np.asarray(-np.expm1(-elapsed_s / _ONSET_S) * (np.sin(angle) @ amplitude_N))
+
+    return force_N
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Snap:
+    """How the force falls when the rope slips: a mass on a spring, released."""
+
+    natural_Hz: float
+    damping_ratio: float
+
+    def remaining(self, elapsed_s: FloatArray) -> FloatArray:
+        """Return the part of the fall still to come: 1 at the slip, with slope 0, then a decaying overshoot.
+
+        Solves x'' + 2ζω x' + ω² x = 0, x(0) = 1, x'(0) = 0.
+        """
+        omega = 2.0 * np.pi * self.natural_Hz
+        zeta = self.damping_ratio
+        root = np.sqrt(1.0 - zeta**2)
+        phase = omega * root * elapsed_s
+        answer = np.exp(-zeta * omega * elapsed_s) * (np.cos(phase) + zeta / root * np.sin(phase))
+        return np.asarray(answer, dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Teeth:
+    """Stick-slip teeth after break-away, as deviations from the kinetic level.
+
+    Tooth 0 is the break-away itself: its top is reached by the loading, not by a reload.
+    """
+
+    time_s: FloatArray
+    top_N: FloatArray
+    bottom_N: FloatArray
+
+    def scaled(self, factor: float) -> "Teeth":
+        """Return teeth that slip at the same times and are so many times as high."""
+        return Teeth(time_s=self.time_s, top_N=factor * self.top_N, bottom_N=factor * self.bottom_N)
+
+    def force_N(self, elapsed_s: FloatArray, snap: Snap) -> FloatArray:
+        """Return the deviation from the kinetic level at times after break-away [N].
+
+        Continuous: what an earlier snap still rings with when the next top is due is taken off the reload.
+        """
+        period_s = np.diff(self.time_s)
+        fall_N = (self.top_N - self.bottom_N)[:-1]
+        left = snap.remaining(period_s)
+        slope_N_s = (self.top_N[1:] - self.bottom_N[:-1] - fall_N * left) / (period_s * (1.0 - left))
+        tooth = np.clip(np.searchsorted(self.time_s, elapsed_s, side="right") - 1, 0, period_s.size - 1)
+        since_s = elapsed_s - self.time_s[tooth]
+        left = snap.remaining(since_s)
+        # The reload sets in as the fall does its work, so that no top is passed after its slip has begun.
+        reload_N = slope_N_s[tooth] * since_s * (1.0 - left)
+        return self.bottom_N[tooth] + reload_N + fall_N[tooth] * left
+
+
+def lay_teeth(*, top_N: FloatArray, bottom_N: FloatArray, reload_N_s: float) -> Teeth:
+    """Return teeth that follow each other as the reload allows: stiffness times speed, the same for all."""
+    time_s = np.concatenate(([0.0], np.cumsum((top_N[1:] - bottom_N[:-1]) / reload_N_s)))
+    return Teeth(time_s=time_s, top_N=top_N, bottom_N=bottom_N)
+
+
+def draw_teeth(
+    rng: np.random.Generator, *, drop_N: float, height_N: float, rate_Hz: float, lasting_s: float
+) -> Teeth:
+    """Return jittered teeth of a mean height and rate that last at least some time."""
+    n = int(2.0 * lasting_s * rate_Hz) + 4
+    top_N = 0.5 * height_N * rng.uniform(0.5, 1.5, n)
+    bottom_N = -0.5 * height_N * rng.uniform(0.7, 1.3, n)
+    top_N[0] = drop_N
+    return lay_teeth(top_N=top_N, bottom_N=bottom_N, reload_N_s=height_N * rate_Hz)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BreakawayPull:
+    """One recording of the PRTH bench: idle, weights hung, dwell, motor ramp, break-away, sliding, motor off."""
+
+    hang_s: float
+    settle_s: float
+    ramp_s: float
+    breakaway_s: float
+    off_s: float
+    end_s: float
+    pretension_N: float
+    bounce_N: float
+    bounce_Hz: float
+    bounce_decay_s: float
+    lift_force_N: float
+    ramp_top_N: float
+    soft_start: float
+    micro_slip: float
+    micro_slip_loss: float
+    kinetic_N: float
+    drift: float
+    teeth: Teeth
+    snap: Snap
+    holding_N: float
+    release_s: float
+    roughness: Callable[[FloatArray], FloatArray] | None = None
+    hold_loss: float = 0.0
+    has_peak: bool = True
+
+    def raised(self, factor: float) -> "BreakawayPull":
+        """Return the pull with static and kinetic friction so many times as high."""
+        forces = ("lift_force_N", "ramp_top_N", "kinetic_N", "holding_N")
+        raised: dict[str, Any] = {name: factor * getattr(self, name) for name in forces}
+        return replace(self, teeth=self.teeth.scaled(factor), **raised)
+
+    @property
+    def breaks_away(self) -> bool:
+        """Return whether the ramp reaches the static friction."""
+        return self.ramp_top_N >= self.lift_force_N
+
+    def force_N(self, time_s: FloatArray) -> FloatArray:
+        """Return the true force at increasing times [N]."""
+        limits = (self.hang_s, self.settle_s, self.ramp_s, self.breakaway_s, self.off_s)
+        hang, settle, ramp, slip, off = np.searchsorted(time_s, limits, side="left").tolist()
+        force_N = np.zeros_like(time_s)
+        rise = (time_s[hang:settle] - self.hang_s) / (self.settle_s - self.hang_s)
+        force_N[hang:settle] = self.pretension_N * 0.5 * (1.0 - np.cos(np.pi * rise))
+        force_N[settle:ramp] = self.pretension_N
+        force_N[ramp:slip] = self._loading_N(time_s[ramp:slip])
+        force_N[settle:slip] += self._bounce_N(time_s[settle:slip])
+        force_N[slip:off] = self._after_ramp_N(time_s[slip:off])
+        last_N = float(self._after_ramp_N(np.array([self.off_s]))[0])
+        released = np.exp(-(time_s[off:] - self.off_s) / self.release_s)
+        force_N[off:] = self.holding_N + (last_N - self.holding_N) * released
+        return force_N
+
+    def _bounce_N(self, time_s: FloatArray) -> FloatArray:
+        elapsed_s = time_s - self.settle_s
+        swing = np.sin(2.0 * np.pi * self.bounce_Hz * elapsed_s)
+        # Faded to exactly nothing by break-away, which must happen at the static friction and nowhere else.
+        fade = 1.0 - elapsed_s / (self.breakaway_s - self.settle_s)
+        return np.asarray(self.bounce_N * fade * np.exp(-elapsed_s / self.bounce_decay_s) * swing)
+
+    def _loading_N(self, time_s: FloatArray) -> FloatArray:
+        """Return the ramp: its slope grows over the soft start, is steady, and falls while the slip arc grows."""
+        a, b, loss = self.soft_start, 1.0 - self.micro_slip, self.micro_slip_loss
+        u = (time_s - self.ramp_s) / (self.breakaway_s - self.ramp_s)
+        late = np.maximum(u - b, 0.0)
+        risen = np.where(u < a, u**2 / (2.0 * a), u - 0.5 * a) - loss * late**2 / (2.0 * (1.0 - b))
+        whole = 1.0 - 0.5 * a - 0.5 * loss * (1.0 - b)
+        return np.asarray(self.pretension_N + (self.ramp_top_N - self.pretension_N) * risen / whole)
+
+    def _after_ramp_N(self, time_s: FloatArray) -> FloatArray:
+        elapsed_s = time_s - self.breakaway_s
+        if not self.breaks_away:
+            relaxed = -np.expm1(-elapsed_s / RELAXATION_S)
+            return np.asarray(self.ramp_top_N * (1.0 - self.hold_loss * relaxed))
+        part = elapsed_s / (self.off_s - self.breakaway_s)
+        # A straight drift would be a trend line any fit removes; half a sine on it is still slow.
+        drift = self.drift * (part + 0.2 * np.sin(np.pi * part)) / 1.03
+        rough_N = self.teeth.force_N(elapsed_s, self.snap)
+        if self.roughness is not None:
+            rough_N = rough_N + self.roughness(elapsed_s)
+        return np.asarray(self.kinetic_N * (1.0 + drift) + rough_N)
+
+    def truth(self) -> RecordingTruth:
+        """Return what a perfect reading of this recording would find."""
+        ends_s = (self.hang_s, self.breakaway_s, self.off_s, self.end_s)
+        truth = RecordingTruth(
+            status=Status.NO_BREAKAWAY,
+            lift_force_N=self.lift_force_N,
+            dwell_s=self.ramp_s - self.settle_s,
+            phases=phases_of(*ends_s, slides=self.breaks_away),
+        )
+        if not self.breaks_away:
+            return truth
+        sliding_s = np.linspace(min(self.breakaway_s + SETTLED_S, self.off_s), self.off_s, 4001)
+        truth = replace(truth, status=Status.NO_PEAK, kinetic_N=float(self._after_ramp_N(sliding_s).mean()))
+        if not self.has_peak:
+            return truth
+        top_s = self.teeth.time_s[self.teeth.time_s < self.off_s - self.breakaway_s] + self.breakaway_s
+        tops_N, tops_s = tuple(self._after_ramp_N(top_s).tolist()), tuple(top_s.tolist())
+        truth = replace(truth, tooth_tops_N=tops_N, tooth_times_s=tops_s)
+        return replace(truth, status=Status.OK, breakaway_time_s=self.breakaway_s)
+
+
+def draw_breakaway(
+    bench: Bench, lift_force_N: float, end_tension_N: float, rng: np.random.Generator
+) -> BreakawayPull:
+    """Return what happens in one recording, drawn from the bench; it breaks away at exactly `lift_force_N`."""
+    spans = (bench.idle_s, bench.hang_s, bench.dwell_s, bench.load_s, bench.slide_s, bench.off_s)
+    lasting_s = [rng.uniform(*span) for span in spans]
+    ends_s = list(accumulate(lasting_s))
+    # The cell cannot read more than the static friction before the pull, however the weights bounce.
+    pretension_N = min(end_tension_N * rng.uniform(*bench.pretension), 0.9 * lift_force_N)
+    bounce_N = min(pretension_N * rng.uniform(*bench.bounce), 0.6 * (lift_force_N - pretension_N))
+    kinetic_N = lift_force_N * rng.uniform(*bench.kinetic_ratio)
+    drop_N = lift_force_N - kinetic_N
+    drawn: dict[str, Any] = {"bounce_Hz": rng.uniform(*bench.bounce_Hz)}  # in the order of the draws
+    drawn["bounce_decay_s"] = lasting_s[2] * rng.uniform(0.1, 0.2)
+    for key in ("soft_start", "micro_slip", "micro_slip_loss"):
+        drawn[key] = rng.uniform(*getattr(bench, key))
+    drawn["drift"] = bench.kinetic_drift * rng.uniform(-1.0, 1.0)
+    height_N, rate_Hz = drop_N * rng.uniform(*bench.tooth_height), rng.uniform(*bench.tooth_Hz)
+    sliding_s = ends_s[4] - ends_s[3]
+    drawn["teeth"] = draw_teeth(rng, drop_N=drop_N, height_N=height_N, rate_Hz=rate_Hz, lasting_s=sliding_s)
+    natural_Hz = bench.natural_frequency_Hz(rng.uniform(*bench.stiffness_factor))
+    drawn["snap"] = Snap(natural_Hz=natural_Hz, damping_ratio=rng.uniform(*bench.damping_ratio))
+    drawn |= zip(("hang_s", "settle_s", "ramp_s", "breakaway_s", "off_s", "end_s"), ends_s, strict=True)
+    return BreakawayPull(
+        pretension_N=pretension_N,
+        bounce_N=bounce_N,
+        lift_force_N=lift_force_N,
+        ramp_top_N=lift_force_N,
+        kinetic_N=kinetic_N,
+        holding_N=pretension_N + (kinetic_N - pretension_N) * rng.uniform(0.3, 0.8),
+        release_s=rng.uniform(*bench.release_s),
+        **drawn,
+    )
+
+
+def _draw_stick_slip(
+    bench: Bench, lift_force_N: float, end_tension_N: float, rng: np.random.Generator
+) -> BreakawayPull:
+    n = int(rng.integers(*_SLOW_TEETH, endpoint=True))
+    tops_N = lift_force_N * (1.0 + bench.trial_scatter * rng.standard_normal(n + 1))
+    pull = draw_breakaway(bench, float(tops_N[0]), end_tension_N, rng)
+    drop_N = pull.lift_force_N - pull.kinetic_N
+    teeth = lay_teeth(
+        top_N=tops_N - pull.kinetic_N,
+        bottom_N=-drop_N * rng.uniform(0.6, 1.0, n + 1),
+        reload_N_s=1.8 * drop_N * rng.uniform(*_SLOW_TEETH_HZ),
+    )
+    off_s = pull.breakaway_s + float(teeth.time_s[-2] + 0.7 * (teeth.time_s[-1] - teeth.time_s[-2]))
+    # Static tops stand on the static friction, not on the kinetic level, so that level must not drift here.
+    return replace(pull, teeth=teeth, drift=0.0, off_s=off_s, end_s=off_s + (pull.end_s - pull.off_s))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HeldPulls:
+    """One recording of a spring scale on the slack side: pulled in jerks, held, let go, several times."""
+
+    knot_s: FloatArray
+    knot_N: FloatArray
+    hold_s: FloatArray
+    creep_N: FloatArray
+    creep_s: FloatArray
+    plateau_N: FloatArray
+    lift_force_N: float
+    end_s: float
+
+    def force_N(self, time_s: FloatArray) -> FloatArray:
+        """Return the true force on the slack side [N]."""
+        force_N = np.interp(time_s, self.knot_s, self.knot_N)
+        for (start_s, end_s), creep_N, creep_s, plateau_N in zip(
+            self.hold_s, self.creep_N, self.creep_s, self.plateau_N, strict=True
+        ):
+            held = (time_s >= start_s) & (time_s < end_s)
+            force_N[held] = plateau_N + creep_N * np.exp(-(time_s[held] - start_s) / creep_s)
+        return force_N
+
+    def truth(self) -> RecordingTruth:
+        """Return the plateaus and when they were held."""
+        return RecordingTruth(
+            status=Status.OK,
+            lift_force_N=self.lift_force_N,
+            plateaus_N=tuple(self.plateau_N.tolist()),
+            phases=tuple(Phase(name="held", start_s=a, end_s=b) for a, b in self.hold_s.tolist()),
+        )
+
+
+def _draw_held(
+    bench: Bench, lift_force_N: float, end_tension_N: float, rng: np.random.Generator
+) -> HeldPulls:
+    plateau_N = end_tension_N * (1.0 + bench.trial_scatter * rng.standard_normal(_CYCLES))
+    creep_N = plateau_N * rng.uniform(0.005, 0.015, _CYCLES)
+    now_s = rng.uniform(*bench.idle_s)
+    knot_s, knot_N, hold_s = [0.0, now_s], [0.0, 0.0], []
+    for level_N, excess_N in zip(plateau_N, creep_N, strict=True):
+        # A hand pulls in jerks: quick rises with short rests between them.
+        lasting_s = rng.uniform(*bench.load_s)
+        steps = np.sort(rng.uniform(0.1, 0.9, _JERKS))
+        for number, part in enumerate(np.append(steps, 1.0)):
+            knot_s += [now_s + lasting_s * (number + reached) / (_JERKS + 1) for reached in (0.4, 1)]
+            knot_N += [part * (level_N + excess_N)] * 2
+        start_s = knot_s[-1]
+        end_s = start_s + rng.uniform(*bench.dwell_s)
+        let_go_s = end_s + rng.uniform(0.3, 0.8)
+        now_s = let_go_s + rng.uniform(*bench.slide_s)
+        slack_N = level_N * rng.uniform(0.01, 0.05)
+        knot_s += [end_s, let_go_s, now_s]
+        knot_N += [level_N, slack_N, slack_N]
+        hold_s.append((start_s, end_s))
+    return HeldPulls(
+        knot_s=np.array(knot_s),
+        knot_N=np.array(knot_N),
+        hold_s=np.array(hold_s),
+        creep_N=creep_N,
+        creep_s=rng.uniform(0.5, 1.2, _CYCLES),
+        plateau_N=plateau_N,
+        lift_force_N=lift_force_N,
+        end_s=now_s,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class RigProtocol:
+    """A way of running the rig: whether one recording holds several trials, whether the tight side is measured."""
+
+    name: str
+    draw: Callable[[Bench, float, float, np.random.Generator], BreakawayPull | HeldPulls]
+    scatters_inside: bool
+    measures_lift: bool = True
+
+
+RIG_PROTOCOLS: Registry[RigProtocol] = Registry(
+    "rig protocol",
+    [
+        RigProtocol("breakaway", draw_breakaway, scatters_inside=False),
+        RigProtocol("stick-slip", _draw_stick_slip, scatters_inside=True),
+        RigProtocol("held", _draw_held, scatters_inside=True, measures_lift=False),
+    ],
+)
+"""One static peak a recording, slow teeth of which each is a trial, plateaus held on the slack side."""

@@ -5,7 +5,7 @@ import io
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +17,7 @@ from ropefric.files.write import write_file
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
-from ropefric.rig.bench import Bench
-from ropefric.rig.mechanics import RIG_PROTOCOLS, RecordingTruth
+from ropefric.rig.bench import RIG_PROTOCOLS, Bench, RecordingTruth
 from ropefric.rig.pulls import PHYSICS
 from ropefric.rig.recording import FAULTS, SATURATION_MARGIN, SimulatedRecording, simulate_recording
 
@@ -26,6 +25,7 @@ TRUTH_SCHEMA = "ropefric.rig-truth/1"
 PRTH_SEED = 20260
 """The seed `data/prth-bench` was written with."""
 _MOST_TRIALS = 100_000
+Progress = Callable[[int, int, str], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,19 +63,13 @@ class CampaignPlan:
     physics: str = "coulomb"
 
     def __post_init__(self) -> None:
+        planned = f"{len(self.conditions)} conditions with {self.repeats} repeats"
         if not self.conditions or self.repeats < 1:
-            raise InputError(
-                f"{len(self.conditions)} conditions with {self.repeats} repeats make no recording",
-                key="repeats",
-                fix="plan at least one condition and one repeat",
-            )
+            fix = "plan at least one condition and one repeat"
+            raise InputError(f"{planned} make no recording", key="repeats", fix=fix)
         if self.n_trials > _MOST_TRIALS:
-            raise InputError(
-                f"{len(self.conditions)} conditions with {self.repeats} repeats are {self.n_trials} recordings;"
-                f" the limit is {_MOST_TRIALS}",
-                key="repeats",
-                fix="ask for fewer repeats",
-            )
+            message = f"{planned} are {self.n_trials} recordings; the limit is {_MOST_TRIALS}"
+            raise InputError(message, key="repeats", fix="ask for fewer repeats")
         for name, rate in self.faults.items():
             fault = FAULTS[name]
             if not 0.0 <= rate <= 1.0:
@@ -84,15 +78,11 @@ class CampaignPlan:
                 fault.check_protocol(RIG_PROTOCOLS[self.protocol].name)
         known = ("coulomb", *PHYSICS)
         if self.physics not in known:
-            raise UnknownNameError(
-                f"unknown physics {self.physics!r}", key="physics", fix=did_you_mean(self.physics, known)
-            )
+            fix = did_you_mean(self.physics, known)
+            raise UnknownNameError(f"unknown physics {self.physics!r}", key="physics", fix=fix)
         if self.physics != "coulomb" and self.protocol != "breakaway":
-            raise InputError(
-                f"physics '{self.physics}' does not go with protocol '{self.protocol}'",
-                key="physics",
-                fix="use physics 'coulomb', or protocol 'breakaway'",
-            )
+            message = f"physics '{self.physics}' does not go with protocol '{self.protocol}'"
+            raise InputError(message, key="physics", fix="use physics 'coulomb', or protocol 'breakaway'")
         self.lift_force_N(self.conditions)
 
     @property
@@ -103,12 +93,9 @@ class CampaignPlan:
     def lift_force_N(self, conditions: tuple[RigCondition, ...]) -> FloatArray:
         """Return the true lift force of conditions [N], shape (n,), without scatter."""
         law = ALL_LAWS[self.law]
-        pulls = Conditions(
-            wheel_radius_m=np.array([c.wheel_radius_m for c in conditions]),
-            rope_radius_m=np.array(0.5 * self.rope_diameter_m),
-            wrap_angle_rad=np.array([c.wrap_angle_rad for c in conditions]),
-            end_tension_N=np.array([c.end_tension_N for c in conditions]),
-        )
+        settings = (item.name for item in fields(RigCondition))
+        columns = {name: np.array([getattr(one, name) for one in conditions]) for name in settings}
+        pulls = Conditions(rope_radius_m=np.array(0.5 * self.rope_diameter_m), **columns)
         log_lift = law.log_lift(law.theta_from(self.parameters), pulls)
         if not float(log_lift.max()) < math.log(1e9):
             raise InputError(f"a lift force of e^{log_lift.max():.4g} N is beyond any rig", key="conditions")
@@ -237,18 +224,13 @@ def record_trial(plan: CampaignPlan, trial: PlannedTrial, *, seed: int) -> tuple
     data = buffer.getvalue()
     file_rng = np.random.default_rng([seed, 3, trial.index])
     for name in trial.faults:
-        on_bytes = FAULTS[name].on_bytes
-        if on_bytes:
+        if on_bytes := FAULTS[name].on_bytes:
             data = on_bytes(data, file_rng)
     return recording, data
 
 
 def simulate_campaign(
-    folder: str | Path,
-    plan: CampaignPlan,
-    *,
-    seed: int,
-    progress: Callable[[int, int, str], None] | None = None,
+    folder: str | Path, plan: CampaignPlan, *, seed: int, progress: Progress | None = None
 ) -> tuple[Path, ...]:
     """Write a campaign with known truth and return the paths written: campaign.toml, trials.csv, truth.toml, traces.
 
@@ -262,11 +244,8 @@ def simulate_campaign(
         taken = sorted(path.name for path in base.iterdir() if path.name != "traces" or path.is_symlink())
         taken += sorted(f"traces/{path.name}" for path in (base / "traces").iterdir())
         if taken:
-            raise InputError(
-                f"the folder already holds {taken[0]}; nothing is overwritten",
-                path=base,
-                fix="name an empty or a new folder",
-            )
+            message = f"the folder already holds {taken[0]}; nothing is overwritten"
+            raise InputError(message, path=base, fix="name an empty or a new folder")
         for done, trial in enumerate(trials, start=1):
             recording, data = record_trial(plan, trial, seed=seed)
             write_file(base / trial.file, data, durable=False)
@@ -281,9 +260,8 @@ def simulate_campaign(
         for name, text in texts.items():
             write_file(base / name, text)
     except OSError as error:
-        raise InputError(
-            f"cannot write there: {error.strerror or error}", path=base, fix="name a folder you may write to"
-        ) from error
+        message, fix = f"cannot write there: {error.strerror or error}", "name a folder you may write to"
+        raise InputError(message, path=base, fix=fix) from error
     return (*(base / name for name in texts), *(base / trial.file for trial in trials))
 
 

@@ -5,7 +5,7 @@ A motor drives a wheel through a spring; the wheel drags a rope, whose mass pull
     m u' = T(μ) + (1 - tared) F_B - k x - c u            T(μ) = F_B (e^{μφ} - 1)
     M W' = k_m (X_m(t) - X) + c_m (V_m(t) - W) - T(μ)    v = W - u - (partial slips)
 
-Shared by nothing with `mechanics`, whose forces are drawn as closed forms: here the peak, the fall and the teeth follow
+Shared by nothing with `bench`, whose forces are drawn as closed forms: here the peak, the fall and the teeth follow
 from stiffness, mass and the friction of the moment.
 """
 

@@ -9,9 +9,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import SolverError
-from ropefric.rig.bench import Bench
+from ropefric.rig.bench import SETTLED_S, Bench, RecordingTruth, phases_of
 from ropefric.rig.dynamics import Motion, Slider, simulate, stops
-from ropefric.rig.mechanics import SETTLED_S, RecordingTruth, phases_of
 from ropefric.traces.breakaway import Status
 
 Rng = np.random.Generator
@@ -217,19 +216,13 @@ PHYSICS = {"rate-state": _RSF, "lugre": ("lugre",)}
 def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | None:
     """Return what is true of a motion; None where the first fall is neither resolved nor absent, so nobody could say."""
     fast = np.abs(motion.slip_m_s) > _SLIPPING * slider.speed_m_s
-    micro_m = max(
-        slider.slip_m, (slider.mu + slider.excess) / slider.bristle_1_m if slider.law == "lugre" else 0.0
-    )
+    bent_m = (slider.mu + slider.excess) / slider.bristle_1_m if slider.law == "lugre" else 0.0
+    micro_m = max(slider.slip_m, bent_m)
     enough_m = min(_MACROSCOPIC * micro_m, 0.03 * float(motion.wheel_m.max()))
     edges = np.flatnonzero(np.diff(np.concatenate(([False], fast, [False])).astype(np.int8)))
-    onset = next(
-        (
-            first
-            for first, last in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True)
-            if motion.slip_m_s[first] > 0.0 and motion.slip_m[last] - motion.slip_m[first] >= enough_m
-        ),
-        None,
-    )
+    firsts, lasts = edges[::2], edges[1::2] - 1
+    far = (motion.slip_m_s[firsts] > 0.0) & (motion.slip_m[lasts] - motion.slip_m[firsts] >= enough_m)
+    onset = int(firsts[np.argmax(far)]) if far.any() else None
     partial_s = [_begun(motion, mu, slider.profile[1][0]) for mu, _, _ in slider.partial]
     if onset is None:
         return Truth(status=Status.NO_BREAKAWAY, partial_s=tuple(at_s for at_s in partial_s if at_s < inf))

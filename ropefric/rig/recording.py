@@ -11,8 +11,8 @@ import numpy as np
 from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import InputError
 from ropefric.registry import Registry
-from ropefric.rig import mechanics
-from ropefric.rig.bench import Bench, Sensor
+from ropefric.rig import bench as benches
+from ropefric.rig.bench import Bench, BreakawayPull, Sensor
 from ropefric.rig.pulls import NO_PEAK, SLOW, SliderPull, draw_slider_pull
 from ropefric.rig.strangers import IMPACT_S, SNAG_S, touched
 from ropefric.traces.breakaway import Status
@@ -28,7 +28,7 @@ _SEVERITY = (
 )
 
 Rng = np.random.Generator
-Pull = mechanics.BreakawayPull | SliderPull
+Pull = BreakawayPull | SliderPull
 Samples = tuple[FloatArray, FloatArray]
 """What the logger wrote: times [s] and counts."""
 
@@ -41,7 +41,7 @@ class SimulatedRecording:
     counts: FloatArray
     true_time_s: FloatArray
     true_force_N: FloatArray
-    truth: mechanics.RecordingTruth
+    truth: benches.RecordingTruth
 
     def __post_init__(self) -> None:
         for key in ("time_s", "counts", "true_time_s", "true_force_N"):
@@ -60,7 +60,7 @@ class Fault:
     rate: float
     expected_status: Status | None = None
     protocols: tuple[str, ...] = ()
-    on_pull: Callable[[mechanics.BreakawayPull, Rng], mechanics.BreakawayPull] | None = None
+    on_pull: Callable[[BreakawayPull, Rng], BreakawayPull] | None = None
     on_setup: Callable[[Any, Sensor, Bench, Rng], tuple[Any, Sensor]] | None = None
     on_force: Callable[[FloatArray, Pull, Rng], FloatArray] | None = None
     on_samples: Callable[[Samples, Sensor, float, Rng], Samples] | None = None
@@ -75,10 +75,9 @@ class Fault:
     def check_protocol(self, protocol: str) -> None:
         """Refuse a protocol that this fault cannot befall."""
         if self.protocols and protocol not in self.protocols:
+            fix = f"leave it out; it goes with: {', '.join(self.protocols)}"
             raise InputError(
-                f"fault '{self.name}' does not go with protocol '{protocol}'",
-                key="faults",
-                fix=f"leave it out; it goes with: {', '.join(self.protocols)}",
+                f"fault '{self.name}' does not go with protocol '{protocol}'", key="faults", fix=fix
             )
 
 
@@ -133,9 +132,8 @@ def _clock_jitter(samples: Samples, _sensor: Sensor, _peak_s: float, rng: Rng) -
         step_s = float(time_s[1] - time_s[0])
         if rng.random() < 0.5:
             time_s = time_s + step_s * rng.uniform(-0.4, 0.4, time_s.size)
-            time_s = time_s - time_s[0]
-        else:
-            time_s = np.rint(time_s / (3.0 * step_s)) * (3.0 * step_s)
+            return time_s - time_s[0], counts
+        time_s = np.rint(time_s / (3.0 * step_s)) * (3.0 * step_s)
     return time_s, counts
 
 
@@ -157,7 +155,7 @@ def _saturation(pull: Pull, sensor: Sensor, bench: Bench, rng: Rng) -> tuple[Pul
     return pull.raised(lift_N / pull.lift_force_N), sensor
 
 
-def _no_breakaway(pull: mechanics.BreakawayPull, rng: Rng) -> mechanics.BreakawayPull:
+def _no_breakaway(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
     """Stop the ramp below the static friction and hold it, or end the recording while it rises."""
     reached = rng.uniform(0.7, 0.95)
     top_N = pull.pretension_N + reached * (pull.lift_force_N - pull.pretension_N)
@@ -173,7 +171,7 @@ def _no_breakaway(pull: mechanics.BreakawayPull, rng: Rng) -> mechanics.Breakawa
     return stopped
 
 
-def _no_peak(pull: mechanics.BreakawayPull, rng: Rng) -> mechanics.BreakawayPull:
+def _no_peak(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
     """Let the whole slope be lost to micro-slip, and slide on roughly at the force reached, without teeth."""
     return replace(
         pull,
@@ -181,19 +179,19 @@ def _no_peak(pull: mechanics.BreakawayPull, rng: Rng) -> mechanics.BreakawayPull
         micro_slip_loss=1.0,
         kinetic_N=pull.lift_force_N,
         drift=rng.uniform(0.0, 0.015),
-        roughness=mechanics.draw_roughness(rng, pull.lift_force_N * rng.uniform(*_ROUGHNESS)),
+        roughness=benches.draw_roughness(rng, pull.lift_force_N * rng.uniform(*_ROUGHNESS)),
         teeth=pull.teeth.scaled(0.0),
         has_peak=False,
     )
 
 
-def _high_tooth(pull: mechanics.BreakawayPull, rng: Rng) -> mechanics.BreakawayPull:
+def _high_tooth(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
     """Raise one to three of the first later teeth to 2-8 % above F_A; each then takes longer to reload."""
     sliding_s = pull.off_s - pull.breakaway_s
     drop_N = pull.lift_force_N - pull.kinetic_N
     # Where one tooth can stand so high, all teeth are large: redraw them.
     height_N, rate_Hz = 0.6 * drop_N, float(rng.uniform(8.0, 25.0))
-    teeth = mechanics.draw_teeth(
+    teeth = benches.draw_teeth(
         rng, drop_N=drop_N, height_N=height_N, rate_Hz=rate_Hz, lasting_s=4.0 * sliding_s
     )
     n = int(rng.integers(1, 4))
@@ -202,13 +200,13 @@ def _high_tooth(pull: mechanics.BreakawayPull, rng: Rng) -> mechanics.BreakawayP
     top_N[chosen] = pull.lift_force_N * rng.uniform(1.02, 1.08, n) - pull.kinetic_N
     # The last of them must come before the motor is off, if need be by a faster reload.
     needed_N_s = float((top_N[1:5] - teeth.bottom_N[:4]).sum()) / (0.8 * sliding_s)
-    laid = mechanics.lay_teeth(
+    laid = benches.lay_teeth(
         top_N=top_N, bottom_N=teeth.bottom_N, reload_N_s=max(height_N * rate_Hz, needed_N_s)
     )
     return replace(pull, teeth=laid, drift=0.0)
 
 
-def _drift(pull: mechanics.BreakawayPull, rng: Rng) -> mechanics.BreakawayPull:
+def _drift(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
     """Let the sliding level climb slowly to 3 to 8 % above the break-away."""
     # `drift` counts 1/1.03 of itself at the end, see BreakawayPull.
     climb = 1.03 * (rng.uniform(1.03, 1.08) * pull.lift_force_N / pull.kinetic_N - 1.0)
@@ -228,11 +226,9 @@ def _hum(pull: Any, sensor: Sensor, _bench: Bench, rng: Rng) -> tuple[Any, Senso
 
 def _zero_drift(pull: Any, sensor: Sensor, _bench: Bench, rng: Rng) -> tuple[Any, Sensor]:
     """Let the zero wander by 5 to 10 % of F_A from the first sample to the last."""
-    part = rng.choice((-1.0, 1.0)) * rng.uniform(0.05, 0.1)
-    zero_counts = sensor.zero_counts - min(part, 0.0) * _counts(sensor, pull.lift_force_N)  # stays on scale
-    return pull, replace(
-        sensor, drift_counts=part * _counts(sensor, pull.lift_force_N), zero_counts=zero_counts
-    )
+    part, whole = rng.choice((-1.0, 1.0)) * rng.uniform(0.05, 0.1), _counts(sensor, pull.lift_force_N)
+    zero_counts = sensor.zero_counts - min(part, 0.0) * whole  # stays on scale
+    return pull, replace(sensor, drift_counts=part * whole, zero_counts=zero_counts)
 
 
 def _counts(sensor: Sensor, force_N: float) -> float:
@@ -257,22 +253,20 @@ def _precursor(time_s: FloatArray, pull: Pull, rng: Rng) -> FloatArray:
     return np.asarray(-rng.uniform(0.02, 0.12) * pull.lift_force_N * slipped * left)
 
 
-def _rounded(pull: mechanics.BreakawayPull, rng: Rng) -> mechanics.BreakawayPull:
+def _rounded(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
     """Let the climb bend over to nothing while micro-slip spreads, and the force fall over 40 to 200 ms."""
     bent = replace(pull, micro_slip=rng.uniform(0.1, 0.4), micro_slip_loss=rng.uniform(0.7, 1.0))
     return _slow_fall(bent, rng, (0.04, 0.2))
 
 
-def _slow_fall(
-    pull: mechanics.BreakawayPull, rng: Rng, lasting_s: tuple[float, float] = (0.2, 0.6)
-) -> mechanics.BreakawayPull:
+def _slow_fall(pull: BreakawayPull, rng: Rng, lasting_s: tuple[float, float] = (0.2, 0.6)) -> BreakawayPull:
     """Let the force fall over 0.2 to 0.6 s to sliding without teeth."""
     # A snap damped so much that it hardly swings back has fallen by nine tenths after 0.65 of its period.
     natural_Hz = 0.65 / float(np.exp(rng.uniform(*np.log(lasting_s))))
-    rough = mechanics.draw_roughness(rng, pull.lift_force_N * rng.uniform(0.0005, 0.003))
+    rough = benches.draw_roughness(rng, pull.lift_force_N * rng.uniform(0.0005, 0.003))
     drop_N = pull.lift_force_N - pull.kinetic_N
-    teeth = mechanics.Teeth(time_s=np.array([0.0, 1e3]), top_N=np.array([drop_N, 0.0]), bottom_N=np.zeros(2))
-    snap = mechanics.Snap(natural_Hz=natural_Hz, damping_ratio=0.9)
+    teeth = benches.Teeth(time_s=np.array([0.0, 1e3]), top_N=np.array([drop_N, 0.0]), bottom_N=np.zeros(2))
+    snap = benches.Snap(natural_Hz=natural_Hz, damping_ratio=0.9)
     return replace(pull, snap=snap, teeth=teeth, roughness=rough)
 
 
@@ -304,13 +298,11 @@ FAULTS: Registry[Fault] = Registry(
 """Every fault by name, with the fraction of recordings it befalls in an ordinary campaign."""
 
 
-def _drawn(
-    bench: Bench, forces_N: tuple[float, float], rng: Rng, faults: Sequence[Fault], physics: str
-) -> SliderPull:
+def _drawn(bench: Bench, *given: Any, faults: Sequence[Fault], physics: str) -> SliderPull:
     ranges = {key: value for fault in faults for key, value in fault.ranges.items()}
     expected = (fault.expected_status for fault in faults if fault.ranges and fault.expected_status)
     expects = next(expected, Status.OK)
-    return draw_slider_pull(bench, *forces_N, rng, physics=physics, ranges=ranges, expects=expects)
+    return draw_slider_pull(bench, *given, physics=physics, ranges=ranges, expects=expects)
 
 
 def simulate_recording(
@@ -330,33 +322,24 @@ def simulate_recording(
     a fault of the samples differs by that fault alone.
     """
     if not 0.0 < end_tension_N < lift_force_N < math.inf:
-        raise InputError(
-            f"the end tension {end_tension_N:g} N must be positive and below the lift force {lift_force_N:g} N",
-            key="end_tension_N",
-            fix="give the slack-side force as end_tension_N and the larger, tight-side force as lift_force_N",
-        )
-    way = mechanics.RIG_PROTOCOLS[protocol]
+        what = f"the end tension {end_tension_N:g} N must be positive and below the lift force {lift_force_N:g} N"
+        fix = "give the slack-side force as end_tension_N and the larger, tight-side force as lift_force_N"
+        raise InputError(what, key="end_tension_N", fix=fix)
+    way = benches.RIG_PROTOCOLS[protocol]
     chosen = [FAULTS[name] for name in faults]
     for fault in chosen:
         fault.check_protocol(protocol)
     draw_rng, fault_rng, noise_rng = (np.random.default_rng(seed) for seed in rng.integers(2**63, size=3))
     measured_N = lift_force_N if way.measures_lift else end_tension_N
-    forces_N = lift_force_N, end_tension_N
-    pull: Any = (
-        way.draw(bench, *forces_N, draw_rng)
-        if physics == "coulomb"
-        else _drawn(bench, forces_N, draw_rng, chosen, physics)
-    )
+    draw = way.draw if physics == "coulomb" else partial(_drawn, faults=chosen, physics=physics)
+    pull: Any = draw(bench, lift_force_N, end_tension_N, draw_rng)
     sensor = Sensor(
         cell=bench.cell_named(cell) if cell else bench.cell_for(measured_N),
         adc=bench.adc,
         zero_counts=draw_rng.uniform(*bench.zero_counts),
         drift_counts=bench.zero_drift_counts * draw_rng.uniform(-1.0, 1.0),
         noise_counts=draw_rng.uniform(*bench.noise_counts),
-        hum_counts=bench.hum_counts,
-        hum_Hz=bench.hum_Hz,
         hum_phase_rad=draw_rng.uniform(0.0, 2.0 * np.pi),
-        gain_error=bench.gain_error,
     )
     for fault in chosen:
         if fault.on_setup:
@@ -374,15 +357,9 @@ def simulate_recording(
         if fault.on_samples:
             samples = fault.on_samples(samples, sensor, truth.breakaway_time_s, fault_rng)
     statuses = [truth.status, *(fault.expected_status for fault in chosen if fault.expected_status)]
+    befallen = tuple(fault.name for fault in chosen)
+    truth = replace(truth, status=min(statuses, key=_SEVERITY.index), faults=befallen, cell=sensor.cell.name)
+    time_s, counts = samples
     return SimulatedRecording(
-        time_s=samples[0],
-        counts=samples[1],
-        true_time_s=true_time_s,
-        true_force_N=true_force_N,
-        truth=replace(
-            truth,
-            status=min(statuses, key=_SEVERITY.index),
-            faults=tuple(fault.name for fault in chosen),
-            cell=sensor.cell.name,
-        ),
+        time_s=time_s, counts=counts, true_time_s=true_time_s, true_force_N=true_force_N, truth=truth
     )

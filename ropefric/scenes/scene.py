@@ -2,25 +2,25 @@
 
 import math
 import os
+import re
 from collections.abc import Mapping
 from copy import deepcopy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, Problem, RopefricError, data_error, raise_problems
 from ropefric.files.read import kind_of_file
 from ropefric.files.toml import TomlDocument, is_campaign, read_toml
-from ropefric.files.toml_model import validate_document
-from ropefric.fitting.predict import degrees_of_freedom
+from ropefric.files.toml_model import got, validate_document
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import SETTINGS, Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.plugins import load_named
+from ropefric.quantities import parse_fraction, parse_quantity, si_unit_of
 from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Kind, SceneTable, given
 from ropefric.scenes.kinds import KINDS
@@ -37,8 +37,6 @@ class FrictionSource:
 
     friction: WrapFriction
     origin: str
-    covariance: FloatArray | None = None
-    dof: float = math.inf
     tested: Mapping[str, tuple[float, float]] | None = None
     warnings: tuple[str, ...] = ()
     fit: FitResult | None = None
@@ -56,8 +54,6 @@ def source_of(kind: Kind, scene: SceneTable, folder: Path) -> FrictionSource | N
         origin = f"{fit.law} fitted to {fit.statistics.n} trials ({Path(table.fit).name})"
         sound = fit.status.value == "ok"
         known = {
-            "covariance": np.asarray(fit.covariance),
-            "dof": degrees_of_freedom(fit),
             "tested": {name: (float(low), float(high)) for name, (low, high) in fit.validity.items()},
             "fit": fit,
             "warnings": () if sound else (f"the fit's status is {fit.status.value}", *fit.advice),
@@ -119,6 +115,8 @@ class Scene(Shown):
         What its system solves.
     folder : Path
         Where the file is.
+    tolerances : mapping of str to float
+        By how much the value of a key may be off at most, in SI.
     """
 
     _said = ("system=kind.name", "accuracy", "effects", "folder")
@@ -129,6 +127,7 @@ class Scene(Shown):
     table: SceneTable
     source: FrictionSource | None
     problem: Any
+    tolerances: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def accuracy(self) -> float:
@@ -215,12 +214,21 @@ def read_scene(document: TomlDocument, folder: Path) -> Scene:
     raise_problems(sorted((*problems, *_unknown_effects(kind, document)), key=lambda one: one.line or 0))
     if table is None:  # pragma: no cover - no table without an error would be our own mistake
         raise DataError("the scene cannot be read", path=document.path)
+    tolerances = _tolerances(document, table)
     try:
         source = source_of(kind, table, folder)
         problem = kind.problem(table, None if source is None else source.friction)
     except RopefricError as error:
         raise placed(error, document) from error
-    return Scene(kind=kind, document=document, folder=folder, table=table, source=source, problem=problem)
+    return Scene(
+        kind=kind,
+        document=document,
+        folder=folder,
+        table=table,
+        source=source,
+        problem=problem,
+        tolerances=tolerances,
+    )
 
 
 def placed(error: RopefricError, document: TomlDocument) -> DataError:
@@ -262,4 +270,84 @@ def _unknown_effects(kind: Kind, document: TomlDocument) -> tuple[Problem, ...]:
         )
         for place, name in enumerate(asked)
         if isinstance(name, str) and name not in known
+    )
+
+
+def _tolerances(document: TomlDocument, table: SceneTable) -> dict[str, float]:
+    """Return by how much the value of each key in `[tolerances]` may be off at most, in SI."""
+    found, problems = {}, []
+    numbers = number_keys(document, table)
+    for key, written in leaves(table.tolerances):
+        at = ("tolerances", *key.split("."))
+        if key not in numbers:
+            fix = did_you_mean(key, numbers)
+            problems.append(document.problem(at, "RF120", f"the scene gives no number {key!r}", fix=fix))
+            continue
+        try:
+            found[key] = _half_width(written, value_at(document.data, key), float(value_at(table, key)))
+        except InputError as error:
+            problems.append(document.problem(at, "RF110", error.problem.message, fix=error.problem.fix))
+    raise_problems(problems)
+    return found
+
+
+def _half_width(written: Any, value: Any, value_si: float) -> float:
+    """Return a tolerance in SI: in the unit of the value or in per cent of it."""
+    unit = unit_of(value)[0] if isinstance(value, str) else ""
+    if isinstance(written, str) and written.rstrip().endswith("%"):
+        half = abs(value_si) * parse_fraction(written)
+    elif unit and isinstance(written, str):
+        half = parse_quantity(written, si_unit_of(unit), name="the tolerance")
+    elif not isinstance(value, str) and isinstance(written, int | float) and not isinstance(written, bool):
+        half = float(written)
+    else:
+        raise InputError(
+            f"expected a tolerance written like its value, {value!r}, got {got(written)}",
+            fix=f'write it like "1 {unit}" or "2 %"' if unit else "write it without unit",
+        )
+    if not 0.0 < half < math.inf:
+        raise InputError(f"the tolerance is {got(written)}; it must be more than 0", fix="leave it out")
+    return half
+
+
+_NUMBER = re.compile(r"\s*+([+-]?[\d.]++(?:[eE][+-]?\d++)?)")
+
+
+def unit_of(text: str) -> tuple[str, float]:
+    """Return the unit of a quantity as written, and its number; 1 where there is none."""
+    found = _NUMBER.match(text)
+    return (text[found.end() :].strip(), float(found[1])) if found else (text, 1.0)
+
+
+def leaves(tree: Any, prefix: str = "") -> list[tuple[str, Any]]:
+    """Return the keys of a TOML tree that hold a value, with it."""
+    found = []
+    for name, value in tree.items():
+        key = f"{prefix}.{name}" if prefix else str(name)
+        found += leaves(value, key) if isinstance(value, dict) else [(key, value)]
+    return found
+
+
+def value_at(tree: Any, key: str) -> Any:
+    """Return what stands at a key of a TOML tree or of the table made from it; None where nothing does."""
+    for name in key.split("."):
+        tree = tree.get(name) if isinstance(tree, dict) else getattr(tree, name, None)
+    return tree
+
+
+def replaced(tree: Any, key: str, value: Any) -> Any:
+    """Return a TOML tree, or the table made from it, with another value at a key; it is not checked again."""
+    name, _, rest = key.partition(".")
+    inner = {name: replaced(value_at(tree, name), rest, value) if rest else value}
+    return {**tree, **inner} if isinstance(tree, dict) else tree.model_copy(update=inner)
+
+
+def number_keys(document: TomlDocument, table: SceneTable) -> tuple[str, ...]:
+    """Return the keys of a scene that hold a number, with or without unit."""
+    return tuple(
+        key
+        for key, _ in leaves(document.data)
+        if isinstance(value_at(table, key), int | float)
+        and key != "accuracy"
+        and not key.startswith("tolerances.")
     )

@@ -7,10 +7,12 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, RopefricError
-from ropefric.fitting.predict import REGRESSORS, outside_range
+from ropefric.fitting.predict import REGRESSORS, degrees_of_freedom, has_interval, outside_range
+from ropefric.fitting.statistics import combined_dof
 from ropefric.friction.condition import Conditions
 from ropefric.plugins import provenance
 from ropefric.quantities import split_unit_suffix
@@ -232,39 +234,46 @@ def carry_through(
     """Return the answer's numbers with their uncertainty because the friction was fitted, to first order: g C gᵀ.
 
     The gradient is taken along the principal directions of the covariance, by central differences: two solutions
-    a parameter. Forces and coefficients are taken in their logarithm. Without a covariance the numbers are certain;
-    one that is not known leaves every number without an error.
+    a parameter. Forces and coefficients are taken in their logarithm. The degrees of freedom are those that `predict`
+    gives the number: of its variance, that by common errors is known for sure. Without a fit the numbers are certain;
+    a covariance that is not known leaves every number without an error.
     """
-    stds, reach, finite = [np.zeros_like(one.value) for one in nominal], 0.0, True
-    if source is not None and source.covariance is not None:
-        finite, reach = bool(np.isfinite(source.covariance).all()), quantile(0.5 + 0.5 * level, source.dof)
-        columns = directions(source.covariance) if finite else np.zeros((0, 0))
+    fit = None if source is None else source.fit
+    if source is None or fit is None:
+        return tuple(_with_std(one, np.zeros_like(one.value), 0.0) for one in nominal)
+    spreads = [(np.full_like(one.value, np.nan), np.array(np.nan)) for one in nominal]
+    if has_interval(fit) and np.isfinite(fit.covariance).all():
+        columns = directions(fit.covariance)
+        columns = columns[:, columns.any(axis=0)]
+        size = np.maximum(np.abs(columns).max(axis=1, initial=0.0), np.finfo(float).tiny)[:, None]
+        common = np.linalg.lstsq(columns / size, fit.common_changes / size, rcond=None)[0]
         try:
-            for step in _STEP * columns.T[columns.any(axis=0)]:
-                up, down = (
-                    solve(replace(source.friction, theta=source.friction.theta + way))
-                    for way in (step, -step)
-                )
-                slopes = [(_read(a) - _read(b)) / (2.0 * _STEP) for a, b in zip(up, down, strict=True)]
-                stds = [np.hypot(std, slope) for std, slope in zip(stds, slopes, strict=True)]
+            ends = [
+                [solve(replace(source.friction, theta=source.friction.theta + way)) for way in (step, -step)]
+                for step in _STEP * columns.T
+            ]
         except RopefricError:
             # A law at the edge of where it has an answer has no slope there.
-            finite = False
-    return tuple(
-        _with_std(one, std if finite else np.full_like(std, np.nan), reach)
-        for one, std in zip(nominal, stds, strict=True)
-    )
+            ends = []
+        for place, one in enumerate(nominal if ends or not columns.size else ()):
+            slopes = [(_read(up[place]) - _read(down[place])) / (2.0 * _STEP) for up, down in ends]
+            along = np.array(slopes).reshape(len(ends), one.value.size)
+            variance, known = (along**2).sum(axis=0), ((common.T @ along) ** 2).sum(axis=0)
+            dof = combined_dof(variance, known, degrees_of_freedom(fit))
+            reach = np.array([quantile(0.5 + 0.5 * level, nu) for nu in dof.tolist()])
+            spreads[place] = np.sqrt(variance).reshape(one.value.shape), reach.reshape(one.value.shape)
+    return tuple(_with_std(one, *spread) for one, spread in zip(nominal, spreads, strict=True))
 
 
 def _read(quantity: Quantity) -> FloatArray:
     return np.log(quantity.value) if quantity.positive else quantity.value
 
 
-def _with_std(quantity: Quantity, std: FloatArray, reach: float) -> Uncertain:
+def _with_std(quantity: Quantity, std: FloatArray, reach: npt.ArrayLike) -> Uncertain:
     value = quantity.value
     if not std.any():
         return Uncertain(quantity.name, value, std, np.stack([value, value], axis=-1))
-    middle, half = _read(quantity), reach * std
+    middle, half = _read(quantity), np.asarray(reach) * std
     ends = np.stack([middle - half, middle + half], axis=-1)
     if quantity.positive:
         std, ends = value * std, np.exp(ends)

@@ -2,8 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from math import prod
-from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -12,7 +10,8 @@ from ropefric.arrays import FloatArray
 from ropefric.files.folder import Folder
 from ropefric.files.parquet import arrow
 from ropefric.files.plain_text import csv_cell, csv_text
-from ropefric.scenes.sweep import BLOCK, Axis, Sweep
+from ropefric.scenes.points import BLOCK
+from ropefric.scenes.sweep import Axis
 
 
 def header_of(axes: tuple[Axis, ...], columns: Iterable[str]) -> tuple[str, ...]:
@@ -23,7 +22,8 @@ def header_of(axes: tuple[Axis, ...], columns: Iterable[str]) -> tuple[str, ...]
 class SweepTable:
     """A sweep's table while it is written, one row a point, the last axis fastest: CSV, or Parquet by its name.
 
-    Swept values stand in the unit in which they were asked for; a point without an answer has empty cells.
+    Swept values stand in the unit in which they were asked for; a point without an answer has empty cells. Of draws,
+    which have no axes, the columns hold what was drawn, too.
     """
 
     def __init__(self, axes: tuple[Axis, ...], stream: BinaryIO, *, parquet: bool = False) -> None:
@@ -33,6 +33,7 @@ class SweepTable:
         self._writer: Any = None
         # An axis has few values, so each is put into words once.
         self._words = [[f"{value / axis.factor:.10g}," for value in axis.values] for axis in axes]
+        self._outer = [axis.values.size for axis in axes[:-1]]
         self._lines: list[str] = []
 
     def add(self, columns: Mapping[str, FloatArray], count: int) -> None:
@@ -41,7 +42,8 @@ class SweepTable:
         if not columns:
             return
         if not self._lines:
-            self._lines = [word + ",".join(["%.9g"] * len(columns)) + "\n" for word in self._words[-1]]
+            inner = self._words[-1] if self._words else [""] * BLOCK
+            self._lines = [word + ",".join(["%.9g"] * len(columns)) + "\n" for word in inner]
             self._names = tuple(columns)
             if self._parquet is None:
                 self._stream.write(csv_text([map(csv_cell, header_of(self._axes, columns))]).encode())
@@ -57,18 +59,18 @@ class SweepTable:
         if self._parquet is not None:
             self._write_group(start, stop, values)
             return
-        shape, length = [axis.values.size for axis in self._axes[:-1]], len(self._lines)
+        length = len(self._lines)
         for outer in range(start // length, -(-stop // length)):
             first, last = max(start, outer * length), min(stop, (outer + 1) * length)
             rows = self._lines[first - outer * length : last - outer * length]
-            words = "".join(
-                word[i] for word, i in zip(self._words, np.unravel_index(outer, shape), strict=False)
-            )
+            places = np.unravel_index(outer, self._outer) if self._outer else ()
+            words = "".join(word[i] for word, i in zip(self._words, places, strict=False))
             self._stream.write(_rows(words, rows, values[first - start : last - start]).encode())
 
     def _write_group(self, start: int, stop: int, values: FloatArray) -> None:
         pyarrow, parquet = self._parquet
-        grid = np.unravel_index(np.arange(start, stop), [axis.values.size for axis in self._axes])
+        shape = [axis.values.size for axis in self._axes]
+        grid = np.unravel_index(np.arange(start, stop), shape) if shape else ()
         swept = [axis.values[i] / axis.factor for axis, i in zip(self._axes, grid, strict=True)]
         arrays = [pyarrow.array(column, from_pandas=True) for column in (*swept, *values.T)]
         group = pyarrow.table(arrays, names=list(header_of(self._axes, self._names)))
@@ -91,16 +93,6 @@ def sweep_table(axes: tuple[Axis, ...], folder: Folder, name: str) -> Iterator[S
         table = SweepTable(axes, stream, parquet=name.endswith(".parquet"))
         yield table
         table.close()
-
-
-def write_sweep(sweep: Sweep, folder: Folder, name: str) -> Path:
-    """Write a sweep that is at hand as CSV or Parquet, as `SweepTable` does; return the path."""
-    with sweep_table(sweep.kept, folder, name) as table:
-        size = prod(axis.values.size for axis in sweep.kept)
-        for start in range(0, size, BLOCK):
-            block = {key: values[start : start + BLOCK] for key, values in sweep.columns.items()}
-            table.add(block, min(BLOCK, size - start))
-    return folder.path / name
 
 
 def columns_text(columns: Mapping[str, FloatArray]) -> str:

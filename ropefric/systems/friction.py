@@ -33,7 +33,7 @@ class ScaleTo(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WrapFriction:
-    """A friction law with parameters, as a machine uses it."""
+    """A friction law with parameters, as a machine uses it: one set, or one for each of n cases, shape (n, p)."""
 
     law: FrictionLaw
     theta: FloatArray
@@ -49,36 +49,36 @@ class WrapFriction:
         return cls(law=LAWS["constant"], theta=np.array([mu], dtype=np.float64), reference=anywhere)
 
     @cached_property
-    def scale(self) -> float:
-        """Return the factor on every coefficient of the law; 1 unless it is scaled."""
+    def scale(self) -> FloatArray:
+        """Return the factor on every coefficient of the law, shape () or (n,); 1 unless it is scaled."""
         if self.scale_to is None:
-            return 1.0
+            return np.array(1.0)
         at = replace(self.reference, wrap_angle_rad=np.array([self.scale_to.wrap_angle_rad]))
-        own = float(self.law.average_mu(self.theta, at)[0])
-        if not own > 0.0:
+        own = self.law.average_mu(self.theta, at)[..., 0]
+        if not (own > 0.0).all():
             raise InputError(
-                f"{self.law.name} gives the coefficient {own:g} at the reference; it cannot be scaled to "
+                f"{self.law.name} gives the coefficient {own.min():g} at the reference; it cannot be scaled to "
                 f"{self.scale_to.mu:g}",
                 fix="check the law's parameters",
             )
-        return self.scale_to.mu / own
+        return np.asarray(self.scale_to.mu / own)
 
     def exponent(
         self,
-        *,
         wheel_radius_m: npt.ArrayLike,
         rope_radius_m: npt.ArrayLike,
         wrap_angle_rad: npt.ArrayLike,
         slack_tension_N: npt.ArrayLike,
+        *,
         told: frozenset[str] = EVERYTHING,
+        places: int = 0,
     ) -> FloatArray:
-        """Return M = ∫μ dφ over the wrap, the logarithm of the greatest tension ratio, eq. (17)."""
-        arrays = {
-            "wheel_radius_m": np.asarray(wheel_radius_m, dtype=np.float64),
-            "rope_radius_m": np.asarray(rope_radius_m, dtype=np.float64),
-            "wrap_angle_rad": np.asarray(wrap_angle_rad, dtype=np.float64),
-            "end_tension_N": np.asarray(slack_tension_N, dtype=np.float64),
-        }
+        """Return M = ∫μ dφ over the wrap, the logarithm of the greatest tension ratio, eq. (17).
+
+        Where each case has parameters of its own, the cases lie along the axis before the last `places`.
+        """
+        given = (wheel_radius_m, rope_radius_m, wrap_angle_rad, slack_tension_N)
+        arrays = {name: np.asarray(one, dtype=np.float64) for name, one in zip(_OWNER, given, strict=True)}
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
         # What the law gets to see of the contacts, on one axis; over a wrap of zero no coefficient is needed.
         seen = {
@@ -86,9 +86,15 @@ class WrapFriction:
             for name, array in arrays.items()
         }
         seen["wrap_angle_rad"] = np.where(seen["wrap_angle_rad"] == 0.0, 1.0, seen["wrap_angle_rad"])
-        spread = np.broadcast_arrays(*seen.values())
-        contacts = Conditions(**{name: one.ravel() for name, one in zip(arrays, spread, strict=True)})
-        coefficient = self.scale * self.law.average_mu(self.theta, contacts).reshape(spread[0].shape)
+        own = [one.reshape(-1, *(1,) * places) for one in self.theta.T] if self.theta.ndim > 1 else []
+        spread = np.broadcast_arrays(*seen.values(), *own)
+        flat = [one.ravel() for one in spread]
+        contacts = Conditions(**dict(zip(arrays, flat, strict=False)))
+        if own:
+            coefficient = self._average_of_pairs(np.stack(flat[len(arrays) :], axis=-1), contacts)
+            coefficient = self.scale.reshape(-1, *(1,) * places) * coefficient.reshape(spread[0].shape)
+        else:
+            coefficient = self.scale * self.law.average_mu(self.theta, contacts).reshape(spread[0].shape)
         if (coefficient < 0.0).any():
             raise InputError(
                 f"{self.law.name} gives the negative coefficient {coefficient.min():.4g} where the machine uses it",
@@ -97,23 +103,30 @@ class WrapFriction:
             )
         if coefficient.size == 1:
             coefficient = coefficient.reshape(())
-        return np.broadcast_to(coefficient * arrays["wrap_angle_rad"], shape)
-
-    def has_answer(
-        self,
-        *,
-        wheel_radius_m: FloatArray,
-        rope_radius_m: FloatArray,
-        wrap_angle_rad: FloatArray,
-        slack_tension_N: FloatArray,
-    ) -> BoolArray:
-        """Return for which of n contacts, arrays of shape (n,) in their valid range, `exponent` has an answer."""
-        contacts = Conditions(
-            wheel_radius_m=wheel_radius_m,
-            rope_radius_m=rope_radius_m,
-            wrap_angle_rad=wrap_angle_rad,
-            end_tension_N=slack_tension_N,
+        return np.broadcast_to(
+            coefficient * arrays["wrap_angle_rad"], np.broadcast_shapes(shape, coefficient.shape)
         )
+
+    def _average_of_pairs(self, theta: FloatArray, contacts: Conditions) -> FloatArray:
+        """Return the average coefficient of m parameter sets, each at its own contact, shape (m,)."""
+        rise = self.law.log_lift_of_pairs(theta, contacts) - contacts.log_end_tension
+        wrong = np.isnan(rise)
+        if wrong.any():
+            at = contacts.select(np.flatnonzero(wrong)[:1])
+            first = theta[wrong][0]
+            reasons = (*self.law.validity(first, at), f"no finite value at {at.describe(0)}")
+            given = ", ".join(f"{name} = {value:g}" for name, value in self.law.as_mapping(first).items())
+            raise InputError(
+                f"{self.law.name} with {given}: {reasons[0]}",
+                code="RF420",
+                fix="keep to parameters and machines near those that were tested",
+            )
+        return np.asarray(rise / contacts.wrap_angle_rad)
+
+    def has_answer(self, contacts: Conditions) -> BoolArray:
+        """Return for which of n contacts in their valid range `exponent` has an answer, shape (n,)."""
+        if self.theta.ndim > 1:
+            return np.isfinite(self.law.log_lift_of_pairs(self.theta, contacts))
         return self.law.answers(self.theta, contacts)
 
 

@@ -5,13 +5,15 @@ import os
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from ropefric.errors import DataError, Problem, UnknownNameError, raise_problems
+from ropefric.files.read import kind_of_file
 from ropefric.files.toml import TomlDocument, is_scene, read_toml
 from ropefric.files.toml_model import validate_document
 from ropefric.files.write import write_files
@@ -43,8 +45,9 @@ def write_templates(
     source = files("ropefric.trials") / "templates"
     contents = {name: (source / name).read_bytes() for name in TEMPLATES}
     if trials is not None:
-        kept = {} if (Path(folder) / TEMPLATES[0]).exists() else {TEMPLATES[0]: contents[TEMPLATES[0]]}
-        contents = {**kept, TEMPLATES[1]: trials}
+        contents[TEMPLATES[1]] = trials
+        if (Path(folder) / TEMPLATES[0]).exists():
+            del contents[TEMPLATES[0]]
     return write_files(folder, contents, overwrite=overwrite)
 
 
@@ -137,36 +140,34 @@ def _read(
         trials, shown, rule=model.rejection, one_trial_each=model.protocol.name in {"breakaway", "two-way"}
     )
     rate_Hz = model.profile.sampling_rate_Hz or model.sampling_rate_Hz
-    of_file = dict(model) | {
+    more: dict[str, Any] = {
         "sampling_rate_Hz": rate_Hz,
         "profile": replace(model.profile, sampling_rate_Hz=rate_Hz),
-        "trial_list": parent / trials_path,
     }
-    campaign = Campaign.model_construct(
-        **of_file,
-        path=Path(path),
-        folder=folder,
-        trials=trials,
-        warnings=tuple(problem for problem in problems if problem.severity == "warning"),
-    )
-    return campaign, problems
+    more |= {"path": Path(path), "folder": folder, "trial_list": parent / trials_path, "trials": trials}
+    warnings = tuple(problem for problem in problems if problem.severity == "warning")
+    return Campaign.model_construct(**dict(model) | more, warnings=warnings), problems
 
 
 def _context(document: TomlDocument, model: CampaignFile | None, folder: Path) -> TrialContext:
     """Return what rows depend on, from the checked file or, where that has errors, from what can be made out."""
     sizes = {name: wheel.radius_m for name, wheel in model.wheels.items()} if model else {}
-    name, side = (document.table("protocol").get(key, usual) for key, usual in _USUAL_PROTOCOL)
-    known = isinstance(name, str) and name in protocol_names() and side in SIDES
+    protocol, channels = document.table("protocol"), document.table("import", "channels")
+    name, side = protocol.get("name", "breakaway"), protocol.get("side", "slack")
+    measures_end = "end_tension" in "\n".join((*channels, *document.table("import", "derived")))
+    tension: tuple[str, ...] = ()
+    if isinstance(name, str) and name in protocol_names() and side in SIDES:
+        if Protocol(name=name, side=side).needs_lift_force:
+            tension = ("lift_force_N",)
+        elif name != "two-way" and not measures_end:
+            tension = ("end_tension_N",)
+    cells = {"cell": "counts", "end_cell": "end_tension_counts"}
     return TrialContext(
-        folder=folder if _is_folder(folder) else None,
+        folder=folder if kind_of_file(folder) == "folder" else None,
+        needed=(*tension, *(column for column, channel in cells.items() if channel in channels)),
         wheels={name: sizes.get(name) for name in document.table("wheels")},
         cells=tuple(document.table("cells")),
         rope_radius_m=model.rope.radius_m if model else None,
-        needs_lift_force=Protocol(name=name, side=side).needs_lift_force if known else None,
-        needs_cell="counts" in document.table("import", "channels"),
-        needs_end_cell="end_tension_counts" in document.table("import", "channels"),
-        measures_end=name == "two-way"
-        or any("end_tension" in key for place in _PLACES for key in document.table("import", place)),
         start_s=model.protocol.start_s if model else None,
         stop_s=model.protocol.stop_s if model else None,
         protocol=model.protocol.name if model else "breakaway",
@@ -174,14 +175,6 @@ def _context(document: TomlDocument, model: CampaignFile | None, folder: Path) -
 
 
 _PLACES = ("channels", "derived")
-_USUAL_PROTOCOL = (("name", "breakaway"), ("side", "slack"))
-
-
-def _is_folder(path: Path) -> bool:
-    try:
-        return path.is_dir()
-    except (OSError, ValueError):
-        return False
 
 
 def _check_document(document: TomlDocument) -> Iterator[Problem]:
@@ -196,7 +189,8 @@ def _check_document(document: TomlDocument) -> Iterator[Problem]:
             yield document.problem(key, "RF121", "recordings in counts need a force cell", fix=fix)
     yield from dict.fromkeys(_check_formulas(document))
     name = document.data.get("data", ".")
-    if isinstance(name, str) and not _is_folder(folder := Path(document.path).parent / name):
+    folder = Path(document.path).parent / (name if isinstance(name, str) else "")
+    if kind_of_file(folder) != "folder":
         fix = "write the folder relative to the campaign file"
         yield document.problem(("data",), "RF106", f"there is no folder {folder.as_posix()}", fix=fix)
 
@@ -221,28 +215,25 @@ def _check_formulas(document: TomlDocument) -> Iterator[Problem]:
 
 def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
     """Yield what is wrong, idle or doubtful in a campaign file whose tables are right by themselves."""
-
-    def warn(key: tuple[str, ...], code: str, message: str, fix: str) -> Problem:
-        return document.problem(key, code, message, fix=fix, warning=True)
-
+    warn = partial(document.problem, warning=True)
     profile_Hz, rate_Hz = model.profile.sampling_rate_Hz, model.sampling_rate_Hz
     if profile_Hz is not None and rate_Hz is not None and profile_Hz != rate_Hz:
         message = f"{profile_Hz:g} Hz, but [sampling] rate is {rate_Hz:g} Hz"
         yield document.problem(("import", "sampling_rate"), "RF111", message, fix="remove one of the two")
     protocol = model.protocol.name
-    idle = ({"side"} if protocol != "held" else set()) | (
-        {"min_step", "ending"} if protocol in {"held", "two-way"} else set()
-    )
+    idle = {"side"} if protocol != "held" else {"min_step", "ending"}
+    if protocol == "two-way":
+        idle |= {"min_step", "ending"}
     for key in sorted(idle & document.table("protocol").keys()):
-        yield warn(("protocol", key), "RF141", f"has no effect for protocol '{protocol}'", "remove it")
+        yield warn(("protocol", key), "RF141", f"has no effect for protocol '{protocol}'", fix="remove it")
     for name, wheel in model.wheels.items():
         if doubt := radius_doubt(wheel.radius_m):
-            yield warn(("wheels", name), "RF140", doubt, "check the unit")
+            yield warn(("wheels", name), "RF140", doubt, fix="check the unit")
     for name, cell in model.cells.items():  # one warning a cell, with every key that is missing
         said = [f'{key} = "{100.0 * getattr(cell, key):g} %FS"' for key in cell.assumed]
         if said:
             fix = f"write what the data sheet states, such as {said[0]}"
-            yield warn(("cells", name), "RF142", f"not stated, so assumed: {', '.join(said)}", fix)
+            yield warn(("cells", name), "RF142", f"not stated, so assumed: {', '.join(said)}", fix=fix)
     yield from _idle_channels(document, model)
 
 
@@ -254,8 +245,7 @@ def _idle_channels(document: TomlDocument, model: CampaignFile) -> Iterator[Prob
     for place in _PLACES:
         for name in getattr(model.profile, place):
             if name in _SET_BY_TRIAL and name not in used:
-                what = (
-                    f"the measured {name.replace('_', ' ')} is read, but not used: that of the trial list is"
-                )
+                measured = name.replace("_", " ")
+                what = f"the measured {measured} is read, but not used: that of the trial list is"
                 fix = f"write its value at break-away into the column {_SET_BY_TRIAL[name]} of the trial list"
                 yield document.problem(("import", place, name), "RF141", what, fix=fix, warning=True)

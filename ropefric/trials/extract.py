@@ -24,9 +24,9 @@ from ropefric.files.write import write_file
 from ropefric.glossary import counted
 from ropefric.traces.readers import READERS, TEXT_FORMATS, find_reader, read_recordings
 from ropefric.trials.campaign_model import Campaign, TrialSpec
-from ropefric.trials.conditions import summarised
 from ropefric.trials.recording import blocks_of, extract_recording, tared_trace, unreadable
-from ropefric.trials.result import Extraction, TrialResult
+from ropefric.trials.result import Extraction, TrialResult, summarised
+from ropefric.trials.trial_list import free_name
 from ropefric.trials.workers import START_S, Lost, guarded
 
 SCHEMA = "ropefric.extraction-cache/4"
@@ -59,13 +59,8 @@ class ResultCache:
     """Results of recordings in a folder, one small file each."""
 
     def __init__(self, folder: Path, settings: str) -> None:
-        self._folder = folder
+        self.folder = folder
         self._made_by = json.dumps([SCHEMA, hash_sources(), __version__, settings])
-
-    @property
-    def is_new(self) -> bool:
-        """Return whether nothing was ever stored here."""
-        return not self._folder.exists()
 
     def _path(self, specs: Sequence[TrialSpec], sha256: str) -> Path:
         rows = [
@@ -73,7 +68,7 @@ class ResultCache:
             for spec in specs
         ]
         key = json.dumps([self._made_by, sha256, rows])
-        return self._folder / f"{_hash(key.encode())[:32]}.json"
+        return self.folder / f"{_hash(key.encode())[:32]}.json"
 
     def load(self, specs: Sequence[TrialSpec], sha256: str) -> Results | None:
         """Return the stored results of a recording's rows, or None if there are none that can be used."""
@@ -88,11 +83,8 @@ class ResultCache:
         # Whatever is wrong with an entry, and with a right checksum too, it can be made again.
         except Exception:  # noqa: BLE001
             return None
-        of_rows = len(found) == len(specs) and all(
-            row and all(result.file == spec.file for result in row)
-            for row, spec in zip(found, specs, strict=True)
-        )
-        return found if of_rows else None
+        files = [{result.file for result in row} for row in found]
+        return found if files == [{spec.file} for spec in specs] else None
 
     def store(self, specs: Sequence[TrialSpec], sha256: str, results: Results) -> None:
         """Keep the results of a recording; a folder that cannot be written is no reason to stop."""
@@ -152,15 +144,13 @@ def extract_rows(
     by_file: dict[Path, list[TrialSpec]] = {}  # so that a wide file is read once
     for spec in campaign.trials:
         by_file.setdefault(spec.path, []).append(spec)
-    files = [tuple(rows) for rows in by_file.values()]
+    files = tuple(map(tuple, by_file.values()))
     done: list[_Done] = [((), False)] * len(files)
-    work = _Work(
-        campaign=campaign.model_copy(update={"trials": (), "warnings": ()}),
-        files=tuple(files),
-        cache=None
-        if cache_dir is None
-        else ResultCache(cache_dir.absolute(), campaign.settings_fingerprint()),
-    )
+    cache = None
+    if cache_dir is not None:
+        cache = ResultCache(cache_dir.absolute(), campaign.settings_fingerprint())
+    without_rows = campaign.model_copy(update={"trials": (), "warnings": ()})
+    work = _Work(campaign=without_rows, files=files, cache=cache)
     running: Generator[tuple[int, _Done]]
     if trusted:
         running = ((place, work(place)) for place in range(len(files)))
@@ -188,11 +178,8 @@ def in_list_order(campaign: Campaign, by_row: ByRow) -> list[tuple[TrialSpec, Tr
     placed = []
     for row in campaign.trials:
         for result in by_row[row.trial]:
-            name, number = result.trial, 1
             # A row may be called as the block or tooth of another: "w#2".
-            while name in taken and name != row.trial:
-                number += 1
-                name = f"{result.trial}-{number}"
+            name = row.trial if result.trial == row.trial else free_name(result.trial, taken)
             taken.add(name)
             placed.append((row, result if name == result.trial else replace(result, trial=name)))
     return placed
@@ -216,12 +203,9 @@ class _Work:
         except MemoryError:
             raise
         except Exception as error:  # noqa: BLE001  (whatever a recording brings about, it ends that recording)
-            fault = RopefricError(
-                f"internal fault, {type(error).__name__}: {error}",
-                code="RF000",
-                path=rows[0].file,
-                fix="this is a bug in ropefric: please report it with the recording",
-            )
+            message = f"internal fault, {type(error).__name__}: {error}"
+            fix = "this is a bug in ropefric: please report it with the recording"
+            fault = RopefricError(message, code="RF000", path=rows[0].file, fix=fix)
             return unreadable(self.campaign, rows, fault), False
 
     def _extract(self, rows: _Rows, file: InputFile) -> _Done:
@@ -326,7 +310,7 @@ def _look(campaign: Campaign, kinds: Mapping[str, Sequence[TrialSpec]], place: i
 
 def _preload(work: _Work) -> None:
     """Load what every process will need once, before they are forked."""
-    if work.files and (work.cache is None or work.cache.is_new):
+    if work.files and (work.cache is None or not work.cache.folder.exists()):
         with suppress(RopefricError):
             if find_reader(work.files[0][0].path, work.campaign.profile).name in TEXT_FORMATS:
                 import pandas  # noqa: ICN001, F401, PLC0415

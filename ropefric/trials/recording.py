@@ -107,49 +107,38 @@ def _extract_row(
 def _extract_raw(
     campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256: str
 ) -> Sequence[TrialResult]:
-    of_campaign = {key: getattr(campaign.protocol, key) for key in ("min_step_N", "ending", "side", "rest")}
-    settings = PickSettings(
-        window_s=campaign.smoothing.window_s,
-        peak=campaign.smoothing.peak,
-        start_s=spec.start_s,
-        stop_s=spec.stop_s,
-        **of_campaign,
-    )
+    asked = {key: getattr(campaign.protocol, key) for key in ("min_step_N", "ending", "side", "rest")}
+    asked |= {"window_s": campaign.smoothing.window_s, "peak": campaign.smoothing.peak}
+    settings = PickSettings(start_s=spec.start_s, stop_s=spec.stop_s, **asked)
     trace, tare_N, problems = tared_trace(campaign, spec, raw)
     found = PROTOCOLS[campaign.protocol.name].pick(trace, settings)
-    if spec.decision:
-        chosen = (
-            _given(spec) if spec.pick_s is None else pick_at(trace, replace(settings, pick_s=spec.pick_s))
-        )
-        found = (_beside(chosen, found[0]),)
+    if spec.pick_s is not None:
+        found = (_beside(pick_at(trace, replace(settings, pick_s=spec.pick_s)), found[0]),)
+    elif spec.peak_N is not None:
+        found = (_beside(_given(spec), found[0]),)
     found = tuple(_with_end_tension(trace, one, calibrations(campaign, spec)[1]) for one in found)
     common: dict[str, Any] = {"sha256": sha256, "outline": draw_outline(trace), "tare_N": tare_N}
-    of_trace = {
-        "calibration": trace.calibration,
-        "saturated_samples": trace.saturation.n_high if trace.saturation is not None else 0,
-    }
+    n_high = trace.saturation.n_high if trace.saturation is not None else 0
     wanted_Hz, found_Hz = campaign.sampling_rate_Hz, trace.sampling_rate_Hz
     if wanted_Hz is not None and found_Hz and abs(found_Hz / wanted_Hz - 1) > RATE_TOLERANCE:
         message = f"the time stamps say {found_Hz:.6g} Hz, the campaign {wanted_Hz:.6g} Hz"
         fix = "correct the unit of the time column or the rate; the time stamps were used"
         problems += (_warning(spec, "RF203", message, fix, "[sampling] rate"),)
     results = []
-    for number, breakaway in enumerate(found, start=1):
+    for number, one in enumerate(found, start=1):
         many = campaign.protocol.name in {"stick-slip", "held"}
         named = replace(spec, trial=f"{spec.trial}#{number}") if many else spec
-        if breakaway.status is Status.OK and not breakaway.peak_N > 0:
-            refusal = DataError(
-                f"the force at break-away reads {breakaway.peak_N:.4g} N: a rope cannot push",
-                code="RF240",
-                path=spec.file,
-                fix='check the zero of the cell ([tare]) and the sign of the force ([import.derived] force = "-...")',
-            )
+        if one.status is Status.OK and not one.peak_N > 0:
+            message = f"the force at break-away reads {one.peak_N:.4g} N: a rope cannot push"
+            fix = 'check the zero of the cell ([tare]) and the sign of the force ([import.derived] force = "-...")'
+            refusal = DataError(message, code="RF240", path=spec.file, fix=fix)
             results.append(_unreadable(campaign, named, refusal, problems, **common))
         else:
-            if breakaway.status is not Status.OK:
-                message = f"{named.trial}: {breakaway.status.value}: {breakaway.detail}"
-                problems += (_warning(named, STATUS_CODES[breakaway.status], message, breakaway.advice),)
-            results.append(_result(campaign, named, breakaway, problems, **of_trace, **common))
+            if one.status is not Status.OK:
+                message = f"{named.trial}: {one.status.value}: {one.detail}"
+                problems += (_warning(named, STATUS_CODES[one.status], message, one.advice),)
+            common |= {"calibration": trace.calibration, "saturated_samples": n_high}
+            results.append(_result(campaign, named, one, problems, **common))
         problems = ()  # those of the recording are told once
     return results
 
@@ -187,14 +176,11 @@ def _slack_error(trace: ForceTrace, message: str) -> DataError:
 
 def _given(spec: TrialSpec) -> Breakaway:
     """Return the break-away force that a person states."""
-    peak_N = nan if spec.peak_N is None else spec.peak_N
-    note = f"no peak_std_N is given: taken as {STATED_SHARE:.0%} of peak_N"
-    return Breakaway(
-        status=Status.OK,
-        peak_N=peak_N,
-        peak_std_N=STATED_SHARE * peak_N if spec.peak_std_N is None else spec.peak_std_N,
-        notes=(note,) if spec.peak_std_N is None else (),
-    )
+    peak_N, std_N, notes = nan if spec.peak_N is None else spec.peak_N, spec.peak_std_N, tuple[str, ...]()
+    if std_N is None:
+        std_N = STATED_SHARE * peak_N
+        notes = (f"no peak_std_N is given: taken as {STATED_SHARE:.0%} of peak_N",)
+    return Breakaway(status=Status.OK, peak_N=peak_N, peak_std_N=std_N, notes=notes)
 
 
 def _beside(chosen: Breakaway, found: Breakaway) -> Breakaway:
@@ -217,11 +203,9 @@ def _result(
     if is_ok:
         std_N = force_std_N(breakaway.peak_N, calibration, picking_std_N=breakaway.peak_std_N)
         if campaign.protocol.name == "two-way":  # half of each force's share, see `traces.two_way`
-            ratio = breakaway.peak_N / breakaway.trough_N
-            chain_N = [
-                force_std_N(force_N, calibration) for force_N in (breakaway.peak_N, breakaway.trough_N)
-            ]
-            std_N = math.hypot(breakaway.peak_std_N, 0.5 * chain_N[0], 0.5 * ratio * chain_N[1])
+            top_N, low_N = breakaway.peak_N, breakaway.trough_N
+            up_N, down_N = force_std_N(top_N, calibration), force_std_N(low_N, calibration)
+            std_N = math.hypot(breakaway.peak_std_N, 0.5 * up_N, 0.5 * (top_N / low_N) * down_N)
         measured = (breakaway.peak_N, std_N)
     (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
     hung_N, apart_N = known[0] if math.isnan(set_N) else set_N, 0.0
@@ -231,6 +215,11 @@ def _result(
         message = f"the geometric mean of raising and lowering is {end_N:.4g} N, the weight of the list {hung_N:.4g} N"
         fix = "check the zero of the cell, the weight, and what the rope itself weighs"
         problems += (_warning(spec, "RF243", message, fix, "end_tension"),)
+    wheel, rope = campaign.wheels.get(spec.wheel), campaign.rope
+    # Noise averages out; wander beyond it counts whole, for nobody knows how slow it is, but with every event of
+    # stick-slip it begins anew.
+    wander_N = math.sqrt(max(breakaway.kinetic_std_N**2 - breakaway.noise_std_N**2, 0.0))
+    kinetic_N = wander_N / math.sqrt(max(breakaway.n_slips - 1, 1))
     excluded = spec.exclude or (NO_END if is_ok and math.isnan(end_N) else "")
     if peak_N <= end_N:
         message = f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)"
@@ -242,16 +231,12 @@ def _result(
         end_tension_std_N=end_std_N,
         peak_N=peak_N,
         peak_std_N=peak_std_N,
-        wheel_radius_std_m=wheel.radius_std_m if (wheel := campaign.wheels.get(spec.wheel)) else 0.0,
-        rope_radius_std_m=rope.radius_std_m
-        if (rope := campaign.rope).radius_m == spec.rope_radius_m
-        else 0.0,
+        wheel_radius_std_m=wheel.radius_std_m if wheel else 0.0,
+        rope_radius_std_m=rope.radius_std_m if rope.radius_m == spec.rope_radius_m else 0.0,
         wrap_std_rad=campaign.protocol.wrap_tolerance_rad / math.sqrt(3.0),
         cell_std_N=cell_std_N(breakaway.peak_N, calibration) if is_ok else nan,
         end_tension_set_N=set_N,
-        kinetic_mean_std_N=force_std_N(
-            breakaway.kinetic_N, calibration, picking_std_N=_kinetic_picking_N(breakaway)
-        ),
+        kinetic_mean_std_N=force_std_N(breakaway.kinetic_N, calibration, picking_std_N=kinetic_N),
         breakaway=breakaway,
         kept=is_ok and not excluded,
         excluded=excluded,
@@ -263,26 +248,12 @@ def _result(
     )
 
 
-def _kinetic_picking_N(breakaway: Breakaway) -> float:
-    """Return the standard uncertainty [N] of a mean kinetic force beside its chain.
-
-    Noise averages out; wander beyond it counts whole, for nobody knows how slow it is, but with every event of
-    stick-slip it begins anew.
-    """
-    wander_N = math.sqrt(max(breakaway.kinetic_std_N**2 - breakaway.noise_std_N**2, 0.0))
-    return wander_N / math.sqrt(max(breakaway.n_slips - 1, 1))
-
-
 def _warning(spec: TrialSpec, code: str, message: str, fix: str, key: str = "") -> Problem:
     return Problem(code=code, message=message, path=spec.file, key=key, fix=fix, severity="warning")
 
 
 def _unreadable(
-    campaign: Campaign,
-    spec: TrialSpec,
-    error: RopefricError,
-    problems: tuple[Problem, ...] = (),
-    **more: Any,
+    campaign: Campaign, spec: TrialSpec, error: RopefricError, problems: tuple[Problem, ...] = (), **more: Any
 ) -> TrialResult:
     problem = error.problem
     detail = f"{problem.message} ({problem.where})" if problem.where else problem.message
@@ -311,22 +282,15 @@ def tared_trace(
     A force that only goes down was recorded with its sign reversed; it is turned round, which is told.
     """
     trace, tare_N, problems = _tared_trace(campaign, spec, raw)
-    force_N = trace.force_N
-    lowest_N = _falls_to(force_N)
-    if not lowest_N:
+    if not (lowest_N := _falls_to(trace.force_N)):
         return trace, tare_N, problems
     saturation = trace.saturation
     if saturation is not None:
         saturation = Saturation(high_runs=saturation.low_runs, low_runs=saturation.high_runs)
-    reversed_sign = Problem(
-        code="RF241",
-        message=f"the force only goes down, to {lowest_N:.4g} N: its sign is taken as reversed",
-        path=spec.file,
-        key="force",
-        fix='say so with [import.derived] force = "-force", or check the wiring of the cell',
-        severity="warning",
-    )
-    return replace(trace, force_N=-force_N, saturation=saturation), tare_N, (*problems, reversed_sign)
+    message = f"the force only goes down, to {lowest_N:.4g} N: its sign is taken as reversed"
+    fix = 'say so with [import.derived] force = "-force", or check the wiring of the cell'
+    problems += (_warning(spec, "RF241", message, fix, "force"),)
+    return replace(trace, force_N=-trace.force_N, saturation=saturation), tare_N, problems
 
 
 def _falls_to(force_N: FloatArray) -> float:
@@ -358,37 +322,27 @@ def _tared_trace(
     trace = assemble_trace(
         raw, campaign.profile, calibration=calibration, end_calibration=end_calibration, tared=tared
     )
-    _check_size(spec, trace)
-    if interval_s is None:
-        return (trace, 0.0, ())
-    start_s, stop_s = interval_s
-    if np.count_nonzero(np.isfinite(trace.force_N)) < MIN_SAMPLES:
-        return (trace, nan, ())  # picking says that it is too short
-    if trace.calibration is not None:
-        return (trace, trace.calibration.tare_N, tuple(problems))
-    inside = (trace.time_s >= start_s) & (trace.time_s <= stop_s) & np.isfinite(trace.force_N)
-    if not inside.any():
-        raise DataError(
-            f"no sample lies in the tare interval from {start_s:g} s to {stop_s:g} s",
-            code="RF212",
-            path=spec.file,
-            key="[tare] interval",
-            fix="name an idle interval inside the recording, or remove [tare]",
-        )
-    tare_N = float(np.median(trace.force_N[inside]))
-    return (replace(trace, force_N=trace.force_N - tare_N), tare_N, ())
-
-
-def _check_size(spec: TrialSpec, trace: ForceTrace) -> None:
     too_large = np.abs(trace.force_N) > LARGEST_N
     if too_large.any():
-        sample = int(np.argmax(too_large))
-        raise DataError(
-            f"{trace.force_N[sample]:.4g} N at {trace.time_s[sample]:.6g} s is no force that a cell can read",
-            code="RF204",
-            path=spec.file,
-            fix='correct the unit or the cell, or list its text under [import] missing = ["..."]',
-        )
+        force_N, time_s = trace.force_N[too_large][0], trace.time_s[too_large][0]
+        message = f"{force_N:.4g} N at {time_s:.6g} s is no force that a cell can read"
+        fix = 'correct the unit or the cell, or list its text under [import] missing = ["..."]'
+        raise DataError(message, code="RF204", path=spec.file, fix=fix)
+    if interval_s is None:
+        return trace, 0.0, ()
+    present = np.isfinite(trace.force_N)
+    if np.count_nonzero(present) < MIN_SAMPLES:
+        return trace, nan, ()  # picking says that it is too short
+    if trace.calibration is not None:
+        return trace, trace.calibration.tare_N, tuple(problems)
+    start_s, stop_s = interval_s
+    inside = (trace.time_s >= start_s) & (trace.time_s <= stop_s) & present
+    if not inside.any():
+        message = f"no sample lies in the tare interval from {start_s:g} s to {stop_s:g} s"
+        fix = "name an idle interval inside the recording, or remove [tare]"
+        raise DataError(message, code="RF212", path=spec.file, key="[tare] interval", fix=fix)
+    tare_N = float(np.median(trace.force_N[inside]))
+    return replace(trace, force_N=trace.force_N - tare_N), tare_N, ()
 
 
 def draw_outline(trace: ForceTrace) -> Outline | None:

@@ -1,11 +1,10 @@
-"""What an extraction hands on: trials, conditions, problems; and the three CSV files of them."""
+"""What an extraction hands on: trials, their conditions after a rule, problems; and the three CSV files of them."""
 
 import math
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
-from functools import lru_cache
+from dataclasses import asdict, dataclass, field, replace
 from math import isfinite, nan
 from pathlib import Path, PurePath
 from typing import Annotated, Any
@@ -19,11 +18,13 @@ from ropefric.files.digits import significant
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.parquet import parquet_bytes
 from ropefric.files.plain_text import csv_cell, csv_text
+from ropefric.friction.condition import condition_groups
 from ropefric.shown import Shown
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
-from ropefric.trials.campaign_model import TrialRow
-from ropefric.trials.cells import stem_of
+from ropefric.trials.campaign_model import Campaign, TrialRow
+from ropefric.trials.cells import QUANTITIES, stem_of
+from ropefric.trials.outliers import scaled, summarise
 
 OUTCOMES = ("kept", "rejected", "excluded", "without a force")
 """What becomes of a trial, each of one of these: it counts; the rule rejected it; it was excluded, by hand or because
@@ -39,13 +40,9 @@ _COLUMNS = (
     "rope_id", "dwell_s", "tare_N", "saturated_samples", "note",
 )  # fmt: skip
 """Of a trial's row."""
-_OF_BREAKAWAY = {
-    name: name
-    for name in (
-        "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s", "noise_std_N", "loading_rate_N_s", "kinetic_N",
-        "kinetic_std_N", "drop_N", "trough_N", "n_slips", "recurrence_s", "status", "detail", "notes",
-    )
-} | {"sliding_s": "kinetic_s", "measured_dwell_s": "dwell_s"}  # fmt: skip
+STEMS = frozenset(map(stem_of, (*_COLUMNS, "sha256")))
+"""The columns without their units."""
+_OF_BREAKAWAY = {"sliding_s": "kinetic_s", "measured_dwell_s": "dwell_s"}
 SUMMARISED = {
     "kinetic_N": "kinetic force [N]",
     "drop_N": "drop [N]",
@@ -58,15 +55,6 @@ SUMMARISED = {
     "mu_kinetic": "kinetic μ",
 }
 """What a condition has the mean, scatter and number of, over its kept trials, beside the break-away force."""
-# What else a trial table may call its columns.
-_MEANT = frozenset(
-    {
-        "wheel_diameter", "rope_diameter", "wrap", "end_mass", "lift_force", "lift_mass", "breakaway_force",
-        "lift_force_std", "wrap_std", "wrap_angle_std", "wheel_radius_std", "wheel_diameter_std",
-    }
-)  # fmt: skip
-
-
 _Curve = Annotated[FloatArray, PlainValidator(frozen_array), PlainSerializer(np.ndarray.tolist)]
 
 
@@ -125,11 +113,9 @@ class TrialResult(TrialRow):
     @property
     def outcome(self) -> str:
         """Return which of `OUTCOMES` the trial has."""
-        if self.excluded:
-            return "excluded"
-        if self.breakaway.status is not Status.OK:
-            return "without a force"
-        return "rejected" if self.rejected_by else "kept"
+        if self.usable:
+            return "rejected" if self.rejected_by else "kept"
+        return "excluded" if self.excluded else "without a force"
 
     @property
     def known_N(self) -> float:
@@ -154,10 +140,8 @@ class TrialResult(TrialRow):
     @property
     def mu_std(self) -> float:
         """Return the standard uncertainty of `mu` by the two forces [-]."""
-        return (
-            math.hypot(self.peak_std_N / self.peak_N, self.end_tension_std_N / self.end_tension_N)
-            / self.wrap_angle_rad
-        )
+        relative = self.peak_std_N / self.peak_N, self.end_tension_std_N / self.end_tension_N
+        return math.hypot(*relative) / self.wrap_angle_rad
 
     @property
     def why_no_force(self) -> str:
@@ -167,12 +151,15 @@ class TrialResult(TrialRow):
 
     def measured(self, name: str) -> Any:
         """Return what a column of the trial's row holds."""
-        if name in _OF_BREAKAWAY:
-            return getattr(self.breakaway, _OF_BREAKAWAY[name])
         if name == "candidates":
             events = self.breakaway.candidates
             return "; ".join(f"{event.force_N:.5g} N at {event.time_s:.5g} s" for event in events)
-        return getattr(self, name.removeprefix("decided_"))
+        own = name.removeprefix("decided_")
+        return (
+            getattr(self, own)
+            if hasattr(type(self), own)
+            else getattr(self.breakaway, _OF_BREAKAWAY.get(name, name))
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the trial's row; a number that is not there is None."""
@@ -180,19 +167,12 @@ class TrialResult(TrialRow):
         row |= {"status": self.breakaway.status.value, "notes": "; ".join(self.breakaway.notes)}
         if self.measures_slack:
             row["peak_raw_N"] = nan
-        taken = _names_of((*row, "sha256")) if self.own else frozenset[str]()
         for name, cell in self.own:
             # What a fit would take for a number of the tool's own gets another name.
-            free = stem_of(name) not in taken
-            row[name if free else f"given_{name}"] = cell
+            taken = stem_of(name) in STEMS or stem_of(name) in QUANTITIES
+            row[f"given_{name}" if taken else name] = cell
         row["sha256"] = self.sha256  # last, and of known length: a table that was cut off shows it
         return {key: _finite_or_none(value) for key, value in row.items()}
-
-
-@lru_cache(maxsize=4)
-def _names_of(columns: tuple[str, ...]) -> frozenset[str]:
-    """Return what a reader of the table takes for its own: names without their units."""
-    return frozenset(map(stem_of, columns)) | _MEANT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -222,10 +202,8 @@ class ConditionSummary:
         row = {name: getattr(self, name) for name in self.__slots__ if name not in {"trials", "of_kept"}}
         for name, (mean, std, n) in self.of_kept.items():
             row |= {f"mean_{name}": mean, f"std_{name}": std, f"n_{_STEM.sub('', name)}": n}
-        return {
-            key: list(value) if isinstance(value, tuple) else _finite_or_none(value)
-            for key, value in row.items()
-        }
+        row |= {key: list(value) for key, value in row.items() if isinstance(value, tuple)}
+        return {key: _finite_or_none(value) for key, value in row.items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -257,24 +235,118 @@ class Extraction(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return `{"counts": {…}, "trials": […], "conditions": […], "problems": […]}`, None for no number."""
+        trials = []
+        for trial in self.trials:
+            calibration, found = trial.calibration, trial.breakaway
+            row = trial.to_dict() | {"calibration": None if calibration is None else calibration.to_dict()}
+            row |= {key: [asdict(event) for event in getattr(found, key)] for key in ("events", "candidates")}
+            trials.append(row)
         return {
             "campaign": self.name,
             "counts": count_trials(self),
-            "trials": [
-                trial.to_dict()
-                | {
-                    "calibration": None if trial.calibration is None else trial.calibration.to_dict(),
-                    "events": [asdict(event) for event in trial.breakaway.events],
-                    "candidates": [asdict(event) for event in trial.breakaway.candidates],
-                }
-                for trial in self.trials
-            ],
+            "trials": trials,
             "conditions": [condition.to_dict() for condition in self.conditions],
-            "problems": [
-                {"severity": p.severity, "code": p.code, "where": p.where, "message": p.message, "fix": p.fix}
-                for p in self.problems
-            ],
+            "problems": [{"severity": one.severity, **one.to_dict()} for one in self.problems],
         }
+
+
+NOT_ABOVE = "F_A is not above F_B"
+"""Why a trial is set aside that no friction law can explain."""
+
+
+def summarised(campaign: Campaign, trials: Sequence[TrialResult], n_reused: int = 0) -> Extraction:
+    """Return trials as the extraction of their campaign: by condition, with what its rule rejects marked."""
+    marked, conditions, doubts = summarise_conditions(trials, campaign.rejection)
+    problems = (*campaign.warnings, *(problem for trial in marked for problem in trial.problems), *doubts)
+    return Extraction(
+        name=campaign.name, trials=marked, conditions=conditions, problems=problems, n_reused=n_reused
+    )
+
+
+def set_aside_impossible(extraction: Extraction, campaign: Campaign) -> Extraction:
+    """Return the extraction without kept trials whose tight side does not pull harder than the slack side.
+
+    Such a trial has exchanged sides, units or cells; a fit refuses it. It stays in the tables with the reason, and
+    the means of its condition are formed without it.
+    """
+    impossible = [trial.usable and trial.peak_N <= trial.end_tension_N for trial in extraction.trials]
+    if not any(impossible):
+        return extraction
+    marked = [
+        replace(trial, kept=False, excluded=NOT_ABOVE) if wrong else trial
+        for trial, wrong in zip(extraction.trials, impossible, strict=True)
+    ]
+    return summarised(campaign, marked, extraction.n_reused)
+
+
+def summarise_conditions(
+    trials: Sequence[TrialResult], rule: str
+) -> tuple[tuple[TrialResult, ...], tuple[ConditionSummary, ...], tuple[Problem, ...]]:
+    """Return the trials with the rejected ones marked, a summary per condition, and warnings.
+
+    A condition is a wheel radius, rope radius, wrap angle and known tension, grouped by
+    `condition_groups`. The rule runs once over the measured forces of the usable trials of a condition; nothing is
+    deleted.
+    """
+    keys = [
+        (one.wheel_radius_m, one.rope_radius_m, one.wrap_angle_rad, np.nan_to_num(one.known_N).item())
+        for one in trials
+    ]
+    numbers = condition_groups(*zip(*keys, strict=True)) if keys else ()
+    groups: dict[int, list[int]] = {}
+    for index, number in enumerate(numbers):
+        groups.setdefault(int(number), []).append(index)
+    marked = list(trials)
+    conditions, problems = [], []
+    for members in sorted(groups.values(), key=lambda members: keys[members[0]]):
+        summary, rejected, warnings = _summarise([trials[i] for i in members], rule)
+        conditions.append(summary)
+        problems.extend(warnings)
+        for place in rejected:
+            index = members[place]
+            marked[index] = replace(trials[index], kept=False, rejected_by=rule)
+    return tuple(marked), tuple(conditions), tuple(problems)
+
+
+def _summarise(
+    trials: Sequence[TrialResult], rule: str
+) -> tuple[ConditionSummary, tuple[int, ...], list[Problem]]:
+    first = trials[0]
+    usable = [place for place, trial in enumerate(trials) if trial.usable]
+    series = summarise([trials[place].breakaway.peak_N for place in usable], rule)
+    rejected = tuple(usable[place] for place in series.rejected)
+    known_N = first.known_N
+    end_N, lift_N = (series.mean_kept, known_N) if first.measures_slack else (known_N, series.mean_kept)
+    where = (
+        f"R_w = {1000 * first.wheel_radius_m:.4g} mm, wrap {np.degrees(first.wrap_angle_rad):.4g} deg, "
+        f"{'F_A' if first.measures_slack else 'F_B'} = {known_N:.4g} N"
+    )
+    problems = [replace(p, message=f"{where}: {p.message}") for p in series.problems]
+    summary = ConditionSummary(
+        **{name: getattr(first, name) for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")},
+        **{f"{name}_N": getattr(series, name) for name in ("mean_all", "std_all", "mean_kept", "std_kept")},
+        end_tension_N=end_N,
+        lift_force_N=lift_N,
+        n_recorded=len(trials),
+        n=series.n,
+        n_kept=series.n_kept,
+        rejected=tuple(trials[place].trial for place in rejected),
+        rule=rule,
+        notes=(*series.warnings, *series.notes),
+        trials=tuple(trial.trial for trial in trials),
+        of_kept=_of_kept([trials[place] for place in usable if place not in rejected]),
+    )
+    return summary, rejected, problems
+
+
+def _of_kept(trials: Sequence[TrialResult]) -> dict[str, tuple[float, float, int]]:
+    """Return mean, sample standard deviation and number of what else was measured, of what was at all."""
+    found = {}
+    for name in SUMMARISED:
+        values = np.array([trial.measured(name) for trial in trials], dtype=np.float64)
+        series = scaled(values[np.isfinite(values)])
+        found[name] = (series.mean(), series.std(), series.deviations.size)
+    return found
 
 
 def count_trials(extraction: Extraction) -> dict[str, Any]:

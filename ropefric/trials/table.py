@@ -2,16 +2,16 @@
 
 import math
 import os
-from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
-from ropefric.errors import InputError, Problem, UnknownNameError, raise_problems
+from ropefric.errors import DataError, InputError, Problem, UnknownNameError, raise_problems
 from ropefric.files.plain_text import from_spreadsheet
 from ropefric.friction.condition import Conditions, condition_groups
 from ropefric.glossary import counted
@@ -19,48 +19,26 @@ from ropefric.quantities import split_unit_suffix
 from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.trials import cells
-from ropefric.trials.result import Extraction
+from ropefric.trials.cells import QUANTITIES
+from ropefric.trials.result import STEMS, Extraction
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _REQUIRED = {
-    "wheel_radius_m": "wheel_radius_mm",
-    "rope_radius_m": "rope_diameter_mm",
-    "wrap_angle_rad": "wrap_angle_deg",
-    "end_tension_N": "end_tension_N",
-    "peak_N": "peak_N",
+    QUANTITIES[stem][0]: cells.example_of(stem, QUANTITIES)
+    for stem in ("wheel_radius", "rope_diameter", "wrap_angle", "end_tension", "peak")
 }
 """Numbers every table needs, and a header that gives each."""
-_OPTIONAL = (
-    *("peak_std_N", "end_tension_std_N", "wrap_std_rad", "wheel_radius_std_m"),
-    *("rope_radius_std_m", "cell_std_N"),
-)
+_NUMBERS = tuple(dict.fromkeys(field for field, _, _ in QUANTITIES.values()))
+_OPTIONAL = _NUMBERS[len(_REQUIRED) :]
 _UNKNOWN = ("peak_std_N", "cell_std_N")
 """Those of them that are NaN where they are not given; the others are zero."""
-_NUMBERS = (*_REQUIRED, *_OPTIONAL)
 _BESIDE = ("kinetic_N", "kinetic_mean_std_N", "end_tension_set_N")
 """Numbers that a fit of F_A does not need, and that are passed over where they cannot be."""
 FORCES = ("peak", "kinetic")
 """What a law can be fitted to: the break-away force, or the mean force while sliding."""
 _TEXTS = ("trial", "kept", "status")
-QUANTITIES = {
-    **cells.SETTINGS,
-    "peak": ("peak_N", "N", 1.0),
-    "breakaway_force": ("peak_N", "N", 1.0),
-    "lift_force": ("peak_N", "N", 1.0),
-    "lift_mass": ("peak_N", "kg", cells.STANDARD_GRAVITY_M_S2),
-    "peak_std": ("peak_std_N", "N", 1.0),
-    "lift_force_std": ("peak_std_N", "N", 1.0),
-    "end_tension_std": ("end_tension_std_N", "N", 1.0),
-    "wrap_angle_std": ("wrap_std_rad", "rad", 1.0),
-    "wrap_std": ("wrap_std_rad", "rad", 1.0),
-    "wheel_radius_std": ("wheel_radius_std_m", "m", 1.0),
-    "wheel_diameter_std": ("wheel_radius_std_m", "m", 0.5),
-    "rope_radius_std": ("rope_radius_std_m", "m", 1.0),
-    "rope_diameter_std": ("rope_radius_std_m", "m", 0.5),
-    "cell_std": ("cell_std_N", "N", 1.0),
-}
 LABELS = ("rope_id", "wheel", "operator", "dwell", "order", "cell")
 """Columns beside the numbers by which trials can be told into groups."""
 _QUANTITIES_BESIDE = {
@@ -69,17 +47,10 @@ _QUANTITIES_BESIDE = {
     "kinetic_mean_std": ("kinetic_mean_std_N", "N", 1.0),
     "end_tension_set": ("end_tension_set_N", "N", 1.0),
 }
-# What an extraction writes beside the columns a fit reads.
-_PASSED_OVER = frozenset(
-    {
-        "file", "sample", "peak_raw", "peak_time", "two_line", "bias", "window", "noise_std", "loading_rate",
-        "kinetic", "kinetic_std", "rejected_by", "excluded", "exclude", "detail", "note", "notes", "cell", "rope_id",
-        "sliding", "drop", "trough", "n_slips", "recurrence", "measured_dwell", "mu", "mu_std", "mu_kinetic",
-        "candidates", "dwell", "tare", "saturated_samples", "sha256", "wheel", "decision", "decided_by", "decided_why",
-    }
-)  # fmt: skip
+# What an extraction and a list of trials have beside the columns a fit reads.
+_PASSED_OVER = STEMS - {"end_tension_set"} | {"exclude", "wheel"}
 _FRAME_NAMES = {"wrap_std_rad": "wrap_angle_std_rad"}
-_EMPTY = frozenset({"nan", "na", "n/a", "none", "null", "<na>", "-"})
+_EMPTY = frozenset({"", "nan", "na", "n/a", "none", "null", "<na>", "-"})
 _TRUE = frozenset({"", "true", "yes", "1", "1.0", "kept"})
 _FALSE = frozenset({"false", "no", "0", "0.0", "rejected"})
 # A force this many standard deviations of its repeats below the end tension is no scatter; what they scatter by where
@@ -145,15 +116,8 @@ class TrialTable(Shown):
     """
 
     _said = (
-        "source",
-        "trial",
-        "used",
-        "peak_N",
-        "end_tension_N",
-        "wrap_angle_rad",
-        "wheel_radius_m",
-        "rope_radius_m",
-        "warnings",
+        *("source", "trial", "used", "peak_N", "end_tension_N", "wrap_angle_rad"),
+        *("wheel_radius_m", "rope_radius_m", "warnings"),
     )
 
     trial: tuple[str, ...]
@@ -240,12 +204,7 @@ class TrialTable(Shown):
     def conditions(self) -> Conditions:
         """Return the conditions of the n used trials."""
         used = self.used
-        return Conditions(
-            wheel_radius_m=self.wheel_radius_m[used],
-            rope_radius_m=self.rope_radius_m[used],
-            wrap_angle_rad=self.wrap_angle_rad[used],
-            end_tension_N=self.end_tension_N[used],
-        )
+        return Conditions(**{item.name: getattr(self, item.name)[used] for item in fields(Conditions)})
 
     def log_lift(self) -> FloatArray:
         """Return ln(F_A / 1 N) of the used trials, shape (n,)."""
@@ -294,6 +253,9 @@ def read_trial_table(path: str | os.PathLike[str], columns: Mapping[str, str] | 
     `dwell_s` and `order`, by which a diagnosis tells trials into groups. Other columns are passed over.
     Separators ";", tab and "," and decimal commas are found out. `columns` gives headers new names.
     """
+    if PurePath(path).suffix.lower() == ".toml":
+        fix = "give a table such as the trials.csv that `ropefric extract` writes, or in Python what extract() returns"
+        raise DataError("this is a TOML file, not a table of trials", path=PurePath(path).as_posix(), fix=fix)
     table, problems = cells.read_cells(path)
     for name in columns or ():
         if name not in table.header:
@@ -313,9 +275,7 @@ def table_from_frame(frame: "pd.DataFrame") -> TrialTable:
         columns.append(["" if missing else str(value).strip() for value, missing in values])
     rows = tuple(enumerate(zip(*columns, strict=True), start=1))
     # The separator of no text: numbers from a frame have a decimal point.
-    return _table(
-        cells.CellTable(path="DataFrame", separator=",", header=header, header_line=None, rows=rows), ()
-    )
+    return _table(cells.CellTable(path="DataFrame", header=header, rows=rows), ())
 
 
 def table_of_extraction(extraction: Extraction) -> TrialTable:
@@ -327,7 +287,7 @@ def table_of_extraction(extraction: Extraction) -> TrialTable:
     kept &= (columns["peak_N"] > columns["end_tension_N"]) | _below_by_scatter(columns, kept)
     status = tuple(trial.breakaway.status.value for trial in trials)
     rows = tuple((line, ()) for line in range(1, 1 + len(trials)))
-    place = cells.CellTable(path="extraction", separator=",", header=(), header_line=None, rows=rows)
+    place = cells.CellTable(path="extraction", header=(), rows=rows)
     doubts = (*_rows_twice(place, columns, kept), *_too_few(place, kept, status))
     raise_problems(doubts)
     names_of = tuple(trial.trial for trial in trials)
@@ -343,11 +303,7 @@ def table_of_extraction(extraction: Extraction) -> TrialTable:
 
 def _filled(labels: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
     """Return the labels that say something of every trial."""
-    return {
-        name: tuple(values)
-        for name, values in labels.items()
-        if all(word not in {"", "nan"} for word in values)
-    }
+    return {name: tuple(values) for name, values in labels.items() if not {"", "nan"}.intersection(values)}
 
 
 def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
@@ -359,10 +315,15 @@ def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
     beside = {stem: meant for stem, meant in _QUANTITIES_BESIDE.items() if stem in united}
     columns, others, found = table.bind({**QUANTITIES, **beside}, _TEXTS)
     found += _strange_columns(table, others, {*columns, *(_field_like(problem.key) for problem in found)})
-    texts = {name: _known([row[1][column.index] for row in table.rows]) for name, column in columns.items()}
+
+    def texts_of(index: int) -> list[str]:
+        written = (cells_of[index] for _, cells_of in table.rows)
+        return ["" if cell.lower() in _EMPTY else cell for cell in written]
+
+    texts = {name: texts_of(columns[name].index) for name in _TEXTS if name in columns}
     n = len(table.rows)
-    wrong: dict[int, list[Problem]] = defaultdict(list)
-    numbers = _numbers(table, columns, texts, wrong)
+    read, wrong = table.numbers(columns, empty=_EMPTY, doubted=_BESIDE)
+    numbers = {name: np.array(read.get(name, [math.nan] * n)) for name in (*_NUMBERS, *_BESIDE)}
     unread = {(i, problem.key) for i, some in wrong.items() for problem in some}
     words = [word.lower() for word in texts.get("kept", [""] * n)]
     kept = np.array([word not in _FALSE for word in words], dtype=np.bool_)
@@ -374,35 +335,23 @@ def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
     status = tuple(word.lower() or "ok" for word in texts.get("status", [""] * n))
     is_used = kept & np.array([word == "ok" for word in status], dtype=np.bool_)
     scattered = is_used & _below_by_scatter(numbers, is_used)
-    for i in np.flatnonzero(is_used & _unusable(numbers, columns)).tolist():
+    unusable = (numbers["peak_N"] <= numbers["end_tension_N"]) | (numbers["peak_N"] == 0.0)
+    for name in columns.keys() & set(_NUMBERS):  # a number is missing, or cannot be
+        unusable |= (numbers[name] < 0.0) | (np.isnan(numbers[name]) & (name in _REQUIRED))
+    for i in np.flatnonzero(is_used & unusable).tolist():
         of_row = {name: float(numbers[name][i]) for name in _NUMBERS}
         known = {name: column for name, column in columns.items() if (i, column.header) not in unread}
         wrong[i] += _why_unusable(table, table.rows[i][0], of_row, known, by_scatter=bool(scattered[i]))
     names = [from_spreadsheet(name) for name in texts.get("trial", [""] * n)]
     trial = tuple(name or f"row-{line}" for name, (line, _) in zip(names, table.rows, strict=True))
-    every = (
-        *problems,
-        *found,
-        *(problem for i in sorted(wrong) for problem in wrong[i]),
-        *_names_twice(table, trial),
-        *_rows_twice(table, numbers, kept),
-        *_cut_off(table),
-        *_too_few(table, kept, status),
-    )
+    of_rows = (problem for i in sorted(wrong) for problem in wrong[i])
+    twice = (*_names_twice(table, trial), *_rows_twice(table, numbers, kept))
+    every = (*problems, *found, *of_rows, *twice, *_cut_off(table), *_too_few(table, kept, status))
     raise_problems(every)
-    arrays: dict[str, Any] = dict(numbers)
     stems = {cells.stem_of(name): i for i, name in enumerate(table.header)}
-    labels = _filled(
-        {name: _known([row[1][stems[name]] for row in table.rows]) for name in LABELS if name in stems}
-    )
-    return TrialTable(
-        trial=trial, status=status, kept=kept, source=table.path, warnings=every, labels=labels, **arrays
-    )
-
-
-def _known(cells: list[str]) -> list[str]:
-    meaning = {cell: "" if cell.lower() in _EMPTY else cell for cell in set(cells)}
-    return [meaning[cell] for cell in cells]
+    labels = {name: texts_of(stems[name]) for name in LABELS if name in stems}
+    known_of: dict[str, Any] = {**numbers, "labels": _filled(labels)}
+    return TrialTable(trial=trial, status=status, kept=kept, source=table.path, warnings=every, **known_of)
 
 
 def _strange_columns(table: cells.CellTable, others: Sequence[str], there: set[str]) -> Iterator[Problem]:
@@ -431,33 +380,6 @@ def _field_like(name: str) -> str:
     return QUANTITIES[close[0]][0] if close else ""
 
 
-def _numbers(
-    table: cells.CellTable,
-    columns: Mapping[str, cells.Column],
-    texts: Mapping[str, Sequence[str]],
-    wrong: dict[int, list[Problem]],
-) -> dict[str, FloatArray]:
-    """Return the numbers of all columns in SI, NaN where there is none; say of each row what cannot be read."""
-    decimal = table.decimal_mark(columns)
-    numbers = {name: np.full(len(table.rows), np.nan) for name in (*_NUMBERS, *_BESIDE)}
-    for name, column in columns.items():
-        if not column.si_unit:
-            continue
-        meaning, refused = {"": math.nan}, dict[str, InputError]()
-        for cell in set(texts[name]) - {""}:
-            try:
-                meaning[cell] = cells.read_number(cell, column, decimal)
-            except InputError as error:
-                meaning[cell] = math.nan
-                if name not in _BESIDE:
-                    refused[cell] = error
-        numbers[name] = np.array([meaning[cell] for cell in texts[name]])
-        for i, cell in enumerate(texts[name] if refused else ()):
-            if cell in refused:
-                wrong[i].append(table.refusal(table.rows[i][0], column.header, refused[cell]))
-    return numbers
-
-
 def _below_by_scatter(numbers: Mapping[str, FloatArray], used: BoolArray) -> BoolArray:
     """Return which forces are at or below their end tension by no more than repeats scatter, as ln F_A/F_B may be.
 
@@ -484,19 +406,11 @@ def _below_by_scatter(numbers: Mapping[str, FloatArray], used: BoolArray) -> Boo
     return np.asarray(below & (rise >= mean[group] - _FAR * spread) & (rise >= -_FAR * spread))
 
 
-def _unusable(numbers: Mapping[str, FloatArray], given: Mapping[str, cells.Column]) -> BoolArray:
-    """Return which rows lack a number, or have one that cannot be, if they are to be used."""
-    wrong = (numbers["peak_N"] <= numbers["end_tension_N"]) | (numbers["peak_N"] == 0.0)
-    for name in given.keys() & set(_NUMBERS):
-        wrong |= (numbers[name] < 0.0) | (np.isnan(numbers[name]) & (name in _REQUIRED))
-    return np.asarray(wrong)
-
-
 def _why_unusable(
     table: cells.CellTable,
     line: int,
     numbers: Mapping[str, float],
-    columns: Mapping[str, cells.Column],
+    columns: cells.Columns,
     *,
     by_scatter: bool,
 ) -> Iterator[Problem]:
@@ -517,10 +431,8 @@ def _why_unusable(
         fix = "leave it: without the low ones, friction that small would seem larger than it is"
         yield table.problem(line, columns["peak_N"].header, "RF411", message, fix, warning=True)
     elif peak_N <= end_N:
-        message = (
-            f"the break-away force {peak_N:.6g} N is not above the end tension {end_N:.6g} N: "
-            "friction can only add to it"
-        )
+        low = f"the break-away force {peak_N:.6g} N is not above the end tension {end_N:.6g} N"
+        message = f"{low}: friction can only add to it"
         fix = "check whether the two columns or their units are exchanged, or set the trial aside with kept = false"
         yield table.problem(line, columns["peak_N"].header, "RF411", message, fix)
 
@@ -563,9 +475,8 @@ def _cut_off(table: cells.CellTable) -> Iterator[Problem]:
         if len(row[-1]) not in {0, _HASH_DIGITS}:
             digits = f"{len(row[-1])} of {_HASH_DIGITS} digits"
             message = f"the last row ends within its last cell, {digits}: the table is cut off"
-            yield table.problem(
-                line, "sha256", "RF103", message, "copy the whole file again, or extract again"
-            )
+            fix = "copy the whole file again, or extract again"
+            yield table.problem(line, "sha256", "RF103", message, fix)
 
 
 def _too_few(table: cells.CellTable, kept: BoolArray, status: Sequence[str]) -> Iterator[Problem]:

@@ -1,18 +1,21 @@
-"""The trial list: rows of trials.csv as `TrialSpec`, with everything that is wrong or doubtful in them."""
+"""The trial list: rows of trials.csv as `TrialSpec`, with all that is wrong or doubtful; and a list made from names."""
 
+import glob
 import math
 import os
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from pathlib import Path, PurePosixPath
+from itertools import chain, count
+from pathlib import Path, PurePath, PurePosixPath
 from typing import Any
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import DataError, InputError, Problem
-from ropefric.files.plain_text import from_spreadsheet
+from ropefric.errors import DataError, InputError, Problem, data_error
+from ropefric.files.plain_text import csv_text, from_spreadsheet, to_spreadsheet
 from ropefric.files.read import kind_of_file
 from ropefric.friction.condition import condition_groups, distinct
 from ropefric.glossary import counted
@@ -40,10 +43,8 @@ QUANTITIES = {
 DECIDED = {"peak": ("peak_N", "N", 1.0), "peak_std": ("peak_std_N", "N", 1.0)}
 """Known only beside `why` and `by`: a table of results, which has them too, serves as a list."""
 _MEANINGS = {
+    **cells.POSITIVE,
     "file": "the recording it was made of",
-    "wheel_radius_m": "a wheel radius",
-    "wrap_angle_rad": "a wrap angle",
-    "end_tension_N": "an end tension",
     "lift_force_N": "the known tight-side tension, for the sensor measures the slack side",
     "cell": "a force cell, for its recording is in counts",
     "end_cell": "the force cell of its slack side, which is in counts",
@@ -52,19 +53,19 @@ _MEANINGS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrialContext:
-    """What the campaign file says that rows depend on; as far as it could be read."""
+    """What the campaign file says that rows depend on; as far as it could be read.
+
+    `needed` are the columns that must be there beside file, wheel and wrap: a tension, and force cells.
+    """
 
     folder: Path | None
+    needed: tuple[str, ...]
     wheels: Mapping[str, float | None]
-    cells: tuple[str, ...] = ()
-    rope_radius_m: float | None = None
-    needs_lift_force: bool | None = False
-    needs_cell: bool = False
-    needs_end_cell: bool = False
-    measures_end: bool = False
-    start_s: float | None = None
-    stop_s: float | None = None
-    protocol: str = "breakaway"
+    cells: tuple[str, ...]
+    rope_radius_m: float | None
+    start_s: float | None
+    stop_s: float | None
+    protocol: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,10 +74,9 @@ class _Row:
 
     line: int
     cells: tuple[str, ...]
-    texts: dict[str, str] = field(default_factory=dict)
-    numbers: dict[str, float] = field(default_factory=dict)
-    unreadable: set[str] = field(default_factory=set)
-    problems: list[Problem] = field(default_factory=list)
+    texts: dict[str, str]
+    numbers: dict[str, float]
+    problems: list[Problem]
 
     @property
     def file(self) -> str:
@@ -104,29 +104,37 @@ def read_trials(
     for name in others:
         found += [] if name in mistyped else table.near_miss(name, QUANTITIES, TEXTS)
         if cells.stem_of(name) == "peak":
-            message, fix = (
-                "kept, but not used",
-                "add the columns why and by, if it is a decision about the break-away",
+            fix = "add the columns why and by, if it is a decision about the break-away"
+            found.append(
+                table.problem(table.header_line, name, "RF141", "kept, but not used", fix, warning=True)
             )
-            found.append(table.problem(table.header_line, name, "RF141", message, fix, warning=True))
     problems = [*problems_of_rows, *found, *missing, *_unnamed_columns(table)]
     if not table.rows and not problems_of_rows:
         message, fix = "the table has a header, but no trials", "add a row for every recording"
         problems.append(table.problem(table.header_line, "", "RF101", message, fix))
-    decimal = table.decimal_mark(columns)
-    rows = [reader.row(line, written, decimal) for line, written in table.rows]
+    numbers, wrong = table.numbers(columns)
+    texts = {name: column.index for name, column in columns.items() if not column.si_unit}
+    rows = [
+        _Row(
+            line=line,
+            cells=written,
+            texts={name: from_spreadsheet(written[index]) for name, index in texts.items()},
+            numbers={name: values[i] for name, values in numbers.items() if not math.isnan(values[i])},
+            problems=wrong[i],
+        )
+        for i, (line, written) in enumerate(table.rows)
+    ]
+    for row in rows:
+        row.problems.extend(reader.check(row))
     problems += _listed_twice(rows, table)
     if context.folder is not None:
         problems += _not_there(rows, context.folder, table)
     names, problems_of_names = _names(rows, table)
     problems += problems_of_names
     problems += [problem for row in rows for problem in row.problems]
-    trials = [
-        trial
-        for row, name in zip(rows, names, strict=True)
-        if not row.problems and (trial := reader.trial(row, name, folder)) is not None
-    ]
-    return tuple(trials), tuple(sorted(problems, key=lambda p: p.line or math.inf))
+    named = [(row, name) for row, name in zip(rows, names, strict=True) if not row.problems]
+    trials = (reader.trial(row, name, folder) for row, name in named)
+    return tuple(filter(None, trials)), tuple(sorted(problems, key=lambda p: p.line or math.inf))
 
 
 def _unnamed_columns(table: cells.CellTable) -> Iterator[Problem]:
@@ -149,26 +157,13 @@ class _Reader:
     context: TrialContext
     header_is_good: bool
 
-    @property
-    def tension(self) -> tuple[str, ...]:
-        if self.context.needs_lift_force is None:
-            return ()
-        if self.context.needs_lift_force:
-            return ("lift_force_N",)
-        return () if self.context.measures_end else ("end_tension_N",)
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """Return the columns that name a cell and are needed."""
-        needed = {"cell": self.context.needs_cell, "end_cell": self.context.needs_end_cell}
-        return tuple(name for name, is_needed in needed.items() if is_needed)
-
     def missing_columns(self) -> Iterator[Problem]:
         """Yield that a column is missing, or that its name is mistyped."""
-        needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"} | {name: name for name in self.tension}
+        tensions = [name for name in self.context.needed if name.endswith("_N")]
+        needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"} | {name: name for name in tensions}
         if not {"wheel", "wheel_radius_m"} & self.columns.keys():
             needed["wheel_radius_m"] = "wheel_radius_mm (or wheel, with names from [wheels])"
-        needed |= {name: name for name in self.cells}
+        needed |= {name: name for name in self.context.needed}
         for name, header in needed.items():
             known = header.split(maxsplit=1)[0]
             if name in self.columns:
@@ -181,40 +176,27 @@ class _Reader:
                 message, fix = "this column is not known", did_you_mean(key, [known])
             yield self.table.problem(self.table.header_line, key, code, message, fix)
 
-    def row(self, line: int, written: tuple[str, ...], decimal: str) -> _Row:
-        """Return a row's cells as texts and SI numbers, with what is wrong, missing or contradictory in it."""
-        row = _Row(line=line, cells=written)
-        for name, column in self.columns.items():
-            cell = written[column.index]
-            if not column.si_unit:
-                row.texts[name] = from_spreadsheet(cell)
-            elif cell:
-                try:
-                    row.numbers[name] = cells.read_number(cell, column, decimal)
-                except InputError as error:
-                    row.unreadable.add(name)
-                    row.problems.append(self.table.refusal(line, column.header, error))
-        row.problems.extend(self._check(row))
-        return row
-
-    def _check(self, row: _Row) -> Iterator[Problem]:
-        for name in ("file", "wrap_angle_rad", *self.tension):
-            yield from self._empty(row, name)
-        yield from self._unknown(row, "wheel", self.context.wheels)
-        for name in ("cell", "end_cell"):
-            yield from self._unknown(row, name, self.context.cells)
+    def check(self, row: _Row) -> Iterator[Problem]:
+        """Yield what is missing, unknown or contradictory in a row."""
+        tensions = [name for name in self.context.needed if name.endswith("_N")]
+        yield from self._empty(row, "file", "wrap_angle_rad", *tensions)
+        for name in ("wheel", "cell", "end_cell"):
+            word = row.texts.get(name, "")
+            known = self.context.wheels if name == "wheel" else self.context.cells
+            if word and word not in known:
+                fix = did_you_mean(word[:80], known)
+                if not known:
+                    fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
+                yield self._problem(row, name, "RF120", f"unknown {name} '{word}'", fix)
         wheel, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
         known_m = self.context.wheels.get(wheel)
         if not wheel and radius_m is None and self.header_is_good:
             yield from self._empty(row, "wheel_radius_m" if "wheel_radius_m" in self.columns else "wheel")
-        elif (
-            radius_m is not None and known_m is not None and not math.isclose(radius_m, known_m, rel_tol=1e-6)
-        ):
+        elif radius_m and known_m and not math.isclose(radius_m, known_m, rel_tol=1e-6):
             message = f"the radius is {radius_m * 1e3:g} mm, but wheel '{wheel}' has {known_m * 1e3:g} mm"
             fix = "correct one, or leave one of the two cells empty"
             yield self._problem(row, "wheel_radius_m", "RF111", message, fix)
-        for name in self.cells:
-            yield from self._empty(row, name)
+        yield from self._empty(row, *(name for name in self.context.needed if name not in tensions))
         start_s, stop_s = self._interval(row)
         if start_s is not None and stop_s is not None and not start_s < stop_s:
             message = f"the part from {start_s:g} s until {stop_s:g} s is empty"
@@ -227,9 +209,8 @@ class _Reader:
         given = [name for name in ("pick_s", "peak_N") if name in row.numbers]
         if not given:
             if "peak_std_N" in row.numbers:
-                yield self._problem(
-                    row, "peak_std_N", "RF121", "there is no peak_N that it belongs to", "add it"
-                )
+                message = "there is no peak_N that it belongs to"
+                yield self._problem(row, "peak_std_N", "RF121", message, "add it")
             return
         if len(given) > 1:
             message = "pick_s and peak_N are both given"
@@ -255,23 +236,12 @@ class _Reader:
     def _problem(self, row: _Row, name: str, code: str, message: str, fix: str) -> Problem:
         return self.table.problem(row.line, self.columns[name].header, code, message, fix)
 
-    def _empty(self, row: _Row, name: str) -> Iterator[Problem]:
-        if (
-            name in self.columns
-            and not row.texts.get(name)
-            and not (name in row.numbers or name in row.unreadable)
-        ):
-            meaning = _MEANINGS["wheel_radius_m" if name == "wheel" else name]
-            message = f"{self.columns[name].header} is empty; every trial needs {meaning}"
-            yield self._problem(row, name, "RF121", message, "fill the cell")
-
-    def _unknown(self, row: _Row, name: str, known: Collection[str]) -> Iterator[Problem]:
-        word = row.texts.get(name, "")
-        if word and word not in known:
-            fix = did_you_mean(word[:80], known)
-            if not known:
-                fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
-            yield self._problem(row, name, "RF120", f"unknown {name} '{word}'", fix)
+    def _empty(self, row: _Row, *names: str) -> Iterator[Problem]:
+        for name in names:
+            if name in self.columns and not row.cells[self.columns[name].index]:
+                meaning = _MEANINGS["wheel_radius_m" if name == "wheel" else name]
+                message = f"{self.columns[name].header} is empty; every trial needs {meaning}"
+                yield self._problem(row, name, "RF121", message, "fill the cell")
 
     def trial(self, row: _Row, name: str, folder: Path) -> TrialSpec | None:
         """Return a checked row in SI; None where the campaign file leaves something open."""
@@ -281,12 +251,10 @@ class _Reader:
         if wheel_m is None or rope_m is None or "wrap_angle_rad" not in numbers or not texts.get("file"):
             return None
         start_s, stop_s = self._interval(row)
-        of_row: dict[str, Any] = {key: text for key, text in texts.items() if key != "trial"} | {
-            key: value for key, value in numbers.items() if key not in {"start_s", "stop_s"}
-        }
-        settings = {"wheel_radius_m": wheel_m, "rope_radius_m": rope_m, "start_s": start_s, "stop_s": stop_s}
+        of_row: dict[str, Any] = {**texts, **numbers, "start_s": start_s, "stop_s": stop_s, "trial": name}
+        of_row |= {"wheel_radius_m": wheel_m, "rope_radius_m": rope_m}
         own = tuple((header, row.cells[index]) for header, index in self.own.items())
-        return TrialSpec(**of_row | settings, trial=name, path=folder / row.file, line=row.line, own=own)
+        return TrialSpec(**of_row, path=folder / row.file, line=row.line, own=own)
 
 
 # --- recordings and names ---
@@ -339,6 +307,11 @@ def _listed_twice(rows: Sequence[_Row], table: cells.CellTable) -> Iterator[Prob
                 latest_s, latest = stop_s, row
 
 
+def free_name(name: str, taken: Collection[str]) -> str:
+    """Return a name, with a number where it is taken."""
+    return next(one for one in chain((name,), (f"{name}-{n}" for n in count(2))) if one not in taken)
+
+
 def _names(rows: Sequence[_Row], table: cells.CellTable) -> tuple[list[str], list[Problem]]:
     """Return a unique name for every row, and problems of names given twice.
 
@@ -359,11 +332,7 @@ def _names(rows: Sequence[_Row], table: cells.CellTable) -> tuple[list[str], lis
         else:
             stem = PurePosixPath(PurePosixPath(row.file).name.removesuffix(".gz")).stem
             sample = row.texts.get("sample", "")
-            stem = (f"{stem}#{sample}" if sample and sample != "*" else stem) or "trial"
-            name, number = stem, 1
-            while name in taken:
-                number += 1
-                name = f"{stem}-{number}"
+            name = free_name((f"{stem}#{sample}" if sample and sample != "*" else stem) or "trial", taken)
             taken.add(name)
         names.append(name)
     return names, problems
@@ -411,21 +380,22 @@ def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:
     wheel_m, rope_m, degrees = trial.wheel_radius_m, trial.rope_radius_m, math.degrees(trial.wrap_angle_rad)
     if not trial.wheel and (said := radius_doubt(wheel_m)):
         yield "wheel_radius", said, "check the unit in the header"
-    turns = trial.wrap_angle_rad / (2 * math.pi)
-    if turns > 100:
-        message = f"a wrap of {turns:g} turns is probably in another unit"
-        yield "wrap_angle", message, "check the unit in the header"
+    if (turns := trial.wrap_angle_rad / math.tau) > 100:
+        said = f"a wrap of {turns:g} turns is probably in another unit"
+        yield "wrap_angle", said, "check the unit in the header"
     if degrees <= 90 * (1 - 1e-9):
-        message = (
-            f"a wrap of {degrees:g} deg is below the 90 deg that ASTM D3108 sets as least, so u(mu) is large"
+        least = "the 90 deg that ASTM D3108 sets as least"
+        yield (
+            "wrap_angle",
+            f"a wrap of {degrees:g} deg is below {least}, so u(mu) is large",
+            "wrap further where the rig allows it",
         )
-        yield "wrap_angle", message, "wrap further where the rig allows it"
     if trial.exclude.lower() in {"no", "n", "false", "0", "-", "none"}:
-        message = f"'{trial.exclude}' is taken as a reason, so the trial is excluded"
-        yield "exclude", message, "leave the cell empty to keep the trial"
+        said = f"'{trial.exclude}' is taken as a reason, so the trial is excluded"
+        yield "exclude", said, "leave the cell empty to keep the trial"
     if rope_m >= wheel_m:
-        message = f"the rope radius, {rope_m * 1e3:g} mm, is not below the wheel radius, {wheel_m * 1e3:g} mm"
-        yield "rope_diameter", message, "check both, and whether a diameter stands for a radius"
+        said = f"the rope radius, {rope_m * 1e3:g} mm, is not below the wheel radius, {wheel_m * 1e3:g} mm"
+        yield "rope_diameter", said, "check both, and whether a diameter stands for a radius"
 
 
 def _few_repeats(trials: Sequence[TrialSpec]) -> Iterator[_Doubt]:
@@ -461,3 +431,103 @@ def _unseen_effects(trials: Sequence[TrialSpec]) -> Iterator[_Doubt]:
             message = f"all trials have one {name}, so the effect of the {effect} cannot be seen"
             fix = f"measure at two or more values, or fit laws without an effect of the {effect}"
             yield None, key, "RF311", message, fix
+
+
+# --- a list of trials from the names of the recordings ---
+
+_DIGITS, _WILD = re.compile(r"([0-9]+)"), re.compile(r"[*?\[]")
+_GROUP = re.compile(r"\{(\w+)\}")
+_DIGITS_OF = r"[+-]?\d+(?:[.,]\d+)?"
+_SHOWN = 3
+
+
+def list_from_names(files: str, pattern: str, folder: Path) -> tuple[bytes, str]:
+    """Return a list of trials of the files that a glob pattern finds, and what to tell of names that do not match.
+
+    In the pattern of names, `{wrap_angle_deg}` stands for a number or, where a column of that name holds text, for
+    words; `*` stands for anything. A pattern with `(?P<name>...)` is a regular expression. Names of groups are headers
+    of the list, with their units. Without "/" it is compared with the file's name, with or without its ending.
+    """
+    paths = glob.glob(files, recursive=True)  # noqa: PTH207  (whole paths too, which Path.glob refuses)
+    found = sorted((path for path in paths if Path(path).is_file()), key=_natural)
+    if not found:
+        raise DataError("no file matches", path=files, fix=_what_is_there(files))
+    rows: list[Mapping[str, str]] = []
+    missed, compiled = [], _compiled(pattern)
+    for path in found:
+        match = _match(compiled, pattern, path) if compiled else {}
+        if match is None:
+            missed.append(path)
+        else:
+            rows.append({"file": Path(os.path.relpath(path, folder)).as_posix(), **match})
+    if not rows:
+        why = f"none of {counted(len(found), 'name')} matches the pattern {pattern!r}; the first is {found[0]!r}"
+        like = '"{wheel}_{wrap_angle_deg}deg_{repeat}"; * stands for anything'
+        fix = f"write what changes from name to name as {{header}}, such as {like}"
+        raise InputError(why, key="--pattern", fix=fix)
+    names = list(rows[0])
+    header = cells.CellTable(path="--pattern", header=tuple(names))
+    columns, _, problems = header.bind(QUANTITIES, TEXTS)
+    if problems:
+        raise data_error(problems)
+    known = columns.keys() | ({"wheel_radius_m"} if "wheel" in columns else set())
+    known |= {"end_tension_N"} if "lift_force_N" in columns else set()
+    needed = (
+        stem for stem in ("wheel_radius", "wrap_angle", "end_tension") if QUANTITIES[stem][0] not in known
+    )
+    names += [cells.example_of(stem, QUANTITIES) for stem in needed]
+    numbers = {column.header for column in columns.values() if column.si_unit}
+    table = [names]
+    for row in rows:
+        written = {name: cell.replace(",", ".") if name in numbers else cell for name, cell in row.items()}
+        table.append([to_spreadsheet(written.get(name, "")) for name in names])
+    shown = f"{', '.join(missed[:_SHOWN])}{', …' if len(missed) > _SHOWN else ''}"
+    told = f"{len(missed)} of {len(found)} names do not match the pattern and are left out: {shown}"
+    return csv_text(table).encode(), told if missed else ""
+
+
+def _natural(path: str) -> tuple[list[tuple[int, str]], str]:
+    return [(int(part), "") if part.isdigit() else (-1, part) for part in _DIGITS.split(path)], path
+
+
+def _what_is_there(files: str) -> str:
+    """Return what the folder holds that a glob pattern names."""
+    folder = Path(_WILD.split(files)[0])
+    folder = folder if folder.is_dir() else folder.parent
+    names = sorted(path.name for path in folder.iterdir() if path.is_file()) if folder.is_dir() else []
+    more = f", such as {', '.join(names[:_SHOWN])}" if names else "; quote the pattern, 'daq/*.csv'"
+    return f"{folder.as_posix()} holds {counted(len(names), 'file')}{more}"
+
+
+def _compiled(pattern: str) -> re.Pattern[str] | None:
+    text = pattern
+    if "(?P<" not in pattern:
+        parts = _GROUP.split(pattern)
+        text = "".join(
+            f"(?P<{part}>{_of_column(part)})" if place % 2 else re.escape(part).replace(r"\*", ".*?")
+            for place, part in enumerate(parts)
+        )
+    try:
+        found = re.compile(text)
+    except re.error as error:
+        fix = "each {name} is a word and stands once"
+        raise InputError(f"{pattern!r} is no pattern: {error}", key="--pattern", fix=fix) from None
+    if pattern and not found.groupindex:
+        fix = 'write what changes as {header}, such as "{wheel}_{wrap_angle_deg}deg_{repeat}"'
+        raise InputError(f"the pattern {pattern!r} names no column", key="--pattern", fix=fix)
+    return found if pattern else None
+
+
+def _of_column(name: str) -> str:
+    table = cells.CellTable(path="", header=(name,))
+    columns, _, _ = table.bind(QUANTITIES, TEXTS)
+    return _DIGITS_OF if any(column.si_unit for column in columns.values()) else ".+?"
+
+
+def _match(compiled: re.Pattern[str], pattern: str, path: str) -> dict[str, str] | None:
+    whole = "/".join(PurePath(path).parts[-1 - pattern.count("/") :])
+    bare = whole.removesuffix(".gz")
+    for name in (bare.removesuffix(PurePath(bare).suffix), whole):
+        if found := compiled.fullmatch(name):
+            return {key: value.strip() for key, value in found.groupdict(default="").items()}
+    return None

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 
 T = TypeVar("T")
+_Work = Callable[[int], T]
 
 AHEAD = 2
 """Pieces of work a process has in hand, so that it need not wait for the next one."""
@@ -111,6 +112,7 @@ def guarded(
 def _end(workers: "list[_Worker[T]]") -> None:
     """End all processes: an idle one at once, a busy one after its piece, or soon."""
     for worker in workers:
+        worker.dead = True
         worker.ours.close()
     until_s = time.monotonic() + GRACE_S
     for worker in workers:
@@ -124,7 +126,7 @@ class _Worker(Generic[T]):
     """A process, the pieces it has in hand, and when the first of them must be done."""
 
     def __init__(
-        self, context: "BaseContext", work: Callable[[int], T], limits: Limits, others: "list[Connection]"
+        self, context: "BaseContext", work: "_Work[T]", limits: Limits, others: "list[Connection]"
     ) -> None:
         self.ours, theirs = context.Pipe()
         self._limits = limits
@@ -157,14 +159,12 @@ class _Worker(Generic[T]):
         try:
             kind, content = self.ours.recv()
         except (EOFError, OSError):
-            self._end()
-            if not self.given and self._ready:
-                return
+            _end([self])
             if not self._ready:
-                code = self.process.exitcode
-                message = f"a process for reading ended as it started (exit code {code})"
+                message = f"a process for reading ended as it started (exit code {self.process.exitcode})"
                 raise RopefricError(message, code="RF000") from None
-            yield self.given.popleft(), self._crashed()
+            if self.given:
+                yield self.given.popleft(), self._crashed()
             return
         if kind == _READY:
             self._ready = True
@@ -173,7 +173,7 @@ class _Worker(Generic[T]):
         else:
             number = self.given.popleft()
             if kind == _NO_MEMORY:
-                self._end()
+                _end([self])
                 reason = f"reading it took more than {self._limits.memory} of memory"
                 yield number, Lost(reason=reason, fix=_RAISE.format("memory"))
             else:
@@ -183,17 +183,9 @@ class _Worker(Generic[T]):
     def stop_late(self) -> tuple[int, Lost]:
         """End the process, which took too long."""
         self.process.kill()
-        self._end()
+        _end([self])
         reason = f"reading it took longer than {self._limits.time_s:g} s"
         return self.given.popleft(), Lost(reason=reason, fix=_RAISE.format("time"))
-
-    def _end(self) -> None:
-        self.dead = True
-        self.ours.close()
-        self.process.join(GRACE_S)
-        if self.process.is_alive():
-            self.process.kill()
-        self.process.join()
 
     def _crashed(self) -> Lost:
         code = self.process.exitcode or 0
@@ -230,11 +222,7 @@ def _nobody_is_main() -> Iterator[None]:
 
 
 def _serve(
-    _carried: object,
-    work: Callable[[int], Any],
-    connection: "Connection",
-    limits: Limits,
-    others: "list[Connection]",
+    _carried: object, work: "_Work[Any]", connection: "Connection", limits: Limits, others: "list[Connection]"
 ) -> None:
     """Do what is handed over until nobody is there any more to hand anything over."""
     for other in others:  # else this process would keep the pipes of its sisters open

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from ropefric.fitting.predict import degrees_of_freedom
+from ropefric.fitting.predict import predict
 from ropefric.fitting.store import load_fit
+from ropefric.friction.condition import one_condition
 from ropefric.uncertainty.quantity import quantile
 
 ROOT = Path(__file__).parents[2]
@@ -276,8 +277,9 @@ def test_a_folder_is_answered_with_what_may_be_meant(call, tmp_path, bench):
 
 
 def test_the_level_of_the_intervals_is_asked_for(call):
-    """By Student's t of the fit's degrees of freedom."""
-    dof = degrees_of_freedom(load_fit(ROOT / "fits" / "prth-coupled.json"))
+    """By Student's t of the degrees of freedom that `predict` gives the same wheel."""
+    wheel = one_condition(0.04, 0.0049, 3.0 * math.pi, 80.0)
+    dof = float(predict(load_fit(ROOT / "fits" / "prth-coupled.json"), wheel).dof[0])
     wide, narrow = (
         call("solve", SCENES / "hoist.toml", "--level", level, "--json").json() for level in ("0.95", "0.5")
     )
@@ -440,3 +442,20 @@ def test_a_cluster_is_for_sweeps(call):
     assert done.code == 3
     assert "--cluster" in done.err
     assert "add --sweep" in done.err
+
+
+def test_draws_are_a_summary_and_a_table(call, tmp_path):
+    done = call(
+        "solve", SCENES / "hoist.toml", "--draws", "500", "--seed", "3", "--out", tmp_path / "o", "--json"
+    )
+    assert done.code == 0
+    told = done.json()
+    assert told["draws"] == 500
+    assert told["quantiles_percent"] == [2.5, 50.0, 97.5]
+    assert (tmp_path / "o" / "draws.json").exists()
+    assert len((tmp_path / "o" / "draws.csv").read_text(encoding="utf-8").splitlines()) == 501
+    words = call("solve", SCENES / "hoist.toml", "--draws", "500", "--seed", "3")
+    assert "500 draws (seed 3)" in words.out
+    both = call("solve", SCENES / "hoist.toml", "--draws", "500", "--sweep", "wheel.wrap=1turn,2turn")
+    assert both.code == 3
+    assert "a sweep is not drawn" in both.err

@@ -115,6 +115,8 @@ def test_clean_process_predicts_the_same_to_the_last_digit(campaign, fit):
         ({"schema": "ropefric.campaign/1"}, "no stored fit: the schema is 'ropefric.campaign/1'"),
         ({"schema": None}, "no stored fit: there is no schema"),
         ({"law": "wrap-powr"}, "'wrap-powr' is not known.*did you mean 'wrap-power'"),
+        ({"law": ...}, "law: the field is missing.*fit again"),
+        ({"law": None}, "law: the field is no text"),
         ({"law": "constant"}, "does not belong to the law constant, whose parameters are mu"),
         ({"covariance": ...}, "covariance: the field is missing.*fit again"),
         ({"covariance": [[1.0]]}, "does not belong to the law"),

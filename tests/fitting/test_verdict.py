@@ -12,7 +12,7 @@ import pytest
 from ropefric.fitting import fit as fitting
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.result import ADVICE, FitStatus
+from ropefric.fitting.result import FitStatus
 from ropefric.fitting.statistics import find_trends, identify
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
@@ -92,7 +92,7 @@ def test_wrap_series_at_one_load_is_refused_and_at_six_is_not():
 def test_one_load_says_so_in_words():
     fits = [
         fit_law(pulled("wrap-power", [0.2, -0.5, 0.1], wraps=TWELVE_WRAPS, seed=s), "wrap-power")
-        for s in range(8)
+        for s in range(4)
     ]
     assert not any(fit.trustworthy for fit in fits)
     unseen = [fit for fit in fits if fit.status is FitStatus.UNIDENTIFIABLE]
@@ -239,7 +239,8 @@ def test_search_that_stops_early_is_not_a_success(monkeypatch):
 
 
 def test_every_status_has_advice():
-    assert set(ADVICE) == set(FitStatus)
+    assert all(status.advice.endswith(".") for status in FitStatus)
+    assert FitStatus("at-bound") is FitStatus.AT_BOUND
 
 
 def test_identifiability_by_hand():

@@ -15,8 +15,7 @@ from ropefric.fitting.result import FitStatus
 from ropefric.pipeline.run import answer_trials, run_campaign, write_answer
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import DesignWheel
-from ropefric.trials.conditions import NOT_ABOVE, set_aside_impossible
-from ropefric.trials.result import count_trials
+from ropefric.trials.result import NOT_ABOVE, count_trials, set_aside_impossible
 
 WHEEL = DesignWheel.model_construct(wheel_radius_m=0.05, wrap_angle_rad=6.0, end_tension_N=40.0)
 

@@ -10,8 +10,7 @@ from ropefric.fitting.result import FitResult
 from ropefric.plotting.figure import save_figure
 from ropefric.plotting.svg import svg_text
 from ropefric.traces.breakaway import Breakaway, Status
-from ropefric.trials.conditions import summarise_conditions
-from ropefric.trials.result import Extraction, Outline, TrialResult
+from ropefric.trials.result import Extraction, Outline, TrialResult, summarise_conditions
 from ropefric.trials.table import TrialTable
 
 

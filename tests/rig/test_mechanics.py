@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.rig.bench import Bench
-from ropefric.rig.mechanics import Snap, draw_breakaway
+from ropefric.rig.bench import Bench, Snap, draw_breakaway
 from ropefric.rig.recording import simulate_recording
 from ropefric.traces.breakaway import Status
 

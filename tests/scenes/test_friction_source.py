@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from ropefric.fitting.predict import degrees_of_freedom, predict
-from ropefric.fitting.store import load_fit
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.predict import predict
+from ropefric.fitting.store import load_fit, save_fit
 from ropefric.friction.condition import one_condition
 from ropefric.scenes.solve import solve_scene
-from ropefric.uncertainty.quantity import quantile
+from ropefric.trials.table import TrialTable
 
 
 @pytest.fixture(scope="module")
@@ -21,11 +22,41 @@ def test_a_fit_gives_the_lift_force_and_the_interval_that_predict_gives(hoist_of
     lift = solution.quantities[0]
     assert lift.value[0] == pytest.approx(told.lift_force_N[0], rel=1e-12)
     assert lift.std[0] == pytest.approx(told.std_N[0], rel=1e-5)
-    # A scene has the degrees of freedom of the fit, `predict` those of the very condition, which are some more.
-    half = quantile(0.975, degrees_of_freedom(stored)) * told.std_log[0]
-    ends = told.lift_force_N[0] * np.exp([-half, half])
-    assert lift.interval[0].tolist() == pytest.approx(ends.tolist(), rel=1e-7)
-    assert lift.interval[0].tolist() == pytest.approx(told.interval_N[0].tolist(), rel=5e-4)
+    assert lift.interval[0].tolist() == pytest.approx(told.interval_N[0].tolist(), rel=1e-7)
+
+
+def fit_of(gain, wraps=(1.0, 2.0, 4.0, 6.0, 9.0), law="constant"):
+    """A fit of two pulls a wrap, whose cell may be wrong by a gain: μ = 0.2, scatter of 2 %, seed 3."""
+    wrap_rad, rng = np.repeat(wraps, 2), np.random.default_rng(3)
+    force_N = 50.0 * np.exp(0.2 * wrap_rad + 0.02 * rng.standard_normal(wrap_rad.size))
+    same = np.ones(wrap_rad.size)
+    table = TrialTable(
+        trial=tuple(map(str, range(wrap_rad.size))), wheel_radius_m=0.04 * same, rope_radius_m=0.0049 * same,
+        wrap_angle_rad=wrap_rad, end_tension_N=50.0 * same, peak_N=force_N, peak_std_N=gain * force_N if gain else None,
+    )  # fmt: skip
+    return fit_law(table, law)
+
+
+@pytest.mark.parametrize("gain", [0.0, 0.005, 0.05])
+def test_the_interval_has_the_degrees_of_freedom_of_its_own_number(hoist_of, tmp_path, gain):
+    """Few of the scatter, more the larger the share of a gain that is known beforehand: those of `predict`."""
+    path = tmp_path / "fit.json"
+    save_fit(fit_of(gain), path)
+    told = predict(load_fit(path), one_condition(0.04, 0.0049, 3.0 * np.pi, 80.0))
+    lift = solve_scene(
+        hoist_of(friction={"fit": str(path)}, effects="all", rope={"linear_density": "0.1 mg/m"})
+    )
+    assert lift.quantities[0].interval[0].tolist() == pytest.approx(told.interval_N[0].tolist(), rel=1e-6)
+    assert (told.dof[0] > 4.5) == bool(gain)
+
+
+def test_a_fit_that_leaves_nothing_to_estimate_an_interval_from_gives_none(hoist_of, tmp_path):
+    path = tmp_path / "fit.json"
+    save_fit(fit_of(0.0, (2.0, 6.0), "wrap-power"), path)
+    assert np.isnan(predict(load_fit(path), one_condition(0.04, 0.0049, 3.0 * np.pi, 80.0)).interval_N).all()
+    solution = solve_scene(hoist_of(friction={"fit": str(path)}))
+    assert solution.to_dict()["interval_N"] == [None, None]
+    assert np.isnan(solution.quantities[0].interval).all()
 
 
 def test_the_interval_of_a_running_rope_is_that_of_predict_too(hoist_of, stored):

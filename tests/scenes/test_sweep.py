@@ -8,9 +8,10 @@ import pytest
 
 from ropefric.errors import DataError, InputError, UnknownNameError
 from ropefric.files.folder import Folder
+from ropefric.scenes.scene import load_scene, number_keys
 from ropefric.scenes.solve import solve_scene
-from ropefric.scenes.sweep import parse_axis, scalar_keys, sweep_scene
-from ropefric.scenes.sweep_table import columns_text, write_sweep
+from ropefric.scenes.sweep import parse_axis, sweep_scene
+from ropefric.scenes.sweep_table import columns_text, sweep_table
 
 
 def test_ranges_and_lists_in_any_unit(hoist_of):
@@ -44,7 +45,8 @@ def test_axes_that_are_none_are_refused(hoist_of, text, error, words):
 
 
 def test_what_can_be_swept_is_what_the_scene_gives(hoist_of):
-    keys = scalar_keys(hoist_of())
+    scene = hoist_of()
+    keys = number_keys(scene.document, scene.table)
     assert "wheel.speed" in keys
     assert "friction.fit" not in keys
     assert "accuracy" not in keys
@@ -73,7 +75,8 @@ def test_keys_that_do_not_go_in_one_call_give_the_same_grid(hoist_of):
 def test_points_without_answer_are_counted_and_left_empty(hoist_of, tmp_path):
     scene = hoist_of(effects="all")
     axes = (parse_axis(scene, "wheel.speed=1m/s:61m/s:61"), parse_axis(scene, "wheel.wrap=1turn,2turn"))
-    swept = sweep_scene(scene, axes)
+    with sweep_table(axes, Folder(tmp_path / "deep"), "sweep.csv") as written:
+        swept = sweep_scene(scene, axes, write=written.add)
     speed = np.repeat(axes[0].values, 2)
     floating = (
         80.0 - 0.062 * speed**2 < 1.0
@@ -81,8 +84,7 @@ def test_points_without_answer_are_counted_and_left_empty(hoist_of, tmp_path):
     assert np.isnan(swept.columns["lift_force_N"]).tolist() == floating.tolist()
     assert swept.failed == floating.sum()
     assert "lifts off the wheel" in swept.first_failure
-    path = write_sweep(swept, Folder(tmp_path / "deep"), "sweep.csv")
-    rows = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
+    rows = list(csv.reader((tmp_path / "deep" / "sweep.csv").read_text(encoding="utf-8").splitlines()))
     assert rows[0] == ["wheel.speed [m/s]", "wheel.wrap [turn]", "lift_force_N", "mu_average"]
     assert len(rows) == 1 + 122
     assert rows[1][:2] == ["1", "1"]
@@ -99,13 +101,13 @@ def test_columns_are_written_row_by_row_with_empty_cells_for_what_is_not_known()
 def test_the_table_has_the_last_axis_fastest_whatever_is_written_at_once(
     hoist_of, tmp_path, monkeypatch, block
 ):
-    monkeypatch.setattr("ropefric.scenes.sweep.BLOCK", block)
+    monkeypatch.setattr("ropefric.scenes.points.BLOCK", block)
     monkeypatch.setattr("ropefric.scenes.sweep_table.BLOCK", block)
     scene = hoist_of(effects="all")
     axes = tuple(parse_axis(scene, text) for text in ("wheel.wrap=1turn,2turn", "load.end_tension=10N:50N:5"))
-    swept = sweep_scene(scene, axes)
-    path = write_sweep(swept, Folder(tmp_path), "sweep.csv")
-    table = np.loadtxt(path, delimiter=",", skiprows=1)
+    with sweep_table(axes, Folder(tmp_path), "sweep.csv") as written:
+        swept = sweep_scene(scene, axes, write=written.add)
+    table = np.loadtxt(tmp_path / "sweep.csv", delimiter=",", skiprows=1)
     count = axes[1].values.size
     assert table[:, 0].tolist() == [1.0] * count + [2.0] * count
     assert table[:, 1] == pytest.approx(np.tile(axes[1].values, 2), rel=1e-9)
@@ -146,10 +148,16 @@ def test_each_point_of_a_small_sweep_keeps_the_promise(hoist_of):
     assert math.isfinite(planned.error_bound)
 
 
-def test_start_ups_are_swept_one_by_one(loaded):
+def test_start_ups_are_swept_one_by_one(loaded, scenes_folder):
     scene = loaded("press-start-up")
     swept = sweep_scene(scene, (parse_axis(scene, "press.preload=1100N,2500N"),))
     assert swept.failed == 0
     assert "transient" in swept.simulated
     largest = swept.columns["largest_utilisation"]
     assert largest[0] > 1.0 > largest[1] > 0.0
+    assert swept.columns["start_up.slips"].tolist() == [1.0, 0.0]
+    assert swept.columns["start_up.slip_loss_J"][0] > swept.columns["start_up.slip_loss_J"][1] == 0.0
+    scene = load_scene(scenes_folder / "press-start-up.toml", {"press.preload": "2500 N"})
+    alone = solve_scene(scene).answer.start_up.summary()
+    assert swept.columns["start_up.peak_tension_N"][1] == max(alone["peak_tension_N"].values())
+    assert swept.columns["start_up.peak_utilisation"][1] == max(alone["peak_utilisation"].values())

@@ -12,10 +12,10 @@ import ropefric as rf
 from ropefric.errors import InputError
 from ropefric.files import parquet
 from ropefric.files.folder import Folder
-from ropefric.scenes import sweep as sweeping
+from ropefric.scenes import points as solving
 from ropefric.scenes import sweep_table as tables
 from ropefric.scenes.sweep import parse_axis, sweep_scene
-from ropefric.scenes.sweep_table import sweep_table, write_sweep
+from ropefric.scenes.sweep_table import sweep_table
 from ropefric.systems.effect import Model
 from ropefric.systems.hoist.contact import solve_lift
 from ropefric.systems.hoist.effects import SYSTEM, stiffness_bound
@@ -63,7 +63,7 @@ def test_whether_a_hoist_lifts_is_never_left_open(hoist_of):
 @pytest.fixture
 def asked(monkeypatch):
     """The box is solved with and without whatever takes time, however little that is."""
-    monkeypatch.setattr(sweeping, "_LEAST_SAVED_S", 0.0)
+    monkeypatch.setattr(solving, "_LEAST_SAVED_S", 0.0)
 
 
 @pytest.mark.usefixtures("asked")
@@ -197,8 +197,9 @@ def test_the_bound_of_a_stiffness_holds_case_by_case(hoist_of, others):
 
 @pytest.mark.parametrize("name", ["sweep.csv", "sweep.parquet"])
 def test_the_table_written_block_by_block_is_the_table_of_the_whole(hoist_of, tmp_path, monkeypatch, name):
-    monkeypatch.setattr(sweeping, "BLOCK", 7)
-    monkeypatch.setattr(tables, "BLOCK", 7)
+    usual = tables.BLOCK
+    for module in (solving, tables):
+        monkeypatch.setattr(module, "BLOCK", 7)
     scene = hoist_of(effects="all")
     # The first points lift off: their rows wait until the names of the numbers are known.
     axes = tuple(parse_axis(scene, text) for text in ("wheel.speed=60m/s:1m/s:9", "wheel.wrap=1turn:4turn:5"))
@@ -215,7 +216,10 @@ def test_the_table_written_block_by_block_is_the_table_of_the_whole(hoist_of, tm
         rows = list(csv.reader((tmp_path / name).read_text(encoding="utf-8").splitlines()))
         assert rows[0] == ["wheel.speed [m/s]", "wheel.wrap [turn]", "lift_force_N", "mu_average"]
         cells = np.array([[float(cell or "nan") for cell in row] for row in rows[1:]])
-        write_sweep(whole, Folder(tmp_path), "again.csv")
+        for module in (solving, tables):
+            monkeypatch.setattr(module, "BLOCK", usual)
+        with sweep_table(axes, Folder(tmp_path), "again.csv") as table:
+            sweep_scene(scene, axes, write=table.add)
         assert (tmp_path / "again.csv").read_bytes() == (tmp_path / name).read_bytes()
     else:
         found = pyarrow.parquet.read_table(tmp_path / name)

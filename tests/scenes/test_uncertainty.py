@@ -32,7 +32,7 @@ def drawn(scene, solution):
     rng = np.random.default_rng(1)
     simulated = set(solution.plan.simulated) - {"bending"}  # which takes its time and has no part in friction
     found = []
-    for theta in rng.multivariate_normal(source.friction.theta, source.covariance, size=DRAWS):
+    for theta in rng.multivariate_normal(source.friction.theta, source.fit.covariance, size=DRAWS):
         problem = replace(scene.problem, friction=replace(source.friction, theta=theta))
         try:
             answer = system.solve(assemble(system, problem, simulated), solution.plan.method)

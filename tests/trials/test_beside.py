@@ -10,8 +10,7 @@ import pytest
 from ropefric.cli.app import main
 from ropefric.traces.breakaway import Breakaway, ForceEvent, Status
 from ropefric.traces.protocols import PROTOCOLS
-from ropefric.trials.conditions import summarise_conditions
-from ropefric.trials.result import TrialResult, write_tables
+from ropefric.trials.result import TrialResult, summarise_conditions, write_tables
 from ropefric.trials.table import read_trial_table
 
 PHI, END_N = math.pi, 20.0

@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ropefric.traces.breakaway import Breakaway, Status
-from ropefric.trials.conditions import summarise_conditions
-from ropefric.trials.result import TrialResult
+from ropefric.trials.result import TrialResult, summarise_conditions
 
 # The paper's example: 15 values with mean 321.7 N and s 5.5 N; without the one outlier the mean is 320.7 N.
 PAPER_N = [

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.trials.conditions import summarise, trimming_bias
-from ropefric.trials.outliers import RULES, grubbs_critical_value
+from ropefric.trials.outliers import RULES, grubbs_critical_value, summarise, trimming_bias
 
 
 def papers_series():

@@ -148,15 +148,15 @@ def _exponential_settings() -> tuple[Setting, ...]:
     def house() -> FloatArray:
         return np.asarray(np.log(exponential_start_rad(y, A_EXP, B_EXP, C_EXP)))
 
+    def stepped(label: str, n_steps: int) -> tuple[Setting, ...]:
+        after = partial(newton, values, np.exp(omega(y)))
+        return judged("Wright omega", label, after, over=(n_steps,), work=_own)
+
     return (
         *_iterated(values, y / C_EXP, exact),
         *judged("Wright omega", "alone", partial(omega, y), work=0.0),
-        *judged(
-            "Wright omega", "{} step", lambda n: newton(values, np.exp(omega(y)), n), over=(1,), work=_own
-        ),
-        *judged(
-            "Wright omega", "{} steps", lambda n: newton(values, np.exp(omega(y)), n), over=(2,), work=_own
-        ),
+        *stepped("{} step", 1),
+        *stepped("{} steps", 2),
         # One step from there moves φ0 by less than the library's 1e-9, where it stops.
         *judged("ropefric", "", house, work=1.0),
     )

@@ -57,8 +57,7 @@ _SAW = SawProblem(
     **_each(free_span_m=1.6, preload_N=12_000.0, tension_difference_N=211.0, mounting_factor=0.1),
     **_each(wheel_radius_m=0.35, wheel_speed_rad_s=100.0),
     **_each(
-        linear_density_kg_m=STEEL_85_09.linear_density_kg_m,
-        bending_stiffness_N_m2=STEEL_85_09.bending_stiffness_N_m2,
+        **{name: getattr(STEEL_85_09, name) for name in ("linear_density_kg_m", "bending_stiffness_N_m2")}
     ),
 )
 _PRESS = PressProblem(
@@ -199,8 +198,8 @@ def _swept_settings(case: str) -> tuple[Setting, ...]:
             "accuracy {:g}",
             sweep,
             over=ACCURACIES_WANTED,
-            work=lambda found, _: _count(found),
             quick=_QUICK,
+            work=lambda found, _: _count(found),
         ),
         *judged(_ALL, "", lambda: sweep(1.0, "all"), work=_count),
     )
@@ -214,14 +213,8 @@ def _count(found: Sweep) -> float:
 
 
 def _largest_difference(found: Sweep, reference: Sweep) -> float:
-    return max(
-        float(
-            np.max(
-                np.abs(values - reference.columns[name]) / np.maximum(np.abs(reference.columns[name]), 1e-300)
-            )
-        )
-        for name, values in found.columns.items()
-    )
+    pairs = [(values, reference.columns[name]) for name, values in found.columns.items()]
+    return max(float(np.max(np.abs(ours - all_) / np.maximum(np.abs(all_), 1e-300))) for ours, all_ in pairs)
 
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:

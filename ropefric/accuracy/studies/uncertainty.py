@@ -1,16 +1,23 @@
-"""Whether 95 % intervals hold the truth in 95 of 100 small campaigns: laws, designs, and every kind of interval."""
+"""Whether 95 % intervals hold the truth in 95 of 100 small campaigns, and how often a verdict is wrong.
+
+Of laws, designs and every kind of interval; and of constant data and of data with one effect, what `compare` and
+`diagnose` support.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
-from math import degrees, isfinite, nan, pi
+from math import degrees, isfinite, log, log1p, nan, pi
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.special import betaincinv
 
 from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study
 from ropefric.arrays import FloatArray
+from ropefric.fitting.compare import choose_law, compare_laws
+from ropefric.fitting.diagnose import diagnose
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.intervals import bootstrap, bootstrap_t, profile_of, with_intervals
 from ropefric.fitting.predict import predict
@@ -39,6 +46,16 @@ QUICK, USUAL, FULL = 20, 200, 1000
 """Campaigns of a quick look, of the usual one and of that over all designs."""
 _RESAMPLES = 400
 _SIZES, _REPEATS = (6, 8, 12, 20, 36), (1, 3, 5, 12)
+JUDGED = 50
+"""Campaigns that are judged at each usual design."""
+EFFECTS = {
+    "no effect": ("", "wrap_angle_rad", 8.0, 0.0),
+    "wrap effect": ("wrap-dependence", "wrap_angle_rad", 8.0, -0.2),
+    "size effect": ("size", "wheel_radius_m", 4.0, 0.25),
+    "load dependence": ("end-tension", "end_tension_N", 12.0, -0.2),
+}
+"""What may be true of the mean coefficient: the effect by its name in laws, the setting that it goes with as a power,
+and by how much of itself it changes over the whole span of that setting."""
 
 
 class Design(NamedTuple):
@@ -64,6 +81,8 @@ class Design(NamedTuple):
             "bound": "the plateau's truth a third of its standard error above its bound",
             "outlier": f"one pull {100 * OUTLIER:.0f} % too high",
             "uneven": "1 to 9 repeats a condition instead",
+            "no effect": "what is supported of a constant μ, and of one that changes by a fifth over all wraps, wheels "
+            "(larger ones have more) or end tensions",
         }
         said = f"; {words[self.special]}" if self.special else ""
         scatter = f"{100 * WITHIN:.0f} % between repeats, {100 * self.between:.0f} % between conditions"
@@ -79,7 +98,8 @@ class Design(NamedTuple):
 
     def table(self, seed: int) -> tuple[TrialTable, float]:
         """Return the trials of one campaign, and ln F_A of one pull on `WHEEL` with a new rope."""
-        k, rng = self.conditions, np.random.default_rng(seed)
+        k, judged = self.conditions, self.special in EFFECTS
+        rng = np.random.default_rng([seed, k, self.repeats, round(1e3 * self.between)] if judged else seed)
         size = np.full(k, self.repeats)
         if self.special == "uneven":
             size = np.array([1, 5, 9])[np.arange(k) % 3]
@@ -87,14 +107,19 @@ class Design(NamedTuple):
         wraps = pi * np.array([0.5, 1.0, 2.0, 4.0])[np.arange(k) % 4]
         loads = np.array([10.0, 40.0, 120.0])[(np.arange(k) // 4) % 3]
         wheels = np.array([0.015, 0.02, 0.03, 0.04, 0.06])[
-            np.arange(k) % 5 if self.law == "coupled" else k * [2]
+            np.arange(k) % 5 if self.law == "coupled" or judged else k * [2]
         ]
         at = Conditions(
             wheel_radius_m=wheels, rope_radius_m=np.full(k, 0.0049), wrap_angle_rad=wraps, end_tension_N=loads
         )
         group = np.repeat(np.arange(k), size)
         law, gain = LAWS[self.law], GAIN if self.special == "gain" else 0.0
-        log_lift = (law.log_lift(self.theta, at) + self.between * rng.standard_normal(k))[group]
+        log_lift = law.log_lift(self.theta, at)
+        if judged:
+            _, setting, span, change = EFFECTS[self.special]
+            level = getattr(at, setting)
+            log_lift += self.theta[0] * wraps * ((level / level.min()) ** (log1p(change) / log(span)) - 1.0)
+        log_lift = (log_lift + self.between * rng.standard_normal(k))[group]
         log_lift = log_lift + WITHIN * rng.standard_normal(group.size) + gain * rng.standard_normal()
         log_lift[0] += OUTLIER if self.special == "outlier" else 0.0
         new = (
@@ -121,11 +146,6 @@ def by_covariance(fit: FitResult) -> Intervals:
     return Intervals(ends, np.log(found.interval_N[0]), np.log(found.prediction_interval_N[0]))
 
 
-def by_default(fit: FitResult) -> Intervals:
-    """Return the covariance's where they will do, else along the profiles."""
-    return by_covariance(with_intervals(fit, "auto"))
-
-
 def by_sandwich(fit: FitResult) -> Intervals:
     """Return the intervals of CR2 with Bell and McCaffrey's degrees of freedom, one by one."""
     problem = fit.data
@@ -137,11 +157,6 @@ def by_sandwich(fit: FitResult) -> Intervals:
     centre = np.append(fit.theta[problem.vary], fit.friction_law.log_lift(fit.theta, WHEEL))
     ends = centre[:, None] + half[:, None] * [-1.0, 1.0]
     return Intervals(np.clip(ends[:-1], problem.lower[:, None], problem.upper[:, None]), ends[-1])
-
-
-def by_profile(fit: FitResult) -> Intervals:
-    """Return the intervals along the profiles."""
-    return Intervals(profile_of(fit).ci)
 
 
 def by_drawn_conditions(fit: FitResult) -> Intervals:
@@ -160,9 +175,9 @@ def by_bootstrap_t(fit: FitResult) -> Intervals:
 
 KINDS: dict[str, Callable[[FitResult], Intervals]] = {
     "covariance": by_covariance,
-    "auto": by_default,
+    "auto": lambda fit: by_covariance(with_intervals(fit, "auto")),
     "CR2, Bell-McCaffrey": by_sandwich,
-    "profile": by_profile,
+    "profile": lambda fit: Intervals(profile_of(fit).ci),
     "bootstrap of conditions": by_drawn_conditions,
     "bootstrap-t": by_bootstrap_t,
 }
@@ -213,18 +228,52 @@ def coverage(design: Design, kind: Callable[[FitResult], Intervals], n: int) -> 
     )
 
 
-def _settings(design: Design, *, full: bool) -> tuple[Setting, ...]:
-    def setting(kind: str, n: int) -> Setting:
-        how = KINDS[kind]
-        return Setting(
-            kind,
-            f"{n} campaigns",
-            lambda: how(_campaign(design, 0)[0]),
-            partial(coverage, design, how, n),
-            n == QUICK,
-        )
+def verdicts(design: Design, n: int) -> Outcome:
+    """Return in which share of campaigns a law with the effect of a design, and the effect itself, are supported.
 
-    return tuple(setting(kind, n) for kind in KINDS for n in (QUICK, FULL if full else USUAL))
+    Of a constant coefficient that is any law but the constant one, any effect: the error is the share of such laws,
+    else that of campaigns in which the effect is missed. `law_low` and `law_high` hold the share of laws at 95 %.
+    """
+    effect, named = EFFECTS[design.special][0], {design.special}
+    if not effect:
+        named = {*EFFECTS, "offset", "coil contact"}
+    laws = effects = 0
+    for seed in range(n):
+        table, _ = design.table(seed)
+        ranked = compare_laws(table)
+        choice, causes = choose_law(ranked), diagnose(table, ranked).causes
+        law = choice.fit.friction_law
+        laws += choice.verdict.supported and (effect in law.effects if effect else law.name != "constant")
+        effects += any(cause.supported == "yes" and cause.cause in named for cause in causes)
+    shares = {
+        "law": laws / n,
+        "law_low": float(betaincinv(laws, n - laws + 1, 0.025)) if laws else 0.0,
+        "law_high": float(betaincinv(laws + 1, n - laws, 0.975)) if laws < n else 1.0,
+        "effect": effects / n,
+    }
+    return Outcome(
+        error=1.0 - shares["effect"] if effect else shares["law"], evaluations=float(n), shares=shares
+    )
+
+
+def _settings(design: Design, *, full: bool) -> tuple[Setting, ...]:
+    rows: list[tuple[str, Callable[[], object], Callable[[int], Outcome], tuple[int, int]]] = []
+    for effect in EFFECTS if design.special in EFFECTS else ():
+        true = design._replace(special=effect)
+        many = (FULL if true == design else USUAL) if full else JUDGED
+        rows.append((effect, partial(verdicts, true, 1), partial(verdicts, true), (QUICK // 3, many)))
+    for kind, how in () if design.special in EFFECTS else KINDS.items():
+        one, all_of = partial(_one, design, how), partial(coverage, design, how)
+        rows.append((kind, one, all_of, (QUICK, FULL if full else USUAL)))
+    return tuple(
+        Setting(name, f"{n} campaigns", one, partial(all_of, n), n == counts[0])
+        for name, one, all_of, counts in rows
+        for n in counts
+    )
+
+
+def _one(design: Design, how: Callable[[FitResult], Intervals]) -> Intervals:
+    return how(_campaign(design, 0)[0])
 
 
 def _case(design: Design, *, full: bool = False) -> Case:
@@ -232,34 +281,45 @@ def _case(design: Design, *, full: bool = False) -> Case:
 
 
 def with_all_designs(study: Study) -> Study:
-    """Return the study over every law, size, number of repeats and scatter, 1000 campaigns each: hours."""
+    """Return the study over every law, size, number of repeats and scatter, 1000 campaigns each: hours.
+
+    Pieces, in this order, that an executor may share: a kind of interval, or a true effect, at a design.
+    """
     more = [
         Design(law, k, n, between)
         for law in TRUTH for k in _SIZES for n in _REPEATS for between in (0.0, WITHIN)
     ]  # fmt: skip
-    special = [design for design in _DESIGNS if design.special]
-    return replace(study, cases=tuple(_case(one, full=True) for one in (*more, *special)))
+    special = [design for design in _DESIGNS if design.special and design.special not in EFFECTS]
+    return replace(study, cases=tuple(_case(one, full=True) for one in (*more, *special, *JUDGED_DESIGNS)))
 
 
 def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
     """Say where the default holds, what it covers where it does not, and the cheapest kind that always does."""
-    best = {(point.case, point.method): point for point in sorted(points, key=lambda one: one.evaluations)}
-    lines, always = [], []
-    for kind in KINDS:
-        mine = [point for (_, method), point in best.items() if method == kind]
-        off = [point for point in mine if _off(point)]
-        if mine and not off:
-            always.append(min(mine, key=lambda one: one.seconds))
-        if mine and kind == "auto":
-            lines.append(
-                f"{kind}, the default, holds 93 to 97 % in {len(mine) - len(off)} of {len(mine)} designs."
-            )
-            lines += [f"{point.case}: {_off(point)}." for point in off]
+    every = {(point.case, point.method): point for point in sorted(points, key=lambda one: one.evaluations)}
+    of_kind = {kind: [point for key, point in every.items() if key[1] == kind] for kind in KINDS}
+    lines = []
+    if default := of_kind["auto"]:
+        off = [f"{point.case}: {_off(point)}." for point in default if _off(point)]
+        held = len(default) - len(off)
+        lines = [f"auto, the default, holds 93 to 97 % in {held} of {len(default)} designs.", *off]
+    always = [point for mine in of_kind.values() if not any(map(_off, mine)) for point in mine]
     if always:
         first = min(always, key=lambda one: one.seconds)
         lines.append(f"Cheapest kind that holds 93 to 97 % everywhere, but for chance: {first.method}.")
-    elif best:
+    elif any(of_kind.values()):
         lines.append("No kind of interval holds 93 to 97 % in every design; what each covers stands above.")
+    for (case, effect), point in every.items():
+        if effect in EFFECTS:
+            law, low, high, found = (
+                100.0 * point.shares[name] for name in ("law", "law_low", "law_high", "effect")
+            )
+            whose, which = (
+                ("a richer law", "an effect") if effect == "no effect" else ("a law with it", "the effect")
+            )
+            lines.append(
+                f"{case.split(', no')[0]}, {effect}: {whose} is supported in {law:.0f} % ({low:.1f} to {high:.1f} %) of "
+                f"{point.evaluations:.0f} campaigns, {which} in {found:.0f} %."
+            )
     return tuple(lines)
 
 
@@ -274,6 +334,11 @@ def _off(point: Measured) -> str:
     return ", ".join(said)
 
 
+JUDGED_DESIGNS = tuple(
+    Design("constant", k, n, between, "no effect")
+    for k in _SIZES for n in _REPEATS for between in (0.0, WITHIN)
+)  # fmt: skip
+"""Of constant data on several wheels."""
 _DESIGNS = (
     Design("wrap-power", 12, 5),
     *(Design("wrap-power", k, 5) for k in (6, 8, 20, 36)),
@@ -282,6 +347,7 @@ _DESIGNS = (
     *(Design("constant", k, 5) for k in (6, 12)),
     *(Design("coupled", k, 5) for k in (12, 36)),
     *(Design("wrap-power", 12, 5, special=one) for one in ("gain", "bound", "outlier", "uneven")),
+    Design("constant", 12, 5, special="no effect"),
 )
 STUDY = Study(
     name="uncertainty",

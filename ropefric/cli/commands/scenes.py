@@ -24,6 +24,7 @@ with on_first_use():
     from ropefric.papers import paper as reading
     from ropefric.report import cost_page, section
     from ropefric.report import scene as pages
+    from ropefric.scenes import draws as drawing
     from ropefric.scenes import kinds, plan, sweep_table
     from ropefric.scenes import scene as scenes
     from ropefric.scenes import solve as solving
@@ -31,7 +32,7 @@ with on_first_use():
 
 
 class TableFormat(StrEnum):
-    """How the table of a sweep is written."""
+    """How the table of a sweep or of draws is written."""
 
     CSV = "csv"
     PARQUET = "parquet"
@@ -52,12 +53,22 @@ def solve(
         metavar="KEY=START:STOP:COUNT",
         help="Solve over a range, or KEY=A,B,C over a list, of any number in the scene; several make a grid.",
     ),
+    draws: int = Option(
+        0,
+        metavar="N",
+        help="Solve for so many draws of what is uncertain: the parameters of a fit, and what [tolerances] states.",
+    ),
+    seed: int = Option(0, min=0, help="Of the draws."),
     identify: bool = flag("--identify", "Find the preload and mounting that the measured frequencies tell."),
-    level: float = Option(0.95, help="Coverage of the intervals, between 0 and 1; a sweep has none."),
-    folder: Path | None = out_folder("Write the answer (and a sweep's CSV and figure) there."),
+    level: float = Option(
+        0.95, help="Coverage of the intervals, between 0 and 1; of draws, between their outer quantiles."
+    ),
+    folder: Path | None = out_folder("Write the answer (and the table of a sweep or of draws) there."),
     plot: str = Option("", help="Which number of a sweep the figure shows; by default the first."),
     table: TableFormat = Option(
-        TableFormat.CSV, "--table", help="How the table of a sweep is written; Parquet needs pyarrow."
+        TableFormat.CSV,
+        "--table",
+        help="How the table of a sweep or of draws is written; Parquet needs pyarrow.",
     ),
     cluster: options.Cluster = "",
     force: Force = False,
@@ -67,20 +78,25 @@ def solve(
     Exits with 4 when the friction behind the answer is not supported, when the error may be larger than the accuracy
     wanted, and when the machine does not do what it is for: a hoist that does not lift its payload, a press that
     slips. A traction sheave is checked by one clause of EN 81-50, which is no certificate. A sweep says at how many
-    points that is so, and exits with 4 for the error alone.
+    points that is so, draws in which share of them, and both exit with 4 for the error alone.
     """
-    if cluster and not sweep:
-        raise InputError("one scene is no work to share", key="--cluster", fix="add --sweep, or leave it out")
+    if cluster and not (sweep or draws):
+        fix = "add --sweep or --draws, or leave it out"
+        raise InputError("one scene is no work to share", key="--cluster", fix=fix)
+    if sweep and draws:
+        raise InputError("a sweep is not drawn", key="--draws", fix="ask for --sweep or for --draws")
     loaded = scenes.load_scene(scene)
     swept = ("sweep.csv", "sweep.parquet", *options.figure_names("sweep_figure"))
-    names = swept if sweep else _solved_names()
+    names = swept if sweep else _DRAWN if draws else _solved_names()
     fit = loaded.document.table("friction").get("fit")
     fits = [loaded.folder / fit, Path(fit)] if isinstance(fit, str) else []
-    family = "sweep" if sweep else "scene"
+    family = "sweep" if sweep else "draws" if draws else "scene"
     # Before the work, so that a folder that cannot be used costs nothing.
     with options.open_folder(
         folder, family=family, names=names, inputs=(scene, *fits), force=force
     ) as target:
+        if draws:
+            return _drawn(out, loaded, draws, target, f"draws.{table}", cluster, seed=seed, level=level)
         if not sweep:
             solution = solving.solve_scene(loaded, level=level, identify=identify)
             tree = solution.to_dict()
@@ -106,6 +122,35 @@ def solve(
         return Answer(
             data, pages.sweep_sections(found, width_of(sys.stdout)), exit_code_of(found.keeps_accuracy)
         )
+
+
+_DRAWN = ("draws.csv", "draws.parquet", "draws.json")
+
+
+def _drawn(  # noqa: PLR0917  (as the command has them)
+    out: Output,
+    scene: "scenes.Scene",
+    count: int,
+    folder: "folders.Folder | None",
+    name: str,
+    cluster: str,
+    **how: Any,
+) -> Answer:
+    with Progress(out, "solve") as progress, ExitStack() as stack:
+        write = None
+        if folder is not None:
+            write = stack.enter_context(sweep_table.sweep_table((), folder, name)).add
+        executor = stack.enter_context(executors.cluster(cluster))
+        found = drawing.draw_scene(
+            scene, count, progress=progress.update, write=write, executor=executor, **how
+        )
+    data: dict[str, Any] = found.to_dict()
+    files: Sequence[Path] = ()
+    if folder is not None:
+        written = [folder.path / name, *folder.write({"draws.json": json_text(data)})]
+        files = options.publish(out, folder, "answer", written)
+    shown = pages.draws_sections(found, scene.kind.words)
+    return Answer(data | {"files": files}, shown, exit_code_of(found.stands))
 
 
 def _solved_names() -> tuple[str, ...]:

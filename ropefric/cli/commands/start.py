@@ -28,13 +28,12 @@ with on_first_use():
     from ropefric.report import section
     from ropefric.rig import bench as rig_bench
     from ropefric.rig import campaign as rigs
-    from ropefric.rig import mechanics, recording
+    from ropefric.rig import recording
     from ropefric.scenes import scene as scenes
     from ropefric.scenes import scene_templates
     from ropefric.trials import campaign as campaigns
-    from ropefric.trials import campaign_model, outliers, workers
+    from ropefric.trials import campaign_model, outliers, trial_list, workers
     from ropefric.trials import extract as extracting
-    from ropefric.trials import names as trial_names
 
 if TYPE_CHECKING:
     from ropefric.traces.readers.inspection import ColumnSummary, Inspection
@@ -76,7 +75,7 @@ def init(
     else:
         trials = None
         if recordings:
-            trials, told = trial_names.list_from_names(recordings, pattern, folder)
+            trials, told = trial_list.list_from_names(recordings, pattern, folder)
             if told:
                 out.note(told)
         elif pattern:
@@ -354,7 +353,7 @@ def simulate(
         changes["bench"] = rig_bench.HELD_BENCH if protocol == "held" else plan.bench
         kept = {n: rate for n, rate in plan.faults.items() if not recording.FAULTS[n].protocols}
         changes.setdefault("faults", kept)
-    plan = replace(plan, physics=physics, protocol=mechanics.RIG_PROTOCOLS[protocol].name, **changes)
+    plan = replace(plan, physics=physics, protocol=rig_bench.RIG_PROTOCOLS[protocol].name, **changes)
     seed = own_seed if seed is None else seed
     with Progress(out, "simulate") as progress:
         written = rigs.simulate_campaign(folder, plan, seed=seed, progress=progress.update)

@@ -13,7 +13,7 @@ from ropefric.files.write import refuse_input, refuse_special, write_file
 
 with on_first_use():
     from ropefric.fitting import design as designs
-    from ropefric.fitting import next_tests
+    from ropefric.fitting import next_tests, resolution
     from ropefric.fitting import predict as predicting
     from ropefric.friction import condition as conditions
     from ropefric.friction import laws
@@ -225,7 +225,7 @@ def plan_tests(
         raise BadParameter("a guessed law does not know its rope", param_hint="--rope-diameter")
     found = next_tests.plan_tests(
         planned,
-        next_tests.RigLimits(
+        resolution.RigLimits(
             wheel_radius_m=radii_m,
             wrap_angle_rad=wraps_rad,
             end_tension_N=loads_N,
@@ -274,10 +274,10 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
     low, _, high = text.partition("..")
     ends = [options.read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
     if unit != "rad":
-        return next_tests.geometric_levels(ends[0], ends[1], n)
+        return resolution.geometric_levels(ends[0], ends[1], n)
     first, last = (float(f"{math.degrees(end):.12g}") for end in ends)
     step = next((s for s in (45.0, 15.0, 5.0) if (n - 1) * s <= last - first), 1.0)
-    return tuple(math.radians(degrees) for degrees in next_tests.linear_levels(first, last, n, step=step))
+    return tuple(math.radians(degrees) for degrees in resolution.linear_levels(first, last, n, step=step))
 
 
 with on_first_use():

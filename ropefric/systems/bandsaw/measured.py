@@ -12,8 +12,9 @@ from scipy.special import gammaincc
 
 from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import FitError, InputError
+from ropefric.glossary import AdvisedStatus
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
-from ropefric.systems.bandsaw.saw import MODELS, AdvisedStatus, Saw, Side, frequencies_Hz, preloads_for_N
+from ropefric.systems.bandsaw.saw import MODELS, Saw, Side, frequencies_Hz, preloads_for_N
 from ropefric.systems.bandsaw.span import Span
 
 

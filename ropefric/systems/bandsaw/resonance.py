@@ -9,13 +9,8 @@ import numpy.typing as npt
 
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.files.digits import significant
-from ropefric.systems.bandsaw.saw import (
-    AdvisedStatus,
-    Saw,
-    Side,
-    frequencies_Hz,
-    roots_between,
-)
+from ropefric.glossary import AdvisedStatus
+from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz, roots_between
 
 _SIDES = (Side.TIGHT, Side.SLACK)
 

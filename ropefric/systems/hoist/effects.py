@@ -1,5 +1,6 @@
 """The effects a hoist may be simulated with, and how much each can matter at most."""
 
+from dataclasses import replace
 from itertools import product
 from typing import Any
 
@@ -57,8 +58,17 @@ def stiffness_bound(problem: HoistProblem) -> FloatArray:
 
 
 def _slopes(problem: HoistProblem, ranges: dict[str, tuple[float, float]]) -> tuple[float, ...]:
-    """Return the largest |dM/dφ| and |dM/d ln P| over ranges of what a law is told, and those of ln(M/φ)."""
-    own, levels = problem.friction.reference, []
+    """Return the largest |dM/dφ| and |dM/d ln P| over ranges of what a law is told, and those of ln(M/φ).
+
+    Of parameters that differ from case to case, with those sets that have the least or the largest of any.
+    """
+    theta, own, levels = problem.friction.theta, problem.friction.reference, []
+    if theta.ndim > 1:
+        ends = np.unique([theta.argmin(axis=0), theta.argmax(axis=0)])
+        sets = [replace(problem.friction, theta=theta[i]) for i in ends]
+        return tuple(
+            np.max([_slopes(replace(problem, friction=one), ranges) for one in sets], axis=0).tolist()
+        )
     for name, (low, high) in ranges.items():
         stand_in = getattr(own, "end_tension_N" if name == "slack_tension_N" else name)
         levels.append(np.append(np.unique(np.geomspace(low, high, _LEVELS)), stand_in))

@@ -8,8 +8,7 @@ import pytest
 from ropefric.fitting.fit import fit_law
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration, ForceCell
-from ropefric.trials.conditions import summarise_conditions
-from ropefric.trials.result import Extraction, TrialResult
+from ropefric.trials.result import Extraction, TrialResult, summarise_conditions
 from ropefric.trials.table import TrialTable
 
 

@@ -199,24 +199,22 @@ def test_rising_root_against_brentq():
     a = np.minimum(a, high**power * 0.9)
 
     def function(x, i):
-        return x ** power[i] - a[i], power[i] * x ** (power[i] - 1)
+        return x ** power[i] - a[i]
 
-    found = rising_root(function, low, high, tolerance=1e-14)
+    found = rising_root(function, low, high)
     for i in range(200):
         direct = optimize.brentq(lambda x, i=i: x ** power[i] - a[i], 1e-6, 1e3, xtol=1e-14, rtol=1e-14)
         assert found[i] == pytest.approx(direct, rel=1e-10, abs=1e-12)
 
 
-def test_rising_root_survives_wrong_slopes_and_gaps():
-    """A slope without sign or size and a stretch without an answer leave bisection."""
-
+def test_rising_root_survives_a_stretch_without_an_answer():
     def function(x, rows):
-        return np.where(x < 2, -np.inf, x - 3.0), np.full(x.size, np.nan)
+        return np.where(x < 2, -np.inf, x - 3.0)
 
     assert rising_root(function, np.zeros(1), np.full(1, 100.0))[0] == pytest.approx(3.0, abs=1e-10)
 
 
 def test_first_crossing_of_a_curve_that_falls_again():
-    left, right = first_crossing(lambda x, i: (0.2 - (x - 1) ** 2, x), np.zeros(1), np.full(1, 10.0))
+    left, right = first_crossing(lambda x, i: 0.2 - (x - 1) ** 2, np.zeros(1), np.full(1, 10.0))
     assert left[0] < 1 - math.sqrt(0.2) <= right[0]
-    assert np.isnan(first_crossing(lambda x, i: (-1 - x, x), np.zeros(1), np.ones(1))[1]).all()
+    assert np.isnan(first_crossing(lambda x, i: -1 - x, np.zeros(1), np.ones(1))[1]).all()

@@ -14,8 +14,8 @@ from ropefric.trials.table import TrialTable, read_trial_table, table_from_frame
 
 
 @pytest.mark.slow
-def test_real_rope_on_a_cylinder_has_no_wrap_effect(cylinder_table, cylinder_comparisons):
-    found = diagnose(cylinder_table, cylinder_comparisons["conditions"])
+def test_real_rope_on_a_cylinder_has_no_wrap_effect(cylinder_table, cylinder_comparison):
+    found = diagnose(cylinder_table, cylinder_comparison)
     assert found["wrap effect"].supported == "no"
     assert found["offset"].supported == "no"
     assert found["load dependence"].supported == "cannot-tell"  # one load was lifted
@@ -291,3 +291,42 @@ def test_labels_are_read_from_a_table(tmp_path):
     labels = table.labels
     assert table_from_frame(table.to_frame()).labels == labels
     assert labels == {"rope_id": ("A", "B"), "operator": ("ann", "ann"), "dwell": ("1", "10")}
+
+
+def small_table(conditions, repeats=1, within=0.0, between=0.0, seed=5):
+    """Trials of μ = 0.2 at (wrap [rad], end tension [N]) pairs."""
+    rng, k = np.random.default_rng(seed), len(conditions)
+    wrap, load = np.repeat(np.array(conditions, float), repeats, axis=0).T
+    shift = np.repeat(between * rng.standard_normal(k), repeats) + within * rng.standard_normal(k * repeats)
+    same = np.ones(k * repeats)
+    return TrialTable(
+        trial=tuple(map(str, range(k * repeats))), wheel_radius_m=0.03 * same, rope_radius_m=0.003 * same,
+        wrap_angle_rad=wrap, end_tension_N=load, peak_N=load * np.exp(0.2 * wrap + shift),
+    )  # fmt: skip
+
+
+GRID = [(wrap, load) for wrap in (1.5, 3.0, 6.0, 12.0) for load in (20.0, 80.0)]
+
+
+@pytest.mark.parametrize(("conditions", "repeats"), [([(1.5, 20.0), (4.5, 20.0)], 1), ([(6.0, 20.0)], 8)])
+def test_what_cannot_be_tested_is_not_said_to_describe_the_trials(conditions, repeats):
+    found = diagnose(small_table(conditions, repeats, within=0.02))
+    assert "describe" not in found.summary
+    assert f"{len(conditions)} condition" in found.summary
+    assert "cannot test the capstan equation" in found.summary
+
+
+def test_scatter_between_conditions_is_no_reason_to_leave_the_law():
+    found = diagnose(small_table(GRID, 6, within=0.01, between=0.03))
+    assert found["condition scatter"].supported == "yes"
+    assert "describes the trials; no cause to leave it is supported" in found.summary
+    assert "the data support: condition scatter" in found.summary
+
+
+@pytest.mark.parametrize("repeats", [1, 3])
+def test_rounding_is_no_scatter_that_an_effect_could_be_judged_by(repeats):
+    found = diagnose(small_table(GRID, repeats))
+    assert "±" not in found.summary
+    assert "may still" not in found.summary
+    assert "bound_low" not in found["wrap effect"].numbers
+    assert "±" not in found["load dependence"].evidence

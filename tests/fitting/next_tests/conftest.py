@@ -10,15 +10,13 @@ import pytest
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.next_tests import (
     MeanScatter,
-    RigLimits,
     allowed_conditions,
-    geometric_levels,
-    linear_levels,
     nearest_to,
     one_factor_plan,
     planned_guess,
 )
 from ropefric.fitting.predict import predict
+from ropefric.fitting.resolution import RigLimits, geometric_levels, linear_levels
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.trials.table import TrialTable

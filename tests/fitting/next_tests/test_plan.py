@@ -4,14 +4,13 @@ import csv
 import dataclasses
 import io
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.next_tests import MeanScatter, expected_std, plan_tests, planned_fit, planned_guess
+from ropefric.fitting.next_tests import MeanScatter, plan_tests, planned_fit, planned_guess
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
@@ -21,18 +20,75 @@ from ropefric.trials.table import read_trial_table
 WORTHWHILE = 1.5
 
 
+def expected_std(planned, evidence, wanted):
+    """The standard error of ln F_A to expect at conditions."""
+    return evidence.errors(planned.gradients(wanted))[0]
+
+
 def test_repeats_do_not_average_out_what_they_share():
-    scatter = MeanScatter(within=0.02, between=0.01, instrument_N=0.5)
-    log_lift = np.log([50.0, 500.0])
-    np.testing.assert_allclose(scatter.variance(log_lift, 4), [2e-4 + 1e-4, 2e-4 + 1e-6], rtol=1e-12)
-    np.testing.assert_allclose(scatter.variance(log_lift, 10**9), [1e-4 + 1e-4, 1e-4 + 1e-6], rtol=1e-6)
+    scatter = MeanScatter(within=0.02, between=0.01)
+    np.testing.assert_allclose(scatter.variance([4, 10**9]), [2e-4, 1e-4], rtol=1e-6)
+
+
+def test_no_number_of_pulls_takes_away_what_they_all_share(guessed):
+    """Constant law, k conditions of wrap φ_i by a chain that is off by u: δμ = u Σ φ/F σ⁻² / Σ φ² σ⁻² whatever k."""
+    planned = guessed("constant", MeanScatter(within=0.02, between=0.01, instrument_N=2.0))
+    wraps, target = np.array([2.0, 5.0, 9.0]), one_condition(0.04, 0.0049, 12.0, 20.0)
+    totals = []
+    for k, repeats in ((1, 1), (1, 10**6), (10**4, 10**4)):
+        at = Conditions(
+            wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=np.tile(wraps, k), end_tension_N=20
+        )
+        (total,), shared = planned.evidence(at, repeats).errors(planned.gradients(target))
+        effect = 2.0 / (20.0 * np.exp(0.15 * wraps))
+        own2 = 1e-4 + 4e-4 / repeats
+        weight = 1.0 / (own2 + effect**2)
+        bias = 12.0 * (weight * wraps * effect).sum() / (weight * wraps**2).sum()
+        scatter2 = 144.0 * own2 * (weight**2 * wraps**2).sum() / (weight * wraps**2).sum() ** 2 / k
+        assert shared.item() == pytest.approx(bias, rel=1e-12)
+        assert total == pytest.approx(math.sqrt(bias**2 + scatter2), rel=1e-12)
+        totals.append(total)
+    assert totals[0] > totals[1] > totals[2]
+    assert totals[2] == pytest.approx(bias, rel=1e-5)
+
+
+def test_a_plan_says_when_more_pulls_do_not_help(bench, guessed, wanted):
+    known, bad = (
+        plan_tests(guessed("constant", MeanScatter(within=0.02, between=0.01, instrument_N=u_N)), bench,
+                   wanted("inside"), n_conditions=30, repeats=100, starts=1)
+        for u_N in (0.1, 20.0)
+    )  # fmt: skip
+    assert not any("more pulls hardly help" in note for note in known.notes)
+    (note,) = (note for note in bad.notes if "more pulls hardly help" in note)
+    assert "measuring chain" in note
+    assert bad.after.shared_log[0] > 0.7 * bad.after.std_log[0]
+
+
+def test_errors_that_a_fit_shares_reach_the_plan_as_in_its_prediction(bench, root):
+    """Before: those of the fit. With ever more tests by the same cell: never below what the cell brings."""
+    fit = load_fit(root / "fits" / "prth-coupled.json")
+    planned, target = planned_fit(fit), one_condition(0.04, 0.0049, math.radians(540), 80.0)
+    along = planned.gradients(target)
+    before, shared = planned.known.errors(along)
+    by_fit = fit.friction_law.jacobian(fit.theta, target) @ fit.common_changes
+    np.testing.assert_allclose(shared, by_fit, rtol=1e-7)
+    at = bench.conditions()
+    (many,), (most,) = (
+        planned.known.joined(planned.evidence(at, repeats)).errors(along)[0] for repeats in (1000, 10**9)
+    )
+    found = planned.known.joined(planned.evidence(at, 10**9))
+    left = np.linalg.norm(found.errors(along)[1])
+    assert most < many < before[0]
+    assert most == pytest.approx(left, rel=0.05)
+    name = [*found.shared][int(np.argmax(np.abs(found.errors(along)[1])))]
+    assert name.startswith("calibration of cell")
 
 
 def test_the_expected_error_is_that_of_least_squares_in_closed_form(guessed):
     planned = guessed("constant", MeanScatter(within=0.02, between=0.01))
     at = Conditions(wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=[2, 5, 9], end_tension_N=20)
     target = one_condition(0.04, 0.0049, 12.0, 20.0)
-    found = expected_std(planned, planned.rows(at, 5), target)[0]
+    found = expected_std(planned, planned.evidence(at, 5), target)[0]
     sigma = math.sqrt(0.01**2 + 0.02**2 / 5)
     assert found == pytest.approx(12.0 * sigma / math.sqrt(4 + 25 + 81), rel=1e-12)
 
@@ -40,10 +96,12 @@ def test_the_expected_error_is_that_of_least_squares_in_closed_form(guessed):
 def test_an_error_that_cannot_be_told_is_infinite(guessed):
     planned = guessed("wrap-power")
     at = Conditions(wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=[2, 5], end_tension_N=20)
-    assert expected_std(planned, planned.rows(at, 5), at).tolist() == [pytest.approx(0.01256, rel=0.01)] * 2
+    assert (
+        expected_std(planned, planned.evidence(at, 5), at).tolist() == [pytest.approx(0.01256, rel=0.01)] * 2
+    )
     other = one_condition(0.04, 0.0049, 12.0, 100.0)
-    assert np.isinf(expected_std(planned, planned.rows(at, 5), other)).all()
-    assert np.isinf(expected_std(planned, np.zeros((0, 3)), other)).all()
+    assert np.isinf(expected_std(planned, planned.evidence(at, 5), other)).all()
+    assert np.isinf(expected_std(planned, guessed("wrap-power").known, other)).all()
 
 
 @pytest.mark.parametrize("name", ["constant", "size-exponential", "wrap-power", "howell", "coupled"])
@@ -58,12 +116,12 @@ def test_a_plan_is_worth_half_as_much_again_as_one_factor_at_a_time(bench, guess
 def test_a_guess_that_is_off_by_a_fifth_still_gives_a_plan_worth_having(bench, guessed, wanted, usual, name):
     """The plan is made for the guess, and judged by the truth."""
     truth, target, rng = guessed(name), wanted("strong"), np.random.default_rng(1)
-    usual_std = expected_std(truth, truth.rows(usual(truth), 12), target)[0]
+    usual_std = expected_std(truth, truth.evidence(usual(truth), 12), target)[0]
     for _ in range(3):
         off = 1.0 + 0.2 * rng.uniform(-1.0, 1.0, truth.theta.size)
         guess = dataclasses.replace(truth, theta=truth.theta * off)
         at = plan_tests(guess, bench, target, starts=2).conditions
-        assert usual_std > 1.25 * expected_std(truth, truth.rows(at, 12), target)[0]
+        assert usual_std > 1.25 * expected_std(truth, truth.evidence(at, 12), target)[0]
 
 
 def test_a_plan_keeps_to_the_rig(bench, guessed, wanted):
@@ -111,7 +169,7 @@ def test_of_both_criteria_each_is_best_at_its_own(bench, guessed, wanted):
     by = {c: plan_tests(planned, bench, wanted("large wheel"), criterion=c, starts=3) for c in "vd"}
 
     def log_det(plan):
-        rows = planned.rows(plan.conditions, plan.repeats)
+        rows = planned.evidence(plan.conditions, plan.repeats).rows
         return np.linalg.slogdet(rows.T @ rows)[1]
 
     assert by["v"].after.std_log[0] < by["d"].after.std_log[0]
@@ -164,9 +222,8 @@ def test_the_error_before_is_about_that_of_the_fit(root):
     from ropefric.fitting.predict import predict
 
     table = read_trial_table(root / "fits" / "prth-trials.csv")
-    # What a cell brings to all forces alike, no further test takes away: a plan leaves it out.
-    fit = fit_law(replace(table, cell_std_N=np.zeros(len(table.trial))), "coupled")
-    planned = planned_fit(fit, instrument_N=0.0)
+    fit = fit_law(table, "coupled")
+    planned = planned_fit(fit)
     target = one_condition(0.035, 0.0049, math.radians(400), 60.0)
     # The fit's is estimated from the residuals of 36 conditions, about 1/√(2·31) = 13 % off; three of these.
     ratio = expected_std(planned, planned.known, target)[0] / predict(fit, target).std_log[0]

@@ -1,0 +1,302 @@
+"""A scene solved for draws of what it is not sure of: the parameters of its friction, and what has a tolerance.
+
+The parameters of a fit are drawn together from its covariance, with its degrees of freedom; what `[tolerances]` says
+is a limit of error, so any value within it is as likely. A draw depends on the seed and its place alone.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ropefric.arrays import FloatArray, IntArray
+from ropefric.errors import InputError, RopefricError
+from ropefric.fitting.predict import degrees_of_freedom, has_interval
+from ropefric.scenes.kind import finite
+from ropefric.scenes.plan import make_plan
+from ropefric.scenes.points import BLOCK, Answers, Progress, Write, solve_points
+from ropefric.scenes.scene import Scene, placed, unit_of, value_at
+from ropefric.scenes.sweep import Axis, parse_axis
+from ropefric.uncertainty.quantity import check_level, joint_draws, quantile, symmetric_root
+
+MOST_DRAWS = 10_000_000
+FEWEST_DRAWS = 10
+KEPT_DRAWS = 200_000
+"""Whose numbers are held, for quantiles."""
+_OWN_PARAMETERS = "friction.parameters."
+
+
+class _Friction(NamedTuple):
+    """The parameters of a scene's law, and how they scatter: together, and each within its tolerance."""
+
+    names: tuple[str, ...]
+    theta: FloatArray
+    half: FloatArray
+    root: FloatArray = np.zeros((0, 0))
+    dof: float = math.inf
+    bounds: tuple[FloatArray | float, FloatArray | float] = (-math.inf, math.inf)
+
+
+class _Draws:
+    """The cases of a scene that are drawn; see `points.Points`."""
+
+    option = "--draws"
+    what = "draw"
+    fix = "check the tolerances and the covariance of the fit"
+
+    def __init__(self, scene: Scene, count: int, seed: int) -> None:
+        self.shape, self.seed, self.friction = (count,), seed, _friction(scene)
+        law = self.friction.names if self.friction else ()
+        own = {"friction.mu", *(_OWN_PARAMETERS + name for name in law)}
+        self.axes = tuple(_ends(scene, key) for key in scene.tolerances if not (law and key in own))
+        self.keys = tuple(axis.key for axis in self.axes)
+        if not law and not self.keys:
+            raise InputError(
+                "nothing in the scene is uncertain: no tolerances, no fit",
+                key="--draws",
+                fix='add [tolerances] with, say, wheel.wrap = "5 deg", or the friction of a fit',
+            )
+        self.columns = (*(axis.label for axis in self.axes), *(f"friction.{name}" for name in law))
+
+    def at(self, places: IntArray) -> list[FloatArray]:
+        """Return the draws at places of one block."""
+        block, own, friction = int(places[0]) // BLOCK, places % BLOCK, self.friction
+        flat = _flat(self.seed, block, len(self.axes))[own].T
+        found = [
+            axis.values.mean() + 0.5 * np.ptp(axis.values) * one
+            for axis, one in zip(self.axes, flat, strict=True)
+        ]
+        if friction is not None:
+            theta = friction.theta + _flat(self.seed, block, friction.theta.size, 2)[own] * friction.half
+            if friction.root.size:
+                scattered = _scattered(self.seed, block, *friction.root.shape, friction.dof)[own]
+                theta = np.clip(theta + scattered @ friction.root.T, *friction.bounds)
+            found.append(theta)
+        return found
+
+    def box(self) -> list[FloatArray]:
+        """Return corners of all tolerances, each with the parameters as fitted and far out each way."""
+        corners = [one.ravel() for one in np.meshgrid(*(axis.values for axis in self.axes), indexing="ij")]
+        if self.friction is None:
+            return corners
+        names, theta, half, root, dof, bounds = self.friction
+        reach = quantile(1.0 - 0.5 / (self.shape[0] * len(names)), dof)
+        ways = np.vstack([np.zeros(theta.size), np.diag(half), reach * root.T.reshape(-1, theta.size)])
+        stars = np.clip(theta + np.unique(np.vstack([ways, -ways]), axis=0), *bounds)
+        count = corners[0].size if corners else 1
+        return [*(np.tile(one, len(stars)) for one in corners), np.repeat(stars, count, axis=0)]
+
+    def drawn(self, places: IntArray) -> Mapping[str, FloatArray]:
+        """Return what was drawn, in the units of the scene."""
+        values = self.at(places)
+        found = [one / axis.factor for axis, one in zip(self.axes, values, strict=False)]
+        found += list(values[-1].T) if self.friction else []
+        return dict(zip(self.columns, found, strict=True))
+
+
+def _ends(scene: Scene, key: str) -> Axis:
+    """Return what the value of a key lies between, where the scene is one."""
+    value, written = float(value_at(scene.table, key)), value_at(scene.document.data, key)
+    unit, number = unit_of(written) if isinstance(written, str) else ("", value)
+    factor = value / number if unit and number else 1.0
+    low, high = ((value + way * scene.tolerances[key]) / factor for way in (-1.0, 1.0))
+    return parse_axis(scene, f"{key}={low!r} {unit},{high!r} {unit}")
+
+
+@lru_cache(maxsize=4)
+def _flat(seed: int, block: int, size: int, stream: int = 0) -> FloatArray:
+    return np.random.default_rng([seed, block, stream]).uniform(-1.0, 1.0, (BLOCK, size))
+
+
+@lru_cache(maxsize=2)
+def _scattered(seed: int, block: int, size: int, columns: int, dof: float) -> FloatArray:
+    """Return draws of a standard t, and behind them of the normal for what is known for sure, (n, columns)."""
+    rng = np.random.default_rng([seed, block, 1])
+    own = joint_draws(np.zeros(size), np.eye(size), dof=dof, n=BLOCK, rng=rng)
+    return np.hstack([own, rng.standard_normal((BLOCK, columns - size))])
+
+
+def _friction(scene: Scene) -> _Friction | None:
+    """Return how the parameters of a scene's law scatter; None where they do not.
+
+    As in a prediction: by t of the fit's covariance, but for the part that common errors make, which is normal, and
+    moved onto the law's bounds where they cross them.
+    """
+    source = scene.source
+    if source is None:
+        return None
+    law, theta, fit = source.friction.law, source.friction.theta, source.fit
+    own = {"friction.mu": 0} | {_OWN_PARAMETERS + name: i for i, name in enumerate(law.parameter_names)}
+    half = np.zeros(theta.size)
+    for key in own.keys() & scene.tolerances.keys():
+        half[own[key]] = scene.tolerances[key]
+    if fit is None:
+        return _Friction(law.parameter_names, theta, half) if half.any() else None
+    if not (has_interval(fit) and np.isfinite(fit.covariance).all()):
+        raise InputError(
+            "the covariance of the fit is not known, so nothing can be drawn from it",
+            key="friction.fit",
+            fix="measure the conditions that would show all parameters, or fit a simpler law",
+        )
+    common = fit.common_changes
+    root = np.hstack([symmetric_root(np.asarray(fit.covariance) - common @ common.T), common])
+    bounds = np.minimum(law.lower, theta), np.maximum(law.upper, theta)
+    return _Friction(law.parameter_names, theta, half, root, degrees_of_freedom(fit), bounds)
+
+
+class Drawn(NamedTuple):
+    """What draws say of one number: the answer at the values as given, mean, standard deviation and quantiles."""
+
+    value: float
+    mean: float
+    std: float
+    quantiles: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Draws(Answers):
+    """The answers to draws of what a scene is not sure of.
+
+    Attributes
+    ----------
+    system : str
+        Name of the system.
+    count, seed : int
+        How many draws, and what they begin with: the first thousand are the same whatever the count.
+    level : float
+        Of the outer quantiles: at 0.95 those of 2.5 % and 97.5 %, beside the median.
+    numbers : mapping of str to Drawn
+        Of each number of the answer: its value as the scene has it, mean and standard deviation of all draws, and
+        quantiles of at most 200 000 of them, spread evenly.
+    inputs : tuple of str
+        What was drawn, as the table names it.
+    columns : mapping of str to ndarray
+        The numbers of these draws, NaN where a draw has no answer.
+    failed, first_failure, simulated, error_bound, accuracy, failures, left_out, steps, ranges
+        As of a `Sweep`.
+    doubts : tuple of str
+        What speaks against the friction.
+    """
+
+    _said = ("system", "count", "seed", "simulated", "error_bound", "failed", "warnings")
+    _framed = "columns"
+
+    system: str
+    count: int
+    seed: int
+    level: float
+    numbers: dict[str, Drawn]
+    inputs: tuple[str, ...]
+    doubts: tuple[str, ...] = field(default=())
+
+    @property
+    def answered(self) -> int:
+        """Return how many draws have an answer."""
+        return self.count - self.failed
+
+    @property
+    def unanswered(self) -> tuple[str, ...]:
+        """Return in words how many draws have no answer; empty where all have one."""
+        words = f"{self.failed} of {self.count} draws have no answer; the first says: {self.first_failure}"
+        return (words,) if self.failed else ()
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Return in which share of the draws that have an answer the machine does not do what it is for, and how."""
+        return {words: n / self.answered for words, n in self.failures.items()}
+
+    @property
+    def stands(self) -> bool:
+        """Return whether the accuracy is kept and the friction is supported."""
+        return self.keeps_accuracy and not self.doubts
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Return what speaks against using the answers, and where the machine does not do what it is for."""
+        none = (f"{self.failed} of {self.count} draws have no answer: {self.first_failure}",)
+        return (
+            *self.doubts,
+            *(none if self.failed else ()),
+            *self._warnings(f"in {{}} of {self.count} draws"),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the summary as a JSON tree."""
+        tail = 50.0 * (1.0 - self.level)
+        return {
+            "system": self.system,
+            "draws": self.count,
+            "seed": self.seed,
+            "level": self.level,
+            "answered": self.answered,
+            "first_failure": self.first_failure,
+            "drawn": list(self.inputs),
+            "quantiles_percent": [round(tail, 9), 50.0, round(100.0 - tail, 9)],
+            "quantities": {
+                name: {part: finite(getattr(one, part)) for part in ("value", "mean", "std")}
+                | {"quantiles": [finite(end) for end in one.quantiles]}
+                for name, one in self.numbers.items()
+            },
+            "failures": {
+                words: {"count": n, "share": self.shares[words]} for words, n in self.failures.items()
+            },
+            "effects": {"simulated": list(self.simulated), "left_out_in": self.left_out},
+            "accuracy": self.accuracy,
+            "error_bound": finite(self.error_bound),
+            "warnings": list(self.warnings),
+        }
+
+
+def draw_scene(
+    scene: Scene,
+    count: int,
+    *,
+    seed: int = 0,
+    level: float = 0.95,
+    progress: Progress | None = None,
+    write: Write | None = None,
+    executor: Any = None,
+) -> Draws:
+    """Return what a scene answers to draws of what it is not sure of, planned once for their box.
+
+    They are solved block by block, here or by an executor, and each is handed on to be written: memory stays flat.
+    """
+    check_level(level)
+    if not FEWEST_DRAWS <= count <= MOST_DRAWS or seed < 0:
+        raise InputError(
+            f"{count} draws with seed {seed}",
+            key="--draws",
+            fix=f"ask for {FEWEST_DRAWS} to {MOST_DRAWS} draws and a seed from 0",
+        )
+    kind, problem = scene.kind, scene.problem
+    try:
+        points = _Draws(scene, count, seed)
+        plan, model = make_plan(kind.system, problem, accuracy=scene.accuracy, effects=scene.effects)
+        answer = kind.system.solve(model, plan.method)
+        as_given = (*kind.quantities(answer, problem), *kind.outcomes(answer, problem))
+        found, kept = solve_points(
+            scene, points, progress=progress, write=write, keep=KEPT_DRAWS, executor=executor
+        )
+    except RopefricError as error:
+        raise placed(error, scene.document) from error
+    values = {one.name: float(one.value[0]) for one in as_given}
+    at = (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level)
+    numbers = {}
+    for name, column in kept.columns.items():
+        known = column[~np.isnan(column)]
+        _, mean, std = kept.moments(name)
+        ends = np.quantile(known, at).tolist() if known.size else [np.nan] * 3
+        numbers[name] = Drawn(value=values.get(name, np.nan), mean=mean, std=std, quantiles=tuple(ends))
+    return Draws(
+        system=kind.name,
+        count=count,
+        seed=seed,
+        level=level,
+        numbers=numbers,
+        inputs=points.columns,
+        doubts=() if scene.source is None else scene.source.warnings,
+        **found,
+    )

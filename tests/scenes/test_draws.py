@@ -1,0 +1,350 @@
+"""Draws of what a scene is not sure of: their spread is that of the law of propagation where all is linear, and each
+answer is that of the scene with the numbers drawn."""
+
+import csv
+import math
+import tracemalloc
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+from scipy.special import stdtr
+
+import ropefric as rf
+from ropefric.errors import DataError, InputError
+from ropefric.files.folder import Folder
+from ropefric.fitting.predict import degrees_of_freedom
+from ropefric.fitting.result import CommonError
+from ropefric.friction.condition import one_condition
+from ropefric.friction.laws import ALL_LAWS
+from ropefric.scenes.draws import draw_scene
+from ropefric.scenes.solve import solve_scene
+from ropefric.scenes.sweep_table import sweep_table
+from ropefric.systems.friction import ScaleTo, WrapFriction
+from ropefric.uncertainty.quantity import directions
+
+N = 20_000
+SMALL = {"wheel": {"wrap": "0.5 deg"}, "load": {"end_tension": "0.1 %"}}
+FIT = {"fit": "../../fits/prth-coupled.json"}
+STIFF = {"linear_density": "62 g/m", "hanging_length": "5 m", "bending_stiffness": "1e-4 N*m^2"}
+
+
+def with_covariance(scene, share, dof=None, common=()):
+    """The scene with a share of its fit's covariance, all of it or all but common errors with degrees of freedom."""
+    fit = scene.source.fit
+    statistics = fit.statistics if dof is None else replace(fit.statistics, interval_dof=dof)
+    fit = replace(fit, covariance=share * fit.covariance, common_errors=common, statistics=statistics)
+    return replace(scene, source=replace(scene.source, fit=fit))
+
+
+# --- against the law of propagation, and against each draw by itself ---
+
+
+def test_a_constant_coefficient_spreads_as_its_closed_form_says(hoist_of):
+    """ln F_A = ln F_B + μφ: three flat quantities, each of standard deviation half-width/√3."""
+    tolerances = {**SMALL, "friction": {"mu": 0.001}}
+    found = draw_scene(hoist_of(friction={"mu": 0.2}, wheel={"speed": None}, tolerances=tolerances), N)
+    wrap, mu = math.radians(540), 0.2
+    variance = (mu * math.radians(0.5)) ** 2 + 0.001**2 + (wrap * 0.001) ** 2
+    lift = found.numbers["lift_force_N"]
+    value = 80.0 * math.exp(mu * wrap)
+    assert lift.value == pytest.approx(value)
+    std = value * math.sqrt(variance / 3.0)
+    noise = std / math.sqrt(N)
+    assert lift.mean == pytest.approx(value, abs=4.0 * noise + value * variance / 6.0)
+    assert lift.std == pytest.approx(
+        std, abs=4.0 * noise
+    )  # a flat one scatters less than a normal one: std/√(2N)
+    coefficient = found.numbers["mu_average"]
+    assert coefficient.std == pytest.approx(0.001 / math.sqrt(3.0), rel=0.02)
+    assert coefficient.quantiles == pytest.approx((0.19905, 0.2, 0.20095), abs=4e-5)  # of a flat distribution
+
+
+def test_the_parameters_of_a_fit_spread_as_to_first_order(hoist_of):
+    scene = hoist_of(effects="all")
+    scene = with_covariance(scene, 1e-2)
+    found, first, dof = draw_scene(scene, N), solve_scene(scene), degrees_of_freedom(scene.source.fit)
+    wider = math.sqrt(dof / (dof - 2.0))  # of Student's t
+    for one in first.quantities:
+        drawn = found.numbers[one.name]
+        assert drawn.std == pytest.approx(wider * one.std[0], rel=4.0 / math.sqrt(2 * N))
+        assert drawn.mean == pytest.approx(one.value[0], abs=4.0 * one.std[0] / math.sqrt(N))
+        assert drawn.quantiles[::2] == pytest.approx(one.interval[0], abs=0.1 * one.std[0])
+
+
+def test_few_degrees_of_freedom_spread_as_student_s_t(hoist_of):
+    scene = hoist_of(effects="all")
+    few, many = (with_covariance(scene, 1e-4, dof) for dof in (5.0, 1e9))
+    found, normal = (draw_scene(one, N, level=0.9).numbers["lift_force_N"] for one in (few, many))
+    assert found.std / normal.std == pytest.approx(math.sqrt(5.0 / 3.0), rel=0.05)
+    width = found.quantiles[2] - found.quantiles[0]
+    assert width / normal.std == pytest.approx(2.0 * 2.015, rel=0.04)  # t of 5 degrees of freedom at 95 %
+
+
+def test_what_errors_have_in_common_is_known_for_sure_and_normal(hoist_of):
+    scene = with_covariance(hoist_of(effects="all"), 1e-4)
+    roots = directions(np.asarray(scene.source.fit.covariance)).T
+    shared = tuple(
+        CommonError(name=str(i), unit="", std=1.0, change=tuple(root)) for i, root in enumerate(roots)
+    )
+    found = draw_scene(with_covariance(scene, 1.0, dof=3.0, common=shared), N, level=0.9).numbers[
+        "lift_force_N"
+    ]
+    std = solve_scene(scene).quantities[0].std[0]
+    assert found.std == pytest.approx(std, rel=4.0 / math.sqrt(2 * N))
+    assert (found.quantiles[2] - found.quantiles[0]) / std == pytest.approx(2.0 * 1.645, rel=0.04)
+
+
+@pytest.mark.parametrize("name", ["hoist", "climbing-hoist"])
+def test_each_draw_is_the_scene_with_what_was_drawn(loaded, name):
+    scene = loaded(name)
+    table = scene.table.model_copy(update={"effects": "all"})
+    scene = replace(scene, table=table, tolerances={"wheel.wrap": 0.1, "rope.diameter": 1e-4})
+    assert_each_draw_alone(scene, 12, changes={"wheel.wrap": "rad", "rope.diameter": "m"})
+
+
+def assert_each_draw_alone(scene, count, changes):
+    """Compare draws with solving the scene, its file's text and its friction changed, draw by draw."""
+    written = []
+    drawn = draw_scene(scene, count, write=lambda columns, _: written.append(columns))
+    (columns,) = written
+    places = {one.partition(" [")[0]: one for one in columns}
+    for i in range(count):
+        text = {}
+        for key, unit in changes.items():
+            shown = places[key].partition("[")[2].removesuffix("]")
+            text[key] = f"{columns[places[key]][i]!r} {shown or unit}".replace("np.float64(", "").replace(
+                ")", ""
+            )
+        path = scene.folder / scene.document.path.rpartition("/")[2]
+        alone = rf.load_scene(path, text)
+        names = [one for one in columns if one.startswith("friction.")]
+        if names:
+            theta = np.array([columns[one][i] for one in names])
+            friction = replace(alone.source.friction, theta=theta)
+            alone = replace(alone, problem=replace(alone.problem, friction=friction), source=None)
+        alone = replace(alone, table=alone.table.model_copy(update={"effects": scene.effects}))
+        for one in solve_scene(alone).quantities:
+            assert columns[one.name][i] == pytest.approx(one.value[0], rel=1e-9), (i, one.name)
+    return drawn
+
+
+def test_presses_belts_and_sheaves_are_drawn_in_one_call(loaded, scene_of):
+    """Friction that differs from case to case is that of each case alone, on every roller and in every load case."""
+    press = loaded("fast-belt-press")
+    assert_each_draw_alone(replace(press, tolerances={"press.preload": 20.0}), 10, {"press.preload": "N"})
+    for name in ("belt-drive", "traction"):
+        scene = loaded(name)
+        data = {**scene.document.data, "friction": {**FIT, "scale_to": {"mu": 0.15, "wrap": "180 deg"}}}
+        assert_matches_one_by_one(scene_of(**data))
+
+
+def assert_matches_one_by_one(scene):
+    drawn, written = scene.source.friction, []
+    draw_scene(scene, 10, write=lambda columns, _: written.append(columns))
+    theta = np.stack([written[0][f"friction.{name}"] for name in drawn.law.parameter_names], axis=-1)
+    for i, own in enumerate(theta):
+        problem = replace(scene.problem, friction=replace(drawn, theta=own))
+        for one in solve_scene(replace(scene, problem=problem, source=None)).quantities:
+            assert written[0][one.name][i] == pytest.approx(one.value[0], rel=1e-9, nan_ok=True), one.name
+
+
+@pytest.mark.parametrize("name", ALL_LAWS)
+def test_every_law_takes_parameters_of_its_own_for_each_case(name):
+    law, rng = ALL_LAWS[name], np.random.default_rng(3)
+    theta = np.array([one.start for one in law.parameters]) * rng.uniform(
+        0.95, 1.05, (4, len(law.parameters))
+    )
+    at = {
+        "wheel_radius_m": rng.uniform(0.03, 0.05, 4),
+        "rope_radius_m": 0.005,
+        "wrap_angle_rad": rng.uniform(3.0, 9.0, 4),
+        "slack_tension_N": rng.uniform(40.0, 90.0, (2, 4)),
+    }
+    whole = WrapFriction(
+        law=law, theta=theta, reference=one_condition(0.04, 0.005, 6.0, 50.0), scale_to=ScaleTo(0.2, 3.0)
+    )
+    for told in (frozenset(), frozenset({"wrap", "end-tension", "size"})):
+        found = whole.exponent(**at, told=told)
+        turned = {
+            key: one.T[..., None] if np.ndim(one) == 1 else np.transpose(one) for key, one in at.items()
+        }
+        places = whole.exponent(**turned, told=told, places=1)
+        for i in range(4):
+            alone = {key: one if np.ndim(one) == 0 else one[..., i : i + 1] for key, one in at.items()}
+            wanted = replace(whole, theta=theta[i]).exponent(**alone, told=told)
+            assert found[..., i : i + 1] == pytest.approx(wanted, rel=1e-12)
+            assert places[i] == pytest.approx(wanted.ravel(), rel=1e-12)
+
+
+# --- planned once ---
+
+
+@pytest.mark.parametrize("payload", [None, "5 kg", "33 kg"])
+def test_draws_are_planned_once_and_keep_the_promise(hoist_of, payload):
+    """A stiffness that is worth little goes; no number differs by more than wanted, and no draw lifts or not."""
+    changes = {
+        "accuracy": 0.02,
+        "rope": STIFF,
+        "load": {"end_tension": "80 N", "payload": payload},
+        "tolerances": {"wheel": {"wrap": "20 deg"}, "load": {"end_tension": "10 %"}},
+    }
+    kept = []
+    for effects in ("auto", "all"):
+        written = []
+        found = draw_scene(
+            hoist_of(effects=effects, **changes), N, write=lambda one, _, into=written: into.append(one)
+        )
+        kept.append((found, written[0]))
+    (planned, columns), (whole, wanted) = kept
+    assert planned.failures == whole.failures
+    if payload == "33 kg":  # whether it lifts, and by how many newtons, hangs on everything
+        assert 0.1 < planned.shares["the hoist does not lift its payload"] < 0.9
+    else:
+        assert planned.left_out["bending-stiffness"] > 0.9 * N
+        assert 1e-3 < planned.error_bound <= 0.02
+    for name, values in wanted.items():
+        limit = 0.02 if name == "margin_N" else planned.error_bound
+        np.testing.assert_allclose(columns[name], values, rtol=limit)
+
+
+def test_what_a_law_is_told_goes_where_the_box_of_the_draws_says_so(hoist_of, monkeypatch):
+    monkeypatch.setattr("ropefric.scenes.points._LEAST_SAVED_S", 0.0)
+    weak = {"law": "wrap-power", "parameters": {"a": 0.0005, "b": -0.2, "c": 0.2}}
+    tolerances = {"wheel": {"wrap": "5 deg"}, "friction": {"parameters": {"c": 0.01}}}
+    found = draw_scene(hoist_of(friction=weak, accuracy=0.05, tolerances=tolerances), N)
+    assert found.left_out["wrap-dependence"] == N
+    whole = draw_scene(hoist_of(friction=weak, effects="all", tolerances=tolerances), N)
+    apart = np.abs(found.columns["lift_force_N"] / whole.columns["lift_force_N"] - 1.0)
+    assert 0.0 < apart.max() <= found.error_bound <= 0.05
+
+
+# --- yes and no, no answer, what is refused ---
+
+
+def test_the_share_that_lifts_is_that_of_the_margin_s_distribution(hoist_of):
+    def little(**load):
+        scene = hoist_of(effects="all", load={"end_tension": "80 N", **load})
+        return with_covariance(scene, 1e-2)
+
+    lift = solve_scene(little()).quantities[0]
+    weight_N = float(lift.value[0] - 0.9 * lift.std[0])
+    scene = little(payload=f"{weight_N / 9.80665!r} kg")
+    found, share = draw_scene(scene, N), float(stdtr(degrees_of_freedom(scene.source.fit), -0.9))
+    told = found.to_dict()["failures"]["the hoist does not lift its payload"]
+    assert told["share"] == pytest.approx(share, abs=4.0 * math.sqrt(share * (1.0 - share) / N))
+    assert found.stands, "that it may not lift is an answer"
+    light = draw_scene(hoist_of(load={"end_tension": "80 N", "payload": "1 kg"}), 100)
+    assert light.shares == {"the hoist does not lift its payload": 0.0}
+    assert light.warnings == ()
+
+
+def test_draws_without_an_answer_are_counted_and_left_out_of_all_numbers(hoist_of):
+    scene = hoist_of(
+        load={"end_tension": "1.05 N"}, wheel={"speed": None}, tolerances={"load": {"end_tension": "9 %"}}
+    )
+    found = draw_scene(scene, 2000)
+    below = (1.0 - (1.05 - 0.0945)) / 0.189  # of F_0 = 1 N
+    assert found.failed / 2000 == pytest.approx(below, abs=0.05)
+    assert found.answered == 2000 - found.failed
+    assert "below F_0" in found.warnings[0]
+    assert math.isfinite(found.numbers["lift_force_N"].std)
+
+
+@pytest.mark.parametrize(
+    ("tolerances", "words"),
+    [
+        ({"wheel": {"warp": "5 deg"}}, "did you mean 'wheel.wrap'"),
+        ({"wheel": {"wrap": "5 mm"}}, "not a unit of angle"),
+        ({"wheel": {"wrap": 5.0}}, "written like its value"),
+        ({"wheel": {"wrap": "0 deg"}}, "more than 0"),
+        ({"wheel": {"wrap": "-5 deg"}}, "more than 0"),
+        ({"wheel": {"wrap": True}}, "written like its value"),
+        ({"friction": {"fit": "1 N"}}, "no number"),
+        ({"accuracy": 0.1}, "no number"),
+    ],
+)
+def test_tolerances_that_are_none_are_refused(hoist_of, tolerances, words):
+    with pytest.raises(DataError, match=words) as caught:
+        hoist_of(tolerances=tolerances)
+    assert caught.value.problem.key.startswith("tolerances.")
+
+
+def test_a_tolerance_beyond_what_the_scene_can_take_is_refused(hoist_of):
+    with pytest.raises(DataError, match="not more than 0"):
+        draw_scene(hoist_of(tolerances={"wheel": {"wrap": "600 deg"}}), 100)
+
+
+def test_nothing_uncertain_and_too_few_or_many_draws_are_refused(hoist_of):
+    with pytest.raises(DataError, match="nothing in the scene is uncertain"):
+        draw_scene(hoist_of(friction={"mu": 0.2}), 100)
+    for count in (1, 10**9):
+        with pytest.raises(InputError, match=f"{count} draws"):
+            draw_scene(hoist_of(), count)
+    unknown = with_covariance(hoist_of(), np.nan)
+    with pytest.raises(DataError, match="covariance of the fit is not known"):
+        draw_scene(unknown, 100)
+
+
+# --- reproducible, streamed ---
+
+
+def test_a_draw_depends_on_the_seed_and_its_place_alone(hoist_of, tmp_path, monkeypatch):
+    scene = hoist_of(tolerances={"wheel": {"wrap": "5 deg"}})
+    few, many, other = draw_scene(scene, 50), draw_scene(scene, 200), draw_scene(scene, 50, seed=1)
+    lift = "lift_force_N"
+    assert few.columns[lift].tolist() == many.columns[lift][:50].tolist()
+    assert few.columns[lift].tolist() != other.columns[lift].tolist()
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as executor:
+        assert draw_scene(scene, 50, executor=executor).to_dict() == few.to_dict()
+
+
+@pytest.mark.parametrize("name", ["draws.csv", "draws.parquet"])
+def test_the_table_has_what_was_drawn_and_the_answer_to_it(hoist_of, tmp_path, name):
+    off = {"wheel": {"wrap": "5 deg"}, "friction": {"mu": 0.01}}
+    scene = hoist_of(friction={"mu": 0.2}, wheel={"speed": None}, tolerances=off)
+    found = rf.monte_carlo(scene, draws=60_000, table=tmp_path / name)
+    if name == "draws.csv":
+        header, *rows = csv.reader((tmp_path / name).read_text(encoding="utf-8").splitlines())
+        cells = np.array(rows, dtype=float)
+    else:
+        import pyarrow.parquet
+
+        table = pyarrow.parquet.read_table(tmp_path / name)
+        header, cells = table.column_names, table.to_pandas().to_numpy()
+    assert header == ["wheel.wrap [deg]", "friction.mu", "lift_force_N", "mu_average"]
+    assert cells.shape == (60_000, 4)
+    wanted = 80.0 * np.exp(np.radians(cells[:, 0]) * cells[:, 1])
+    np.testing.assert_allclose(cells[:, 2], wanted, rtol=1e-7)
+    assert found.numbers["lift_force_N"].mean == pytest.approx(cells[:, 2].mean(), rel=1e-9)
+    assert found.numbers["lift_force_N"].std == pytest.approx(cells[:, 2].std(ddof=1), rel=1e-7)
+
+
+def test_memory_does_not_grow_with_the_draws(hoist_of, tmp_path, monkeypatch):
+    monkeypatch.setattr("ropefric.scenes.draws.KEPT_DRAWS", 1000)
+    scene = hoist_of(friction={"mu": 0.2}, tolerances={"wheel": {"wrap": "5 deg"}})
+
+    def peak(count):
+        tracemalloc.start()
+        with sweep_table((), Folder(tmp_path), "draws.csv") as table:
+            draw_scene(scene, count, write=table.add)
+        size = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return size
+
+    peak(50_000)
+    assert peak(150_000) < 1.2 * peak(50_000)
+
+
+def test_start_ups_are_drawn_one_by_one(loaded):
+    scene = loaded("press-start-up")
+    scene = replace(scene, tolerances={"friction.mu": 0.05, "press.preload": 50.0})
+    found = draw_scene(scene, 10)
+    assert found.answered == 10
+    assert found.numbers["largest_utilisation"].std > 0.0
+    slips = found.columns["start_up.slips"]
+    assert found.numbers["start_up.slips"].mean == slips.mean()
+    assert ((found.columns["start_up.slipping_s"] > 0.0) == (slips == 1.0)).all()
+    assert found.numbers["start_up.peak_tension_N"].value > found.numbers["start_up.lowest_tension_N"].value

@@ -31,13 +31,13 @@ from ropefric.traces.evidence import (
     TOOTH,
     comes_on,
     fall_blocks,
+    hidden,
     is_quiet,
     loads_again,
     quiet_N,
     stands_out,
     swings,
 )
-from ropefric.traces.hidden import hidden
 from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import (
     MIN_SAMPLES,

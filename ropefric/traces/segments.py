@@ -13,8 +13,7 @@ import numpy as np
 from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.traces.breakaway import Phase, PickSettings
 from ropefric.traces.events import Fall
-from ropefric.traces.hum import without_hum
-from ropefric.traces.noise import find_stuck, noise_std, remove_spikes, resolution
+from ropefric.traces.noise import find_stuck, noise_std, remove_spikes, resolution, without_hum
 from ropefric.traces.trace import ForceTrace
 
 MIN_SAMPLES = 50

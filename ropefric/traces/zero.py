@@ -226,8 +226,9 @@ def _with_sliding(
     most = abs(other) + 2.0 * other_std
     if most * since_s < SMALL_ZERO * result.peak_N:
         return 0.0, 0.0
-    if abs(slope - other) < 2.0 * np.hypot(std, other_std):
-        weight = std**2 / (std**2 + other_std**2)
+    both = float(np.hypot(std, other_std))
+    if abs(slope - other) < 2.0 * both:
+        weight = (std / both) ** 2
         return slope + weight * (other - slope), float(std * np.sqrt(1.0 - weight))
     return (other, other_std) if other_std < std and most < abs(slope) + 2.0 * std else found
 

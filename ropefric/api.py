@@ -40,8 +40,8 @@ from ropefric.scenes.sweep_table import sweep_table
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings
 from ropefric.traces.calibration import Calibration
-from ropefric.traces.decided import pick_at
 from ropefric.traces.decision import pick_breakaway
+from ropefric.traces.protocols import pick_at
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.smoothing import SmoothedForce

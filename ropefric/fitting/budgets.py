@@ -18,7 +18,7 @@ from ropefric.fitting.fit import rope_slopes
 from ropefric.fitting.predict import degrees_of_freedom, new_rope_std, outside_words
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
-from ropefric.traces.budget import chain_quantities
+from ropefric.traces.calibration import chain_quantities
 from ropefric.trials.outliers import trimming_bias
 from ropefric.trials.result import Extraction, TrialResult
 from ropefric.trials.table import TrialTable

@@ -2,12 +2,11 @@
 
 In: a recording file and an `ImportProfile`. Out: `Breakaway`. On the way: RawRecording -> ForceTrace -> Breakaway.
 
-readers/: file -> `RawRecording`, columns as they are in it. assemble.py: -> `ForceTrace` (trace.py) in SI, by
-derived.py (channels computed by formula), clock.py (time stamps mended or refused) and calibration.py (counts ->
-newtons, tare). protocols.py: a way of measuring picks its break-aways; decision.py: whether there is one; slips.py:
-which fall is macroscopic; evidence.py: what speaks for a slip or a motor; hidden.py: what the converter did not show;
-zero.py: what the rope at rest says of the zero; decided.py: one that a person names; two_way.py: raised and lowered;
-segments.py: noise, rest, sliding; events.py: falls and pulls, and what they look like; peak.py: its height and
-uncertainty; noise.py: noise, spikes, stuck converters; hum.py: mains hum; smoothing.py: the moving average;
-breakaway.py: the result, and what a user decides. budget.py: uncertainty of a measured force.
+readers/: file -> `RawRecording`, columns as they are in it. assemble.py: -> `ForceTrace` (trace.py) in SI, with channels
+computed by formula, by clock.py (time stamps mended or refused) and calibration.py (counts -> newtons, tare, what the
+chain leaves uncertain). protocols.py: a way of measuring picks its break-aways, or a person does; decision.py: whether
+there is one; slips.py: which fall is macroscopic; evidence.py: what speaks for a slip or a motor, and what the converter
+did not show; zero.py: what the rope at rest and sliding says of the zero; segments.py: noise, rest, sliding; events.py:
+falls and pulls, and what they look like; peak.py: its height and uncertainty; noise.py: noise, spikes, stuck converters,
+mains hum; smoothing.py: the moving average; breakaway.py: the result, and what a user decides.
 """

@@ -31,13 +31,13 @@ from ropefric.traces.evidence import (
     TOOTH,
     comes_on,
     fall_blocks,
+    hidden,
     is_quiet,
     loads_again,
     quiet_N,
     stands_out,
     swings,
 )
-from ropefric.traces.hidden import hidden
 from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import (
     MIN_SAMPLES,
@@ -256,7 +256,7 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     above_N = from_N - sliding.onset_N
     if settings.min_step_N is not None and max(above_N, fall.drop_N) < settings.min_step_N:
         return _no_peak(prepared, candidate, sliding, f"less than min_step = {settings.min_step_N:.3g} N")
-    low = not fall.sudden and fall.drop_N < LEAST_PEAK * candidate.height_N
+    low = fall.drop_N < LEAST_PEAK * candidate.height_N
     if low or not stands_out(blocks.noise_N, force_N, candidate, sliding):
         held = not fall.slips and is_quiet(prepared, candidate, sliding)
         why = "no static peak stands out"
@@ -306,7 +306,8 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     brief = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
     bends = bends_to_its_level(force_N, fall, blocks.noise_N)
     sharp = (flat == "sharp" and (brief or bends)) or (flat == "unclear" and bends)
-    if share < LEAST_SHARE or not (sharp or flat == "rounded"):
+    creeps = not brief and fall.drop_N < 2.0 * LEAST_DROP * candidate.height_N
+    if share < LEAST_SHARE or creeps or not (sharp or flat == "rounded"):
         why = f"{seen}, without roughness: sliding, or a load that was let down"
         return _doubtful(prepared, [candidate], why)
     note = f"{seen}: a break-away, unless the motor was let back at that moment"

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import FloatArray, median
 from ropefric.errors import InputError
 from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
 from ropefric.traces.segments import Prepared, Sliding, kinetic
@@ -31,7 +31,7 @@ JUMP = 0.05
 NOISE_ABOVE_MEAN = 4.0
 """The highest of a few noisy samples is seldom more standard deviations above their mean."""
 WIDE_GAP = 5.0
-FEWEST_WINDOWS = 8
+FEWEST_WINDOWS, PUSHED = 8, 9.0
 # The largest of values with noise 1 that lie on a slope of 10^x from one to the next: how far it lies above the top, and
 # its standard deviation, from the product of their distribution functions.
 _APART = (-2.0, -1.523, -1.0, -0.523, -0.222, 0.0, 0.176, 0.301, 0.477, 0.699)
@@ -186,7 +186,8 @@ def _smoothed_noise_N(rest_N: FloatArray, noise_std_N: float, n_window: int) -> 
     smoothed = average_over_samples(rest_N, n_window)
     x = np.arange(smoothed.size) - 0.5 * (smoothed.size - 1)
     flat = smoothed - smoothed.mean() - x * float(x @ smoothed) / float(x @ x)
-    return max(white_N, float(flat.std()))
+    # What pushes on the rope meanwhile is no noise.
+    return max(white_N, float(flat[np.abs(flat) <= PUSHED * median(np.abs(flat))].std()))
 
 
 def _std_of_a_maximum_N(rise_N: float, noise_N: float, n_window: int) -> float:
@@ -316,32 +317,20 @@ def window_bias_N(loading_rate_N_s: float, window_s: float, step_s: float) -> fl
     return _finite(-rate * (beyond_s / 2.0), "bias", rate, beyond_s)
 
 
-def peak_uncertainty_N(loading_rate_N_s: float, noise_std_N: float, window_s: float, step_s: float) -> float:
-    """Return the standard uncertainty of a smoothed peak: noise that is left, and the window's bias [N]."""
-    _check(noise_std_N, step_s)
-    n_window = max(float(window_s) / float(step_s), 1.0)
-    bias_N = window_bias_N(loading_rate_N_s, window_s, step_s)
-    return _finite(math.hypot(noise_std_N / math.sqrt(n_window), bias_N), "uncertainty", noise_std_N, bias_N)
-
-
 def choose_window(loading_rate_N_s: float, noise_std_N: float, step_s: float, *, longest_s: float) -> float:
     """Return the window with the smallest uncertainty of the peak [s].
 
     Minimises (rate·w/2)² + σ²·step/w, whose minimum is at w³ = 2 σ² step / rate².
     """
-    _check(noise_std_N, step_s)
+    if not (0 < step_s < math.inf and 0 <= noise_std_N < math.inf):
+        why = f"a step of {step_s} s with noise of {noise_std_N} N makes no sense"
+        raise InputError(why, code="RF220", fix="give a positive step and a noise of zero or more")
     rate = max(float(loading_rate_N_s), 0.0)
     wanted_s = longest_s
     if rate > 0:
         noise_s = float(noise_std_N) / rate  # squares of the two alone may leave the range of a float
         wanted_s = min(longest_s, math.cbrt(2.0 * noise_s * noise_s * float(step_s)))
     return _finite(window_samples(wanted_s, step_s) * float(step_s), "window", wanted_s, step_s)
-
-
-def _check(noise_std_N: float, step_s: float) -> None:
-    if not (0 < step_s < math.inf and 0 <= noise_std_N < math.inf):
-        why = f"a step of {step_s} s with noise of {noise_std_N} N makes no sense"
-        raise InputError(why, code="RF220", fix="give a positive step and a noise of zero or more")
 
 
 def _finite(value: float, what: str, *of: float) -> float:

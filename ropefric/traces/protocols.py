@@ -1,15 +1,23 @@
 """Ways of measuring: one load ramp a recording, slow stick-slip, load cycles that are held, raising and lowering.
 
-A new one is a `pick` function and a line in `PROTOCOLS`.
+A new one is a `pick` function and a line in `PROTOCOLS`; `pick_at` measures the peak that a person names.
+
+Raised and lowered over one wheel: while a weight W is raised the sensor pulls T_raise = W e^(μφ); while it is lowered
+it holds back T_lower = W e^(-μφ): the capstan equation, with friction against the motion both times. Their ratio
+e^(2μφ) holds neither W nor the scale of the sensor, so μ = ln(T_raise/T_lower)/(2φ); their geometric mean is W. The
+trial that stands for the pair has F_A = T_raise and F_B = √(T_raise T_lower), for then ln(F_A/F_B) = μφ, and every law
+fits it. With relative uncertainties r and l of the two forces, u(ln(F_A/F_B)) = ½ √(r² + l²): F_A carries all of it.
 """
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.errors import DataError
 from ropefric.registry import Registry
 from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
 from ropefric.traces.decision import (
@@ -19,11 +27,11 @@ from ropefric.traces.decision import (
     too_short,
     without_force,
 )
-from ropefric.traces.events import SAME_KIND
-from ropefric.traces.segments import Prepared, prepare
-from ropefric.traces.slips import FEWEST_TEETH, slips_of, typical_drop_N
+from ropefric.traces.events import SAME_KIND, Fall, half_climb
+from ropefric.traces.peak import peak_result
+from ropefric.traces.segments import Prepared, phases_of, prepare, sliding_after
+from ropefric.traces.slips import FEWEST_TEETH, slips_of, smallest_drop_N, typical_drop_N
 from ropefric.traces.trace import ForceTrace
-from ropefric.traces.two_way import pick_two_way
 
 CREEP = 0.15
 """A fall smaller than this part of the typical slip is no tooth but the creep of one."""
@@ -171,6 +179,174 @@ def _plateau(prepared: Prepared, cycle: slice, level: tuple[int, int], size: int
         phases=(Phase(name="held", start_s=begin_s, end_s=end_s),),
         notes=prepared.notes,
     )
+
+
+BANDS = (0.01, 0.02, 0.05, 0.1, 0.2)
+"""A steady force stays within this part of the largest one; stick-slip needs a wide band, a small wrap a narrow one."""
+LEAST = 0.1
+"""A steady stretch lasts at least this part of the loaded part of a recording."""
+WEIGHT = 0.01
+"""Less than this part of the largest force is no weight that is lowered, but a cell whose zero is not quite one."""
+BETTER = 1.05
+"""A wider band counts where it finds a pair whose ratio is larger by this factor: the narrow one saw drift only."""
+TRIM = 0.15
+"""Part of a steady stretch, at either end, that may still belong to the change of direction."""
+PIECES = 8
+PARTS = 400
+"""Means over so many parts of a recording tell what is steady."""
+NOISE_SIGMAS = 6.0
+
+
+def pick_two_way(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
+    """Return the highest steady force and the steady one after it, as one trial."""
+    prepared = prepare(trace, settings)
+    if prepared is None:
+        return (too_short(trace, settings),)
+    edges = np.linspace(0, prepared.force_N.size, min(PARTS, prepared.force_N.size) + 1).astype(np.intp)
+    force_N = np.add.reduceat(prepared.force_N, edges[:-1]) / np.diff(edges)
+    top_N, noise_N = float(force_N.max()), prepared.noise_N / math.sqrt(float(np.diff(edges).min()))
+    best, pair = 1.0, None
+    for band in BANDS:
+        band_N = max(band * top_N, NOISE_SIGMAS * noise_N)
+        levels = _levels(force_N, band_N, WEIGHT * top_N)
+        means = [float(_inner(force_N, level).mean()) for level in levels]
+        high = int(np.argmax(means)) if means else 0
+        if high + 1 < len(levels):
+            ratio, fall_N = means[high] / means[high + 1], means[high] - means[high + 1]
+            if fall_N > 0.5 * band_N and ratio > best * (BETTER if pair else 1.0):
+                best, pair = ratio, (levels[high], levels[high + 1])
+    if pair is None:
+        detail = "no steady force of raising with a lower steady force of lowering after it was found"
+        return (without_force(Status.NO_BREAKAWAY, detail, prepared),)
+    raising, lowering = ((int(edges[first]), int(edges[stop])) for first, stop in pair)
+    fewest = min(_inner(prepared.force_N, samples).size for samples in (raising, lowering))
+    if fewest < 2 * PIECES:
+        detail = (
+            f"the steady forces of raising and lowering last {fewest} samples: too few to tell their scatter"
+        )
+        return (without_force(Status.TOO_SHORT, detail, prepared),)
+    return (_result(prepared, raising, lowering),)
+
+
+def _levels(force_N: FloatArray, band_N: float, loaded_N: float) -> list[tuple[int, int]]:
+    """Return the steady loaded stretches from left to right, as first part and stop."""
+    values, least = force_N.tolist(), max(3, round(LEAST * np.count_nonzero(force_N > loaded_N)))
+    found, start = [], 0
+    for stop in range(1, len(values) + 1):
+        part = values[start:stop]
+        if stop < len(values) and max(*part, values[stop]) - min(*part, values[stop]) <= band_N:
+            continue
+        if stop - start >= least and min(part) > loaded_N:
+            found.append((start, stop))
+            start = stop
+        while start < stop and max(values[start : stop + 1]) - min(values[start : stop + 1]) > band_N:
+            start += 1
+    return found
+
+
+def _inner(values: FloatArray, stretch: tuple[int, int]) -> FloatArray:
+    cut = int(TRIM * (stretch[1] - stretch[0]))
+    return values[stretch[0] + cut : stretch[1] - cut]
+
+
+def _result(prepared: Prepared, *pair: tuple[int, int]) -> Breakaway:
+    forces_N, shares, phases = [], [], []
+    for name, samples in zip(("raising", "lowering"), pair, strict=True):
+        inner_N = _inner(prepared.force_N, samples)
+        means_N = np.array([piece.mean() for piece in np.array_split(inner_N, PIECES)])
+        forces_N.append(inner_N)
+        shares.append(float(means_N.std(ddof=1)) / math.sqrt(PIECES) / float(inner_N.mean()))
+        times_s = prepared.time_s[[samples[0], samples[1] - 1]].tolist()
+        phases.append(Phase(name=name, start_s=times_s[0], end_s=times_s[1]))
+    raise_N, lower_N = (float(inner_N.mean()) for inner_N in forces_N)
+    raising = phases[0]
+    return Breakaway(
+        status=Status.OK,
+        detail=f"raised at {raise_N:.6g} N, lowered at {lower_N:.6g} N",
+        peak_N=raise_N,
+        peak_raw_N=raise_N,
+        peak_time_s=0.5 * (raising.start_s + raising.end_s),
+        peak_std_N=0.5 * raise_N * math.hypot(*shares),
+        bias_N=0.0,
+        kinetic_N=raise_N,
+        kinetic_std_N=float(forces_N[0].std(ddof=1)),
+        kinetic_s=(1.0 - 2.0 * TRIM) * (raising.end_s - raising.start_s),
+        drop_N=raise_N - lower_N,
+        trough_N=lower_N,
+        end_tension_N=math.sqrt(raise_N * lower_N),
+        end_tension_std_N=0.0,
+        noise_std_N=prepared.noise_N,
+        phases=tuple(phases),
+        notes=prepared.notes,
+    )
+
+
+REACH_BLOCKS = 5
+REACH = 0.01
+"""A time read from a figure is good to some 20 ms, or to a hundredth of the recording."""
+TURN = 0.3
+"""A peak ends, on either side, where the force comes back by more than this part of what it had fallen."""
+
+
+def pick_at(trace: ForceTrace, settings: PickSettings) -> Breakaway:
+    """Return the highest force at `settings.pick_s`, whatever the picker would say of it.
+
+    Raises
+    ------
+    DataError
+        RF244 if that time is not in the recording, or the force passes it without a peak.
+    """
+    prepared, pick_s = prepare(trace, settings), settings.pick_s
+    if prepared is None or pick_s is None:
+        return too_short(trace, settings)
+    blocks, start_s, end_s = prepared.blocks, float(prepared.time_s[0]), float(prepared.time_s[-1])
+    if not start_s <= pick_s <= end_s:
+        what = f"{pick_s:g} s is not in the recording, which runs from {start_s:.6g} s to {end_s:.6g} s"
+        raise _not_possible(trace, what)
+    force_N, here = blocks.force_N, int(np.searchsorted(blocks.time_s, pick_s, side="right")) - 1
+    reach = max(REACH_BLOCKS, round(REACH * force_N.size))
+    first, last = max(0, here - reach), min(force_N.size - 1, here + reach)
+    block = first + int(np.argmax(force_N[first : last + 1]))
+    least_N = smallest_drop_N(prepared, replace(settings, min_step_N=None))
+    bottom, fallen = block - _lowest(force_N[block::-1], least_N), block + _lowest(force_N[block:], least_N)
+    if block in {bottom, fallen}:
+        way = "rises" if fallen == block else "falls"
+        raise _not_possible(trace, f"the force only {way} at {pick_s:g} s: there is no peak to measure")
+    top_N, level_N = float(force_N[block]), float(force_N[fallen])
+    fall = Fall(bottom, block, fallen, fallen, top_N, level_N, level_N, has_settled=True, reloads=True)
+    sliding = sliding_after(blocks, fall, float(force_N[bottom]))
+    found = peak_result(
+        prepared,
+        settings,
+        climb=half_climb(force_N, bottom, block),
+        block=block,
+        fallen=fallen,
+        sliding=sliding,
+        phases=phases_of(prepared, block, sliding),
+    )
+    if trace.saturation is not None and trace.saturation.high:
+        begin_s, stop_s = trace.time_s[trace.saturation.high_runs - [0, 1]].T
+        near_s = reach * float(blocks.time_s[1] - blocks.time_s[0])
+        if ((begin_s <= found.peak_time_s + near_s) & (stop_s >= found.peak_time_s - near_s)).any():
+            note = "the converter sat at its limit beside the peak: the force may have been higher"
+            found = replace(found, notes=(*found.notes, note))
+    return found
+
+
+def _lowest(force_N: FloatArray, least_N: float) -> int:
+    """Return where the force is lowest on its way from a peak, its first value, until it turns; 0 if nowhere."""
+    lowest = 0
+    for index, value_N in enumerate(force_N.tolist()):
+        fallen_N = force_N[0] - force_N[lowest]
+        if value_N - force_N[lowest] > max(least_N, TURN * fallen_N):
+            break
+        lowest = index if value_N < force_N[lowest] else lowest
+    return lowest if force_N[0] - force_N[lowest] > least_N else 0
+
+
+def _not_possible(trace: ForceTrace, why: str) -> DataError:
+    fix = "correct pick_s, or give the force itself as peak_N, or exclude the trial"
+    return DataError(why, code="RF244", path=trace.source, key="pick_s", fix=fix)
 
 
 PROTOCOLS: Registry[Protocol] = Registry(

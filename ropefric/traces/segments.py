@@ -13,8 +13,7 @@ import numpy as np
 from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.traces.breakaway import Phase, PickSettings
 from ropefric.traces.events import Fall
-from ropefric.traces.hum import without_hum
-from ropefric.traces.noise import find_stuck, noise_std, remove_spikes, resolution
+from ropefric.traces.noise import find_stuck, noise_std, remove_spikes, resolution, without_hum
 from ropefric.traces.trace import ForceTrace
 
 MIN_SAMPLES = 50
@@ -160,13 +159,6 @@ def _block_means(time_s: FloatArray, force_N: FloatArray, step_N: float) -> Bloc
     )
 
 
-def _stays_below(force_N: FloatArray, level_N: float) -> int:
-    """Return the first of two blocks in a row below a level, the number of blocks where there is none."""
-    low = force_N < level_N
-    gone = np.flatnonzero(low[:-1] & low[1:])
-    return int(gone[0]) if gone.size else force_N.size
-
-
 def sliding_after(blocks: Blocks, fall: Fall, base_N: float) -> Sliding | None:
     """Return the stretch of sliding after a fall; None if the force falls away without one.
 
@@ -177,10 +169,14 @@ def sliding_after(blocks: Blocks, fall: Fall, base_N: float) -> Sliding | None:
         return None
     n_first = int(np.clip((fall.top - fall.start) // 8, PIECE_BLOCKS, 4 * PIECE_BLOCKS))
     level_N = median(force_N[first : first + n_first])
-    length = _stays_below(force_N[first:], base_N + 0.4 * (level_N - base_N)) if level_N > base_N else 0
-    if length < SHORTEST_BLOCKS:
+    if level_N <= base_N:
         return None
-    stretch = force_N[first : first + length]
+    # Until two blocks in a row are far below.
+    low = force_N[first:] < base_N + 0.4 * (level_N - base_N)
+    gone = np.flatnonzero(low[:-1] & low[1:])
+    stretch = force_N[first : first + int(gone[0])] if gone.size else force_N[first:]
+    if stretch.size < SHORTEST_BLOCKS:
+        return None
     level_N, scatter_N = _level_and_scatter(stretch[:n_first])
     # Sliding passes its level again and again; a released rope never does.
     stays = np.flatnonzero(stretch >= level_N - max(scatter_N, 0.03 * abs(level_N - base_N)))

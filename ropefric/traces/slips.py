@@ -1,5 +1,6 @@
 """Which of the falls of a pull is the break-away: the first slip that is macroscopic, that is, no partial one."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -110,17 +111,19 @@ def _is_contested(force_N: FloatArray, pull: Pull, fall: Fall, first: Fall) -> b
     A macroscopic slip falls to the force of sliding or, where nothing damps it, as far below; a partial one does not.
     """
     height_N = fall.top_N - pull.base_N
-    again = (first.top_N - fall.bottom_N) / (first.top - fall.bottom)
+    again = (first.top_N - fall.bottom_N) / max(1, first.top - fall.bottom)
     if fall.drop_N < LEAST_DROP * height_N or STICKS * loading_rate(force_N, fall.start, fall.top) > again:
         return False
-    growth = (first.top_N - fall.top_N) / height_N
-    if growth < LITTLE:
-        return ABOUT * first.drop_N <= fall.drop_N <= first.drop_N / ABOUT
-    if growth >= FAR or fall.drop_N < 0.5 * FULL * height_N:
+    growth = (first.top_N - fall.top_N) / max(height_N, TINY)
+    if growth < FAR and fall.drop_N >= (ABOUT if growth < LITTLE else 1.0 / ABOUT) * first.drop_N:
+        return True
+    if not LITTLE <= growth < FAR or fall.drop_N < 0.5 * FULL * height_N:
         return False
     if _turned_on(force_N[: first.top + 1], fall) > SLOWER:
         return True
-    over = (median(force_N[first.settled : pull.stop]) - fall.bottom_N) / (fall.top_N - fall.bottom_N)
+    over = (median(force_N[first.settled : pull.stop]) - fall.bottom_N) / max(
+        fall.top_N - fall.bottom_N, TINY
+    )
     again_N = max(
         (g.top_N for g in pull.falls if g.top > first.top and g.drop_N > CREEPS * fall.drop_N), default=0.0
     )
@@ -182,7 +185,7 @@ def _slid_on(force_N: FloatArray, pull: Pull, fall: Fall, top: int, own_rate: fl
     """Return whether a rope slid on after a fall before the force was as high again; a held one only creeps."""
     height_N, rate = fall.top_N - pull.base_N, loading_rate(force_N, fall.bottom, top)
     is_far_below = pull.top_N - fall.top_N >= FAR * height_N
-    if is_far_below or fall.drop_N < LEAST_DROP * height_N or not STICKS <= own_rate / rate <= 1 / STICKS:
+    if is_far_below or fall.drop_N < LEAST_DROP * height_N or not STICKS * rate <= own_rate <= rate / STICKS:
         return False
     return _turned_on(force_N[: top + 1], fall, rate) > 1.0 / STICKS
 
@@ -194,7 +197,7 @@ def _turned_on(force_N: FloatArray, fall: Fall, rate: float | None = None) -> fl
     """
     rate = loading_rate(force_N, fall.start, fall.top) if rate is None else rate
     passed = int(np.flatnonzero(force_N <= fall.top_N)[-1]) - fall.bottom
-    return rate * (passed - 1) / (fall.top_N - fall.bottom_N)
+    return rate * (passed - 1) / max(fall.top_N - fall.bottom_N, TINY)
 
 
 def _is_alike(fall: Fall, other: Fall, pull: Pull, apart: float = AGAIN) -> bool:
@@ -319,6 +322,7 @@ def _is_partial(pull: Pull, fall: Fall, after: Fall, rate: float) -> bool:
     )
 
 
+@lru_cache(maxsize=1)  # the first break-away and the teeth after it are looked for in the same pulls
 def found_pulls(prepared: Prepared, settings: PickSettings) -> list[Pull]:
     """Return every pull of a recording, with the falls that are worth a look."""
     blocks = prepared.blocks

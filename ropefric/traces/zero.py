@@ -11,13 +11,15 @@ from ropefric.traces.noise import runs_of
 from ropefric.traces.segments import AT_REST, Blocks, Prepared
 from ropefric.traces.trace import ForceTrace
 
-SMALL_ZERO, LARGE_ZERO = 0.02, 0.12
-"""Parts of F_A: a level at rest that matters, and one that can only be a pretension."""
+SMALL_ZERO, UNKNOWN, LARGE_ZERO = 0.02, 0.08, 0.12
+"""Parts of F_A: a level at rest that matters, a drift that must be excluded, and what can only be a pretension."""
 STANDS, SLOPE_SIGMAS = 0.3, 7.0
 """A rope at rest is loaded at less than this part of the machine's rate, which is so many times its uncertainty."""
 PIECES, LEAST = 8, 8
 """A stretch at rest is looked at in so many pieces, of so many samples at least."""
+FEWEST, CLIMB_SIGMAS = 3, 2.0
 DRIFT_SIGMAS = 4.0
+WALK_SIGMAS = 4.0
 STEP, BUMP, AGREE = 0.8, 3.0, 3.0
 """A step leaves less than this part of what a line leaves; a bump is so many times higher than the levels differ."""
 
@@ -30,29 +32,16 @@ def with_its_zero(
     A recording in newtons that was not tared may begin at a pretension, which belongs to F_A, or at an error of the
     zero, which does not.
     """
+    if result.status is not Status.OK or result.peak_N <= 0.0:
+        return result
     n, blocks = prepared.blocks.n_rest, prepared.blocks
-    if result.status is not Status.OK or not n or result.peak_N <= 0.0:
-        return result
-    rests = rests_of(blocks, int(np.searchsorted(blocks.time_s, result.peak_time_s)))
+    is_tared = trace.calibration is not None or settings.rest == "pretension"
+    rests = rests_of(blocks, int(np.searchsorted(blocks.time_s, result.peak_time_s))) if n else []
     # What was hung on or taken up while the rope was at rest is no zero.
-    zero_N = float(prepared.force_N[: min([n, *(stop * blocks.size for _, stop in rests[:1])])].mean())
-    drift_N, walk_std_N = drift(blocks, rests, result.peak_time_s)
-    std_N = float(np.hypot(np.hypot(result.peak_std_N, drift_N / np.sqrt(3.0)), walk_std_N))
-    result = replace(result, peak_std_N=std_N)
-    event = ForceEvent(
-        kind="break-away",
-        time_s=result.peak_time_s,
-        force_N=result.peak_N,
-        drop_N=result.drop_N,
-        fall_s=0.0,
-        evidence="as read",
-    )
-    if drift_N > SMALL_ZERO * result.peak_N:
-        why = f"the zero drifts by about {drift_N:.2g} N between the rope at rest and the peak"
-        return _undecided(result, f"{result.peak_N:.4g} N: {why}", (event,))
-    if trace.calibration is not None or settings.rest == "pretension":
-        return result
-    if settings.rest == "zero":
+    rest_N = prepared.force_N[: min([n, *(stop * blocks.size for _, stop in rests[:1])])]
+    zero_N = 0.0 if is_tared or not n else float(rest_N.mean())
+    result, why = _with_drift(blocks, rests, result, zero_N)
+    if not why and settings.rest == "zero" and not is_tared and n:
         said = f"{zero_N:.4g} N at rest were taken off as the error of the zero"
         return replace(
             result,
@@ -62,27 +51,50 @@ def with_its_zero(
             kinetic_N=result.kinetic_N - zero_N,
             notes=(*result.notes, said),
         )
-    if not SMALL_ZERO * result.peak_N < abs(zero_N) < LARGE_ZERO * result.peak_N:
-        return result
-    why = (
-        f"the rope at rest reads {zero_N:.3g} N: say whether that is an error of the zero (a [tare] interval, or "
-        '[protocol] rest = "zero") or a pretension (rest = "pretension")'
+    as_read = ForceEvent(
+        kind="break-away",
+        time_s=result.peak_time_s,
+        force_N=result.peak_N,
+        drop_N=result.drop_N,
+        fall_s=0.0,
+        evidence="as read",
     )
-    tared = replace(event, force_N=result.peak_N - zero_N, evidence="from the level at rest")
-    return _undecided(result, f"{result.peak_N:.4g} N or {tared.force_N:.4g} N: {why}", (event, tared))
-
-
-def _undecided(result: Breakaway, detail: str, candidates: tuple[ForceEvent, ...]) -> Breakaway:
-    """Return a result that was found, as one that is doubtful."""
+    events = [as_read]
+    if not why and SMALL_ZERO * result.peak_N < abs(zero_N) < LARGE_ZERO * result.peak_N:
+        events.append(replace(as_read, force_N=result.peak_N - zero_N, evidence="from the level at rest"))
+        why = (
+            f"the rope at rest reads {zero_N:.3g} N: say whether that is an error of the zero (a [tare] interval, or "
+            '[protocol] rest = "zero") or a pretension (rest = "pretension")'
+        )
+    if not why:
+        return result
     return Breakaway(
         status=Status.DOUBTFUL,
-        detail=detail,
+        detail=f"{' or '.join(f'{event.force_N:.4g} N' for event in events)}: {why}",
         noise_std_N=result.noise_std_N,
-        candidates=candidates,
+        candidates=tuple(events),
         events=result.events,
         notes=result.notes,
         phases=result.phases,
     )
+
+
+def _with_drift(
+    blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway, zero_N: float
+) -> tuple[Breakaway, str]:
+    """Return a result with the drift of its zero in its uncertainty, and why F_A is not known if that is too large."""
+    drift_N, std_N, walk_std_N = drift(blocks, rests, result)
+    is_seen = 0.0 < DRIFT_SIGMAS * std_N <= abs(drift_N)
+    peak_std_N = float(np.hypot(np.hypot(result.peak_std_N, is_seen * drift_N / np.sqrt(3.0)), walk_std_N))
+    wrong_N = abs(drift_N)
+    if abs(zero_N) <= SMALL_ZERO * result.peak_N:
+        wrong_N = max(wrong_N, abs(drift_N + zero_N))
+    why = ""
+    if is_seen and wrong_N + std_N > SMALL_ZERO * result.peak_N:
+        why = f"the zero drifts by about {abs(drift_N):.2g} N between the rope at rest and the peak"
+    elif wrong_N + 2.0 * std_N > UNKNOWN * result.peak_N:
+        why = f"the rope rests too briefly to exclude a drift of the zero of {wrong_N + 2.0 * std_N:.2g} N"
+    return replace(result, peak_std_N=peak_std_N), why
 
 
 def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
@@ -124,39 +136,22 @@ def _parted(force_N: FloatArray, start: int, stop: int) -> list[tuple[int, int]]
     return [*_parted(force_N, start, start + int(k[at])), *_parted(force_N, start + int(k[at]), stop)]
 
 
-def drift(blocks: Blocks, rests: list[tuple[int, int]], at_s: float) -> tuple[float, float]:
-    """Return how far the zero drifts, and wanders, from the first of some stretches at rest until a time [N].
+def drift(blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway) -> tuple[float, float, float]:
+    """Return how far the zero drifts from the first of some stretches at rest until the peak, ± what, and wanders [N].
 
     Their levels differ by what was hung on, unless a bump lies between; the slope that they share goes on where it
     stands out of the noise, and so does their random walk: the means of pieces differ by more than white noise lets
-    them.
+    them. The force of a sliding rope drifts with it: where that agrees it counts, and one that stays says there is none.
     """
-    force_N = blocks.force_N
     n = max((stop - start for start, stop in rests), default=0) // PIECES
     if n * blocks.size < LEAST:
-        return 0.0, 0.0
-    means: list[FloatArray] = []
-    at: list[FloatArray] = []
-    bumps, ends = [], 0
-    for start, stop in rests:
-        # The ends may belong to what parts it from the next, the last of it to a soft start.
-        first, count = start + (stop - start) // 8, (3 * (stop - start) // 4) // n
-        if count < 2:
-            continue
-        pieces, times = (
-            some[first : first + count * n].reshape(count, n).mean(axis=1)
-            for some in (force_N, blocks.time_s)
-        )
-        if means:
-            edges = float(means[-1][-1]), float(pieces[0])
-            bump_N = float(force_N[ends : start + 1].max()) - max(edges)
-            bumps.append(bump_N >= BUMP * abs(edges[0] - edges[1]))
-        means.append(pieces)
-        at.append(times)
-        ends = stop
+        return 0.0, 0.0, 0.0
+    means, at, bumps = _pieces(blocks, rests, n)
     if not means:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
     white_N = blocks.noise_N / np.sqrt(n)
+    while means[-1].size > FEWEST and _begins_to_climb(means[-1], white_N):
+        means[-1], at[-1] = means[-1][:-1], at[-1][:-1]
     own = np.repeat(np.arange(len(means)), [each.size for each in means])
     times_s, means_N = np.concatenate(at), np.concatenate(means)
     slope, std = _common_slope(times_s, means_N, own, white_N)
@@ -166,7 +161,8 @@ def drift(blocks: Blocks, rests: list[tuple[int, int]], at_s: float) -> tuple[fl
         # Where the stretches themselves do not rise, something was taken up in between after all.
         if abs(shared - slope) < AGREE * std:
             slope, std = shared, shared_std
-    drift_N = abs(slope) * float(at_s - at[0].mean()) if abs(slope) >= DRIFT_SIGMAS * std else 0.0
+    since_s = float(result.peak_time_s - at[0].mean())
+    slope, std = _with_sliding(blocks, result, (slope, std), since_s)
     # The steps of a random walk add up; those of noise that is slow, but no walk, do not.
     near, far = (
         np.concatenate([each[lag:] - each[:-lag] for each in means if each.size > 2] or [np.zeros(1)])
@@ -174,10 +170,78 @@ def drift(blocks: Blocks, rests: list[tuple[int, int]], at_s: float) -> tuple[fl
     )
     near_N2 = float(np.mean(near**2))
     walk_N2 = min(near_N2 - 2.0 * white_N**2, float(np.mean(far**2)) - near_N2)
-    if walk_N2 < DRIFT_SIGMAS * white_N**2:
+    if walk_N2 < WALK_SIGMAS * white_N**2:
         walk_N2 = 0.0
-    since = max(at_s - at[0][-1], 0.0) / float(at[0][1] - at[0][0])
-    return drift_N, float(np.sqrt(walk_N2 * since))
+    since = max(result.peak_time_s - at[0][-1], 0.0) / float(at[0][1] - at[0][0])
+    return slope * since_s, std * since_s, float(np.sqrt(walk_N2 * since))
+
+
+def _pieces(
+    blocks: Blocks, rests: list[tuple[int, int]], n: int
+) -> tuple[list[FloatArray], list[FloatArray], list[bool]]:
+    """Return the means of pieces of stretches at rest, when, and whether a bump lies between a stretch and the last."""
+    force_N, ends = blocks.force_N, 0
+    means: list[FloatArray] = []
+    at: list[FloatArray] = []
+    bumps = []
+    for start, stop in rests:
+        # The ends may belong to what parts it from the next, the last of it to a soft start.
+        first, count = start + (stop - start) // 8, (3 * (stop - start) // 4) // n
+        if count < 2:
+            continue
+        pieces, times = _means(blocks, first, count, n)
+        if means:
+            edges = float(means[-1][-1]), float(pieces[0])
+            bump_N = float(force_N[ends : start + 1].max()) - max(edges)
+            bumps.append(bump_N >= BUMP * abs(edges[0] - edges[1]))
+        means.append(pieces)
+        at.append(times)
+        ends = stop
+    return means, at, bumps
+
+
+def _means(blocks: Blocks, first: int, count: int, n: int) -> tuple[FloatArray, FloatArray]:
+    """Return the force and the time of pieces of `n` blocks."""
+    force_N, time_s = (
+        some[first : first + count * n].reshape(count, n).mean(axis=1)
+        for some in (blocks.force_N, blocks.time_s)
+    )
+    return force_N, time_s
+
+
+def _with_sliding(
+    blocks: Blocks, result: Breakaway, found: tuple[float, float], since_s: float
+) -> tuple[float, float]:
+    """Return a slope of the zero and its standard error with what the force of sliding says of it."""
+    slid = next((phase for phase in result.phases if phase.name == "sliding"), None)
+    start, stop = np.searchsorted(blocks.time_s, (slid.start_s, slid.end_s)).tolist() if slid else (0, 0)
+    n = 3 * (stop - start) // (4 * PIECES)  # at first a rope may slide less easily
+    if not n:
+        return found
+    slope, std = found
+    pieces_N, times_s = _means(blocks, stop - PIECES * n, PIECES, n)
+    other, other_std = _common_slope(
+        times_s, pieces_N, np.zeros(PIECES, dtype=np.int64), blocks.noise_N / np.sqrt(n)
+    )
+    most = abs(other) + 2.0 * other_std
+    if most * since_s < SMALL_ZERO * result.peak_N:
+        return 0.0, 0.0
+    both = float(np.hypot(std, other_std))
+    if abs(slope - other) < 2.0 * both:
+        weight = (std / both) ** 2
+        return slope + weight * (other - slope), float(std * np.sqrt(1.0 - weight))
+    return (other, other_std) if other_std < std and most < abs(slope) + 2.0 * std else found
+
+
+def _begins_to_climb(means_N: FloatArray, white_N: float) -> bool:
+    """Return whether the last mean lies above the line through those before it: the motor starts softly."""
+    n = means_N.size - 1
+    x = np.arange(n) - 0.5 * (n - 1)
+    ahead = n - 0.5 * (n - 1)
+    line_N = float(means_N[:-1].mean()) + float(x @ means_N[:-1]) / float(x @ x) * ahead
+    return bool(
+        means_N[-1] - line_N > CLIMB_SIGMAS * white_N * np.sqrt(1.0 + 1.0 / n + ahead**2 / float(x @ x))
+    )
 
 
 def _common_slope(x: FloatArray, y: FloatArray, group: IntArray, white_N: float) -> tuple[float, float]:
@@ -185,4 +249,4 @@ def _common_slope(x: FloatArray, y: FloatArray, group: IntArray, white_N: float)
     x, y = (some - (np.bincount(group, some) / np.bincount(group))[group] for some in (x, y))
     slope = float(x @ y) / float(x @ x)
     left_N = float(np.sqrt(((y - slope * x) ** 2).sum() / max(1, x.size - int(group[-1]) - 2)))
-    return slope, max(white_N, left_N) / float(np.sqrt(x @ x))
+    return slope, float(max(white_N, left_N) / np.sqrt(x @ x))

@@ -19,9 +19,8 @@ from ropefric.files.toml_model import validate_document
 from ropefric.files.write import write_files
 from ropefric.plugins import load_named
 from ropefric.registry import did_you_mean
-from ropefric.traces.assemble import COUNTS
+from ropefric.traces.assemble import COUNTS, evaluate_derived
 from ropefric.traces.breakaway import SIDES
-from ropefric.traces.derived import evaluate_derived
 from ropefric.trials.campaign_model import AboutTable, Campaign, CampaignFile, Protocol, protocol_names
 from ropefric.trials.trial_list import MISSING_RECORDING, TrialContext, advise, radius_doubt, read_trials
 

@@ -15,11 +15,16 @@ from ropefric.files.read import FileChangedError, InputFile, open_file
 from ropefric.registry import did_you_mean
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status
-from ropefric.traces.budget import cell_std_N, end_tension_std_N, force_std_N
-from ropefric.traces.calibration import Calibration, Saturation, tare_from_interval
-from ropefric.traces.decided import pick_at
+from ropefric.traces.calibration import (
+    Calibration,
+    Saturation,
+    cell_std_N,
+    end_tension_std_N,
+    force_std_N,
+    tare_from_interval,
+)
 from ropefric.traces.noise import MAX_SPIKE_SAMPLES, noise_std
-from ropefric.traces.protocols import PROTOCOLS
+from ropefric.traces.protocols import PROTOCOLS, pick_at
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import RawRecording
 from ropefric.traces.segments import MIN_SAMPLES
@@ -202,7 +207,7 @@ def _result(
     calibration, measured = more.get("calibration"), (nan, nan)
     if is_ok:
         std_N = force_std_N(breakaway.peak_N, calibration, picking_std_N=breakaway.peak_std_N)
-        if campaign.protocol.name == "two-way":  # half of each force's share, see `traces.two_way`
+        if campaign.protocol.name == "two-way":  # half of each force's share, see `traces.protocols`
             top_N, low_N = breakaway.peak_N, breakaway.trough_N
             up_N, down_N = force_std_N(top_N, calibration), force_std_N(low_N, calibration)
             std_N = math.hypot(breakaway.peak_std_N, 0.5 * up_N, 0.5 * (top_N / low_N) * down_N)

@@ -11,8 +11,7 @@ import pytest
 from ropefric.api import measured_budgets
 from ropefric.cli.app import find_commands
 from ropefric.errors import InputError
-from ropefric.traces.budget import chain_quantities
-from ropefric.traces.calibration import Calibration, ForceCell
+from ropefric.traces.calibration import Calibration, ForceCell, chain_quantities
 
 ROOT = Path(__file__).parents[2]
 TRIALS = ROOT / "fits" / "prth-trials.csv"

@@ -16,7 +16,7 @@ from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import HoistProblem
 from ropefric.traces.breakaway import PickSettings
 from ropefric.traces.noise import noise_std, remove_spikes
-from ropefric.traces.peak import choose_window, peak_uncertainty_N, window_bias_N
+from ropefric.traces.peak import choose_window, window_bias_N
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.smoothing import average_over_samples, average_over_time, smooth
 from ropefric.traces.trace import ForceTrace
@@ -103,7 +103,6 @@ class Extreme:
 def function_calls(x):
     return (
         lambda: window_bias_N(*x[:3]),
-        lambda: peak_uncertainty_N(*x[:4]),
         lambda: choose_window(*x[:3], longest_s=x[3]),
     )
 

@@ -219,3 +219,48 @@ def test_the_teeth_of_a_real_train_are_those_of_its_authors(real_data):
     tops_N = [tooth.peak_N for tooth in teeth if tooth.status is Status.OK]
     assert 160 <= len(tops_N) <= 171
     assert np.mean(tops_N) == pytest.approx(11.830, rel=0.01)  # a few small ones are not found
+
+
+def test_a_rope_that_slides_on_after_a_fall_has_broken_away_whatever_comes_later():
+    # The motor turns on for half a second at the force of sliding, then something holds the rope.
+    slides = (
+        (0.0, 0.0),
+        (0.5, 0.0),
+        (1.5, 100.0),
+        (1.504, 90.0),
+        (2.0, 90.0),
+        (2.4, 130.0),
+        (2.404, 90.0),
+        (4.0, 90.0),
+    )
+    found = picked(drawn(*slides))
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.01)
+
+
+@pytest.mark.parametrize(("bottom_N", "status"), [(88.0, Status.DOUBTFUL), (97.0, Status.OK)])
+def test_a_slip_down_to_the_force_of_sliding_may_be_the_breakaway_a_shallow_one_is_not(bottom_N, status):
+    # Loaded again at once, both times: the deep one has fallen as far as the later one.
+    again = ((2.0, bottom_N), (2.0 + (130.0 - bottom_N) / 100.0, 130.0))
+    force = drawn((0.0, 0.0), (1.0, 0.0), (1.996, 100.0), *again, (again[1][0] + 0.004, 90.0), (4.0, 90.0))
+    found = picked(force)
+    assert found.status is status, found.detail
+    forces_N = [event.force_N for event in found.candidates] or [found.peak_N]
+    assert forces_N == pytest.approx([100.0, 130.0] if status is Status.DOUBTFUL else [130.0], rel=0.01)
+
+
+def test_a_converter_at_its_limit_from_the_corner_on_is_saturated():
+    force = np.minimum(
+        drawn((0.0, 0.0), (1.0, 0.0), (2.5, 100.0), (2.504, 60.0), (4.0, 60.0), noise_N=1.0), 80.0
+    )
+    assert picked(force).status is Status.SATURATED
+
+
+@pytest.mark.parametrize(("slide_N_s", "status"), [(2.0, Status.DOUBTFUL), (0.0, Status.OK)])
+def test_the_force_of_sliding_tells_a_drift_of_the_zero_from_a_rope_that_settles(slide_N_s, status):
+    # 2 N/s at rest are 4 % of F_A at the peak; a zero that drifts goes on to do so while the rope slides.
+    rest = 2.0 * np.minimum(TIME_S, 1.0)
+    force = drawn(
+        (0.0, 0.0), (1.0, 0.0), (2.5, 100.0), (2.504, 70.0), (4.0, 70.0 + 1.5 * slide_N_s), noise_N=0.1
+    )
+    assert picked(force + rest).status is status

@@ -6,8 +6,14 @@ import numpy as np
 import pytest
 
 from ropefric.errors import InputError
-from ropefric.traces.budget import chain_quantities, end_tension_std_N, force_std_N
-from ropefric.traces.calibration import Adc, Calibration, ForceCell
+from ropefric.traces.calibration import (
+    Adc,
+    Calibration,
+    ForceCell,
+    chain_quantities,
+    end_tension_std_N,
+    force_std_N,
+)
 
 SMALL = Calibration(cell=ForceCell(name="small", full_scale_N=1000.0))
 LARGE = Calibration(cell=ForceCell(name="large", full_scale_N=5000.0))

@@ -5,7 +5,7 @@ import pytest
 
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
-from ropefric.traces.hum import without_hum
+from ropefric.traces.noise import without_hum
 from ropefric.traces.trace import ForceTrace
 
 PEAK_N = 100.0

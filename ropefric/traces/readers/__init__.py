@@ -2,7 +2,7 @@
 
 In: a file and an `ImportProfile` (profile.py). Out: `RawRecording`s, columns as they are in the file. A reader opens the
 file as tables (table.py says how their columns become channels): delimited.py, and texts that it is told the layout of
-by labview.py (.lvm), ni_csv.py and mitsubishi.py; vernier.py (.cmbl), excel.py, matlab.py, hdf5.py, tdms.py.
+by labview.py (.lvm) and headed.py (NI, Mitsubishi); vernier.py (.cmbl), excel.py, matlab.py, hdf5.py, tdms.py.
 inspection.py looks at an unknown file and suggests a profile.
 """
 
@@ -12,7 +12,7 @@ from ropefric.errors import DataError
 from ropefric.files.read import InputFile, use_file
 from ropefric.files.text import Source, first_lines
 from ropefric.registry import Registry
-from ropefric.traces.readers import excel, hdf5, labview, matlab, mitsubishi, ni_csv, tdms, vernier
+from ropefric.traces.readers import excel, hdf5, headed, labview, matlab, tdms, vernier
 from ropefric.traces.readers.delimited import DELIMITED, WIDE
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 from ropefric.traces.readers.table import Reader
@@ -22,7 +22,7 @@ TEXT_FORMATS = (DELIMITED.name, WIDE.name)
 READERS: Registry[Reader] = Registry(
     "file format",
     [
-        *(DELIMITED, WIDE, labview.READER, ni_csv.READER, mitsubishi.READER),
+        *(DELIMITED, WIDE, labview.READER, headed.NI, headed.MITSUBISHI),
         *(vernier.READER, matlab.READER, hdf5.READER, tdms.READER, excel.READER),
     ],
 )

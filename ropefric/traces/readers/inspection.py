@@ -99,16 +99,11 @@ def inspect_file(
         if reader.name not in TEXT_FORMATS:
             found = Inspection(file=shown, format=reader.name, profile=replace(known, format=reader.name))
             return _summarise(found, reader.tables(source, known))
-        return (
-            _inspect_text(source, known) if everything or _is_small(source) else _inspect_ends(source, known)
-        )
+        sizes = accumulate(map(len, source.unpacked())) if source.is_packed else (source.file.size,)
+        is_small = everything or all(size <= WHOLE_BYTES for size in sizes)
+        return _inspect_text(source, known) if is_small else _inspect_ends(source, known)
 
     return use_file(path, look, shown=shown)
-
-
-def _is_small(source: Source) -> bool:
-    sizes = accumulate(len(block) for block in source.unpacked()) if source.is_packed else (source.file.size,)
-    return all(size <= WHOLE_BYTES for size in sizes)
 
 
 def _inspect_ends(source: Source, profile: ImportProfile) -> Inspection:
@@ -299,9 +294,13 @@ def _channels(
     has_time = "time" in channels or found.profile.sampling_rate_Hz is not None or table.clock is not None
     units = [table.unit(index) for index in range(len(names))]
     numeric = [(i, array) for i, array in enumerate(values) if array is not None]
-    rising = (
-        [] if has_time else [i for i, array in numeric if _is_of("time", units[i] or "s") and _rises(array)]
-    )
+    # What never falls may be a time.
+    rising = [
+        i
+        for i, array in numeric
+        if array.size > 2 and (np.diff(array) >= 0).all() and array[-1] > array[0]
+        if not has_time and _is_of("time", units[i] or "s")
+    ]
     if rising:
         is_stamp = rising[0] in table.stamps
         time = by_name(rising[0] + 1) if is_stamp else Channel(column=rising[0] + 1, unit=units[rising[0]])
@@ -353,11 +352,6 @@ def _is_of(channel: str, unit: str) -> bool:
         return bool(si_factor(channel, unit))
     except DataError:
         return False
-
-
-def _rises(array: FloatArray) -> bool:
-    """Return whether a column may be a time: it never falls."""
-    return bool(array.size > 2 and (np.diff(array) >= 0).all() and array[-1] > array[0])
 
 
 def _clock(

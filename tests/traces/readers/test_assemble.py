@@ -8,9 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ropefric.errors import DataError, RopefricError
-from ropefric.traces.assemble import assemble_trace, si_factor
+from ropefric.traces.assemble import FUNCTIONS, assemble_trace, evaluate_derived, si_factor
 from ropefric.traces.calibration import as_counts
-from ropefric.traces.derived import FUNCTIONS, evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 
 

@@ -1,4 +1,8 @@
-"""CSV exports of National Instruments' loggers: every row begins with its label, every channel brings its own time."""
+"""Texts that tell their own layout: CSV of National Instruments' loggers, traces of Mitsubishi's MR Configurator.
+
+NI begins every row of the head with its label, and every channel brings its own time. In one recording of Mitsubishi
+what each slot measured stands where units usually do.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -22,12 +26,12 @@ def _labels(lines: Sequence[str]) -> dict[str, tuple[int, list[str]]]:
     return found
 
 
-def _recognises(lines: Sequence[str]) -> bool:
+def _is_ni(lines: Sequence[str]) -> bool:
     labels = _labels(lines)
     return _NAMES in labels and _UNITS in labels and "Interval" in labels
 
 
-def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
+def _ni_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     labels = _labels(first_lines(source))
     if not {_NAMES, _UNITS} <= labels.keys():
         why, fix = (
@@ -52,10 +56,44 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     return (replace(table, clock=lambda index: table.values([index - 1])[0] if index % 2 else None),)
 
 
-READER = Reader(
+NI = Reader(
     name="ni-csv",
     suffixes=(),
     description="CSV of NI loggers: rows that begin with Timestamp, Interval, Channel name, Unit",
-    tables=_tables,
-    recognises=_recognises,
+    tables=_ni_tables,
+    recognises=_is_ni,
+)
+
+
+_COUNT, _INTERVAL, _UNUSED = "Number of sampling data", "Sampling time interval", "Not selected"
+
+
+def _is_mitsubishi(lines: Sequence[str]) -> bool:
+    return len(lines) > 5 and lines[1].startswith(_COUNT) and lines[2].startswith(_INTERVAL)
+
+
+def _mitsubishi_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
+    text, dialect = open_text(source, replace(profile, header_row=4, units_row=5, data_row=6))
+    slots, measured = dialect.header, dialect.units
+    names = [slots[0]]
+    for slot, what in zip(slots[1:], measured[1:], strict=False):
+        names.append(
+            slot if what in ("", _UNUSED) else what if measured.count(what) == 1 else f"{what} ({slot})"
+        )
+    dialect = replace(dialect, header=tuple(names), units=measured[:1])
+    table = text_table(text, dialect)
+    title, *facts = (text.line(number) for number in (1, 2, 3))
+    stated = ", ".join(" ".join(split_line(fact, dialect.separator)) for fact in facts)
+    dialect.notes.append(
+        f"Mitsubishi MR Configurator, {title}: {stated}; of units it tells only that of the time"
+    )
+    return (table,)
+
+
+MITSUBISHI = Reader(
+    name="mr-configurator",
+    suffixes=(),
+    description="servo traces of Mitsubishi MR Configurator (CSV)",
+    tables=_mitsubishi_tables,
+    recognises=_is_mitsubishi,
 )

@@ -79,11 +79,7 @@ class ProfileResult:
 
 
 def profile_intervals(
-    problem: FitProblem,
-    theta: npt.ArrayLike,
-    *,
-    level: float = 0.95,
-    scale: npt.ArrayLike = 1.0,
+    problem: FitProblem, theta: npt.ArrayLike, *, level: float = 0.95, scale: npt.ArrayLike = 1.0
 ) -> ProfileResult:
     """Return the profile-likelihood interval of every fitted parameter.
 

@@ -373,7 +373,7 @@ def with_intervals(
     """Return a fit with `ci95` of its parameters found in another way; all else stays, standard errors too."""
     if method not in INTERVALS:
         text = f"unknown way to intervals {method!r}"
-        raise UnknownNameError(text, key="intervals", fix=did_you_mean(method, INTERVALS))
+        raise UnknownNameError(text, key="intervals", fix=did_you_mean(str(method), INTERVALS))
     check_type(Integral, "a whole number", n=n, seed=seed)
     linear = fit.provenance.get("settings", {}).get("loss", "linear") == "linear"
     if method == "auto":

@@ -389,6 +389,7 @@ def with_intervals(
         text = f"{method} intervals are those of least squares, not of a robust loss"
         raise InputError(text, key="intervals", fix="use loss = 'linear', or intervals = 'covariance'")
     how: dict[str, str | int] = {"method": method}
+    draws: FloatArray | None = None
     if method == "profile":
         found = profile_of(fit)
         on_bound = any(item.at_bound for item in fit.parameters)
@@ -402,7 +403,7 @@ def with_intervals(
             enough = max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
             whole = enough <= fit.statistics.n_conditions < fit.statistics.n
             drawn = bootstrap(problem, fit.theta, kind="clustered" if whole else "parametric", **draw)
-            ends, notes = drawn.interval(), drawn.notes
+            ends, notes, draws = drawn.interval(), drawn.notes, drawn.theta
     parameters = tuple(
         replace(item, ci95=(to_share(low, item.std), to_share(high, item.std))) if item.vary else item
         for item, (low, high) in zip(fit.parameters, ends.tolist(), strict=True)
@@ -411,6 +412,7 @@ def with_intervals(
         fit,
         parameters=parameters,
         notes=(*fit.notes, f"95 % intervals by {method}", *notes),
+        draws=draws,
         provenance=dict(fit.provenance) | {"intervals": how},
     )
 

@@ -194,6 +194,8 @@ class FitResult(Shown):
         is that of the parameters by one standard uncertainty; the covariance includes it.
     problem : FitProblem, optional
         What was fitted; None after loading from a file.
+    draws : ndarray, shape (n, p), optional
+        Parameters refitted by the bootstrap that the intervals are from; None otherwise, and after loading.
     """
 
     _said = ("law", "status", "verdict=verdict.word", "statistics.n", "statistics.n_conditions")
@@ -219,6 +221,7 @@ class FitResult(Shown):
     trials: Mapping[str, list[float]] = field(default_factory=dict)
     common_errors: tuple[CommonError, ...] = ()
     problem: FitProblem | None = None
+    draws: FloatArray | None = None
 
     @property
     def theta(self) -> FloatArray:

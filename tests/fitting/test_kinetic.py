@@ -78,7 +78,7 @@ def test_a_table_without_kinetic_forces_or_an_unknown_force_is_refused():
     bare = frame().drop(columns=["kinetic_N", "kinetic_mean_std_N"])
     with pytest.raises(InputError, match="no trial that is used has a kinetic force"):
         rf.fit(bare, "constant", of="kinetic")
-    with pytest.raises(InputError, match="of cannot be 'kinetics'.*give 'peak' or 'kinetic'"):
+    with pytest.raises(InputError, match=r"of cannot be 'kinetics'.*give 'peak' or 'kinetic'"):
         rf.fit(frame(), "constant", of="kinetics")
 
 

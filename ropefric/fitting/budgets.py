@@ -285,7 +285,7 @@ def state_condition(
 ) -> Statement:
     """Return the uncertainty of what was measured at one condition; `state_uncertainty` says how it can be checked."""
     notes = condition.notes
-    if quantity not in {"force", "mu"}:
+    if quantity not in ("force", "mu"):
         text = f"{quantity!r} is neither 'force' nor 'mu'"
         raise InputError(text, key="quantity", fix="choose one of the two")
     model = force_model(condition.measured)

@@ -245,7 +245,7 @@ def _checked(
     **quantities: npt.ArrayLike | None,
 ) -> tuple[dict[str, FloatArray], FloatArray, tuple[float, float]]:
     """Return what is given of n designs, their loads [N], and where to look; everything that is wrong is said here."""
-    if solve_for not in QUANTITIES:
+    if solve_for not in tuple(QUANTITIES):
         text = f"cannot solve for {solve_for!r}"
         raise InputError(text, key="solve_for", fix="use one of wrap, radius, end_tension")
     target, unit, usual = QUANTITIES[solve_for]

@@ -461,10 +461,7 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
     return Cause(title, supported, text, experiment, numbers)
 
 
-_Limits = tuple[float, float, float]
-
-
-def _explained(base: FloatArray, extra: FloatArray, rise: FloatArray, n: int) -> _Limits | None:
+def _explained(base: FloatArray, extra: FloatArray, rise: FloatArray, n: int) -> tuple[float, ...] | None:
     """Return the p-value of columns beside others, and the limits of the largest of their effects on ln F_A.
 
     `n` counts the independent observations. None where the columns hold nothing of their own, or leave nothing over.

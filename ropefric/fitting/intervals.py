@@ -79,11 +79,7 @@ class ProfileResult:
 
 
 def profile_intervals(
-    problem: FitProblem,
-    theta: npt.ArrayLike,
-    *,
-    level: float = 0.95,
-    scale: npt.ArrayLike = 1.0,
+    problem: FitProblem, theta: npt.ArrayLike, *, level: float = 0.95, scale: npt.ArrayLike = 1.0
 ) -> ProfileResult:
     """Return the profile-likelihood interval of every fitted parameter.
 
@@ -325,12 +321,11 @@ def bootstrap_t(
     theta: npt.ArrayLike,
     *,
     at: Conditions | None = None,
-    level: float = 0.95,
     n: int = 2000,
     seed: int = 0,
     executor: Any = None,
 ) -> FloatArray:
-    """Return the bootstrap-t interval of every parameter, and of ln F_A at c conditions, shape (p + c, 2).
+    """Return the 95 % bootstrap-t interval of every parameter, and of ln F_A at c conditions, shape (p + c, 2).
 
     Residuals of the conditions' means, each over √(1 − h), are drawn anew about the law. Of each resample not the
     estimate itself but its distance in its own standard errors is kept (Efron & Tibshirani 1993, chapter 12): the
@@ -365,7 +360,7 @@ def bootstrap_t(
     with np.errstate(divide="ignore", invalid="ignore"):
         away = (found - own) / errors
     away = np.where(np.isfinite(away), away, 0.0)
-    reach = np.quantile(away, [0.5 + 0.5 * level, 0.5 - 0.5 * level], axis=0).T
+    reach = np.quantile(away, [0.975, 1.0 - 0.975], axis=0).T
     ends = own[0, :, None] - reach * std[0, :, None]
     p = best.size
     ends[:p] = np.clip(ends[:p], problem.lower[:, None], problem.upper[:, None])
@@ -378,7 +373,7 @@ def with_intervals(
     """Return a fit with `ci95` of its parameters found in another way; all else stays, standard errors too."""
     if method not in INTERVALS:
         text = f"unknown way to intervals {method!r}"
-        raise UnknownNameError(text, key="intervals", fix=did_you_mean(method, INTERVALS))
+        raise UnknownNameError(text, key="intervals", fix=did_you_mean(str(method), INTERVALS))
     check_type(Integral, "a whole number", n=n, seed=seed)
     linear = fit.provenance.get("settings", {}).get("loss", "linear") == "linear"
     if method == "auto":

@@ -245,7 +245,7 @@ def predict(
     model = _model(fit, linear_density_kg_m, speed_m_s)
     check_level(level)
     check_type(Integral, "a whole number", n=n, seed=seed)
-    if method not in {"linear", "monte-carlo"}:
+    if method not in ("linear", "monte-carlo"):
         raise InputError(f"unknown method {method!r}", key="method", fix="use 'linear' or 'monte-carlo'")
     if not 100 <= n <= _MOST_DRAWS:
         few = "few" if n < 100 else "many"

@@ -307,7 +307,8 @@ class FitResult(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.fit/1`; a number that is not there or infinite is None."""
-        tree = {item.name: getattr(self, item.name) for item in fields(self) if item.name != "problem"} | {
+        left_out = {"problem", "draws"}
+        tree = {item.name: getattr(self, item.name) for item in fields(self) if item.name not in left_out} | {
             "schema": SCHEMA,
             "status": self.status.value,
             "trustworthy": self.trustworthy,

@@ -140,7 +140,7 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
     declared = _declared_by(tree, fit.law)
     if declared is not None and declared[1] not in {one.sha256 for one in plugins.loaded()}:
         text = f"the plugin {declared[0]} has changed since this fit was made: fit again, or use it as it was"
-        return replace(fit, notes=(text, *fit.notes))
+        fit = replace(fit, notes=(text, *fit.notes))
     return fit
 
 
@@ -199,8 +199,7 @@ def _fault(fit: FitResult) -> str:
     if fit.covariance.shape != (p, p) or names != tuple(item.name for item in fit.parameters):
         return f"it does not belong to the law {fit.law}, whose parameters are {', '.join(names)}"
     with np.errstate(all="ignore"):
-        checks = (*_checks_of_numbers(fit), *_checks_of_words(fit))
-    return next((text for wrong, text in checks if wrong), "")
+        return next((text for wrong, text in (*_checks_of_numbers(fit), *_checks_of_words(fit)) if wrong), "")
 
 
 def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
@@ -220,8 +219,10 @@ def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
         yield not around, f"the interval of {name} from {low:g} to {high:g} is none of {value:g}"
     yield not np.isfinite(covariance).all(), "the covariance is not finite"
     yield bool((variance < 0.0).any()), "the covariance has a negative variance"
-    symmetric = np.allclose(covariance, covariance.T, rtol=_ROUNDING, atol=0.0)
-    yield not symmetric, "the covariance is not symmetric"
+    yield (
+        not np.allclose(covariance, covariance.T, rtol=_ROUNDING, atol=0.0),
+        "the covariance is not symmetric",
+    )
     beyond = np.abs(covariance) > np.outer(std, std) * (1.0 + _ROUNDING)
     yield bool(beyond.any()), "the covariance has a correlation above 1"
     for item, own in zip(fit.parameters, std, strict=True):
@@ -248,8 +249,8 @@ def _checks_of_words(fit: FitResult) -> Iterator[tuple[bool, str]]:
     unknown = not all(isfinite(item.std) for item in fit.parameters)
     yield ok and unknown, "the status is ok, but a parameter has no standard error"
     yield not (ok or fit.advice), f"the status is {fit.status}, but there is no advice"
-    texts: tuple[object, ...] = (*fit.advice, *fit.notes)
-    yield from ((not isinstance(text, str), f"{text!r:.40} is no advice") for text in texts)
+    for text in (*fit.advice, *fit.notes):
+        yield type(text) is not str, f"{text!r:.40} is no advice"
 
 
 # ---- stored fits made again from their data ----

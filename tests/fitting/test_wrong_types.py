@@ -31,7 +31,7 @@ def test_a_law_that_is_neither_name_nor_law(law):
         lambda: rf.lmfit_model(law),
         lambda: compare_laws(TABLE, [law]),
     ):
-        with pytest.raises(InputError, match="neither the name of a friction law nor a law") as caught:
+        with pytest.raises(InputError) as caught:
             call()
         assert caught.value.where == "law"
 
@@ -56,11 +56,14 @@ def test_arguments_of_the_wrong_kind(fit):
         "level": lambda: predict(fit, TABLE.conditions(), level="0.95"),
         "n": lambda: predict(fit, TABLE.conditions(), n=2e4),
         "seed": lambda: with_intervals(fit, "bootstrap", seed="one"),
+        "method": lambda: predict(fit, TABLE.conditions(), method=["linear"]),
+        "intervals": lambda: with_intervals(fit, None),
+        "solve_for": lambda: design(fit, solve_for=["wrap"], **given),
         "laws": lambda: compare_laws(TABLE, 5),
         "probability": lambda: design(fit, probability="sure", **given),
         "touching_turns": lambda: diagnose(TABLE, touching_turns="two"),
     }
     for key, call in calls.items():
-        with pytest.raises(InputError, match="not") as caught:
+        with pytest.raises(RopefricError) as caught:
             call()
         assert caught.value.where == key

@@ -5,13 +5,14 @@ Nothing of this is kept in the repository, so that no figure and no option on th
 
 import inspect
 import json
+import re
 import typing
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
 from pathlib import Path
 
 import typer
-from pydantic import BaseModel
+from pydantic import BaseModel, PlainValidator
 
 import ropefric as rf
 from ropefric.accuracy.studies import STUDIES
@@ -28,7 +29,7 @@ from ropefric.plotting.machines import draw_chart, draw_sweep, scene_figures
 from ropefric.plotting.svg import svg_text
 from ropefric.rig.recording import FAULTS
 from ropefric.rig.strangers import FAMILIES
-from ropefric.scenes.kind import Becomes, Kind
+from ropefric.scenes.kind import Key, Kind
 from ropefric.scenes.kinds import KINDS
 from ropefric.traces.breakaway import ADVICE
 from ropefric.traces.protocols import PROTOCOLS
@@ -293,38 +294,60 @@ def _effects(kind: Kind) -> str:
 _KEYS_SAID = """\
 A key in a table `[wheel]` is written there; here it is named `wheel.radius`, as in a sweep and in messages. A `…` stands
 for a name of yours. Quantities are text with their unit. What is not needed in its table may be left out, and an effect
-that needs it is then not simulated. The scenes that `ropefric init --scenes` writes say in their comments what each key
-is."""
+that needs it is then not simulated."""
 
 
 def scene_keys_page() -> str:
-    """Return the page of every key that a scene can hold, by kind, with an example of its value."""
-    parts = [
-        "# What a scene can say\n",
-        f"{_KEYS_SAID}\n",
-    ]
-    for kind in KINDS.values():
-        rows = [*_keys(kind.schema)]
-        parts.append(_table(f'`system = "{kind.name}"`', ("key", "such as", "needed", "if left out"), rows))
+    """Return the page of every key that a scene can hold, by kind: unit, default, range and meaning, from the schema."""
+    parts = ["# What a scene can say\n", f"{_KEYS_SAID}\n"]
+    head = ("key", "unit", "such as", "if left out", "range", "meaning")
+    parts += [_table(f'`system = "{kind.name}"`', head, scene_keys(kind.schema)) for kind in KINDS.values()]
     return "\n".join(parts)
 
 
-def _keys(schema: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, ...]]:
+def scene_keys(schema: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, ...]]:
+    """Yield name, unit, example, default, range and meaning of each key of a schema, those of its tables included."""
+    meanings: dict[str, str] = {}
+    for one in reversed(schema.__mro__):
+        meanings |= re.findall(r"^(\w+) : (.+)$", inspect.getdoc(one) or "", re.MULTILINE)
     for name, info in schema.model_fields.items():
         tables = [one for one in _types(info.annotation) if issubclass(one, StrictTable)]
-        many = typing.get_origin(info.annotation) is dict
+        holder = typing.get_origin(info.annotation)
         for table in tables:
-            yield from _keys(table, f"{prefix}{name}.{'….' if many else ''}")
+            yield from scene_keys(table, prefix + name + {dict: ".….", list: "[]."}.get(holder, "."))
         if tables:
             continue
-        becomes = next((one for one in info.metadata if isinstance(one, Becomes)), None)
-        like = getattr(becomes, "like", "")
-        default = (
-            f"`{json.dumps(info.default)}`" if isinstance(info.default, str | float | int | bool) else ""
-        )
-        if like and isinstance(info.default, float):
-            default = f"{info.default:g} {becomes.si_unit}"
-        yield f"`{prefix}{name}`", f'`"{like}"`' if like else "", "yes" if info.is_required() else "", default
+        said = [*info.metadata, *_said_of(info.annotation)]
+        key = next((one for one in said if isinstance(one, Key)), Key(""))
+        default = "needed" if info.is_required() else ""
+        if isinstance(info.default, str | float | int | bool):
+            default = f"{info.default:g} {key.si_unit}" if key.like else f"`{json.dumps(info.default)}`"
+        like = f'["{key.like}", …]' if key in _said_of(info.annotation) else f'"{key.like}"'
+        unit = key.si_unit or ("-" if {float, int} & {*_types(info.annotation)} else "")
+        shown = f"`{like}`" if key.like else ""
+        # What a number may be is not the reader's to say where the mechanics says it.
+        meaning, mark, rest = meanings.get(name, "").partition(" (zero or more)")
+        allowed = "zero or more" if mark else _range(info.annotation, key, said)
+        yield f"`{prefix}{name}`", unit, shown, default, allowed, _escaped(meaning + rest)
+
+
+def _said_of(annotation: typing.Any) -> list[typing.Any]:
+    """Return what is said of a type, such as of the numbers in an optional list."""
+    inner = [said for one in typing.get_args(annotation) for said in _said_of(one)]
+    return [*getattr(annotation, "__metadata__", ()), *inner]
+
+
+def _range(annotation: typing.Any, key: Key, said: Iterable[typing.Any]) -> str:
+    """Return what the value of a key may be, as its reader has it."""
+    if key.like:
+        return "any" if key.above is None else f"more than {key.above:g}"
+    for read in (one.func for one in said if isinstance(one, PlainValidator)):
+        names = inspect.getclosurevars(read).nonlocals.get("names")
+        if names is not None:
+            return ", ".join(f"`{name}`" for name in names())
+        if read.__doc__ and not read.__doc__.startswith("Return"):
+            return str(read.__doc__)
+    return {bool: "`true` or `false`", float: "any", str: "text"}[next(_types(annotation))]
 
 
 def _types(annotation: typing.Any) -> Iterator[type]:

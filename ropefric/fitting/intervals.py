@@ -12,9 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize.elementwise import find_root
 from scipy.stats import chi2 as chi2_distribution
-from scipy.stats import f as f_distribution
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import FitError, InputError, UnknownNameError
@@ -40,12 +38,11 @@ _GRID = np.array([0.25, 0.5, 0.75, 0.95, 1.05, 1.3])
 _DOUBLINGS = 40
 # A parameter without a bound that can grow this far has no limit.
 _ENDLESS = 1e8
+_ROUNDS = 60
 # Far below what is kept of an end, 1e-5 of a standard error, so that no path to it shows.
 _ROOT = 1e-10
-# A crossing nearer to where a law ends is rounding.
+# Nearer to where a law ends, its answers are rounding.
 _EDGE = 1e-6
-# Stands for √Δχ² where a law has no answer.
-_NO_ANSWER = 1e100
 _END_NOTES: dict[EndKind, str] = {
     "bound": "the data set no {} limit before its bound {:.6g}; the interval is one-sided",
     "open": "the data set no {} limit at all",
@@ -87,12 +84,11 @@ def profile_intervals(
     *,
     level: float = 0.95,
     scale: npt.ArrayLike = 1.0,
-    absolute_std: bool = False,
 ) -> ProfileResult:
     """Return the profile-likelihood interval of every fitted parameter.
 
-    A value belongs to the interval while Δχ² = χ²(value, others refitted) − χ²_min stays below scale · s² · F, with
-    s² = χ²_min/(n − q) and F the quantile of F(1, n − q); with absolute_std, below scale · the quantile of χ²(1).
+    A value belongs to the interval while Δχ² = χ²(value, others refitted) − χ²_min stays below scale · the quantile of
+    χ²(1): with a scatter taken from the residuals the scale holds χ²_min/(n − q) and Student's quantile.
     Correlated points make Δχ² too large by the ratio of the true variance to the one it believes in, parameter by
     parameter; dividing by that ratio (Chandler & Bate 2007, Biometrika 94:167, for one parameter at a time) gives
     back the size of the interval and keeps its shape.
@@ -106,18 +102,8 @@ def profile_intervals(
     fit = batched_fit(problem, starts=theta)
     best, chi2_min = fit.theta[0], float(fit.chi2[0])
     notes = [] if fit.converged[0] else ["the fit had not converged, so the intervals are not to be trusted"]
-    dof = problem.n_points - problem.n_varying
-    if not absolute_std and dof <= 0:
-        raise FitError(
-            f"{problem.n_points} points and {problem.n_varying} fitted parameters leave no degree of freedom to "
-            "estimate the scatter from",
-            fix="measure more, or fix a parameter; in Python, standard deviations may count as known (absolute_std)",
-        )
-    known, estimated = (
-        chi2_distribution.ppf(level, 1),
-        f_distribution.ppf(level, 1, dof) * chi2_min / max(dof, 1),
-    )
-    threshold = np.broadcast_to(np.asarray(scale) * (known if absolute_std else estimated), best.shape)
+    target = chi2_distribution.ppf(level, 1)
+    threshold = np.broadcast_to(np.asarray(scale) * target, best.shape)
     # Exact data leave nothing but rounding, and rounding has no interval.
     threshold = np.where(threshold > _ROUNDING * float(reduced(problem).signal[0]), threshold, 0.0)
     walk = _Walk(problem, best, chi2_min, threshold)
@@ -158,9 +144,9 @@ class _Walk:
         room = np.maximum(self.sign * (self.bound - at), 0.0)
         self.room = np.where(np.isfinite(room), room, _ENDLESS * np.maximum(np.abs(at), 1.0))
         self.root = np.sqrt(threshold[self.parameter])
-        # Infinite gaps of the far ends: the law has no answer there, or no far end is known yet.
         self.near, self.far = np.zeros(at.size), np.where(self.root > 0.0, np.inf, 0.0)
-        self.far_gap = self.far.copy()
+        # √Δχ² less √target, which is nearly straight; an infinite one where the law has no answer.
+        self.near_gap, self.far_gap = -self.root, np.where(self.root > 0.0, np.inf, 0.0)
         # How the others follow each parameter, column by column, and how far each would go on a parabola.
         J = problem.jacobian(best) * problem.vary
         length = np.linalg.norm(J, axis=0)
@@ -173,7 +159,7 @@ class _Walk:
         self.reach = np.minimum(np.sqrt(variance * threshold)[self.parameter], self.room)
 
     def gaps(self, sides: Rows, distance: FloatArray) -> FloatArray:
-        """Return √Δχ² − √target, which is nearly straight, each parameter held at a distance and the others refitted."""
+        """Return √Δχ² − √target with each parameter held at a distance and the others refitted."""
         problem, parameter, rows = self.problem, self.parameter[sides], np.arange(sides.size)
         value = self.best[parameter] + self.sign[sides] * distance
         # Exactly the bound, and not what rounding makes of best + (bound − best).
@@ -192,6 +178,12 @@ class _Walk:
         self.n_fits += delta.size
         return np.asarray(np.sqrt(np.maximum(delta, 0.0)) - self.root[sides])
 
+    def place(self, sides: Rows, distance: FloatArray, gap: FloatArray) -> None:
+        """Move one end of each bracket to a distance in it."""
+        over = gap >= 0.0
+        self.far[sides[over]], self.far_gap[sides[over]] = distance[over], gap[over]
+        self.near[sides[~over]], self.near_gap[sides[~over]] = distance[~over], gap[~over]
+
     def bracket(self) -> None:
         """Walk a grid on both sides of every parameter, then further where nothing was crossed."""
         sides = np.flatnonzero((self.room > 0.0) & (self.root > 0.0))
@@ -199,37 +191,42 @@ class _Walk:
             return
         grid = np.minimum(np.outer(self.reach[sides], _GRID), self.room[sides, np.newaxis])
         gap = self.gaps(np.repeat(sides, _GRID.size), grid.ravel()).reshape(grid.shape)
-        # The first crossing and what lies before it.
-        over = np.column_stack([gap >= 0.0, np.ones(sides.size, np.bool_)])
-        rows, first = np.arange(sides.size), over.argmax(axis=1)
-        self.near[sides] = np.column_stack([np.zeros(sides.size), grid])[rows, first]
-        none = np.full(sides.size, np.inf)
-        self.far[sides] = np.column_stack([grid, none])[rows, first]
-        self.far_gap[sides] = np.column_stack([gap, none])[rows, first]
+        crossed = np.maximum.accumulate(gap >= 0.0, axis=1)
+        for column in range(_GRID.size):
+            # The first crossing and what lies before it.
+            use = ~crossed[:, column] | (crossed[:, : column + 1].sum(axis=1) == 1)
+            self.place(sides[use], grid[use, column], gap[use, column])
         distance = np.minimum(self.reach * _GRID[-1], self.room)
         for _ in range(_DOUBLINGS):
             sides = np.flatnonzero(np.isinf(self.far) & (distance < self.room))
             if not sides.size:
                 return
             distance[sides] = np.minimum(2.0 * distance[sides], self.room[sides])
-            gap = self.gaps(sides, distance[sides])
-            crossed, before = sides[gap >= 0.0], sides[gap < 0.0]
-            self.far[crossed], self.far_gap[crossed] = distance[crossed], gap[gap >= 0.0]
-            self.near[before] = distance[before]
+            self.place(sides, distance[sides], self.gaps(sides, distance[sides]))
 
     def refine(self) -> None:
-        """Close the brackets on the roots, or on the last place where the law has an answer."""
-        sides = np.flatnonzero(np.isfinite(self.far) & (self.far > self.near))
-
-        def gap(distance: FloatArray, rows: Rows) -> FloatArray:
-            return np.minimum(self.gaps(rows, distance), _NO_ANSWER)
-
-        if not sides.size:
-            return
-        how: Any = {"xatol": 0.0, "xrtol": _ROOT, "frtol": _ROOT}
-        found = find_root(gap, (self.near[sides], self.far[sides]), args=(sides,), tolerances=how)
-        self.far_gap[sides] = self.gaps(sides, np.minimum(found.x * (1.0 + _EDGE), self.room[sides]))
-        self.near[sides] = np.where(np.isinf(self.far_gap[sides]), found.bracket[0], found.x)
+        """Close the brackets on the roots, by regula falsi."""
+        last = np.zeros(self.near.size)
+        for _ in range(_ROUNDS):
+            narrow = np.where(np.isinf(self.far_gap), _EDGE, _ROOT) * self.far
+            sides = np.flatnonzero(np.isfinite(self.far) & (self.far - self.near > narrow))
+            if not sides.size:
+                return
+            below, above = self.near_gap[sides], self.far_gap[sides]
+            with np.errstate(invalid="ignore"):
+                share = np.where(np.isfinite(above), -below / (above - below), 0.5)
+            near, width = self.near[sides], self.far[sides] - self.near[sides]
+            distance = near + np.clip(share, 1e-3, 1.0 - 1e-3) * width
+            gap = self.gaps(sides, distance)
+            self.place(sides, distance, gap)
+            # Illinois: an end that stays twice counts half, or the bracket would close from one side only.
+            side = np.where(gap >= 0.0, 1.0, -1.0)
+            twice = side == last[sides]
+            self.near_gap[sides[twice & (side > 0.0)]] *= 0.5
+            self.far_gap[sides[twice & (side < 0.0)]] *= 0.5
+            last[sides] = side
+            there = np.abs(gap) < _ROOT * self.root[sides]
+            self.near[sides[there]] = self.far[sides[there]] = distance[there]
 
     def ends(self) -> list[tuple[float, EndKind]]:
         """Return the end of every side, and what stops the interval there."""
@@ -294,9 +291,8 @@ def bootstrap(
         raise FitError(text, fix="take a law with fewer parameters, or measure more conditions")
     notes = []
     if failed > _WORTH_A_NOTE * n:
-        notes.append(
-            f"{failed} of {n} resamples could not be refitted; the intervals speak for the others only"
-        )
+        text = "resamples could not be refitted; the intervals speak for the others only"
+        notes.append(f"{failed} of {n} {text}")
     at_bound = ((refits <= problem.lower) | (refits >= problem.upper)).mean(axis=0) * problem.vary
     notes += [
         f"{name} is at a bound in {100 * part:.0f} % of the refits, so its interval is one-sided there"
@@ -369,10 +365,8 @@ def bootstrap_t(
     with np.errstate(divide="ignore", invalid="ignore"):
         away = (found - own) / errors
     away = np.where(np.isfinite(away), away, 0.0)
-    ends = (
-        own[0, :, None]
-        - np.quantile(away, [0.5 + 0.5 * level, 0.5 - 0.5 * level], axis=0).T * std[0, :, None]
-    )
+    reach = np.quantile(away, [0.5 + 0.5 * level, 0.5 - 0.5 * level], axis=0).T
+    ends = own[0, :, None] - reach * std[0, :, None]
     p = best.size
     ends[:p] = np.clip(ends[:p], problem.lower[:, None], problem.upper[:, None])
     return np.asarray(ends)
@@ -400,6 +394,7 @@ def with_intervals(
         text = f"{method} intervals are those of least squares, not of a robust loss"
         raise InputError(text, key="intervals", fix="use loss = 'linear', or intervals = 'covariance'")
     how: dict[str, str | int] = {"method": method}
+    draws: FloatArray | None = None
     if method == "profile":
         found = profile_of(fit)
         on_bound = any(item.at_bound for item in fit.parameters)
@@ -413,7 +408,7 @@ def with_intervals(
             enough = max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
             whole = enough <= fit.statistics.n_conditions < fit.statistics.n
             drawn = bootstrap(problem, fit.theta, kind="clustered" if whole else "parametric", **draw)
-            ends, notes = drawn.interval(), drawn.notes
+            ends, notes, draws = drawn.interval(), drawn.notes, drawn.theta
     parameters = tuple(
         replace(item, ci95=(to_share(low, item.std), to_share(high, item.std))) if item.vary else item
         for item, (low, high) in zip(fit.parameters, ends.tolist(), strict=True)
@@ -422,6 +417,7 @@ def with_intervals(
         fit,
         parameters=parameters,
         notes=(*fit.notes, f"95 % intervals by {method}", *notes),
+        draws=draws,
         provenance=dict(fit.provenance) | {"intervals": how},
     )
 
@@ -455,4 +451,4 @@ def profile_of(fit: FitResult) -> ProfileResult:
     ratio = np.where(ratio > 0.0, ratio, ratio.max(initial=0.0) or 1.0)
     dof, normal = fit.statistics.interval_dof, quantile(0.975, inf)
     reach = quantile(0.975, dof) if dof > 0 else normal
-    return profile_intervals(problem, fit.theta, scale=ratio * (reach / normal) ** 2, absolute_std=True)
+    return profile_intervals(problem, fit.theta, scale=ratio * (reach / normal) ** 2)

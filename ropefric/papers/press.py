@@ -14,11 +14,10 @@ from ropefric.papers.paper import Given, Item, Paper, Row, Shown, shown
 from ropefric.scenes.kind import Line
 from ropefric.systems.effect import assemble
 from ropefric.systems.press.answer import PressAnswer, PressProblem, solve_press
-from ropefric.systems.press.critical import PressSweep, critical
 from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import Press, Roller
-from ropefric.systems.press.statics import CLOSURES, solve_statics
-from ropefric.systems.press.steady import drive_power_W, driver_torque_N_m, steady_state
+from ropefric.systems.press.slip import PressSweep, critical
+from ropefric.systems.press.statics import CLOSURES, solve_statics, steady_state
 from ropefric.systems.press.transient.motion import Settled, settled_press
 from ropefric.systems.press.transient.start_up import StartUp
 
@@ -126,9 +125,9 @@ def _balances(it: Machine) -> Iterator[Row]:
     for roller, left in zip(press.rollers, left_N_m.tolist(), strict=True):
         if roller.role != "driver":
             yield Row(f"R(T_out - T_in) - M of roller {roller.name}", 0.0 if abs(left) < 1e-9 else left)
-    for name, torque in driver_torque_N_m(state).items():
+    for name, torque in state.driver_torque_N_m.items():
         yield Row(f"torque of driver {name}", float(torque[0]))
-    yield Row("power of all drivers [W]", float(drive_power_W(state)[0]))
+    yield Row("power of all drivers [W]", float(state.drive_power_W[0]))
 
 
 def _travels(it: Machine) -> Iterator[Row]:

@@ -10,8 +10,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.papers.paper import Given, Item, Paper, Row, Shown, shown
 from ropefric.scenes.kind import Line
-from ropefric.systems.bandsaw.answer import SawProblem, torsion_frequencies_Hz
-from ropefric.systems.bandsaw.feed import feed_limit_N
+from ropefric.systems.bandsaw.answer import SawProblem, feed_limit_N, torsion_frequencies_Hz
 from ropefric.systems.bandsaw.measured import deviations, explain_mounting
 from ropefric.systems.bandsaw.saw import MODELS, Saw, Side, span_of
 from ropefric.systems.bandsaw.span import Span, Waves, string_frequencies_Hz, travelling_waves

@@ -295,19 +295,20 @@ def _budget_row(line: BudgetLine) -> tuple[str, ...]:
 def _draws_section(stated: Statement, unit: str) -> Section:
     """Return how far the ends of y ± U are from those of the draws, and to how many digits the stricter test holds."""
     drawn, found = stated.drawn, stated.budget
-    gap, u_c = max(drawn.low_gap, drawn.high_gap), found.combined
+    gap, u_c = max(drawn.gaps), found.combined
     word = "agrees" if drawn.agrees else "does not agree"
     left_out = f"; {drawn.unanswered} draws have no answer" if drawn.unanswered else ""
-    allowed = f"{plain(numerical_tolerance(u_c, max(drawn.digits, 1)), '.2g')}{unit}"
-    count = {1: "one digit", 2: "two digits"}.get(drawn.digits)
+    allowed = f"{plain(numerical_tolerance(u_c, max(drawn.validated_digits, 1)), '.2g')}{unit}"
+    count = {1: "one digit", 2: "two digits"}.get(drawn.validated_digits)
     strict = (
         f"holds to {count} of u_c, for which {allowed} are allowed"
         if count
         else f"is not passed: to one digit of u_c {allowed} are allowed"
     )
+    symmetric, shortest = (interval(x, ".5g") for x in (drawn.symmetric_interval, drawn.shortest_interval))
     lines = (
         f"y ± U: {interval(found.interval, '.5g')}{unit}",
-        f"symmetric: {interval(drawn.symmetric, '.5g')}{unit}; shortest: {interval(drawn.shortest, '.5g')}{unit}",
+        f"symmetric: {symmetric}{unit}; shortest: {shortest}{unit}",
         f"half the central 68.27 %: {plain(drawn.half_68, '.3g')}{unit} against u_c = {plain(u_c, '.3g')}{unit}",
         (
             f"the budget {word} with the draws: the ends differ by up to {plain(gap, '.2g')}{unit}, "

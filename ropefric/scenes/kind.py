@@ -43,6 +43,7 @@ def number_where(
             reject(code, else_.format(got(value)), fix=fix)
         return found
 
+    read.__doc__ = else_.partition("is not ")[2]  # for the documentation's page of keys
     return read
 
 
@@ -63,6 +64,7 @@ def by_name(read: Callable[[object], float], like: str) -> PlainValidator:
             reject("RF110", f"expected a table of values, got {got(value)}", fix=f"write {{ {like} }}")
         return {str(name): read(one) for name, one in value.items()}
 
+    values.__doc__ = f"a table such as {{ {like} }}"
     return PlainValidator(values)
 
 
@@ -152,6 +154,7 @@ def arrays(table: StrictTable) -> dict[str, FloatArray]:
 
 
 def _effects(value: object) -> str | tuple[str, ...]:
+    """ "auto", "all", or a list of names"""  # noqa: D210, D400
     if value in ("auto", "all"):
         return str(value)
     if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
@@ -178,7 +181,15 @@ class Table(StrictTable):
 
 
 class ReferenceTable(Table):
-    """`[friction.reference]`: the condition that stands in for what the law is not told."""
+    """`[friction.reference]`: the condition that stands in for what the law is not told.
+
+    Keys
+    ----
+    wheel_radius : R_w.
+    rope_diameter : 2 R_r.
+    wrap : φ.
+    end_tension : F_B.
+    """
 
     wheel_radius: Annotated[float | None, key("m", "40 mm", "wheel_radius_m")] = None
     rope_diameter: Annotated[float | None, key("m", "9.8 mm", "rope_radius_m", factor=0.5)] = None
@@ -187,14 +198,28 @@ class ReferenceTable(Table):
 
 
 class ScaleTable(Table):
-    """`friction.scale_to`."""
+    """`friction.scale_to`.
+
+    Keys
+    ----
+    mu : Average coefficient that the law is to have over that wrap.
+    wrap : The wrap at which it has it.
+    """
 
     mu: Annotated[float, PlainValidator(positive), Becomes("mu")]
     wrap: Annotated[float, key("rad", "180 deg", "wrap_angle_rad")]
 
 
 class FrictionTable(Table):
-    """`[friction]`: a number, a law with its parameters, or a stored fit."""
+    """`[friction]`: a number, a law with its parameters, or a stored fit.
+
+    Keys
+    ----
+    mu : One coefficient, the same everywhere.
+    law : Name of a friction law, with its parameters.
+    parameters : Values of the law's parameters.
+    fit : A stored fit: its path from the scene's folder, or from that of the command.
+    """
 
     mu: Annotated[float | None, PlainValidator(positive)] = None
     law: Annotated[str | None, PlainValidator(choice(lambda: ALL_LAWS))] = None
@@ -219,7 +244,15 @@ class FrictionTable(Table):
 
 
 class SceneTable(Table):
-    """What every scene has at its top."""
+    """What every scene has at its top.
+
+    Keys
+    ----
+    system : The kind of machine.
+    accuracy : Relative error of the answer that you can live with.
+    effects : Which effects are simulated: those the accuracy calls for, all, or a list of their names.
+    plugins : Files with laws or machines of your own, from the scene's folder.
+    """
 
     system: Annotated[str, PlainValidator(text)]
     accuracy: Annotated[float, PlainValidator(_accuracy)] = 0.01
@@ -287,6 +320,20 @@ class Chart(NamedTuple):
     lines: tuple[Line, ...]
 
 
+class Wheel(NamedTuple):
+    """A wheel of a machine's layout: what part it plays, how far what runs over it lies on it, and what pulls there.
+
+    `apart_m` is the distance to the next one's axle where a scene tells; `ends` name what leaves a lone wheel.
+    """
+
+    name: str
+    radius_m: float
+    wrap_angle_rad: float
+    role: str = "driven"
+    ends: tuple[str, str] = ("", "")
+    apart_m: float = math.nan
+
+
 class Figure(NamedTuple):
     """A figure of a kind: what it shows, None where a scene has nothing to show, and what draws it in plotting."""
 
@@ -314,6 +361,9 @@ class Kind:
     quantities : callable
         `quantities(answer, problem)` returns the numbers that people read; none of them is uncertain where no
         friction enters.
+    outcomes : callable
+        `outcomes(answer, problem)` returns what tables of many cases have beside them and no single answer: numbers
+        that friction changes in jumps, so that they have no slope, such as whether anything slipped.
     tree : callable
         `tree(answer, problem)` returns the JSON shape of the answer, without what all scenes share.
     identified : callable
@@ -344,6 +394,8 @@ class Kind:
         Which parts of the tree the bound of a plan does not cover, in words: what they are is of the effects simulated.
     words : mapping of str to str
         What the numbers of its answer are, with unit, where the glossary does not say it.
+    layout : callable
+        `layout(problem)` returns the wheels, in the order in which a belt or rope runs over them, by its name.
 
     Examples
     --------
@@ -361,6 +413,7 @@ class Kind:
     tree: Callable[[Any, Any], dict[str, Any]]
     contacts: Callable[[Any], Mapping[str, FloatArray]]
     answerable: Callable[[Any], BoolArray]
+    outcomes: Callable[[Any, Any], tuple[Quantity, ...]] = lambda answer, problem: ()  # noqa: ARG005  (none known)
     failures: Callable[[Any, Any], tuple[Failure, ...]] = lambda answer, problem: ()  # noqa: ARG005  (none known)
     identified: Callable[[Any, Any], dict[str, Any] | None] = lambda answer, problem: None  # noqa: ARG005
     kept: Callable[[Any], Mapping[str, str]] = lambda problem: {}  # noqa: ARG005  (none)
@@ -371,6 +424,7 @@ class Kind:
     figures: Mapping[str, Figure] = field(default_factory=dict)
     beyond: Mapping[str, str] = field(default_factory=dict)
     words: Mapping[str, str] = field(default_factory=dict)
+    layout: Callable[[Any], Mapping[str, tuple[Wheel, ...]]] = lambda problem: {}  # noqa: ARG005  (not drawn)
 
     @cached_property
     def sweep_fields(self) -> dict[str, Becomes]:
@@ -404,6 +458,19 @@ def first(answer: Any, *names: str) -> dict[str, Any]:
         for name, values in arrays.items()
         if values is not None
     }
+
+
+def lone_wheel(problem: Any, ends: tuple[str, str], name: str = "wheel") -> Wheel:
+    """Return the one driving wheel of a problem, with what pulls at its two ends."""
+    return Wheel(name, float(problem.wheel_radius_m[0]), float(problem.wrap_angle_rad[0]), "driver", ends)
+
+
+def loops(machine: Any) -> dict[str, tuple[Wheel, ...]]:
+    """Return the rollers of each belt of a machine, in the order of its loop."""
+    wheels = {
+        one.name: Wheel(one.name, one.radius_m, one.wrap_angle_rad, one.role) for one in machine.rollers
+    }
+    return {belt.name: tuple(wheels[name] for name in belt.loop) for belt in machine.belts}
 
 
 def at_contact(problem: Any, end_tension_N: FloatArray) -> dict[str, FloatArray]:

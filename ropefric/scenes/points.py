@@ -18,7 +18,7 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, RopefricError
 from ropefric.executors import spread
-from ropefric.scenes.kind import Failure, Quantity
+from ropefric.scenes.kind import Failure, Kind, Quantity
 from ropefric.scenes.plan import make_plan, room_for_effects, worth_asking
 from ropefric.scenes.scene import Scene, replaced, source_of
 from ropefric.shown import Shown
@@ -225,6 +225,11 @@ class _Found(NamedTuple):
         return self._replace(quantities=quantities, failures=failures)
 
 
+def _found(kind: Kind, problem: Any, answer: Any, *of: Any) -> _Found:
+    numbers = (*kind.quantities(answer, problem), *kind.outcomes(answer, problem))
+    return _Found(numbers, kind.failures(answer, problem), *of)
+
+
 Outcome = tuple[IntArray, _Found | RopefricError]
 
 
@@ -313,11 +318,8 @@ class _Run:
         system, kind = self.kind.system, self.kind
         model = assemble(system, problem, simulated)
         method = system.method(model, self.scene.accuracy)
-        answer = system.solve(model, method)
         gone = frozenset(system.effects) - simulated
-        return _Found(
-            kind.quantities(answer, problem), kind.failures(answer, problem), simulated, gone, method.error
-        )
+        return _found(kind, problem, system.solve(model, method), simulated, gone, method.error)
 
     def pieces(self, start: int, stop: int) -> list[tuple[int, int]]:
         """Return the first point of each piece of a block, and the one after its last."""
@@ -423,12 +425,8 @@ class _Run:
         effects = "all" if scene.effects == "auto" and self.by_array else scene.effects
         plan, model = make_plan(kind.system, problem, accuracy=scene.accuracy, effects=effects)
         answer = kind.system.solve(model, plan.method)
-        return _Found(
-            kind.quantities(answer, problem),
-            kind.failures(answer, problem),
-            frozenset(plan.simulated),
-            frozenset(plan.left_out),
-            plan.error_bound,
+        return _found(
+            kind, problem, answer, frozenset(plan.simulated), frozenset(plan.left_out), plan.error_bound
         )
 
     def _listed(self, problem: Any, names: frozenset[str]) -> _Found:

@@ -81,16 +81,23 @@ class Method:
     why: str
 
 
+def _distance(answer: Any, reference: Any) -> float:
+    return float(np.expm1(log_change(answer.logs, reference.logs)))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System(Generic[P, M, A]):
-    """A kind of machine: its bare model, the effects it may have, how it is solved."""
+    """A kind of machine: its bare model, the effects it may have, how it is solved, and how far two answers are apart.
+
+    Answers that say nothing else have `logs`, of all their numbers.
+    """
 
     name: str
     effects: Registry[Effect[P, M]]
     bare: Callable[[P], M]
     method: Callable[[M, float], Method]
     solve: Callable[[M, Method], A]
-    distance: Callable[[A, A], float]
+    distance: Callable[[A, A], float] = _distance
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)  # no slots: a generic notes its type on what it makes
@@ -124,6 +131,13 @@ def missing(keys: Mapping[str, str]) -> Callable[[Any], tuple[str, ...]]:
     return lambda problem: tuple(key for name, key in keys.items() if getattr(problem, name) is None)
 
 
+def rounded_up(bound: float, rounding: float) -> float:
+    """Return a bound with what rounding may have taken off it; inf where it is no number."""
+    if math.isnan(bound):
+        return math.inf
+    return bound * (1.0 + rounding) + rounding * (bound > 0.0)
+
+
 _ROUNDING = 1e-12
 
 
@@ -146,7 +160,7 @@ def largest_changes(
     for subset in subsets:
         for one in subset:
             worst[one] = max(worst[one], log_change(found[subset], found[subset - {one}]))
-    return {one: most and most * (1.0 + rounding) + rounding for one, most in worst.items()}
+    return {one: rounded_up(most, rounding) for one, most in worst.items()}
 
 
 def log_change(logs: FloatArray, others: FloatArray) -> float:
@@ -181,7 +195,6 @@ def closed_form_system(
         bare=lambda problem: Model(problem=problem),
         method=lambda model, budget: method,  # noqa: ARG005
         solve=lambda model, method: solve(model),  # noqa: ARG005
-        distance=lambda answer, reference: float(np.expm1(log_change(answer.logs, reference.logs))),
     )
 
 
@@ -208,27 +221,3 @@ def law_effects(
             cost=cost,
         ),
     )
-
-
-def worst_case(
-    bound: Callable[[P], FloatArray],
-    *,
-    rounding: float,
-    possible: Callable[[P], bool] = lambda problem: True,  # noqa: ARG005  (every problem)
-) -> Callable[[P], float]:
-    """Return an `influence`: the largest bound of all cases, `inf` where there is none."""
-
-    def influence(problem: P) -> float:
-        if not possible(problem):
-            return math.inf
-        try:
-            # Where a corner overflows or has no number, what it gives is no bound.
-            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-                worst = float(np.max(bound(problem)))
-        except RopefricError:
-            return math.inf
-        if math.isnan(worst):
-            return math.inf
-        return worst * (1.0 + rounding) + (rounding if worst > 0.0 else 0.0)
-
-    return influence

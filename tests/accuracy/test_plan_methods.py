@@ -58,17 +58,17 @@ def test_no_order_that_fails_in_the_study_is_taken(errors, case, accuracy):
     _, modes, _ = beam_errors(stiffness, accuracy)
     found = errors("blade-modes", case, LAYOUTS[modes.n_elements])
     failing = [order for order, error in found.items() if error > accuracy]
-    assert all(modes.order > order for order in failing)
+    assert all(modes.orders.max() > order for order in failing)
     assert min(found) in failing or accuracy >= 1e-3, "the study is too easy to tell"
 
 
 @pytest.mark.parametrize("stiffness", list(blade_modes.FREQUENCIES))
 def test_a_beam_to_a_thousandth_is_as_cheap_as_it_gets(stiffness):
-    orders = [beam_errors(stiffness, accuracy)[1].order for accuracy in (1e-2, 1e-3)]
+    orders = [beam_errors(stiffness, accuracy)[1].orders.max() for accuracy in (1e-2, 1e-3)]
     beam = ScaledBeam.at_speed(stiffness, blade_modes.SPEED, CLAMPED)
     assert orders[0] == orders[1]
     # The plan asks for a quarter of what may be missed, because the estimate of the error is not a bound.
-    assert orders[1] - solve_beam(beam, 3, accuracy=1e-2).order <= 2
+    assert orders[1] - solve_beam(beam, 3, accuracy=1e-2).orders.max() <= 2
 
 
 @pytest.mark.parametrize("accuracy", ACCURACIES)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ropefric.accuracy.studies.blade_modes import chebyshev_frequencies
-from ropefric.systems.bandsaw.beam import ScaledBeam, galerkin_frequencies, solve_beam, widths_for
+from ropefric.systems.bandsaw.beam import ScaledBeam, galerkin_modes, solve_beam, widths_for
 from ropefric.systems.bandsaw.span import CLAMPED, Span, string_frequencies_Hz
 
 ACCURACY = 1e-8
@@ -13,7 +13,7 @@ BEAM = ScaledBeam.at_speed(1e-4, 0.42, CLAMPED)
 
 
 def spectral(order):
-    return galerkin_frequencies(BEAM, widths_for(BEAM, order), order, 6)
+    return galerkin_modes(BEAM, widths_for(BEAM, order), order, 6).frequencies
 
 
 def chebyshev(order):
@@ -21,7 +21,7 @@ def chebyshev(order):
 
 
 def hermite(n_elements):
-    return galerkin_frequencies(BEAM, (1.0 / n_elements,) * n_elements, 3, 6)
+    return galerkin_modes(BEAM, (1.0 / n_elements,) * n_elements, 3, 6).frequencies
 
 
 def error(found, exact):
@@ -63,7 +63,7 @@ def test_hermite_cubic_elements(benchmark, exact):
 
 
 def test_six_modes_with_the_check(benchmark):
-    assert benchmark(solve_beam, BEAM, accuracy=ACCURACY).error < ACCURACY
+    assert benchmark(solve_beam, BEAM, accuracy=ACCURACY).errors.max() < ACCURACY
 
 
 def test_a_million_strings(benchmark):

@@ -5,8 +5,7 @@ import pytest
 
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.slip import SlipTable
-from ropefric.systems.press.statics import solve_statics
-from ropefric.systems.press.steady import steady_state
+from ropefric.systems.press.statics import solve_statics, steady_state
 
 N = 1_000_000
 

@@ -1,10 +1,12 @@
 """The pages keep their word: what they print is printed, links lead somewhere, commands and options exist."""
 
 import importlib.util
+import inspect
 import re
 import shlex
 import subprocess
 import sys
+import typing
 
 import pytest
 import sessions
@@ -12,6 +14,8 @@ import sessions
 import ropefric
 from ropefric.accuracy.studies import STUDIES
 from ropefric.cli.app import build_app
+from ropefric.files.toml_model import StrictTable
+from ropefric.scenes.kinds import KINDS
 from ropefric.traces import decision
 
 ROOT = sessions.ROOT
@@ -190,3 +194,33 @@ def test_the_site_is_built_without_a_warning_and_loads_nothing_from_elsewhere(tm
         for missing in re.findall(r'<img[^>]*?\ssrc="([^"]+)"', text):
             assert (path.parent / missing).exists(), f"{path}: {missing}"
     assert "hoist" in (site / "searchindex.js").read_text(encoding="utf-8")
+
+
+def test_every_key_of_a_scene_has_unit_default_range_and_meaning():
+    spec = importlib.util.spec_from_file_location("generate", ROOT / "docs" / "generate.py")
+    generate = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(generate)
+    for kind in KINDS.values():
+        rows = {name.strip("`"): row for name, *row in generate.scene_keys(kind.schema)}
+        for name, (_, _, _, allowed, meaning) in rows.items():
+            assert meaning.endswith("."), (kind.name, name)
+            assert allowed, (kind.name, name)
+        described = {
+            name
+            for one in rows_of_tables(kind.schema)
+            for name in re.findall(r"^(\w+) : ", inspect.getdoc(one), re.MULTILINE)
+        }
+        assert described == {name.rpartition(".")[2] for name in rows}, kind.name
+    hoist = {name.strip("`"): row for name, *row in generate.scene_keys(KINDS["hoist"].schema)}
+    assert hoist["accuracy"][2:4] == ["`0.01`", "above 0 and at most 1"]
+    assert hoist["wheel.radius"][:4] == ["m", '`"40 mm"`', "needed", "more than 0"]
+    assert hoist["wheel.speed"][3] == "any"
+
+
+def rows_of_tables(schema):
+    """Give a schema and all tables in it, and what they inherit from."""
+    yield from (one for one in schema.__mro__ if issubclass(one, StrictTable))
+    for info in schema.model_fields.values():
+        for one in (info.annotation, *typing.get_args(info.annotation)):
+            if isinstance(one, type) and issubclass(one, StrictTable):
+                yield from rows_of_tables(one)

@@ -9,7 +9,7 @@ from ropefric.errors import DataError
 from ropefric.scenes.scene_templates import bundled_scenes
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep import parse_axis, sweep_scene
-from ropefric.systems.bandsaw.feed import feed_limit_N
+from ropefric.systems.bandsaw.answer import feed_limit_N
 from ropefric.systems.bandsaw.saw import Section
 from ropefric.systems.bandsaw.span import CLAMPED
 

@@ -8,7 +8,7 @@ import pytest
 
 from ropefric.errors import DataError, InputError, UnknownNameError
 from ropefric.files.folder import Folder
-from ropefric.scenes.scene import number_keys
+from ropefric.scenes.scene import load_scene, number_keys
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep import parse_axis, sweep_scene
 from ropefric.scenes.sweep_table import columns_text, sweep_table
@@ -148,10 +148,16 @@ def test_each_point_of_a_small_sweep_keeps_the_promise(hoist_of):
     assert math.isfinite(planned.error_bound)
 
 
-def test_start_ups_are_swept_one_by_one(loaded):
+def test_start_ups_are_swept_one_by_one(loaded, scenes_folder):
     scene = loaded("press-start-up")
     swept = sweep_scene(scene, (parse_axis(scene, "press.preload=1100N,2500N"),))
     assert swept.failed == 0
     assert "transient" in swept.simulated
     largest = swept.columns["largest_utilisation"]
     assert largest[0] > 1.0 > largest[1] > 0.0
+    assert swept.columns["start_up.slips"].tolist() == [1.0, 0.0]
+    assert swept.columns["start_up.slip_loss_J"][0] > swept.columns["start_up.slip_loss_J"][1] == 0.0
+    scene = load_scene(scenes_folder / "press-start-up.toml", {"press.preload": "2500 N"})
+    alone = solve_scene(scene).answer.start_up.summary()
+    assert swept.columns["start_up.peak_tension_N"][1] == max(alone["peak_tension_N"].values())
+    assert swept.columns["start_up.peak_utilisation"][1] == max(alone["peak_utilisation"].values())

@@ -107,13 +107,13 @@ def test_the_additive_examples_of_the_supplement(widths, std, linear_end, drawn_
     assert budget.interval == pytest.approx((-linear_end, linear_end), abs=0.05)
     # 2.7 σ/√N is the noise of an end; three of them.
     noise = 3 * 2.7 * std / math.sqrt(400_000)
-    assert drawn.symmetric == pytest.approx((-drawn_end, drawn_end), abs=0.05 + noise)
-    assert drawn.shortest == pytest.approx((-drawn_end, drawn_end), abs=0.2 * std)
+    assert drawn.symmetric_interval == pytest.approx((-drawn_end, drawn_end), abs=0.05 + noise)
+    assert drawn.shortest_interval == pytest.approx((-drawn_end, drawn_end), abs=0.2 * std)
     assert drawn.agrees is agrees
     if widths is None:
-        assert drawn.digits == 2
+        assert drawn.validated_digits == 2
     elif not agrees:
-        assert drawn.digits < 2
+        assert drawn.validated_digits < 2
 
 
 @pytest.mark.parametrize(
@@ -131,5 +131,5 @@ def test_a_mean_of_few_readings_is_drawn_as_student_t():
     drawn = propagate(model, budget, draws=400_000, seed=3)
     assert budget.expanded == pytest.approx(2.776 * 2.0, abs=0.001)
     # Three times the noise of an end of a t interval with four degrees of freedom, √(pq/N)/density.
-    assert drawn.symmetric == pytest.approx(budget.interval, abs=0.06)
+    assert drawn.symmetric_interval == pytest.approx(budget.interval, abs=0.06)
     assert drawn.half_68 == pytest.approx(2.0 * 1.1416, rel=0.01)

@@ -28,7 +28,21 @@ _RUNNING = (Side.TIGHT, Side.SLACK)
 
 
 class BladeTable(kind.Table):
-    """`[blade]`."""
+    """`[blade]`.
+
+    Keys
+    ----
+    free_span : l, between the points where blade and wheels part.
+    linear_density : ρA; or give width, thickness and density.
+    width : b of its section.
+    thickness : h of its section.
+    density : ρ of the steel.
+    youngs_modulus : E, for bending and for what feed the blade bears.
+    shear_modulus : G, for torsion and for what feed the blade bears.
+    bending_stiffness : EI, in place of what the section gives.
+    ends : How wheels or guides hold the ends of the span.
+    modes : How many modes are computed.
+    """
 
     free_span: Annotated[float, kind.key("m", "1.6 m", "free_span_m")]
     linear_density: Annotated[
@@ -63,7 +77,15 @@ class BladeTable(kind.Table):
 
 
 class WheelTable(kind.Table):
-    """`[wheel]`."""
+    """`[wheel]`.
+
+    Keys
+    ----
+    radius : R; or give the diameter.
+    diameter : 2R; or give the radius.
+    speed : Rotation n, which makes the blade's speed v = ωR (zero or more).
+    wrap : Over which the blade lies on a wheel; for the friction it needs.
+    """
 
     radius: Annotated[float | None, kind.key("m", "0.35 m", "wheel_radius_m", many=False)] = None
     diameter: Annotated[float | None, kind.key("m", "0.7 m", "wheel_radius_m", factor=0.5, many=False)] = None
@@ -85,14 +107,28 @@ _share = kind.number_where(
 
 
 class TensionTable(kind.Table):
-    """`[tension]`."""
+    """`[tension]`.
+
+    Keys
+    ----
+    preload : F_0 of a side at rest.
+    mounting_factor : κ: 0 where the axles keep their place, 1 where a constant force presses them apart.
+    """
 
     preload: Annotated[float, kind.key("N", "3412 N", "preload_N")]
     mounting_factor: Annotated[float | None, PlainValidator(_share), kind.Becomes("mounting_factor")] = None
 
 
 class DriveTable(kind.Table):
-    """`[drive]`."""
+    """`[drive]`.
+
+    Keys
+    ----
+    power : P at the wheel; or give torque or tension_difference (zero or more).
+    torque : M at the wheel; or give power or tension_difference (zero or more).
+    tension_difference : ΔF = F_1 - F_2; or give power or torque (zero or more).
+    printed_factor : Whether M = 9549 P/n is taken as printed, with the rounded factor.
+    """
 
     power: Annotated[float | None, kind.key("W", "7.5 kW", above=None)] = None
     torque: Annotated[float | None, kind.key("N*m", "73.8 N*m", above=None)] = None
@@ -119,7 +155,16 @@ _margin = kind.number_where(
 
 
 class ExcitationTable(kind.Table):
-    """`[excitation]`."""
+    """`[excitation]`.
+
+    Keys
+    ----
+    wheel_harmonics : Multiples of the wheel's rotation that may shake the blade.
+    tooth_pitch : Between teeth, whose passing shakes the blade.
+    frequencies : Others, such as the mains'.
+    margin : How far, as a share, every mode is to stay from what shakes it.
+    preload_range : The preloads that may be recommended for that, the lower first.
+    """
 
     wheel_harmonics: Annotated[int, PlainValidator(whole_number(0, 50))] = 3
     tooth_pitch: Annotated[float | None, kind.key("m", "22 mm")] = None
@@ -141,14 +186,29 @@ class ExcitationTable(kind.Table):
 
 
 class FeedTable(kind.Table):
-    """`[feed]`: what pushes the wood against the teeth."""
+    """`[feed]`: what pushes the wood against the teeth.
+
+    Keys
+    ----
+    force : That pushes the wood against the teeth.
+    guide_distance : Between the guides; the free span, if it is left out.
+    """
 
     force: Annotated[float, kind.key("N", "150 N", "feed_force_N")]
     guide_distance: Annotated[float | None, kind.key("m", "0.4 m", "guided_m", many=False)] = None
 
 
 class MeasuredTable(kind.Table):
-    """`[[measured]]`."""
+    """`[[measured]]`.
+
+    Keys
+    ----
+    side : Tight, slack, or rest where the saw stood.
+    frequency : That was measured.
+    mode : Of which mode it is.
+    speed : Of the blade, where it was not that at work.
+    uncertainty : Standard uncertainty of the frequency.
+    """
 
     side: Annotated[str, PlainValidator(choice(lambda: _SIDES))]
     frequency: Annotated[float, kind.key("Hz", "24.9 Hz", "frequency_Hz")]
@@ -506,6 +566,14 @@ def _campbell(answer: SawAnswer, problem: SawProblem) -> resonance.SawChart | No
     return resonance.saw_chart(saw, problem.excitations, speeds, min(problem.n_modes, 4))
 
 
+def _layout(problem: SawProblem) -> dict[str, tuple[kind.Wheel, ...]]:
+    if problem.saw is None:
+        return {}
+    known = problem.saw.wheel_radius_m, float(problem.wheel_wrap_rad[0])
+    driver = kind.Wheel("driver", *known, "driver", apart_m=float(problem.free_span_m[0]))
+    return {"blade": (driver, kind.Wheel("driven", *known))}
+
+
 KIND = kind.Kind(
     name="bandsaw",
     schema=SawScene,
@@ -527,6 +595,7 @@ KIND = kind.Kind(
     identified=_identified,
     sections=_sections,
     beyond={"resonance": "margins, crossings and the preload recommended", "comparison": "mounting factors"},
+    layout=_layout,
     words={"feed.limit_N": "feed force at which the blade buckles [N]"},
     figures={"campbell": kind.Figure(_campbell, "draw_saw_chart")},
 )

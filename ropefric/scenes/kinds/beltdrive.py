@@ -19,7 +19,14 @@ _DEGREES = 360.0 / _TURN
 
 
 class DrivingTable(kind.Table):
-    """`[driving]`."""
+    """`[driving]`.
+
+    Keys
+    ----
+    diameter : Of the driving pulley, drum or capstan, where the belt lies on it.
+    wrap : Over which the belt lies on it.
+    speed : Its rotation.
+    """
 
     diameter: Annotated[float, kind.key("m", "300 mm", "wheel_radius_m", factor=0.5)]
     wrap: Annotated[float, kind.key("rad", "180 deg", "wrap_angle_rad")]
@@ -27,14 +34,29 @@ class DrivingTable(kind.Table):
 
 
 class DrivenTable(kind.Table):
-    """`[driven]`."""
+    """`[driven]`.
+
+    Keys
+    ----
+    diameter : Of the driven pulley.
+    wrap : Over which the belt lies on it; one turn less the driving pulley's, if left out.
+    """
 
     diameter: Annotated[float, kind.key("m", "600 mm", "driven_radius_m", factor=0.5)]
     wrap: Annotated[float | None, kind.key("rad", "200 deg", "driven_wrap_rad")] = None
 
 
 class BeltTable(kind.Table):
-    """`[belt]`."""
+    """`[belt]`.
+
+    Keys
+    ----
+    count : Belts side by side.
+    thickness : Of one belt, or a rope's diameter; half of it counts as the rope radius of the friction law.
+    linear_density : Mass per length of one belt, for the centrifugal tension.
+    groove_angle : Of a wedge groove, from flank to flank; left out for flat belts and ropes on drums.
+    axial_stiffness : EA of one belt, for its creep.
+    """
 
     count: Annotated[int, PlainValidator(whole_number(1, 1000)), kind.Becomes("belt_count", many=False)] = 1
     thickness: Annotated[float, kind.key("m", "5 mm", "rope_radius_m", factor=0.5)]
@@ -44,14 +66,25 @@ class BeltTable(kind.Table):
 
 
 class TensionTable(kind.Table):
-    """`[tension]`: of one belt, and what it is."""
+    """`[tension]`: of one belt, and what it is.
+
+    Keys
+    ----
+    closure : What the force is: the tight side's most, the slack side's by a tensioner, or fixed centres' pretension.
+    force : Of one belt.
+    """
 
     closure: Annotated[str, PlainValidator(choice(lambda: CLOSURES))]
     force: Annotated[float, kind.key("N", "1200 N", "tension_N")]
 
 
 class LoadTable(kind.Table):
-    """`[load]`."""
+    """`[load]`.
+
+    Keys
+    ----
+    power : To be carried; left out for the largest there is.
+    """
 
     power: Annotated[float | None, kind.key("W", "7.5 kW", "power_W")] = None
 
@@ -236,6 +269,14 @@ def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> kind.Chart | None
     )
 
 
+def _layout(problem: DriveProblem) -> dict[str, tuple[kind.Wheel, ...]]:
+    driving = kind.lone_wheel(problem, ("T_1", "T_2"), "driving")
+    if problem.driven_radius_m is None or problem.driven_wrap_rad is None:
+        return {"belt": (driving,)}
+    driven = kind.Wheel("driven", float(problem.driven_radius_m[0]), float(problem.driven_wrap_rad[0]))
+    return {"belt": (driving, driven)}
+
+
 KIND = kind.Kind(
     name="beltdrive",
     schema=DriveScene,
@@ -248,6 +289,7 @@ KIND = kind.Kind(
     answerable=answerable,
     failures=_failures,
     sections=_sections,
+    layout=_layout,
     figures={"belt_power": kind.Figure(_power_chart), "belt_arcs": kind.Figure(_arcs_chart)},
     words={
         "full_pull_N": "Largest pull of all belts [N]",

@@ -12,7 +12,14 @@ from ropefric.systems.hoist.effects import SYSTEM
 
 
 class WheelTable(kind.Table):
-    """`[wheel]`."""
+    """`[wheel]`.
+
+    Keys
+    ----
+    radius : R_w, of the wheel where the rope lies on it.
+    wrap : φ, over which the rope lies on the wheel.
+    speed : Of the rope, as it climbs.
+    """
 
     radius: Annotated[float, kind.key("m", "40 mm", "wheel_radius_m")]
     wrap: Annotated[float, kind.key("rad", "540 deg", "wrap_angle_rad")]
@@ -20,7 +27,15 @@ class WheelTable(kind.Table):
 
 
 class RopeTable(kind.Table):
-    """`[rope]`."""
+    """`[rope]`.
+
+    Keys
+    ----
+    diameter : 2 R_r.
+    linear_density : Mass per length; for the centrifugal force and the rope's own weight.
+    hanging_length : Of the free end below the hoist, whose weight pulls on the slack side.
+    bending_stiffness : EI, which keeps the rope from lying down on the whole wrap.
+    """
 
     diameter: Annotated[float, kind.key("m", "9.8 mm", "rope_radius_m", factor=0.5)]
     linear_density: Annotated[float | None, kind.key("kg/m", "62 g/m", "linear_density_kg_m")] = None
@@ -31,7 +46,13 @@ class RopeTable(kind.Table):
 
 
 class LoadTable(kind.Table):
-    """`[load]`."""
+    """`[load]`.
+
+    Keys
+    ----
+    end_tension : F_B, what pulls on the slack side.
+    payload : Mass that is to be lifted; with it the answer has the lift margin.
+    """
 
     end_tension: Annotated[float | None, kind.key("N", "80 N", "end_tension_N")] = None
     payload: Annotated[float | None, kind.key("kg", "120 kg", "payload_kg")] = None
@@ -111,4 +132,5 @@ KIND = kind.Kind(
     failures=_failures,
     sections=_sections,
     beyond={"slip_arc_rad": "the arcs of slip and stick"},
+    layout=lambda problem: {"rope": (kind.lone_wheel(problem, ("F_A", "F_B")),)},
 )

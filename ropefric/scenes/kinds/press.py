@@ -1,5 +1,6 @@
 """Scenes of a belt press: tensions, slip, and the start-up."""
 
+import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from inspect import signature
@@ -13,8 +14,7 @@ from ropefric.errors import RopefricError
 from ropefric.files.toml_model import choice, got, quantity, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.answer import PressAnswer, PressProblem
-from ropefric.systems.press.critical import slip_margins
+from ropefric.systems.press.answer import PressAnswer, PressProblem, slip_margins
 from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import (
     Belt,
@@ -25,8 +25,7 @@ from ropefric.systems.press.machine import (
     squeeze_torque_N_m,
 )
 from ropefric.systems.press.slip import MEASURES
-from ropefric.systems.press.statics import CLOSURES, solve_statics
-from ropefric.systems.press.steady import drive_power_W, steady_state
+from ropefric.systems.press.statics import CLOSURES, solve_statics, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.integrators import INTEGRATORS
 from ropefric.systems.press.transient.motion import settled_press
@@ -41,7 +40,18 @@ def _names(value: object) -> tuple[str, ...]:
 
 
 class TensionerTable(kind.Table):
-    """`[rollers.NAME.tensioner]`."""
+    """`[rollers.NAME.tensioner]`.
+
+    Keys
+    ----
+    spring : Stiffness k_1 that presses the roller into the belt (zero or more).
+    travel : x, by how far its spring is pressed where it stands.
+    force : Its own preload F, in place of that of all.
+    mass : Of the roller with what moves with it; for a start-up.
+    damping : C_1 of its travel; for a start-up (zero or more).
+    upstream_angle : Between its travel and the span that arrives.
+    downstream_angle : Between its travel and the span that leaves.
+    """
 
     spring: Annotated[float, kind.key("N/m", "20 N/mm", "spring_N_m", above=None)] = 0.0
     travel: Annotated[float, kind.key("m", "30 mm", "travel_m", above=None)] = 0.0
@@ -53,7 +63,18 @@ class TensionerTable(kind.Table):
 
 
 class RollerTable(kind.Table):
-    """`[rollers.NAME]`."""
+    """`[rollers.NAME]`.
+
+    Keys
+    ----
+    radius : R_i, to the belt.
+    wrap : α_i, over which the belt lies on it.
+    role : Whether a motor drives it, the belt does, or it tightens the belt, too.
+    inertia : J about its axle; for a start-up.
+    gravity_torque : M_G, by the sludge's weight that it drags along.
+    squeeze_torque : M_F, by squeezing the sludge.
+    overspeed : Of a driver: by which share its rim is faster than the press's speed; for the closure speed-ratio.
+    """
 
     radius: Annotated[float, kind.key("m", "75 mm", "radius_m")]
     wrap: Annotated[float, kind.key("rad", "163.3 deg", "wrap_angle_rad")]
@@ -75,7 +96,19 @@ class RollerTable(kind.Table):
 
 
 class BeltTable(kind.Table):
-    """`[belts.NAME]`."""
+    """`[belts.NAME]`.
+
+    Keys
+    ----
+    loop : The rollers it runs over, by name, in the order of travel.
+    width : b.
+    thickness : h; half of it counts as the rope radius of the friction law.
+    density : Of the belt; or give its mass per length.
+    linear_density : Mass per length; or give its density.
+    axial_stiffness : EA; for creep and start-up.
+    damping : Ratio of damping to stiffness of its spans; for a start-up (zero or more).
+    span_lengths : Of its spans, in the order of the loop; for a start-up.
+    """
 
     loop: Annotated[tuple[str, ...], PlainValidator(_names), kind.Becomes("loop")]
     width: Annotated[float, kind.key("m", "2 m", "width_m")]
@@ -94,7 +127,16 @@ class BeltTable(kind.Table):
 
 
 class MachineTable(kind.Table):
-    """`[press]`."""
+    """`[press]`.
+
+    Keys
+    ----
+    speed : Of the belts; or give the rotation (zero or more).
+    rotation : Of the first driver; or give the speed (zero or more).
+    preload : F of all tensioners that have no force of their own.
+    load_factor : Times which the torques of the sludge are taken (zero or more).
+    closure : What is said of the drivers where the balances leave open who pulls how much.
+    """
 
     speed: Annotated[float | None, kind.key("m/s", "0.92 m/s", "speed_m_s", above=None)] = None
     rotation: Annotated[float | None, kind.key("rad/s", "50 rpm", above=None)] = None
@@ -116,7 +158,16 @@ class MachineTable(kind.Table):
 
 
 class GravityTable(kind.Table):
-    """`[sludge.gravity]`, eqs. (5), (6)."""
+    """`[sludge.gravity]`, eqs. (5), (6).
+
+    Keys
+    ----
+    friction : μ_f of the sludge's weight on the bars.
+    height : Of the sludge.
+    density : Of the sludge.
+    width : Of the belt.
+    zones : Length of the zone whose sludge each roller drags along.
+    """
 
     friction: Annotated[float, PlainValidator(kind.positive), kind.Becomes("sludge_friction")]
     height: Annotated[float, kind.key("m", "60 mm", "sludge_height_m")]
@@ -126,7 +177,17 @@ class GravityTable(kind.Table):
 
 
 class SqueezeTable(kind.Table):
-    """`[sludge.squeeze]`, eqs. (7)-(9)."""
+    """`[sludge.squeeze]`, eqs. (7)-(9).
+
+    Keys
+    ----
+    width : Of the belt.
+    compression : Δh, by which the sludge is squeezed.
+    strength : σ_c of the sludge.
+    poisson_ratio : μ_c of the sludge (zero or more).
+    youngs_modulus : E_c of the sludge.
+    units : How many units of squeezing each roller carries.
+    """
 
     width: Annotated[float, kind.key("m", "2 m", "belt_width_m")]
     compression: Annotated[float, kind.key("m", "10 mm", "compression_m")]
@@ -144,7 +205,22 @@ class SludgeTable(kind.Table):
 
 
 class StartUpTable(kind.Table):
-    """`[start_up]`."""
+    """`[start_up]`.
+
+    Keys
+    ----
+    law : How the drive's speed rises.
+    duration : Of the rise; of a ramp and an s-curve.
+    times : Of a table.
+    speeds : Of a table, at its times.
+    simulate : How long the start-up is followed.
+    points : Times at which the answer is written down.
+    slip : Whether rollers may slip and belts go slack.
+    loads : Whether the sludge's torques grow with the speed or are whole from the start.
+    integrator : How the equations of motion are solved.
+    step : Of an integrator with fixed steps.
+    tolerance : Relative, of an integrator that chooses its steps.
+    """
 
     law: Annotated[str, PlainValidator(choice(lambda: DRIVE_LAWS))] = "s-curve"
     duration: Annotated[float | None, kind.key("s", "5 s")] = None
@@ -306,7 +382,7 @@ def _quantities(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ..
     slip, tensions_N = answer.slip, answer.state.effective_tension_N
     return (
         kind.Quantity("largest_utilisation", slip.utilisation.max(axis=-1)),
-        kind.Quantity("power_W", drive_power_W(answer.state)),
+        kind.Quantity("power_W", answer.state.drive_power_W),
         *(
             kind.Quantity(f"slip.{name}.{measure}", getattr(slip, measure)[..., place])
             for measure in ("utilisation", "as_plotted", "as_printed")
@@ -319,6 +395,23 @@ def _quantities(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ..
     )
 
 
+def _outcomes(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ...]:
+    """Return what a start-up amounts to: the extremes, whether and how long anything slipped, and the works."""
+    if answer.start_up is None:
+        return ()
+    told = answer.start_up.summary()
+    found = {
+        "peak_tension_N": max(told["peak_tension_N"].values()),
+        "lowest_tension_N": min(told["lowest_tension_N"].values()),
+        "peak_utilisation": max(told["peak_utilisation"].values(), default=math.nan),
+        "slips": float(bool(told["slipping_s"])),
+        "slipping_s": sum(told["slipping_s"].values()),
+        "drive_work_J": told["drive_work_J"],
+        "slip_loss_J": told["slip_loss_J"],
+    }
+    return tuple(kind.Quantity(f"start_up.{name}", np.array([value])) for name, value in found.items())
+
+
 def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure, ...]:
     """Return the slip of a press that runs steadily; in a start-up slip is simulated, and part of the answer."""
     if problem.start_up is not None:
@@ -329,15 +422,15 @@ def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure,
 
 
 def _by_name(names: Sequence[str], values: FloatArray) -> dict[str, float]:
-    return dict(zip(names, values[0].tolist(), strict=True))
+    return dict(zip(names, values.tolist(), strict=True))
 
 
 def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
     press, slip, factor = answer.model.press, answer.slip, float(answer.model.problem.load_factor[0])
     spans = [span.name for span in press.spans]
     tree: dict[str, Any] = {
-        "tension_N": _by_name(spans, answer.at_rest_N),
-        "effective_tension_N": _by_name(spans, answer.state.effective_tension_N),
+        "tension_N": _by_name(spans, answer.at_rest_N[0]),
+        "effective_tension_N": _by_name(spans, answer.state.effective_tension_N[0]),
         "slip": {
             roller: {measure: kind.finite(slip.of(roller, measure)[0]) for measure in MEASURES}
             for roller in slip.rollers
@@ -361,7 +454,7 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
             "total_N": factor * sum(one.torque_N_m / one.radius_m for one in press.rollers),
         },
         "creep": {
-            "rim_speed_m_s": _by_name(slip.rollers, answer.rim_speed_m_s),
+            "rim_speed_m_s": _by_name(slip.rollers, answer.rim_speed_m_s[0]),
             "power_lost_W": float(answer.creep_loss_W[0]),
         },
         **slip_margins(answer),
@@ -370,11 +463,9 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
         ends = settled_press(answer.model.as_operated, tree["speed_m_s"], answer.model.effects)
         if ends is not None:
             tree["sticking"] = {
-                "tension_N": dict(zip(spans, ends.tension_N.tolist(), strict=True)),
-                "relative_angle_rad": dict(
-                    zip(slip.rollers, (ends.relative_way_m / press.radius_m).tolist(), strict=True)
-                ),
-                "travel_m": dict(zip(press.tensioners, ends.travel_m.tolist(), strict=True)),
+                "tension_N": _by_name(spans, ends.tension_N),
+                "relative_angle_rad": _by_name(slip.rollers, ends.relative_way_m / press.radius_m),
+                "travel_m": _by_name(list(press.tensioners), ends.travel_m),
             }
     if answer.start_up is None:
         return tree
@@ -566,6 +657,7 @@ KIND = kind.Kind(
     own_wheel=_own_wheel,
     problem=_problem,
     quantities=_quantities,
+    outcomes=_outcomes,
     tree=_tree,
     contacts=_contacts,
     in_one_call=lambda problem: problem.start_up is None,  # one start-up is simulated at a time
@@ -578,6 +670,7 @@ KIND = kind.Kind(
     # A span goes slack for want of preload; a roller has a table of its own.
     keys={"span": "press.preload", "roller": "rollers.{}"},
     sections=_sections,
+    layout=lambda problem: kind.loops(problem.press),
     histories={"start_up.csv": _start_up_columns},
     figures={
         "start_up_figure": kind.Figure(lambda answer, problem: answer.start_up, "draw_press_start_up")  # noqa: ARG005

@@ -19,7 +19,17 @@ _UNDERCUT = {"undercut", "v"}
 
 
 class LiftTable(kind.Table):
-    """`[lift]`."""
+    """`[lift]`.
+
+    Keys
+    ----
+    car : P, mass of the empty car.
+    rated_load : Q.
+    counterweight : Its mass.
+    travel : Between lowest and highest stop.
+    speed : Rated; it lowers the coefficient in an emergency stop.
+    deceleration : Of the emergency stop.
+    """
 
     car: Annotated[float, kind.key("kg", "700 kg", "car_kg")]
     rated_load: Annotated[float, kind.key("kg", "630 kg", "rated_load_kg")]
@@ -30,7 +40,16 @@ class LiftTable(kind.Table):
 
 
 class SheaveTable(kind.Table):
-    """`[sheave]`."""
+    """`[sheave]`.
+
+    Keys
+    ----
+    diameter : Of the sheave.
+    wrap : α, over which the ropes lie on it.
+    groove : Its form.
+    groove_angle : γ.
+    undercut : β; of undercut and v grooves alone.
+    """
 
     diameter: Annotated[float, kind.key("m", "400 mm", "wheel_radius_m", factor=0.5)]
     wrap: Annotated[float, kind.key("rad", "160 deg", "wrap_angle_rad")]
@@ -51,7 +70,16 @@ class SheaveTable(kind.Table):
 
 
 class RopesTable(kind.Table):
-    """`[ropes]`."""
+    """`[ropes]`.
+
+    Keys
+    ----
+    count : Ropes side by side.
+    diameter : Of one rope.
+    linear_density : Mass per length of one rope.
+    above_car : Rope between the car at the highest stop and the sheave (zero or more).
+    above_counterweight : Rope between the counterweight at its highest and the sheave (zero or more).
+    """
 
     count: Annotated[int, PlainValidator(whole_number(1, 100)), kind.Becomes("rope_count", many=False)]
     diameter: Annotated[float, kind.key("m", "10 mm", "rope_radius_m", factor=0.5)]
@@ -61,7 +89,13 @@ class RopesTable(kind.Table):
 
 
 class PulleysTable(kind.Table):
-    """`[pulleys]`: inertia of deflector pulleys over the square of their radius."""
+    """`[pulleys]`: inertia of deflector pulleys over the square of their radius.
+
+    Keys
+    ----
+    car_side : Of those on the car's side.
+    counterweight_side : Of those on the counterweight's side.
+    """
 
     car_side: Annotated[float | None, kind.key("kg", "20 kg", "car_pulley_kg")] = None
     counterweight_side: Annotated[float | None, kind.key("kg", "20 kg", "counterweight_pulley_kg")] = None
@@ -83,7 +117,8 @@ def _quantities(answer: TractionAnswer, problem: TractionProblem) -> tuple[kind.
         kind.Quantity("needed_wrap_rad", answer.needed_wrap_rad, positive=True),
         *(undercut if problem.is_round else ()),
         *(
-            kind.Quantity(f"cases.{case}.utilisation", use, positive=True)
+            # Stalled, ropes without weight leave nothing on the slack side: 0, whatever the friction.
+            kind.Quantity(f"cases.{case}.utilisation", use, positive=bool((use > 0.0).all()))
             for case, use in zip(CASES, answer.utilisation, strict=True)
         ),
     )
@@ -193,6 +228,7 @@ KIND = kind.Kind(
     failures=_failures,
     sections=_sections,
     figures={"traction": kind.Figure(_chart)},
+    layout=lambda problem: {"ropes": (kind.lone_wheel(problem, ("car", "counterweight"), "sheave"),)},
     words={
         "largest_utilisation": "Largest utilisation of the four load cases",
         "needed_wrap_rad": "Least wrap that holds while loading and braking [rad]",

@@ -1,15 +1,30 @@
-"""A band saw as a scene simulates it: its blade with the effects that are in, and its frequencies."""
+"""A band saw as a scene simulates it: its blade with the effects that are in, and its frequencies.
 
+The limit under feed force: the push on the teeth at which a blade turns out of its plane and buckles sideways.
+
+A force Q on the edge, at mid-span, bends the blade edgewise by m(x) Q, the moment of a pinned beam under the tension
+P = F − ρA v². The blade gives way by a deflection u and a twist φ, whose energy per length is
+
+    ½ EI u'' ² + ½ P u' ² + ½ (G J + P r²) φ' ² + Q m φ u'',   J = b h³/3,   r² = (b² + h²)/12,
+
+less the work ½ Q e φ² that the force, standing off by e = b/2, does at mid-span (lateral buckling after Timoshenko and
+Gere, Theory of Elastic Stability, 6.3, with the tension's part). The least Q at which it is no longer positive is the
+limit; buckling is static, so that of a running blade only its net tension matters.
+"""
+
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import scipy.linalg
+from numpy.polynomial import legendre
 
 from ropefric.arrays import BoolArray, FloatArray
+from ropefric.errors import SolverError
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
-from ropefric.systems.bandsaw.feed import feed_limit_N
 from ropefric.systems.bandsaw.measured import Measurement
 from ropefric.systems.bandsaw.resonance import Excitation
 from ropefric.systems.bandsaw.saw import Saw, Section, Side
@@ -185,10 +200,10 @@ def grip_utilisation(problem: SawProblem, needed_N: FloatArray, pressing_N: Floa
     if not touching.any():
         return np.where(needed_N > 0.0, np.inf, 0.0)
     exponent = problem.friction.exponent(
-        wheel_radius_m=problem.wheel_radius_m,
-        rope_radius_m=0.5 * problem.section.thickness_m,
-        wrap_angle_rad=problem.wheel_wrap_rad,
-        slack_tension_N=np.where(touching, pressing_N, 1.0),
+        problem.wheel_radius_m,
+        0.5 * problem.section.thickness_m,
+        problem.wheel_wrap_rad,
+        np.where(touching, pressing_N, 1.0),
     )
     # Both times e^{−M}: e^M itself may be beyond floats.
     available_N = np.where(touching, -pressing_N * np.expm1(-exponent), 0.0)
@@ -198,23 +213,17 @@ def grip_utilisation(problem: SawProblem, needed_N: FloatArray, pressing_N: Floa
     return share
 
 
-def torsion_wave_speed_m_s(span: Span, section: Section) -> FloatArray:
-    """Return c_t = √(F/ρA + 4 (G/ρ)(h/b)²) [m/s], shape (n,).
-
-    The strip's own stiffness G b h³/3 and the tension's, F b²/12 (outer fibres lie askew when it is twisted), over
-    the inertia ρ h b³/12.
-    """
-    return np.sqrt(span.tension_N / span.linear_density_kg_m + _stiffness_part(section))
-
-
 def torsion_frequencies_Hz(span: Span, section: Section, n_modes: int = 6) -> FloatArray:
     """Return the first frequencies of torsion f_n = n (c_t² − v²)/(2 l c_t) [Hz], shape (n, n_modes).
 
-    The ends are held against twisting. Parameters as in `torsion_wave_speed_m_s`.
+    c_t² = F/ρA + 4 (G/ρ)(h/b)²: the strip's own stiffness G b h³/3 and the tension's, F b²/12 (outer fibres lie askew
+    when it is twisted), over the inertia ρ h b³/12. The ends are held against twisting.
     """
     refuse_no_modes(n_modes)
-    speed = torsion_wave_speed_m_s(span, section)
-    squared = span.net_tension_N / span.linear_density_kg_m + _stiffness_part(section)
+    ratio = section.thickness_m / section.width_m
+    own = 4.0 * section.shear_modulus_Pa / section.density_kg_m3 * ratio**2
+    speed = np.sqrt(span.tension_N / span.linear_density_kg_m + own)
+    squared = span.net_tension_N / span.linear_density_kg_m + own
     refuse(
         squared <= 0.0,
         "the blade travels at {travel_m_s:.9g} m/s{place} and the critical speed of torsion is {limit_m_s:.9g} m/s, "
@@ -229,14 +238,81 @@ def torsion_frequencies_Hz(span: Span, section: Section, n_modes: int = 6) -> Fl
     return np.asarray(first_Hz[:, np.newaxis] * np.arange(1.0, n_modes + 1.0))
 
 
-def _stiffness_part(section: Section) -> float:
-    """Return 4 (G/ρ)(h/b)² [m2/s2]."""
-    ratio = section.thickness_m / section.width_m
-    return 4.0 * section.shear_modulus_Pa / section.density_kg_m3 * ratio**2
-
-
 def answerable(problem: SawProblem) -> BoolArray:
     """Return for which of n cases both sides are tight and slower than their critical speed, shape (n,)."""
     slack_N = problem.preload_N - problem.pull_N + problem.wheels_N
     stiff_N = problem.ends.buckling * problem.product("bending_stiffness_N_m2") / problem.free_span_m**2
     return np.asarray((slack_N > 0.0) & (slack_N - problem.inertia_N + stiff_N > 0.0))
+
+
+_ORDERS = (24, 48, 96, 192)
+_SETTLED = 1e-9
+_LEAST = 1e-9
+"""Tension below which a blade may as well have none, of EI/l²."""
+
+
+def feed_limit_N(
+    net_tension_N: FloatArray, section: Section, ends: Ends, length_m: float, offset_m: float | None = None
+) -> FloatArray:
+    """Return the force on the edge at mid-span at which blades between guides buckle, shape (n,) [N].
+
+    `offset_m` is how far from the middle of the blade it acts; half the width if not given.
+    """
+    e = 0.5 * section.width_m if offset_m is None else offset_m
+    found = [
+        _limit_N(float(one), section, ends, length_m=length_m, e=e) for one in np.atleast_1d(net_tension_N)
+    ]
+    return np.array(found, dtype=np.float64)
+
+
+def _limit_N(P: float, section: Section, ends: Ends, *, length_m: float, e: float) -> float:
+    before = math.inf
+    for order in _ORDERS:
+        found = _at_order(P, section, ends, order, length_m=length_m, e=e)
+        if abs(found - before) <= _SETTLED * found:
+            return found
+        before = found
+    raise SolverError(
+        f"the limit under feed force does not settle; it is about {before:.4g} N",
+        key="preload_N",
+        fix="a blade under so much tension has next to no stiffness of its own",
+    )
+
+
+def _at_order(P: float, section: Section, ends: Ends, order: int, *, length_m: float, e: float) -> float:
+    """Return the limit by polynomials on half the span: u'' and φ' are Legendre's, so held ends are kept exactly."""
+    b, h = section.width_m, section.thickness_m
+    EI = section.bending_stiffness_N_m2
+    twist = section.shear_modulus_Pa * b * h**3 / 3.0 + P * (b**2 + h**2) / 12.0
+    half_m, each = 0.5 * length_m, np.eye(order)
+    points, weights = legendre.leggauss(order + 32)
+    scale = 0.5 * half_m  # of dx on −1 … 1
+    x, weights = scale * (points + 1.0), scale * weights
+    # u' vanishes at mid-span; at a clamp, too: then u'' has no mean.
+    curved = each if ends.turns else each[1:]
+    bent = legendre.legval(points, curved.T)
+    slope = scale * legendre.legval(points, legendre.legint(curved.T, lbnd=1.0))
+    turned = scale * legendre.legval(points, legendre.legint(each, lbnd=-1.0))
+    turning = legendre.legval(points, each)
+    k = math.sqrt(max(abs(P), _LEAST * EI / length_m**2) / (EI * (b / h) ** 2))
+    # sinh(kx)/(2k cosh(kl/2)), which does not overflow; a blade near its critical speed is under slight compression.
+    moment = np.sin(k * x) / (2.0 * k * math.cos(k * half_m))
+    if P >= 0.0:
+        damped = np.exp(k * (x - half_m)) * -np.expm1(-2.0 * k * x)
+        moment = damped / (2.0 * k * (1.0 + math.exp(-2.0 * k * half_m)))
+    coupling = (bent * (weights * moment)) @ turned.T
+    at_middle = scale * legendre.legval(1.0, legendre.legint(each, lbnd=-1.0))
+    stiff = [
+        EI * (bent * weights) @ bent.T + P * (slope * weights) @ slope.T,
+        twist * (turning * weights) @ turning.T,
+    ]
+    n = len(curved)
+    push = np.zeros((n + order, n + order))
+    push[:n, n:], push[n:, :n] = -coupling, -coupling.T
+    push[n:, n:] = 0.5 * e * np.outer(at_middle, at_middle)
+    # Positive on one side and symmetric on both: the greatest 1/Q.
+    last = n + order - 1
+    inverse = scipy.linalg.eigh(
+        push, scipy.linalg.block_diag(*stiff), eigvals_only=True, subset_by_index=[last, last]
+    )
+    return 1.0 / float(inverse[0])

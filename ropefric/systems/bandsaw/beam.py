@@ -12,7 +12,7 @@ import numpy as np
 import scipy.linalg
 from scipy.special import ive, jv
 
-from ropefric.arrays import BoolArray, FloatArray
+from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.bandsaw.span import (
     CLAMPED,
@@ -241,71 +241,94 @@ def _reference(order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
 _NEAR_CRITICAL = 0.1
 
 
-def galerkin_frequencies(beam: ScaledBeam, widths: tuple[float, ...], order: int, n_modes: int) -> FloatArray:
-    """Return the first scaled frequencies ω = 2π f l/c [-], shape (n_modes,).
+class Modes(NamedTuple):
+    """The first modes in some space: scaled frequencies ω = 2π f l/c [-], and what a richer space takes off each."""
+
+    frequencies: FloatArray
+    errors: FloatArray
+
+
+def galerkin_modes(
+    beam: ScaledBeam, widths: tuple[float, ...], order: int, n_modes: int, beyond: int = 0
+) -> Modes:
+    """Return the first modes by polynomials of an order, and the relative error of each by those of `beyond` more.
 
     With w = Re Σ q_j φ_j e^{iωτ} the weak form is (K + iωG − ω²M) q = 0, K = S K_2 + ε² K_4 positive below the
     critical speed and G skew. In the energy norms of K and M it is the eigenproblem of a skew matrix; the one of
     its inverse gives the small frequencies to full relative precision and needs neither M⁻¹ nor large numbers. A
     Rayleigh quotient then makes the error of every mode quadratic in its vector's.
+
+    What polynomials of higher order leave of a mode, its residual, is taken up by those made orthogonal to the others
+    in energy; the frequency they lower it by is its error. Nothing but a small system a mode has to be solved for it.
     """
     turning = beam.ends.turns
-    parts = assemble(widths, order, turning)
-    size = parts.mass.shape[0]
+    parts = assemble(widths, order + beyond, turning)
+    degrees = np.r_[[3] * (2 * len(widths) + 2), np.tile(np.arange(4, order + beyond + 1), len(widths))]
+    degrees = degrees[free_freedoms(len(widths), order + beyond, turning_ends=turning)]
+    # The unknowns of the order itself come first: of the triangular factors theirs are the leading blocks.
+    first, size = np.argsort(degrees > order, kind="stable"), int((degrees <= order).sum())
     if not 1 <= n_modes <= size:
         raise InputError(
             f"{n_modes} modes of {size} freedoms", key="n_modes", fix="ask for fewer modes or a higher order"
         )
+    mass, travel = parts.mass, parts.travel
+    stiffness = beam.net * parts.tension + beam.stiffness * parts.bending
     if beam.margin < _NEAR_CRITICAL * abs(beam.net):
-        parts, stiffness = _near_critical(beam, parts, widths, order)
-    else:
-        stiffness = beam.net * parts.tension + beam.stiffness * parts.bending
+        mass, travel, stiffness = _near_critical(beam, parts, widths, order + beyond)
     scale = 1.0 / np.sqrt(np.diag(stiffness))
-    both = np.outer(scale, scale)
-    gyroscopic = beam.speed * parts.travel * both
+    stiffness, mass, gyroscopic = (
+        (one * np.outer(scale, scale))[np.ix_(first, first)] for one in (stiffness, mass, beam.speed * travel)
+    )
     try:
-        lower = np.asarray(np.linalg.cholesky(stiffness * both), dtype=np.float64)
-        root = np.asarray(np.linalg.cholesky(parts.mass * both), dtype=np.float64)
+        lower = np.asarray(np.linalg.cholesky(stiffness), dtype=np.float64)
+        root = np.asarray(np.linalg.cholesky(mass), dtype=np.float64)
     except np.linalg.LinAlgError:
         raise SolverError(
             f"the beam's stiffness is lost in rounding at order {order} on {len(widths)} elements",
             fix="use a lower order",
         ) from None
-    return _positive_frequencies(lower, gyroscopic, root, n_modes)
-
-
-def _positive_frequencies(
-    lower: FloatArray, gyroscopic: FloatArray, root: FloatArray, n_modes: int
-) -> FloatArray:
-    """Return the smallest ω of L Lᵀ + iωG − ω² R Rᵀ."""
-    size = lower.shape[0]
     half = scipy.linalg.solve_triangular(lower, gyroscopic, lower=True)
     turned = scipy.linalg.solve_triangular(lower, half.T, lower=True).T
     turned = 0.5 * (turned - turned.T)
     coupling = scipy.linalg.solve_triangular(lower, root, lower=True)
     hermitian = np.zeros((2 * size, 2 * size), dtype=np.complex128)
-    hermitian[:size, :size] = -1j * turned
-    hermitian[:size, size:] = -1j * coupling
-    hermitian[size:, :size] = 1j * coupling.T
+    hermitian[:size, :size] = -1j * turned[:size, :size]
+    hermitian[:size, size:] = -1j * coupling[:size, :size]
+    hermitian[size:, :size] = 1j * coupling[:size, :size].T
     _, vectors = scipy.linalg.eigh(hermitian, subset_by_index=[2 * size - n_modes, 2 * size - 1])
     energy_part = vectors[:size, ::-1]
-    shape = scipy.linalg.solve_triangular(lower, energy_part, lower=True, trans="T")
-    mass = np.sum(np.abs(root.T @ shape) ** 2, axis=0)
-    stiffness = np.sum(np.abs(energy_part) ** 2, axis=0)
-    gyration = -np.sum(shape.conj() * (1j * (gyroscopic @ shape)), axis=0).real
+    shape = scipy.linalg.solve_triangular(lower[:size, :size], energy_part, lower=True, trans="T")
+    masses = np.sum(np.abs(root[:size, :size].T @ shape) ** 2, axis=0)
+    energies = np.sum(np.abs(energy_part) ** 2, axis=0)
+    gyration = -np.sum(shape.conj() * (1j * (gyroscopic[:size, :size] @ shape)), axis=0).real
     # −ω²m − gω + k = 0 for g as it stands here; the root without cancellation for either sign of g.
-    swing = np.hypot(gyration, 2.0 * np.sqrt(mass * stiffness))
+    swing = np.hypot(gyration, 2.0 * np.sqrt(masses * energies))
     with np.errstate(divide="ignore", invalid="ignore"):
-        frequencies = np.where(
-            gyration > 0.0, 2.0 * stiffness / (swing + gyration), (swing - gyration) / (2.0 * mass)
+        omega = np.where(
+            gyration > 0.0, 2.0 * energies / (swing + gyration), (swing - gyration) / (2.0 * masses)
         )
-    return np.sort(frequencies)
+    errors = np.zeros(n_modes)
+    if beyond:
+        # In energy coordinates the stiffness is 1, and what is richer is orthogonal to what is known.
+        residual = 1j * omega * (turned[size:, :size] @ energy_part) - omega**2 * (
+            coupling[size:, :size] @ (coupling[:size, :size].T @ energy_part)
+        )
+        at = omega[:, np.newaxis, np.newaxis]
+        richer = 1j * at * turned[size:, size:] - at**2 * (coupling[size:] @ coupling[size:].T)
+        values, axes = np.linalg.eigh(np.eye(len(first) - size) + richer)
+        taken = np.sum(
+            np.abs(np.swapaxes(axes.conj(), 1, 2) @ residual.T[..., np.newaxis])[..., 0] ** 2 / values, axis=1
+        )
+        # Where the richer polynomials swing as slowly as the mode itself, the order does not resolve it.
+        errors = np.where(values[:, 0] > 0.0, taken / (energies + omega**2 * masses), np.inf)
+    order_of = np.argsort(omega)
+    return Modes(omega[order_of], errors[order_of])
 
 
 def _near_critical(
     beam: ScaledBeam, parts: Matrices, widths: tuple[float, ...], order: int
-) -> tuple[Matrices, FloatArray]:
-    """Return the matrices in a basis that has the buckling mode in it, and the stiffness there.
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return mass, travel and stiffness in a basis that has the buckling mode in it.
 
     S K_2 + ε² K_4 = (−β K_2 + K_4) ε² + margin · K_2. The bracket times the buckling mode is exactly zero and is made
     so, which lets the margin stand by itself on the mode's own diagonal, however small it is.
@@ -314,15 +337,12 @@ def _near_critical(
     replaced = int(np.argmax(np.abs(buckled) * np.sqrt(np.diag(parts.bending))))
     basis = np.eye(buckled.size)
     basis[:, replaced] = buckled
-    mass, travel, tension, bending = (
-        basis.T @ matrix @ basis for matrix in (parts.mass, parts.travel, parts.tension, parts.bending)
-    )
+    mass, travel, tension, bending = (basis.T @ matrix @ basis for matrix in parts)
     travel[replaced, replaced] = 0.0
     critical = beam.stiffness * (bending - beam.ends.buckling * tension)
     critical[replaced, :] = 0.0
     critical[:, replaced] = 0.0
-    changed = Matrices(mass=mass, travel=travel, tension=tension, bending=bending)
-    return changed, critical + beam.margin * tension
+    return mass, travel, critical + beam.margin * tension
 
 
 def _buckling_mode(beam: ScaledBeam, widths: tuple[float, ...], order: int) -> FloatArray:
@@ -341,36 +361,42 @@ def _buckling_mode(beam: ScaledBeam, widths: tuple[float, ...], order: int) -> F
     return np.asarray(whole[free_freedoms(len(widths), order, turning_ends=beam.ends.turns)])
 
 
-# Two solutions this many orders apart differ by practically all of the coarser one's error.
-_CHECK_STEP = 3
+# Polynomials of so many orders more take up practically all of what an order errs by.
+_BEYOND = 3
 # Rounding alone, over many cases of stiffness and speed.
 _ROUNDING = 1e-13
 
 
 class BeamModes(NamedTuple):
-    """Scaled frequencies with what they cost and what they are worth."""
+    """Scaled frequencies with what they cost and what each is worth."""
 
     frequencies: FloatArray
-    order: int
+    errors: FloatArray
+    orders: IntArray
     n_elements: int
-    error: float
 
 
 def solve_beam(beam: ScaledBeam, n_modes: int = 6, *, accuracy: float = 1e-10) -> BeamModes:
-    """Return the first frequencies of a scaled beam, with the order raised until a coarser solution agrees."""
+    """Return the first frequencies of a scaled beam, each by an order at which its own error is small enough.
+
+    A mode's error is taken off it and counts in full. The order is raised for the modes that need it, on the same
+    elements: what has settled stays.
+    """
     order = order_for(beam, n_modes, accuracy)
-    coarse = galerkin_frequencies(beam, widths_for(beam, order), order, n_modes)
-    while order + _CHECK_STEP <= MAX_ORDER:
-        order += _CHECK_STEP
-        widths = widths_for(beam, order)
-        fine = galerkin_frequencies(beam, widths, order, n_modes)
-        error = float(np.max(np.abs(coarse / fine - 1.0)))
-        if error <= max(accuracy, _ROUNDING):
-            fine.flags.writeable = False
-            return BeamModes(frequencies=fine, order=order, n_elements=len(widths), error=error)
-        coarse = fine
+    widths, found = widths_for(beam, order), np.zeros(n_modes)
+    errors, orders = np.full(n_modes, np.inf), np.zeros(n_modes, dtype=np.int64)
+    while order + _BEYOND <= MAX_ORDER:
+        modes = galerkin_modes(beam, widths, order, n_modes, _BEYOND)
+        fresh = (orders == 0) | (errors > max(accuracy, _ROUNDING))
+        found[fresh] = (modes.frequencies * (1.0 - modes.errors))[fresh]
+        errors[fresh], orders[fresh] = modes.errors[fresh], order
+        if (errors <= max(accuracy, _ROUNDING)).all():
+            found.flags.writeable = False
+            return BeamModes(found, errors, orders, len(widths))
+        order += _BEYOND
     raise SolverError(
-        f"{n_modes} modes do not settle to {accuracy:g} up to order {MAX_ORDER}; the last change was {error:g}",
+        f"{n_modes} modes do not settle to {accuracy:g} up to order {MAX_ORDER}; mode {int(np.argmax(errors)) + 1} "
+        f"is off by {errors.max():g}",
         fix="ask for fewer modes or a larger accuracy",
     )
 

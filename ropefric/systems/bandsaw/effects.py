@@ -7,46 +7,24 @@ from itertools import product
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError
 from ropefric.registry import Registry
-from ropefric.systems.bandsaw.answer import SawAnswer, SawModel, SawProblem, grip_utilisation, solve_saw
-from ropefric.systems.effect import Effect, Method, System, largest_changes, log_change, missing
+from ropefric.systems.bandsaw.answer import SawAnswer, SawModel, SawProblem, solve_saw
+from ropefric.systems.effect import Effect, Method, System, largest_changes, missing
 
 _ROUNDING = 1e-11
 
 
 @lru_cache(maxsize=2)
 def _string_changes(problem: SawProblem) -> dict[str, float]:
-    """Return what every effect but the stiffness is worth on a string, by ln f = ln(F − ρA v²) − ½ ln F + const.
+    """Return what every effect but the stiffness is worth on a string.
 
     A stiff blade is less sensitive to tension and speed, as part of its restoring force depends on neither; in the
-    wheel's grip the stiffness has no part.
+    wheel's grip and under the feed the stiffness as an effect has no part.
     """
-    pulls_N, presses_N, inertia_N = problem.pull_N, problem.wheels_N, problem.inertia_N
-
-    def logs(effects: frozenset[str]) -> FloatArray:
-        model = SawModel(problem=problem, effects=effects)
-        pull_N, wheels_N = (
-            model.part("tension-difference", pulls_N),
-            model.part("wheel-inertia-tension", presses_N),
-        )
-        static_N = problem.preload_N + np.stack([pull_N, -pull_N])
-        tension_N = static_N + wheels_N
-        net_N = tension_N - model.part("travel", inertia_N)
-        if not ((static_N > 0.0) & (net_N > 0.0)).all():
-            raise InputError("a blade that is slack or too fast has no frequency", key="preload_N")
-        held = 1.0 - model.part("wheel-inertia-tension", problem.mounting_factor)
-        critical = 0.5 * (np.log(static_N) - np.log(held))
-        found = np.concatenate([np.log(net_N) - 0.5 * np.log(tension_N), np.log(tension_N), critical])
-        if (
-            problem.feed_force_N is not None
-        ):  # the limit goes with the net tension to the power of 1.5 at most
-            found = np.concatenate([found, 1.5 * np.log(net_N)])
-        use = grip_utilisation(problem, 2.0 * pull_N, net_N[1])
-        return found if use is None else np.concatenate([found, np.log(use)[np.newaxis]])
-
     return largest_changes(
-        ("tension-difference", "wheel-inertia-tension", "travel"), logs, rounding=_ROUNDING
+        ("tension-difference", "wheel-inertia-tension", "travel"),
+        lambda effects: solve_saw(SawModel(problem=problem, effects=effects)).logs,
+        rounding=_ROUNDING,
     )
 
 
@@ -137,7 +115,7 @@ _COARSEST = 1e-3
 """A beam to a thousandth takes at most two orders more than to a hundredth: both need their boundary layers."""
 
 _MARGIN = 0.25
-"""What two orders may differ by, of the error allowed: the finer one can err by nearly twice what they differ by."""
+"""What a mode's own error may be, of the error allowed: it is an estimate and no bound."""
 
 
 def _method(model: SawModel, budget: float) -> Method:
@@ -148,7 +126,7 @@ def _method(model: SawModel, budget: float) -> Method:
         name="spectral elements",
         settings={"accuracy": _MARGIN * accuracy},
         error=accuracy,
-        why="the order is raised until a coarser solution agrees to a quarter of this",
+        why="the order is raised for every mode whose own error is above a quarter of this",
     )
 
 
@@ -158,6 +136,5 @@ SYSTEM: System[SawProblem, SawModel, SawAnswer] = System(
     bare=lambda problem: SawModel(problem=problem),
     method=_method,
     solve=lambda model, method: solve_saw(model, accuracy=method.settings.get("accuracy", _FINEST)),
-    distance=lambda answer, reference: float(np.expm1(log_change(answer.logs, reference.logs))),
 )
 """A blade on two wheels."""

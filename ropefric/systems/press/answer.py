@@ -13,9 +13,15 @@ from ropefric.systems.checks import Cases, ZeroOrMore
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction, told_by
 from ropefric.systems.press.machine import Press, Roller
-from ropefric.systems.press.slip import SlipTable
-from ropefric.systems.press.statics import Statics, solve_statics
-from ropefric.systems.press.steady import SteadyState, TakeUp, rim_speed_ratios, steady_state
+from ropefric.systems.press.slip import CHANGES, SlipTable, critical
+from ropefric.systems.press.statics import (
+    Statics,
+    SteadyState,
+    TakeUp,
+    rim_speed_ratios,
+    solve_statics,
+    steady_state,
+)
 from ropefric.systems.press.transient.start_up import StartUp, start_up
 
 
@@ -169,3 +175,20 @@ def solve_press(model: PressModel) -> PressAnswer:
         slip=SlipTable(model.press, state.effective_tension_N, problem.friction, told=model.told),
         start_up=moved,
     )
+
+
+def slip_margins(answer: PressAnswer) -> dict[str, Any]:
+    """Return which roller is nearest to slip, and what would make the first one slip or the last one stop, as data."""
+    model, rollers, use = answer.model, answer.slip.rollers, answer.slip.utilisation[0]
+    statics = solve_statics(model.as_operated, closure=model.problem.closure)
+    told: dict[str, Any] = {}
+    for change, words in CHANGES.items():
+        # What a higher speed does is the belts' mass, whether or not it matters at this one.
+        tensioner = take_up(model.effects | ({"belt-inertia"} if change == "speed" else set()))
+        found = critical(statics, model.problem.friction, change, tensioner=tensioner, told=model.told)
+        told[change] = found._asdict() | {"unit": words.rpartition("[")[2].rstrip("]")}
+    return {
+        "first_to_slip": rollers[int(np.argmax(use))] if use.any() else None,
+        "slips": [name for name, share in zip(rollers, use, strict=True) if share > 1.0],
+        "critical": told,
+    }

@@ -17,9 +17,9 @@ from itertools import product
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import SolverError
+from ropefric.errors import RopefricError, SolverError
 from ropefric.registry import Registry
-from ropefric.systems.effect import Effect, Method, System, worst_case
+from ropefric.systems.effect import Effect, Method, System, rounded_up, unknown
 from ropefric.systems.friction import TOLD, told_by
 from ropefric.systems.press.answer import (
     PressAnswer,
@@ -30,8 +30,7 @@ from ropefric.systems.press.answer import (
     take_up,
 )
 from ropefric.systems.press.slip import SlipTable
-from ropefric.systems.press.statics import solve_statics
-from ropefric.systems.press.steady import drive_power_W, rim_speed_ratios, speed_shift_kg_m
+from ropefric.systems.press.statics import rim_speed_ratios, solve_statics, speed_shift_kg_m
 from ropefric.systems.press.transient.start_up import GRID_ERROR, ON_TENSION, largest_difference
 
 _ROUNDING = 1e-9
@@ -141,18 +140,27 @@ def _steady(
 ) -> Effect[PressProblem, PressModel]:
     """Return an effect on a steady run. A start-up swings about that, and no bound is known for how far."""
 
-    def is_bounded(problem: PressProblem) -> bool:
+    def influence(problem: PressProblem) -> float:
         unseen = name in TOLD and not problem.friction.law.effects  # by a law that looks at nothing
-        return problem.start_up is None or unseen
+        if problem.start_up is not None and not unseen:
+            return math.inf
+        try:
+            # Where a corner overflows or has no number, what it gives is no bound.
+            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+                return rounded_up(_largest_change(name, problem), _ROUNDING)
+        except RopefricError:
+            return math.inf
 
-    influence = worst_case(
-        lambda problem: np.array([_largest_change(name, problem)]), rounding=_ROUNDING, possible=is_bounded
-    )
     return Effect(name=name, adds=adds, instead=instead, needs=needs, influence=influence, cost=cost)
 
 
 def _moving(
-    name: str, adds: str, instead: str, *, bound: float = math.inf, cost: float = 0.1
+    name: str,
+    adds: str,
+    instead: str,
+    *,
+    bound: Callable[[PressProblem], float] = unknown,
+    cost: float = 0.1,
 ) -> Effect[PressProblem, PressModel]:
     """Return an effect that only a start-up has; of most no bound is known where there is one.
 
@@ -164,7 +172,7 @@ def _moving(
         adds=adds,
         instead=instead,
         needs=_needs_of_start_up,
-        influence=lambda problem: 0.0 if problem.start_up is None else bound,
+        influence=lambda problem: 0.0 if problem.start_up is None else bound(problem),
         cost=cost,
     )
 
@@ -229,21 +237,18 @@ EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
             "the mass of the belts on the rollers",
             "belts without mass on the rollers (slip then cannot be simulated)",
         ),
-        Effect(
-            name="transient-friction",
-            adds="friction that follows the tensions as they change",
-            instead="friction as it is at standstill",
-            needs=_needs_of_start_up,
-            influence=lambda problem: (
-                0.0 if problem.start_up is None or not _on_tension(problem) else math.inf
-            ),
+        _moving(
+            "transient-friction",
+            "friction that follows the tensions as they change",
+            "friction as it is at standstill",
+            bound=lambda problem: math.inf if _on_tension(problem) else 0.0,
             cost=1.0,
         ),
         _moving(
             "exact-switching",
             "belts that stick, slip and go slack, and drags that hold, at their exact moments",
             "these moments on a grid, made finer until halving it changes nothing more",
-            bound=GRID_ERROR,
+            bound=lambda problem: GRID_ERROR,  # noqa: ARG005
             cost=10.0,
         ),
         _moving("transient", "the start-up, with its swings and slips", "the steady run alone", cost=100.0),
@@ -293,7 +298,7 @@ def _distance(answer: PressAnswer, reference: PressAnswer) -> float:
         _relative(*(one.state.effective_tension_N for one in ones)),
         # Where nothing is driven, utilisation is what rounding leaves of zero, and no share of that means anything.
         of_largest(*(np.round(one.slip.utilisation, 12) for one in ones)),
-        of_largest(*(drive_power_W(one.state)[..., np.newaxis] for one in ones)),
+        of_largest(*(one.state.drive_power_W[..., np.newaxis] for one in ones)),
         of_largest(*(one.rim_speed_m_s for one in ones)),
     ]
     moved, other = answer.start_up, reference.start_up

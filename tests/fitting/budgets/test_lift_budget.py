@@ -63,7 +63,7 @@ def test_of_an_exact_wheel_the_draws_are_the_drawn_prediction(wrap_fit):
     found = predict(wrap_fit, WHEEL, method="monte-carlo", n=100_000)
     low, high = found.interval_N[0]
     assert drawn.agrees is bool(found.linear_agrees[0])
-    assert drawn.symmetric == pytest.approx((low, high), abs=0.03 * (high - low))
+    assert drawn.symmetric_interval == pytest.approx((low, high), abs=0.03 * (high - low))
 
 
 def test_one_pull_is_as_uncertain_as_the_prediction_interval(wrap_fit):
@@ -94,7 +94,7 @@ def test_a_wheel_known_too_badly_is_found_out_by_the_draws(wrap_fit):
     stated = state_uncertainty(lift_model(wrap_fit, WHEEL, {"wrap_angle_rad": 3.0}), draws=50_000, seed=1)
     assert str(stated.status) == "draws-disagree"
     assert not stated.trustworthy
-    low, high = stated.drawn.symmetric
+    low, high = stated.drawn.symmetric_interval
     assert low > 0.0  # no force is negative, which y − U says
     assert stated.budget.interval[0] < low
     assert high > stated.budget.interval[1]

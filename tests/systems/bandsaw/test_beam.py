@@ -13,11 +13,12 @@ from ropefric.errors import InputError, SolverError
 from ropefric.systems.bandsaw.beam import (
     ScaledBeam,
     beam_frequencies_Hz,
-    galerkin_frequencies,
+    galerkin_modes,
     order_for,
     scaled_beams,
     solve_beam,
     waves_of,
+    widths_for,
 )
 from ropefric.systems.bandsaw.saw import Side, frequencies_Hz, span_of
 from ropefric.systems.bandsaw.span import CLAMPED, ENDS, PINNED, Span, string_frequencies_Hz
@@ -70,10 +71,13 @@ def test_error_halves_with_the_expected_power(ends):
     exact_ = solve_beam(beam, 3, accuracy=1e-13).frequencies
     for order, power in ((3, 4), (4, 6)):  # polynomials of degree p, a fourth-order operator: h^2(p-1)
         errors = [
-            np.abs(galerkin_frequencies(beam, (1.0 / n,) * n, order, 3) / exact_ - 1.0) for n in (16, 32)
+            np.abs(galerkin_modes(beam, (1.0 / n,) * n, order, 3).frequencies / exact_ - 1.0)
+            for n in (16, 32)
         ]
         np.testing.assert_allclose(np.log2(errors[0] / errors[1]), power, atol=0.12)
-    errors = [np.abs(galerkin_frequencies(beam, (1.0,), p, 3) / exact_ - 1.0).max() for p in (8, 12, 16)]
+    errors = [
+        np.abs(galerkin_modes(beam, (1.0,), p, 3).frequencies / exact_ - 1.0).max() for p in (8, 12, 16)
+    ]
     assert errors[1] < errors[0] * 1e-3
     assert errors[2] < errors[1] * 1e-3
     errors = [np.abs(chebyshev_frequencies(beam, p, 3) / exact_ - 1.0).max() for p in (16, 22, 28)]
@@ -180,12 +184,12 @@ def test_strings_among_beams_and_the_scaled_form():
             "16 or more",
         ),
         (
-            lambda: galerkin_frequencies(ScaledBeam.at_speed(1e-2, 0.5, PINNED), (1.0,), 4, 6),
+            lambda: galerkin_modes(ScaledBeam.at_speed(1e-2, 0.5, PINNED), (1.0,), 4, 6),
             InputError,
             "6 modes of 3 freedoms",
         ),
         (
-            lambda: galerkin_frequencies(ScaledBeam.at_speed(1e-2, 0.5, PINNED), (1.0,), 2, 1),
+            lambda: galerkin_modes(ScaledBeam.at_speed(1e-2, 0.5, PINNED), (1.0,), 2, 1),
             InputError,
             "needs 3 or more",
         ),
@@ -201,6 +205,62 @@ def test_many_modes_settle(ends):
     modes = solve_beam(ScaledBeam.at_speed(1e-6, 0.6, ends), 40, accuracy=1e-9)
     other = solve_beam(ScaledBeam.at_speed(1e-6, 0.6, ends), 40, accuracy=1e-12)
     np.testing.assert_allclose(modes.frequencies, other.frequencies, rtol=1e-9)
-    assert modes.order < other.order
+    assert (modes.orders < other.orders).all()
     assert modes.n_elements == 3
     assert not modes.frequencies.flags.writeable
+
+
+def drawn_beams(count, seed):
+    """Beams from strings with thin layers to stiff ones, half of them near the critical speed, with what is asked."""
+    rng = np.random.default_rng(seed)
+    for one in range(count):
+        ends, shortfall = (
+            (PINNED, CLAMPED)[one % 2],
+            10.0 ** rng.uniform(-7, 0) if one % 4 < 2 else rng.random(),
+        )
+        asked = int(rng.choice([1, 2, 3, 6, 12])), float(rng.choice([2.5e-4, 1e-6, 1e-10]))
+        yield at_shortfall(10.0 ** rng.uniform(-9, 0), shortfall, ends), *asked
+
+
+def furthest_off(count, seed):
+    """The largest share of the accuracy that any mode of drawn beams uses, against 14 orders more."""
+    worst = 0.0
+    for beam, n_modes, accuracy in drawn_beams(count, seed):
+        found = solve_beam(beam, n_modes, accuracy=accuracy)
+        order = int(found.orders.max())
+        wanted = galerkin_modes(beam, widths_for(beam, order), order + 14, n_modes).frequencies
+        worst = max(worst, np.abs(found.frequencies / wanted - 1.0).max() / accuracy)
+    return worst
+
+
+def test_every_mode_is_as_accurate_as_its_own_estimate_says():
+    assert furthest_off(20, 3) < 0.5
+
+
+@pytest.mark.slow
+def test_every_mode_of_many_beams_is_as_accurate_as_its_own_estimate_says():
+    assert furthest_off(400, 4) < 0.5
+
+
+def test_the_estimate_of_a_mode_is_its_error():
+    """Of the mode that errs most to a third; one that errs by next to nothing errs by three times that at most."""
+    for beam, n_modes, _ in drawn_beams(15, 5):
+        order = order_for(beam, n_modes, 1e-3)
+        widths = widths_for(beam, order)
+        rough = galerkin_modes(beam, widths, order, n_modes, 3)
+        wanted = galerkin_modes(beam, widths, order + 14, n_modes).frequencies
+        errors = rough.frequencies / wanted - 1.0
+        assert rough.errors.max() == pytest.approx(errors.max(), rel=0.35)
+        assert (rough.errors <= 1.05 * errors + 1e-12).all()
+        assert (errors <= 3.0 * rough.errors + 1e-12).all()
+
+
+def test_the_order_is_raised_for_the_modes_that_need_it_alone(monkeypatch):
+    beam = ScaledBeam.at_speed(1e-4, 0.6, CLAMPED)
+    wanted = solve_beam(beam, 8, accuracy=1e-12).frequencies
+    monkeypatch.setattr("ropefric.systems.bandsaw.beam.order_for", lambda *_: 13)
+    found = solve_beam(beam, 8, accuracy=1e-6)
+    assert found.orders[0] == 13 < found.orders[-1]
+    assert (np.diff(found.orders) >= 0).all()
+    assert (found.errors <= 1e-6).all()
+    np.testing.assert_allclose(found.frequencies, wanted, rtol=1e-6)

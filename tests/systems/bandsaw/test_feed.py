@@ -9,7 +9,7 @@ from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 from scipy.special import jv
 
-from ropefric.systems.bandsaw.feed import feed_limit_N
+from ropefric.systems.bandsaw.answer import feed_limit_N
 from ropefric.systems.bandsaw.saw import STEEL_85_09
 from ropefric.systems.bandsaw.span import CLAMPED, PINNED
 

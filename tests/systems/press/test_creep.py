@@ -14,7 +14,6 @@ from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.answer import PressProblem
 from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.steady import driver_torque_N_m
 
 CONSTANT = WrapFriction.constant(1.2)
 LOADS = ("gravity-load", "squeeze-load", "belt-inertia")
@@ -156,7 +155,7 @@ def test_what_the_drivers_supply_less_what_the_loads_take_is_lost_by_creep(paper
     rims = dict(zip((one.name for one in press.rollers), answer.rim_speed_m_s[0], strict=True))
     radius = {one.name: one.radius_m for one in press.rollers}
     supplied_W = sum(
-        torque[0] * rims[name] / radius[name] for name, torque in driver_torque_N_m(answer.state).items()
+        torque[0] * rims[name] / radius[name] for name, torque in answer.state.driver_torque_N_m.items()
     )
     taken_W = sum(factor * one.torque_N_m * rims[one.name] / one.radius_m for one in press.rollers)
     assert answer.creep_loss_W[0] == pytest.approx(supplied_W - taken_W, rel=1e-9)

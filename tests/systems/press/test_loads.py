@@ -5,8 +5,7 @@ import pytest
 
 from ropefric.errors import InputError
 from ropefric.systems.press.machine import GRAVITY_M_S2, gravity_torque_N_m, squeeze_torque_N_m
-from ropefric.systems.press.statics import solve_statics
-from ropefric.systems.press.steady import drive_power_W, driver_torque_N_m, steady_state
+from ropefric.systems.press.statics import solve_statics, steady_state
 
 
 def test_the_printed_squeeze_torques_stand_for_one_product(paper_press, paper_data):
@@ -67,9 +66,9 @@ def test_all_loads_together_and_their_power(paper_press):
     pulls_N = [roller.torque_N_m / roller.radius_m for roller in paper_press.rollers]
     assert sum(pulls_N) == pytest.approx(1826.667, abs=5e-4)
     state = steady_state(solve_statics(paper_press))
-    assert float(drive_power_W(state)) == pytest.approx(1673.8, abs=0.05)
+    assert float(state.drive_power_W) == pytest.approx(1673.8, abs=0.05)
     # The same from the other end: what the motors turn.
-    torque = driver_torque_N_m(state)
+    torque = state.driver_torque_N_m
     radius = {roller.name: roller.radius_m for roller in paper_press.rollers}
     assert sum(float(torque[name]) / radius[name] for name in ("1", "10")) == pytest.approx(sum(pulls_N))
 
@@ -77,4 +76,4 @@ def test_all_loads_together_and_their_power(paper_press):
 def test_power_grows_with_load_and_speed(paper_press):
     statics = solve_statics(paper_press)
     state = steady_state(statics, load_factor=[[0.5], [1.0]], speed_m_s=[0.0, 1.0])
-    np.testing.assert_allclose(drive_power_W(state), [[0.0, 913.3333], [0.0, 1826.6667]], rtol=1e-6)
+    np.testing.assert_allclose(state.drive_power_W, [[0.0, 913.3333], [0.0, 1826.6667]], rtol=1e-6)

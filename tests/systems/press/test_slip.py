@@ -11,10 +11,8 @@ from ropefric.errors import InputError, UnknownNameError
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.critical import PressSweep
-from ropefric.systems.press.slip import MEASURES, SlipTable
-from ropefric.systems.press.statics import solve_statics
-from ropefric.systems.press.steady import steady_state
+from ropefric.systems.press.slip import MEASURES, PressSweep, SlipTable
+from ropefric.systems.press.statics import solve_statics, steady_state
 
 MEASURED = ("as_printed", "as_plotted", "utilisation", "log", "mu_required")
 # belt_press.md, section 4: 50 rpm, 2000 N, μ = 1.2, closure "share".

@@ -12,8 +12,7 @@ from scipy.optimize import fsolve
 
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
-from ropefric.systems.press.statics import CLOSURES, solve_statics
-from ropefric.systems.press.steady import speed_shift_kg_m, steady_state
+from ropefric.systems.press.statics import CLOSURES, solve_statics, speed_shift_kg_m, steady_state
 
 AT_REST = {
     "1": 821.382, "2": 1170.716, "3": 1520.049, "4": 1520.049, "5": 3615.793, "6": 3783.793, "7": 3951.793,

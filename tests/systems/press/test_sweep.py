@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ropefric.errors import UnknownNameError
-from ropefric.systems.press.critical import PressSweep
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
+from ropefric.systems.press.slip import PressSweep
 from ropefric.systems.press.statics import solve_statics
 
 SPEEDS, PRELOADS = np.linspace(0.0, 8.0, 9), np.linspace(600.0, 1000.0, 5)

@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ropefric.errors import InputError
-from ropefric.systems.press.statics import solve_statics
-from ropefric.systems.press.steady import speed_shift_kg_m
+from ropefric.systems.press.statics import solve_statics, speed_shift_kg_m
 from ropefric.systems.press.transient.exact import Propagator
 from ropefric.systems.press.transient.motion import MOVING, ElasticPress, settled
 from ropefric.systems.press.transient.start_up import Energies, start_up

@@ -13,7 +13,8 @@ from ropefric.systems.press.answer import PressProblem
 from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.transient import start_up as module
 from ropefric.systems.press.transient.capture import GridSolver
-from ropefric.systems.press.transient.drives import final_value
+from ropefric.systems.press.transient.drives import DRIVE_LAWS, final_value
+from ropefric.systems.press.transient.exact import lowest_between
 from ropefric.systems.press.transient.start_up import GRID_ERROR, largest_difference, start_up
 
 
@@ -43,6 +44,49 @@ def test_a_grid_gives_the_answer_of_the_exact_moments(kit, seed, solvers):
     worst = np.abs(found.tension_N - exact.tension_N).max(axis=0) / exact.tension_N.max(axis=0)
     assert worst.max() <= GRID_ERROR
     assert found.energy.relative_residual <= 1e-3
+
+
+@pytest.mark.parametrize(
+    "seed", [4, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 18, 20, 23, 29))]
+)
+def test_where_only_drags_let_go_one_grid_is_enough_and_its_bound_holds(kit, seed, solvers, monkeypatch):
+    """What drags that let go a little late change in any tension is below what their wrong forces' work allows."""
+    used = []
+    monkeypatch.setattr(
+        module,
+        "_is_near",
+        lambda solver, found, own=module._is_near: used.append(solver) or own(solver, found),
+    )
+    press, question = kit.random(seed)
+    found = start_up(press, exact_switching=False, **question)
+    assert len(solvers) == len(used) == 1
+    exact = start_up(press, **question)
+    released = [guard.what for _, guard in used[0].changes]
+    assert set(released) == {"release"}
+    bound_N = used[0].late_tension_N
+    assert 0.0 < np.abs(found.tension_N - exact.tension_N).max() <= bound_N
+    assert bound_N < 0.01 * exact.tension_N.min()
+    assert largest_difference(found, exact) <= GRID_ERROR
+
+
+def test_between_two_steps_a_guard_is_looked_at_through_its_slopes():
+    """The lowest point of (x − 0.3)² (x + 2) + 1 between 0 and 1."""
+    (x,), (low,) = lowest_between(
+        np.array([1.18]), np.array([0.49 * 3.0 + 1.0]), np.array([0.09 - 1.2]), np.array([0.49 + 1.4 * 3.0])
+    )
+    assert x == pytest.approx(0.3)
+    assert low == pytest.approx(1.0)
+
+
+def test_the_drive_changes_its_law_between_two_places_of_the_grid(kit):
+    """Where no contact changes, a grid is exact whatever the drive's pieces are: also two within a part of a step."""
+    times_s = [0.0, 0.10003, 0.100031, 0.4321, 0.43219]
+    speed = DRIVE_LAWS["table"](time_s=times_s, speed_m_s=[0.0, 0.1, 0.1, 0.5, 0.5])
+    question = {"speed": speed, "time_s": np.linspace(0.0, 0.6, 61), "friction": 5.0}
+    press = kit.small(load_N_m=0.0)
+    found, exact = (start_up(press, exact_switching=one, **question) for one in (False, True))
+    np.testing.assert_allclose(found.tension_N, exact.tension_N, rtol=1e-9)
+    np.testing.assert_allclose(found.roller_speed_rad_s, exact.roller_speed_rad_s, atol=1e-9)
 
 
 def test_what_no_grid_settles_is_solved_at_its_exact_moments(kit, solvers, monkeypatch):

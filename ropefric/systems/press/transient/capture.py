@@ -5,6 +5,7 @@ steps are dyadic parts of one, so that a mode costs one exponential and its squa
 nothing. The works are trapezoids of the powers.
 """
 
+import math
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -12,14 +13,16 @@ from scipy.linalg import eigvals
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import SolverError
-from ropefric.systems.press.transient.drives import SPEED
-from ropefric.systems.press.transient.exact import Guard, HybridSolver, Phase
+from ropefric.systems.press.transient.drives import LOAD
+from ropefric.systems.press.transient.exact import Guard, HybridSolver, Phase, lowest_between
 from ropefric.systems.press.transient.integrators import rk4_limit_s
-from ropefric.systems.press.transient.motion import FORWARD, Motion, power_pairs
+from ropefric.systems.press.transient.motion import FORWARD, Mode, Motion, power_pairs
 
-_LEVELS = 4
+_LEVELS = 6
 _PARTS = 2**_LEVELS
 """A change of a contact is met to this part of a step."""
+_SAME_PLACE = 1e-6
+"""Of a part: a piece of the drive that begins so near to a place of the grid begins there."""
 _BLOCK = 64
 """Steps that are looked at together, at most."""
 
@@ -44,6 +47,16 @@ class _GridPhase(Phase):
     def firing(self) -> FloatArray:
         """Return the guards over their tolerances, as rows over z."""
         return np.asarray(self.watch[: len(self.guards)] / self.tolerances[:, np.newaxis])
+
+    def lowest(self, states: FloatArray, margins: FloatArray, step_s: float) -> FloatArray:
+        """Return how low the guards are in steps from the first state on, and between their ends; margins at these."""
+        rates = states @ (self.watch[len(self.guards) :] * (step_s / self.tolerances[:, np.newaxis])).T
+        before = np.vstack([self.firing @ states[0], margins[:-1]])
+        turning = (rates[:-1] < 0.0) & (rates[1:] > 0.0)
+        found = np.minimum(before, margins)
+        pieces = before[turning], margins[turning], rates[:-1][turning], rates[1:][turning]
+        found[turning] = lowest_between(*pieces)[1]
+        return np.asarray(found)
 
     @cached_property
     def sticking(self) -> tuple[list[int], list[int]]:
@@ -99,28 +112,32 @@ class GridSolver(HybridSolver):
 
     phase_type: type[_GridPhase] = _GridPhase
     steps = 1
+    looks_between = False
+    """Whether guards are looked at between steps, too."""
 
     def run(self, times_s: FloatArray) -> tuple[list[Motion], FloatArray, FloatArray]:
         """Return motions, states and works at evenly spaced times from 0 on."""
-        self.changes, self.works = [], np.zeros(6)
+        self.changes, self.works, self.late, self.only_drags = [], np.zeros(6), 0.0, True
         self.spare = np.ones(len(self.model.press.rollers))
         self._step_s = float(times_s[-1]) / ((len(times_s) - 1) * self.steps)
         part_s, last = self._step_s / _PARTS, (len(times_s) - 1) * self.steps * _PARTS
         mode, y = self.begin()
         mode, y = self.settle(mode, y, 0, 0.0)
         self._kept: list[tuple[Motion, FloatArray, FloatArray]] = [(self.motion(mode), y, self.works)]
-        # A piece of the drive ends where the grid has reached its end.
-        ends = [min(last, int(np.ceil(one / part_s - 1e-6))) for one in self.inputs.starts_s[1:].tolist()]
-        place = 0
-        for piece, end in enumerate([*ends, last]):
-            start_s, now_s = float(self.inputs.starts_s[piece]), place * part_s
-            # The drive before has gone on a little too long; the rims keep their speed, not what they lag behind it.
-            jump_m_s = self.inputs.at(now_s, max(piece - 1, 0)) - self.inputs.at(now_s, piece)
-            n_q, y = len(y) // 2, y.copy()
-            y[n_q : n_q + len(self.model.driven)] += jump_m_s[SPEED]
+        place, past_s, each, last_s = 0, 0.0, self.steps * _PARTS, last * part_s
+        for piece, next_s in enumerate([*self.inputs.starts_s[1:].tolist(), last_s]):
+            start_s, ends_s = float(self.inputs.starts_s[piece]), min(next_s, last_s)
+            if past_s:  # the piece begins between two places of the grid
+                length_s = min(ends_s - place * part_s, part_s) - past_s
+                y = self._between(piece, mode, y, place * part_s + past_s - start_s, length_s)
+                past_s += length_s
+                if past_s > (1.0 - _SAME_PLACE) * part_s:
+                    place, past_s = place + 1, 0.0
+                    self._kept += [(self.motion(mode), y, self.works)] * (place % each == 0)
+            end = int(ends_s / part_s + _SAME_PLACE)
             while place < end:
                 mode, y = self.settle(mode, y, piece, place * part_s)
-                if place % (self.steps * _PARTS) == 0:  # what is asked for is what holds after the change
+                if place % each == 0:  # what is asked for is what holds after the change
                     self._kept[-1] = (self.motion(mode), y, self.works)
                 phase = self.phase(mode, piece)
                 z = phase.lift(y, place * part_s - start_s)
@@ -128,8 +145,43 @@ class GridSolver(HybridSolver):
                 y = z[: len(y)]
                 if guard is not None:
                     mode, y = self.change(phase, guard, z, place * part_s)
+            rest_s = ends_s - place * part_s - past_s
+            if rest_s > _SAME_PLACE * part_s:
+                y = self._between(piece, mode, y, place * part_s + past_s - start_s, rest_s)
+                past_s += rest_s
         motions, states, works = zip(*self._kept, strict=True)
         return list(motions), np.array(states), np.array(works)
+
+    def _between(self, piece: int, mode: Mode, y: FloatArray, since_s: float, length_s: float) -> FloatArray:
+        """Return the state after less than a part of a step, where a piece of the drive begins or ends."""
+        phase = self.phase(mode, piece)
+        z = phase.lift(y, since_s)
+        after = phase.step(length_s) @ z
+        self.works = self.works + 0.5 * length_s * phase.powers(np.array([z, after])).sum(axis=0)
+        return np.asarray(after[: len(y)])
+
+    def change(self, phase: Phase, guard: Guard, z: FloatArray, now: float) -> tuple[Mode, FloatArray]:
+        """Return the mode and the state after a guard has fired, and note what its being late can do at most.
+
+        As √(2 energy): a drag that lets go or takes hold too late is a wrong force for a part of a step, and its work is
+        all that an error lives of, as drags, springs and dampers give no energy to a difference of two motions.
+        """
+        motion, place = phase.motion, guard.place
+        if guard.what in {"hold", "release"}:
+            w, drag_N = phase.read @ z, self.model.drag_N[place]
+            force_N = -guard.row @ w if guard.what == "release" else 2.0 * drag_N * (motion.inputs[LOAD] @ w)
+            mass_kg = self.model.roller_mass_kg[place] + self.model.arc_mass_kg[place]
+            self.late += max(float(force_N), 0.0) * self._step_s / _PARTS / math.sqrt(mass_kg)
+        else:
+            self.only_drags &= guard.what == "friction"
+        return super().change(phase, guard, z, now)
+
+    @property
+    def late_tension_N(self) -> float:
+        """Return what `late` can be worth in any tension at most: k e of a spring and η k de/dt of its damping."""
+        model = self.model
+        lightness = np.abs(model.press.incidence.T) @ (1.0 / (model.roller_mass_kg + model.arc_mass_kg))
+        return self.late * float(np.sqrt(model.stiffness_N_m + model.damping_N_s_m**2 * lightness).max())
 
     def _until_change(
         self, phase: _GridPhase, z: FloatArray, place: int, end: int
@@ -146,7 +198,11 @@ class GridSolver(HybridSolver):
                 margins = states[1:] @ phase.firing.T
                 fired = (margins < -1.0).any(axis=1)
                 good = int(np.argmax(fired)) if fired.any() else count
-                self._note_spare(phase, margins[:good])
+                low = margins[:good]
+                if self.looks_between and good:
+                    low = phase.lowest(states[: good + 1], low, self._step_s)
+                    self.only_drags &= bool(low.min() >= -1.0)
+                self._note_spare(phase, low)
                 self._keep(phase, states[: good + 1], place, _PARTS)
                 place, z, block = place + good * _PARTS, states[good], min(2 * block, _BLOCK)
                 if good == count:

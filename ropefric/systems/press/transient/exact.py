@@ -247,6 +247,20 @@ class Phase(Propagator):
         return made
 
 
+def lowest_between(
+    first: FloatArray, last: FloatArray, falling: FloatArray, rising: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return where in a step the cubic through values and slopes at both ends is lowest, as a share, and how low.
+
+    It is where its slope a x² + b x + c turns from falling to rising; slopes are per step.
+    """
+    a = 3.0 * (falling + rising - 2.0 * (last - first))
+    b = rising - falling - a
+    root = np.sqrt(np.maximum(b * b - 4.0 * a * falling, 0.0))
+    x = np.minimum(-2.0 * falling / np.maximum(b + root, 1e-300), 1.0)
+    return x, first + x * (falling + x * (0.5 * b + x * a / 3.0))
+
+
 def _first_dip(phase: Phase, z: FloatArray, after: FloatArray, length: float) -> tuple[BoolArray, float]:
     """Return which guards dip below zero inside a step that they begin and end above it, and where the first does."""
     n, begun, ended = len(phase.guards), phase.watch @ z, phase.watch @ after
@@ -254,13 +268,7 @@ def _first_dip(phase: Phase, z: FloatArray, after: FloatArray, length: float) ->
     turning = np.flatnonzero((s0 < 0.0) & (s1 > 0.0))
     if not turning.size:
         return g1 < -phase.tolerances, length
-    # The cubic through both values and rates is lowest where its slope a x² + b x + c turns from falling to rising.
-    c, rise = length * s0[turning], (g1 - g0)[turning]
-    a = 3.0 * (c + length * s1[turning] - 2.0 * rise)
-    b = length * s1[turning] - c - a
-    root = np.sqrt(np.maximum(b * b - 4.0 * a * c, 0.0))
-    x = np.minimum(-2.0 * c / np.maximum(b + root, 1e-300), 1.0)
-    lowest = g0[turning] + x * (c + x * (0.5 * b + x * a / 3.0))
+    x, lowest = lowest_between(g0[turning], g1[turning], length * s0[turning], length * s1[turning])
     for k in np.argsort(x):
         i, place = turning[k], float(x[k]) * length
         if lowest[k] < -phase.tolerances[i] and phase.watch[i] @ phase.step(place) @ z < -phase.tolerances[i]:

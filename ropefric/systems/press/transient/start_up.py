@@ -273,17 +273,20 @@ def _even(times_s: FloatArray) -> bool:
 def _on_grid(solver: GridSolver, times_s: FloatArray, told: Callable[[Solved], StartUp]) -> StartUp | None:
     """Return the start-up on the first grid that is no better than one of steps twice as long, if there is one.
 
-    None where a roller uses so much of its friction that it may as well slip: a grid does not decide that.
+    One grid is enough where nothing but drags took hold or let go: what their being late is worth has a bound. None
+    where a roller uses so much of its friction that it may as well slip: a grid does not decide that.
     """
     steps, coarse = math.ceil(float(times_s[1]) / _LONGEST_STEP_S), None
     check_steps(float(steps * len(times_s)))
     for doubling in range(_DOUBLINGS + 1):
-        solver.steps = steps * 2**doubling
+        solver.steps, solver.looks_between = steps * 2**doubling, not doubling
         try:
             with np.errstate(over="raise", invalid="raise"):
                 found = told(_solved(solver, times_s))
         except (SolverError, FloatingPointError):
             continue
+        if coarse is None and solver.only_drags and _is_near(solver, found):
+            return found
         # What changes of contacts are off by falls with the step at least: two of these are off by this much.
         if coarse is not None and largest_difference(found, coarse) <= 0.5 * GRID_ERROR:
             slipped = {slip.roller for slip in found.slips}
@@ -292,6 +295,24 @@ def _on_grid(solver: GridSolver, times_s: FloatArray, told: Callable[[Solved], S
             return None if verge else found
         coarse = found
     return None
+
+
+_CLEAR = 0.02
+"""Of a roller's friction: who has so much left at a step and between does not slip."""
+
+
+def _is_near(solver: GridSolver, found: StartUp) -> bool:
+    """Return whether drags that took hold or let go a little late change nothing much, and no belt came near to slip."""
+    limit = solver.limit
+    assert limit is not None  # noqa: S101  (a grid is for belts that may slip)
+    fastest_m_s = float(np.abs(found.drive_speed_m_s).max())
+    pressing_N = found.tension_N.min(axis=0) - solver.model.density_kg_m * fastest_m_s**2
+    grip_N = float(pressing_N.min()) * min(1.0, float(limit.growth.min()) - 1.0)
+    return (
+        float(solver.spare.min()) >= _CLEAR
+        and 3.0 * solver.late_tension_N <= GRID_ERROR * grip_N
+        and found.energy.relative_residual <= 0.1 * GRID_ERROR
+    )
 
 
 def largest_difference(found: StartUp, other: StartUp) -> float:

@@ -36,8 +36,8 @@ PICTURES = {
     "scenes": "saw",
 }
 """The case of each study that is shown."""
-WRONG = {6: 50, 8: 50, 12: 20, 20: 20, 36: 20}
-FOUND = dict.fromkeys(WRONG, 10)
+WRONG = {6: 50, 8: 50}
+FOUND = dict.fromkeys((6, 8, 12, 20, 36), 5)
 """Campaigns of constant data, and of each effect, that are judged at so many conditions."""
 MACHINE_LINE = "Times in the pictures: "
 _DPI = 80

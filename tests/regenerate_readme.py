@@ -36,8 +36,9 @@ PICTURES = {
     "scenes": "saw",
 }
 """The case of each study that is shown."""
-WRONG, FOUND = 50, 20
-"""Campaigns of constant data, and of each effect, that are judged at each design."""
+WRONG = {6: 50, 8: 50}
+FOUND = dict.fromkeys((6, 8, 12, 20, 36), 5)
+"""Campaigns of constant data, and of each effect, that are judged at so many conditions."""
 MACHINE_LINE = "Times in the pictures: "
 _DPI = 80
 # Below this an error is rounding, which every processor and every version of SciPy does in its own way.
@@ -153,30 +154,24 @@ def uncertainty_block() -> str:
 
 
 def verdicts_block() -> str:
-    """Return how often constant data support a richer law, design by design, and effects are found; hours."""
+    """Return how often constant data support another law, design by design, and effects are found; it takes hours."""
     designs = {(one.conditions, one.repeats, one.between): one for one in uncertainty.JUDGED_DESIGNS}
-    sizes, columns = (
-        list(dict.fromkeys(key[part] for key in designs)) for part in (slice(0, 1), slice(1, 3))
-    )
-    heads = (f"× {repeats}, {100 * between:.0f} %" for repeats, between in columns)
-    lines = [f"| conditions | {' | '.join(heads)} |", f"|---{len(columns) * '|---'}|"]
-    for size in sizes:
-        shares = (uncertainty.verdicts(designs[(*size, *column)], WRONG).shares["law"] for column in columns)
-        lines.append(f"| {size[0]} | {' | '.join(map(_percent, shares))} |")
+    columns = list(dict.fromkeys(key[1:] for key in designs))
+    heads = " | ".join(f"× {repeats}, {100 * between:.0f} %" for repeats, between in columns)
+    lines = [f"| conditions | campaigns | {heads} |", f"|---|---{len(columns) * '|---'}|"]
+    for size, n in WRONG.items():
+        shares = (uncertainty.verdicts(designs[size, *column], n).shares["law"] for column in columns)
+        lines.append(f"| {size} | {n} | {' | '.join(map(_percent, shares))} |")
+    effects = list(uncertainty.EFFECTS)[1:]
     lines += [
         "",
-        "| conditions × repeats | wrap effect | size effect | load dependence |",
-        "|---|---|---|---|",
+        f"| conditions of 5 | campaigns | {' | '.join(effects)} |",
+        f"|---|---{len(effects) * '|---'}|",
     ]
-    for repeats in (1, 5):
-        for (size,) in sizes:
-            true = designs[size, repeats, uncertainty.WITHIN]
-            shares = (
-                uncertainty.verdicts(true._replace(special=effect), FOUND).shares["effect"]
-                for effect in uncertainty.EFFECTS
-                if effect != true.special
-            )
-            lines.append(f"| {size} × {repeats} | {' | '.join(map(_percent, shares))} |")
+    for size, n in FOUND.items():
+        true = (designs[size, 5, uncertainty.WITHIN]._replace(special=effect) for effect in effects)
+        shares = (uncertainty.verdicts(one, n).shares["effect"] for one in true)
+        lines.append(f"| {size} | {n} | {' | '.join(map(_percent, shares))} |")
     return "\n".join([*lines, ""])
 
 

@@ -389,7 +389,8 @@ def find_trends(
 
     Linear and quadratic terms of the regressor are fitted beside the law's own parameters to the means of the
     conditions and tested (F) against what is left between conditions, so that a scatter between conditions alone
-    makes no trend. A regressor with fewer than three values gets the linear term alone.
+    makes no trend. A regressor with fewer than three values gets the linear term alone. Size and end tension may change
+    ln F itself, or μ and so ln F in proportion to the wrap: the surer of both counts, with its p-value doubled.
     """
     weight = np.sqrt(np.bincount(group, 1.0 / std**2))
     # Only what the law's own parameters cannot take up counts.
@@ -402,7 +403,7 @@ def find_trends(
         "size ratio": conditions.size_ratio,
         "end tension": conditions.log_end_tension,
     }
-    trends = []
+    trends, wrap = [], group_means(conditions.wrap_angle_rad, group)
     for name, of_pulls in regressors.items():
         values = group_means(of_pulls, group)
         span = np.ptp(values) if values.size else 0.0
@@ -410,15 +411,20 @@ def find_trends(
             continue
         x = (values - values.mean()) / span
         powers = (1,) if distinct(x + 2.0).size < 3 else (1, 2)
-        extra = np.stack([x**power for power in powers], axis=-1) * weight[:, None]
-        extra = _basis(extra - basis @ (basis.T @ extra), np.linalg.norm(extra, axis=0).max())
-        explained = extra.T @ left
-        more, dof = extra.shape[1], values.size - basis.shape[1] - extra.shape[1]
-        rest = float(left @ left - explained @ explained)
-        size = sqrt(float(np.mean((extra @ explained / weight) ** 2)))
-        if more and dof >= 1 and rest > 0.0 and size >= _ROUNDING:
-            F = float(explained @ explained) / more / (rest / dof)
-            trends.append(Trend(name, size, float(fdtrc(more, dof, F))))
+        found = []
+        for shape in (1.0,) if name == "wrap angle" else (1.0, wrap):
+            extra = np.stack([shape * x**power for power in powers], axis=-1) * weight[:, None]
+            extra = _basis(extra - basis @ (basis.T @ extra), np.linalg.norm(extra, axis=0).max())
+            explained = extra.T @ left
+            more, dof = extra.shape[1], values.size - basis.shape[1] - extra.shape[1]
+            rest = float(left @ left - explained @ explained)
+            size = sqrt(float(np.mean((extra @ explained / weight) ** 2)))
+            if more and dof >= 1 and rest > 0.0 and size >= _ROUNDING:
+                F = float(explained @ explained) / more / (rest / dof)
+                found.append(Trend(name, size, float(fdtrc(more, dof, F))))
+        if found:
+            surest = min(found, key=lambda trend: trend.p_value)
+            trends.append(surest._replace(p_value=min(1.0, len(found) * surest.p_value)))
     return tuple(sorted(trends, key=lambda trend: trend.p_value))
 
 

@@ -1,6 +1,7 @@
 """The measured blocks of the docs are what the script would write, apart from the machine it ran on."""
 
 import importlib.util
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -72,7 +73,7 @@ def test_the_page_says_how_many_intervals_hold_the_truth():
     """Every design stands there; those that take little time are counted again."""
     shown = block_of("uncertainty").splitlines()
     assert [line.split(" | ")[0] for line in shown[2:]] == [
-        f"| {case.name}" for case in STUDIES["uncertainty"].cases
+        f"| {case.name}" for case in STUDIES["uncertainty"].cases if "no effect" not in case.name
     ]
     few = (
         "import sys; sys.stdout.reconfigure(encoding='utf-8'); from dataclasses import replace\n"
@@ -84,6 +85,22 @@ def test_the_page_says_how_many_intervals_hold_the_truth():
     again = printed(few).splitlines()
     assert len(again) == 4
     assert set(again) <= set(shown), "run python tests/regenerate_readme.py uncertainty"
+
+
+def test_the_page_says_how_often_verdicts_are_wrong(script):
+    """Every number of conditions stands there, and no design is beyond a twentieth by more than two of its errors."""
+    rows = [
+        [cell.strip() for cell in line.strip("|").split("|")] for line in block_of("verdicts").splitlines()
+    ]
+    wrong = [row for row in rows if len(row) == 10 and row[0].isdigit()]
+    found = [row for row in rows if len(row) == 5 and row[0].isdigit()]
+    for counts, table in ((script.WRONG, wrong), (script.FOUND, found)):
+        assert {int(size): int(n) for size, n, *_ in table} == counts, (
+            "run tests/regenerate_readme.py verdicts"
+        )
+    for _, n, *shares in wrong:
+        room = 2.0 * math.sqrt(0.05 * 0.95 / int(n))
+        assert all(float(share.split("\N{NO-BREAK SPACE}")[0]) <= 100.0 * (0.05 + room) for share in shares)
 
 
 def test_blocks_go_between_their_markers_and_nowhere_else(script):

@@ -252,3 +252,20 @@ def test_identifiability_by_hand():
     assert identify(np.zeros((3, 1)), ["a"]).unseen == ("a",)
     assert identify(np.ones((1, 2)), ["a", "b"]).unseen == ("a", "b")
     assert identify(np.zeros((3, 0)), []).ratio == 1.0
+
+
+def test_a_trend_of_mu_is_found_though_wraps_differ():
+    """μ falls by a fifth from the smallest wheel to the largest, which no law of size allows; 12 conditions of 3."""
+    k, rng = np.arange(12), np.random.default_rng(4)
+    wrap, radius = np.pi * np.array([0.5, 1, 2, 4])[k % 4], np.array([0.015, 0.02, 0.03, 0.04, 0.06])[k % 5]
+    mu = 0.2 * (radius / 0.015) ** (np.log(0.8) / np.log(4.0))
+    group, load = np.repeat(k, 3), np.array([10.0, 40.0, 120.0])[k // 4]
+    force_N = load * np.exp(mu * wrap + 0.02 * rng.normal(size=12))
+    table = TrialTable(
+        trial=tuple(map(str, range(36))), wheel_radius_m=radius[group], rope_radius_m=np.full(36, 0.0049),
+        wrap_angle_rad=wrap[group], end_tension_N=load[group],
+        peak_N=force_N[group] * np.exp(0.02 * rng.normal(size=36)),
+    )  # fmt: skip
+    fit = fit_law(table, "constant")
+    assert fit.status == "residual-structure"
+    assert "follows the size ratio" in fit.advice[0]

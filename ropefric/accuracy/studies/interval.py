@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtri
 
+from ropefric.accuracy.studies.fit import known_problem
 from ropefric.accuracy.study import Case, Outcome, Setting, Study, against, over_seeds
 from ropefric.arrays import FloatArray
 from ropefric.fitting.intervals import bootstrap, profile_intervals
@@ -54,19 +55,9 @@ def interval_problem(law: str) -> FitProblem:
         wrap_angle_rad=np.array(WRAPS_RAD),
         end_tension_N=np.full(n, 20.0),
     )
-    scatter = _SCATTER[law]
+    truth, scatter = [_TRUTH[law]], _SCATTER[law]
     residual = scatter * np.sin(1.0 + 2.0 * np.arange(n))
-    return FitProblem(
-        law=chosen,
-        conditions=pulls,
-        log_lift=chosen.log_lift([_TRUTH[law]], pulls) + residual,
-        std=np.full(n, scatter),
-        group=np.arange(n),
-        start=np.array([_TRUTH[law]]),
-        lower=chosen.lower,
-        upper=chosen.upper,
-        vary=np.array([True]),
-    )
+    return known_problem(chosen, pulls, chosen.log_lift(truth, pulls) + residual, scatter, truth)
 
 
 def exact_interval(law: str) -> tuple[float, float, float]:

@@ -17,8 +17,8 @@ from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError, RopefricError
 from ropefric.fitting.predict import degrees_of_freedom, has_interval
 from ropefric.scenes.kind import finite
-from ropefric.scenes.plan import make_plan
-from ropefric.scenes.points import BLOCK, Answers, Progress, Write, solve_points
+from ropefric.scenes.plan import solve_planned
+from ropefric.scenes.points import BLOCK, Answers, Points, Progress, Write, solve_points
 from ropefric.scenes.scene import Scene, placed, unit_of, value_at
 from ropefric.scenes.sweep import Axis, parse_axis
 from ropefric.uncertainty.quantity import check_level, joint_draws, quantile, symmetric_root
@@ -43,7 +43,7 @@ class _Friction(NamedTuple):
     bounds: tuple[FloatArray | float, FloatArray | float] = (-math.inf, math.inf)
 
 
-class _Draws:
+class _Draws(Points):
     """The cases of a scene that are drawn; see `points.Points`."""
 
     option = "--draws"
@@ -280,8 +280,7 @@ def draw_scene(
         )
     kind, problem, points = scene.kind, scene.problem, _Draws(scene, count, seed)
     try:
-        plan, model = make_plan(kind.system, problem, accuracy=scene.accuracy, effects=scene.effects)
-        answer = kind.system.solve(model, plan.method)
+        answer = solve_planned(scene, problem)[1]
         as_given = (*kind.quantities(answer, problem), *kind.outcomes(answer, problem))
         found, kept = solve_points(
             scene, points, progress=progress, write=write, keep=KEPT_DRAWS, executor=executor

@@ -8,6 +8,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,8 +17,8 @@ from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError, RopefricError
 from ropefric.fitting.predict import degrees_of_freedom, has_interval
 from ropefric.scenes.kind import finite
-from ropefric.scenes.plan import make_plan
-from ropefric.scenes.points import BLOCK, Answers, Progress, Write, solve_points
+from ropefric.scenes.plan import solve_planned
+from ropefric.scenes.points import BLOCK, Answers, Points, Progress, Write, solve_points
 from ropefric.scenes.scene import Scene, placed, unit_of, value_at
 from ropefric.scenes.sweep import Axis, parse_axis
 from ropefric.uncertainty.quantity import check_level, joint_draws, quantile, symmetric_root
@@ -26,6 +27,8 @@ MOST_DRAWS = 10_000_000
 FEWEST_DRAWS = 10
 KEPT_DRAWS = 200_000
 """Whose numbers are held, for quantiles."""
+_ALL_CORNERS = 8
+"""Tolerances at all of whose corners the box is looked at."""
 _OWN_PARAMETERS = "friction.parameters."
 
 
@@ -40,7 +43,7 @@ class _Friction(NamedTuple):
     bounds: tuple[FloatArray | float, FloatArray | float] = (-math.inf, math.inf)
 
 
-class _Draws:
+class _Draws(Points):
     """The cases of a scene that are drawn; see `points.Points`."""
 
     option = "--draws"
@@ -79,15 +82,19 @@ class _Draws:
 
     def box(self) -> list[FloatArray]:
         """Return corners of all tolerances, each with the parameters as fitted and far out each way."""
-        corners = [one.ravel() for one in np.meshgrid(*(axis.values for axis in self.axes), indexing="ij")]
+        size = len(self.axes)
+        if size <= _ALL_CORNERS:
+            ways = np.array(list(product((0, 1), repeat=size))).reshape(2**size, size)
+        else:  # of very many some
+            ways = np.random.default_rng(self.seed).integers(0, 2, (2**_ALL_CORNERS, size))
+        corners = [axis.values[way] for axis, way in zip(self.axes, ways.T, strict=True)]
         if self.friction is None:
             return corners
         names, theta, half, root, dof, bounds = self.friction
         reach = quantile(1.0 - 0.5 / (self.shape[0] * len(names)), dof)
-        ways = np.vstack([np.zeros(theta.size), np.diag(half), reach * root.T.reshape(-1, theta.size)])
-        stars = np.clip(theta + np.unique(np.vstack([ways, -ways]), axis=0), *bounds)
-        count = corners[0].size if corners else 1
-        return [*(np.tile(one, len(stars)) for one in corners), np.repeat(stars, count, axis=0)]
+        rays = np.vstack([np.zeros(theta.size), np.diag(half), reach * root.T.reshape(-1, theta.size)])
+        stars = np.clip(theta + np.unique(np.vstack([rays, -rays]), axis=0), *bounds)
+        return [*(np.tile(one, len(stars)) for one in corners), np.repeat(stars, len(ways), axis=0)]
 
     def drawn(self, places: IntArray) -> Mapping[str, FloatArray]:
         """Return what was drawn, in the units of the scene."""
@@ -271,11 +278,9 @@ def draw_scene(
             key="--draws",
             fix=f"ask for {FEWEST_DRAWS} to {MOST_DRAWS} draws and a seed from 0",
         )
-    kind, problem = scene.kind, scene.problem
+    kind, problem, points = scene.kind, scene.problem, _Draws(scene, count, seed)
     try:
-        points = _Draws(scene, count, seed)
-        plan, model = make_plan(kind.system, problem, accuracy=scene.accuracy, effects=scene.effects)
-        answer = kind.system.solve(model, plan.method)
+        answer = solve_planned(scene, problem)[1]
         as_given = (*kind.quantities(answer, problem), *kind.outcomes(answer, problem))
         found, kept = solve_points(
             scene, points, progress=progress, write=write, keep=KEPT_DRAWS, executor=executor

@@ -125,6 +125,15 @@ def make_plan(
     return Plan(decisions=tuple(decisions), method=method, accuracy=accuracy, error_bound=error_bound), model
 
 
+def solve_planned(scene: Scene, problem: Any, effects: str | tuple[str, ...] = "") -> tuple[Plan, Any]:
+    """Return the plan of a scene for a problem of its kind, with effects as it asks for or others, and the answer."""
+    system, kept = scene.kind.system, scene.kind.kept(problem)
+    plan, model = make_plan(
+        system, problem, accuracy=scene.accuracy, effects=effects or scene.effects, kept=kept
+    )
+    return plan, system.solve(model, plan.method)
+
+
 def worth_asking(
     applicable: list[Effect[Any, Any]], cases: int, least_s: float = _LEAST_SAVED_S
 ) -> list[Effect[Any, Any]]:
@@ -271,15 +280,6 @@ def _measured(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Ex
     def solved(names: set[str]) -> tuple[Any, float]:
         return timed(lambda: system.solve(assemble(system, problem, names), plan.method))
 
-    def as_asked(effects: str | tuple[str, ...]) -> tuple[Any, float]:
-        def once() -> Any:
-            made, model = make_plan(
-                system, problem, accuracy=scene.accuracy, effects=effects, kept=scene.kind.kept(problem)
-            )
-            return system.solve(model, made.method)
-
-        return timed(once)
-
     own, own_s = solved(simulated)
     decisions = []
     for one in plan.decisions:
@@ -296,7 +296,8 @@ def _measured(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Ex
                     time_s=takes_s,
                 )
         decisions.append(found)
-    planned_s, (everything, all_s) = as_asked(scene.effects)[1], as_asked("all")
+    planned_s = timed(lambda: solve_planned(scene, problem))[1]
+    (_, everything), all_s = timed(lambda: solve_planned(scene, problem, "all"))
     return replace(
         told,
         plan=replace(plan, decisions=tuple(decisions)),

@@ -19,7 +19,7 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, RopefricError
 from ropefric.executors import spread
 from ropefric.scenes.kind import Failure, Kind, Quantity
-from ropefric.scenes.plan import make_plan, room_for_effects, worth_asking
+from ropefric.scenes.plan import make_plan, room_for_effects, solve_planned, worth_asking
 from ropefric.scenes.scene import Scene, replaced, source_of
 from ropefric.shown import Shown
 from ropefric.systems.checks import rules_of
@@ -52,15 +52,10 @@ class Points(Protocol):
     fix: str
     """What to do where none of them has an answer."""
 
-    @property
-    def keys(self) -> tuple[str, ...]:
-        """Return the keys of the scene that change."""
-        ...
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Return how many there are, along each axis."""
-        ...
+    keys: tuple[str, ...]
+    """Of the scene, that change."""
+    shape: tuple[int, ...]
+    """How many there are, along each axis."""
 
     def at(self, places: IntArray) -> list[FloatArray]:
         """Return the values of all keys at places of one block in SI, and last the parameters if they differ, (n, p)."""
@@ -70,9 +65,9 @@ class Points(Protocol):
         """Return such values at corners of the box that all points lie in, and between them."""
         ...
 
-    def drawn(self, places: IntArray) -> Mapping[str, FloatArray]:
-        """Return what a table has before the numbers of the answer, where a table does not know it."""
-        ...
+    def drawn(self, places: IntArray) -> Mapping[str, FloatArray]:  # noqa: ARG002  (of the draws)
+        """Return what a table has before the numbers of the answer, where it does not know it from its axes."""
+        return {}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -422,9 +417,8 @@ class _Run:
         kind, scene = self.kind, self.scene
         if self.by_array and isinstance(scene.effects, tuple):
             return self._listed(problem, frozenset(scene.effects))
-        effects = "all" if scene.effects == "auto" and self.by_array else scene.effects
-        plan, model = make_plan(kind.system, problem, accuracy=scene.accuracy, effects=effects)
-        answer = kind.system.solve(model, plan.method)
+        whole = scene.effects == "auto" and self.by_array
+        plan, answer = solve_planned(scene, problem, "all" if whole else "")
         return _found(
             kind, problem, answer, frozenset(plan.simulated), frozenset(plan.left_out), plan.error_bound
         )

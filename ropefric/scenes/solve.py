@@ -17,7 +17,7 @@ from ropefric.friction.condition import Conditions
 from ropefric.plugins import provenance
 from ropefric.quantities import split_unit_suffix
 from ropefric.scenes.kind import Quantity, finite
-from ropefric.scenes.plan import Plan, make_plan, method_tree
+from ropefric.scenes.plan import Plan, method_tree, solve_planned
 from ropefric.scenes.scene import FrictionSource, Scene, placed
 from ropefric.shown import Shown, in_words
 from ropefric.systems.effect import assemble
@@ -165,10 +165,7 @@ def solve_scene(scene: Scene, *, level: float = 0.95, identify: bool = False) ->
         )
     kind, problem, source = scene.kind, scene.problem, scene.source
     try:
-        plan, model = make_plan(
-            kind.system, problem, accuracy=scene.accuracy, effects=scene.effects, kept=kind.kept(problem)
-        )
-        answer = kind.system.solve(model, plan.method)
+        plan, answer = solve_planned(scene, problem)
         quantities = kind.quantities(answer, problem)
 
         def again(friction: WrapFriction) -> tuple[Quantity, ...]:

@@ -4,7 +4,6 @@ An axis is a key of the scene and the values it is to take. There may be million
 block, planned once for their box.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import prod
 from typing import Any
@@ -15,7 +14,7 @@ from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
-from ropefric.scenes.points import Answers, Progress, Write, solve_points
+from ropefric.scenes.points import Answers, Points, Progress, Write, solve_points
 from ropefric.scenes.scene import Scene, number_keys, read_scene, replaced, unit_of, value_at
 
 MOST_POINTS = 10_000_000
@@ -101,22 +100,16 @@ _LEVELS = {1: 9, 2: 5, 3: 4, 4: 3}
 """Values of each axis at which the box of a sweep is looked at, by how many axes there are; more have two."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Grid:
+class _Grid(Points):
     """The points of all combinations of values; the last axis runs fastest."""
 
-    axes: tuple[Axis, ...]
     option = "--sweep"
     what = "point of the sweep"
     fix = "sweep over values that this scene can take"
 
-    @property
-    def keys(self) -> tuple[str, ...]:
-        return tuple(axis.key for axis in self.axes)
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        return tuple(axis.values.size for axis in self.axes)
+    def __init__(self, axes: tuple[Axis, ...]) -> None:
+        self.axes, self.keys = axes, tuple(axis.key for axis in axes)
+        self.shape = tuple(axis.values.size for axis in axes)
 
     def at(self, places: IntArray) -> list[FloatArray]:
         grid = np.unravel_index(places, self.shape)
@@ -127,9 +120,6 @@ class _Grid:
         ordered = [np.unique(axis.values) for axis in self.axes]
         chosen = [one[np.unique(np.linspace(0, one.size - 1, levels).astype(int))] for one in ordered]
         return [one.ravel() for one in np.meshgrid(*chosen, indexing="ij")]
-
-    def drawn(self, places: IntArray) -> Mapping[str, FloatArray]:  # noqa: ARG002  (the table writes its axes itself)
-        return {}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -199,7 +199,7 @@ class GridSolver(HybridSolver):
                 fired = (margins < -1.0).any(axis=1)
                 good = int(np.argmax(fired)) if fired.any() else count
                 low = margins[:good]
-                if self.looks_between and good:
+                if self.looks_between and self.only_drags and good:
                     low = phase.lowest(states[: good + 1], low, self._step_s)
                     self.only_drags &= bool(low.min() >= -1.0)
                 self._note_spare(phase, low)

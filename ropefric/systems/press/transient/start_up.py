@@ -207,8 +207,8 @@ def start_up(
         )
         return made(([problem.motion] * len(times), states, works, []), _LINEAR_CLOSES)
     if slips and integrator == "rk4":
-        step_s = settings.get("step_s")
-        stepped = _rk4_solver(model, inputs, limit, times, step_s=step_s, follow=following)
+        stepped = RK4Solver(model, inputs, limit, follow=following)
+        stepped.steps = _rk4_steps(times, settings.get("step_s"))
         return made(_solved(stepped, times), GRID_ERROR)
     if slips and not exact_switching and _even(times):
         on_grid = _on_grid(
@@ -239,27 +239,14 @@ _LONGEST_STEP_S = 5e-3
 _DOUBLINGS = 5
 
 
-def _rk4_solver(
-    model: ElasticPress,
-    inputs: Inputs,
-    limit: FrictionLimit | None,
-    times_s: FloatArray,
-    *,
-    step_s: float | None,
-    follow: Callable[[FloatArray], FrictionLimit] | None,
-) -> RK4Solver:
-    """Return the solver of the classical Runge-Kutta method with steps no longer than asked for."""
+def _rk4_steps(times_s: FloatArray, step_s: float | None) -> int:
+    """Return how many steps of the classical Runge-Kutta method, no longer than asked for, lead from time to time."""
     if not _even(times_s):
-        raise InputError(
-            "RK4 with slip needs evenly spaced times from 0 on",
-            key="time_s",
-            fix="take the integrator 'exact'",
-        )
+        message = "RK4 with slip needs evenly spaced times from 0 on"
+        raise InputError(message, key="time_s", fix="take the integrator 'exact'")
     step_s = _RK4_STEP_S if step_s is None else float(checked("step_s", step_s))
     check_steps(float(times_s[-1]) / step_s)
-    solver = RK4Solver(model, inputs, limit, follow=follow)
-    solver.steps = math.ceil(float(times_s[1]) / step_s * (1.0 - 1e-9))
-    return solver
+    return math.ceil(float(times_s[1]) / step_s * (1.0 - 1e-9))
 
 
 _RK4_STEP_S = 2e-4

@@ -253,7 +253,7 @@ def carry_through(
             # A law at the edge of where it has an answer has no slope there.
             ends = []
         for place, one in enumerate(nominal if ends or not columns.size else ()):
-            slopes = [(_read(up[place]) - _read(down[place])) / (2.0 * _STEP) for up, down in ends]
+            slopes = [_slope(up[place], down[place]) for up, down in ends]
             along = np.array(slopes).reshape(len(ends), one.value.size)
             variance, known = (along**2).sum(axis=0), ((common.T @ along) ** 2).sum(axis=0)
             dof = combined_dof(variance, known, degrees_of_freedom(fit))
@@ -262,8 +262,16 @@ def carry_through(
     return tuple(_with_std(one, *spread) for one, spread in zip(nominal, spreads, strict=True))
 
 
+def _slope(up: Quantity, down: Quantity) -> FloatArray:
+    """Return the slope between two solutions: 0 of what the friction leaves as it is, zero and infinite as well."""
+    with np.errstate(invalid="ignore"):
+        apart = _read(up) - _read(down)
+    return np.where(up.value == down.value, 0.0, apart) / (2.0 * _STEP)
+
+
 def _read(quantity: Quantity) -> FloatArray:
-    return np.log(quantity.value) if quantity.positive else quantity.value
+    with np.errstate(divide="ignore"):
+        return np.log(quantity.value) if quantity.positive else quantity.value
 
 
 def _with_std(quantity: Quantity, std: FloatArray, reach: npt.ArrayLike) -> Uncertain:

@@ -346,15 +346,7 @@ _FASTEST = 0.98
 
 def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
     # A constant-force mounting has no critical speed.
-    names = (
-        "frequencies_Hz",
-        "tension_N",
-        "wave_speed_m_s",
-        "critical_speed_m_s",
-        "torsion_Hz",
-        "feed_limit_N",
-    )
-    tree: dict[str, Any] = {side.value: kind.first(one, *names) for side, one in answer.sides.items()}
+    tree: dict[str, Any] = {side.value: kind.first(one, *one._fields) for side, one in answer.sides.items()}
     if problem.speed_m_s is not None:
         tree["speed_m_s"] = float(problem.speed_m_s[0])
     if problem.feed_force_N is not None:

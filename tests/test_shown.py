@@ -58,11 +58,49 @@ def test_a_result_shows_itself_in_every_form(name):
     frame = result.to_frame()
     assert isinstance(frame, pd.DataFrame)
     assert len(frame) >= 1
-    if name in {"campaign", "scene"}:
-        with pytest.raises(rf.RopefricError, match="there is no figure of"):
-            result.plot()
-    else:
-        assert isinstance(result.plot(), Figure)
+    assert isinstance(result.plot(), Figure)
+
+
+def test_a_campaign_is_drawn_as_its_design():
+    campaign = rf.load_campaign(ROOT / "data" / "prth-bench" / "campaign.toml")
+    few = tuple(one for one in campaign.trials if one.trial != "c04-r01")
+    axes = campaign.model_copy(update={"trials": few}).plot().axes[0]
+    (drawn,) = axes.collections
+    settings = {(one.wheel_radius_m, one.wrap_angle_rad, one.end_tension_N): 0 for one in few}
+    assert len(drawn.get_offsets()) == len(settings) == 36
+    assert sorted(drawn.get_array()) == sorted(force_N for _, _, force_N in settings)
+    areas = np.sort(drawn.get_sizes())
+    assert areas[0] / areas[1] == pytest.approx(11 / 12)
+    assert len({tuple(point) for point in drawn.get_offsets().tolist()}) == 36  # none hides another
+
+
+@pytest.mark.parametrize("name", ["hoist", "belt-press", "band-saw", "traction", "belt-drive", "band-brake"])
+def test_a_scene_is_drawn_as_its_layout(name):
+    from ropefric.plotting.machines import draw_layout
+
+    scene = rf.load_scene(ROOT / "data" / "scenes" / f"{name}.toml")
+    drawn = draw_layout(scene)
+    belts = scene.kind.layout(scene.problem)
+    wheels = [wheel for one in belts.values() for wheel in one]
+    axes = drawn.figure.axes[0]
+    assert axes.get_aspect() == 1.0
+    discs = [np.ptp(patch.get_path().vertices, axis=0) for patch in axes.patches if patch.get_label() != ""]
+    assert np.allclose(discs, [[2e3 * one.radius_m] * 2 for one in wheels], rtol=1e-3)
+    assert [row[3:] for row in drawn.tables[0].rows] == [(one.radius_m, one.wrap_angle_rad) for one in wheels]
+    if name == "belt-press":
+        assert {belt: [one.name for one in own] for belt, own in belts.items()}["lower"][:2] == ["9", "10"]
+    if name == "band-saw":
+        assert wheels[0].apart_m == 1.6
+
+
+def test_a_scene_without_wheels_has_no_drawing(tmp_path):
+    text = (ROOT / "data" / "scenes" / "band-saw.toml").read_text(encoding="utf-8")
+    blade, rest = text.split("[wheel]")
+    (tmp_path / "saw.toml").write_text(
+        blade + "[tension]" + rest.split("[tension]")[1].split("[drive]")[0], "utf-8"
+    )
+    with pytest.raises(rf.RopefricError, match="there is no figure of this bandsaw scene"):
+        rf.load_scene(tmp_path / "saw.toml").plot()
 
 
 def test_everything_the_interface_returns_does():

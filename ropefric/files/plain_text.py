@@ -4,7 +4,7 @@ import csv
 import io
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import Any
 
 # Control characters (ESC steers a terminal), what turns the direction of a line round, what no UTF-8 or XML holds.
@@ -22,13 +22,18 @@ _DECIMAL = re.compile(r"(?<![\w.,:/§])([-+−±]?\d++)\.(\d++(?:e[-+−]?\d++)?
 _DATE = re.compile(r"(?<![\w./-])(\d{4})-(\d\d)-(\d\d)(?![\w-]|\.\w)")
 
 
-def localized(text: str, language: str) -> str:
-    """Return text with its decimal numbers and dates as a language writes them; its words stay.
+def localized(text: str, language: str, names: Collection[str] = ()) -> str:
+    """Return text with its decimal numbers and dates as a language writes them; its words and these names stay.
 
-    >>> localized("F_A = 168.98 N, calibrated 2026-01-20", "de")
-    'F_A = 168,98 N, calibrated 20.01.2026'
+    >>> localized("F_A = 168.98 N, calibrated 2026-01-20", "de"), localized("pull 1.5: 2.5 N", "de", {"pull 1.5"})
+    ('F_A = 168,98 N, calibrated 20.01.2026', 'pull 1.5: 2,5 N')
     """
-    return text if language == "en" else _DATE.sub(r"\3.\2.\1", _DECIMAL.sub(r"\1,\2", text))
+    if language == "en":
+        return text
+    own = "|".join(map(re.escape, sorted(names, key=lambda name: (-len(name), name))))
+    parts = re.split(rf"(?<![\w.])({own})(?!\w)", text) if own else [text]
+    parts[::2] = [_DATE.sub(r"\3.\2.\1", _DECIMAL.sub(r"\1,\2", part)) for part in parts[::2]]
+    return "".join(parts)
 
 
 def visible(text: str) -> str:

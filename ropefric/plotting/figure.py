@@ -3,7 +3,7 @@
 import gc
 import io
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -129,20 +129,23 @@ def rewrite_words(figure: Figure, rewrite: Callable[[str], str]) -> None:
                     named.update({place: rewrite(word) for place, word in named.items()})
 
 
-def localize(figure: Figure, language: str) -> None:
-    """Set the numbers of a figure as a language writes them, in its words and at its axes."""
+def localize(figure: Figure, language: str, names: Collection[str] = ()) -> None:
+    """Set the numbers of a figure as a language writes them, in its words and at its axes; names stay."""
     if language == "en":
         return
-    rewrite_words(figure, lambda text: localized(text, language))
+    local = partial(localized, language=language, names=names)
+    rewrite_words(figure, local)
     for axes in figure.axes:
         for part in (axes, *axes.child_axes):
             for axis in (part.xaxis, part.yaxis):
                 for formatter in (axis.get_major_formatter(), axis.get_minor_formatter()):
-                    formatter.format_ticks = partial(_local_ticks, formatter.format_ticks, language)  # type: ignore[method-assign]
+                    formatter.format_ticks = partial(_local_ticks, formatter.format_ticks, local)  # type: ignore[method-assign]
 
 
-def _local_ticks(format_ticks: Callable[[Any], list[str]], language: str, values: Any) -> list[str]:
-    return [localized(text, language) for text in format_ticks(values)]
+def _local_ticks(
+    format_ticks: Callable[[Any], list[str]], local: Callable[[str], str], values: Any
+) -> list[str]:
+    return [local(text) for text in format_ticks(values)]
 
 
 def _texts(artist: Artist) -> Iterator[Text]:

@@ -8,16 +8,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 from matplotlib.ticker import LogFormatter
+from scipy.ndimage import gaussian_filter
 from scipy.special import ndtri
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
-from ropefric.fitting.predict import REGRESSORS, predict
+from ropefric.fitting.predict import REGRESSORS, degrees_of_freedom, predict
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups, levels, same_setting
 from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
+from ropefric.uncertainty.quantity import joint_draws, symmetric_root
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -486,70 +488,94 @@ def _scatter(axes: "Axes", x: "FloatArray | IntArray", z: FloatArray, law: str) 
     axes.plot(x[far], z[far], "X", color=style.DARK_ORANGE, markersize=6, label="beyond ±2")
 
 
-_CORNER = ((1.0, 0.35), (2.0, 0.15))
-"""Standard errors that an ellipse of a corner plot reaches to, and how deep its ink is."""
+_DRAWS, _DRAWN_POINTS, _CELLS = 4000, 200, 28
+"""Draws from a covariance, how many of the draws are shown as points, and cells of a density along each side."""
+_HELD = (0.95, 0.5)
+"""Shares of the draws that the contours hold."""
+
+
+def parameter_draws(fit: FitResult) -> tuple[FloatArray, str]:
+    """Return draws of the parameters that a fit shows, shape (n, p), and in words what they are."""
+    if fit.draws is not None:
+        return fit.draws[:, fit.shown], f"{len(fit.draws)} refits of the bootstrap"
+    rng, dof = np.random.default_rng(0), degrees_of_freedom(fit)
+    draws = joint_draws(fit.theta, symmetric_root(fit.covariance), dof=dof, n=_DRAWS, rng=rng)
+    law, theta = fit.friction_law, fit.theta
+    inside = np.clip(draws, np.minimum(law.lower, theta), np.maximum(law.upper, theta))
+    of = f"t with {dof:.3g} degrees of freedom" if math.isfinite(dof) else "normal"
+    return inside[:, fit.shown], f"{_DRAWS} draws from the covariance ({of}, seed 0)"
 
 
 def draw_corner(fit: FitResult) -> FigureWithData:
-    """Return the parameters of a fit against each other, by their covariance: ellipses of 1 and 2 standard errors.
+    """Return the parameters of a fit against each other as draws: points, and contours that hold half and 95 %.
 
-    The projection of an ellipse on an axis is the value ± 1 or 2 standard errors, at which the axes have their
-    numbers; how far it leans shows how far two parameters go together. On the diagonal stands the density of each.
+    Where the intervals are from a bootstrap they are its refits, else draws from the covariance with a fixed seed. On
+    the diagonal stands the histogram of each parameter; the axes have their numbers at the value and two standard
+    errors beside it.
     """
     place = np.flatnonzero(fit.shown)
     names = [fit.parameters[i].name for i in place]
-    theta, covariance = fit.theta[place], fit.covariance[np.ix_(place, place)]
-    std = np.sqrt(np.diag(covariance))
-    correlation = covariance / np.outer(std, std)
-    n, color = place.size, style.law_look(fit.law)["color"]
-    round_angle = np.linspace(0.0, 2.0 * np.pi, 73)
-    bell = np.linspace(-3.2, 3.2, 81)
-    with drawing(*(2 * [1.4 + 1.45 * n])) as figure:
+    theta, std = fit.theta[place], np.sqrt(np.diag(fit.covariance)[place])
+    correlation = fit.covariance[np.ix_(place, place)] / np.outer(std, std)
+    draws, what = parameter_draws(fit)
+    z = (draws - theta) / std
+    # In standard errors; so far as all but a few draws go.
+    ends = np.clip(np.quantile(z, [0.001, 0.999], axis=0).T, [-5.0, 2.3], [-2.3, 5.0])
+    n = place.size
+    with drawing(*(2 * [1.6 + 1.45 * n])) as figure:
         panels = figure.subplots(n, n, squeeze=False)
         for (row, column), axes in np.ndenumerate(panels):
             if column > row:
                 axes.set_visible(False)
                 continue
             axes.grid(visible=False)
-            for axis, i in ((axes.xaxis, column), (axes.yaxis, row)):
-                if axis is axes.yaxis and row == column:
-                    axes.set_yticks([])
-                    continue
-                # In standard errors, so that ellipses are round; the numbers are those of the parameter.
-                ends = [f"{theta[i] + side * std[i]:.3g}" for side in (-2.0, 0.0, 2.0)]
-                outer = row == n - 1 if axis is axes.xaxis else column == 0
-                axis.set_ticks([-2.0, 0.0, 2.0], ends if outer else [""] * 3, fontsize=8)
-            axes.set_xlim(-3.2, 3.2)
+            axes.set_xlim(*ends[column])
+            for axis, i, outer in ((axes.xaxis, column, row == n - 1), (axes.yaxis, row, column == 0)):
+                numbers = [f"{theta[i] + side * std[i]:.3g}" for side in (-2.0, 0.0, 2.0)]
+                axis.set_ticks([-2.0, 0.0, 2.0], numbers if outer else [""] * 3, fontsize=8)
             if row == column:
-                axes.fill_between(bell, np.exp(-0.5 * bell**2), color=(color, 0.25), linewidth=0)
-                axes.plot(bell, np.exp(-0.5 * bell**2), color=color, linewidth=1.2)
+                axes.set_yticks([])
+                counts, edges = np.histogram(z[:, row], _CELLS, tuple(ends[row]))
+                look = style.law_look(fit.law)["color"]
+                axes.stairs(counts, edges, fill=True, facecolor=(look, 0.3), edgecolor=look)
                 axes.set_title(names[row], fontsize=9)
-                axes.set_ylim(0.0, 1.15)
             else:
-                lean = float(correlation[row, column])
-                rest = math.sqrt(max(1.0 - lean**2, 0.0))
-                for reach, depth in _CORNER:
-                    x, y = reach * np.cos(round_angle), reach * np.sin(round_angle)
-                    axes.fill(
-                        x, lean * x + rest * y, facecolor=(color, depth), edgecolor=color, linewidth=0.8
-                    )
-                axes.set_ylim(-3.2, 3.2)
-                style.note_at(axes, f"{lean:+.2f}", (3.0, 2.7), ha="right", va="top", fontsize=7)
+                axes.set_ylim(*ends[row])
+                _draw_pair(axes, z[:, column], z[:, row], fit.law)
+                note = f"{correlation[row, column]:+.2f}"
+                axes.set_title(note, fontsize=7, loc="right", y=0.86, pad=0.0)
             if row == n - 1:
                 axes.set_xlabel(_with_unit(fit, names[column]), fontsize=9)
             if column == 0 and row:
                 axes.set_ylabel(_with_unit(fit, names[row]), fontsize=9)
+        figure.suptitle(what, fontsize=9)
     rows = [
         (names[i], names[j], float(theta[i]), float(std[i]), float(correlation[i, j]))
         for i in range(n)
         for j in range(n)
     ]
     closest = max((row for row in rows if row[0] != row[1]), key=lambda row: abs(row[4]), default=None)
-    alt = f"Parameters of the law {fit.law} against each other: {', '.join(names)}."
+    alt = f"Parameters of the law {fit.law} against each other, {what}: {', '.join(names)}."
     if closest is not None:
         alt += f" {closest[0]} and {closest[1]} go together most, with a correlation of {closest[4]:.3g}."
     header = ("parameter", "other", "value", "std", "correlation")
-    return FigureWithData(figure=figure, tables=(DataTable.of_rows(header, rows),), alt=alt)
+    drawn = DataTable(dict(zip(names, draws.T, strict=True)), "draws")
+    return FigureWithData(figure=figure, tables=(DataTable.of_rows(header, rows), drawn), alt=alt)
+
+
+def _draw_pair(axes: "Axes", x: FloatArray, y: FloatArray, law: str) -> None:
+    """Draw some of the draws of two parameters as points, and how densely all of them lie as contours."""
+    ink = style.law_look(law)["color"]
+    ends = (*axes.get_xlim(), *axes.get_ylim())
+    counts, across, up = np.histogram2d(x, y, _CELLS, (ends[:2], ends[2:]))
+    density = gaussian_filter(counts, 2.0, mode="constant")
+    ranked = np.sort(density.ravel())[::-1]
+    held = np.cumsum(ranked) / ranked.sum()
+    levels = [float(ranked[np.searchsorted(held, share)]) for share in _HELD]
+    few = slice(None, None, max(1, x.size // _DRAWN_POINTS))
+    axes.plot(x[few], y[few], ".", color=style.GREY, markersize=1.6, alpha=0.6)
+    middle = [0.5 * (edges[1:] + edges[:-1]) for edges in (across, up)]
+    axes.contour(*middle, density.T, levels=levels, colors=[ink], linewidths=(0.8, 1.4))
 
 
 def _with_unit(fit: FitResult, name: str) -> str:

@@ -1,5 +1,6 @@
 """The figure behind `plot()` of every result: which of the house's figures it is, and the plain ones of its own."""
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import singledispatch
 from typing import Any
@@ -17,22 +18,24 @@ from ropefric.fitting.next_tests import LabPlan
 from ropefric.fitting.predict import Prediction
 from ropefric.fitting.result import FitResult
 from ropefric.given import as_trace
-from ropefric.glossary import GLOSSARY
+from ropefric.glossary import GLOSSARY, counted
 from ropefric.pipeline.run import CampaignRun
 from ropefric.plotting import style
 from ropefric.plotting.campaign import draw_overview
 from ropefric.plotting.design import draw_budget, draw_ladder
 from ropefric.plotting.figure import drawing
 from ropefric.plotting.fits import draw_fit_band
-from ropefric.plotting.machines import draw_explanation, draw_sweep, scene_figures
+from ropefric.plotting.machines import draw_explanation, draw_layout, draw_sweep, scene_figures
 from ropefric.scenes.draws import Draws
 from ropefric.scenes.plan import Explanation
+from ropefric.scenes.scene import Scene
 from ropefric.scenes.solve import Solution
 from ropefric.scenes.sweep import Sweep
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.smoothing import SmoothedForce
 from ropefric.traces.trace import ForceTrace
+from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.outliers import Repeatability
 from ropefric.trials.result import Extraction
 from ropefric.trials.table import TrialTable
@@ -135,6 +138,50 @@ def _(series: Repeatability) -> Figure:
 
     names = (f"all {series.n}", f"kept {series.n_kept}")
     return _simple("Mean ± s", "", paint, names=names, title=series.rule)
+
+
+@draw.register
+def _(campaign: Campaign) -> Figure:
+    slack = campaign.protocol.needs_lift_force
+    known, label = (
+        ("lift_force_N", "Known force F_A [N]")
+        if slack
+        else ("end_tension_N", style.regressor_label("end_tension_N"))
+    )
+    names = ("wheel_radius_m", "wrap_angle_rad", known)
+    repeats = Counter(tuple(getattr(trial, name) for name in names) for trial in campaign.trials)
+    settings = sorted(repeats)
+    radius_m, wrap_rad, force_N = np.array(settings, dtype=np.float64).reshape(-1, 3).T
+    # Conditions that differ in their tension alone stand beside each other.
+    alike = [[one for one in settings if one[:2] == own[:2]] for own in settings]
+    beside = [group.index(own) - 0.5 * (len(group) - 1) for own, group in zip(settings, alike, strict=True)]
+    gap_m = np.diff(np.unique(radius_m)).min(initial=0.1 * radius_m.max(initial=1.0))
+    x_mm = 1e3 * (radius_m + 0.7 * gap_m / max(map(len, alike), default=1) * np.array(beside))
+
+    def paint(axes: Axes) -> None:
+        area = 9.0 * np.array([repeats[one] for one in settings])
+        drawn = axes.scatter(
+            x_mm, np.degrees(wrap_rad), s=area, c=force_N, cmap="cividis", edgecolors="white"
+        )
+        axes.figure.colorbar(drawn, ax=axes).set_label(label)
+        if np.ptp(area) > 0.0:
+            axes.legend(
+                *drawn.legend_elements("sizes", num=3, func=lambda area: np.asarray(area) / 9.0),
+                title="repeats",
+            )
+
+    most = max(repeats.values(), default=0)
+    title = (
+        f"{campaign.name}: {counted(len(settings), 'condition')}, {counted(most, 'repeat')} at most (by area)"
+    )
+    return _simple(
+        style.regressor_label("wheel_radius_m"), style.regressor_label("wrap_angle_rad"), paint, title=title
+    )
+
+
+@draw.register
+def _(scene: Scene) -> Figure:
+    return draw_layout(scene).figure
 
 
 @draw.register

@@ -220,6 +220,7 @@ def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Part]) -> Re
         lead=f"{subject.tally}; the friction law they ask for, how good it is, and the lift force it gives.",
         chapters=tuple(chapter for chapter in chapters if chapter.blocks),
         language=subject.language,
+        names=subject.names,
     )
 
 

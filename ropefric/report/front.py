@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from ropefric.files.plain_text import localized
 from ropefric.glossary import counted
 from ropefric.pipeline.evidence import Evidence
 from ropefric.pipeline.run import CampaignAnswer, CampaignRun
@@ -20,6 +21,8 @@ _GIVEN = {
     "number": "Report",
     "date": "Date",
 }
+SHORT_NAMES = (16, 20)
+"""Letters that figures have room for in the name of a trial."""
 _LIMITS = ("linearity", "hysteresis", "repeatability", "transmitter")
 
 
@@ -55,6 +58,23 @@ class Subject(NamedTuple):
     def language(self) -> str:
         """Return whose numbers and dates the report has."""
         return self.wish.language or self.words.language
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Return what people have named with numbers that a language would change, whole and as figures cut it."""
+        words, table = self.words, self.answer.table
+        given = [self.title, words.lab, words.customer, words.operator, words.number, *table.trial]
+        if self.run is not None:
+            campaign, trials = self.run.campaign, self.run.extraction.trials
+            given += [
+                *campaign.wheels,
+                *campaign.cells,
+                *(one.trial for one in trials),
+                *(one.file for one in trials),
+            ]
+            given += [wheel.material for wheel in campaign.wheels.values()]
+        cut = {name[:length] for name in given for length in (None, *SHORT_NAMES)}
+        return frozenset(name for name in cut if localized(name, self.language) != name)
 
 
 def front_blocks(

@@ -74,13 +74,14 @@ class Chapter(NamedTuple):
 class Report(NamedTuple):
     """A whole report; its chapter `result` is what a reader may skip to.
 
-    `language` is that of its numbers and dates.
+    `language` is that of its numbers and dates; `names` are kept as they are.
     """
 
     title: str
     lead: str
     chapters: tuple[Chapter, ...]
     language: str = "en"
+    names: frozenset[str] = frozenset()
 
 
 def as_html(report: Report) -> str:
@@ -123,5 +124,6 @@ def _kind(block: Block) -> str:
 @pass_context
 def _symbols(context: Context, text: str) -> Markup:
     """Return text with the index of each symbol set low and numbers in the report's language, all else escaped."""
-    shown = escape(localized(text, context["report"].language))
+    report = context["report"]
+    shown = escape(localized(text, report.language, report.names))
     return Markup(_SYMBOL.sub(r"\1<sub>\2</sub>", str(shown)))  # noqa: S704  (escaped just now)

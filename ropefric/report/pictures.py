@@ -13,7 +13,14 @@ from ropefric.pipeline.run import CampaignAnswer
 from ropefric.plotting.campaign import conditions_of, draw_condition, draw_overview
 from ropefric.plotting.design import draw_budget, draw_design_chart, draw_ladder, draw_tornado
 from ropefric.plotting.figure import FigureWithData, begin, figure_files, localize
-from ropefric.plotting.fits import draw_capstan, draw_corner, draw_fit_band, draw_mu_facets, draw_residuals
+from ropefric.plotting.fits import (
+    draw_capstan,
+    draw_corner,
+    draw_fit_band,
+    draw_mu_facets,
+    draw_residuals,
+    parameter_draws,
+)
 from ropefric.plotting.machines import draw_chart
 from ropefric.plotting.recordings import draw_recording, draw_recordings, pages_of_recordings
 from ropefric.plotting.svg import svg_text
@@ -51,8 +58,9 @@ def draw_pictures(
         ("paper", f"paper_{one.stem}", f"{one.chart.title}.", partial(draw_chart, one.chart))
         for one in of_paper
     ]
+    names = subject.names
     jobs = {
-        stem: partial(_drawn, stem, draw, subject.language, subject.wish.formats)
+        stem: partial(_drawn, stem, draw, subject.language, names, subject.wish.formats)
         for _, stem, _, draw in drawings
     }
     made: dict[str, tuple[str, tuple[str, ...]]] = {}
@@ -63,14 +71,16 @@ def draw_pictures(
             progress(done, len(drawings), stem)
     found: dict[str, list[Picture]] = {}
     for chapter, stem, caption, _ in drawings:
-        svg, names = made[stem]
-        found.setdefault(chapter, []).append(Picture(stem, svg, caption, names, narrow=chapter == "front"))
+        svg, own = made[stem]
+        found.setdefault(chapter, []).append(Picture(stem, svg, caption, own, narrow=chapter == "front"))
     return found
 
 
-def _drawn(stem: str, draw: Draw, language: str, formats: Collection[str]) -> tuple[str, dict[str, bytes]]:
+def _drawn(
+    stem: str, draw: Draw, language: str, names: Collection[str], formats: Collection[str]
+) -> tuple[str, dict[str, bytes]]:
     figure = draw()
-    localize(figure.figure, language)
+    localize(figure.figure, language, names)
     files = figure_files(figure, f"{FOLDER}/{stem}", formats=formats)
     return svg_text(figure, stem=stem), files
 
@@ -176,8 +186,9 @@ def _of_laws(answer: CampaignAnswer) -> Drawings:
     yield "residuals", "residuals", caption, partial(draw_residuals, fit)
     if fit.shown.sum() > 1:
         caption = (
-            "The parameters against each other: ellipses of one and two standard errors, with their correlation. A "
-            "slim ellipse that leans is a pair that the data see only together."
+            f"The parameters against each other: {parameter_draws(fit)[1]}, some as points; the contours hold half "
+            "and 95 % of them, the number is the correlation. A slim cloud that leans is a pair that the data see only "
+            "together."
         )
         yield "corner", "corner", caption, partial(draw_corner, fit)
     if answer.comparison.conclusive:

@@ -130,6 +130,27 @@ def test_only_numbers_and_dates_change(text, expected):
     assert localized(text, "en") == text
 
 
+def test_names_are_not_changed():
+    names = {"pull 1.5", "1.5", "2026-01-20", "pull 1.50"}
+    told = "pull 1.5: 21.5 N of 1.5; pull 1.50, 2026-01-20 and 2026-01-21, pull 2.5 (1.5)"
+    kept = "pull 1.5: 21,5 N of 1.5; pull 1.50, 2026-01-20 and 21.01.2026, pull 2,5 (1.5)"
+    assert localized(told, "de", names) == kept
+
+
+@pytest.mark.slow
+def test_a_german_report_keeps_the_names_of_trials(five, tmp_path):
+    shutil.copytree(five / "c", tmp_path / "c")
+    listed = tmp_path / "c" / "trials.csv"
+    text = listed.read_text(encoding="utf-8")
+    listed.write_text(re.sub(r"^c01-r0(\d)", r"pull \1.5", text, flags=re.MULTILINE), encoding="utf-8")
+    assert main(
+        ["report", str(tmp_path / "c"), "--out", str(tmp_path / "out"), "--locale", "de", "--quiet"]
+    ) in {0, 4}
+    words = seen((tmp_path / "out" / "report.html").read_text(encoding="utf-8"))
+    assert re.findall(r"pull \d\.5", words)
+    assert re.findall(r"pull \d,5", words) == []
+
+
 @pytest.mark.slow
 def test_figures_stand_beside_it_as_files(five, handed):
     written = {path.name for path in (five / "out" / "figures").iterdir()}

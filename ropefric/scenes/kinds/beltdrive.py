@@ -269,6 +269,14 @@ def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> kind.Chart | None
     )
 
 
+def _layout(problem: DriveProblem) -> dict[str, tuple[kind.Wheel, ...]]:
+    driving = kind.lone_wheel(problem, ("T_1", "T_2"), "driving")
+    if problem.driven_radius_m is None or problem.driven_wrap_rad is None:
+        return {"belt": (driving,)}
+    driven = kind.Wheel("driven", float(problem.driven_radius_m[0]), float(problem.driven_wrap_rad[0]))
+    return {"belt": (driving, driven)}
+
+
 KIND = kind.Kind(
     name="beltdrive",
     schema=DriveScene,
@@ -281,6 +289,7 @@ KIND = kind.Kind(
     answerable=answerable,
     failures=_failures,
     sections=_sections,
+    layout=_layout,
     figures={"belt_power": kind.Figure(_power_chart), "belt_arcs": kind.Figure(_arcs_chart)},
     words={
         "full_pull_N": "Largest pull of all belts [N]",

@@ -132,4 +132,5 @@ KIND = kind.Kind(
     failures=_failures,
     sections=_sections,
     beyond={"slip_arc_rad": "the arcs of slip and stick"},
+    layout=lambda problem: {"rope": (kind.lone_wheel(problem, ("F_A", "F_B")),)},
 )

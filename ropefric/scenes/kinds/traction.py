@@ -117,7 +117,8 @@ def _quantities(answer: TractionAnswer, problem: TractionProblem) -> tuple[kind.
         kind.Quantity("needed_wrap_rad", answer.needed_wrap_rad, positive=True),
         *(undercut if problem.is_round else ()),
         *(
-            kind.Quantity(f"cases.{case}.utilisation", use, positive=True)
+            # Stalled, ropes without weight leave nothing on the slack side: 0, whatever the friction.
+            kind.Quantity(f"cases.{case}.utilisation", use, positive=bool((use > 0.0).all()))
             for case, use in zip(CASES, answer.utilisation, strict=True)
         ),
     )
@@ -227,6 +228,7 @@ KIND = kind.Kind(
     failures=_failures,
     sections=_sections,
     figures={"traction": kind.Figure(_chart)},
+    layout=lambda problem: {"ropes": (kind.lone_wheel(problem, ("car", "counterweight"), "sheave"),)},
     words={
         "largest_utilisation": "Largest utilisation of the four load cases",
         "needed_wrap_rad": "Least wrap that holds while loading and braking [rad]",

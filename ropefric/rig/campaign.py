@@ -19,7 +19,7 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
 from ropefric.rig.bench import RIG_PROTOCOLS, Bench, RecordingTruth
 from ropefric.rig.pulls import PHYSICS
-from ropefric.rig.recording import FAULTS, SATURATION_MARGIN, SimulatedRecording, simulate_recording
+from ropefric.rig.recording import FAULTS, ORDINARY, SATURATION_MARGIN, SimulatedRecording, simulate_recording
 
 TRUTH_SCHEMA = "ropefric.rig-truth/1"
 PRTH_SEED = 20260
@@ -55,9 +55,7 @@ class CampaignPlan:
     unseen: tuple[RigCondition, ...] = ()
     rope_linear_density_kg_m: float = 0.062
     repeats: int = 12
-    faults: Mapping[str, float] = field(
-        default_factory=lambda: {fault.name: fault.rate for fault in FAULTS.values() if fault.rate}
-    )
+    faults: Mapping[str, float] = field(default_factory=lambda: dict(ORDINARY))
     bench: Bench = field(default_factory=Bench)
     protocol: str = "breakaway"
     physics: str = "coulomb"
@@ -131,7 +129,7 @@ def prth_bench_plan() -> CampaignPlan:
         conditions=tuple(conditions),
         design=design,
         unseen=(unseen_1, unseen_2),
-        faults={fault.name: fault.rate for fault in FAULTS.values() if fault.rate}
+        faults=ORDINARY
         | {"hum": 0.05, "snag": 0.02, "impact": 0.02, "precursor": 0.02}
         | {"rounded": 0.01, "slow-fall": 0.01, "zero-drift": 0.01},
         # Recordings as short as the paper's phases allow: 432 of them are kept under version control.

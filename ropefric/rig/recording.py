@@ -296,6 +296,7 @@ FAULTS: Registry[Fault] = Registry(
     ],
 )
 """Every fault by name, with the fraction of recordings it befalls in an ordinary campaign."""
+ORDINARY = {fault.name: fault.rate for fault in FAULTS.values() if fault.rate}
 
 
 def _drawn(bench: Bench, *given: Any, faults: Sequence[Fault], physics: str) -> SliderPull:

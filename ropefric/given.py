@@ -19,7 +19,7 @@ from ropefric.registry import did_you_mean
 from ropefric.traces.readers.table import SAFE_NAMES
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials import cells
-from ropefric.trials.table import QUANTITIES, TrialTable, read_trial_table, table_from_frame
+from ropefric.trials.table import TrialTable, read_trial_table, table_from_frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -172,7 +172,7 @@ def as_frame(table: Any, columns: Columns = None) -> "pd.DataFrame":
         fix = did_you_mean(str(strangers[0]), map(str, known_names))
         raise UnknownNameError(f"there is no column {strangers[0]!r} to be renamed", key="columns", fix=fix)
     if isinstance(table, Mapping):
-        known = {**QUANTITIES, **{name: ("", unit, 1.0) for name, unit in (("time", "s"), ("force", "N"))}}
+        known = {**cells.QUANTITIES, "time": ("", "s", 1.0), "force": ("", "N", 1.0)}
         plain = {}
         for name, values in table.items():
             header = renamed.get(name, name)

@@ -112,7 +112,7 @@ def unit_factor(unit: str, si_unit: str, *, name: str = "quantity") -> float:
         "text": f"'{shown}' is not a unit",
         "unknown": f"unknown unit '{unit}'",
     }[found]
-    raise _unreadable(name, message, f"use a unit such as '{_example_unit(si_unit)}'")
+    raise _unreadable(name, message, f"use a unit such as '{example_unit(si_unit)}'")
 
 
 def _unreadable(name: str, what: str, fix: str) -> InputError:
@@ -166,7 +166,7 @@ def si_unit_of(unit: str) -> str:
 def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> float:
     """Return a quantity written with its unit as an SI float."""
     if isinstance(text, bool) or not isinstance(text, str | int | float):
-        raise _unreadable(name, f"{_shown(text)} is not a quantity", f'write "1 {_example_unit(si_unit)}"')
+        raise _unreadable(name, f"{_shown(text)} is not a quantity", f'write "1 {example_unit(si_unit)}"')
     digits, unit = _split(text, si_unit, name)
     value = float(digits)
     problem, fix = _doubt(digits, value, unit, si_unit)
@@ -187,7 +187,7 @@ def _split(text: str | float, si_unit: str, name: str) -> tuple[str, str]:
     """Return the number of a quantity and its unit, both as written."""
     if isinstance(text, int) and text.bit_length() > 1024:  # more digits than Python likes to print
         raise _unreadable(name, "the number is not a finite number", "correct the number")
-    written, fix = str(text).strip(), f'write it like "1.5 {_example_unit(si_unit)}"'
+    written, fix = str(text).strip(), f'write it like "1.5 {example_unit(si_unit)}"'
     if len(written) > _MAX_TEXT:
         raise _unreadable(name, f"{_shown(written)} is too long for a quantity", fix)
     match = _NUMBER.match(written)
@@ -217,7 +217,7 @@ def _shown(text: object) -> str:
 
 def _doubt(digits: str, value: float, unit: str, si_unit: str) -> tuple[str, str]:
     """Return what is wrong with a number and its unit as they stand, and the fix; nothing where all is well."""
-    example = _example_unit(si_unit)
+    example = example_unit(si_unit)
     if not math.isfinite(value):
         return "is not a finite number", ""
     if value == 0 and _NOT_ZERO.search(digits.lower().partition("e")[0]):
@@ -235,6 +235,7 @@ _DIMENSIONS = {
 }  # fmt: skip
 
 
-def _example_unit(si_unit: str) -> str:
+def example_unit(si_unit: str) -> str:
+    """Return a unit that people write such quantities in."""
     known = {"m": "mm", "rad": "deg", "kg/m": "g/m", "": "%"}
     return known.get(si_unit, si_unit)

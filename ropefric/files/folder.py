@@ -19,7 +19,6 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
-from types import TracebackType
 from typing import Any, BinaryIO, Self
 
 from ropefric.errors import DataError, Problem, data_error
@@ -115,9 +114,7 @@ class OutputFolder(Folder):
             raise
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_why: object) -> None:
         for part in self._staged.values():
             write.discard(part)
         self._staged.clear()
@@ -393,11 +390,10 @@ def _me() -> dict[str, Any]:
 
 def _holder(text: bytes) -> dict[str, Any]:
     """Return what a lock says of its owner; nothing for one that was never finished."""
-    try:
-        tree = json.loads(text)
-    except ValueError:
-        return {}
-    return tree if isinstance(tree, dict) else {}
+    with suppress(ValueError):
+        if isinstance(tree := json.loads(text), dict):
+            return tree
+    return {}
 
 
 def _lock_file(handle: int) -> bool:

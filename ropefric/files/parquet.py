@@ -19,10 +19,8 @@ def arrow(key: str = "") -> tuple[Any, Any]:
     try:
         return import_module("pyarrow"), import_module("pyarrow.parquet")
     except ImportError:
-        message, fix = (
-            "Parquet needs pyarrow, which is not installed",
-            'pip install "ropefric[parquet]", or use CSV',
-        )
+        message = "Parquet needs pyarrow, which is not installed"
+        fix = 'pip install "ropefric[parquet]", or use CSV'
         raise InputError(message, code="RF107", key=key, fix=fix) from None
 
 

@@ -5,7 +5,6 @@ import os
 import stat
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import TracebackType
 from typing import Self, TypeVar
 
 from ropefric.errors import DataError
@@ -21,8 +20,6 @@ KEPT_BYTES = 8 * 2**20
 TRIES = 3
 """How often a file that changes is read before it is refused."""
 
-_CHANGED = "the file changed while it was read"
-_WAIT = "is a logger still writing it? Wait until it is complete"
 _FLAGS = (
     os.O_RDONLY
     | getattr(os, "O_NONBLOCK", 0)  # a pipe that took a file's place in between must not hold us up
@@ -50,6 +47,11 @@ class FileChangedError(DataError):
     """A file was written to while it was read; reading it again may help."""
 
 
+def _changed(shown: str) -> FileChangedError:
+    fix = "is a logger still writing it? Wait until it is complete"
+    return FileChangedError("the file changed while it was read", path=shown, fix=fix)
+
+
 class InputFile:
     """A regular file, open for reading, that gives the same bytes however often they are asked for.
 
@@ -66,9 +68,7 @@ class InputFile:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_why: object) -> None:
         self._stream.close()
 
     @property
@@ -99,7 +99,7 @@ class InputFile:
             return b"".join(self._pass(BLOCK_BYTES))
         content = self.part(0, self.size + 1)
         if len(content) != self.size or not self.is_steady:
-            raise self._changed()
+            raise _changed(self.shown)
         self._kept = content
         return content
 
@@ -119,9 +119,6 @@ class InputFile:
         """Return whether the file is still what was read of it."""
         return self._kept is not None or self._look()[1] == self._version
 
-    def _changed(self) -> FileChangedError:
-        return FileChangedError(_CHANGED, path=self.shown, fix=_WAIT)
-
     def _look(self) -> tuple[int, tuple[int, ...]]:
         found = os.fstat(self._stream.fileno())
         return found.st_size, (found.st_size, found.st_mtime_ns)
@@ -137,7 +134,7 @@ class InputFile:
             yield block
         digest = hashed.hexdigest()
         if n_read != self.size or self._look()[1] != self._version or (self._hash or digest) != digest:
-            raise self._changed()
+            raise _changed(self.shown)
         self._hash = digest
 
 
@@ -188,7 +185,7 @@ def use_file(
             else:
                 if file.is_steady:
                     return found
-    raise FileChangedError(_CHANGED, path=shown or Path(path).as_posix(), fix=_WAIT)
+    raise _changed(shown or Path(path).as_posix())
 
 
 def hash_file(path: str | os.PathLike[str], what: str = "file", *, shown: str = "") -> str:

@@ -3,6 +3,7 @@
 import codecs
 import csv
 import zlib
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -179,13 +180,9 @@ class Text:
     @property
     def end_of_head(self) -> int:
         """Return where the lines to look at end: after `HEAD_BYTES`, but at least after some lines; never within one."""
-        end = 0
-        for _ in range(HEAD_LINES):
-            end = self.data.find(b"\n", end) + 1
-            if end == 0:
-                return len(self.data)
         n = len(self.data)
-        return n if n <= HEAD_BYTES else max(end, self.data.rfind(b"\n", 0, HEAD_BYTES) + 1)
+        by_size = n if n <= HEAD_BYTES else self.data.rfind(b"\n", 0, HEAD_BYTES) + 1
+        return max(by_size, start_of_line(self.data, HEAD_LINES + 1))
 
     def line(self, number: int) -> str:
         """Return the text of a 1-based line, "" where there is none."""
@@ -286,14 +283,11 @@ def load_text(source: Source, encoding: str = "") -> Text:
 
 
 def _is_utf8(blocks: Iterable[bytes], source: Source) -> bool:
-    decoder, is_open = codecs.getincrementaldecoder("utf-8")(), False
     try:
-        for block in blocks:
-            if is_open or not block.isascii():
-                decoder.decode(block)
-                is_open = bool(decoder.getstate()[0])
-        decoder.decode(b"", final=not source.most_bytes)
-    except UnicodeDecodeError:
+        deque(_to_utf8(blocks, "utf-8", source), maxlen=0)
+    except DataError as error:
+        if error.code != "RF108":
+            raise
         return False
     return True
 

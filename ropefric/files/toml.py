@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ropefric.errors import DataError, Problem
 from ropefric.files.read import kind_of_file, read_file
@@ -98,16 +98,13 @@ def _shown(path: str | os.PathLike[str]) -> str:
     return Path(path).as_posix()
 
 
+_IN_ONE_PLACE, _IN_QUOTES = "join both in one place", 'put text and quantities in quotes: "40 mm"'
 _MEANINGS = (
     ("Cannot overwrite a value", "this key is given a second time", "remove one of the two"),
     ("Cannot declare", "this table is given a second time", "join both under one heading"),
-    (
-        "Cannot mutate immutable",
-        "this table is complete where it was first written",
-        "join both in one place",
-    ),
-    ("Invalid value", "the value is not TOML", 'put text and quantities in quotes: "40 mm"'),
-    ("Expected newline or end", "something follows the value", 'put text and quantities in quotes: "40 mm"'),
+    ("Cannot mutate immutable", "this table is complete where it was first written", _IN_ONE_PLACE),
+    ("Invalid value", "the value is not TOML", _IN_QUOTES),
+    ("Expected newline or end", "something follows the value", _IN_QUOTES),
     ("Expected '='", "there is no '=' after the key", 'write key = "value"'),
     ("Illegal character", "a character is not allowed here, or a quote is not closed", "close the quote"),
     ("Unterminated string", "a quote is not closed", "close the quote"),
@@ -158,7 +155,7 @@ def endless_key(text: str, most: int) -> int | None:
     r"""Return the line of the first key with more than `most` dotted parts, whose cost grows with their square."""
     dots = 0
     for token in _tokens(text):
-        if token.is_mark("."):
+        if token.kind == ".":
             dots += 1
             if dots >= most:
                 return token.line
@@ -179,20 +176,17 @@ def key_text(path: KeyPath) -> str:
     return text
 
 
-@dataclass(frozen=True, slots=True)
-class _Token:
-    kind: str
+class _Token(NamedTuple):
+    kind: str  # of a mark, the mark
     text: str
     line: int
-
-    def is_mark(self, mark: str) -> bool:
-        return self.kind == "mark" and self.text == mark
 
 
 def _tokens(text: str) -> Iterator[_Token]:
     line = 1
     for match in _TOKEN.finditer(text):
-        yield _Token(match.lastgroup or "other", match[0], line)
+        kind = match.lastgroup or "other"
+        yield _Token(match[0] if kind == "mark" else kind, match[0], line)
         line += match[0].count("\n")
 
 
@@ -223,7 +217,7 @@ class _Locator:
             token = self.tokens[self.at]
             if token.kind == "newline":
                 self.at += 1
-            elif token.is_mark("["):
+            elif token.kind == "[":
                 table = self._header()
             else:
                 self._value(self._key(table))
@@ -241,7 +235,7 @@ class _Locator:
             token = self.tokens[self.at]
             if token.kind in ("bare", "string"):
                 names.append(token)
-            elif not token.is_mark("."):
+            elif token.kind != ".":
                 break
             self.at += 1
         return names
@@ -257,7 +251,7 @@ class _Locator:
     def _header(self) -> KeyPath:
         """Read `[a.b]` or `[[a.b]]`; names on the way mean the latest element of an array of tables."""
         self.at += 1
-        is_array = self.at < len(self.tokens) and self.tokens[self.at].is_mark("[")
+        is_array = self.at < len(self.tokens) and self.tokens[self.at].kind == "["
         self.at += is_array
         parts = self._names()
         path: KeyPath = ()
@@ -282,22 +276,20 @@ class _Locator:
             if token.kind == "newline" and not stack:
                 return
             self.at += 1
-            if token.is_mark("["):
+            if token.kind in ("string", "bare", "other", "[", "{"):
                 self._note(slot, token.line)
+            if token.kind == "[":
                 stack.append((slot, 0))
                 slot = (*slot, 0)
-            elif token.is_mark("{"):
-                self._note(slot, token.line)
+            elif token.kind == "{":
                 stack.append((slot, None))
                 slot = self._key(slot)
-            elif (token.is_mark("]") or token.is_mark("}")) and stack:
+            elif token.kind in ("]", "}") and stack:
                 slot = stack.pop()[0]
-            elif token.is_mark(",") and stack:
+            elif token.kind == "," and stack:
                 base, number = stack.pop()
                 stack.append((base, None if number is None else number + 1))
                 slot = self._key(base) if number is None else (*base, number + 1)
-            elif token.kind not in ("newline", "mark"):
-                self._note(slot, token.line)
 
 
 # None of these is a key of any scene.

@@ -5,15 +5,8 @@ import types
 from collections.abc import Callable, Collection, Mapping
 from typing import Annotated, Any, NoReturn, TypeVar, Union, get_args, get_origin
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    GetCoreSchemaHandler,
-    PlainValidator,
-    ValidationError,
-    create_model,
-)
+import pydantic
+from pydantic import BaseModel, Field, PlainValidator
 from pydantic_core import PydanticCustomError
 from pydantic_core.core_schema import CoreSchema, no_info_after_validator_function
 
@@ -31,7 +24,7 @@ CUSTOM = "ropefric"
 class StrictTable(BaseModel):
     """A TOML table that refuses keys it does not know."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = pydantic.ConfigDict(extra="forbid", frozen=True)
 
     @property
     def given(self) -> dict[str, Any]:
@@ -64,9 +57,11 @@ class Table:
             key, reader = given if isinstance(given, tuple) else (name, given)
             kind = reader if get_origin(reader) is not None else Annotated[Any, PlainValidator(reader)]
             columns[name] = (kind, Field(alias=key) if name in needed else Field(default=None, alias=key))
-        self.model = create_model("Table", __base__=StrictTable, **columns)
+        self.model = pydantic.create_model("Table", __base__=StrictTable, **columns)
 
-    def __get_pydantic_core_schema__(self, _source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+    def __get_pydantic_core_schema__(
+        self, _source: Any, handler: pydantic.GetCoreSchemaHandler
+    ) -> CoreSchema:
         return no_info_after_validator_function(self._made, handler.generate_schema(self.model))
 
     def _made(self, table: StrictTable) -> Any:
@@ -190,7 +185,7 @@ def validate_document(model: type[M], document: TomlDocument) -> tuple[M | None,
     """Return a document as a model, or what is wrong with it."""
     try:
         return model.model_validate(dict(document.data)), ()
-    except ValidationError as error:
+    except pydantic.ValidationError as error:
         problems = [
             _problem(model, document, item) for item in error.errors(include_url=False, include_input=True)
         ]

@@ -2,7 +2,7 @@
 
 The fit: `problem` makes a trial table a least-squares problem, `levenberg` solves thousands of those at once, `fit`
 searches with it from a few good starts; `statistics` knows scatter, covariance, identifiability and criteria,
-`assemble` makes a `result` of what was found, which holds the words and rules of the verdict too. `intervals` finds
+`result` is what a fit hands on, made of what was found, with the words and rules of the verdict. `intervals` finds
 other intervals, by profile or bootstrap. `store` writes, loads and verifies fits.
 What it is worth: `compare` weighs laws against each other and picks one by how each `standing` on condition means is,
 `diagnose` says why a rope does not obey the capstan equation. What it is for: `predict` carries it to a wheel and

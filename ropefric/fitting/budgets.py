@@ -94,7 +94,7 @@ def force_model(side: ForceSide) -> MeasurementModel:
 
 
 def coefficient_model(
-    lift: ForceSide, end: ForceSide, wrap: Quantity, *, gain_limit: float = 0.0
+    lift: ForceSide, end: ForceSide, wrap: Quantity, *, gain_limit: float = 0
 ) -> MeasurementModel:
     """Return the measurement equation of the average coefficient, μ̄ = ln(F_A/F_B)/φ, eq. (2).
 
@@ -232,9 +232,8 @@ def conditions_of_table(
         if not u_N:
             notes.append("the table gives no uncertainty of the measuring chain: it is taken as exact")
         elif row.size > 1:
-            notes.append(
-                "tare and picking of each trial are counted with the chain as if shared: on the safe side"
-            )
+            text = "tare and picking of each trial are counted with the chain as if shared: on the safe side"
+            notes.append(text)
         if not known_std_N:
             notes.append(f"the table gives no uncertainty of {other}: only gravity is counted")
         chain = Quantity("measuring chain, tare and picking", "δ_chain", "N", u_N)
@@ -247,9 +246,7 @@ def conditions_of_table(
     return _with_scatter_of_others(found)
 
 
-def _mean_force(
-    symbol: str, values_N: FloatArray, chain: Iterable[Quantity], ratio: float = 1.0
-) -> ForceSide:
+def _mean_force(symbol: str, values_N: FloatArray, chain: list[Quantity], ratio: float = 1.0) -> ForceSide:
     """Return a mean force with its s/√n and what its trials share; the scatter of a single trial is not known yet."""
     n, std_N = values_N.size, float(values_N.std(ddof=1)) / ratio if values_N.size > 1 else 0.0
     what, dof = ("repeatability", f"mean {symbol}", "N"), None if n > 1 else math.inf
@@ -310,31 +307,28 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
     notes: list[str] = []
     single = len(trials) == 1
 
-    def add(quantity: Quantity, words: str, *, shared: bool) -> None:
+    def add(item: Quantity, words: str, *, shared: bool) -> None:
         if single or shared:
-            found.append(quantity)
+            found.append(item)
         else:
-            notes.append(
-                f"each trial has its own {words} ({quantity.std:.2g} N): the repeatability holds it already"
-            )
+            text = f"each trial has its own {words} ({item.std:.2g} N)"
+            notes.append(f"{text}: the repeatability holds it already")
 
     if chains:
         worst = max(chains, key=lambda chain: chain.cell.full_scale_N)
-        if any(chain.cell != worst.cell for chain in chains):
-            notes.append(
-                f"several force cells were used: the chain is that of the largest, {worst.cell.name}"
-            )
+        largest = worst.cell
+        if any(chain.cell != largest for chain in chains):
+            notes.append(f"several force cells were used: the chain is that of the largest, {largest.name}")
         shared = chain_quantities(_mean(trial.measured_N for trial in trials), worst)
         # What changes from one loading to the next shows in the scatter of the trials.
         found += [item for item in shared if single or item.name != "cell's repeatability"]
         tare_N = math.sqrt(_mean(chain.tare_std_N**2 for chain in chains))
         one_tare = len({chain.tare_N for chain in chains}) == 1
         add(Quantity("tare", "δ_0", "N", tare_N), "tare", shared=one_tare)
-        if not single and worst.cell.repeatability:
-            limit_N = worst.cell.repeatability * worst.cell.full_scale_N
-            notes.append(
-                f"the cell's own repeatability (limit {limit_N:.2g} N) is part of that of the trials"
-            )
+        if not single and largest.repeatability:
+            limit_N = largest.repeatability * largest.full_scale_N
+            text = f"the cell's own repeatability (limit {limit_N:.2g} N) is part of that of the trials"
+            notes.append(text)
     else:
         text = "the recordings come in newtons without their chain: calibration and resolution are unknown"
         notes.append(text)

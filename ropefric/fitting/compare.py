@@ -7,7 +7,7 @@ fuller law is preferred to a simpler one takes AICc, the error at conditions lef
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -37,8 +37,6 @@ from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.quantity import check_type
-
-Unit = Literal["conditions", "trials"]
 
 ALWAYS = ("constant", "constant-offset")
 """Laws that stand in every comparison: a constant μ with an offset can look exactly like a wrap effect."""
@@ -92,10 +90,8 @@ class Comparison(Shown):
         Counted laws by AICc, then the others.
     tests : tuple of FTest
         Nested pairs, on the same observations.
-    unit : {"conditions", "trials"}
-        What an observation is.
     n, n_trials : int
-        Observations and trials.
+        Conditions, which are the observations, and trials.
     scatter_within : float
         Standard deviation of ln F_A between repeats [-]; NaN without repeats.
     notes : tuple of str
@@ -108,10 +104,10 @@ class Comparison(Shown):
 
     _said = ("best.law", "n", "unit", "n_trials", "scatter_within", "notes")
     _framed = "ranking"
+    unit = "conditions"
 
     ranking: tuple[ComparisonEntry, ...]
     tests: tuple[FTest, ...]
-    unit: Unit
     n: int
     n_trials: int
     scatter_within: float
@@ -151,7 +147,6 @@ def compare_laws(
     table: TrialTable,
     laws: Iterable[str | FrictionLaw] | None = None,
     *,
-    unit: Unit = "conditions",
     progress: Callable[[str, int, int], None] | None = None,
 ) -> Comparison:
     """Return how friction laws stand against each other on a trial table."""
@@ -177,13 +172,12 @@ def compare_laws(
             reasons = law.validity([parameter.start for parameter in law.parameters], table.conditions())
             notes[name] = reasons[0] if reasons else str(error)
     data, slack = fits["constant"].data, table.measures_slack
-    means = condition_means(data if unit == "conditions" else replace(data, group=np.arange(data.n_points)))
+    means = condition_means(data)
     wild = wild_trial(data, slack=slack)
     standings = {name: standing(fit.data, means, fit.theta, slack=slack) for name, fit in fits.items()}
     for name, stands in standings.items():
-        notes[name] = (
-            notes[name] or _no_judge(fits[name], stands, means, slack=slack) or _twin(name, standings, notes)
-        )
+        notes[name] = notes[name] or _no_judge(fits[name], stands, means, slack=slack)
+        notes[name] = notes[name] or _twin(name, standings, notes)
     ranking = _ranking(fits, standings, notes, len(means))
     tests = tuple(
         found
@@ -195,11 +189,10 @@ def compare_laws(
         ranking=ranking,
         tests=tests,
         contests=_contests(ranking, tests, standings, means),
-        unit=unit,
         n=len(means),
         n_trials=data.n_points,
         scatter_within=means.scatter_within,
-        notes=_notes(ranking, tests, means, unit, slack=slack),
+        notes=_notes(ranking, tests, means, slack=slack),
         wild=() if wild is None else (np.array(table.trial)[table.used][wild].item(),),
     )
 
@@ -318,17 +311,12 @@ def _twin(name: str, standings: Mapping[str, Standing], notes: Mapping[str, str]
 
 
 def _notes(
-    ranking: Sequence[ComparisonEntry],
-    tests: Sequence[FTest],
-    means: ConditionMeans,
-    unit: Unit,
-    *,
-    slack: bool,
+    ranking: Sequence[ComparisonEntry], tests: Sequence[FTest], means: ConditionMeans, *, slack: bool
 ) -> tuple[str, ...]:
     """Return what to know before reading a ranking; first what an observation is."""
-    in_all = counted(len(means), unit[:-1])
-    notes = [f"AICc counts {in_all}, not repeats" if unit == "conditions" else "AICc counts every trial"]
-    if not means.repeated and unit == "conditions":
+    in_all = counted(len(means), "condition")
+    notes = [f"AICc counts {in_all}, not repeats"]
+    if not means.repeated:
         notes.append("no condition was repeated, so every trial is a condition of its own")
     if slack:
         notes.append("the load was set and the end tension measured, so the residuals are those of ln F_B")
@@ -404,9 +392,8 @@ class Choice:
             )
             for item in answers
         )
-        judged = replace(
-            prediction, judged=self.verdict, candidates=candidates if len(candidates) > 1 else ()
-        )
+        candidates = candidates if len(candidates) > 1 else ()
+        judged = replace(prediction, judged=self.verdict, candidates=candidates)
         open_ = [answer for answer in answers if answer.law in self.undecided]
         return judged if len(open_) < 2 else averaged(judged, open_, [self.undecided[x.law] for x in open_])
 
@@ -475,9 +462,7 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
         doubts=tuple(dict.fromkeys(text for _, text in doubts)),
         rivals=rivals,
         # Where criteria disagree none of them may outvote the others by more than laws that are not told apart.
-        undecided={
-            name: math.exp(-0.5 * min(max(comparison[name].delta_aicc, 0.0), RIVAL)) for name in undecided
-        },
+        undecided={x: math.exp(-0.5 * min(max(comparison[x].delta_aicc, 0.0), RIVAL)) for x in undecided},
     )
 
 
@@ -487,7 +472,7 @@ def _of_place(
     """Return what the place of a law in the comparison says against it."""
     if not comparison.conclusive:
         ranked = [entry.law for entry in comparison.ranking if entry.counted]
-        where = f"{_ranked_on(ranked, counted(comparison.n, comparison.unit[:-1]))}; measure more conditions"
+        where = f"{_ranked_on(ranked, counted(comparison.n, 'condition'))}; measure more conditions"
         return [("not judged", f"no choice of law: {where}")]
     if not chosen.counted:
         return [("not judged", f"{chosen.law} takes no part in the comparison: {chosen.note}")]
@@ -523,10 +508,8 @@ def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
         own, other = (predict(one, wheel, check=False) for one in (fit, rival))
     except RopefricError:
         return False
-    widths = (own.log_half_width, np.nan_to_num(other.log_half_width))
-    apart, half, others = (
-        math.sqrt(float(np.mean(values**2))) for values in (other.log_lift - own.log_lift, *widths)
-    )
+    values = (other.log_lift - own.log_lift, own.log_half_width, np.nan_to_num(other.log_half_width))
+    apart, half, others = (math.sqrt(float(np.mean(x**2))) for x in values)
     laws = ALL_LAWS[fit.law], ALL_LAWS[rival.law]
     nested = laws[0] in laws[1].special_cases or laws[1] in laws[0].special_cases
     if apart <= _SAME:

@@ -41,6 +41,7 @@ _CHUNK = 16384
 # A wrap of zero has no slope in some laws; this much wrap lifts nothing.
 _LEAST_WRAP_RAD = 1e-9
 _SCAN = 24
+_MEAN_LAW = "the mean law (--on-average, None in Python)"
 # Stands for ln F_A less the load where a law has no answer.
 _NO_ANSWER = -1e3
 
@@ -163,13 +164,11 @@ class LiftBound:
         check_type(Real, "a number, or None for the mean law", probability=probability)
         if not 0.5 <= probability < 1.0:
             text = f"the probability is {probability:g}"
-            fix = "give 0.5 or more and less than 1; or take the mean law (--on-average, None in Python)"
+            fix = f"give 0.5 or more and less than 1; or take {_MEAN_LAW}"
             raise InputError(text, key="probability", fix=fix)
         if not (math.isfinite(new_rope_std(fit)) and np.isfinite(fit.covariance).all()):
             text = f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability"
-            fix = (
-                "repeat some trials and fit again, or design for the mean law (--on-average, None in Python)"
-            )
+            fix = f"repeat some trials and fit again, or design for {_MEAN_LAW}"
             raise InputError(text, key="probability", fix=fix)
 
     def evaluate(self, conditions: Conditions) -> tuple[FloatArray, FloatArray]:

@@ -19,20 +19,11 @@ from scipy.special import fdtrc, stdtr, stdtrit
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.files.digits import significant
+from ropefric.fitting import statistics as stats
 from ropefric.fitting.compare import Comparison, choose_law, compare_laws
 from ropefric.fitting.predict import has_interval
 from ropefric.fitting.problem import FitProblem, typical_mu
 from ropefric.fitting.result import FitResult, Verdict
-from ropefric.fitting.statistics import (
-    SMALLEST_SCATTER,
-    ConditionMeans,
-    ScatterFit,
-    aicc,
-    condition_means,
-    f_test,
-    group_means,
-    scatter_fit,
-)
 from ropefric.friction.condition import distinct
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted
@@ -162,7 +153,7 @@ def diagnose(
         ranked = compare_laws(table, [entry.law for entry in ranked.ranking])
         fit = ranked["constant"].fit or fit
     problem = fit.data
-    means = condition_means(problem)
+    means = stats.condition_means(problem)
     trends = _Trends(means, ranked, slack=table.measures_slack, touching_turns=touching_turns)
     causes = [_judged(title, ranked, trends) for title in _EFFECTS]
     causes += [_grouped(title, table, problem, trends) for title in _GROUPS]
@@ -197,7 +188,7 @@ class _Trends:
     """Trends of μ with the settings on condition means: ln(F_A/F_B) = φ (μ + Σ slope · ln level) + offset."""
 
     def __init__(
-        self, means: ConditionMeans, ranked: Comparison, *, slack: bool, touching_turns: float | None
+        self, means: stats.ConditionMeans, ranked: Comparison, *, slack: bool, touching_turns: float | None
     ) -> None:
         at, self.means = means.conditions, means
         wrap = at.wrap_angle_rad
@@ -229,12 +220,12 @@ class _Trends:
         """Return the columns of μ and of some trends, shape (K, 1 + number of trends)."""
         return np.stack([self.means.conditions.wrap_angle_rad, *(self.columns[t] for t in chosen)], axis=-1)
 
-    def _solved(self, X: FloatArray, rise: FloatArray) -> tuple[FloatArray, ScatterFit]:
+    def _solved(self, X: FloatArray, rise: FloatArray) -> tuple[FloatArray, stats.ScatterFit]:
         """Return the coefficients of columns, and the scatter of the means about them that makes them likeliest."""
         root = self.means.std
         for _ in range(4):
             theta = np.asarray(np.linalg.lstsq(X / root[:, None], rise / root, rcond=None)[0])
-            scatter = scatter_fit(X @ theta - rise, self.means)
+            scatter = stats.scatter_fit(X @ theta - rise, self.means)
             root = np.sqrt(scatter.variance)
         return theta, scatter
 
@@ -245,15 +236,11 @@ class _Trends:
         theta, scatter = self._solved(X, self.rise)
         if "coil contact" in chosen and theta[1 + chosen.index("coil contact")] < 0.0:
             return math.inf  # contact between coils cannot help the rope along
-        return aicc(float(scatter.deviance), K, X.shape[1] + 1)
+        return stats.aicc(float(scatter.deviance), K, X.shape[1] + 1)
 
     def least(self, title: str, *, there: bool, without: str = "") -> float:
         """Return the lowest AICc of trends that have one or not, and have not another."""
-        found = (
-            value
-            for chosen, value in self.aicc.items()
-            if (title in chosen) == there and without not in chosen
-        )
+        found = (x for some, x in self.aicc.items() if (title in some) == there and without not in some)
         return min(found, default=math.inf)
 
     def line(self, title: str) -> _Line | None:
@@ -272,7 +259,7 @@ class _Trends:
             return None
         theta, scatter = self._solved(X, rise)
         known = self.means.std.max() if self.means.repeated else 0.0
-        if max(known, float(np.abs(X @ theta - rise).max())) < SMALLEST_SCATTER:
+        if max(known, float(np.abs(X @ theta - rise).max())) < stats.SMALLEST_SCATTER:
             return None  # they agree to rounding, which is no scatter to judge by
         root = np.sqrt(scatter.variance)
         left = float((((X @ theta - rise) / root) ** 2).sum()) / dof
@@ -312,7 +299,7 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     best = min(trends.least(title, there=True), by_having)
     other = min(trends.least(title, there=False), by_lacking)
     if not (math.isfinite(plain) and math.isfinite(best)):
-        parts.append(f"{ranked.n} {ranked.unit} are too few for any law with it")
+        parts.append(f"{ranked.n} conditions are too few for any law with it")
         return Cause(title, "cannot-tell", "; ".join(parts), experiment, numbers)
     gain, lead = plain - best, other - best
     numbers |= {"gain_on_constant": gain, "lead_on_others": lead}
@@ -328,11 +315,7 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
         # The law that won names the effect where no description without it that is as simple comes near. A fuller law
         # may contain the winner as a limit and then cannot be far behind; that it does not win is enough.
         rivals = [entry.aicc for entry in ranked.ranking if entry.law in lacking and entry.k <= winner.k]
-        rivals += [
-            value
-            for chosen, value in trends.aicc.items()
-            if title not in chosen and len(chosen) + 2 <= winner.k
-        ]
+        rivals += [x for some, x in trends.aicc.items() if title not in some and len(some) + 2 <= winner.k]
         yes = min(rivals, default=math.inf) - winner.aicc >= _STRONG
     # An offset and a wrap effect both explain what the constant law cannot, as well as each other.
     looks_like_offset = (
@@ -342,9 +325,8 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
         and abs(offset.aicc - by_having) < _STRONG
     )
     if looks_like_offset:
-        parts.append(
-            "a constant μ with a constant offset in ln F looks exactly like a wrap effect, and here both fit"
-        )
+        text = "a constant μ with a constant offset in ln F looks exactly like a wrap effect"
+        parts.append(f"{text}, and here both fit")
     if yes:
         return Cause(title, "yes", "; ".join(parts), experiment, numbers)
     # Another effect could stand in its place: it is as good without what the best description has.
@@ -369,10 +351,8 @@ def _of_line(title: str, line: _Line | None, ranked: Comparison) -> tuple[dict[s
     """Return what the trend of an effect is, as numbers and in words."""
     if title == "offset" and (fit := ranked["constant-offset"].fit) is not None:
         k = fit["k"]
-        numbers, text = (
-            {"k": k.value, "k_std": k.std},
-            f"offset of ln F_A k = {_with_error(fit, 'k', '+.3g')}",
-        )
+        numbers = {"k": k.value, "k_std": k.std}
+        text = f"offset of ln F_A k = {_with_error(fit, 'k', '+.3g')}"
         for test in ranked.tests:
             if (test.simpler, test.fuller) == ("constant", "constant-offset"):
                 text += f" (F-test p = {test.p_value:.2g})"
@@ -410,14 +390,11 @@ def _limits(title: str, line: _Line, trends: _Trends) -> tuple[dict[str, float],
         span = f"{_percent(low)} to {_percent(high)}"
         return numbers, f"an offset may still change F_A by {span}{beside} (at 95 % each)"
     if title == "coil contact":
-        text = (
-            f"contact may still raise μ beyond the first turn by up to {_percent(max(high, 0.0))} (at 95 %)"
-        )
+        most = _percent(max(high, 0.0))
+        text = f"contact may still raise μ beyond the first turn by up to {most} (at 95 %)"
         return numbers, text
     ends = " to ".join(f"{significant(float(end) * factor, 4):g}" for end in levels)
-    room = [
-        f"{word} by up to {_percent(size)}" for word, size in (("fall", -low), ("rise", high)) if size > 0.0
-    ]
+    room = [f"{way} by up to {_percent(size)}" for way, size in (("fall", -low), ("rise", high)) if size > 0]
     span = " ".join(filter(None, (name, ends, unit)))
     return numbers, f"μ may still {' or '.join(room)} from {span}{beside} (at 95 % each)"
 
@@ -459,8 +436,8 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
         x = np.stack([np.array([v == word for v in values], float) for word in found[1:]], axis=-1)
     rise = problem.log_lift - problem.conditions.log_end_tension
     group = np.unique(problem.group, return_inverse=True)[1]
-    mean = np.stack([group_means(column, group) for column in x.T], axis=-1)
-    about = rise - group_means(rise, group)[group]
+    mean = np.stack([stats.group_means(column, group) for column in x.T], axis=-1)
+    about = rise - stats.group_means(rise, group)[group]
     tests = [_explained(np.zeros((rise.size, 0)), x - mean[group], about, rise.size - len(mean))]
     weight = (trends.means.std.mean() / trends.means.std)[:, None]
     full = trends.matrix(trends.columns) * weight
@@ -473,9 +450,7 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
         )
     clear = min(test[0] for test in told.values()) * len(told) < _SIGNIFICANT
     # The one that sees it, or else the one that leaves least room.
-    where, (p_value, low, high) = min(
-        told.items(), key=lambda item: item[1][0] if clear else item[1][2] - item[1][1]
-    )
+    where, (p_value, low, high) = min(told.items(), key=lambda x: x[1][0] if clear else x[1][2] - x[1][1])
     p_value = min(1.0, p_value * len(told))
     supported: Supported = "yes" if p_value < _SIGNIFICANT else "no"
     may = "changes" if supported == "yes" else "may still change"
@@ -486,9 +461,10 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
     return Cause(title, supported, text, experiment, numbers)
 
 
-def _explained(
-    base: FloatArray, extra: FloatArray, rise: FloatArray, n: int
-) -> tuple[float, float, float] | None:
+_Limits = tuple[float, float, float]
+
+
+def _explained(base: FloatArray, extra: FloatArray, rise: FloatArray, n: int) -> _Limits | None:
     """Return the p-value of columns beside others, and the limits of the largest of their effects on ln F_A.
 
     `n` counts the independent observations. None where the columns hold nothing of their own, or leave nothing over.
@@ -500,7 +476,7 @@ def _explained(
         return None
     slope = np.linalg.lstsq(left, rest, rcond=None)[0]
     chi2 = float(((rest - left @ slope) ** 2).sum())
-    p_value = f_test(float(rest @ rest), chi2, n=n - base.shape[1], p_simpler=0, p_fuller=q)[2]
+    p_value = stats.f_test(float(rest @ rest), chi2, n=n - base.shape[1], p_simpler=0, p_fuller=q)[2]
     reach = float(stdtrit(dof, _LEVEL)) * np.sqrt(np.diag(np.linalg.inv(left.T @ left)) * chi2 / dof)
     return p_value, float((slope - reach).min()), float((slope + reach).max())
 
@@ -529,7 +505,7 @@ def _no_slip(table: TrialTable) -> Cause:
     return Cause(title, supported, text, experiment, {"not_ok": float(bad.total()), "trials": float(n)})
 
 
-def _scatter(ranked: Comparison, means: ConditionMeans) -> Cause:
+def _scatter(ranked: Comparison, means: stats.ConditionMeans) -> Cause:
     """Return whether conditions lie further off the best law than their repeats allow."""
     title = "condition scatter"
     experiment = "repeat each condition with a new rope in random order, and again with the same rope"

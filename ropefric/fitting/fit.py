@@ -1,6 +1,6 @@
 """A friction law fitted to a trial table: ln F_A by weighted least squares through the integral.
 
-The search goes from several starts, with weights that follow the parameters; `assemble` makes the result of it.
+The search goes from several starts, with weights that follow the parameters; `result` makes of it what a fit hands on.
 """
 
 import math
@@ -15,10 +15,9 @@ import numpy.typing as npt
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.files.digits import significant, to_share
-from ropefric.fitting.assemble import Found, assemble
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings, Loss, check_settings, law_named, reduced
-from ropefric.fitting.result import CommonError, FitResult
+from ropefric.fitting.result import CommonError, FitResult, Found, assemble
 from ropefric.fitting.statistics import RANK_RATIO, Scatter, decomposed, pooled_scatter
 from ropefric.friction.condition import Conditions, levels
 from ropefric.friction.law import FrictionLaw
@@ -189,10 +188,9 @@ def common_errors(
 
 def rope_slopes(law: FrictionLaw, theta: FloatArray, at: Conditions) -> FloatArray:
     """Return ∂ ln F_A/∂R_r [1/m] by central differences, shape (n,): no law has it in closed form."""
-    ends = [
-        law.log_lift(theta, replace(at, rope_radius_m=at.rope_radius_m * (1.0 + s))) for s in (_STEP, -_STEP)
-    ]
-    return np.asarray((ends[0] - ends[1]) / (2.0 * _STEP * at.rope_radius_m))
+    radius_m = at.rope_radius_m
+    ends = [law.log_lift(theta, replace(at, rope_radius_m=radius_m * s)) for s in (1 + _STEP, 1 - _STEP)]
+    return np.asarray((ends[0] - ends[1]) / (2.0 * _STEP * radius_m))
 
 
 def trial_std(within: float, shared: FloatArray, group: IntArray) -> FloatArray:
@@ -293,9 +291,8 @@ def _is_flat(problem: FitProblem, theta: FloatArray, loss: Loss) -> bool:
     inside = problem.vary & (theta > problem.lower) & (theta < problem.upper)
     cost, weights = LOSSES[loss](residuals**2)
     svd = decomposed(jacobian[:, inside], weights)
-    along = svd.left[:, svd.values > _FLAT_RANK * svd.values.max(initial=0.0)].T @ (
-        residuals * np.sqrt(weights)
-    )
+    seen = svd.values > _FLAT_RANK * svd.values.max(initial=0.0)
+    along = svd.left[:, seen].T @ (residuals * np.sqrt(weights))
     return bool(along @ along <= _FLAT * float(cost.sum()) / residuals.size)
 
 
@@ -303,16 +300,18 @@ def _end_of_the_valley(
     problem: FitProblem, theta: FloatArray, cost: float, loss: Loss
 ) -> tuple[FloatArray, float]:
     """Return the bound that a search creeps towards, where it leads lower; how far it got hangs on the last bits."""
-    for i in np.flatnonzero(problem.vary):
-        for bound in (problem.lower[i], problem.upper[i]):
-            start, vary = theta.copy(), problem.vary.copy()
-            start[i], vary[i] = bound, False
-            if not (np.isfinite(bound) and vary.any() and problem.law.admissible(start, problem.conditions)):
-                continue
-            end = batched_fit(problem, starts=start, vary=vary, loss=loss, tolerance=_TIGHT)
-            if end.chi2[0] < cost:
-                theta, cost = end.theta[0], float(end.chi2[0])
-    return theta, cost
+    index = np.repeat(np.flatnonzero(problem.vary), 2)
+    bound = np.stack([problem.lower, problem.upper], axis=-1)[problem.vary].ravel()
+    rows = np.arange(index.size)
+    starts, vary = (np.tile(row, (index.size, 1)) for row in (theta, problem.vary))
+    starts[rows, index], vary[rows, index] = bound, False
+    good = np.flatnonzero(np.isfinite(bound) & vary.any(axis=1))
+    good = good[problem.law.admissible(starts[good], problem.conditions)]
+    if not good.size:
+        return theta, cost
+    ends = batched_fit(problem, starts=starts[good], vary=vary[good], loss=loss, tolerance=_TIGHT)
+    best = int(np.argmin(ends.chi2))
+    return (ends.theta[best], float(ends.chi2[best])) if ends.chi2[best] < cost else (theta, cost)
 
 
 def _onto_bounds(problem: FitProblem, theta: FloatArray, loss: Loss) -> FloatArray:
@@ -347,11 +346,9 @@ def _rounded(problem: FitProblem, best: FloatArray, at_bound: BoolArray) -> Floa
         if ratio < _TRADED:
             break
         held = theta.copy()
-        value = to_share(float(theta[index]), std)
+        own, value = float(theta[index]), to_share(float(theta[index]), std)
         # However little is known of it, three digits keep it in the valley where the others can make up for it.
-        held[index] = (
-            value if abs(value - theta[index]) <= 1e-3 * abs(theta[index]) else significant(theta[index], 4)
-        )
+        held[index] = value if abs(value - own) <= 1e-3 * abs(own) else significant(own, 4)
         free[index] = False
         again = batched_fit(problem, starts=held, vary=free, tolerance=_TIGHT)
         inside = (again.theta[0] > problem.lower) & (again.theta[0] < problem.upper)

@@ -13,7 +13,6 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 from scipy.stats import chi2 as chi2_distribution
-from scipy.stats import f as f_distribution
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import FitError, InputError, UnknownNameError
@@ -85,12 +84,11 @@ def profile_intervals(
     *,
     level: float = 0.95,
     scale: npt.ArrayLike = 1.0,
-    absolute_std: bool = False,
 ) -> ProfileResult:
     """Return the profile-likelihood interval of every fitted parameter.
 
-    A value belongs to the interval while Δχ² = χ²(value, others refitted) − χ²_min stays below scale · s² · F, with
-    s² = χ²_min/(n − q) and F the quantile of F(1, n − q); with absolute_std, below scale · the quantile of χ²(1).
+    A value belongs to the interval while Δχ² = χ²(value, others refitted) − χ²_min stays below scale · the quantile of
+    χ²(1): with a scatter taken from the residuals the scale holds χ²_min/(n − q) and Student's quantile.
     Correlated points make Δχ² too large by the ratio of the true variance to the one it believes in, parameter by
     parameter; dividing by that ratio (Chandler & Bate 2007, Biometrika 94:167, for one parameter at a time) gives
     back the size of the interval and keeps its shape.
@@ -104,18 +102,8 @@ def profile_intervals(
     fit = batched_fit(problem, starts=theta)
     best, chi2_min = fit.theta[0], float(fit.chi2[0])
     notes = [] if fit.converged[0] else ["the fit had not converged, so the intervals are not to be trusted"]
-    dof = problem.n_points - problem.n_varying
-    if not absolute_std and dof <= 0:
-        raise FitError(
-            f"{problem.n_points} points and {problem.n_varying} fitted parameters leave no degree of freedom to "
-            "estimate the scatter from",
-            fix="measure more, or fix a parameter; in Python, standard deviations may count as known (absolute_std)",
-        )
-    known, estimated = (
-        chi2_distribution.ppf(level, 1),
-        f_distribution.ppf(level, 1, dof) * chi2_min / max(dof, 1),
-    )
-    threshold = np.broadcast_to(np.asarray(scale) * (known if absolute_std else estimated), best.shape)
+    target = chi2_distribution.ppf(level, 1)
+    threshold = np.broadcast_to(np.asarray(scale) * target, best.shape)
     # Exact data leave nothing but rounding, and rounding has no interval.
     threshold = np.where(threshold > _ROUNDING * float(reduced(problem).signal[0]), threshold, 0.0)
     walk = _Walk(problem, best, chi2_min, threshold)
@@ -303,9 +291,8 @@ def bootstrap(
         raise FitError(text, fix="take a law with fewer parameters, or measure more conditions")
     notes = []
     if failed > _WORTH_A_NOTE * n:
-        notes.append(
-            f"{failed} of {n} resamples could not be refitted; the intervals speak for the others only"
-        )
+        text = "resamples could not be refitted; the intervals speak for the others only"
+        notes.append(f"{failed} of {n} {text}")
     at_bound = ((refits <= problem.lower) | (refits >= problem.upper)).mean(axis=0) * problem.vary
     notes += [
         f"{name} is at a bound in {100 * part:.0f} % of the refits, so its interval is one-sided there"
@@ -378,10 +365,8 @@ def bootstrap_t(
     with np.errstate(divide="ignore", invalid="ignore"):
         away = (found - own) / errors
     away = np.where(np.isfinite(away), away, 0.0)
-    ends = (
-        own[0, :, None]
-        - np.quantile(away, [0.5 + 0.5 * level, 0.5 - 0.5 * level], axis=0).T * std[0, :, None]
-    )
+    reach = np.quantile(away, [0.5 + 0.5 * level, 0.5 - 0.5 * level], axis=0).T
+    ends = own[0, :, None] - reach * std[0, :, None]
     p = best.size
     ends[:p] = np.clip(ends[:p], problem.lower[:, None], problem.upper[:, None])
     return np.asarray(ends)
@@ -466,4 +451,4 @@ def profile_of(fit: FitResult) -> ProfileResult:
     ratio = np.where(ratio > 0.0, ratio, ratio.max(initial=0.0) or 1.0)
     dof, normal = fit.statistics.interval_dof, quantile(0.975, inf)
     reach = quantile(0.975, dof) if dof > 0 else normal
-    return profile_intervals(problem, fit.theta, scale=ratio * (reach / normal) ** 2, absolute_std=True)
+    return profile_intervals(problem, fit.theta, scale=ratio * (reach / normal) ** 2)

@@ -229,13 +229,13 @@ def _column_scale(normal: FloatArray) -> FloatArray:
 
 
 def _solve(
-    A: FloatArray, b: FloatArray, damping: FloatArray, held: BoolArray, fixed: FloatArray
+    A: FloatArray, b: FloatArray, damping: FloatArray, held: BoolArray, stop: FloatArray
 ) -> FloatArray:
     """Return the minimum over the parameters that are not held, the others standing at their fixed steps."""
     system, right = A, b
     if np.count_nonzero(held):
         system = np.where(held[:, :, np.newaxis] | held[:, np.newaxis, :], 0.0, A)
-        right = np.where(held, fixed, b - np.einsum("mij,mj->mi", A, fixed))
+        right = np.where(held, stop, b - np.einsum("mij,mj->mi", A, stop))
     system = np.array(system, order="C")
     # The diagonal is a view: what is added to it is added to the system.
     diagonal = system.reshape(len(b), -1)[:, :: b.shape[1] + 1]

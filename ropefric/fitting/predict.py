@@ -190,9 +190,8 @@ class Prediction(Shown):
         linear_N, drawn_N = self.interval_N[index], self.drawn_interval_N
         # By more than half a width: a gross disagreement.
         room = 0.5 * float(np.diff(linear_N)[0]) + _SAME * float(np.abs(linear_N).max())
-        if self.method == "linear" and (
-            drawn_N is None or float(np.abs(drawn_N[index] - linear_N).max()) > room
-        ):
+        apart = math.inf if drawn_N is None else float(np.abs(drawn_N[index] - linear_N).max())
+        if self.method == "linear" and apart > room:
             doubts += [("undecided", text) for text in self._disagreement(index)]
         return verdict_of(doubts, self.judged.reason.removesuffix("."))
 
@@ -390,9 +389,8 @@ def averaged(own: Prediction, answers: Sequence[Prediction], weights: Sequence[f
         return np.asarray(np.exp(np.stack(ends, axis=1)))
 
     mean = (share * centre).sum(axis=0)
-    std = np.sqrt(
-        (share * (known([item.std_log for item in answers]) ** 2 + (centre - mean) ** 2)).sum(axis=0)
-    )
+    variance = known([item.std_log for item in answers]) ** 2 + (centre - mean) ** 2
+    std = np.sqrt((share * variance).sum(axis=0))
     with np.errstate(invalid="ignore"):
         return replace(
             own,

@@ -22,6 +22,7 @@ from ropefric.registry import did_you_mean
 from ropefric.uncertainty.quantity import check_type
 
 Rows = npt.NDArray[np.intp]
+_Three = tuple[FloatArray, FloatArray, FloatArray]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy", "arctan"]
 
 LOSSES: dict[Loss, Callable[[FloatArray], tuple[FloatArray, FloatArray]]] = {
@@ -196,20 +197,17 @@ class Reduced:
             chi2[part] = self._misfit(values, has_answer, chosen[part])[0]
         return chi2
 
-    def evaluate(
-        self, theta: FloatArray, rows: Rows, limit: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def evaluate(self, theta: FloatArray, rows: Rows, limit: FloatArray) -> _Three:
         """Return χ², JᵀWJ and JᵀW(y − f) of parameter sets."""
         (r, p), k = theta.shape, len(self.conditions)
         chi2, normal, downhill = np.empty(r), np.zeros((r, p, p)), np.zeros((r, p))
+        both = self.law.log_lift_and_jacobian
         (plain,), (sloped,) = (limit < 0.0).nonzero(), (limit >= 0.0).nonzero()
         if plain.size:
             chi2[plain] = self.chi2(theta[plain], rows[plain])
         for part in self._blocks(sloped.size):
             at = sloped[part]
-            (values, J), has_answer = _each(
-                self.law.log_lift_and_jacobian, theta[at], self.conditions, (k,), (k, p)
-            )
+            (values, J), has_answer = _each(both, theta[at], self.conditions, (k,), (k, p))
             chi2[at], residual, weight = self._misfit(values, has_answer, rows[at])
             (good,) = (np.isfinite(chi2[at]) & (chi2[at] <= limit[at])).nonzero()
             if good.size < at.size:
@@ -219,7 +217,7 @@ class Reduced:
             downhill[at] = (weighted @ residual[:, :, np.newaxis])[..., 0]
         return chi2, normal, downhill
 
-    def evaluate_shared(self, theta: FloatArray, m: int) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+    def evaluate_shared(self, theta: FloatArray, m: int) -> _Three | None:
         """Return the same as `evaluate` for all m data sets at one parameter set of shape (p,), or None.
 
         The law is evaluated once, so this costs next to nothing; None where it has no answer, or the loss is robust.
@@ -242,9 +240,7 @@ class Reduced:
             np.broadcast_to(downhill, (m, p)).copy(),
         )
 
-    def _misfit(
-        self, values: FloatArray, has_answer: BoolArray, rows: Rows
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _misfit(self, values: FloatArray, has_answer: BoolArray, rows: Rows) -> _Three:
         """Return the cost, the residuals and the weights of their squares."""
         residual, weight = _row(self.mean, rows) - values, _row(self.weight, rows)
         # A law may answer with 1e300, which no square can hold: such a set is no candidate.

@@ -4,7 +4,7 @@ Of laws, of their parameters, and of laws from simpler ones.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.result import SPARE
 from ropefric.fitting.statistics import decomposed
-from ropefric.friction.condition import Conditions, condition_groups
+from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import LAWS
 from ropefric.glossary import counted
@@ -132,16 +132,11 @@ class LawOutlook:
         """Return the outlook in words."""
         if self.reason:
             return f"{self.law}: cannot be judged: {self.reason}"
-        words = []
-        for simpler, power in self.power.items():
-            verb = (
-                "is told"
-                if power >= _SURE
-                else "can hardly be told"
-                if power >= 2 * _TEST_LEVEL
-                else "cannot be told"
-            )
-            words.append(f"{verb} from {simpler} (in {power:.0%} of campaigns)")
+        verbs = ("cannot be told", "can hardly be told", "is told")
+        words = [
+            f"{verbs[(power >= 2 * _TEST_LEVEL) + (power >= _SURE)]} from {simpler} (in {power:.0%} of campaigns)"
+            for simpler, power in self.power.items()
+        ]
         if self.untold:
             words.append(f"no {', '.join(self.untold)}")
         return f"{self.law}: {'; '.join(words) or 'its parameters are told'}"
@@ -152,29 +147,24 @@ class LawOutlook:
         return asdict(self) | {"expected_std": stds, "text": self.text}
 
 
-def outlook_of_campaign(
-    campaign: Campaign, laws: Iterable[FrictionLaw] | None = None
-) -> tuple[LawOutlook, ...]:
+def outlook_of_campaign(campaign: Campaign) -> tuple[LawOutlook, ...]:
     """Return what the list of a campaign's trials can tell, by the usual scatter of ropes.
 
     Where the slack side is to be measured, its tension is what a usual coefficient leaves of the load.
     """
     trials = [trial for trial in campaign.trials if not trial.exclude]
-    settings = np.array([(t.wheel_radius_m, t.rope_radius_m, t.wrap_angle_rad) for t in trials]).reshape(
-        -1, 3
-    )
-    usual = np.exp(-_TYPICAL_MU * settings[:, 2])
-    known = ((t.end_tension_N, t.lift_force_N) for t in trials)
+    place = np.array([(t.wheel_radius_m, t.rope_radius_m, t.wrap_angle_rad) for t in trials]).reshape(-1, 3)
+    left = np.exp(-_TYPICAL_MU * place[:, 2])
     tensions = [
-        end if end is not None else (lift or 1.0) * u for (end, lift), u in zip(known, usual, strict=True)
+        trial.end_tension_N if trial.end_tension_N is not None else (trial.lift_force_N or 1.0) * part
+        for trial, part in zip(trials, left, strict=True)
     ]
-    columns = [*settings.T, np.array(tensions)]
+    columns = [*place.T, np.array(tensions)]
     group = condition_groups(*columns)
     first = np.unique(group, return_index=True)[1]
-    names = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
-    at = Conditions(**{name: column[first] for name, column in zip(names, columns, strict=True)})
+    at = Conditions(**{name: column[first] for name, column in zip(SETTINGS, columns, strict=True)})
     variance = TYPICAL_BETWEEN**2 + TYPICAL_WITHIN**2 / np.bincount(group)
-    return tuple(law_outlook(law, at, variance) for law in (LAWS.values() if laws is None else laws))
+    return tuple(law_outlook(law, at, variance) for law in LAWS.values())
 
 
 def law_outlook(
@@ -196,9 +186,7 @@ def law_outlook(
     found = dict(zip(names, std.tolist(), strict=True))
     weak = std > _TOLD * np.abs(truth[free])
     # An offset of zero is as good as told where it is known to a few per cent.
-    untold = tuple(
-        name for name, bad, value in zip(names, weak, truth[free], strict=True) if bad and value != 0.0
-    )
+    untold = tuple(name for name, bad in zip(names, weak & (truth[free] != 0.0), strict=True) if bad)
     power = {case.name: _power(law, truth, case, at, variance) for case in law.special_cases}
     return LawOutlook(law=law.name, expected_std=found, untold=untold, power=power)
 
@@ -208,12 +196,13 @@ def _power(
 ) -> float:
     """Return in which share of campaigns an F-test tells a law from a simpler one, from how far that stays off it."""
     n, fuller = len(at), sum(not item.fixed for item in law.parameters)
-    start, vary = (
-        np.array([getattr(item, key) for item in simpler.parameters]) for key in ("start", "fixed")
-    )
+    # An effect that is nothing there is shown at a tenth.
+    signed = (law.lower < 0.0) & (law.upper > 0.0)
+    shown = law.log_lift(np.where((theta == 0.0) & signed, 0.1, theta), at)
     problem = FitProblem(
-        law=simpler, conditions=at, log_lift=_shown(law, theta, at), std=np.sqrt(variance), group=np.arange(n),
-        start=start, lower=simpler.lower, upper=simpler.upper, vary=~vary.astype(np.bool_),
+        law=simpler, conditions=at, log_lift=shown, std=np.sqrt(variance), group=np.arange(n),
+        start=np.array([item.start for item in simpler.parameters]), lower=simpler.lower, upper=simpler.upper,
+        vary=np.array([not item.fixed for item in simpler.parameters]),
     )  # fmt: skip
     try:
         off = float(batched_fit(problem, tolerance=1e-3, max_iterations=60).chi2[0])
@@ -224,11 +213,3 @@ def _power(
         return 1.0
     limit = float(fdtri(more, left, 1.0 - _TEST_LEVEL))
     return 1.0 - float(ncfdtr(more, left, max(off, 1e-12), limit))
-
-
-def _shown(law: FrictionLaw, theta: FloatArray, at: Conditions) -> FloatArray:
-    """Return ln F_A of a law at its parameters, an effect that is nothing there at a tenth."""
-    shown = np.where(
-        (theta == 0.0) & np.array([item.lower < 0.0 < item.upper for item in law.parameters]), 0.1, theta
-    )
-    return law.log_lift(shown, at)

@@ -93,16 +93,12 @@ class Contest:
     @property
     def text(self) -> str:
         """Return the three findings in words."""
-        side = "below" if self.lead > 0.0 else "above"
-        chance = (
-            f"so large a lead comes from {self.simpler} alone in {self.p_value:.2g} of simulated campaigns"
-        )
-        unseen = (
-            ""
-            if math.isnan(self.loco_ratio)
-            else f", and its error at unseen conditions is {self.loco_ratio:.2f} times that of {self.simpler}"
-        )
-        return f"the AICc of {self.fuller} is {abs(self.lead):.1f} {side} that of {self.simpler}; {chance}{unseen}"
+        low, side = self.simpler, "below" if self.lead > 0.0 else "above"
+        text = f"the AICc of {self.fuller} is {abs(self.lead):.1f} {side} that of {low}; so large a lead comes from "
+        text += f"{low} alone in {self.p_value:.2g} of simulated campaigns"
+        if not math.isnan(self.loco_ratio):
+            text += f", and its error at unseen conditions is {self.loco_ratio:.2f} times that of {low}"
+        return text
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,9 +122,8 @@ def wild_trial(problem: FitProblem, *, slack: bool) -> int | None:
     at, rise = problem.conditions, problem.log_lift - problem.conditions.log_end_tension
     wrap = at.wrap_angle_rad
     load = problem.log_lift if slack else at.log_end_tension
-    trends = (
-        np.log(level) * wrap for level in (np.exp(load - load.min()), at.size_ratio, np.maximum(wrap, 1e-9))
-    )
+    levels = (np.exp(load - load.min()), at.size_ratio, np.maximum(wrap, 1e-9))
+    trends = (np.log(level) * wrap for level in levels)
     svd = decomposed(np.stack([wrap, np.ones_like(wrap), *trends], axis=-1))
     left = svd.left[:, ~svd.lost]
     residual, own = rise - left @ (left.T @ rise), 1.0 - (left**2).sum(axis=1)
@@ -205,25 +200,23 @@ def standing(
         problem, law=law, conditions=conditions, log_lift=means.log_lift, std=means.std, group=np.arange(K)
     )
     for _ in range(_ROUNDS):
-        at, _converged = refit(on_means, starts)
+        at = refit(on_means, starts)
         residual = law.log_lift(at, conditions) - means.log_lift
         scatter = scatter_fit(residual, means)
         on_means = replace(on_means, std=np.sqrt(scatter.variance))
         starts = np.vstack([at, starts[1:]])
         if not means.repeated or float(np.ptp(means.std)) <= 1e-9 * float(means.std[0]):
             break
-    k = problem.n_varying + 1
+    k, deviance = problem.n_varying + 1, float(scatter.deviance)
     chi2 = float((residual**2 / scatter.variance).sum())
-    deviance = float(scatter.deviance)
-    criteria = (aicc(deviance, K, k), bic(deviance, K, k))
-    return Standing(on_means, at, scatter, chi2, k, *criteria)
+    return Standing(on_means, at, scatter, chi2, k, aicc(deviance, K, k), bic(deviance, K, k))
 
 
-def refit(problem: FitProblem, starts: FloatArray) -> tuple[FloatArray, bool]:
-    """Return the parameters of the best of some searches, and whether it converged."""
+def refit(problem: FitProblem, starts: FloatArray) -> FloatArray:
+    """Return the parameters of the best of some searches, or of the starts."""
     found = batched_fit(problem, starts=starts)
     best = int(np.argmin(found.chi2))
-    return (found.theta if np.isfinite(found.chi2[best]) else starts)[best], bool(found.converged[best])
+    return np.asarray((found.theta if np.isfinite(found.chi2[best]) else starts)[best])
 
 
 def leave_one_out(law: Standing) -> float:
@@ -319,8 +312,7 @@ def nested_test(simpler: Standing, fuller: Standing) -> FTest | None:
     if n <= p_fuller or p_fuller <= p_simpler:
         return None
     weighted = replace(simpler.problem, std=fuller.problem.std)
-    at, _converged = refit(weighted, simpler.theta[np.newaxis])
-    chi2 = float((weighted.residuals(at) ** 2).sum())
+    chi2 = float((weighted.residuals(refit(weighted, simpler.theta[np.newaxis])) ** 2).sum())
     F, dof, p_value = f_test(chi2, fuller.chi2, n=n, p_simpler=p_simpler, p_fuller=p_fuller)
-    names = (simpler.problem.law.name, fuller.problem.law.name)
-    return FTest(simpler=names[0], fuller=names[1], f=F, dof=dof, p_value=p_value)
+    names = {"simpler": simpler.problem.law.name, "fuller": fuller.problem.law.name}
+    return FTest(**names, f=F, dof=dof, p_value=p_value)

@@ -16,7 +16,7 @@ from scipy.special import fdtrc
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant
 from ropefric.fitting.problem import FitProblem
-from ropefric.friction.condition import Conditions, distinct
+from ropefric.friction.condition import SETTINGS, Conditions, distinct
 
 SMALLEST_SCATTER = 1e-9
 """Repeats that agree closer than this were not measured, or were copied; closer to a law, rounding."""
@@ -392,9 +392,9 @@ def find_trends(
     makes no trend. A regressor with fewer than three values gets the linear term alone.
     """
     weight = np.sqrt(np.bincount(group, 1.0 / std**2))
-    columns = [group_means(column * std, group) * weight for column in jacobian.T]
     # Only what the law's own parameters cannot take up counts.
-    basis = _basis(np.stack(columns, axis=-1) if columns else np.zeros((weight.size, 0)))
+    means = _by_condition(jacobian * std[:, None], group) / np.bincount(group)[:, None]
+    basis = _basis(means * weight[:, None])
     left = weight * group_means(log_residuals, group)
     left = left - basis @ (basis.T @ left)
     regressors = {
@@ -516,9 +516,7 @@ def condition_means(problem: FitProblem) -> ConditionMeans:
         within = sqrt(float(about2.sum()) / spare)
         # Repeats that agree exactly would make a mean infinitely well known.
         std = np.maximum(std * sqrt(float((weight * about2).sum()) / spare), _RESOLVED)
-    settings = {
-        name: mean(getattr(at, name)) for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")
-    }
+    settings = {name: mean(getattr(at, name)) for name in SETTINGS[:3]}
     conditions = Conditions(**settings, end_tension_N=np.exp(mean(at.log_end_tension)))
     size = np.bincount(group, minlength=K).astype(np.int64)
     return ConditionMeans(conditions, mean(problem.log_lift), std, size, within)

@@ -211,18 +211,13 @@ def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
     plain = "intervals" not in fit.provenance
     for item in fit.parameters:
         name, value, (low, high), slack = item.name, item.value, item.ci95, _ROUNDING * abs(item.value)
-        inside = isfinite(value) and item.lower <= value <= item.upper
-        yield (
-            not inside,
-            f"{name} = {value:g} does not lie between its bounds {item.lower:g} and {item.upper:g}",
-        )
+        outside = not (isfinite(value) and item.lower <= value <= item.upper)
+        bounds = f"{item.lower:g} and {item.upper:g}"
+        yield outside, f"{name} = {value:g} does not lie between its bounds {bounds}"
         known = item.std >= 0.0 or (isnan(item.std) and item.at_bound)
         yield not known, f"the standard error of {name} is {item.std:g}"
-        around = low <= high and (not plain or low - slack <= value <= high + slack)
-        yield (
-            not (around or item.at_bound),
-            f"the interval of {name} from {low:g} to {high:g} is none of {value:g}",
-        )
+        around = item.at_bound or (low <= high and (not plain or low - slack <= value <= high + slack))
+        yield not around, f"the interval of {name} from {low:g} to {high:g} is none of {value:g}"
     yield not np.isfinite(covariance).all(), "the covariance is not finite"
     yield bool((variance < 0.0).any()), "the covariance has a negative variance"
     symmetric = np.allclose(covariance, covariance.T, rtol=_ROUNDING, atol=0.0)
@@ -348,8 +343,6 @@ def _difference(stored: FitResult, again: FitResult) -> float:
     for old, new in zip(stored.parameters, again.parameters, strict=True):
         known = isfinite(old.std) and old.std > 0
         scale = old.std if known else max(abs(old.value), 1e-12)
-        changes += [
-            abs(new.value - old.value) / scale,
-            abs(new.std - old.std) / scale if known and of_today else 0.0,
-        ]
+        changes.append(abs(new.value - old.value) / scale)
+        changes.append(abs(new.std - old.std) / scale if known and of_today else 0.0)
     return float(np.max(changes))

@@ -67,9 +67,6 @@ class Bench:
     zero_counts: Range = (6.0, 15.0)
     noise_counts: Range = (0.3, 1.0)
     zero_drift_counts: float = 0.2
-    hum_counts: float = 0.0
-    hum_Hz: float = 50.0
-    gain_error: float = 0.0
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -291,14 +288,9 @@ class BreakawayPull:
 
     def raised(self, factor: float) -> "BreakawayPull":
         """Return the pull with static and kinetic friction so many times as high."""
-        return replace(
-            self,
-            lift_force_N=factor * self.lift_force_N,
-            ramp_top_N=factor * self.ramp_top_N,
-            kinetic_N=factor * self.kinetic_N,
-            holding_N=factor * self.holding_N,
-            teeth=self.teeth.scaled(factor),
-        )
+        forces = ("lift_force_N", "ramp_top_N", "kinetic_N", "holding_N")
+        raised: dict[str, Any] = {name: factor * getattr(self, name) for name in forces}
+        return replace(self, teeth=self.teeth.scaled(factor), **raised)
 
     @property
     def breaks_away(self) -> bool:
@@ -388,11 +380,8 @@ def draw_breakaway(
     for key in ("soft_start", "micro_slip", "micro_slip_loss"):
         drawn[key] = rng.uniform(*getattr(bench, key))
     drawn["drift"] = bench.kinetic_drift * rng.uniform(-1.0, 1.0)
-    height_N, rate_Hz, sliding_s = (
-        drop_N * rng.uniform(*bench.tooth_height),
-        rng.uniform(*bench.tooth_Hz),
-        ends_s[4] - ends_s[3],
-    )
+    height_N, rate_Hz = drop_N * rng.uniform(*bench.tooth_height), rng.uniform(*bench.tooth_Hz)
+    sliding_s = ends_s[4] - ends_s[3]
     drawn["teeth"] = draw_teeth(rng, drop_N=drop_N, height_N=height_N, rate_Hz=rate_Hz, lasting_s=sliding_s)
     natural_Hz = bench.natural_frequency_Hz(rng.uniform(*bench.stiffness_factor))
     drawn["snap"] = Snap(natural_Hz=natural_Hz, damping_ratio=rng.uniform(*bench.damping_ratio))

@@ -5,7 +5,7 @@ import io
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,7 @@ TRUTH_SCHEMA = "ropefric.rig-truth/1"
 PRTH_SEED = 20260
 """The seed `data/prth-bench` was written with."""
 _MOST_TRIALS = 100_000
+Progress = Callable[[int, int, str], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,12 +93,9 @@ class CampaignPlan:
     def lift_force_N(self, conditions: tuple[RigCondition, ...]) -> FloatArray:
         """Return the true lift force of conditions [N], shape (n,), without scatter."""
         law = ALL_LAWS[self.law]
-        pulls = Conditions(
-            wheel_radius_m=np.array([c.wheel_radius_m for c in conditions]),
-            rope_radius_m=np.array(0.5 * self.rope_diameter_m),
-            wrap_angle_rad=np.array([c.wrap_angle_rad for c in conditions]),
-            end_tension_N=np.array([c.end_tension_N for c in conditions]),
-        )
+        settings = (item.name for item in fields(RigCondition))
+        columns = {name: np.array([getattr(one, name) for one in conditions]) for name in settings}
+        pulls = Conditions(rope_radius_m=np.array(0.5 * self.rope_diameter_m), **columns)
         log_lift = law.log_lift(law.theta_from(self.parameters), pulls)
         if not float(log_lift.max()) < math.log(1e9):
             raise InputError(f"a lift force of e^{log_lift.max():.4g} N is beyond any rig", key="conditions")
@@ -232,11 +230,7 @@ def record_trial(plan: CampaignPlan, trial: PlannedTrial, *, seed: int) -> tuple
 
 
 def simulate_campaign(
-    folder: str | Path,
-    plan: CampaignPlan,
-    *,
-    seed: int,
-    progress: Callable[[int, int, str], None] | None = None,
+    folder: str | Path, plan: CampaignPlan, *, seed: int, progress: Progress | None = None
 ) -> tuple[Path, ...]:
     """Write a campaign with known truth and return the paths written: campaign.toml, trials.csv, truth.toml, traces.
 
@@ -250,11 +244,8 @@ def simulate_campaign(
         taken = sorted(path.name for path in base.iterdir() if path.name != "traces" or path.is_symlink())
         taken += sorted(f"traces/{path.name}" for path in (base / "traces").iterdir())
         if taken:
-            message, fix = (
-                f"the folder already holds {taken[0]}; nothing is overwritten",
-                "name an empty or a new folder",
-            )
-            raise InputError(message, path=base, fix=fix)
+            message = f"the folder already holds {taken[0]}; nothing is overwritten"
+            raise InputError(message, path=base, fix="name an empty or a new folder")
         for done, trial in enumerate(trials, start=1):
             recording, data = record_trial(plan, trial, seed=seed)
             write_file(base / trial.file, data, durable=False)

@@ -11,18 +11,8 @@ import numpy as np
 from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import InputError
 from ropefric.registry import Registry
-from ropefric.rig.bench import (
-    RIG_PROTOCOLS,
-    Bench,
-    BreakawayPull,
-    RecordingTruth,
-    Sensor,
-    Snap,
-    Teeth,
-    draw_roughness,
-    draw_teeth,
-    lay_teeth,
-)
+from ropefric.rig import bench as benches
+from ropefric.rig.bench import Bench, BreakawayPull, Sensor
 from ropefric.rig.pulls import NO_PEAK, SLOW, SliderPull, draw_slider_pull
 from ropefric.rig.strangers import IMPACT_S, SNAG_S, touched
 from ropefric.traces.breakaway import Status
@@ -51,7 +41,7 @@ class SimulatedRecording:
     counts: FloatArray
     true_time_s: FloatArray
     true_force_N: FloatArray
-    truth: RecordingTruth
+    truth: benches.RecordingTruth
 
     def __post_init__(self) -> None:
         for key in ("time_s", "counts", "true_time_s", "true_force_N"):
@@ -189,7 +179,7 @@ def _no_peak(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
         micro_slip_loss=1.0,
         kinetic_N=pull.lift_force_N,
         drift=rng.uniform(0.0, 0.015),
-        roughness=draw_roughness(rng, pull.lift_force_N * rng.uniform(*_ROUGHNESS)),
+        roughness=benches.draw_roughness(rng, pull.lift_force_N * rng.uniform(*_ROUGHNESS)),
         teeth=pull.teeth.scaled(0.0),
         has_peak=False,
     )
@@ -201,14 +191,18 @@ def _high_tooth(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
     drop_N = pull.lift_force_N - pull.kinetic_N
     # Where one tooth can stand so high, all teeth are large: redraw them.
     height_N, rate_Hz = 0.6 * drop_N, float(rng.uniform(8.0, 25.0))
-    teeth = draw_teeth(rng, drop_N=drop_N, height_N=height_N, rate_Hz=rate_Hz, lasting_s=4.0 * sliding_s)
+    teeth = benches.draw_teeth(
+        rng, drop_N=drop_N, height_N=height_N, rate_Hz=rate_Hz, lasting_s=4.0 * sliding_s
+    )
     n = int(rng.integers(1, 4))
     chosen = rng.choice(np.arange(2, 5), size=n, replace=False)
     top_N = teeth.top_N.copy()
     top_N[chosen] = pull.lift_force_N * rng.uniform(1.02, 1.08, n) - pull.kinetic_N
     # The last of them must come before the motor is off, if need be by a faster reload.
     needed_N_s = float((top_N[1:5] - teeth.bottom_N[:4]).sum()) / (0.8 * sliding_s)
-    laid = lay_teeth(top_N=top_N, bottom_N=teeth.bottom_N, reload_N_s=max(height_N * rate_Hz, needed_N_s))
+    laid = benches.lay_teeth(
+        top_N=top_N, bottom_N=teeth.bottom_N, reload_N_s=max(height_N * rate_Hz, needed_N_s)
+    )
     return replace(pull, teeth=laid, drift=0.0)
 
 
@@ -269,10 +263,10 @@ def _slow_fall(pull: BreakawayPull, rng: Rng, lasting_s: tuple[float, float] = (
     """Let the force fall over 0.2 to 0.6 s to sliding without teeth."""
     # A snap damped so much that it hardly swings back has fallen by nine tenths after 0.65 of its period.
     natural_Hz = 0.65 / float(np.exp(rng.uniform(*np.log(lasting_s))))
-    rough = draw_roughness(rng, pull.lift_force_N * rng.uniform(0.0005, 0.003))
+    rough = benches.draw_roughness(rng, pull.lift_force_N * rng.uniform(0.0005, 0.003))
     drop_N = pull.lift_force_N - pull.kinetic_N
-    teeth = Teeth(time_s=np.array([0.0, 1e3]), top_N=np.array([drop_N, 0.0]), bottom_N=np.zeros(2))
-    snap = Snap(natural_Hz=natural_Hz, damping_ratio=0.9)
+    teeth = benches.Teeth(time_s=np.array([0.0, 1e3]), top_N=np.array([drop_N, 0.0]), bottom_N=np.zeros(2))
+    snap = benches.Snap(natural_Hz=natural_Hz, damping_ratio=0.9)
     return replace(pull, snap=snap, teeth=teeth, roughness=rough)
 
 
@@ -331,7 +325,7 @@ def simulate_recording(
         what = f"the end tension {end_tension_N:g} N must be positive and below the lift force {lift_force_N:g} N"
         fix = "give the slack-side force as end_tension_N and the larger, tight-side force as lift_force_N"
         raise InputError(what, key="end_tension_N", fix=fix)
-    way = RIG_PROTOCOLS[protocol]
+    way = benches.RIG_PROTOCOLS[protocol]
     chosen = [FAULTS[name] for name in faults]
     for fault in chosen:
         fault.check_protocol(protocol)
@@ -345,10 +339,7 @@ def simulate_recording(
         zero_counts=draw_rng.uniform(*bench.zero_counts),
         drift_counts=bench.zero_drift_counts * draw_rng.uniform(-1.0, 1.0),
         noise_counts=draw_rng.uniform(*bench.noise_counts),
-        hum_counts=bench.hum_counts,
-        hum_Hz=bench.hum_Hz,
         hum_phase_rad=draw_rng.uniform(0.0, 2.0 * np.pi),
-        gain_error=bench.gain_error,
     )
     for fault in chosen:
         if fault.on_setup:

@@ -57,12 +57,12 @@ SNAG_S, IMPACT_S = (0.05, 0.8), (0.006, 0.03)
 def _snag(take: Take) -> None:
     form, at_s = touched(take.time_s, take.rng, _pull_s(take.slider), SNAG_S)
     room_N = _size_N(take) - float(np.interp(at_s, take.time_s, take.force_N))
-    take.force_N = take.force_N + take.rng.uniform(0.1, 0.95) * room_N * form
+    take.force_N += take.rng.uniform(0.1, 0.95) * room_N * form
 
 
 def _impact(take: Take) -> None:
     form, _ = touched(take.time_s, take.rng, _pull_s(take.slider), IMPACT_S)
-    take.force_N = take.force_N + take.rng.uniform(0.2, 1.3) * _size_N(take) * form
+    take.force_N += take.rng.uniform(0.2, 1.3) * _size_N(take) * form
 
 
 def _pull_s(slider: Slider) -> float:
@@ -98,25 +98,23 @@ def _hummed(take: Take) -> None:
     for harmonic, part in ((1, 1.0), (2, take.rng.uniform(0.0, 0.3)), (3, take.rng.uniform(0.0, 0.4))):
         phase = take.rng.uniform(0.0, 2.0 * np.pi)
         wave = np.sin(2.0 * np.pi * harmonic * mains_Hz * take.time_s + phase)
-        take.force_N = take.force_N + part * take.drawn["hum"] * _size_N(take) * wave
+        take.force_N += part * take.drawn["hum"] * _size_N(take) * wave
 
 
 def _pink(take: Take) -> None:
     n = take.time_s.size
     spectrum = np.fft.rfft(take.rng.standard_normal(n)) / np.sqrt(np.maximum(np.arange(n // 2 + 1), 1.0))
     noise = np.fft.irfft(spectrum, n)
-    take.force_N = take.force_N + noise / noise.std() * take.rng.uniform(1.0, 2.5) * take.drawn[
-        "noise"
-    ] * _size_N(take)
+    take.force_N += noise / noise.std() * take.rng.uniform(1.0, 2.5) * take.drawn["noise"] * _size_N(take)
 
 
 def _shifted(take: Take) -> None:
-    take.force_N = take.force_N + take.rng.choice((-1.0, 1.0)) * take.rng.uniform(0.05, 0.1) * _size_N(take)
+    take.force_N += take.rng.choice((-1.0, 1.0)) * take.rng.uniform(0.05, 0.1) * _size_N(take)
 
 
 def _drifted(take: Take) -> None:
     drift_N = take.rng.choice((-1.0, 1.0)) * take.rng.uniform(0.02, 0.1) * _size_N(take)
-    take.force_N = take.force_N + drift_N * (take.time_s / take.time_s[-1])
+    take.force_N += drift_N * (take.time_s / take.time_s[-1])
 
 
 def _spiked(take: Take, *, double: bool = False) -> None:
@@ -237,7 +235,7 @@ def sense(take: Take, motion: Motion, faults: Sequence[str]) -> None:
         if name in _ANALOG:
             _ANALOG[name](take)
     take.time_s, take.force_N = take.time_s[::finer], take.force_N[::finer]
-    take.force_N = take.force_N + drawn["noise"] * _size_N(take) * rng.standard_normal(take.time_s.size)
+    take.force_N += drawn["noise"] * _size_N(take) * rng.standard_normal(take.time_s.size)
     lsb_N = _size_N(take) * rng.uniform(1.2, 6.0) / 2.0 ** drawn.get("bits", 16)
     take.force_N = np.rint(take.force_N / lsb_N) * lsb_N
     for name in faults:

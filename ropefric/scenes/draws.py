@@ -7,20 +7,20 @@ is a limit of error, so any value within it is as likely. A draw depends on the 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError, RopefricError
-from ropefric.files.toml import TomlDocument
 from ropefric.fitting.predict import degrees_of_freedom, has_interval
 from ropefric.scenes.kind import finite
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.points import BLOCK, Answers, Progress, Write, solve_points
-from ropefric.scenes.scene import Scene, placed, read_scene, replaced, unit_of, value_at
-from ropefric.uncertainty.quantity import check_level, joint_draws, limit_of_error, quantile, symmetric_root
+from ropefric.scenes.scene import Scene, placed, unit_of, value_at
+from ropefric.scenes.sweep import Axis, parse_axis
+from ropefric.uncertainty.quantity import check_level, joint_draws, quantile, symmetric_root
 
 MOST_DRAWS = 10_000_000
 FEWEST_DRAWS = 10
@@ -34,9 +34,10 @@ class _Friction(NamedTuple):
 
     names: tuple[str, ...]
     theta: FloatArray
-    root: FloatArray
-    dof: float
     half: FloatArray
+    root: FloatArray = np.zeros((0, 0))
+    dof: float = math.inf
+    bounds: tuple[FloatArray | float, FloatArray | float] = (-math.inf, math.inf)
 
 
 class _Draws:
@@ -48,79 +49,61 @@ class _Draws:
 
     def __init__(self, scene: Scene, count: int, seed: int) -> None:
         self.shape, self.seed, self.friction = (count,), seed, _friction(scene)
-        own = {} if self.friction is None else self._own_keys(scene)
-        self.half = {key: half for key, half in scene.tolerances.items() if key not in own}
-        self.keys = tuple(self.half)
-        if self.friction is None and not self.keys:
+        law = self.friction.names if self.friction else ()
+        own = {"friction.mu", *(_OWN_PARAMETERS + name for name in law)}
+        self.axes = tuple(_ends(scene, key) for key in scene.tolerances if not (law and key in own))
+        self.keys = tuple(axis.key for axis in self.axes)
+        if not law and not self.keys:
             raise InputError(
                 "nothing in the scene is uncertain: no tolerances, no fit",
                 key="--draws",
                 fix='add [tolerances] with, say, wheel.wrap = "5 deg", or the friction of a fit',
             )
-        self.middle = {key: float(value_at(scene.table, key)) for key in self.keys}
-        self.units = {}
-        for key in self.keys:
-            written = value_at(scene.document.data, key)
-            unit, number = unit_of(written) if isinstance(written, str) else ("", self.middle[key])
-            self.units[key] = unit, (self.middle[key] / number if unit and number else 1.0)
-            self._refuse_ends(scene, key)
-
-    def _own_keys(self, scene: Scene) -> set[str]:
-        law = self.friction.names if self.friction is not None else ()
-        return {"friction.mu", *(_OWN_PARAMETERS + name for name in law)} & set(scene.tolerances)
-
-    def _refuse_ends(self, scene: Scene, key: str) -> None:
-        """Refuse a tolerance at whose ends the scene is none."""
-        unit, factor = self.units[key]
-        for way in (-1.0, 1.0):
-            end = (self.middle[key] + way * self.half[key]) / factor
-            data = replaced(scene.document.data, key, f"{end!r} {unit}" if unit else end)
-            read_scene(TomlDocument(path=scene.document.path, data=data, lines={}), scene.folder)
-
-    @cached_property
-    def columns(self) -> tuple[str, ...]:
-        """Return the names of what is drawn, as a table has them."""
-        swept = [f"{key} [{unit}]" if unit else key for key, (unit, _) in self.units.items()]
-        return (*swept, *(f"friction.{name}" for name in (self.friction.names if self.friction else ())))
+        self.columns = (*(axis.label for axis in self.axes), *(f"friction.{name}" for name in law))
 
     def at(self, places: IntArray) -> list[FloatArray]:
         """Return the draws at places of one block."""
-        block = int(places[0]) // BLOCK
-        own, size = places - block * BLOCK, len(self.keys)
-        flat, friction = _flat(self.seed, block, size), self.friction
+        block, own, friction = int(places[0]) // BLOCK, places % BLOCK, self.friction
+        flat = _flat(self.seed, block, len(self.axes))[own].T
         found = [
-            limit.estimate + limit.stated * flat[own, i]
-            for i, limit in enumerate(
-                limit_of_error(key, key, "", self.half[key], estimate=self.middle[key]) for key in self.keys
-            )
+            axis.values.mean() + 0.5 * np.ptp(axis.values) * one
+            for axis, one in zip(self.axes, flat, strict=True)
         ]
         if friction is not None:
-            together = _scattered(self.seed, block, friction.theta.size, friction.dof)[own] @ friction.root.T
-            apart = _flat(self.seed, block, friction.theta.size, 2)[own] * friction.half
-            found.append(friction.theta + together + apart)
+            theta = friction.theta + _flat(self.seed, block, friction.theta.size, 2)[own] * friction.half
+            if friction.root.size:
+                scattered = _scattered(self.seed, block, *friction.root.shape, friction.dof)[own]
+                theta = np.clip(theta + scattered @ friction.root.T, *friction.bounds)
+            found.append(theta)
         return found
 
     def box(self) -> list[FloatArray]:
         """Return corners of all tolerances, each with the parameters as fitted and far out each way."""
-        ends = [np.array([-1.0, 1.0]) * half + self.middle[key] for key, half in self.half.items()]
-        corners = [one.ravel() for one in np.meshgrid(*ends, indexing="ij")] if ends else []
+        corners = [one.ravel() for one in np.meshgrid(*(axis.values for axis in self.axes), indexing="ij")]
         if self.friction is None:
             return corners
-        names, theta, root, dof, half = self.friction
+        names, theta, half, root, dof, bounds = self.friction
         reach = quantile(1.0 - 0.5 / (self.shape[0] * len(names)), dof)
-        ways = np.vstack(
-            [np.zeros(theta.size), reach * root.T, -reach * root.T, np.diag(half), -np.diag(half)]
-        )
-        stars = theta + np.unique(ways, axis=0)
+        ways = np.vstack([np.zeros(theta.size), np.diag(half), reach * root.T.reshape(-1, theta.size)])
+        stars = np.clip(theta + np.unique(np.vstack([ways, -ways]), axis=0), *bounds)
         count = corners[0].size if corners else 1
         return [*(np.tile(one, len(stars)) for one in corners), np.repeat(stars, count, axis=0)]
 
     def drawn(self, places: IntArray) -> Mapping[str, FloatArray]:
         """Return what was drawn, in the units of the scene."""
         values = self.at(places)
-        found = [one / self.units[key][1] for key, one in zip(self.keys, values, strict=False)]
+        found = [one / axis.factor for axis, one in zip(self.axes, values, strict=False)]
         found += list(values[-1].T) if self.friction else []
         return dict(zip(self.columns, found, strict=True))
+
+
+def _ends(scene: Scene, key: str) -> Axis:
+    """Return what the value of a key lies between, where the scene is one."""
+    value, written = float(value_at(scene.table, key)), value_at(scene.document.data, key)
+    unit, number = unit_of(written) if isinstance(written, str) else ("", value)
+    factor = value / number if unit and number else 1.0
+    low, high = ((value + way * scene.tolerances[key]) / factor for way in (-1.0, 1.0))
+    return parse_axis(scene, f"{key}={low!r} {unit},{high!r} {unit}")
 
 
 @lru_cache(maxsize=4)
@@ -129,40 +112,42 @@ def _flat(seed: int, block: int, size: int, stream: int = 0) -> FloatArray:
 
 
 @lru_cache(maxsize=2)
-def _scattered(seed: int, block: int, size: int, dof: float) -> FloatArray:
+def _scattered(seed: int, block: int, size: int, columns: int, dof: float) -> FloatArray:
+    """Return draws of a standard t, and behind them of the normal for what is known for sure, (n, columns)."""
     rng = np.random.default_rng([seed, block, 1])
-    return joint_draws(np.zeros(size), np.eye(size), dof=dof, n=BLOCK, rng=rng)
+    own = joint_draws(np.zeros(size), np.eye(size), dof=dof, n=BLOCK, rng=rng)
+    return np.hstack([own, rng.standard_normal((BLOCK, columns - size))])
 
 
 def _friction(scene: Scene) -> _Friction | None:
-    """Return how the parameters of a scene's law scatter; None where they do not."""
+    """Return how the parameters of a scene's law scatter; None where they do not.
+
+    As in a prediction: by t of the fit's covariance, but for the part that common errors make, which is normal, and
+    moved onto the law's bounds where they cross them.
+    """
     source = scene.source
     if source is None:
         return None
-    law, theta = source.friction.law, source.friction.theta
+    law, theta, fit = source.friction.law, source.friction.theta, source.fit
     own = {"friction.mu": 0} | {_OWN_PARAMETERS + name: i for i, name in enumerate(law.parameter_names)}
     half = np.zeros(theta.size)
     for key in own.keys() & scene.tolerances.keys():
         half[own[key]] = scene.tolerances[key]
-    root = np.zeros((theta.size, theta.size))
-    fit = source.fit
-    if fit is not None:
-        if not (has_interval(fit) and np.isfinite(fit.covariance).all()):
-            raise InputError(
-                "the covariance of the fit is not known, so nothing can be drawn from it",
-                key="friction.fit",
-                fix="measure the conditions that would show all parameters, or fit a simpler law",
-            )
-        root = symmetric_root(np.asarray(fit.covariance))
-    if not root.any() and not half.any():
-        return None
-    return _Friction(
-        law.parameter_names, theta, root, math.inf if fit is None else degrees_of_freedom(fit), half
-    )
+    if fit is None:
+        return _Friction(law.parameter_names, theta, half) if half.any() else None
+    if not (has_interval(fit) and np.isfinite(fit.covariance).all()):
+        raise InputError(
+            "the covariance of the fit is not known, so nothing can be drawn from it",
+            key="friction.fit",
+            fix="measure the conditions that would show all parameters, or fit a simpler law",
+        )
+    common = fit.common_changes
+    root = np.hstack([symmetric_root(np.asarray(fit.covariance) - common @ common.T), common])
+    bounds = np.minimum(law.lower, theta), np.maximum(law.upper, theta)
+    return _Friction(law.parameter_names, theta, half, root, degrees_of_freedom(fit), bounds)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Drawn:
+class Drawn(NamedTuple):
     """What draws say of one number: the answer at the values as given, mean, standard deviation and quantiles."""
 
     value: float
@@ -251,12 +236,8 @@ class Draws(Answers):
             "drawn": list(self.inputs),
             "quantiles_percent": [round(tail, 9), 50.0, round(100.0 - tail, 9)],
             "quantities": {
-                name: {
-                    "value": finite(one.value),
-                    "mean": finite(one.mean),
-                    "std": finite(one.std),
-                    "quantiles": [finite(q) for q in one.quantiles],
-                }
+                name: {part: finite(getattr(one, part)) for part in ("value", "mean", "std")}
+                | {"quantiles": [finite(end) for end in one.quantiles]}
                 for name, one in self.numbers.items()
             },
             "failures": {

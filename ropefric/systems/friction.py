@@ -65,11 +65,11 @@ class WrapFriction:
 
     def exponent(
         self,
-        *,
         wheel_radius_m: npt.ArrayLike,
         rope_radius_m: npt.ArrayLike,
         wrap_angle_rad: npt.ArrayLike,
         slack_tension_N: npt.ArrayLike,
+        *,
         told: frozenset[str] = EVERYTHING,
         places: int = 0,
     ) -> FloatArray:
@@ -77,12 +77,8 @@ class WrapFriction:
 
         Where each case has parameters of its own, the cases lie along the axis before the last `places`.
         """
-        arrays = {
-            "wheel_radius_m": np.asarray(wheel_radius_m, dtype=np.float64),
-            "rope_radius_m": np.asarray(rope_radius_m, dtype=np.float64),
-            "wrap_angle_rad": np.asarray(wrap_angle_rad, dtype=np.float64),
-            "end_tension_N": np.asarray(slack_tension_N, dtype=np.float64),
-        }
+        given = (wheel_radius_m, rope_radius_m, wrap_angle_rad, slack_tension_N)
+        arrays = {name: np.asarray(one, dtype=np.float64) for name, one in zip(_OWNER, given, strict=True)}
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
         # What the law gets to see of the contacts, on one axis; over a wrap of zero no coefficient is needed.
         seen = {
@@ -127,21 +123,8 @@ class WrapFriction:
             )
         return np.asarray(rise / contacts.wrap_angle_rad)
 
-    def has_answer(
-        self,
-        *,
-        wheel_radius_m: FloatArray,
-        rope_radius_m: FloatArray,
-        wrap_angle_rad: FloatArray,
-        slack_tension_N: FloatArray,
-    ) -> BoolArray:
-        """Return for which of n contacts, arrays of shape (n,) in their valid range, `exponent` has an answer."""
-        contacts = Conditions(
-            wheel_radius_m=wheel_radius_m,
-            rope_radius_m=rope_radius_m,
-            wrap_angle_rad=wrap_angle_rad,
-            end_tension_N=slack_tension_N,
-        )
+    def has_answer(self, contacts: Conditions) -> BoolArray:
+        """Return for which of n contacts in their valid range `exponent` has an answer, shape (n,)."""
         if self.theta.ndim > 1:
             return np.isfinite(self.law.log_lift_of_pairs(self.theta, contacts))
         return self.law.answers(self.theta, contacts)

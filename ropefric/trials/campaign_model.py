@@ -15,21 +15,10 @@ from pydantic import AfterValidator, Field, PlainValidator, model_validator
 from pydantic_core import to_jsonable_python
 
 from ropefric.errors import InputError, Problem
+from ropefric.files import toml_model as read
 from ropefric.files.plain_text import LANGUAGES
 from ropefric.files.stamps import ORDERS
-from ropefric.files.toml_model import (
-    StrictTable,
-    Table,
-    any_quantity,
-    choice,
-    date_text,
-    fraction,
-    got,
-    quantity,
-    reject,
-    text,
-    whole_number,
-)
+from ropefric.files.toml_model import StrictTable, Table, got, reject
 from ropefric.plugins import provenance
 from ropefric.quantities import si_unit_of
 from ropefric.shown import Shown
@@ -45,17 +34,20 @@ _plain = partial(to_jsonable_python, by_alias=False)
 _SI_UNITS = {"time": "s", "force": "N", "end_tension": "N"}
 _SEPARATORS = {"tab": "\t", "space": " "}
 
-_LENGTH, _FORCE = quantity("m", "40 mm", above=0), quantity("N", "60 N", above=0)
-_VOLTAGE, _TIME = quantity("V", "2.5 V"), quantity("s", "0.3 s")
-_RATE, _WINDOW = quantity("Hz", "3 kHz", above=0), quantity("s", "10 ms", above=0)
+_LENGTH, _FORCE = read.quantity("m", "40 mm", above=0), read.quantity("N", "60 N", above=0)
+_VOLTAGE, _TIME = read.quantity("V", "2.5 V"), read.quantity("s", "0.3 s")
+_RATE, _WINDOW = read.quantity("Hz", "3 kHz", above=0), read.quantity("s", "10 ms", above=0)
 
 # What stands in the file under the `alias` of a field is in SI under its name.
-Text = Annotated[str, PlainValidator(text)]
+Text = Annotated[str, PlainValidator(read.text)]
 Length = Annotated[float, PlainValidator(_LENGTH)]
 Time = Annotated[float | None, PlainValidator(_TIME)]
-MinStep = Annotated[float | None, PlainValidator(quantity("N", "5 N", above=0))]
-Angle = Annotated[float, PlainValidator(quantity("rad", "1 deg", above=0))]
-Density = Annotated[float | None, PlainValidator(quantity("kg/m", "62 g/m", above=0))]
+MinStep = Annotated[float | None, PlainValidator(read.quantity("N", "5 N", above=0))]
+Angle = Annotated[float, PlainValidator(read.quantity("rad", "1 deg", above=0))]
+Wheel = Annotated[float, PlainValidator(read.quantity("m", "35 mm", above=0))]
+Wrap = Annotated[float, PlainValidator(read.quantity("rad", "400 deg", above=0))]
+Force = Annotated[float, PlainValidator(_FORCE)]
+Density = Annotated[float | None, PlainValidator(read.quantity("kg/m", "62 g/m", above=0))]
 
 
 class Round(StrictTable):
@@ -64,7 +56,7 @@ class Round(StrictTable):
     example: ClassVar[str] = 'radius = "40 mm"'
     radius_m: Length = Field(default=0.0, alias="radius")
     diameter: Length = Field(default=0.0, exclude=True)
-    tolerance: Annotated[float, PlainValidator(quantity("m", "0.1 mm", above=0))] = 0.0
+    tolerance: Annotated[float, PlainValidator(read.quantity("m", "0.1 mm", above=0))] = 0.0
     material: Text = ""
 
     @property
@@ -102,7 +94,7 @@ def _point(value: object) -> tuple[float, float]:
     return _POINT_N(force), _VOLTAGE(voltage)
 
 
-_POINT_N = quantity("N", "500 N")
+_POINT_N = read.quantity("N", "500 N")
 
 
 def _named(cells: dict[str, ForceCell]) -> dict[str, ForceCell]:
@@ -119,14 +111,14 @@ def protocol_names() -> Collection[str]:
 class Protocol(StrictTable):
     """`[protocol]`: what happens in a recording, and which part of it counts."""
 
-    name: Annotated[str, PlainValidator(choice(protocol_names))] = "breakaway"
+    name: Annotated[str, PlainValidator(read.choice(protocol_names))] = "breakaway"
     start_s: Time = Field(default=None, alias="from")
     stop_s: Time = Field(default=None, alias="until")
     min_step_N: MinStep = Field(default=None, alias="min_step")
     wrap_tolerance_rad: Angle = Field(default=0.0, alias="wrap_tolerance")
-    side: Annotated[str, PlainValidator(choice(lambda: SIDES))] = "slack"
-    ending: Annotated[str, PlainValidator(choice(lambda: ENDINGS))] = "sliding"
-    rest: Annotated[str, PlainValidator(choice(lambda: RESTS))] = "unknown"
+    side: Annotated[str, PlainValidator(read.choice(lambda: SIDES))] = "slack"
+    ending: Annotated[str, PlainValidator(read.choice(lambda: ENDINGS))] = "sliding"
+    rest: Annotated[str, PlainValidator(read.choice(lambda: RESTS))] = "unknown"
 
     @model_validator(mode="after")
     def _has_an_interval(self) -> Self:
@@ -162,7 +154,7 @@ class Smoothing(StrictTable):
     """`[smoothing]`: the window [s], 0 for none, None for one that is found for each recording."""
 
     window_s: Annotated[float | None, PlainValidator(_window_s)] = Field(default=None, alias="window")
-    peak: Annotated[str, PlainValidator(choice(lambda: PEAKS))] = "smoothed"
+    peak: Annotated[str, PlainValidator(read.choice(lambda: PEAKS))] = "smoothed"
 
     @property
     def mode(self) -> str:
@@ -173,13 +165,9 @@ class Smoothing(StrictTable):
 class DesignWheel(StrictTable):
     """`[design]`: a wheel whose lift force is to be predicted."""
 
-    wheel_radius_m: Annotated[float, PlainValidator(quantity("m", "35 mm", above=0))] = Field(
-        alias="wheel_radius"
-    )
-    wrap_angle_rad: Annotated[float, PlainValidator(quantity("rad", "400 deg", above=0))] = Field(
-        alias="wrap_angle"
-    )
-    end_tension_N: Annotated[float, PlainValidator(_FORCE)] = Field(alias="end_tension")
+    wheel_radius_m: Wheel = Field(alias="wheel_radius")
+    wrap_angle_rad: Wrap = Field(alias="wrap_angle")
+    end_tension_N: Force = Field(alias="end_tension")
 
 
 class ReportWords(StrictTable):
@@ -189,10 +177,10 @@ class ReportWords(StrictTable):
     customer: Text = ""
     operator: Text = ""
     number: Text = ""
-    date: Annotated[str, PlainValidator(date_text)] = ""
+    date: Annotated[str, PlainValidator(read.date_text)] = ""
     question: Text = ""
     assumptions: tuple[Text, ...] = ()
-    language: Annotated[str, PlainValidator(choice(lambda: LANGUAGES))] = "en"
+    language: Annotated[str, PlainValidator(read.choice(lambda: LANGUAGES))] = "en"
 
 
 def _channel(value: object) -> Channel:
@@ -215,7 +203,7 @@ def _column(value: object) -> str | int:
 
 
 def _unit(value: object) -> str:
-    unit = text(value)
+    unit = read.text(value)
     if unit:
         try:
             si_unit_of(unit)
@@ -225,7 +213,7 @@ def _unit(value: object) -> str:
 
 
 def _separator(value: object) -> str:
-    separator = _SEPARATORS.get(text(value), text(value))
+    separator = _SEPARATORS.get(read.text(value), read.text(value))
     if len(separator) > 1:
         fix = 'write ",", ";", "tab" or "space", or leave it out'
         reject("RF110", f"expected one character between columns, got {got(value)}", fix=fix)
@@ -233,7 +221,7 @@ def _separator(value: object) -> str:
 
 
 def _encoding(value: object) -> str:
-    encoding = text(value)
+    encoding = read.text(value)
     try:
         "a".encode(encoding or "utf-8")
     except (LookupError, ValueError):
@@ -270,17 +258,17 @@ _CELL = Table(
         "full_scale_N": ("full_scale", _FORCE),
         "zero_V": ("zero_voltage", _VOLTAGE),
         "full_scale_V": ("full_scale_voltage", _VOLTAGE),
-        **dict.fromkeys(ASSUMED_LIMITS, fraction("0.02 %FS")),
+        **dict.fromkeys(ASSUMED_LIMITS, read.fraction("0.02 %FS")),
         "points": ("calibration_points", tuple[Annotated[Any, PlainValidator(_point)], ...]),
-        "serial": text,
-        "calibrated": date_text,
+        "serial": read.text,
+        "calibrated": read.date_text,
     },
     needed=("full_scale_N",),
     prefix="force cell '': ",
 )
 _ADC = Table(
     Adc,
-    {"bits": whole_number(1, 32), "low_V": ("low", _VOLTAGE), "high_V": ("high", _VOLTAGE)},
+    {"bits": read.whole_number(1, 32), "low_V": ("low", _VOLTAGE), "high_V": ("high", _VOLTAGE)},
     needed=("bits", "high_V"),
     code="RF111",
     prefix="ADC: ",
@@ -288,28 +276,28 @@ _ADC = Table(
 _LIMITS = Table(
     Limits,
     {
-        "memory_bytes": ("memory", quantity("byte", "2 GB", above=0)),
-        "time_s": ("time", quantity("s", "120 s", above=0)),
+        "memory_bytes": ("memory", read.quantity("byte", "2 GB", above=0)),
+        "time_s": ("time", read.quantity("s", "120 s", above=0)),
     },
 )
 _IMPORT = Table(
     _import_profile,
     {
-        "format": choice(lambda: ("auto", *READERS)),
+        "format": read.choice(lambda: ("auto", *READERS)),
         "separator": _separator,
-        "decimal": choice(lambda: ("", ".", ",")),
+        "decimal": read.choice(lambda: ("", ".", ",")),
         "encoding": _encoding,
-        "header_row": whole_number(-1),
+        "header_row": read.whole_number(-1),
         **dict.fromkeys(
-            ("units_row", "data_row", "block_columns", "block_names_row", "skip_footer"), whole_number(0)
+            ("units_row", "data_row", "block_columns", "block_names_row", "skip_footer"), read.whole_number(0)
         ),
-        "date_order": choice(lambda: ("", *ORDERS)),
-        "time_zone": choice(available_timezones),
+        "date_order": read.choice(lambda: ("", *ORDERS)),
+        "time_zone": read.choice(available_timezones),
         "sampling_rate_Hz": ("sampling_rate", _RATE),
         "missing": tuple[Text, ...],
-        "table": text,
+        "table": read.text,
         "channels": dict[str, Annotated[Channel, PlainValidator(_channel)]],
-        "constants": dict[str, Annotated[float, PlainValidator(any_quantity)]],
+        "constants": dict[str, Annotated[float, PlainValidator(read.any_quantity)]],
         "derived": dict[str, Text],
     },
 )
@@ -339,11 +327,11 @@ class CampaignFile(StrictTable):
         tuple[float, float] | None, _of_one_key("interval", _interval), Field(alias="tare")
     ] = None
     smoothing: Smoothing = Smoothing()
-    rejection: Annotated[str, Table(lambda rule="two-sigma": rule, {"rule": choice(lambda: RULES)})] = (
+    rejection: Annotated[str, Table(lambda rule="two-sigma": rule, {"rule": read.choice(lambda: RULES)})] = (
         "two-sigma"
     )
     weights_tolerance: Annotated[
-        float, _of_one_key("tolerance", fraction("0.05 %")), Field(alias="weights")
+        float, _of_one_key("tolerance", read.fraction("0.05 %")), Field(alias="weights")
     ] = 0.0
     design: DesignWheel | None = None
     report: ReportWords = ReportWords()

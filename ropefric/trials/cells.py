@@ -17,7 +17,7 @@ from ropefric.errors import DataError, InputError, Problem
 from ropefric.files.parquet import parquet_as_csv
 from ropefric.files.read import use_file
 from ropefric.files.text import Source, load_text
-from ropefric.quantities import in_range, parse_quantity, split_unit_suffix, unit_factor
+from ropefric.quantities import example_unit, in_range, parse_quantity, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.traces.readers.excel import READER, sheet_as_csv
 
@@ -29,7 +29,7 @@ SLIP = 0.8
 _NUMBER = re.compile(r"[+-]?(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eE][+-]?\d{1,4})?", re.ASCII)
 _GROUPED = re.compile(r"[+-]?\d{1,3}(?:[.,' \u00a0]\d{3})+(?:[.,]\d*+)?")
 _WITH_UNIT = re.compile(rf"({_NUMBER.pattern})\s*+[A-Za-z°%]++")
-_POSITIVE = {
+POSITIVE = {
     "wheel_radius_m": "a wheel radius",
     "rope_radius_m": "a rope size",
     "wrap_angle_rad": "a wrap angle",
@@ -51,7 +51,24 @@ SETTINGS: Mapping[str, Quantity] = {
     "end_mass": ("end_tension_N", "kg", STANDARD_GRAVITY_M_S2),
 }
 """The settings of a trial, by what a header calls them without its unit."""
-_UNITS = {"m": "mm", "rad": "deg"}
+QUANTITIES = {
+    **SETTINGS,
+    "peak": ("peak_N", "N", 1.0),
+    "breakaway_force": ("peak_N", "N", 1.0),
+    "lift_force": ("peak_N", "N", 1.0),
+    "lift_mass": ("peak_N", "kg", STANDARD_GRAVITY_M_S2),
+    "peak_std": ("peak_std_N", "N", 1.0),
+    "lift_force_std": ("peak_std_N", "N", 1.0),
+    "end_tension_std": ("end_tension_std_N", "N", 1.0),
+    "wrap_angle_std": ("wrap_std_rad", "rad", 1.0),
+    "wrap_std": ("wrap_std_rad", "rad", 1.0),
+    "wheel_radius_std": ("wheel_radius_std_m", "m", 1.0),
+    "wheel_diameter_std": ("wheel_radius_std_m", "m", 0.5),
+    "rope_radius_std": ("rope_radius_std_m", "m", 1.0),
+    "rope_diameter_std": ("rope_radius_std_m", "m", 0.5),
+    "cell_std": ("cell_std_N", "N", 1.0),
+}
+"""All numbers of a trial table, likewise."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,11 +117,9 @@ class CellTable:
             if column is None:
                 others.append(name)
             elif column.field in bound:
-                message, fix = (
-                    f"this column says the same as '{bound[column.field].header}'",
-                    "remove one of the two",
-                )
-                problems.append(self.problem(self.header_line, name, "RF122", message, fix))
+                message = f"this column says the same as '{bound[column.field].header}'"
+                twice = InputError(message, code="RF122", fix="remove one of the two")
+                problems.append(self.refusal(self.header_line, name, twice))
             else:
                 bound[column.field] = column
         return bound, others, problems
@@ -121,7 +136,7 @@ class CellTable:
         message = "this column is not known; it is kept, but not used"
         return [self.problem(self.header_line, name, "RF120", message, fix, warning=True)]
 
-    def decimal_mark(self, columns: Mapping[str, "Column"]) -> str:
+    def decimal_mark(self, columns: "Columns") -> str:
         """Return "," where columns are not separated by it and any number has one, else "."."""
         numeric = [column.index for column in columns.values() if column.si_unit]
         if self.separator != "," and any("," in cells[index] for _, cells in self.rows for index in numeric):
@@ -129,11 +144,7 @@ class CellTable:
         return "."
 
     def numbers(
-        self,
-        columns: Mapping[str, "Column"],
-        *,
-        empty: Collection[str] = ("",),
-        doubted: Collection[str] = (),
+        self, columns: "Columns", *, empty: Collection[str] = ("",), doubted: Collection[str] = ()
     ) -> tuple[dict[str, list[float]], dict[int, list[Problem]]]:
         """Return the numbers of the columns in SI, NaN where there is none; and by place what cannot be read in a row.
 
@@ -170,6 +181,10 @@ class Column:
     scale: float = 1.0
 
 
+Columns = Mapping[str, Column]
+"""Columns that are known, by field."""
+
+
 def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, ...]]:
     r"""Return the cells of a CSV or Parquet file or of a workbook's first sheet, and what is wrong with single rows.
 
@@ -200,12 +215,8 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
         raise DataError(message, path=shown, line=header_line, fix=fix)
     good = tuple((n, cells) for n, cells in split[1:] if cells is not None and len(cells) == len(header))
     table = CellTable(path=shown, separator=separator, header=header, header_line=header_line, rows=good)
-    told = (
-        []
-        if not sheet
-        else [table.problem(header_line, "", "RF141", sheet, "put the table first", warning=True)]
-    )
-    return table, (*told, *_torn(table, split))
+    told = table.problem(header_line, "", "RF141", sheet, "put the table first", warning=True)
+    return table, (*([told] if sheet else ()), *_torn(table, split))
 
 
 def _text(source: Source) -> tuple[str, str]:
@@ -229,14 +240,12 @@ def is_row(line: str) -> bool:
 
 
 def _split(line: str, separator: str, *, quoted: bool) -> tuple[str, ...] | None:
-    try:
-        cells = (
-            next(csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True))
-            if quoted
-            else line.split(separator)
-        )
-    except csv.Error:
-        return None
+    cells = line.split(separator)
+    if quoted:
+        try:
+            (cells,) = csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True)
+        except csv.Error:
+            return None
     return tuple(cell.strip() for cell in cells)
 
 
@@ -269,7 +278,7 @@ def stem_of(name: str) -> str:
 def example_of(stem: str, quantities: Mapping[str, Quantity]) -> str:
     """Return how a header may call a column."""
     si_unit = quantities[stem][1]
-    return f"{stem}_{'turns' if stem == 'wrap' else _UNITS.get(si_unit, si_unit)}"
+    return f"{stem}_{'turns' if stem == 'wrap' else example_unit(si_unit)}"
 
 
 def _quantity_column(index: int, name: str, quantities: Mapping[str, Quantity]) -> Column | None:
@@ -310,8 +319,8 @@ def read_number(cell: str, column: Column, decimal: str) -> float:
     value *= column.scale
     written = f"{cell} {column.unit}"
     # Written so that an overflow to infinity is refused like a zero.
-    if column.field in _POSITIVE and not 0 < value < 1e30:
-        message = f"{written} is no possible value; {_POSITIVE[column.field]} must be above zero"
+    if column.field in POSITIVE and not 0 < value < 1e30:
+        message = f"{written} is no possible value; {POSITIVE[column.field]} must be above zero"
         raise InputError(message, code="RF110", fix="correct the number")
     if column.field == "dwell_s" and value < 0:
         raise InputError(f"{written} of dwell is negative", code="RF110", fix="write 0 or more")

@@ -26,6 +26,7 @@ from ropefric.traces.readers import READERS, TEXT_FORMATS, find_reader, read_rec
 from ropefric.trials.campaign_model import Campaign, TrialSpec
 from ropefric.trials.recording import blocks_of, extract_recording, tared_trace, unreadable
 from ropefric.trials.result import Extraction, TrialResult, summarised
+from ropefric.trials.trial_list import free_name
 from ropefric.trials.workers import START_S, Lost, guarded
 
 SCHEMA = "ropefric.extraction-cache/4"
@@ -177,11 +178,8 @@ def in_list_order(campaign: Campaign, by_row: ByRow) -> list[tuple[TrialSpec, Tr
     placed = []
     for row in campaign.trials:
         for result in by_row[row.trial]:
-            name, number = result.trial, 1
             # A row may be called as the block or tooth of another: "w#2".
-            while name in taken and name != row.trial:
-                number += 1
-                name = f"{result.trial}-{number}"
+            name = row.trial if result.trial == row.trial else free_name(result.trial, taken)
             taken.add(name)
             placed.append((row, result if name == result.trial else replace(result, trial=name)))
     return placed

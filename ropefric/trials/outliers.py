@@ -123,9 +123,8 @@ def scaled(values: npt.ArrayLike) -> Scaled:
     wrong = ~(np.abs(array) <= _LARGEST)
     if wrong.any():
         index = int(np.argmax(wrong))
-        message = (
-            f"value {index + 1} of {array.size} is {array[index]}, so no mean and no limit can be formed"
-        )
+        which = f"value {index + 1} of {array.size} is {array[index]}"
+        message = f"{which}, so no mean and no limit can be formed"
         fix = "leave trials without a break-away force out of the series"
         raise InputError(message, code="RF311", fix=fix)
     if array.size == 0:
@@ -350,18 +349,23 @@ def summarise(values: npt.ArrayLike, rule: OutlierRule | str = "two-sigma") -> R
     everything, rejected = scaled(values), rule.flag(values)
     kept = scaled(np.asarray(values, dtype=np.float64)[~rejected])
     n, n_kept = rejected.size, kept.deviations.size
-    warning = rule.warning(n)
+    warning, note = rule.warning(n), ""
+    if n_kept < n:
+        clean = trimming_bias(n, rule)
+        lost = f"a good value from {100 * clean.share:.0f} % of clean normal series of n = {n}"
+        low = f"s of what it keeps reads {-100 * clean.bias:.0f} % low on average"
+        note = f"{rule.label} takes {lost}, and {low}"
     return Repeatability(
         rule=rule.name,
         n=n,
         n_kept=n_kept,
-        rejected=tuple(int(index) for index in np.flatnonzero(rejected)),
+        rejected=tuple(np.flatnonzero(rejected).tolist()),
         mean_all=everything.mean(),
         std_all=everything.std(),
         mean_kept=kept.mean(),
         std_kept=kept.std(),
         warnings=(warning,) if warning else (),
-        notes=(_trimming_note(n, rule),) if n_kept < n and rule.trimming else (),
+        notes=(note,) if n_kept < n and rule.trimming else (),
     )
 
 
@@ -379,16 +383,6 @@ def trimming_bias(n: int, rule: OutlierRule | str = "two-sigma") -> Trimming:
     untrimmed = math.sqrt(2.0 / (n - 1)) * math.exp(math.lgamma(n / 2.0) - math.lgamma((n - 1) / 2.0))
     if not rule.trimming or not rule.can_reject(n):
         return Trimming(ratio=untrimmed, bias=0.0, share=0.0)
-    sizes, ratios, shares = (np.array(column) for column in zip(*reversed(rule.trimming), strict=True))
-    ratio = float(np.interp(1.0 / n, 1.0 / sizes, ratios))
-    return Trimming(
-        ratio=ratio, bias=ratio / untrimmed - 1.0, share=float(np.interp(1.0 / n, 1.0 / sizes, shares))
-    )
-
-
-def _trimming_note(n: int, rule: OutlierRule) -> str:
-    clean = trimming_bias(n, rule)
-    return (
-        f"{rule.label} takes a good value from {100 * clean.share:.0f} % of clean normal series of n = {n}, and s "
-        f"of what it keeps reads {-100 * clean.bias:.0f} % low on average"
-    )
+    sizes, *simulated = (np.array(column) for column in zip(*reversed(rule.trimming), strict=True))
+    ratio, share = (float(np.interp(1.0 / n, 1.0 / sizes, values)) for values in simulated)
+    return Trimming(ratio=ratio, bias=ratio / untrimmed - 1.0, share=share)

@@ -203,11 +203,9 @@ def _result(
     if is_ok:
         std_N = force_std_N(breakaway.peak_N, calibration, picking_std_N=breakaway.peak_std_N)
         if campaign.protocol.name == "two-way":  # half of each force's share, see `traces.two_way`
-            up_N, down_N = (
-                force_std_N(one_N, calibration) for one_N in (breakaway.peak_N, breakaway.trough_N)
-            )
-            ratio = breakaway.peak_N / breakaway.trough_N
-            std_N = math.hypot(breakaway.peak_std_N, 0.5 * up_N, 0.5 * ratio * down_N)
+            top_N, low_N = breakaway.peak_N, breakaway.trough_N
+            up_N, down_N = force_std_N(top_N, calibration), force_std_N(low_N, calibration)
+            std_N = math.hypot(breakaway.peak_std_N, 0.5 * up_N, 0.5 * (top_N / low_N) * down_N)
         measured = (breakaway.peak_N, std_N)
     (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
     hung_N, apart_N = known[0] if math.isnan(set_N) else set_N, 0.0

@@ -5,7 +5,6 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import cache
 from math import isfinite, nan
 from pathlib import Path, PurePath
 from typing import Annotated, Any
@@ -24,7 +23,7 @@ from ropefric.shown import Shown
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
 from ropefric.trials.campaign_model import Campaign, TrialRow
-from ropefric.trials.cells import stem_of
+from ropefric.trials.cells import QUANTITIES, stem_of
 from ropefric.trials.outliers import scaled, summarise
 
 OUTCOMES = ("kept", "rejected", "excluded", "without a force")
@@ -41,13 +40,9 @@ _COLUMNS = (
     "rope_id", "dwell_s", "tare_N", "saturated_samples", "note",
 )  # fmt: skip
 """Of a trial's row."""
-_OF_BREAKAWAY = {
-    name: name
-    for name in (
-        "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s", "noise_std_N", "loading_rate_N_s", "kinetic_N",
-        "kinetic_std_N", "drop_N", "trough_N", "n_slips", "recurrence_s", "status", "detail", "notes",
-    )
-} | {"sliding_s": "kinetic_s", "measured_dwell_s": "dwell_s"}  # fmt: skip
+STEMS = frozenset(map(stem_of, (*_COLUMNS, "sha256")))
+"""The columns without their units."""
+_OF_BREAKAWAY = {"sliding_s": "kinetic_s", "measured_dwell_s": "dwell_s"}
 SUMMARISED = {
     "kinetic_N": "kinetic force [N]",
     "drop_N": "drop [N]",
@@ -60,15 +55,6 @@ SUMMARISED = {
     "mu_kinetic": "kinetic μ",
 }
 """What a condition has the mean, scatter and number of, over its kept trials, beside the break-away force."""
-# What else a trial table may call its columns.
-_MEANT = frozenset(
-    {
-        "wheel_diameter", "rope_diameter", "wrap", "end_mass", "lift_force", "lift_mass", "breakaway_force",
-        "lift_force_std", "wrap_std", "wrap_angle_std", "wheel_radius_std", "wheel_diameter_std",
-    }
-)  # fmt: skip
-
-
 _Curve = Annotated[FloatArray, PlainValidator(frozen_array), PlainSerializer(np.ndarray.tolist)]
 
 
@@ -165,12 +151,15 @@ class TrialResult(TrialRow):
 
     def measured(self, name: str) -> Any:
         """Return what a column of the trial's row holds."""
-        if name in _OF_BREAKAWAY:
-            return getattr(self.breakaway, _OF_BREAKAWAY[name])
         if name == "candidates":
             events = self.breakaway.candidates
             return "; ".join(f"{event.force_N:.5g} N at {event.time_s:.5g} s" for event in events)
-        return getattr(self, name.removeprefix("decided_"))
+        own = name.removeprefix("decided_")
+        return (
+            getattr(self, own)
+            if hasattr(type(self), own)
+            else getattr(self.breakaway, _OF_BREAKAWAY.get(name, name))
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the trial's row; a number that is not there is None."""
@@ -180,15 +169,10 @@ class TrialResult(TrialRow):
             row["peak_raw_N"] = nan
         for name, cell in self.own:
             # What a fit would take for a number of the tool's own gets another name.
-            row[f"given_{name}" if stem_of(name) in _own_stems() else name] = cell
+            taken = stem_of(name) in STEMS or stem_of(name) in QUANTITIES
+            row[f"given_{name}" if taken else name] = cell
         row["sha256"] = self.sha256  # last, and of known length: a table that was cut off shows it
         return {key: _finite_or_none(value) for key, value in row.items()}
-
-
-@cache
-def _own_stems() -> frozenset[str]:
-    """Return what a reader of the table takes for its own: names without their units."""
-    return _MEANT.union(map(stem_of, _COLUMNS), ["sha256"])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -339,19 +323,14 @@ def _summarise(
     )
     problems = [replace(p, message=f"{where}: {p.message}") for p in series.problems]
     summary = ConditionSummary(
-        wheel_radius_m=first.wheel_radius_m,
-        rope_radius_m=first.rope_radius_m,
-        wrap_angle_rad=first.wrap_angle_rad,
+        **{name: getattr(first, name) for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")},
+        **{f"{name}_N": getattr(series, name) for name in ("mean_all", "std_all", "mean_kept", "std_kept")},
         end_tension_N=end_N,
         lift_force_N=lift_N,
         n_recorded=len(trials),
         n=series.n,
         n_kept=series.n_kept,
         rejected=tuple(trials[place].trial for place in rejected),
-        mean_all_N=series.mean_all,
-        std_all_N=series.std_all,
-        mean_kept_N=series.mean_kept,
-        std_kept_N=series.std_kept,
         rule=rule,
         notes=(*series.warnings, *series.notes),
         trials=tuple(trial.trial for trial in trials),

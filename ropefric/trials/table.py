@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,48 +19,26 @@ from ropefric.quantities import split_unit_suffix
 from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.trials import cells
-from ropefric.trials.result import Extraction
+from ropefric.trials.cells import QUANTITIES
+from ropefric.trials.result import STEMS, Extraction
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _REQUIRED = {
-    "wheel_radius_m": "wheel_radius_mm",
-    "rope_radius_m": "rope_diameter_mm",
-    "wrap_angle_rad": "wrap_angle_deg",
-    "end_tension_N": "end_tension_N",
-    "peak_N": "peak_N",
+    QUANTITIES[stem][0]: cells.example_of(stem, QUANTITIES)
+    for stem in ("wheel_radius", "rope_diameter", "wrap_angle", "end_tension", "peak")
 }
 """Numbers every table needs, and a header that gives each."""
-_OPTIONAL = (
-    *("peak_std_N", "end_tension_std_N", "wrap_std_rad", "wheel_radius_std_m"),
-    *("rope_radius_std_m", "cell_std_N"),
-)
+_NUMBERS = tuple(dict.fromkeys(field for field, _, _ in QUANTITIES.values()))
+_OPTIONAL = _NUMBERS[len(_REQUIRED) :]
 _UNKNOWN = ("peak_std_N", "cell_std_N")
 """Those of them that are NaN where they are not given; the others are zero."""
-_NUMBERS = (*_REQUIRED, *_OPTIONAL)
 _BESIDE = ("kinetic_N", "kinetic_mean_std_N", "end_tension_set_N")
 """Numbers that a fit of F_A does not need, and that are passed over where they cannot be."""
 FORCES = ("peak", "kinetic")
 """What a law can be fitted to: the break-away force, or the mean force while sliding."""
 _TEXTS = ("trial", "kept", "status")
-QUANTITIES = {
-    **cells.SETTINGS,
-    "peak": ("peak_N", "N", 1.0),
-    "breakaway_force": ("peak_N", "N", 1.0),
-    "lift_force": ("peak_N", "N", 1.0),
-    "lift_mass": ("peak_N", "kg", cells.STANDARD_GRAVITY_M_S2),
-    "peak_std": ("peak_std_N", "N", 1.0),
-    "lift_force_std": ("peak_std_N", "N", 1.0),
-    "end_tension_std": ("end_tension_std_N", "N", 1.0),
-    "wrap_angle_std": ("wrap_std_rad", "rad", 1.0),
-    "wrap_std": ("wrap_std_rad", "rad", 1.0),
-    "wheel_radius_std": ("wheel_radius_std_m", "m", 1.0),
-    "wheel_diameter_std": ("wheel_radius_std_m", "m", 0.5),
-    "rope_radius_std": ("rope_radius_std_m", "m", 1.0),
-    "rope_diameter_std": ("rope_radius_std_m", "m", 0.5),
-    "cell_std": ("cell_std_N", "N", 1.0),
-}
 LABELS = ("rope_id", "wheel", "operator", "dwell", "order", "cell")
 """Columns beside the numbers by which trials can be told into groups."""
 _QUANTITIES_BESIDE = {
@@ -69,15 +47,8 @@ _QUANTITIES_BESIDE = {
     "kinetic_mean_std": ("kinetic_mean_std_N", "N", 1.0),
     "end_tension_set": ("end_tension_set_N", "N", 1.0),
 }
-# What an extraction writes beside the columns a fit reads.
-_PASSED_OVER = frozenset(
-    {
-        "file", "sample", "peak_raw", "peak_time", "two_line", "bias", "window", "noise_std", "loading_rate",
-        "kinetic", "kinetic_std", "rejected_by", "excluded", "exclude", "detail", "note", "notes", "cell", "rope_id",
-        "sliding", "drop", "trough", "n_slips", "recurrence", "measured_dwell", "mu", "mu_std", "mu_kinetic",
-        "candidates", "dwell", "tare", "saturated_samples", "sha256", "wheel", "decision", "decided_by", "decided_why",
-    }
-)  # fmt: skip
+# What an extraction and a list of trials have beside the columns a fit reads.
+_PASSED_OVER = STEMS - {"end_tension_set"} | {"exclude", "wheel"}
 _FRAME_NAMES = {"wrap_std_rad": "wrap_angle_std_rad"}
 _EMPTY = frozenset({"", "nan", "na", "n/a", "none", "null", "<na>", "-"})
 _TRUE = frozenset({"", "true", "yes", "1", "1.0", "kept"})
@@ -344,7 +315,12 @@ def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
     beside = {stem: meant for stem, meant in _QUANTITIES_BESIDE.items() if stem in united}
     columns, others, found = table.bind({**QUANTITIES, **beside}, _TEXTS)
     found += _strange_columns(table, others, {*columns, *(_field_like(problem.key) for problem in found)})
-    texts = {name: _known([row[1][column.index] for row in table.rows]) for name, column in columns.items()}
+
+    def texts_of(index: int) -> list[str]:
+        written = (cells_of[index] for _, cells_of in table.rows)
+        return ["" if cell.lower() in _EMPTY else cell for cell in written]
+
+    texts = {name: texts_of(columns[name].index) for name in _TEXTS if name in columns}
     n = len(table.rows)
     read, wrong = table.numbers(columns, empty=_EMPTY, doubted=_BESIDE)
     numbers = {name: np.array(read.get(name, [math.nan] * n)) for name in (*_NUMBERS, *_BESIDE)}
@@ -373,23 +349,9 @@ def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
     every = (*problems, *found, *of_rows, *twice, *_cut_off(table), *_too_few(table, kept, status))
     raise_problems(every)
     stems = {cells.stem_of(name): i for i, name in enumerate(table.header)}
-    labels = _filled(
-        {name: _known([row[1][stems[name]] for row in table.rows]) for name in LABELS if name in stems}
-    )
-    return TrialTable(
-        trial=trial,
-        status=status,
-        kept=kept,
-        source=table.path,
-        warnings=every,
-        labels=labels,
-        **cast("dict[str, Any]", numbers),
-    )
-
-
-def _known(cells: list[str]) -> list[str]:
-    meaning = {cell: "" if cell.lower() in _EMPTY else cell for cell in set(cells)}
-    return [meaning[cell] for cell in cells]
+    labels = {name: texts_of(stems[name]) for name in LABELS if name in stems}
+    known_of: dict[str, Any] = {**numbers, "labels": _filled(labels)}
+    return TrialTable(trial=trial, status=status, kept=kept, source=table.path, warnings=every, **known_of)
 
 
 def _strange_columns(table: cells.CellTable, others: Sequence[str], there: set[str]) -> Iterator[Problem]:
@@ -448,7 +410,7 @@ def _why_unusable(
     table: cells.CellTable,
     line: int,
     numbers: Mapping[str, float],
-    columns: Mapping[str, cells.Column],
+    columns: cells.Columns,
     *,
     by_scatter: bool,
 ) -> Iterator[Problem]:
@@ -520,8 +482,7 @@ def _cut_off(table: cells.CellTable) -> Iterator[Problem]:
 def _too_few(table: cells.CellTable, kept: BoolArray, status: Sequence[str]) -> Iterator[Problem]:
     used = sum(is_kept and word == "ok" for is_kept, word in zip(kept.tolist(), status, strict=True))
     if used < 2:
-        message = (
-            f"{used} of {len(status)} trials can be used; a fit needs at least two, with different conditions"
-        )
+        of_all = f"{used} of {len(status)} trials can be used"
+        message = f"{of_all}; a fit needs at least two, with different conditions"
         fix = "measure more conditions, or correct the columns kept and status"
         yield table.problem(None, "", "RF410", message, fix)

@@ -1,14 +1,13 @@
 """The trial list: rows of trials.csv as `TrialSpec`, with all that is wrong or doubtful; and a list made from names."""
 
-import csv
 import glob
-import io
 import math
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from itertools import chain, count
 from pathlib import Path, PurePath, PurePosixPath
 from typing import Any
 
@@ -16,7 +15,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, Problem, data_error
-from ropefric.files.plain_text import from_spreadsheet, to_spreadsheet
+from ropefric.files.plain_text import csv_text, from_spreadsheet, to_spreadsheet
 from ropefric.files.read import kind_of_file
 from ropefric.friction.condition import condition_groups, distinct
 from ropefric.glossary import counted
@@ -44,10 +43,8 @@ QUANTITIES = {
 DECIDED = {"peak": ("peak_N", "N", 1.0), "peak_std": ("peak_std_N", "N", 1.0)}
 """Known only beside `why` and `by`: a table of results, which has them too, serves as a list."""
 _MEANINGS = {
+    **cells.POSITIVE,
     "file": "the recording it was made of",
-    "wheel_radius_m": "a wheel radius",
-    "wrap_angle_rad": "a wrap angle",
-    "end_tension_N": "an end tension",
     "lift_force_N": "the known tight-side tension, for the sensor measures the slack side",
     "cell": "a force cell, for its recording is in counts",
     "end_cell": "the force cell of its slack side, which is in counts",
@@ -184,10 +181,8 @@ class _Reader:
         tensions = [name for name in self.context.needed if name.endswith("_N")]
         yield from self._empty(row, "file", "wrap_angle_rad", *tensions)
         for name in ("wheel", "cell", "end_cell"):
-            word, known = (
-                row.texts.get(name, ""),
-                self.context.wheels if name == "wheel" else self.context.cells,
-            )
+            word = row.texts.get(name, "")
+            known = self.context.wheels if name == "wheel" else self.context.cells
             if word and word not in known:
                 fix = did_you_mean(word[:80], known)
                 if not known:
@@ -312,6 +307,11 @@ def _listed_twice(rows: Sequence[_Row], table: cells.CellTable) -> Iterator[Prob
                 latest_s, latest = stop_s, row
 
 
+def free_name(name: str, taken: Collection[str]) -> str:
+    """Return a name, with a number where it is taken."""
+    return next(one for one in chain((name,), (f"{name}-{n}" for n in count(2))) if one not in taken)
+
+
 def _names(rows: Sequence[_Row], table: cells.CellTable) -> tuple[list[str], list[Problem]]:
     """Return a unique name for every row, and problems of names given twice.
 
@@ -332,11 +332,7 @@ def _names(rows: Sequence[_Row], table: cells.CellTable) -> tuple[list[str], lis
         else:
             stem = PurePosixPath(PurePosixPath(row.file).name.removesuffix(".gz")).stem
             sample = row.texts.get("sample", "")
-            stem = (f"{stem}#{sample}" if sample and sample != "*" else stem) or "trial"
-            name, number = stem, 1
-            while name in taken:
-                number += 1
-                name = f"{stem}-{number}"
+            name = free_name((f"{stem}#{sample}" if sample and sample != "*" else stem) or "trial", taken)
             taken.add(name)
         names.append(name)
     return names, problems
@@ -388,10 +384,12 @@ def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:
         said = f"a wrap of {turns:g} turns is probably in another unit"
         yield "wrap_angle", said, "check the unit in the header"
     if degrees <= 90 * (1 - 1e-9):
-        said = (
-            f"a wrap of {degrees:g} deg is below the 90 deg that ASTM D3108 sets as least, so u(mu) is large"
+        least = "the 90 deg that ASTM D3108 sets as least"
+        yield (
+            "wrap_angle",
+            f"a wrap of {degrees:g} deg is below {least}, so u(mu) is large",
+            "wrap further where the rig allows it",
         )
-        yield "wrap_angle", said, "wrap further where the rig allows it"
     if trial.exclude.lower() in {"no", "n", "false", "0", "-", "none"}:
         said = f"'{trial.exclude}' is taken as a reason, so the trial is excluded"
         yield "exclude", said, "leave the cell empty to keep the trial"
@@ -440,11 +438,6 @@ def _unseen_effects(trials: Sequence[TrialSpec]) -> Iterator[_Doubt]:
 _DIGITS, _WILD = re.compile(r"([0-9]+)"), re.compile(r"[*?\[]")
 _GROUP = re.compile(r"\{(\w+)\}")
 _DIGITS_OF = r"[+-]?\d+(?:[.,]\d+)?"
-_NEEDED = {
-    "wheel_radius_m": "wheel_radius_mm",
-    "wrap_angle_rad": "wrap_angle_deg",
-    "end_tension_N": "end_tension_N",
-}
 _SHOWN = 3
 
 
@@ -462,17 +455,16 @@ def list_from_names(files: str, pattern: str, folder: Path) -> tuple[bytes, str]
     rows: list[Mapping[str, str]] = []
     missed, compiled = [], _compiled(pattern)
     for path in found:
-        match = _match(compiled, pattern, path) if compiled else None
-        if match is None and compiled:
+        match = _match(compiled, pattern, path) if compiled else {}
+        if match is None:
             missed.append(path)
         else:
-            rows.append({"file": Path(os.path.relpath(path, folder)).as_posix(), **(match or {})})
+            rows.append({"file": Path(os.path.relpath(path, folder)).as_posix(), **match})
     if not rows:
         why = f"none of {counted(len(found), 'name')} matches the pattern {pattern!r}; the first is {found[0]!r}"
-        fix = (
-            'write what changes from name to name as {header}, such as "{wheel}_{wrap_angle_deg}deg_{repeat}"'
-        )
-        raise InputError(why, key="--pattern", fix=f"{fix}; * stands for anything")
+        like = '"{wheel}_{wrap_angle_deg}deg_{repeat}"; * stands for anything'
+        fix = f"write what changes from name to name as {{header}}, such as {like}"
+        raise InputError(why, key="--pattern", fix=fix)
     names = list(rows[0])
     header = cells.CellTable(path="--pattern", header=tuple(names))
     columns, _, problems = header.bind(QUANTITIES, TEXTS)
@@ -480,21 +472,18 @@ def list_from_names(files: str, pattern: str, folder: Path) -> tuple[bytes, str]
         raise data_error(problems)
     known = columns.keys() | ({"wheel_radius_m"} if "wheel" in columns else set())
     known |= {"end_tension_N"} if "lift_force_N" in columns else set()
-    names += [name for field, name in _NEEDED.items() if field not in known]
+    needed = (
+        stem for stem in ("wheel_radius", "wrap_angle", "end_tension") if QUANTITIES[stem][0] not in known
+    )
+    names += [cells.example_of(stem, QUANTITIES) for stem in needed]
     numbers = {column.header for column in columns.values() if column.si_unit}
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(names)
+    table = [names]
     for row in rows:
         written = {name: cell.replace(",", ".") if name in numbers else cell for name, cell in row.items()}
-        writer.writerow([to_spreadsheet(written.get(name, "")) for name in names])
+        table.append([to_spreadsheet(written.get(name, "")) for name in names])
     shown = f"{', '.join(missed[:_SHOWN])}{', …' if len(missed) > _SHOWN else ''}"
-    told = (
-        f"{len(missed)} of {len(found)} names do not match the pattern and are left out: {shown}"
-        if missed
-        else ""
-    )
-    return stream.getvalue().encode(), told
+    told = f"{len(missed)} of {len(found)} names do not match the pattern and are left out: {shown}"
+    return csv_text(table).encode(), told if missed else ""
 
 
 def _natural(path: str) -> tuple[list[tuple[int, str]], str]:
@@ -506,12 +495,8 @@ def _what_is_there(files: str) -> str:
     folder = Path(_WILD.split(files)[0])
     folder = folder if folder.is_dir() else folder.parent
     names = sorted(path.name for path in folder.iterdir() if path.is_file()) if folder.is_dir() else []
-    there = f"{folder.as_posix()} holds {counted(len(names), 'file')}"
-    return (
-        f"{there}, such as {', '.join(names[:_SHOWN])}"
-        if names
-        else f"{there}; quote the pattern, 'daq/*.csv'"
-    )
+    more = f", such as {', '.join(names[:_SHOWN])}" if names else "; quote the pattern, 'daq/*.csv'"
+    return f"{folder.as_posix()} holds {counted(len(names), 'file')}{more}"
 
 
 def _compiled(pattern: str) -> re.Pattern[str] | None:

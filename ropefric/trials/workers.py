@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 
 T = TypeVar("T")
+_Work = Callable[[int], T]
 
 AHEAD = 2
 """Pieces of work a process has in hand, so that it need not wait for the next one."""
@@ -125,7 +126,7 @@ class _Worker(Generic[T]):
     """A process, the pieces it has in hand, and when the first of them must be done."""
 
     def __init__(
-        self, context: "BaseContext", work: Callable[[int], T], limits: Limits, others: "list[Connection]"
+        self, context: "BaseContext", work: "_Work[T]", limits: Limits, others: "list[Connection]"
     ) -> None:
         self.ours, theirs = context.Pipe()
         self._limits = limits
@@ -221,11 +222,7 @@ def _nobody_is_main() -> Iterator[None]:
 
 
 def _serve(
-    _carried: object,
-    work: Callable[[int], Any],
-    connection: "Connection",
-    limits: Limits,
-    others: "list[Connection]",
+    _carried: object, work: "_Work[Any]", connection: "Connection", limits: Limits, others: "list[Connection]"
 ) -> None:
     """Do what is handed over until nobody is there any more to hand anything over."""
     for other in others:  # else this process would keep the pipes of its sisters open

@@ -16,15 +16,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.glossary import AdvisedStatus
 from ropefric.shown import Shown, in_words
-from ropefric.uncertainty.quantity import (
-    Block,
-    Evaluation,
-    Quantity,
-    check_level,
-    check_type,
-    directions,
-    quantile,
-)
+from ropefric.uncertainty import quantity
 
 SCHEMA = "ropefric.uncertainty/1"
 
@@ -49,10 +41,10 @@ class MeasurementModel:
     name: str
     symbol: str
     unit: str
-    quantities: tuple[Quantity, ...]
+    quantities: tuple[quantity.Quantity, ...]
     evaluate: Callable[[FloatArray], FloatArray]
     sensitivities: FloatArray
-    block: Block | None = None
+    block: quantity.Block | None = None
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.estimate) and np.isfinite(self.sensitivities).all()):
@@ -81,7 +73,7 @@ class MeasurementModel:
 class BudgetLine:
     """One source of uncertainty."""
 
-    source: Quantity | Block
+    source: quantity.Quantity | quantity.Block
     sensitivity: float
     contribution: float
     share: float
@@ -96,11 +88,11 @@ class BudgetLine:
     @property
     def label(self) -> str:
         """Return its name, with the word where its uncertainty is assumed and nobody stated it."""
-        assumed = isinstance(self.source, Quantity) and self.source.assumed
+        assumed = isinstance(self.source, quantity.Quantity) and self.source.assumed
         return f"{self.name} (assumed)" if assumed else self.name
 
     @property
-    def type(self) -> Evaluation:
+    def type(self) -> quantity.Evaluation:
         """Return how it was evaluated, "A" or "B"."""
         return self.source.type
 
@@ -119,7 +111,7 @@ class BudgetLine:
             "dof": self.dof if math.isfinite(self.dof) else None,
             "correlated": list(self.correlated),
         }
-        if isinstance(item, Block):
+        if isinstance(item, quantity.Block):
             row |= {"symbol": ", ".join(item.symbols), "standard_uncertainty": None, "sensitivity": None}
             return row | {"distribution": family}
         row |= {"symbol": item.symbol, "standard_uncertainty": item.std, "sensitivity": self.sensitivity}
@@ -165,13 +157,13 @@ def effective_dof(contributions: Sequence[float], dof: Sequence[float]) -> float
 
 def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudget:
     """Return the budget of a measurement equation by the law of propagation of uncertainty, eq. (10) of JCGM 100."""
-    check_level(level)
+    quantity.check_level(level)
     k, block, parts = len(model.quantities), model.block, []
-    sources: list[Quantity | Block] = [*model.quantities]
+    sources: list[quantity.Quantity | quantity.Block] = [*model.quantities]
     slopes = model.sensitivities[:k].tolist()
     sizes = [abs(c) * item.std for item, c in zip(model.quantities, slopes, strict=True)]
     if block is not None:
-        columns = directions(block.covariance)
+        columns = quantity.directions(block.covariance)
         worth = (model.sensitivities[k:] @ columns).tolist()
         for i in np.argsort(-np.abs(worth), kind="stable"):
             changes = dict(zip(block.symbols, columns[:, i].tolist(), strict=True))
@@ -192,7 +184,7 @@ def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudg
         combined=combined,
         effective_dof=dof,
         level=level,
-        coverage_factor=quantile(0.5 + 0.5 * level, dof),
+        coverage_factor=quantity.quantile(0.5 + 0.5 * level, dof),
     )
 
 
@@ -231,7 +223,7 @@ def propagate(
     model: MeasurementModel, budget: LinearBudget, *, draws: int = 200_000, seed: int = 0
 ) -> DrawnAnswer:
     """Return the answer to draws of the inputs, and whether the linear budget agrees with it."""
-    check_type(Integral, "a whole number", draws=draws, seed=seed)
+    quantity.check_type(Integral, "a whole number", draws=draws, seed=seed)
     if not _FEWEST <= draws <= _MOST or seed < 0:
         fix = f"draw {_FEWEST} or more, at most {_MOST}, with seed 0 or more"
         raise InputError(f"{draws} draws with seed {seed}", key="draws", fix=fix)
@@ -382,7 +374,7 @@ def improvements(budget: LinearBudget) -> tuple[Improvement, ...]:
             continue
         contributions, dof = ([getattr(one, key) for one in budget.lines] for key in ("contribution", "dof"))
         factor = math.sqrt(0.5)
-        if isinstance(line.source, Block):
+        if isinstance(line.source, quantity.Block):
             # k − q degrees of freedom become 2k − q.
             action = f"twice the conditions behind the {line.name}"
             dof[place] += dof[place] + len(line.source.symbols)
@@ -392,7 +384,7 @@ def improvements(budget: LinearBudget) -> tuple[Improvement, ...]:
         else:
             action, factor = f"halve the uncertainty of {line.name}", 0.5
         contributions[place] *= factor
-        coverage = quantile(0.5 + 0.5 * budget.level, effective_dof(contributions, dof))
+        coverage = quantity.quantile(0.5 + 0.5 * budget.level, effective_dof(contributions, dof))
         expanded = coverage * math.hypot(*contributions)
         saving = 1.0 - expanded / budget.expanded
         if saving >= _NOTICED:

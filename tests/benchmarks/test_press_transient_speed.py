@@ -92,12 +92,13 @@ def test_a_start_up_with_slip(benchmark):
     assert found.slips
 
 
-def test_a_start_up_with_slip_on_a_grid(benchmark):
+@pytest.mark.parametrize("friction", [0.15, 0.9], ids=["belts slip", "only drags let go"])
+def test_a_start_up_on_a_grid(benchmark, friction):
     """Changes of contacts to 0.5 %; how many times the exact moments take is in the extra information."""
     question = {
         "speed": DRIVE_LAWS["ramp"](speed_m_s=0.9, duration_s=0.3),
         "time_s": np.linspace(0.0, 10.0, 2001),
-        "friction": 0.15,
+        "friction": friction,
     }
     found = benchmark(start_up, machine(1e-3), exact_switching=False, **question)
     begun = time.perf_counter()

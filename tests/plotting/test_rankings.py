@@ -42,11 +42,7 @@ def test_the_ladder_shows_the_comparison(pulls, assert_repeats, assert_readable)
 
 def test_a_law_that_is_not_counted_is_a_cross_with_its_reason():
     ranking = (entry("constant", 0.0), entry("groove", NAN, counted=False, note="has the same forces"))
-    made = draw_ladder(
-        Comparison(
-            ranking=ranking, tests=(), unit="conditions", n=6, n_trials=12, scatter_within=0.01, notes=()
-        )
-    )
+    made = draw_ladder(Comparison(ranking=ranking, tests=(), n=6, n_trials=12, scatter_within=0.01, notes=()))
     (axes,) = made.figure.axes
     assert [line.get_marker() for line in axes.lines if line.get_marker() != "None"] == ["D", "x"]
     assert any("has the same forces" in text.get_text() for text in axes.texts)
@@ -55,9 +51,7 @@ def test_a_law_that_is_not_counted_is_a_cross_with_its_reason():
 
 def test_a_comparison_in_which_no_law_can_be_counted_is_drawn():
     ranking = (entry("constant", math.inf, counted=False, note="too few"),)
-    made = draw_ladder(
-        Comparison(ranking=ranking, tests=(), unit="trials", n=2, n_trials=2, scatter_within=NAN, notes=())
-    )
+    made = draw_ladder(Comparison(ranking=ranking, tests=(), n=2, n_trials=2, scatter_within=NAN, notes=()))
     assert made.alt == "1 law compared; none can be counted."
 
 
@@ -66,11 +60,7 @@ def test_a_law_that_stands_alone_has_no_weight_in_the_ladder():
         entry("constant", 0.0, weight=NAN),
         entry("wrap-power", math.inf, counted=False, note="too few"),
     )
-    made = draw_ladder(
-        Comparison(
-            ranking=ranking, tests=(), unit="conditions", n=4, n_trials=8, scatter_within=NAN, notes=()
-        )
-    )
+    made = draw_ladder(Comparison(ranking=ranking, tests=(), n=4, n_trials=8, scatter_within=NAN, notes=()))
     assert "constant is best of too few to choose from" in made.alt
     texts = [text.get_text() for text in made.figure.axes[0].texts]
     assert "–" in texts

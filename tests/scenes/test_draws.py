@@ -15,12 +15,15 @@ from scipy.special import stdtr
 import ropefric as rf
 from ropefric.errors import DataError, InputError
 from ropefric.files.folder import Folder
+from ropefric.fitting.predict import degrees_of_freedom
+from ropefric.fitting.result import CommonError
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.draws import draw_scene
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep_table import sweep_table
 from ropefric.systems.friction import ScaleTo, WrapFriction
+from ropefric.uncertainty.quantity import directions
 
 N = 20_000
 SMALL = {"wheel": {"wrap": "0.5 deg"}, "load": {"end_tension": "0.1 %"}}
@@ -28,8 +31,12 @@ FIT = {"fit": "../../fits/prth-coupled.json"}
 STIFF = {"linear_density": "62 g/m", "hanging_length": "5 m", "bending_stiffness": "1e-4 N*m^2"}
 
 
-def with_source(scene, **changes):
-    return replace(scene, source=replace(scene.source, **changes))
+def with_covariance(scene, share, dof=None, common=()):
+    """The scene with a share of its fit's covariance, all of it or all but common errors with degrees of freedom."""
+    fit = scene.source.fit
+    statistics = fit.statistics if dof is None else replace(fit.statistics, interval_dof=dof)
+    fit = replace(fit, covariance=share * fit.covariance, common_errors=common, statistics=statistics)
+    return replace(scene, source=replace(scene.source, fit=fit))
 
 
 # --- against the law of propagation, and against each draw by itself ---
@@ -57,8 +64,8 @@ def test_a_constant_coefficient_spreads_as_its_closed_form_says(hoist_of):
 
 def test_the_parameters_of_a_fit_spread_as_to_first_order(hoist_of):
     scene = hoist_of(effects="all")
-    scene = with_source(scene, covariance=1e-2 * scene.source.covariance)
-    found, first, dof = draw_scene(scene, N), solve_scene(scene), scene.source.dof
+    scene = with_covariance(scene, 1e-2)
+    found, first, dof = draw_scene(scene, N), solve_scene(scene), degrees_of_freedom(scene.source.fit)
     wider = math.sqrt(dof / (dof - 2.0))  # of Student's t
     for one in first.quantities:
         drawn = found.numbers[one.name]
@@ -69,12 +76,25 @@ def test_the_parameters_of_a_fit_spread_as_to_first_order(hoist_of):
 
 def test_few_degrees_of_freedom_spread_as_student_s_t(hoist_of):
     scene = hoist_of(effects="all")
-    few = with_source(scene, covariance=1e-4 * scene.source.covariance, dof=5.0)
-    many = with_source(few, dof=math.inf)
+    few, many = (with_covariance(scene, 1e-4, dof) for dof in (5.0, 1e9))
     found, normal = (draw_scene(one, N, level=0.9).numbers["lift_force_N"] for one in (few, many))
     assert found.std / normal.std == pytest.approx(math.sqrt(5.0 / 3.0), rel=0.05)
     width = found.quantiles[2] - found.quantiles[0]
     assert width / normal.std == pytest.approx(2.0 * 2.015, rel=0.04)  # t of 5 degrees of freedom at 95 %
+
+
+def test_what_errors_have_in_common_is_known_for_sure_and_normal(hoist_of):
+    scene = with_covariance(hoist_of(effects="all"), 1e-4)
+    roots = directions(np.asarray(scene.source.fit.covariance)).T
+    shared = tuple(
+        CommonError(name=str(i), unit="", std=1.0, change=tuple(root)) for i, root in enumerate(roots)
+    )
+    found = draw_scene(with_covariance(scene, 1.0, dof=3.0, common=shared), N, level=0.9).numbers[
+        "lift_force_N"
+    ]
+    std = solve_scene(scene).quantities[0].std[0]
+    assert found.std == pytest.approx(std, rel=4.0 / math.sqrt(2 * N))
+    assert (found.quantiles[2] - found.quantiles[0]) / std == pytest.approx(2.0 * 1.645, rel=0.04)
 
 
 @pytest.mark.parametrize("name", ["hoist", "climbing-hoist"])
@@ -207,12 +227,12 @@ def test_what_a_law_is_told_goes_where_the_box_of_the_draws_says_so(hoist_of, mo
 def test_the_share_that_lifts_is_that_of_the_margin_s_distribution(hoist_of):
     def little(**load):
         scene = hoist_of(effects="all", load={"end_tension": "80 N", **load})
-        return with_source(scene, covariance=1e-2 * scene.source.covariance)
+        return with_covariance(scene, 1e-2)
 
     lift = solve_scene(little()).quantities[0]
     weight_N = float(lift.value[0] - 0.9 * lift.std[0])
     scene = little(payload=f"{weight_N / 9.80665!r} kg")
-    found, share = draw_scene(scene, N), float(stdtr(scene.source.dof, -0.9))
+    found, share = draw_scene(scene, N), float(stdtr(degrees_of_freedom(scene.source.fit), -0.9))
     told = found.to_dict()["failures"]["the hoist does not lift its payload"]
     assert told["share"] == pytest.approx(share, abs=4.0 * math.sqrt(share * (1.0 - share) / N))
     assert found.stands, "that it may not lift is an answer"
@@ -263,8 +283,7 @@ def test_nothing_uncertain_and_too_few_or_many_draws_are_refused(hoist_of):
     for count in (1, 10**9):
         with pytest.raises(InputError, match=f"{count} draws"):
             draw_scene(hoist_of(), count)
-    unknown = hoist_of()
-    unknown = with_source(unknown, covariance=np.full_like(unknown.source.covariance, np.nan))
+    unknown = with_covariance(hoist_of(), np.nan)
     with pytest.raises(DataError, match="covariance of the fit is not known"):
         draw_scene(unknown, 100)
 

@@ -62,12 +62,13 @@ def test_a_near_miss_in_place_of_a_needed_column_is_an_error(lab, pull_csv, know
 
 
 def test_an_own_column_that_a_fit_would_read_gets_another_name(lab, pull_csv, tmp_path):
-    with_columns(lab, pull_csv, breakaway_force_N=1, status="fine", peak_N=2)
+    with_columns(lab, pull_csv, breakaway_force_N=1, rope_diameter_std_mm=9, status="fine", peak_N=2)
     rows = written(lab.extract(), tmp_path / "out")
     assert {row["given_breakaway_force_N"] for row in rows} == {"1"}
     assert {(row["status"], row["given_status"]) for row in rows} == {("ok", "fine")}
     table = read_trial_table(tmp_path / "out" / "trials.csv")
     assert table.peak_N.min() > 90
+    assert table.rope_radius_std_m.max() < 1e-3
 
 
 def test_a_measured_channel_that_nothing_uses_is_said_once(lab, pull_csv):

@@ -96,7 +96,7 @@ def _settings(law: str) -> tuple[Setting, ...]:
         return np.full(2, _FACTOR * np.sqrt(plain_covariance(problem.jacobian(theta))[0, 0]))
 
     def by_profile() -> FloatArray:
-        return arms(profile_intervals(problem, theta, level=LEVEL, absolute_std=True).ci[0])
+        return arms(profile_intervals(problem, theta, level=LEVEL).ci[0])
 
     def by_bootstrap(n: int, seed: int) -> FloatArray:
         scatter = (_SCATTER[law], 0.0)
@@ -118,7 +118,7 @@ def _settings(law: str) -> tuple[Setting, ...]:
 
         return Setting(method, f"n = {n}", partial(solve, n, 0), assess, n in _COUNTS[:3:2])
 
-    n_profile = profile_intervals(problem, theta, level=LEVEL, absolute_std=True).n_fits
+    n_profile = profile_intervals(problem, theta, level=LEVEL).n_fits
     return (
         *against(exact, "covariance", "", by_covariance, work=1.0),
         *against(exact, "profile", "", by_profile, work=n_profile),

@@ -422,15 +422,15 @@ def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure,
 
 
 def _by_name(names: Sequence[str], values: FloatArray) -> dict[str, float]:
-    return dict(zip(names, values[0].tolist(), strict=True))
+    return dict(zip(names, values.tolist(), strict=True))
 
 
 def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
     press, slip, factor = answer.model.press, answer.slip, float(answer.model.problem.load_factor[0])
     spans = [span.name for span in press.spans]
     tree: dict[str, Any] = {
-        "tension_N": _by_name(spans, answer.at_rest_N),
-        "effective_tension_N": _by_name(spans, answer.state.effective_tension_N),
+        "tension_N": _by_name(spans, answer.at_rest_N[0]),
+        "effective_tension_N": _by_name(spans, answer.state.effective_tension_N[0]),
         "slip": {
             roller: {measure: kind.finite(slip.of(roller, measure)[0]) for measure in MEASURES}
             for roller in slip.rollers
@@ -454,7 +454,7 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
             "total_N": factor * sum(one.torque_N_m / one.radius_m for one in press.rollers),
         },
         "creep": {
-            "rim_speed_m_s": _by_name(slip.rollers, answer.rim_speed_m_s),
+            "rim_speed_m_s": _by_name(slip.rollers, answer.rim_speed_m_s[0]),
             "power_lost_W": float(answer.creep_loss_W[0]),
         },
         **slip_margins(answer),
@@ -463,11 +463,9 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
         ends = settled_press(answer.model.as_operated, tree["speed_m_s"], answer.model.effects)
         if ends is not None:
             tree["sticking"] = {
-                "tension_N": dict(zip(spans, ends.tension_N.tolist(), strict=True)),
-                "relative_angle_rad": dict(
-                    zip(slip.rollers, (ends.relative_way_m / press.radius_m).tolist(), strict=True)
-                ),
-                "travel_m": dict(zip(press.tensioners, ends.travel_m.tolist(), strict=True)),
+                "tension_N": _by_name(spans, ends.tension_N),
+                "relative_angle_rad": _by_name(slip.rollers, ends.relative_way_m / press.radius_m),
+                "travel_m": _by_name(list(press.tensioners), ends.travel_m),
             }
     if answer.start_up is None:
         return tree

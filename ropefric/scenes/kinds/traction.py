@@ -117,7 +117,8 @@ def _quantities(answer: TractionAnswer, problem: TractionProblem) -> tuple[kind.
         kind.Quantity("needed_wrap_rad", answer.needed_wrap_rad, positive=True),
         *(undercut if problem.is_round else ()),
         *(
-            kind.Quantity(f"cases.{case}.utilisation", use, positive=True)
+            # Stalled, ropes without weight leave nothing on the slack side: 0, whatever the friction.
+            kind.Quantity(f"cases.{case}.utilisation", use, positive=bool((use > 0.0).all()))
             for case, use in zip(CASES, answer.utilisation, strict=True)
         ),
     )

@@ -200,10 +200,10 @@ def grip_utilisation(problem: SawProblem, needed_N: FloatArray, pressing_N: Floa
     if not touching.any():
         return np.where(needed_N > 0.0, np.inf, 0.0)
     exponent = problem.friction.exponent(
-        wheel_radius_m=problem.wheel_radius_m,
-        rope_radius_m=0.5 * problem.section.thickness_m,
-        wrap_angle_rad=problem.wheel_wrap_rad,
-        slack_tension_N=np.where(touching, pressing_N, 1.0),
+        problem.wheel_radius_m,
+        0.5 * problem.section.thickness_m,
+        problem.wheel_wrap_rad,
+        np.where(touching, pressing_N, 1.0),
     )
     # Both times e^{−M}: e^M itself may be beyond floats.
     available_N = np.where(touching, -pressing_N * np.expm1(-exponent), 0.0)
@@ -213,23 +213,17 @@ def grip_utilisation(problem: SawProblem, needed_N: FloatArray, pressing_N: Floa
     return share
 
 
-def torsion_wave_speed_m_s(span: Span, section: Section) -> FloatArray:
-    """Return c_t = √(F/ρA + 4 (G/ρ)(h/b)²) [m/s], shape (n,).
-
-    The strip's own stiffness G b h³/3 and the tension's, F b²/12 (outer fibres lie askew when it is twisted), over
-    the inertia ρ h b³/12.
-    """
-    return np.sqrt(span.tension_N / span.linear_density_kg_m + _stiffness_part(section))
-
-
 def torsion_frequencies_Hz(span: Span, section: Section, n_modes: int = 6) -> FloatArray:
     """Return the first frequencies of torsion f_n = n (c_t² − v²)/(2 l c_t) [Hz], shape (n, n_modes).
 
-    The ends are held against twisting. Parameters as in `torsion_wave_speed_m_s`.
+    c_t² = F/ρA + 4 (G/ρ)(h/b)²: the strip's own stiffness G b h³/3 and the tension's, F b²/12 (outer fibres lie askew
+    when it is twisted), over the inertia ρ h b³/12. The ends are held against twisting.
     """
     refuse_no_modes(n_modes)
-    speed = torsion_wave_speed_m_s(span, section)
-    squared = span.net_tension_N / span.linear_density_kg_m + _stiffness_part(section)
+    ratio = section.thickness_m / section.width_m
+    own = 4.0 * section.shear_modulus_Pa / section.density_kg_m3 * ratio**2
+    speed = np.sqrt(span.tension_N / span.linear_density_kg_m + own)
+    squared = span.net_tension_N / span.linear_density_kg_m + own
     refuse(
         squared <= 0.0,
         "the blade travels at {travel_m_s:.9g} m/s{place} and the critical speed of torsion is {limit_m_s:.9g} m/s, "
@@ -242,12 +236,6 @@ def torsion_frequencies_Hz(span: Span, section: Section, n_modes: int = 6) -> Fl
     )
     first_Hz = squared / (2.0 * span.free_span_m * speed)
     return np.asarray(first_Hz[:, np.newaxis] * np.arange(1.0, n_modes + 1.0))
-
-
-def _stiffness_part(section: Section) -> float:
-    """Return 4 (G/ρ)(h/b)² [m2/s2]."""
-    ratio = section.thickness_m / section.width_m
-    return 4.0 * section.shear_modulus_Pa / section.density_kg_m3 * ratio**2
 
 
 def answerable(problem: SawProblem) -> BoolArray:

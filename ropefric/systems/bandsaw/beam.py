@@ -271,14 +271,13 @@ def galerkin_modes(
         raise InputError(
             f"{n_modes} modes of {size} freedoms", key="n_modes", fix="ask for fewer modes or a higher order"
         )
+    mass, travel = parts.mass, parts.travel
+    stiffness = beam.net * parts.tension + beam.stiffness * parts.bending
     if beam.margin < _NEAR_CRITICAL * abs(beam.net):
-        parts, stiffness = _near_critical(beam, parts, widths, order + beyond)
-    else:
-        stiffness = beam.net * parts.tension + beam.stiffness * parts.bending
+        mass, travel, stiffness = _near_critical(beam, parts, widths, order + beyond)
     scale = 1.0 / np.sqrt(np.diag(stiffness))
     stiffness, mass, gyroscopic = (
-        (one * np.outer(scale, scale))[np.ix_(first, first)]
-        for one in (stiffness, parts.mass, beam.speed * parts.travel)
+        (one * np.outer(scale, scale))[np.ix_(first, first)] for one in (stiffness, mass, beam.speed * travel)
     )
     try:
         lower = np.asarray(np.linalg.cholesky(stiffness), dtype=np.float64)
@@ -328,8 +327,8 @@ def galerkin_modes(
 
 def _near_critical(
     beam: ScaledBeam, parts: Matrices, widths: tuple[float, ...], order: int
-) -> tuple[Matrices, FloatArray]:
-    """Return the matrices in a basis that has the buckling mode in it, and the stiffness there.
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return mass, travel and stiffness in a basis that has the buckling mode in it.
 
     S K_2 + ε² K_4 = (−β K_2 + K_4) ε² + margin · K_2. The bracket times the buckling mode is exactly zero and is made
     so, which lets the margin stand by itself on the mode's own diagonal, however small it is.
@@ -338,15 +337,12 @@ def _near_critical(
     replaced = int(np.argmax(np.abs(buckled) * np.sqrt(np.diag(parts.bending))))
     basis = np.eye(buckled.size)
     basis[:, replaced] = buckled
-    mass, travel, tension, bending = (
-        basis.T @ matrix @ basis for matrix in (parts.mass, parts.travel, parts.tension, parts.bending)
-    )
+    mass, travel, tension, bending = (basis.T @ matrix @ basis for matrix in parts)
     travel[replaced, replaced] = 0.0
     critical = beam.stiffness * (bending - beam.ends.buckling * tension)
     critical[replaced, :] = 0.0
     critical[:, replaced] = 0.0
-    changed = Matrices(mass=mass, travel=travel, tension=tension, bending=bending)
-    return changed, critical + beam.margin * tension
+    return mass, travel, critical + beam.margin * tension
 
 
 def _buckling_mode(beam: ScaledBeam, widths: tuple[float, ...], order: int) -> FloatArray:

@@ -114,17 +114,15 @@ def span_of(
     """Return one side of a saw with all its parts in it, for one speed and preload or many."""
     speed = abs(side.sign) * np.asarray(saw.speed_m_s if speed_m_s is None else speed_m_s, dtype=np.float64)
     parts: dict[str, Any] = {
-        "preload_N": saw.preload_N if preload_N is None else preload_N,
-        "pull_N": 0.5 * side.sign * saw.tension_difference_N,
-        "mounting_factor": saw.mounting_factor,
-        "bending_stiffness_N_m2": saw.bending_stiffness_N_m2,
+        name: getattr(saw, name)
+        for name in ("free_span_m", "linear_density_kg_m", "mounting_factor", "bending_stiffness_N_m2")
     }
     return Span(
-        free_span_m=np.asarray(saw.free_span_m),
-        linear_density_kg_m=np.asarray(saw.linear_density_kg_m),
+        **parts,
+        preload_N=np.asarray(saw.preload_N if preload_N is None else preload_N),
+        pull_N=np.asarray(0.5 * side.sign * saw.tension_difference_N),
         wheel_speed_m_s=speed,
         travel_speed_m_s=speed,
-        **parts,
     )
 
 
@@ -204,7 +202,6 @@ class BladeModel(NamedTuple):
     runs: bool
     mounting_factor: float
     bends: bool
-    meaning: str
 
     def applied_to(self, saw: Saw) -> Saw:
         """Return the saw with this model's parts."""
@@ -216,16 +213,14 @@ class BladeModel(NamedTuple):
         )
 
 
-MODELS: Registry[BladeModel] = Registry("model of the blade", (
-    BladeModel("string-at-rest", False, 0.0, False,
-        "a string under the tensions of work that does not move (table 2, left)"),
-    BladeModel("string-fixed-axles", True, 0.0, False,
-        "a running string between fixed wheel axles, kappa = 0 (table 2, right)"),
-    BladeModel("string-constant-force", True, 1.0, False,
-        "a running string, wheels pressed apart with a constant force, kappa = 1 (table 3, right)"),
-    BladeModel("beam-fixed-axles", True, 0.0, True,
-        "a running stiff blade between fixed wheel axles, kappa = 0"),
-    BladeModel("beam-constant-force", True, 1.0, True,
-        "a running stiff blade, wheels pressed apart with a constant force, kappa = 1"),
-))  # fmt: skip
-"""Every model by name, from plain to complete."""
+MODELS = Registry(
+    "model of the blade",
+    (
+        BladeModel("string-at-rest", runs=False, mounting_factor=0.0, bends=False),  # table 2, left
+        BladeModel("string-fixed-axles", runs=True, mounting_factor=0.0, bends=False),  # table 2, right
+        BladeModel("string-constant-force", runs=True, mounting_factor=1.0, bends=False),  # table 3, right
+        BladeModel("beam-fixed-axles", runs=True, mounting_factor=0.0, bends=True),
+        BladeModel("beam-constant-force", runs=True, mounting_factor=1.0, bends=True),
+    ),
+)
+"""Every model by name, from plain to complete, under the tensions of work."""

@@ -21,10 +21,12 @@ _PI_SQUARED = (9.869604401089358, 6.265295508739711e-16)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ends:
-    """A way of holding both ends of a span of length 1, and how many half waves it buckles in."""
+    """A way of holding both ends of a span of length 1, and how many half waves it buckles in.
+
+    Pinned ends are held in place and free to turn; clamped ones in direction, too, as a blade runs off a wheel or guide.
+    """
 
     name: str
-    meaning: str
     turns: bool
     half_waves: int
 
@@ -47,13 +49,8 @@ class Ends:
         return 1.0 - cosine, q * sine, q**2 * cosine
 
 
-PINNED = Ends(name="pinned", meaning="held in place and free to turn", turns=True, half_waves=1)
-CLAMPED = Ends(
-    name="clamped",
-    meaning="held in place and in direction, as a blade that runs off a wheel or a guide",
-    turns=False,
-    half_waves=2,
-)
+PINNED = Ends(name="pinned", turns=True, half_waves=1)
+CLAMPED = Ends(name="clamped", turns=False, half_waves=2)
 ENDS: Registry[Ends] = Registry("way of holding the ends", (PINNED, CLAMPED))
 """Every way of holding the ends by name."""
 

@@ -194,11 +194,7 @@ def _coefficients(model: DriveModel, slack_N: FloatArray) -> FloatArray:
         pulleys.append((problem.driven_radius_m, problem.driven_wrap_rad))
     found = [
         problem.friction.exponent(
-            wheel_radius_m=radius_m,
-            rope_radius_m=problem.rope_radius_m,
-            wrap_angle_rad=wrap_rad,
-            slack_tension_N=slack_N,
-            told=told_by(model.effects),
+            radius_m, problem.rope_radius_m, wrap_rad, slack_N, told=told_by(model.effects)
         )
         / wrap_rad
         for radius_m, wrap_rad in pulleys

@@ -8,6 +8,7 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, RopefricError, SolverError
+from ropefric.friction.condition import Conditions
 from ropefric.friction.laws.bending import bending_N, lifted_arc_rad
 from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, lean, refuse
 from ropefric.systems.effect import Model
@@ -170,8 +171,8 @@ def _exponent(model: HoistModel, slack_N: FloatArray) -> partial[FloatArray]:
     problem = model.problem
     return partial(
         problem.friction.exponent,
-        wheel_radius_m=problem.wheel_radius_m,
-        rope_radius_m=problem.rope_radius_m,
+        problem.wheel_radius_m,
+        problem.rope_radius_m,
         slack_tension_N=slack_N,
         told=frozenset(TOLD[name] for name in model.effects & TOLD.keys()),
     )
@@ -263,9 +264,7 @@ def answerable(problem: HoistProblem) -> BoolArray:
     possible &= problem.wrap_angle_rad > 2.0 * lifted_arc_rad(share)
     if "end-tension" not in problem.friction.law.effects and problem.friction.theta.ndim == 1:
         return possible
-    return possible & problem.friction.has_answer(
-        wheel_radius_m=problem.wheel_radius_m,
-        rope_radius_m=problem.rope_radius_m,
-        wrap_angle_rad=problem.wrap_angle_rad,
-        slack_tension_N=np.where(possible, pressing_N, 1.0),
-    )
+    names = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")
+    contacts = {name: getattr(problem, name) for name in names}
+    contacts["end_tension_N"] = np.where(possible, pressing_N, 1.0)
+    return possible & problem.friction.has_answer(Conditions(**contacts))

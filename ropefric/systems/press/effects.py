@@ -19,7 +19,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError, SolverError
 from ropefric.registry import Registry
-from ropefric.systems.effect import Effect, Method, System, rounded_up
+from ropefric.systems.effect import Effect, Method, System, rounded_up, unknown
 from ropefric.systems.friction import TOLD, told_by
 from ropefric.systems.press.answer import (
     PressAnswer,
@@ -155,7 +155,12 @@ def _steady(
 
 
 def _moving(
-    name: str, adds: str, instead: str, *, bound: float = math.inf, cost: float = 0.1
+    name: str,
+    adds: str,
+    instead: str,
+    *,
+    bound: Callable[[PressProblem], float] = unknown,
+    cost: float = 0.1,
 ) -> Effect[PressProblem, PressModel]:
     """Return an effect that only a start-up has; of most no bound is known where there is one.
 
@@ -167,7 +172,7 @@ def _moving(
         adds=adds,
         instead=instead,
         needs=_needs_of_start_up,
-        influence=lambda problem: 0.0 if problem.start_up is None else bound,
+        influence=lambda problem: 0.0 if problem.start_up is None else bound(problem),
         cost=cost,
     )
 
@@ -232,21 +237,18 @@ EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
             "the mass of the belts on the rollers",
             "belts without mass on the rollers (slip then cannot be simulated)",
         ),
-        Effect(
-            name="transient-friction",
-            adds="friction that follows the tensions as they change",
-            instead="friction as it is at standstill",
-            needs=_needs_of_start_up,
-            influence=lambda problem: (
-                0.0 if problem.start_up is None or not _on_tension(problem) else math.inf
-            ),
+        _moving(
+            "transient-friction",
+            "friction that follows the tensions as they change",
+            "friction as it is at standstill",
+            bound=lambda problem: math.inf if _on_tension(problem) else 0.0,
             cost=1.0,
         ),
         _moving(
             "exact-switching",
             "belts that stick, slip and go slack, and drags that hold, at their exact moments",
             "these moments on a grid, made finer until halving it changes nothing more",
-            bound=GRID_ERROR,
+            bound=lambda problem: GRID_ERROR,  # noqa: ARG005
             cost=10.0,
         ),
         _moving("transient", "the start-up, with its swings and slips", "the steady run alone", cost=100.0),

@@ -54,14 +54,11 @@ class Contacts(NamedTuple):
         """Return M over a share of the wrap from the slack side on, shape (..., n_rollers)."""
         if not isinstance(friction, WrapFriction):
             friction = WrapFriction.constant(float(checked("mu", friction)))
+        # A law that looks at nothing is the same at every operating point.
+        slack_N = np.maximum(self.slack_N, LEAST_SLACK_N) if friction.law.effects else 1.0
+        wrap_rad = self.wrap_angle_rad * share
         exponent = friction.exponent(
-            wheel_radius_m=self.radius_m,
-            rope_radius_m=self.half_thickness_m,
-            wrap_angle_rad=self.wrap_angle_rad * share,
-            # A law that looks at nothing is the same at every operating point.
-            slack_tension_N=np.maximum(self.slack_N, LEAST_SLACK_N) if friction.law.effects else 1.0,
-            told=told,
-            places=1,
+            self.radius_m, self.half_thickness_m, wrap_rad, slack_N, told=told, places=1
         )
         bad = ~((exponent > 0.0) & (exponent < _LARGEST_EXPONENT))
         if bad.any():

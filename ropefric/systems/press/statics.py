@@ -107,20 +107,15 @@ def _equal_torque(press: Press) -> list[Statement]:
 
 
 def _speed_ratio(press: Press) -> list[Statement]:
-    stiffness = {belt.name: belt.axial_stiffness_N for belt in press.belts}
-    overspeed = {roller.name: roller.overspeed for roller in press.drivers}
-    missing = [f"belts.{name}.axial_stiffness_N" for name, value in stiffness.items() if value is None]
-    missing += [f"rollers.{name}.overspeed" for name, value in overspeed.items() if value is None]
+    missing = [f"belts.{one.name}.axial_stiffness_N" for one in press.belts if one.axial_stiffness_N is None]
+    missing += [f"rollers.{one.name}.overspeed" for one in press.drivers if one.overspeed is None]
     refuse_missing(
         "the closure 'speed-ratio'",
         missing,
         fix="give EA of every belt and (V - v)/v of every driver, or choose the closure 'share'",
     )
-    return _creep(
-        press,
-        {name: value for name, value in stiffness.items() if value is not None},
-        {name: value for name, value in overspeed.items() if value is not None},
-    )
+    stiffness_N = {one.name: one.axial_stiffness_N or 0.0 for one in press.belts}
+    return _creep(press, stiffness_N, {one.name: one.overspeed or 0.0 for one in press.drivers})
 
 
 CLOSURES: dict[str, Callable[[Press], list[Statement]]] = {

@@ -216,17 +216,10 @@ def _coefficients(model: TractionModel, tight_N: FloatArray, slack_N: FloatArray
         mu = np.full_like(tight_N, _MU_LOADING)
         mu[_STALLED] = _MU_STALLED
     else:
-        mu = (
-            friction.exponent(
-                wheel_radius_m=problem.wheel_radius_m,
-                rope_radius_m=problem.rope_radius_m,
-                wrap_angle_rad=problem.wrap_angle_rad,
-                # Where nothing pulls on the slack side, what pulls on the tight side presses.
-                slack_tension_N=np.where(slack_N > 0.0, slack_N, tight_N) / problem.rope_count,
-                told=told_by(model.effects),
-            )
-            / problem.wrap_angle_rad
-        )
+        # Where nothing pulls on the slack side, what pulls on the tight side presses.
+        pressing_N = np.where(slack_N > 0.0, slack_N, tight_N) / problem.rope_count
+        contact = (problem.wheel_radius_m, problem.rope_radius_m, problem.wrap_angle_rad, pressing_N)
+        mu = friction.exponent(*contact, told=told_by(model.effects)) / problem.wrap_angle_rad
     mu[_BRAKING] /= 1.0 + model.part("speed", problem.speed_m_s) / _SPEED_SCALE_M_S
     return mu
 

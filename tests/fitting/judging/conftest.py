@@ -56,8 +56,8 @@ def campaign():
 
 
 @pytest.fixture(scope="session")
-def cylinder_comparisons(cylinder_table):
-    return {unit: compare_laws(cylinder_table, unit=unit) for unit in ("conditions", "trials")}
+def cylinder_comparison(cylinder_table):
+    return compare_laws(cylinder_table)
 
 
 @pytest.fixture(scope="session")

@@ -14,8 +14,8 @@ from ropefric.trials.table import TrialTable, read_trial_table, table_from_frame
 
 
 @pytest.mark.slow
-def test_real_rope_on_a_cylinder_has_no_wrap_effect(cylinder_table, cylinder_comparisons):
-    found = diagnose(cylinder_table, cylinder_comparisons["conditions"])
+def test_real_rope_on_a_cylinder_has_no_wrap_effect(cylinder_table, cylinder_comparison):
+    found = diagnose(cylinder_table, cylinder_comparison)
     assert found["wrap effect"].supported == "no"
     assert found["offset"].supported == "no"
     assert found["load dependence"].supported == "cannot-tell"  # one load was lifted

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.standing import Contest, lead_by_chance, leave_one_out, searched, standing
+from ropefric.fitting.standing import Contest, lead_by_chance, leave_one_out, nested_test, searched, standing
 from ropefric.fitting.statistics import ConditionMeans, aicc, scatter_fit
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
@@ -72,9 +72,12 @@ def preferred_shares(n_conditions, repeats, between, n, *, law="constant", theta
         means = means_of(i)
         family = {name: standing(problem_of(name, i), means, fits[name].theta[i]) for name in criteria}
         plain, fuller = family.pop("constant"), family[leader]
+        # As in a comparison, nothing is simulated where the F-test is that clear.
+        tested = nested_test(plain, fuller)
+        clear = tested is not None and tested.p_value < 1e-5
         contest = Contest(
             simpler="constant", fuller=leader, lead=plain.aicc - fuller.aicc,
-            p_value=lead_by_chance(plain, fuller, family.values(), means),
+            p_value=tested.p_value if clear else lead_by_chance(plain, fuller, family.values(), means),
             loco_ratio=leave_one_out(fuller) / leave_one_out(plain),
         )  # fmt: skip
         found[contest.preferred] += 1

@@ -175,6 +175,18 @@ def test_a_fit_brings_its_interval(tmp_path):
     assert tree["extrapolated"]
 
 
+def test_ropes_without_weight_leave_nothing_to_hold_when_stalled(tmp_path):
+    """The slack side has no tension then, whatever the friction: 0 and certain, beside numbers that are not."""
+    write_scenes(tmp_path, ["hoist"])
+    path = scene(tmp_path, "# [friction]\n", '[friction]\nfit = "fits/prth-coupled.json"\n')
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("linear_density", "# linear_density"), encoding="utf-8")
+    cases = rf.solve(path).to_dict()["cases"]
+    assert cases["stalled"]["utilisation"] == 0.0
+    assert "utilisation_std" not in cases["stalled"]
+    assert cases["loading"]["utilisation_std"] > 0.0
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

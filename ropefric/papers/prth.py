@@ -128,10 +128,9 @@ def _series(trials: TrialTable, over: str) -> Series | None:
 
 
 class Segments(NamedTuple):
-    """The wrap cut where it was measured, eqs. (5)-(10): ends, ln F there, and the coefficient of each piece."""
+    """The wrap cut where it was measured, eqs. (5)-(10): ends, and the coefficient of each piece."""
 
     ends_rad: FloatArray
-    log_force: FloatArray
     mu: FloatArray
     std: FloatArray
 
@@ -146,7 +145,7 @@ def segments(wraps: Series) -> Segments:
     ends = np.concatenate([[0.0], wraps.at.wrap_angle_rad])
     force = np.concatenate([wraps.at.log_end_tension[:1], wraps.log_lift])
     std = np.concatenate([[0.0], wraps.std])
-    return Segments(ends, force, np.diff(force) / np.diff(ends), np.hypot(std[1:], std[:-1]) / np.diff(ends))
+    return Segments(ends, np.diff(force) / np.diff(ends), np.hypot(std[1:], std[:-1]) / np.diff(ends))
 
 
 class Trials(NamedTuple):

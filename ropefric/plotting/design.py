@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropefric.errors import InputError
 from ropefric.fitting.compare import Comparison, ComparisonEntry
 from ropefric.glossary import counted
 from ropefric.plotting import style
@@ -100,19 +99,14 @@ def _ladder_in_words(comparison: Comparison, laws: str) -> str:
 
 
 def draw_budget(
-    rows: Sequence[tuple[str, float]], *, unit: str = "", title: str = "", combined: float | None = None
+    rows: Sequence[tuple[str, float]], *, unit: str, title: str, combined: float
 ) -> FigureWithData:
     """Return the contributions |c u| of a budget as bars, largest first, with their shares and the line of their sum."""
-    for name, value in (*rows, ("combined", combined or 0.0)):
-        if math.isinf(value):
-            fix = "leave it out or bound it"
-            raise InputError(f"the contribution of {name} is infinite", key=name, fix=fix)
     known = sorted(
         ((name, abs(value)) for name, value in rows if not math.isnan(value)), key=lambda row: -row[1]
     )
     names = [*(name for name, _ in known), *(name for name, value in rows if math.isnan(value))]
     total = math.fsum(value**2 for _, value in known)
-    root = math.sqrt(total) if combined is None else combined
     parts = np.full((3, len(names)), math.nan)
     parts[0, : len(known)] = [value for _, value in known]
     if total > 0.0:
@@ -126,22 +120,15 @@ def draw_budget(
             _draw_contributions(axes, names, parts)
         else:
             style.say_instead(axes, "no contribution is known")
-        head = f"{title}: " if title else ""
-        axes.set_title(
-            style.typeset(f"{head}u = {style.shown(root, unit)} (k = 1), n = {len(names)} quantities")
-        )
-    alt = f"Uncertainty budget{' of ' + title if title else ''}: no contribution is known."
+        sum_of_all = style.shown(combined, unit)
+        axes.set_title(style.typeset(f"{title}: u = {sum_of_all} (k = 1), n = {len(names)} quantities"))
+    said = "no contribution is known"
     if total > 0.0:
         largest = zip(known[:3], parts[1], strict=False)
-        told = ", ".join(
-            f"{name} {style.shown(u, unit, 3)} ({100 * share:.3g} %)" for (name, u), share in largest
-        )
-        alt = alt.replace(
-            "no contribution is known",
-            f"combined standard uncertainty {style.shown(root, unit)}; the largest contributions are {told}",
-        )
+        told = [f"{name} {style.shown(u, unit, 3)} ({100 * share:.3g} %)" for (name, u), share in largest]
+        said = f"combined standard uncertainty {sum_of_all}; the largest contributions are {', '.join(told)}"
     table = DataTable({"quantity": names, **columns})
-    return FigureWithData(figure=figure, tables=(table,), alt=alt)
+    return FigureWithData(figure=figure, tables=(table,), alt=f"Uncertainty budget of {title}: {said}.")
 
 
 def _draw_contributions(axes: "Axes", names: Sequence[str], parts: "FloatArray") -> None:
@@ -167,31 +154,20 @@ def _draw_contributions(axes: "Axes", names: Sequence[str], parts: "FloatArray")
 
 def draw_tornado(rows: Sequence[tuple[str, float, float, float]]) -> FigureWithData:
     """Return a tornado chart: the force at the low and the high value of each input, all others as in the base case."""
-    bases = {row[3] for row in rows}
-    if len(bases) > 1 or not all(map(math.isfinite, bases)):
-        raise InputError(
-            f"the base cases are {', '.join(f'{base:g} N' for base in sorted(bases, key=str))}",
-            key="base_N",
-            fix="give every row the force of one and the same base case, a finite number",
-        )
     widths = [np.nanmax(row[1:]) - np.nanmin(row[1:]) for row in rows]
     ranked = sorted(
         ((*row, float(width)) for row, width in zip(rows, widths, strict=True)), key=lambda row: -row[4]
     )
-    alt = "No input was changed."
+    base_N = rows[0][3]
     with drawing(10.0, 1.7 + 0.42 * max(len(ranked), 2)) as figure:
         axes = figure.subplots()
         axes.set_xlabel(style.figure_label("lift_force_N"))
-        if ranked:
-            base_N = ranked[0][3]
-            _draw_swings(axes, ranked, base_N)
-            style.legend_of_figure(figure)
-            axes.set_title(f"base case {base_N:.4g} N; n = {len(ranked)} inputs, one changed at a time")
-            spans = [f"{row[0]}: {style.shown(row[1])} to {style.shown(row[2], 'N')}" for row in ranked[:4]]
-            alt = f"Lift force F_A, {style.shown(base_N, 'N')} in the base case, when one input changes at a time: "
-            alt += f"{'; '.join(spans)}."
-        else:
-            style.say_instead(axes, "no input was changed")
+        _draw_swings(axes, ranked, base_N)
+        style.legend_of_figure(figure)
+        axes.set_title(f"base case {base_N:.4g} N; n = {len(ranked)} inputs, one changed at a time")
+    spans = [f"{row[0]}: {style.shown(row[1])} to {style.shown(row[2], 'N')}" for row in ranked[:4]]
+    alt = f"Lift force F_A, {style.shown(base_N, 'N')} in the base case, when one input changes at a time: "
+    alt += f"{'; '.join(spans)}."
     header = ("quantity", "low_N", "high_N", "base_N", "swing_N")
     return FigureWithData(figure=figure, tables=(DataTable.of_rows(header, ranked),), alt=alt)
 
@@ -223,18 +199,13 @@ def _draw_swings(
 _MARKERS_A_LINE = 8
 
 
-def draw_design_chart(
-    chart: "DesignChart", *, required_N: float | None = None, safety: float = 1.0
-) -> FigureWithData:
+def draw_design_chart(chart: "DesignChart", *, required_N: float | None = None) -> FigureWithData:
     """Return the chart of a design: F_A over the wrap for each wheel, on a logarithmic force axis.
 
     Solid lines are the mean law, dashed ones what a pull with a new rope exceeds with the chart's probability; where
     the line is pale, the wheel or wrap lies outside what was tested. A triangle marks the smallest wrap whose dashed
-    line reaches the required load times the safety factor.
+    line reaches the required load.
     """
-    for name, value in (("required_N", required_N), ("safety", safety)):
-        if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise InputError(f"{name} is {value:g}; it must be positive and finite", key=name)
     n_wheels, n_wraps = chart.wheel_radius_m.size, chart.wrap_angle_rad.size
     radii_mm = [f"{1e3 * radius_m:.4g} mm" for radius_m in chart.wheel_radius_m.tolist()]
     wraps_rad: list[float] = []
@@ -243,8 +214,8 @@ def draw_design_chart(
         for row, color in enumerate(style.shades(n_wheels)):
             _draw_wheel(axes, chart, row, color, style.typeset(f"R_w = {radii_mm[row]}"))
         if required_N is not None:
-            wraps_rad = [_smallest_wrap(chart, row, safety * required_N) for row in range(n_wheels)]
-            _draw_load(axes, wraps_rad, required_N, safety)
+            wraps_rad = [_smallest_wrap(chart, row, required_N) for row in range(n_wheels)]
+            _draw_load(axes, wraps_rad, required_N)
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter("{x:g}")
         axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.figure_label("lift_force_N"))
@@ -272,7 +243,7 @@ def draw_design_chart(
         f"{', '.join(radii_mm).replace(' mm', '')} mm at an end tension of {chart.end_tension_N:.4g} N."
     )
     if required_N is not None:
-        asked = {"required_N": [float(required_N)] * n_wheels, "safety": [float(safety)] * n_wheels}
+        asked = {"required_N": [float(required_N)] * n_wheels, "safety": [1.0] * n_wheels}
         needed = {"wheel_radius_m": chart.wheel_radius_m} | asked | {"wrap_angle_rad": wraps_rad}
         tables.append(DataTable(needed, "smallest_wrap"))
         found = [
@@ -281,8 +252,7 @@ def draw_design_chart(
             else f"{radius} does not reach it"
             for radius, wrap in zip(radii_mm, wraps_rad, strict=True)
         ]
-        load = f"{required_N:.4g} N" + (f" times {safety:g}" if safety != 1.0 else "")
-        alt += f" For {load}, lifted with probability {chart.probability:g}: {'; '.join(found)}."
+        alt += f" For {required_N:.4g} N, lifted with probability {chart.probability:g}: {'; '.join(found)}."
     return FigureWithData(figure=figure, tables=tuple(tables), alt=alt)
 
 
@@ -301,16 +271,12 @@ def _smallest_wrap(chart: "DesignChart", row: int, needed_N: float) -> float:
     return float(wrap_rad[i - 1] + share * (wrap_rad[i] - wrap_rad[i - 1]))
 
 
-def _draw_load(axes: "Axes", wraps_rad: list[float], required_N: float, safety: float) -> None:
-    needed_N = safety * required_N
+def _draw_load(axes: "Axes", wraps_rad: list[float], needed_N: float) -> None:
     wraps_deg = np.degrees([wrap for wrap in wraps_rad if math.isfinite(wrap)])
     axes.plot(wraps_deg, np.full(wraps_deg.size, needed_N), "v", color=style.INK, markersize=8, zorder=6)
     for place, wrap_deg in enumerate(sorted(wraps_deg.tolist())):
         style.note_at(axes, f"{wrap_deg:.0f}°", (wrap_deg, needed_N), up=7.0 + 10.0 * (place % 3), zorder=6)
-    line: dict[str, Any] = {"color": style.ORANGE, "linewidth": 1.5}
-    if safety != 1.0:
-        axes.axhline(needed_N, label=f"required × {safety:g}: {needed_N:.4g} N", linestyle="-.", **line)
-    axes.axhline(required_N, label=f"required: {required_N:.4g} N", **line)
+    axes.axhline(needed_N, label=f"required: {needed_N:.4g} N", color=style.ORANGE, linewidth=1.5)
 
 
 def _draw_wheel(axes: "Axes", chart: "DesignChart", row: int, color: object, label: str) -> None:

@@ -118,11 +118,11 @@ def draw_explanation(told: "Explanation") -> FigureWithData:
     shown = [one for one in told.plan.decisions if one.fate != "not applicable"]
     rows, inside = np.arange(len(shown)), np.array([one.fate == "simulated" for one in shown])
     columns = {name: np.array([getattr(one, name) for one in shown]) for name in ("bound", "worth", "time_s")}
-    least = 1e-3 * min(told.plan.accuracy, *columns["bound"][columns["bound"] > 0.0])
+    least = 1e-3 * min([told.plan.accuracy, *columns["bound"][columns["bound"] > 0.0]])
     with drawing(9.0, 1.6 + 0.35 * len(shown)) as figure:
         worth, takes = figure.subplots(1, 2, sharey=True, width_ratios=(3, 1 + told.is_measured))
         # A worth without a bound reaches to the edge.
-        most = 3.0 * max(1.0, *columns["bound"][np.isfinite(columns["bound"])])
+        most = 3.0 * max([1.0, *columns["bound"][np.isfinite(columns["bound"])]])
         bars = np.clip(np.nan_to_num(columns["bound"], nan=0.0, posinf=most), least, most)
         for words, some, color in (("simulated", inside, style.BLUE), ("left out", ~inside, style.GREY)):
             worth.barh(rows[some], bars[some], color=color, height=0.6, label=words if some.any() else "")

@@ -9,13 +9,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.compare import Comparison
 from ropefric.fitting.design import Design
 from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.export import FrictionTable
 from ropefric.fitting.next_tests import LabPlan
-from ropefric.fitting.predict import Prediction
+from ropefric.fitting.predict import REGRESSORS, Prediction
 from ropefric.fitting.result import FitResult
 from ropefric.given import as_trace
 from ropefric.glossary import GLOSSARY, counted
@@ -23,7 +24,7 @@ from ropefric.pipeline.run import CampaignRun
 from ropefric.plotting import style
 from ropefric.plotting.campaign import draw_overview
 from ropefric.plotting.design import draw_budget, draw_ladder
-from ropefric.plotting.figure import drawing
+from ropefric.plotting.figure import FigureWithData, drawing, rewrite_words
 from ropefric.plotting.fits import draw_fit_band
 from ropefric.plotting.machines import draw_explanation, draw_layout, draw_sweep, scene_figures
 from ropefric.scenes.draws import Draws
@@ -42,112 +43,109 @@ from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import Statement
 
 _WORDS = {"yes": 1.0, "no": -1.0}
+_HOUSE: dict[type, Callable[..., FigureWithData]] = {
+    Scene: draw_layout,
+    FitResult: draw_fit_band,
+    Sweep: draw_sweep,
+    Comparison: draw_ladder,
+    Extraction: draw_overview,
+    CampaignRun: lambda run: draw_overview(run.extraction),
+    Explanation: draw_explanation,
+    Statement: lambda stated: draw_budget(
+        [(line.label, line.contribution) for line in stated.budget.lines],
+        unit=stated.model.unit,
+        title=stated.model.name,
+        combined=stated.budget.combined,
+    ),
+}
+"""Results that the house has a figure of."""
 
 
-@singledispatch
-def draw(result: Any, *_args: Any, **_options: Any) -> Figure:
+def draw(result: Any, *args: Any, **options: Any) -> Figure:
     """Return the figure of a result; a fit takes `over`, a sweep or draws `quantity`, a break-away its trace."""
-    raise InputError(f"there is no figure of {type(result).__name__}", fix="use to_frame()")
-
-
-def _simple(
-    x_label: str, y_label: str, paint: Callable[[Axes], None], *, names: Sequence[str] = (), title: str = ""
-) -> Figure:
-    """Return a figure with one panel; `names` are the words of the rows from above."""
-    with drawing(8.0, 4.5 if not names else 1.6 + 0.4 * len(names)) as figure:
+    if type(result) in _HOUSE:
+        return _HOUSE[type(result)](result, *args, **options).figure
+    if isinstance(result, Solution):
+        for _, made in scene_figures(result):
+            return made.figure
+    with drawing(8.0, 4.5) as figure:
         axes = figure.subplots()
-        paint(axes)
-        axes.set(xlabel=x_label, ylabel=y_label)
-        axes.set_title(style.figure_text(title))
-        if names:
-            axes.set_yticks(range(len(names)), [style.figure_text(name) for name in names])
-            axes.set_ylim(len(names) - 0.5, -0.5)
-        elif axes.get_legend_handles_labels()[0]:
+        paint(result, axes, *args, **options)
+        if axes.get_legend() is None and axes.get_legend_handles_labels()[0]:
             axes.legend()
+        rewrite_words(figure, style.figure_text)
     return figure
 
 
-@draw.register
-def _(drawn: Draws, *, quantity: str = "") -> Figure:
+@singledispatch
+def paint(result: Any, _axes: Axes, *_args: Any, **_options: Any) -> None:
+    """Draw a result on axes of its own."""
+    raise InputError(f"there is no figure of {type(result).__name__}", fix="use to_frame()")
+
+
+def _name_rows(axes: Axes, names: Sequence[str]) -> None:
+    """Write the words of the rows, from above, and make the figure as high as they need."""
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    figure: Any = axes.figure
+    figure.set_figheight(1.6 + 0.4 * len(names))
+
+
+@paint.register
+def _(drawn: Draws, axes: Axes, *, quantity: str = "") -> None:
     name = quantity or next(iter(drawn.numbers))
     if name not in drawn.numbers:
         raise InputError(f"the draws have no {name!r}", fix=f"they have {', '.join(drawn.numbers)}")
     values, told = drawn.columns[name], drawn.numbers[name]
-
-    def paint(axes: Axes) -> None:
-        axes.hist(values[np.isfinite(values)], bins=60, color=style.GREY)
-        axes.axvline(told.value, color=style.BLUE, label="as given")
-        for end in told.quantiles[::2]:
-            label = f"{100.0 * drawn.level:g} % lie between" if end == told.quantiles[0] else ""
-            axes.axvline(end, color=style.ORANGE, linestyle="--", label=label)
-
-    label = style.figure_label(name) if name in GLOSSARY else name
-    return _simple(label, "draws", paint)
+    axes.hist(values[np.isfinite(values)], bins=60, color=style.GREY)
+    axes.axvline(told.value, color=style.BLUE, label="as given")
+    for end in told.quantiles[::2]:
+        label = f"{100.0 * drawn.level:g} % lie between" if end == told.quantiles[0] else ""
+        axes.axvline(end, color=style.ORANGE, linestyle="--", label=label)
+    axes.set(xlabel=style.figure_label(name) if name in GLOSSARY else name, ylabel="draws")
 
 
-@draw.register
-def _(trace: ForceTrace, found: Breakaway | None = None) -> Figure:
+@paint.register
+def _(trace: ForceTrace, axes: Axes, found: Breakaway | None = None) -> None:
     pull = pick_breakaway(trace, PickSettings())[0] if found is None else found
-
-    def paint(axes: Axes) -> None:
-        axes.plot(trace.time_s, trace.force_N, color=style.GREY, linewidth=0.6, label="recorded")
-        if pull.status is Status.OK:
-            axes.axhline(pull.kinetic_N, color=style.BLUE, linestyle="--", label="kinetic")
-            label = f"break-away {pull.peak_N:.4g} N"
-            axes.errorbar(
-                pull.peak_time_s,
-                pull.peak_N,
-                2.0 * pull.peak_std_N,
-                fmt="o",
-                color=style.ORANGE,
-                label=label,
-                zorder=4,
-            )
-
-    title = trace.name if pull.status is Status.OK else f"{trace.name}: {pull.status}"
-    return _simple("Time [s]", "Force [N]", paint, title=title)
+    axes.plot(trace.time_s, trace.force_N, color=style.GREY, linewidth=0.6, label="recorded")
+    title = f"{trace.name}: {pull.status}"
+    if pull.status is Status.OK:
+        title = trace.name
+        axes.axhline(pull.kinetic_N, color=style.BLUE, linestyle="--", label="kinetic")
+        look: dict[str, Any] = {"fmt": "o", "color": style.ORANGE, "label": f"break-away {pull.peak_N:.4g} N"}
+        axes.errorbar(pull.peak_time_s, pull.peak_N, 2.0 * pull.peak_std_N, zorder=4, **look)
+    axes.set(xlabel="Time [s]", ylabel="Force [N]", title=title)
 
 
-@draw.register
-def _(found: Breakaway, trace: Any = None) -> Figure:
+@paint.register
+def _(found: Breakaway, axes: Axes, trace: Any = None) -> None:
     if trace is None:
         raise InputError(
             "a break-away does not keep its recording", key="trace", fix="write found.plot(trace)"
         )
-    return draw(as_trace(trace), found)
+    paint(as_trace(trace), axes, found)
 
 
-@draw.register
-def _(smoothed: SmoothedForce) -> Figure:
+@paint.register
+def _(smoothed: SmoothedForce, axes: Axes) -> None:
     label = f"mean over {1e3 * smoothed.window_s:.3g} ms"
-    return _simple(
-        "Time [s]", "Force [N]", lambda axes: _line(axes, smoothed.time_s, smoothed.force_N, label)
-    )
+    axes.plot(smoothed.time_s, smoothed.force_N, linewidth=0.8, label=label)
+    axes.set(xlabel="Time [s]", ylabel="Force [N]")
 
 
-def _line(axes: Axes, x: Any, y: Any, label: str) -> None:
-    axes.plot(x, y, linewidth=0.8, label=label)
-
-
-@draw.register
-def _(series: Repeatability) -> Figure:
+@paint.register
+def _(series: Repeatability, axes: Axes) -> None:
     means, stds = (series.mean_all, series.mean_kept), (series.std_all, series.std_kept)
-
-    def paint(axes: Axes) -> None:
-        axes.errorbar(means, (0, 1), xerr=np.array(stds), fmt="o", capsize=3)
-
-    names = (f"all {series.n}", f"kept {series.n_kept}")
-    return _simple("Mean ± s", "", paint, names=names, title=series.rule)
+    axes.errorbar(means, (0, 1), xerr=np.array(stds), fmt="o", capsize=3)
+    axes.set(xlabel="Mean ± s", title=series.rule)
+    _name_rows(axes, (f"all {series.n}", f"kept {series.n_kept}"))
 
 
-@draw.register
-def _(campaign: Campaign) -> Figure:
+@paint.register
+def _(campaign: Campaign, axes: Axes) -> None:
     slack = campaign.protocol.needs_lift_force
-    known, label = (
-        ("lift_force_N", "Known force F_A [N]")
-        if slack
-        else ("end_tension_N", style.regressor_label("end_tension_N"))
-    )
+    known = "lift_force_N" if slack else "end_tension_N"
     names = ("wheel_radius_m", "wrap_angle_rad", known)
     repeats = Counter(tuple(getattr(trial, name) for name in names) for trial in campaign.trials)
     settings = sorted(repeats)
@@ -157,185 +155,94 @@ def _(campaign: Campaign) -> Figure:
     beside = [group.index(own) - 0.5 * (len(group) - 1) for own, group in zip(settings, alike, strict=True)]
     gap_m = np.diff(np.unique(radius_m)).min(initial=0.1 * radius_m.max(initial=1.0))
     x_mm = 1e3 * (radius_m + 0.7 * gap_m / max(map(len, alike), default=1) * np.array(beside))
-
-    def paint(axes: Axes) -> None:
-        area = 9.0 * np.array([repeats[one] for one in settings])
-        drawn = axes.scatter(
-            x_mm, np.degrees(wrap_rad), s=area, c=force_N, cmap="cividis", edgecolors="white"
-        )
-        axes.figure.colorbar(drawn, ax=axes).set_label(label)
-        if np.ptp(area) > 0.0:
-            axes.legend(
-                *drawn.legend_elements("sizes", num=3, func=lambda area: np.asarray(area) / 9.0),
-                title="repeats",
-            )
-
-    most = max(repeats.values(), default=0)
-    title = (
-        f"{campaign.name}: {counted(len(settings), 'condition')}, {counted(most, 'repeat')} at most (by area)"
-    )
-    return _simple(
-        style.regressor_label("wheel_radius_m"), style.regressor_label("wrap_angle_rad"), paint, title=title
-    )
+    area = 9.0 * np.array([repeats[one] for one in settings])
+    drawn = axes.scatter(x_mm, np.degrees(wrap_rad), s=area, c=force_N, cmap="cividis", edgecolors="white")
+    axes.figure.colorbar(drawn, ax=axes).set_label(style.figure_label(known))
+    if np.ptp(area) > 0.0:
+        sizes = drawn.legend_elements("sizes", num=3, func=lambda area: np.asarray(area) / 9.0)
+        axes.legend(*sizes, title="repeats")
+    most = counted(max(repeats.values(), default=0), "repeat")
+    axes.set_title(f"{campaign.name}: {counted(len(settings), 'condition')}, {most} at most (by area)")
+    axes.set(xlabel=style.regressor_label(names[0]), ylabel=style.regressor_label(names[1]))
 
 
-@draw.register
-def _(scene: Scene) -> Figure:
-    return draw_layout(scene).figure
+@paint.register
+def _(table: TrialTable, axes: Axes) -> None:
+    with np.errstate(all="ignore"):
+        rise = np.log(table.peak_N / table.end_tension_N)
+    _draw_wheels(axes, table, rise, table.used, marker="o", linestyle="none", markersize=4)
+    axes.set_ylabel(style.typeset("ln(F_A/F_B) [-]"))
 
 
-@draw.register
-def _(table: TrialTable) -> Figure:
-    def paint(axes: Axes) -> None:
-        radii_m = np.unique(table.wheel_radius_m[table.used])
-        for radius_m, color in zip(radii_m.tolist(), style.shades(len(radii_m)), strict=True):
-            mine = table.used & (table.wheel_radius_m == radius_m)
-            rise = np.log(table.peak_N[mine] / table.end_tension_N[mine])
-            label = f"wheel of {1e3 * radius_m:.4g} mm"
-            axes.plot(
-                np.degrees(table.wrap_angle_rad[mine]), rise, "o", color=color, markersize=4, label=label
-            )
-
-    return _simple(style.regressor_label("wrap_angle_rad"), style.typeset("ln(F_A/F_B) [-]"), paint)
+def _draw_wheels(axes: Axes, rows: Any, values: FloatArray, chosen: BoolArray, **look: Any) -> None:
+    """Draw values of rows with settings over the wrap, a colour for each wheel."""
+    radii_m = np.unique(rows.wheel_radius_m[chosen])
+    for radius_m, color in zip(radii_m.tolist(), style.shades(len(radii_m)), strict=True):
+        mine = chosen & (rows.wheel_radius_m == radius_m)
+        label = f"wheel of {1e3 * radius_m:.4g} mm"
+        axes.plot(np.degrees(rows.wrap_angle_rad[mine]), values[mine], color=color, label=label, **look)
+    axes.set_xlabel(style.regressor_label("wrap_angle_rad"))
 
 
-@draw.register
-def _(prediction: Prediction) -> Figure:
-    at, lift_N = prediction.conditions, prediction.lift_force_N
-
-    def paint(axes: Axes) -> None:
-        x = np.degrees(at.wrap_angle_rad)
-        bands = (
-            ("one pull", prediction.prediction_interval_N, 1.0),
-            ("mean law", prediction.interval_N, 3.0),
-        )
-        for words, interval_N, width in bands:
-            ends = np.abs(interval_N.T - lift_N)
-            label = f"{100 * prediction.level:g} % of the {words}"
-            axes.errorbar(
-                x, lift_N, ends, fmt="o", color=style.BLUE, elinewidth=width, capsize=3, label=label
-            )
-
-    title = f"Law {prediction.law}"
-    return _simple(
-        style.regressor_label("wrap_angle_rad"), style.figure_label("lift_force_N"), paint, title=title
-    )
+@paint.register
+def _(prediction: Prediction, axes: Axes) -> None:
+    x, lift_N = np.degrees(prediction.conditions.wrap_angle_rad), prediction.lift_force_N
+    bands = (("one pull", prediction.prediction_interval_N, 1.0), ("mean law", prediction.interval_N, 3.0))
+    for words, interval_N, width in bands:
+        look: dict[str, Any] = {"fmt": "o", "color": style.BLUE, "elinewidth": width, "capsize": 3}
+        label = f"{100 * prediction.level:g} % of the {words}"
+        axes.errorbar(x, lift_N, np.abs(interval_N.T - lift_N), label=label, **look)
+    axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.figure_label("lift_force_N"))
+    axes.set_title(f"Law {prediction.law}")
 
 
-@draw.register
-def _(table: FrictionTable) -> Figure:
+@paint.register
+def _(table: FrictionTable, axes: Axes) -> None:
     end_N = float(np.median(table.end_tension_N))
-    radii_m = np.unique(table.wheel_radius_m)
-
-    def paint(axes: Axes) -> None:
-        for radius_m, color in zip(radii_m.tolist(), style.shades(len(radii_m)), strict=True):
-            mine = (table.wheel_radius_m == radius_m) & (table.end_tension_N == end_N)
-            label = f"wheel of {1e3 * radius_m:.4g} mm"
-            axes.plot(
-                np.degrees(table.wrap_angle_rad[mine]), table.mu_average[mine], color=color, label=label
-            )
-        label = f"constant, {100 * table.constant_error:.3g} % off at most"
-        axes.axhline(table.constant_mu, color=style.ORANGE, linestyle="--", label=label)
-
-    labels = (style.regressor_label("wrap_angle_rad"), style.figure_label("mu_average"))
-    return _simple(*labels, paint, title=f"Law {table.law} at F_B = {end_N:.4g} N")
+    _draw_wheels(axes, table, table.mu_average, table.end_tension_N == end_N)
+    label = f"constant, {100 * table.constant_error:.3g} % off at most"
+    axes.axhline(table.constant_mu, color=style.ORANGE, linestyle="--", label=label)
+    axes.set(ylabel=style.figure_label("mu_average"), title=f"Law {table.law} at F_B = {end_N:.4g} N")
 
 
-@draw.register
-def _(design: Design) -> Figure:
+@paint.register
+def _(design: Design, axes: Axes) -> None:
     names = {"wrap": "wrap_angle_rad", "radius": "wheel_radius_m", "end_tension": "end_tension_N"}
     over = names[design.solve_for]
-    factor = {"wrap": np.degrees(1.0), "radius": 1e3, "end_tension": 1.0}[design.solve_for]
-
-    def paint(axes: Axes) -> None:
-        axes.plot(factor * design.value, design.lift_force_N, "o", label="mean law lifts")
-        if design.probability is not None:
-            label = f"{100 * design.probability:g} % of pulls lift"
-            axes.plot(factor * design.value, design.lower_bound_N, "v", label=label)
-        axes.plot(
-            factor * design.value, design.required_N, "_", color=style.ORANGE, markersize=14, label="load"
-        )
-
-    return _simple(style.regressor_label(over), style.figure_label("lift_force_N"), paint)
+    x = REGRESSORS[over][2] * design.value
+    axes.plot(x, design.lift_force_N, "o", label="mean law lifts")
+    if design.probability is not None:
+        label = f"{100 * design.probability:g} % of pulls lift"
+        axes.plot(x, design.lower_bound_N, "v", label=label)
+    axes.plot(x, design.required_N, "_", color=style.ORANGE, markersize=14, label="load")
+    axes.set(xlabel=style.regressor_label(over), ylabel=style.figure_label("lift_force_N"))
 
 
-@draw.register
-def _(found: Diagnosis) -> Figure:
+@paint.register
+def _(found: Diagnosis, axes: Axes) -> None:
     bars = [_WORDS.get(cause.supported, 0.0) for cause in found.causes]
-
-    def paint(axes: Axes) -> None:
-        axes.barh(range(len(bars)), bars, color=[style.BLUE if bar > 0.0 else style.GREY for bar in bars])
-        axes.set_xticks((-1, 0, 1), ("not supported", "undecided", "supported"))
-
-    return _simple("", "", paint, names=[cause.cause for cause in found.causes])
+    axes.barh(range(len(bars)), bars, color=[style.BLUE if bar > 0.0 else style.GREY for bar in bars])
+    axes.set_xticks((-1, 0, 1), ("not supported", "undecided", "supported"))
+    _name_rows(axes, [cause.cause for cause in found.causes])
 
 
-@draw.register
-def _(plan: LabPlan) -> Figure:
+@paint.register
+def _(plan: LabPlan, axes: Axes) -> None:
     at = plan.conditions
-
-    def paint(axes: Axes) -> None:
-        drawn = axes.scatter(
-            np.degrees(at.wrap_angle_rad), at.end_tension_N, c=1e3 * at.wheel_radius_m, cmap="cividis"
-        )
-        axes.figure.colorbar(drawn, ax=axes).set_label(style.regressor_label("wheel_radius_m"))
-
-    title = f"{len(plan)} conditions, {plan.repeats} pulls each"
-    labels = (style.regressor_label("wrap_angle_rad"), style.regressor_label("end_tension_N"))
-    return _simple(*labels, paint, title=title)
+    look: dict[str, Any] = {"c": 1e3 * at.wheel_radius_m, "cmap": "cividis"}
+    drawn = axes.scatter(np.degrees(at.wrap_angle_rad), at.end_tension_N, **look)
+    axes.figure.colorbar(drawn, ax=axes).set_label(style.regressor_label("wheel_radius_m"))
+    axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.regressor_label("end_tension_N"))
+    axes.set_title(f"{len(plan)} conditions, {plan.repeats} pulls each")
 
 
-@draw.register
-def _(solution: Solution) -> Figure:
-    for _, figure in scene_figures(solution):
-        return figure.figure
+@paint.register
+def _(solution: Solution, axes: Axes) -> None:
     rows = solution.to_frame()
     certain = (rows["value"] == 0.0).to_numpy()
     off, half = 100.0 * rows[["low", "high"]].to_numpy().T, 100.0 * rows["value"].to_numpy()
     ends = np.divide(np.abs(off - half), np.abs(half), out=np.zeros_like(off), where=~certain)
-
-    def paint(axes: Axes) -> None:
-        axes.errorbar(
-            np.zeros(len(rows)), range(len(rows)), xerr=100.0 * np.nan_to_num(ends), fmt="o", capsize=3
-        )
-
-    names = [f"{row.quantity} = {row.value:.4g}" for row in rows.itertuples()]
-    return _simple(f"{100 * solution.level:g} % interval [%]", "", paint, names=names)
-
-
-@draw.register
-def _(stated: Statement) -> Figure:
-    rows = [(line.label, line.contribution) for line in stated.budget.lines]
-    model = stated.model
-    combined = stated.budget.combined
-    return draw_budget(rows, unit=model.unit, title=model.name, combined=combined).figure
-
-
-@draw.register
-def _(fit: FitResult, *, over: str = "wrap_angle_rad") -> Figure:
-    return draw_fit_band(fit, over=over).figure
-
-
-@draw.register
-def _(sweep: Sweep, *, quantity: str = "") -> Figure:
-    return draw_sweep(sweep, quantity=quantity).figure
-
-
-@draw.register
-def _(comparison: Comparison) -> Figure:
-    return draw_ladder(comparison).figure
-
-
-@draw.register
-def _(extraction: Extraction) -> Figure:
-    return draw_overview(extraction).figure
-
-
-@draw.register
-def _(run: CampaignRun) -> Figure:
-    return draw_overview(run.extraction).figure
-
-
-@draw.register
-def _(told: Explanation) -> Figure:
-    return draw_explanation(told).figure
+    look: dict[str, Any] = {"fmt": "o", "capsize": 3}
+    axes.errorbar(np.zeros(len(rows)), range(len(rows)), xerr=100.0 * np.nan_to_num(ends), **look)
+    axes.set_xlabel(f"{100 * solution.level:g} % interval [%]")
+    _name_rows(axes, [f"{row.quantity} = {row.value:.4g}" for row in rows.itertuples()])

@@ -73,27 +73,18 @@ def _study_section(result: StudyResult) -> Section:
 def _shares_table(result: StudyResult) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Return headings and rows of a study that counts outcomes: shares in percent, errors, and time."""
     names = dict.fromkeys(name for point in result.points for name in point.shares if name != "recordings")
-    if all(math.isnan(point.bias) for point in result.points):
-        table = [
-            (
-                point.case,
-                point.name,
-                *(plain(100.0 * point.shares.get(name, math.nan), ".3g") for name in names),
-                time_text(point.seconds),
-            )
-            for point in result.points
-        ]
-        return ("case", "method", *(f"{name.replace('_', ' ')} [%]" for name in names), "time"), table
+    of_pickers = not all(math.isnan(point.bias) for point in result.points)
     rows = []
     for point in result.points:
-        shares = (plain(100.0 * point.shares[name], ".0f") for name in names)
-        errors = (
-            plain(100.0 * one, "+.2g" if one is point.bias else ".2g")
-            for one in (point.bias, point.noise, point.error)
-        )
-        rows.append((point.case, point.name, *shares, *errors, time_text(point.seconds)))
-    percent = (f"{name.replace('_', ' ')} [%]" for name in (*names, "bias", "scatter", "95 %"))
-    return ("case", "picker", *percent, "time"), rows
+        shares = [100.0 * point.shares.get(name, math.nan) for name in names]
+        cells = [plain(share, ".0f" if of_pickers else ".3g") for share in shares]
+        if of_pickers:
+            errors = ((point.bias, "+.2g"), (point.noise, ".2g"), (point.error, ".2g"))
+            cells += [plain(100.0 * one, form) for one, form in errors]
+        rows.append((point.case, point.name, *cells, time_text(point.seconds)))
+    shown = [*names, *(("bias", "scatter", "95 %") if of_pickers else ())]
+    percent = (f"{name.replace('_', ' ')} [%]" for name in shown)
+    return ("case", "picker" if of_pickers else "method", *percent, "time"), rows
 
 
 def _span(accuracies: list[float]) -> str:

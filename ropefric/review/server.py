@@ -136,10 +136,8 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _get(self, path: str, query: Mapping[str, str]) -> Any:
         review = self.server.review
-        if path == "/api/overview":
-            return review.overview()
-        if path == "/api/answer":
-            return review.answer()
+        if path in {"/api/overview", "/api/answer"}:
+            return getattr(review, path.removeprefix("/api/"))()
         if path == "/api/trial":
             return review.trial(query["trial"])
         if path == "/api/preview":
@@ -161,10 +159,8 @@ class _Handler(BaseHTTPRequestHandler):
             pick_s, text = asked.get("pick_s"), str(asked.get("text", ""))
             pick_s = None if pick_s is None else float(pick_s)
             return review.decide(asked["trial"], asked["action"], pick_s=pick_s, text=text)
-        if path == "/api/undo":
-            return review.undo()
-        if path == "/api/reload":
-            return review.reload()
+        if path in {"/api/undo", "/api/reload"}:
+            return getattr(review, path.removeprefix("/api/"))()
         raise _Refused(404, "there is no such page")
 
 

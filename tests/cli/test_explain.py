@@ -129,3 +129,9 @@ def test_a_picture_and_the_json_of_it_are_written(call, tmp_path):
     assert tree["measured"]["saved_s"] == pytest.approx(
         tree["measured"]["all_effects_s"] - tree["measured"]["planned_s"]
     )
+
+
+def test_a_scene_whose_effects_have_no_bound_is_drawn_too(call, tmp_path):
+    done = call("explain", SCENES / "band-brake.toml", "--out", tmp_path / "out", "--quiet")
+    assert done.code == 0
+    assert (tmp_path / "out" / "effects.png").is_file()

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from ropefric.errors import InputError
 from ropefric.fitting.compare import Comparison, ComparisonEntry, compare_laws
 from ropefric.plotting.design import draw_budget, draw_ladder, draw_tornado
 
@@ -68,8 +67,13 @@ def test_a_law_that_stands_alone_has_no_weight_in_the_ladder():
     assert "nan" not in " ".join(texts)
 
 
+def budget(rows):
+    combined = math.sqrt(math.fsum(value**2 for _, value in rows if not math.isnan(value)))
+    return draw_budget(rows, unit="N", title="F_A", combined=combined)
+
+
 def test_the_budget_is_ranked_with_shares_of_the_variance(assert_repeats, assert_readable):
-    made = assert_repeats(lambda: draw_budget(BUDGET, unit="N", title="F_A"))
+    made = assert_repeats(lambda: budget(BUDGET))
     assert_readable(made)
     rows = made.tables[0].rows
     assert [row[0] for row in rows] == ["wrap", "tare", "gain", "humidity"]
@@ -88,7 +92,7 @@ def test_the_budget_is_ranked_with_shares_of_the_variance(assert_repeats, assert
 
 @pytest.mark.parametrize("shares", [(9, 4, 3, 0.5), (5, 5, 4.9, 4.8, 4.7), (2,)])
 def test_the_line_of_the_sum_crosses_no_number_of_the_budget(shares):
-    made = draw_budget([(f"source {i}", value) for i, value in enumerate(shares)], unit="N", title="F_A")
+    made = budget([(f"source {i}", value) for i, value in enumerate(shares)])
     made.figure.canvas.draw()
     bars, above = made.figure.axes
     line = above.lines[0].get_path().transformed(above.lines[0].get_transform())
@@ -98,7 +102,7 @@ def test_the_line_of_the_sum_crosses_no_number_of_the_budget(shares):
 
 
 def test_a_correlated_budget_keeps_its_own_sum():
-    made = draw_budget(BUDGET, combined=0.9)
+    made = draw_budget(BUDGET, unit="", title="x", combined=0.9)
     assert "0.9" in made.alt
     assert sum(row[2] for row in made.tables[0].rows[:3]) == pytest.approx(1.0)
     assert made.figure.axes[0].get_xlabel().endswith("[-]")
@@ -106,18 +110,13 @@ def test_a_correlated_budget_keeps_its_own_sum():
 
 @pytest.mark.parametrize("rows", [[], [("gain", 0.0)], [("gain", NAN)]])
 def test_a_budget_without_contributions_says_so(rows):
-    made = draw_budget(rows)
+    made = budget(rows)
     assert "no contribution is known" in made.alt
     assert len(made.tables[0].rows) == len(rows)
 
 
 def test_one_contribution_is_all_of_it():
-    assert draw_budget([("gain", -2.0)]).tables[0].rows == (("gain", 2.0, 1.0, 1.0),)
-
-
-def test_an_infinite_contribution_is_refused():
-    with pytest.raises(InputError, match="gain is infinite"):
-        draw_budget([("gain", math.inf)])
+    assert budget([("gain", -2.0)]).tables[0].rows == (("gain", 2.0, 1.0, 1.0),)
 
 
 def test_the_tornado_has_the_widest_swing_on_top(assert_repeats, assert_readable):
@@ -142,11 +141,3 @@ def test_a_side_without_an_answer_is_left_out():
     assert len(made.figure.axes[0].patches) == 1
     assert "unknown to 210 N" in made.alt
     assert draw_tornado([("R_w", 200.0, 200.0, 200.0)]).tables[0].rows[0][4] == 0.0
-    assert draw_tornado([]).alt == "No input was changed."
-
-
-def test_rows_of_several_base_cases_are_refused():
-    with pytest.raises(InputError, match="base case"):
-        draw_tornado([("a", 1.0, 2.0, 1.5), ("b", 1.0, 2.0, 1.6)])
-    with pytest.raises(InputError, match="base case"):
-        draw_tornado([("a", 1.0, 2.0, NAN)])

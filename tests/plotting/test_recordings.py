@@ -1,6 +1,5 @@
 """Small multiples and single recordings: nothing is lost of a recording, a page stays small, laws keep their colour."""
 
-import math
 import re
 from dataclasses import replace
 
@@ -12,7 +11,7 @@ from ropefric.fitting.compare import compare_laws
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.plotting.design import draw_ladder
 from ropefric.plotting.figure import figure_files, localize
-from ropefric.plotting.fits import draw_capstan, draw_corner, draw_fit_band, draw_mu_facets
+from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets
 from ropefric.plotting.recordings import MOST, _in_cell, draw_recording, draw_recordings, pages_of_recordings
 from ropefric.plotting.style import law_look
 from ropefric.plotting.svg import svg_text
@@ -148,25 +147,3 @@ def test_axes_and_words_are_german_where_that_is_asked_for(comparison):
     assert any("," in text for text in shown)
     assert not any(re.search(r"\d\.\d", text) for text in shown)
     assert {text.replace(",", ".") for text in numbers(axes.xaxis)} == before
-
-
-def test_the_ellipses_of_a_corner_are_those_of_the_covariance(comparison):
-    fit = next(entry.fit for entry in comparison.ranking if entry.law == "size-power" and entry.fit)
-    drawn = draw_corner(fit)
-    shown = np.flatnonzero(fit.shown)
-    n = shown.size
-    assert n > 1
-    covariance = fit.covariance[np.ix_(shown, shown)]
-    std = np.sqrt(np.diag(covariance))
-    panels = np.array(drawn.figure.axes).reshape(n, n)
-    for row in range(1, n):
-        for column in range(row):
-            for reach, patch in zip((1.0, 2.0), panels[row, column].patches, strict=True):
-                offset = patch.get_xy()[:-1] * std[[column, row]]  # in the parameters' own units
-                block = covariance[np.ix_([column, row], [column, row])]
-                distance = np.einsum("ij,ij->i", offset, np.linalg.solve(block, offset.T).T)
-                assert distance == pytest.approx(np.full(len(offset), reach**2), rel=1e-6)
-    numbers = [float(text.get_text().replace("−", "-")) for text in panels[-1, 0].get_xticklabels()]
-    value = fit.parameters[shown[0]].value
-    assert numbers == pytest.approx([value + side * std[0] for side in (-2, 0, 2)], rel=6e-3)
-    assert math.isfinite(sum(row[4] for row in drawn.tables[0].rows))

@@ -7,6 +7,7 @@ from typing import Any
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
+from ropefric.cli.options import Answer, Number, command, diameter, exit_code_of, flag, listed, quantity
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
 from ropefric.files.write import refuse_input, refuse_special, write_file
@@ -21,7 +22,7 @@ with on_first_use():
     from ropefric.report import parts, section
 
 
-@options.command(
+@command(
     'ropefric predict --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
     '--end-tension "60 N"',
     order=120,
@@ -30,18 +31,16 @@ def predict(
     out: Output,
     *,
     fit: options.FitOption,
-    wheel_radius: float = options.quantity("--wheel-radius", "m", 'R_w, such as "35 mm".', needed=True),
-    wrap: float = options.quantity("--wrap", "rad", 'φ, such as "400 deg" or "1.5 turn".', needed=True),
-    end_tension: float = options.quantity("--end-tension", "N", 'F_B, such as "60 N".', needed=True),
+    wheel_radius: float = quantity("--wheel-radius", "m", 'R_w, such as "35 mm".', needed=True),
+    wrap: float = quantity("--wrap", "rad", 'φ, such as "400 deg" or "1.5 turn".', needed=True),
+    end_tension: float = quantity("--end-tension", "N", 'F_B, such as "60 N".', needed=True),
     rope_diameter: float | None = options.ROPE_DIAMETER,
-    speed: options.Number = options.quantity("--speed", "m/s", 'Of a running rope, such as "0.3 m/s".'),
-    linear_density: options.Number = options.quantity(
-        "--linear-density", "kg/m", 'Of a running rope, such as "62 g/m".'
-    ),
+    speed: Number = quantity("--speed", "m/s", 'Of a running rope, such as "0.3 m/s".'),
+    linear_density: Number = quantity("--linear-density", "kg/m", 'Of a running rope, such as "62 g/m".'),
     level: options.Level = 0.95,
     method: str = Option("linear", metavar="linear|monte-carlo", help="How the uncertainty is carried over."),
-    hand: bool = options.flag("--hand", "Print the calculation, to be checked by hand."),
-) -> options.Answer:
+    hand: bool = flag("--hand", "Print the calculation, to be checked by hand."),
+) -> Answer:
     """Predict the lift force of a wheel from a stored fit, with confidence and prediction interval.
 
     Exits with 4 when the lift force is not supported: undecided, or not judged.
@@ -60,14 +59,14 @@ def predict(
         lines = (*running, *stored.friction_law.calculation(stored.theta, wheel))
         data["hand"] = list(lines)
         sections.append(section.Section(title="By hand", lines=lines, verbatim=True))
-    return options.Answer(data, sections, options.exit_code_of(found.verdict()))
+    return Answer(data, sections, exit_code_of(found.verdict()))
 
 
 _SHOWN = {"wrap": ("wrap", math.degrees(1.0), "deg"), "radius": ("wheel radius", 1e3, "mm"),
           "end_tension": ("end tension", 1.0, "N")}  # fmt: skip
 
 
-@options.command(
+@command(
     'ropefric design --fit fits/prth-coupled.json --lift "900 N" --solve-for wrap --wheel-radius "40 mm" '
     '--end-tension "80 N"',
     order=140,
@@ -76,21 +75,21 @@ def design(
     out: Output,
     *,
     fit: options.FitOption,
-    lift: float = options.quantity("--lift", "N", 'The load, such as "900 N".', needed=True),
+    lift: float = quantity("--lift", "N", 'The load, such as "900 N".', needed=True),
     solve_for: str = Option("wrap", metavar="wrap|radius|end-tension", help="What is looked for."),
-    wheel_radius: options.Number = options.quantity("--wheel-radius", "m", "R_w, unless looked for."),
-    wrap: options.Number = options.quantity("--wrap", "rad", "φ, unless looked for."),
-    end_tension: options.Number = options.quantity("--end-tension", "N", "F_B, unless looked for."),
+    wheel_radius: Number = quantity("--wheel-radius", "m", "R_w, unless looked for."),
+    wrap: Number = quantity("--wrap", "rad", "φ, unless looked for."),
+    end_tension: Number = quantity("--end-tension", "N", "F_B, unless looked for."),
     rope_diameter: float | None = options.ROPE_DIAMETER,
     probability: float = Option(
         0.95, help="Probability, 0.5 or more, that one pull with a new rope lifts the load."
     ),
-    on_average: bool = options.flag("--on-average", "Ask only that the mean law lifts the load."),
+    on_average: bool = flag("--on-average", "Ask only that the mean law lifts the load."),
     chart: Path | None = options.out_folder(
         "Draw the lift force over wheel radius and wrap at this end tension there.", names=("--chart",)
     ),
     force: options.Force = False,
-) -> options.Answer:
+) -> Answer:
     """Find the smallest wrap, wheel radius or end tension that lifts a load with a probability.
 
     Exits with 4 when there is none, or the law is not supported by its fit.
@@ -123,11 +122,11 @@ def design(
             drawn = charts.draw_design_chart(chart_of_it, required_N=float(found.required_N[0]))
             files = figure.save_figure(drawn, target, "design_chart")
             options.publish(out, target, "chart", files)
-    return options.Answer(
+    return Answer(
         found.to_dict()
         | {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)},
         [_section(found)],
-        options.exit_code_of(reached and stored.verdict.supported),
+        exit_code_of(reached and stored.verdict.supported),
     )
 
 
@@ -151,7 +150,7 @@ def _section(found: "designs.Design") -> "section.Section":
     return section.Section(title=title, lines=tuple(lines), notes=notes)
 
 
-@options.command(
+@command(
     'ropefric plan-tests --fit fits/prth-coupled.json --wheels "15 mm, 30 mm, 60 mm" '
     '--wraps "90 deg .. 1080 deg" --end-tensions "5 N .. 200 N" --max-force "800 N" --wheel-radius "100 mm" '
     '--wrap "720 deg" --end-tension "80 N"',
@@ -163,32 +162,30 @@ def plan_tests(
     wheels: str = Option(..., metavar="LENGTHS", help='The wheels there are: "15 mm, 20 mm, 40 mm".'),
     wraps: str = Option(..., metavar="ANGLES", help='A list, or a range: "90 deg .. 1080 deg".'),
     end_tensions: str = Option(..., metavar="FORCES", help='A list, or a range: "5 N .. 200 N".'),
-    max_force: float = options.quantity("--max-force", "N", "The largest F_A the cell takes.", needed=True),
-    wheel_radius: float = options.quantity("--wheel-radius", "m", "R_w of the wanted wheel.", needed=True),
-    wrap: float = options.quantity("--wrap", "rad", "φ of the wanted wheel.", needed=True),
-    end_tension: float = options.quantity("--end-tension", "N", "F_B of the wanted wheel.", needed=True),
+    max_force: float = quantity("--max-force", "N", "The largest F_A the cell takes.", needed=True),
+    wheel_radius: float = quantity("--wheel-radius", "m", "R_w of the wanted wheel.", needed=True),
+    wrap: float = quantity("--wrap", "rad", "φ of the wanted wheel.", needed=True),
+    end_tension: float = quantity("--end-tension", "N", "F_B of the wanted wheel.", needed=True),
     fit: Path | None = Option(None, metavar="FIT.json", help="What is known already."),
     law: str = Option("", help="Without a fit: the law."),
-    guess: options.Words = options.listed("NAME=VALUE", "Its parameters, guessed"),
-    hold: options.Words = options.listed("NAME", "A guessed parameter taken as known"),
-    rope_diameter: options.Number = options.diameter("--rope-diameter", "Needed with --law."),
+    guess: options.Words = listed("NAME=VALUE", "Its parameters, guessed"),
+    hold: options.Words = listed("NAME", "A guessed parameter taken as known"),
+    rope_diameter: Number = diameter("--rope-diameter", "Needed with --law."),
     n_conditions: int = Option(12, "--conditions", min=1, help="Conditions to plan."),
     repeats: int = Option(12, min=1, help="Pulls of each."),
     criterion: str = Option(
         "v", metavar="v|d", help="The best for the wanted force (v), or the parameters (d)."
     ),
-    scatter_within: options.Number = options.quantity(
-        "--scatter-within", "", 'Between repeats, such as "1.7 %".'
-    ),
-    scatter_between: options.Number = options.quantity("--scatter-between", "", "Between conditions."),
-    u_force: options.Number = options.quantity("--u-force", "N", "Of a force, by the measuring chain."),
+    scatter_within: Number = quantity("--scatter-within", "", 'Between repeats, such as "1.7 %".'),
+    scatter_between: Number = quantity("--scatter-between", "", "Between conditions."),
+    u_force: Number = quantity("--u-force", "N", "Of a force, by the measuring chain."),
     levels: int = Option(12, min=2, help="Settings a range is divided into."),
     level: options.Level = 0.95,
     starts: int = Option(10, min=1, help="Starts of the search."),
     seed: int = Option(0, min=0, help="Of those drawn at random."),
     file: Path | None = Option(None, "--out", "-o", metavar="PLAN.csv", help="Write the plan there."),
-    force: bool = options.flag("--force", "Write over a file that holds anything else than this plan."),
-) -> options.Answer:
+    force: bool = flag("--force", "Write over a file that holds anything else than this plan."),
+) -> Answer:
     """Plan the conditions to test next, within what the rig can do, for one wanted lift force.
 
     Starts from a stored fit, or from a law with guessed parameters, and shows the plan's worth beside that of an
@@ -211,7 +208,7 @@ def plan_tests(
     scatter = {"within": scatter_within, "between": scatter_between, "instrument_N": u_force}
     if fit is not None:
         stored = options.read_fit(fit, out)
-        rope_m, exit_code = options.rope_radius(stored, rope_diameter), options.exit_code_of(stored.verdict)
+        rope_m, exit_code = options.rope_radius(stored, rope_diameter), exit_code_of(stored.verdict)
         planned = next_tests.planned_fit(stored, **scatter)
         known = {"fit": fit, "fit_status": stored.status.value}
     else:
@@ -245,7 +242,7 @@ def plan_tests(
             raise _taken(file)
         write_file(file, found.to_csv())
         out.note(f"wrote {file}")
-    return options.Answer(found.to_dict() | known | {"written": file}, parts.plan_sections(found), exit_code)
+    return Answer(found.to_dict() | known | {"written": file}, parts.plan_sections(found), exit_code)
 
 
 def _taken(path: Path) -> InputError:
@@ -288,7 +285,7 @@ with on_first_use():
     from ropefric.trials import extract as extracting
 
 
-@options.command(
+@command(
     'ropefric budget --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
     '--end-tension "60 N" --u-wrap "2 deg" --u-end-tension "0.5 N"',
     order=130,
@@ -302,30 +299,28 @@ def budget(
     fit: Path | None = Option(None, metavar="FIT.json", help="Of a lift force by this fit."),
     of: str = Option("force", "--quantity", metavar="force|mu", help="F_A, or μ̄ = ln(F_A/F_B)/φ."),
     condition: int | None = Option(None, min=1, help="Only this condition, in full."),
-    wheel_radius: options.Number = options.quantity("--wheel-radius", "m", "R_w, with --fit."),
-    wrap: options.Number = options.quantity("--wrap", "rad", "φ, with --fit."),
-    end_tension: options.Number = options.quantity("--end-tension", "N", "F_B, with --fit."),
-    rope_diameter: options.Number = options.diameter("--rope-diameter", "Of another rope."),
-    u_wheel_radius: options.Number = options.quantity(
-        "--u-wheel-radius", "m", "Standard uncertainty of R_w."
-    ),
-    u_rope_diameter: options.Number = options.diameter("--u-rope-diameter", "Of the rope's diameter."),
-    u_wrap: options.Number = options.quantity("--u-wrap", "rad", 'Of the wrap, such as "2 deg".'),
-    u_end_tension: options.Number = options.quantity("--u-end-tension", "N", 'Of F_B, such as "0.5 N".'),
-    end_tension_measured: bool = options.flag(
+    wheel_radius: Number = quantity("--wheel-radius", "m", "R_w, with --fit."),
+    wrap: Number = quantity("--wrap", "rad", "φ, with --fit."),
+    end_tension: Number = quantity("--end-tension", "N", "F_B, with --fit."),
+    rope_diameter: Number = diameter("--rope-diameter", "Of another rope."),
+    u_wheel_radius: Number = quantity("--u-wheel-radius", "m", "Standard uncertainty of R_w."),
+    u_rope_diameter: Number = diameter("--u-rope-diameter", "Of the rope's diameter."),
+    u_wrap: Number = quantity("--u-wrap", "rad", 'Of the wrap, such as "2 deg".'),
+    u_end_tension: Number = quantity("--u-end-tension", "N", 'Of F_B, such as "0.5 N".'),
+    end_tension_measured: bool = flag(
         "--end-tension-measured", "F_B is read by a second channel, no weights hang there."
     ),
-    gain: options.Number = options.quantity(
+    gain: Number = quantity(
         "--gain", "", 'Limit of error of the gain, such as "0.1 %"; common to both channels.'
     ),
-    gravity: options.Number = options.quantity(
+    gravity: Number = quantity(
         "--gravity", "", 'Limit of error of g of the weights, such as "0 %" where it is known.'
     ),
-    one_pull: bool = options.flag("--one-pull", "Of one pull with a new rope, not of the mean law."),
+    one_pull: bool = flag("--one-pull", "Of one pull with a new rope, not of the mean law."),
     level: float = Option(0.95, help="Coverage probability, between 0 and 1."),
     draws: int = Option(200_000, help="Draws that check the budget."),
     seed: int = Option(0, min=0, help="Of the draws."),
-) -> options.Answer:
+) -> Answer:
     """State an uncertainty after the GUM: a budget line by line, checked by draws, and what would shrink it.
 
     Of the conditions of a campaign or trial table, or, with --fit, of the lift force of a wheel that is known only so
@@ -366,7 +361,7 @@ def budget(
         for item, each in stated
     ]
     good = all(each.trustworthy for _, each in stated)
-    return options.Answer({"source": str(source), "budgets": trees}, sections, options.exit_code_of(good))
+    return Answer({"source": str(source), "budgets": trees}, sections, exit_code_of(good))
 
 
 def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budgets.MeasuredCondition, ...]":
@@ -390,7 +385,7 @@ def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budget
 def _of_fit(
     out: Output, path: Path, wheel: dict[str, float | None], rope_m: float | None,
     uncertainty: dict[str, float], *, check: dict[str, Any],
-) -> options.Answer:  # fmt: skip
+) -> Answer:  # fmt: skip
     names = ("--wheel-radius", "--wrap", "--end-tension")
     missing = [name for name, value in zip(names, wheel.values(), strict=True) if value is None]
     if missing:
@@ -401,8 +396,8 @@ def _of_fit(
     at = conditions.one_condition(rope_radius_m=options.rope_radius(stored, rope_m), **known)
     stated = budgets.state_lift(stored, at, uncertainty, **check)
     more = {"rope_radius_m": float(at.rope_radius_m[0]), "fit": path, "fit_status": stored.status.value}
-    return options.Answer(
+    return Answer(
         stated.to_dict() | known | more,
         parts.uncertainty_sections(stated, f"Uncertainty budget of the {stated.model.name} by {stored.law}"),
-        options.exit_code_of(stated.trustworthy),
+        exit_code_of(stated.trustworthy),
     )

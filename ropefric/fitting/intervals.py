@@ -356,8 +356,9 @@ def bootstrap_t(
     drawn = residual[np.random.default_rng(seed).integers(k, size=(n, k))]
     again = law.log_lift(best, means.conditions) - means.std * drawn
     theta_drawn, chi2, good = _refits(means, best, executor, log_lift=again)
-    found, errors = answers(theta_drawn[good], chi2[good])
-    with np.errstate(divide="ignore", invalid="ignore"):
+    # A resample may leave a parameter unseen: its standard error is then no float, and its distance says nothing.
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        found, errors = answers(theta_drawn[good], chi2[good])
         away = (found - own) / errors
     away = np.where(np.isfinite(away), away, 0.0)
     reach = np.quantile(away, [0.975, 1.0 - 0.975], axis=0).T

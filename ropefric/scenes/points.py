@@ -200,7 +200,8 @@ def _joined(sums: tuple[int, float, float], values: FloatArray) -> tuple[int, fl
         return sums
     (count, mean, squares), more = sums, float(values.mean())
     total, apart = count + values.size, more - mean
-    squares += float(((values - more) ** 2).sum()) + apart**2 * count * values.size / total
+    with np.errstate(invalid="ignore"):  # among infinite numbers no deviation is one
+        squares += float(((values - more) ** 2).sum()) + apart**2 * count * values.size / total
     return total, mean + apart * values.size / total, squares
 
 

@@ -8,6 +8,7 @@ import pytest
 from ropefric.errors import RopefricError
 from ropefric.scenes.scene import load_scene
 from ropefric.scenes.solve import solve_scene
+from ropefric.scenes.sweep import parse_axis, sweep_scene
 from ropefric.systems.effect import assemble
 
 DRAWS = 300
@@ -105,21 +106,22 @@ def test_a_bare_coefficient_extrapolates_nothing(loaded):
 
 def test_a_wheel_that_nothing_presses_on_has_no_grip_for_certain(scene_of):
     """A stiff blade faster than its string: what is used of a grip of nothing is infinite, whatever the friction."""
-    solution = solve_scene(
-        scene_of(
-            system="bandsaw",
-            effects="all",
-            blade={
-                "free_span": "0.3 m", "width": "85 mm", "thickness": "0.9 mm", "density": "7800 kg/m^3",
-                "youngs_modulus": "206 GPa", "shear_modulus": "79.4 GPa",
-            },
-            wheel={"radius": "0.35 m", "speed": "128 rad/s"},
-            tension={"preload": "1000 N"},
-            drive={"tension_difference": "100 N"},
-            friction={"fit": "../../fits/prth-coupled.json"},
-        )
+    scene = scene_of(
+        system="bandsaw",
+        effects="all",
+        blade={
+            "free_span": "0.3 m", "width": "85 mm", "thickness": "0.9 mm", "density": "7800 kg/m^3",
+            "youngs_modulus": "206 GPa", "shear_modulus": "79.4 GPa",
+        },
+        wheel={"radius": "0.35 m", "speed": "128 rad/s"},
+        tension={"preload": "1000 N"},
+        drive={"tension_difference": "100 N"},
+        friction={"fit": "../../fits/prth-coupled.json"},
     )  # fmt: skip
+    solution = solve_scene(scene)
     use = next(one for one in solution.quantities if one.name == "wheel.utilisation")
     assert np.isinf(use.value[0])
     assert use.std[0] == 0.0
     assert solution.to_dict()["wheel"] == {"utilisation": None}
+    swept = sweep_scene(scene, (parse_axis(scene, "tension.preload=950N:1000N:3"),))
+    assert np.isinf(swept.columns["wheel.utilisation"]).all()

@@ -307,7 +307,11 @@ class FitResult(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.fit/1`; a number that is not there or infinite is None."""
-        tree = {item.name: getattr(self, item.name) for item in fields(self) if item.name != "problem"} | {
+        tree = {
+            item.name: getattr(self, item.name)
+            for item in fields(self)
+            if item.name not in {"problem", "draws"}
+        } | {
             "schema": SCHEMA,
             "status": self.status.value,
             "trustworthy": self.trustworthy,

@@ -347,6 +347,8 @@ def _range(annotation: typing.Any, key: Key, said: Iterable[typing.Any]) -> str:
             return ", ".join(f"`{name}`" for name in names())
         if read.__doc__ and not read.__doc__.startswith("Return"):
             return str(read.__doc__)
+    if typing.get_origin(annotation) is dict:
+        return "a table"
     return {bool: "`true` or `false`", float: "any", str: "text"}[next(_types(annotation))]
 
 

@@ -36,7 +36,6 @@ from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.trials.table import TrialTable
-from ropefric.uncertainty.quantity import check_type
 
 ALWAYS = ("constant", "constant-offset")
 """Laws that stand in every comparison: a constant μ with an offset can look exactly like a wrap effect."""
@@ -153,7 +152,6 @@ def compare_laws(
     if isinstance(laws, str | FrictionLaw):
         laws = [laws]
     laws = LAWS.values() if laws is None else laws
-    check_type(Iterable, "names of friction laws", laws=laws)
     given = map(law_named, laws)
     # In one order whatever was asked for, so that ties are always settled alike.
     chosen = {law.name: law for law in [*(LAWS[name] for name in ALWAYS), *given]}

@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from numbers import Real
 from typing import Any, Literal
 
 import numpy as np
@@ -24,7 +23,6 @@ from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions, as_floats
 from ropefric.friction.law import LiftModel
 from ropefric.shown import Shown
-from ropefric.uncertainty.quantity import check_type
 
 SolveFor = Literal["wrap", "radius", "end_tension"]
 
@@ -161,7 +159,6 @@ class LiftBound:
         self.fit, self.law, self.theta, self.probability = fit, fit.friction_law, fit.theta, probability
         if probability is None:
             return
-        check_type(Real, "a number, or None for the mean law", probability=probability)
         if not 0.5 <= probability < 1.0:
             text = f"the probability is {probability:g}"
             fix = f"give 0.5 or more and less than 1; or take {_MEAN_LAW}"

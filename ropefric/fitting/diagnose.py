@@ -10,7 +10,6 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from itertools import combinations
-from numbers import Real
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -29,7 +28,6 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted
 from ropefric.shown import Shown
 from ropefric.trials.table import TrialTable
-from ropefric.uncertainty.quantity import check_type
 
 Supported = Literal["yes", "no", "cannot-tell"]
 
@@ -140,8 +138,6 @@ def diagnose(
     `touching_turns` says how many turns at most touch the one beside them; where it is not said, all beyond the first
     may, and that is tested as an effect.
     """
-    if touching_turns is not None:
-        check_type(Real, "a number of turns, or None", touching_turns=touching_turns)
     ranked = compare_laws(table, ALL_LAWS.values()) if comparison is None else comparison
     if (fit := ranked["constant"].fit) is None or fit.problem is None:
         text = "the comparison carries no data"

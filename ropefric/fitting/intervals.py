@@ -7,7 +7,6 @@ once: along a grid, further where needed, then to the root. A bootstrap refits t
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, isfinite
-from numbers import Integral
 from typing import Any, Literal
 
 import numpy as np
@@ -24,7 +23,7 @@ from ropefric.fitting.result import FitResult, FitStatus
 from ropefric.fitting.statistics import decomposed, plain_covariance, two_level_scatter
 from ropefric.friction.condition import Conditions
 from ropefric.registry import did_you_mean
-from ropefric.uncertainty.quantity import check_type, quantile
+from ropefric.uncertainty.quantity import quantile
 
 EndKind = Literal["crossing", "bound", "open", "edge"]
 
@@ -375,7 +374,6 @@ def with_intervals(
     if method not in INTERVALS:
         text = f"unknown way to intervals {method!r}"
         raise UnknownNameError(text, key="intervals", fix=did_you_mean(str(method), INTERVALS))
-    check_type(Integral, "a whole number", n=n, seed=seed)
     linear = fit.provenance.get("settings", {}).get("loss", "linear") == "linear"
     if method == "auto":
         bound = any(item.at_bound for item in fit.parameters)

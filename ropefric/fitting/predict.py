@@ -6,7 +6,6 @@ The covariance of the parameters becomes the uncertainty of ln F_A by J C Jᵀ, 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from numbers import Integral
 from typing import Any, Literal
 
 import numpy as np
@@ -20,7 +19,7 @@ from ropefric.fitting.statistics import combined_dof
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.shown import Shown
-from ropefric.uncertainty.quantity import check_level, check_type, joint_draws, symmetric_root
+from ropefric.uncertainty.quantity import check_level, joint_draws, symmetric_root
 
 Method = Literal["linear", "monte-carlo"]
 Validity = Mapping[str, tuple[float, float]]
@@ -244,7 +243,6 @@ def predict(
     """Return the lift force of a fitted law for n conditions, with its intervals."""
     model = _model(fit, linear_density_kg_m, speed_m_s)
     check_level(level)
-    check_type(Integral, "a whole number", n=n, seed=seed)
     if method not in ("linear", "monte-carlo"):
         raise InputError(f"unknown method {method!r}", key="method", fix="use 'linear' or 'monte-carlo'")
     if not 100 <= n <= _MOST_DRAWS:

@@ -7,7 +7,7 @@ weighs each trial by its own residual, so there the trials stay as they are.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from numbers import Integral, Real
+from numbers import Integral
 from typing import Any, Literal
 
 import numpy as np
@@ -19,7 +19,6 @@ from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
-from ropefric.uncertainty.quantity import check_type
 
 Rows = npt.NDArray[np.intp]
 _Three = tuple[FloatArray, FloatArray, FloatArray]
@@ -109,15 +108,12 @@ def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
 
 
 def _check_values(key: str, given: Mapping[str, Any], law: FrictionLaw) -> None:
-    what = "(lower, upper)" if key == "bounds" else "a number"
-    check_type(Mapping, f"a mapping of parameter names to {what}", **{key: given})
     for name, value in given.items():
         if name not in law.parameter_names:
             fix = did_you_mean(str(name), law.parameter_names)
             raise UnknownNameError(f"{law.name} has no parameter {name!r}", key=key, fix=fix)
-        ends = value if isinstance(value, Sequence | np.ndarray) else ()
-        pair = len(ends) == 2 and all(isinstance(end, Real) for end in ends)
-        if not (pair if key == "bounds" else isinstance(value, Real)):
+        if key == "bounds" and np.shape(value) != (2,):
+            what = "(lower, upper)"
             raise InputError(f"{name} is given as {value!r:.40}, not as {what}", key=key, fix=f"give {what}")
 
 

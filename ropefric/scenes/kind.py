@@ -251,7 +251,7 @@ class SceneTable(Table):
     system : The kind of machine.
     accuracy : Relative error of the answer that you can live with.
     effects : Which effects are simulated: those the accuracy calls for, all, or a list of their names.
-    tolerances : How far off values of the scene may be at most, in tables as they stand there; draws lie within.
+    tolerances : Limits of error of the scene's numbers, by key, in the number's unit or in per cent; for `--draws`.
     plugins : Files with laws or machines of your own, from the scene's folder.
     """
 

@@ -7,7 +7,6 @@ uncertainty; its check by draws (JCGM 101); and what would make it smaller.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -223,7 +222,6 @@ def propagate(
     model: MeasurementModel, budget: LinearBudget, *, draws: int = 200_000, seed: int = 0
 ) -> DrawnAnswer:
     """Return the answer to draws of the inputs, and whether the linear budget agrees with it."""
-    quantity.check_type(Integral, "a whole number", draws=draws, seed=seed)
     if not _FEWEST <= draws <= _MOST or seed < 0:
         fix = f"draw {_FEWEST} or more, at most {_MOST}, with seed 0 or more"
         raise InputError(f"{draws} draws with seed {seed}", key="draws", fix=fix)

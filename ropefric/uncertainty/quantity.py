@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import KW_ONLY, dataclass
-from numbers import Real
 from typing import Any, Literal
 
 import numpy as np
@@ -23,16 +22,8 @@ def quantile(probability: float, dof: float) -> float:
     return float(ndtri(probability)) if math.isinf(dof) else float(stdtrit(dof, probability))
 
 
-def check_type(kind: type, what: str, **given: object) -> None:
-    """Refuse values given for arguments that are not of a kind; True and False are no numbers."""
-    for key, value in given.items():
-        if isinstance(value, bool) or not isinstance(value, kind):
-            raise InputError(f"{key} is {value!r:.40}, not {what}", key=key, fix=f"give {what}")
-
-
 def check_level(level: float) -> None:
     """Refuse a level that is none."""
-    check_type(Real, "a number between 0 and 1", level=level)
     if not 0.0 < level < 1.0:
         fix = "give a level between 0 and 1, such as 0.95"
         raise InputError(f"the level is {level:g}", key="level", fix=fix)

@@ -31,7 +31,7 @@ JUMP = 0.05
 NOISE_ABOVE_MEAN = 4.0
 """The highest of a few noisy samples is seldom more standard deviations above their mean."""
 WIDE_GAP = 5.0
-FEWEST_WINDOWS, PUSHED = 8, 9.0
+FEWEST_WINDOWS, PUSHED = 8, 20.0
 # The largest of values with noise 1 that lie on a slope of 10^x from one to the next: how far it lies above the top, and
 # its standard deviation, from the product of their distribution functions.
 _APART = (-2.0, -1.523, -1.0, -0.523, -0.222, 0.0, 0.176, 0.301, 0.477, 0.699)

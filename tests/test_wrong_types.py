@@ -96,3 +96,10 @@ def test_a_column_to_be_renamed_that_is_not_there() -> None:
     """A mistyped name is told in a mapping as in a frame."""
     with pytest.raises(rf.RopefricError, match="no column 'wrapp' to be renamed"):
         rf.trial_table(TABLE, columns={"wrapp": "wrap_angle_deg"})
+
+
+@pytest.mark.parametrize("ends", [(0.0, 1.0, 2.0), (0.1,), []])
+def test_bounds_are_two(ends: list[float]) -> None:
+    """A lower and an upper one."""
+    with pytest.raises(rf.RopefricError, match=r"mu is given as .* not as \(lower, upper\)"):
+        rf.fit(TABLE, "constant", bounds={"mu": ends})  # type: ignore[dict-item]

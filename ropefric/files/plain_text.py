@@ -31,7 +31,7 @@ def localized(text: str, language: str, names: Collection[str] = ()) -> str:
     if language == "en":
         return text
     own = "|".join(map(re.escape, sorted(names, key=lambda name: (-len(name), name))))
-    parts = re.split(rf"(?<![\w.])({own})(?!\w)", text) if own else [text]
+    parts = re.compile(rf"(?<![\w.])({own})(?!\w)").split(text) if own else [text]
     parts[::2] = [_DATE.sub(r"\3.\2.\1", _DECIMAL.sub(r"\1,\2", part)) for part in parts[::2]]
     return "".join(parts)
 

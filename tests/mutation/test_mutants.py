@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from mutants import ROOMS, ROOT, draw, study
 
 
+@pytest.mark.slow
 def test_each_mutant_breaks_one_line_of_a_room_and_is_the_same_each_time():
     mutants = draw(40, seed=1)
     assert mutants == draw(40, seed=1)

@@ -105,7 +105,7 @@ def hostile_files(tmp_path_factory):
     return sorted(folder.iterdir())
 
 
-SETTINGS = '[limits]\nmemory = "500 MB"\ntime = "60 s"\n'
+SETTINGS = '[limits]\nmemory = "250 MB"\ntime = "60 s"\n'
 
 
 @LINUX
@@ -113,7 +113,9 @@ SETTINGS = '[limits]\nmemory = "500 MB"\ntime = "60 s"\n'
 def test_every_hostile_file_is_lost_alone(lab, hostile_files, jobs):
     pytest.importorskip("python_calamine")
     (alone_a, alone_b) = lab.pulls(a=100.0, b=103.0).extract().trials
-    names = [shutil.copy(path, lab.folder / path.name).name for path in hostile_files]
+    # A line of 4 GB takes nine seconds to unpack.
+    chosen = [path for path in hostile_files if jobs == 1 or path.name != "line.csv.gz"]
+    names = [shutil.copy(path, lab.folder / path.name).name for path in chosen]
     lab.write([lab.row("a.csv"), *(lab.row(name) for name in names), lab.row("b.csv")], SETTINGS)
     began_s = time.monotonic()
     extraction = lab.extract(jobs=jobs, cache_dir=lab.folder / ".cache")
@@ -125,9 +127,9 @@ def test_every_hostile_file_is_lost_alone(lab, hostile_files, jobs):
     assert (
         "the reader crashed (signal 11" in why["nested.mat"] or "not a readable MATLAB" in why["nested.mat"]
     )
-    assert "500 MB of memory" in why["zeros.mat"]
-    assert "500 MB of memory" in why["strings.xlsx"]
-    assert "500 MB" in why["corner.xlsx"] or "not a readable sheet" in why["corner.xlsx"]
+    assert "250 MB of memory" in why["zeros.mat"]
+    assert "250 MB of memory" in why["strings.xlsx"]
+    assert "250 MB" in why["corner.xlsx"] or "not a readable sheet" in why["corner.xlsx"]
     assert all(trial.problems and trial.sha256 for trial in lost)
     tables = write_tables(extraction, lab.folder / "out")
     assert all(path.stat().st_size > 0 for path in tables)

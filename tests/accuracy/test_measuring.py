@@ -169,7 +169,17 @@ def test_quick_is_quicker_than_full():
     assert QUICK.batch_s < FULL.batch_s
 
 
-@pytest.mark.parametrize("study", STUDIES.values(), ids=list(STUDIES))
+_LONG = {"picks", "uncertainty"}
+"""Whose own tests measure them, too."""
+
+
+@pytest.mark.parametrize(
+    "study",
+    [
+        pytest.param(study, id=name, marks=pytest.mark.slow if name in _LONG else ())
+        for name, study in STUDIES.items()
+    ],
+)
 def test_every_study_keeps_the_contract(study):
     assert study.cases
     for text in (study.title, study.question, study.reference, study.counted):

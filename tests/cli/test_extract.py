@@ -62,6 +62,7 @@ def test_quiet_leaves_the_result_alone(call, bench, tmp_path):
     assert "mean F_A [N]" in done.out
 
 
+@pytest.mark.slow
 def test_the_same_input_gives_the_same_bytes_however_it_is_worked_through(call, bench, tmp_path):
     runs = []
     for name, *options in (("a", "--jobs", "1"), ("b", "--jobs", "2"), ("c", "--no-cache"), ("a",)):

@@ -250,6 +250,7 @@ def test_a_sweep_in_python_writes_its_table_too(hoist_of, tmp_path):
     assert table["lift_force_N"].to_pylist() == pytest.approx(found.columns["lift_force_N"].tolist())
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_grid(hoist_of, tmp_path):
     def peak(count):
         scene = hoist_of(friction={"mu": 0.2})

@@ -30,6 +30,13 @@ def store(tmp_path):
     return tmp_path / "cache"
 
 
+@pytest.fixture(scope="module")
+def filled(small_campaign, tmp_path_factory):
+    """What was extracted, and the store it was put into."""
+    store = tmp_path_factory.mktemp("filled") / "cache"
+    return store, run(small_campaign, store)
+
+
 def run(folder, store, **options):
     return extract_campaign(load_campaign(folder / "campaign.toml"), cache_dir=store, **options)
 
@@ -224,8 +231,9 @@ def first_digit_changed(text):
         lambda text: with_checksum(re.sub(r'"status":"[^"]*"', '"status":"fine"', text.partition("\n")[2])),
     ],
 )
-def test_a_damaged_entry_counts_as_none(campaign, store, tmp_path, damage):
-    first = run(campaign, store)
+def test_a_damaged_entry_counts_as_none(small_campaign, filled, store, tmp_path, damage):
+    campaign, (kept, first) = small_campaign, filled
+    shutil.copytree(kept, store)
     entries = sorted(store.iterdir())
     (good,) = [path for path in entries if '"trial":"c01-r02"' in path.read_text(encoding="utf-8")]
     good.write_text(damage(good.read_text(encoding="utf-8")), encoding="utf-8")

@@ -106,7 +106,7 @@ def good(pull_csv):
     return pull_csv(100.0, seed=5)
 
 
-@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("packed", [False, pytest.param(True, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("case", CORPUS)
 def test_damage_ends_in_an_honest_status(lab, good, case, packed, allowed):
     spoil, statuses = CORPUS[case]

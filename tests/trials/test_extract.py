@@ -231,6 +231,7 @@ def test_the_tare_is_taken_off_and_kept(lab, pull_csv):
     assert codes(extraction) >= {"RF212"}
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_number_of_recordings(lab, pull_csv, in_process):
     """What stays of a recording is its result; the samples of at most one are there at a time."""
     names = [f"r{i:02d}.csv" for i in range(40)]

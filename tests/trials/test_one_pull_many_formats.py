@@ -57,9 +57,9 @@ def vernier(samples):
     "case",
     [
         ("a.lvm", labview, "LabVIEW measurement of 5 header blocks"),
-        ("a.csv", ni, "NI export"),
+        pytest.param(("a.csv", ni, "NI export"), marks=pytest.mark.slow),
         ("b.csv", german, "text time stamps (day, month, year)"),
-        ("a.cmbl", vernier, "Vernier Logger Pro"),
+        pytest.param(("a.cmbl", vernier, "Vernier Logger Pro"), marks=pytest.mark.slow),
     ],
 )
 def test_texts_of_loggers(lab, samples, pull_csv, case):

@@ -32,7 +32,9 @@ def draw_work_precision(result: StudyResult) -> FigureWithData:
     n_columns = 1 if len(cases) == 1 else 2
     n_rows = math.ceil(len(cases) / n_columns)
     columns = 3 if n_columns == 2 else 2
-    width, height, margins = _frame(n_rows, n_columns, math.ceil((len(methods) + 1) / columns))
+    title = _folded(result.study.title, 58 * n_columns)
+    above, below = title.count("\n"), math.ceil((len(methods) + 1) / columns)
+    width, height, margins = _frame(n_rows, n_columns, above, below)
     with drawing(width, height, margins=margins) as figure:
         panels = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
         for axes, case in zip(panels, cases, strict=False):
@@ -40,15 +42,17 @@ def draw_work_precision(result: StudyResult) -> FigureWithData:
             axes.set_title(_folded(f"{case.name}: {case.title}"), loc="left", fontsize=9.5)
         for axes in panels[len(cases) :]:
             axes.remove()
-        figure.suptitle(result.study.title, y=0.995, va="top")
+        figure.suptitle(title, y=0.995, va="top")
         style.legend_of_figure(figure, columns=columns)
     return FigureWithData(figure=figure, tables=(_table(result),), alt=_alt(result))
 
 
-def _frame(n_rows: int, n_columns: int, legend_lines: int) -> tuple[float, float, dict[str, float]]:
+def _frame(
+    n_rows: int, n_columns: int, more_title: int, legend_lines: int
+) -> tuple[float, float, dict[str, float]]:
     """Return width, height and margins: panels of one size, two lines of title over each, the legend below."""
     wide, high, between_columns, between_rows = 4.7, 2.8, 0.95, 1.1
-    left, right, top, bottom = 0.85, 0.15, 0.75, 0.75 + 0.21 * legend_lines
+    left, right, top, bottom = 0.85, 0.15, 0.75 + 0.2 * more_title, 0.75 + 0.21 * legend_lines
     width = left + right + n_columns * wide + (n_columns - 1) * between_columns
     height = top + bottom + n_rows * high + (n_rows - 1) * between_rows
     ends = {"left": left / width, "right": 1.0 - right / width, "top": 1.0 - top / height}

@@ -35,6 +35,8 @@ FULL = 0.16
 """A slip by which the force falls by more than this part of itself is no partial one."""
 AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
 SWINGS = 4
+ARRIVED = 0.9
+"""A force that comes to a rest is there, when it has come so far."""
 BACK, ABOUT, FAR_FASTER = 0.6, 0.8, 5.0
 SMALL_GROWTH = 0.03
 LEAST_DROP = 0.04
@@ -159,6 +161,8 @@ def _rivals(
     if above_N <= 0.0:
         return None if later and _is_partial(pull, fall, later[0], rate) else []
     growth = above_N / max(height_N, 1e-12 * above_N, TINY)
+    if not higher:  # what is held afterwards is highest anywhere
+        top = last + int(np.argmax(force_N[last : pull.stop] >= fall.top_N + ARRIVED * above_N))
     slid = _slid_on(force_N, pull, fall, top, rates[1])
     between = [g for g in later[:n_lower] if g.drop_N >= AGAIN * fall.drop_N]
     if not slid and _is_passed(force_N, _Place(pull, fall, later, between, higher, top, growth, *rates)):

@@ -52,7 +52,7 @@ def stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidin
         or (fall.drop_N > CLEAR * height_N and loads_again(force_N, candidate))
     ):
         return True
-    if fall.drop_N <= SAME_KIND * largest_N:
+    if fall.drop_N <= SAME_KIND * median(np.array([g.drop_N for g in (*teeth, *before)] or [0.0])):
         return False
     if fall.drop_N > LEAST_DROP * height_N and len(teeth) >= LONG_TRAIN and _is_regular(teeth):
         return True

@@ -71,6 +71,7 @@ STEPS = 3
 """A fall of fewer steps of the converter has no shape."""
 LASTS = 0.25
 """What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
+BENT = 0.25
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
@@ -284,8 +285,12 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         f"and stays at {share:.0%} of the peak"
     )
     flat = flat_top(force_N, fall, blocks.noise_N)
-    short = sliding.stop - sliding.first < max(
-        LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top)
+    bends = bends_to_its_level(force_N, fall, blocks.noise_N)
+    # A force that bends to its level has shown it; a held one that is let down may do so as well.
+    short = sliding.stop - sliding.first < (
+        BENT * (fall.settled - fall.top)
+        if bends and flat != "held"
+        else max(LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top))
     )
     quiet = is_quiet(prepared, candidate, sliding)
     lively = fall.reloads or not quiet
@@ -304,7 +309,6 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         return _doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
     brief = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
-    bends = bends_to_its_level(force_N, fall, blocks.noise_N)
     sharp = (flat == "sharp" and (brief or bends)) or (flat == "unclear" and bends)
     creeps = not brief and fall.drop_N < 2.0 * LEAST_DROP * candidate.height_N
     if share < LEAST_SHARE or creeps or not (sharp or flat == "rounded"):

@@ -208,7 +208,9 @@ def _of_pull(
         full = [f for f in falls if f.drop_N > FULL * (f.top_N - pull.base_N) > TALL * height_N]
         if full:
             slip = Candidate(pull, full[0], 0.0, [])
-            return _doubtful(prepared, [slip], "a full slip, or a partial one of a rope that is held later on")
+            return _doubtful(
+                prepared, [slip], "a full slip, or a partial one of a rope that is held later on"
+            )
         return _levels_off(prepared, force_N[pull.start : pull.stop])
     events = [
         _event(prepared, fall, "bump", "the force comes back to the line of its loading")

@@ -180,7 +180,8 @@ def _rivals(
     weaker = bool(between) and (growth <= LITTLE or len(between) >= FEWEST_TEETH or len(alike) >= 2)
     weaker |= len(later) >= 2 and all(_is_alike(fall, g, pull, ALIKE) for g in later[:2])
     # Loaded again along the machine's line to a far higher force, at which nothing slips, it has not slid.
-    sticks = growth > GROWTH and not higher and _turned_on(force_N[: top + 1], fall) < SLOWER
+    held = all(g.drop_N < LEAST_DROP * height_N for g in higher)
+    sticks = growth > GROWTH and held and _turned_on(force_N[: top + 1], fall) < SLOWER
     if slid or hardens or weaker or (fall.drop_N > FULL * height_N and not sticks):
         return []
     if growth > GROWTH or not higher:

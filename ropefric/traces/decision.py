@@ -68,6 +68,8 @@ from ropefric.traces.zero import with_its_zero
 FLAT_BLOCKS = 8
 LEAST_SHARE = 0.55
 """Part of the peak that the force keeps where nothing but the fall speaks for a slip."""
+MOST = 0.75
+"""A load that is let down is not let down by a little, to stand there."""
 STEPS = 3
 """A fall of fewer steps of the converter has no shape."""
 LASTS = 0.25
@@ -269,12 +271,14 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
         held = not fall.slips and is_quiet(prepared, candidate, sliding)
         why = "no static peak stands out"
         return _held(prepared, sliding) if held else _no_peak(prepared, candidate, sliding, why)
-    if fall.sudden:
+    # A motor that stops lets the masses swing: not faster than it loaded them, and around a quiet level.
+    stops = fall.drop_N < candidate.rate * fall_blocks(force_N, fall) and is_quiet(prepared, candidate, sliding)
+    if fall.sudden and not stops:
         return measured(prepared, settings, candidate, sliding)
     if much and swings(prepared, fall, sliding):
         why = f"the force swings to {from_N:.4g} N and dies away: a load that comes on, or a slip"
         return _doubtful(prepared, [candidate], why)
-    if much and loads_again(force_N, candidate):
+    if much and not stops and loads_again(force_N, candidate):
         return measured(prepared, settings, candidate, sliding)
     return _of_slow_fall(prepared, settings, candidate, sliding)
 
@@ -316,7 +320,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         return _doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
     brief = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
-    sharp = (flat == "sharp" and (brief or bends)) or (flat == "unclear" and bends)
+    sharp = (flat == "sharp" and (brief or bends or share >= MOST)) or (flat == "unclear" and bends)
     creeps = not brief and fall.drop_N < 2.0 * LEAST_DROP * candidate.height_N
     if share < LEAST_SHARE or creeps or not (sharp or flat == "rounded"):
         why = f"{seen}, without roughness: sliding, or a load that was let down"

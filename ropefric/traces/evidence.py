@@ -24,7 +24,7 @@ WAVES_ON, DIES = (0.1, 0.9), 0.25
 """What swings on is as high between these quantiles as this part of the first swing; slow waves are smooth, but no noise."""
 WAVES, LARGE_WAVES, SLOWEST, FASTEST = (0.1, 0.05, 0.02), 0.06, 0.4, 1.25
 """One wave, two or more that are slips are this part of the force at least, and rise as fast as the machine loads."""
-GENTLE, SLOWER_THAN_LOADED, ALIKE = 0.25, 0.95, 0.3
+GENTLE, SLOWER_THAN_LOADED, ALIKE = 0.25, 0.75, 0.18
 """Rounded ones rise as fast in their steepest part only, never so fast on the whole, and are alike."""
 LONG_TRAIN, REGULAR = 5, 0.2
 """Fewer waves are alike by chance."""

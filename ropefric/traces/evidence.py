@@ -21,7 +21,7 @@ QUIET_SIGMAS = 1.5
 SWING, DAMPED, HALF_PERIODS = 2.0, 0.2, 5.0
 """A swing passes its level as fast up as down, falls below it, and follows a load that comes on within few periods."""
 WAVES_ON, DIES = (0.1, 0.9), 0.25
-"""What swings on is as high between these quantiles as this part of the first swing; slow waves are smooth, but no noise."""
+"""What swings on is this part of the first swing high between these quantiles; slow waves are smooth, but no noise."""
 WAVES, LARGE_WAVES, SLOWEST, FASTEST = (0.1, 0.05, 0.02), 0.06, 0.4, 1.25
 """One wave, two or more that are slips are this part of the force at least, and rise as fast as the machine loads."""
 GENTLE, SLOWER_THAN_LOADED, ALIKE = 0.25, 0.75, 0.18

@@ -163,14 +163,14 @@ def _rivals(
     if above_N <= 0.0:
         return None if later and _is_partial(pull, fall, later[0], rate) else []
     growth = above_N / max(height_N, 1e-12 * above_N, TINY)
-    if not higher:  # what is held afterwards is highest anywhere
-        top = last + int(np.argmax(force_N[last : pull.stop] >= fall.top_N + ARRIVED * above_N))
+    # What is held or slides afterwards is highest anywhere.
     came = fall.bottom + int(np.argmax(force_N[fall.bottom : top + 1] >= fall.top_N + ARRIVED * above_N))
     slid = _slid_on(force_N, pull, fall, top, rates[1])
     between = [g for g in later[:n_lower] if g.drop_N >= AGAIN * fall.drop_N]
-    if _wears_in(force_N, pull, fall, later, top, rates[1]):
+    place = _Place(pull, fall, later, between, higher, came if not higher else top, growth, *rates)
+    if _wears_in(force_N, place):
         return []
-    if not slid and _is_passed(force_N, _Place(pull, fall, later, between, higher, top, growth, *rates)):
+    if not slid and _is_passed(force_N, place):
         return None
     # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
     passed = came - int(np.flatnonzero(force_N[fall.top : came + 1] <= fall.top_N)[-1]) - fall.top
@@ -186,10 +186,9 @@ def _rivals(
         return []
     if growth > GROWTH or not higher:
         return None
-    # It is not loaded again as a rope that sticks.
-    if float(force_N[came]) - fall.bottom_N < STICKS * rate * (came - fall.bottom):
-        return []
-    against = _against_the_higher(pull, fall, higher, growth)
+    # A rope that slides is not loaded again as one that sticks.
+    slides = float(force_N[came]) - fall.bottom_N < STICKS * rate * (came - fall.bottom)
+    against = False if slides else _against_the_higher(pull, fall, higher, growth)
     return higher if against else None if against is None else []
 
 
@@ -202,17 +201,16 @@ def _slid_on(force_N: FloatArray, pull: Pull, fall: Fall, top: int, own_rate: fl
     return _turned_on(force_N[: top + 1], fall, rate) > 1.0 / STICKS
 
 
-def _wears_in(
-    force_N: FloatArray, pull: Pull, fall: Fall, later: list[Fall], top: int, own_rate: float
-) -> bool:
+def _wears_in(force_N: FloatArray, place: _Place) -> bool:
     """Return whether a rope slides on after a fall though the force grows: it does so more slowly than it was loaded."""
+    pull, fall, top = place.pull, place.fall, place.top
+    again = any(g.drop_N >= SAME_KIND * fall.drop_N and _slides_or_reloads(pull, g) for g in place.later)
     passed = fall.top + int(np.flatnonzero(force_N[fall.top : top + 1] <= fall.top_N)[-1])
-    again = any(g.drop_N >= SAME_KIND * fall.drop_N and _slides_or_reloads(pull, g) for g in later)
     if again or fall.drop_N < WORN * (fall.top_N - pull.base_N) or top - passed < LONG_ENOUGH:
         return False
     # A bump, or weights hung on, rise faster than the motor loads, which takes longer to come to the same force.
-    back = own_rate * (passed - fall.bottom - 1) / max(fall.top_N - fall.bottom_N, TINY)
-    return back < COMES_BACK and loading_rate(force_N, passed, top) < GIVES * own_rate
+    back = place.own_rate * (passed - fall.bottom - 1) / max(fall.top_N - fall.bottom_N, TINY)
+    return back < COMES_BACK and loading_rate(force_N, passed, top) < GIVES * place.own_rate
 
 
 def _turned_on(force_N: FloatArray, fall: Fall, rate: float | None = None) -> float:

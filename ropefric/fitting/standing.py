@@ -30,6 +30,9 @@ At 0.05 a fuller law was preferred in 4 to 6 % of 1000 campaigns of the constant
 1.5 %; so the limit is lower, for at most 5 % in every design.
 """
 
+STRONG = 6.0
+"""Difference of AICc from which on an effect is supported: it makes the data e^3 = 20 times likelier after its price."""
+
 # Weights and parameters depend on each other only where conditions have unequal numbers of repeats.
 _ROUNDS = 4
 # Of ln F_B, for how the slope by it changes with the parameters; the error is a millionth of a small correction.
@@ -42,6 +45,7 @@ _HOPEFUL = 2.0
 _FAR, _WILD = 8.0, 1e-4
 # From so many conditions on, leaving one out is one step of the fit.
 _MANY = 400
+_TURN_RAD = 2.0 * math.pi
 _LEAST_DOF, _UNJUDGED, _EXACT = 5, 1e-3, 1e-6
 
 
@@ -301,6 +305,33 @@ def lead_by_chance(
     for stands in family:
         best = np.minimum(best, criteria(stands)[1:])
     return (1.0 + float(np.count_nonzero(plain[1:] - best >= own - 1e-9))) / (n + 1.0)
+
+
+def beyond_first_turn(conditions: Conditions, touching_turns: float | None = None) -> FloatArray:
+    """Return the wrap of turns that touch the one beside them [rad]: all beyond the first, or at most so many."""
+    turns = math.inf if touching_turns is None else touching_turns
+    return np.clip(conditions.wrap_angle_rad - _TURN_RAD, 0.0, _TURN_RAD * turns)
+
+
+def straight_fit(X: FloatArray, rise: FloatArray, means: ConditionMeans) -> tuple[FloatArray, ScatterFit]:
+    """Return the coefficients of columns, and the scatter of the means about them that makes them likeliest."""
+    root = means.std
+    for _ in range(_ROUNDS):
+        theta = np.asarray(np.linalg.lstsq(X / root[:, None], rise / root, rcond=None)[0])
+        scatter = scatter_fit(X @ theta - rise, means)
+        root = np.sqrt(scatter.variance)
+    return theta, scatter
+
+
+def contact_trend(means: ConditionMeans, touching_turns: float | None = None) -> tuple[float, float]:
+    """Return how much larger μ is where coils touch, and the AICc of that beside a constant μ; 0 and ∞ if not larger."""
+    at = means.conditions
+    X = np.stack([at.wrap_angle_rad, beyond_first_turn(at, touching_turns)], axis=-1)
+    if np.linalg.matrix_rank(X, tol=1e-6 * float(np.linalg.norm(X))) < 2:
+        return 0.0, math.inf
+    theta, scatter = straight_fit(X, means.log_lift - at.log_end_tension, means)
+    slope = float(theta[1])
+    return (slope, aicc(float(scatter.deviance), len(means), 3)) if slope > 0.0 else (0.0, math.inf)
 
 
 def nested_test(simpler: Standing, fuller: Standing) -> FTest | None:

@@ -224,6 +224,8 @@ def _contests(
         pairs = [(law, name) for law in simpler]
         pairs += [(name, likely.fuller)] if likely is not None and likely.p_value <= CHANCE else []
         for low, high in pairs:
+            if (low, high) in {(contest.simpler, contest.fuller) for contest in held}:
+                continue
             family = [
                 standings[law]
                 for law in entries

@@ -30,7 +30,7 @@ from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.given import Columns, as_table, as_trace, number, settings, wheels_of
-from ropefric.pipeline.run import CampaignRun, campaign_folder, run_campaign
+from ropefric.pipeline import CampaignRun, campaign_folder, run_campaign
 from ropefric.scenes.draws import Draws, draw_scene
 from ropefric.scenes.plan import Explanation, explain_scene
 from ropefric.scenes.scene import Scene, load_scene

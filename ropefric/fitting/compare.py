@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ropefric.errors import FitError, RopefricError, UnknownNameError
-from ropefric.files.digits import rounded_tree
+from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import Candidate, Prediction, averaged, predict
 from ropefric.fitting.problem import law_named

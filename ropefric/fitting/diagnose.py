@@ -17,7 +17,7 @@ from scipy.special import fdtrc, stdtr, stdtrit
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.files.digits import significant
+from ropefric.files.plain_text import significant
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.compare import Comparison, choose_law, compare_laws
 from ropefric.fitting.predict import has_interval

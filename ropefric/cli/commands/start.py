@@ -1,10 +1,10 @@
-"""The commands before a campaign: templates to fill in, a look at a recording, a check, a virtual rig."""
+"""The commands before a campaign: templates, a look at a recording, a check, a virtual rig, a plugin tried."""
 
 import math
 import sys
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial
 from itertools import accumulate
 from pathlib import Path
@@ -14,14 +14,15 @@ from typing import TYPE_CHECKING, Any
 from typer import Argument, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Number, Words, command, flag, listed, quantity
+from ropefric.cli.options import Answer, Number, Words, command, exit_code_of, flag, listed, quantity
 from ropefric.cli.output import PIPE_WIDTH, Output, Progress, width_of
 from ropefric.errors import DataError, InputError, Problem, UnknownNameError, raise_problems
-from ropefric.files.write import refuse_input, refuse_special, write_file
+from ropefric.files.disk import refuse_input, refuse_special, write_file
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 
 with on_first_use():
+    from ropefric import contracts
     from ropefric.files import toml
     from ropefric.fitting import resolution
     from ropefric.friction import condition as conditions
@@ -412,3 +413,40 @@ def simulate(
     }
     made = f"{counted(plan.n_trials, 'recording')} of {counted(len(plan.conditions), 'condition')}"
     return Answer(data, f"{made}, law {plan.law}, seed {seed} → {campaign}")
+
+
+@command("ropefric check-plugin my_law.py", order=200)
+def check_plugin(
+    out: Output,
+    plugin_file: str = Argument(
+        metavar="PLUGIN.py", help="The plugin: a Python file, or an installed one's name."
+    ),
+    *,
+    files: list[Path] | None = Option(
+        None,
+        "--file",
+        metavar="FILE",
+        help="A recording its reader, or a scene its machine, is tried on; repeatable.",
+    ),
+) -> Answer:
+    """Try a plugin: whether its laws, readers, rules, protocols and machines keep the promises that ours keep.
+
+    Exits with 4 when one is broken. A reader is tried on garbage alone, and a machine not at all, until --file names a
+    recording or a scene.
+    """
+    plugin, findings = contracts.check_plugin(plugin_file, tuple(files or ()))
+    slots = {said.partition(" ")[0] for said in plugin.declares} & contracts.FILE_CHECKS.keys()
+    if slots and not files:
+        out.note(
+            f"{plugin.source}: give --file, a recording or a scene of its own, to see {', '.join(sorted(slots))} at work"
+        )
+    broken = [one for one in findings if one.broken]
+    rows = [(one.member, "BROKEN" if one.broken else "kept", one.promise) for one in findings]
+    table = section.Section(
+        title=f"{plugin.source}: {len(findings) - len(broken)} of {len(findings)} promises are kept",
+        headings=("declares", "", "promise"), rows=rows, left=3,
+    )  # fmt: skip
+    lines = tuple(f"{one.member}: {one.broken}" for one in broken)
+    shown = [table, *([section.Section(title="What is broken", lines=lines)] if lines else [])]
+    data = {"plugin": plugin.to_dict(), "ok": not broken, "promises": [asdict(one) for one in findings]}
+    return Answer(data, shown, exit_code_of(not broken))

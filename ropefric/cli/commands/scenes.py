@@ -287,7 +287,8 @@ def cost(
     and scenes.
 
     For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
-    cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12.
+    cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12. After an interruption the same
+    command goes on with what is not measured yet.
     """
     chosen = [all_studies.STUDIES[name] for name in dict.fromkeys(studies or all_studies.STUDIES)]
     if campaign:
@@ -305,11 +306,18 @@ def cost(
     ) as target:
         machine = measure.this_machine()
         out.note(f"measuring on {machine.line}")
-        with executors.cluster(cluster) as executor, Progress(out, "cost") as progress:
+        kept = folder / folders.CACHE / "cost.jsonl"
+        with (
+            options.saying_what_is_kept(out, "settings", kept),
+            executors.cluster(cluster) as executor,
+            Progress(out, "cost") as progress,
+        ):
             results = measure.measure_studies(
-                chosen, quick=quick, progress=progress.update, executor=executor
+                chosen, quick=quick, progress=progress.update, executor=executor, kept=kept
             )
         written = cost_page.write_cost(results, machine, target)
+        # A whole measurement is made anew, one that was interrupted goes on.
+        kept.unlink(missing_ok=True)
     data = {
         "machine": asdict(machine),
         "quick": quick,

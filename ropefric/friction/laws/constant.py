@@ -67,6 +67,7 @@ LAW = FrictionLaw(
     parameters=(Parameter("mu", "-", 0.2, 0.0, 5.0, "friction coefficient"),),
     coefficient="average",
     effects=frozenset(),
+    weakens=True,
     physics=Uniform(),
     candidates=_candidates,
     arithmetic=mu_times_wrap,

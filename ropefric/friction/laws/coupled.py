@@ -36,6 +36,7 @@ LAW = with_variant(
         ),
         coefficient="local",
         effects=frozenset({"size", "wrap-dependence", "end-tension"}),
+        weakens=True,
         physics=wrap_power.PowerWrap(strength=size_exponential.ExponentialSize(), equivalence=True),
         candidates=_candidates,
         special_cases=(CONSTANT, size_exponential.LAW, wrap_power.LAW),

@@ -46,6 +46,7 @@ LAW = FrictionLaw(
     ),
     coefficient="average",
     effects=frozenset({"groove"}),
+    weakens=True,
     physics=Groove(),
     candidates=_candidates,
     arithmetic=_by_hand,

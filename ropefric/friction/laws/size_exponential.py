@@ -69,6 +69,7 @@ LAW = FrictionLaw(
     parameters=SIZE_PARAMETERS,
     coefficient="average",
     effects=frozenset({"size"}),
+    weakens=True,
     physics=ExponentialSize(),
     candidates=_candidates,
     special_cases=(CONSTANT,),

@@ -62,6 +62,7 @@ LAW = FrictionLaw(
     ),
     coefficient="average",
     effects=frozenset({"size"}),
+    weakens=True,
     physics=PowerSize(),
     candidates=_candidates,
     special_cases=(CONSTANT,),

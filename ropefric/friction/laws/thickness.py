@@ -59,6 +59,7 @@ LAW = FrictionLaw(
     ),
     coefficient="average",
     effects=frozenset({"size"}),
+    weakens=True,
     physics=Thickness(),
     candidates=_candidates,
     arithmetic=_by_hand,

@@ -120,6 +120,7 @@ LAW = law.with_variant(
         ),
         coefficient="local",
         effects=frozenset({"wrap-dependence", "end-tension"}),
+        weakens=True,
         physics=ExponentialWrap(equivalence=True),
         candidates=_candidates,
         special_cases=(CONSTANT,),

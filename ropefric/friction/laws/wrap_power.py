@@ -179,6 +179,7 @@ LAW = law.with_variant(
         ),
         coefficient="local",
         effects=frozenset({"wrap-dependence", "end-tension"}),
+        weakens=True,
         physics=PowerWrap(strength=_First(), equivalence=True),
         candidates=_candidates,
         special_cases=(CONSTANT,),

@@ -76,8 +76,9 @@ def main(argv: Sequence[str] | None = None, *, on_start: Callable[[], None] | No
     return code if isinstance(code, int) else 0
 
 
-def build_app(on_start: Callable[[], None] | None = None) -> typer.Typer:
-    """Return the typer application with every command of the registry."""
+@cache
+def build_app(on_start: Callable[[], None] | None = None) -> Any:
+    """Return the program with every command of the registry, as typer calls it."""
     app = typer.Typer(
         name="ropefric",
         help="From force traces of a rope on a wheel to a friction law, and on to design.",
@@ -97,7 +98,7 @@ def build_app(on_start: Callable[[], None] | None = None) -> typer.Typer:
             epilog=command.example,
             cls=_Command,
         )(_with_global_options(command, on_start))
-    return app
+    return typer.main.get_command(app)
 
 
 def _top(

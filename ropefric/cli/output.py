@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, Self, TextIO
 
 from ropefric.cli import on_first_use
 from ropefric.errors import Problem
+from ropefric.files.disk import cannot_write
 from ropefric.files.plain_text import visible
-from ropefric.files.write import cannot_write
 
 with on_first_use():
     from ropefric.report import section

@@ -22,9 +22,9 @@ from pathlib import Path, PurePosixPath
 from typing import Any, BinaryIO, Self
 
 from ropefric.errors import DataError, Problem, data_error
-from ropefric.files import write
+from ropefric.files import disk
+from ropefric.files.disk import hash_file
 from ropefric.files.plain_text import json_document
-from ropefric.files.read import hash_file
 
 if sys.platform != "win32":
     import fcntl
@@ -49,11 +49,11 @@ class Folder:
 
     def write(self, contents: Mapping[str, str | bytes]) -> tuple[Path, ...]:
         """Write files, named relative to the folder with "/"; return their paths."""
-        return tuple(write.write_file(self.path / name, content) for name, content in contents.items())
+        return tuple(disk.write_file(self.path / name, content) for name, content in contents.items())
 
     def stream(self, name: str) -> AbstractContextManager[BinaryIO]:
         """Return a context whose stream becomes a file, for what is too long to be held."""
-        return write.replacing(self.path / name)
+        return disk.replacing(self.path / name)
 
     def publish(self, part: str) -> None:
         """Let everybody see what was written since the last time, as one part of the result."""
@@ -103,8 +103,8 @@ class OutputFolder(Folder):
         try:
             self._make()
             self._take_lock()
-            for left in self._own.glob(f".*{write.PART}"):
-                write.discard(left)
+            for left in self._own.glob(f".*{disk.PART}"):
+                disk.discard(left)
             self._entries = self._read_entries()
             self._inputs = {key for key in map(_file_key, self._sources) if key is not None}
             self._refuse_others(self._existing())
@@ -116,7 +116,7 @@ class OutputFolder(Folder):
 
     def __exit__(self, *_why: object) -> None:
         for part in self._staged.values():
-            write.discard(part)
+            disk.discard(part)
         self._staged.clear()
         self._release()
 
@@ -132,10 +132,10 @@ class OutputFolder(Folder):
 
         def stage(part: Path) -> None:
             if name in self._staged:
-                write.discard(self._staged[name])
+                disk.discard(self._staged[name])
             self._staged[name] = part
 
-        return write.new_file(self._own, stage, meant=self.path / name)
+        return disk.new_file(self._own, stage, meant=self.path / name)
 
     def publish(self, part: str) -> None:
         """Put in place what was written since the last time, as one whole part of the result.
@@ -162,14 +162,14 @@ class OutputFolder(Folder):
             for name, staged in list(self._staged.items()):
                 path = self.path / name
                 path.parent.mkdir(parents=True, exist_ok=True)
-                write.put_in_place(staged, path)
+                disk.put_in_place(staged, path)
                 del self._staged[name]
             for name, sha256 in new.items():
                 parts = kept[name].parts if name in kept else frozenset[str]()
                 kept[name] = _Entry((sha256,), parts | {label}, basis)
             self._write_entries(kept)
         except OSError as error:
-            raise write.cannot_write(error, error.filename2 or error.filename or self.path) from None
+            raise disk.cannot_write(error, error.filename2 or error.filename or self.path) from None
 
     def _sort_out(
         self, label: str, new: Mapping[str, str], basis: str
@@ -203,14 +203,14 @@ class OutputFolder(Folder):
         for parent in sorted({PurePosixPath(name).parent.as_posix() for name in self._names} | {CACHE}):
             folder = self.path / parent
             if parent != ".":
-                write.refuse_link(folder)
+                disk.refuse_link(folder)
             if not os.path.lexists(folder) or parent == CACHE:
                 continue
             paths = map(PurePosixPath, self._names)
             patterns = [path.name for path in paths if path.parent.as_posix() == parent]
             reason = errno.EACCES if folder.is_dir() else errno.ENOTDIR
             if reason == errno.ENOTDIR or not os.access(folder, os.W_OK | os.X_OK):
-                raise write.cannot_write(OSError(reason, os.strerror(reason)), folder)
+                raise disk.cannot_write(OSError(reason, os.strerror(reason)), folder)
             names = sorted(path.name for path in folder.iterdir())
             taken = [name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns)]
             found += [name if parent == "." else f"{parent}/{name}" for name in taken]
@@ -222,8 +222,8 @@ class OutputFolder(Folder):
         for name in names:
             path = self.path / name
             for parent in PurePosixPath(name).parents[:-1]:
-                write.refuse_link(self.path / parent)
-            write.refuse_special(path)
+                disk.refuse_link(self.path / parent)
+            disk.refuse_special(path)
             code, what, fix = "", "", "choose another folder, or move the file away"
             if _file_key(path) in self._inputs:
                 code, what = "RF151", "this is an input of the same command and is never replaced"
@@ -251,7 +251,7 @@ class OutputFolder(Folder):
             more = f" and {len(names) - 3} more" if len(names) > 3 else ""
             why = f"the folder is neither new nor one of ropefric's: it holds {', '.join(names[:3])}{more}"
             fix = "choose a new or empty folder, or have the results written among these files with --force"
-            raise write.not_written(self.path, why, fix, "RF150")
+            raise disk.not_written(self.path, why, fix, "RF150")
 
     def _is_ours(self, name: str) -> bool:
         path = self.path / name
@@ -284,7 +284,7 @@ class OutputFolder(Folder):
             name: {"sha256": list(entry.sha256), "parts": sorted(entry.parts), "basis": entry.basis}
             for name, entry in self._entries.items()
         }
-        write.write_file(self._own / "files.json", json_document({"schema": SCHEMA, "files": files}))
+        disk.write_file(self._own / "files.json", json_document({"schema": SCHEMA, "files": files}))
 
     # --- one run at a time ---
 
@@ -294,11 +294,11 @@ class OutputFolder(Folder):
             missing = [path for path in paths if not os.path.lexists(path)]
             self._own.mkdir(parents=True, exist_ok=True)
             self._made = missing
-            write.refuse_link(self._own)
+            disk.refuse_link(self._own)
             if not os.access(self.path, os.W_OK | os.X_OK):
-                raise write.cannot_write(OSError(errno.EACCES, os.strerror(errno.EACCES)), self.path)
+                raise disk.cannot_write(OSError(errno.EACCES, os.strerror(errno.EACCES)), self.path)
         except OSError as error:
-            raise write.cannot_write(error, self.path) from None
+            raise disk.cannot_write(error, self.path) from None
         except ValueError as error:
             if isinstance(error, DataError):
                 raise
@@ -307,7 +307,7 @@ class OutputFolder(Folder):
 
     def _take_lock(self) -> None:
         path = self._own / "lock"
-        write.refuse_special(path)
+        disk.refuse_special(path)
         key = _file_key(self._own)
         assert key is not None  # noqa: S101  (it was just made)
         if key in _held:
@@ -317,7 +317,7 @@ class OutputFolder(Folder):
             tried = (self._open_lock(path, last=again == 19) for again in range(20))
             self._lock, self._key = next((handle for handle in tried if handle >= 0), -1), key
         except OSError as error:
-            raise write.cannot_write(error, path) from None
+            raise disk.cannot_write(error, path) from None
         _held.add(key)
 
     def _open_lock(self, path: Path, *, last: bool) -> int:
@@ -353,7 +353,7 @@ class OutputFolder(Folder):
 
     def _release(self) -> None:
         if self._lock >= 0:
-            write.discard(self._own / "lock")
+            disk.discard(self._own / "lock")
             os.close(self._lock)
             self._lock = -1
             _held.discard(self._key)
@@ -375,7 +375,7 @@ def _busy(holder: Mapping[str, Any], folder: Path) -> DataError:
     if where:
         fix += f"; if it ended without removing its lock, delete {(folder / OWN / 'lock').as_posix()}"
     why = f"another run works in this folder: {command}process {holder.get('pid', '?')}{where}{since}"
-    return write.not_written(folder, why, fix, "RF152")
+    return disk.not_written(folder, why, fix, "RF152")
 
 
 def _me() -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from ropefric import scenes
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.files.digits import significant
+from ropefric.files.plain_text import significant
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
 from ropefric.scenes.kind import Chart, FrictionTable, Line, Part, finite, in_words

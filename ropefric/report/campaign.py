@@ -7,24 +7,14 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
+from ropefric import pipeline
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import json_document
 from ropefric.glossary import counted
 from ropefric.papers.prth import reduction_of
-from ropefric.pipeline.evidence import (
-    MANIFEST,
-    Evidence,
-    evidence_files,
-    gather_evidence,
-    manifest,
-    trace_provenance,
-    trace_table,
-)
-from ropefric.pipeline.run import CampaignAnswer, CampaignRun
-from ropefric.report import parts
-from ropefric.report.front import USUAL, Subject, Wish, front_blocks, measured_rows
-from ropefric.report.page import Alert, Block, Chapter, Fold, Picture, Report, as_html
-from ropefric.report.pdf import pdf_of
+from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
+from ropefric.report import page, parts
+from ropefric.report.page import USUAL, Alert, Block, Chapter, Fold, Picture, Report, Subject, Wish
 from ropefric.report.section import Section, as_text, percent, plain
 from ropefric.scenes.kind import Part
 from ropefric.traces.breakaway import ADVICE, Status
@@ -75,11 +65,11 @@ def write_report(
     design, manifest.json and, if wished, report.pdf. The same campaign gives the same bytes. The figures are drawn by
     the executor, if any.
     """
-    target, campaign, evidence = as_folder(folder), run.campaign, gather_evidence(run)
-    provenance, tally = trace_provenance(run, evidence), _tally(run.extraction)
-    told = (campaign.report, measured_rows(run), run, wish)
+    target, campaign, evidence = as_folder(folder), run.campaign, pipeline.gather_evidence(run)
+    provenance, tally = pipeline.trace_provenance(run, evidence), _tally(run.extraction)
+    told = (campaign.report, page.measured_rows(run), run, wish)
     subject = Subject(campaign.name, tally, run.answer, evidence, provenance, *told)
-    texts = manifest(provenance, campaign.path, target.path)
+    texts = pipeline.manifest(provenance, campaign.path, target.path)
     texts["summary.txt"] = as_text(summary_sections(run))
     return _write(subject, target, texts, executor=executor, progress=progress)
 
@@ -97,11 +87,11 @@ def write_table_report(
 
     The inputs are the table and, where there is one, the file that says more about it, from where `words` are.
     """
-    evidence, tally, table = gather_evidence(answer), table_tally(answer), inputs[0]
-    provenance = trace_table(answer, evidence, inputs)
+    evidence, tally, table = pipeline.gather_evidence(answer), table_tally(answer), inputs[0]
+    provenance = pipeline.trace_table(answer, evidence, inputs)
     measured = [("Trial table", table.name)]
     subject = Subject(table.stem, tally, answer, evidence, provenance, words, measured, wish=wish)
-    texts = {MANIFEST: json_document(provenance)}
+    texts = {pipeline.MANIFEST: json_document(provenance)}
     texts["summary.txt"] = as_text((Section(lines=[f"{table.name}: {tally}"]), *answer_sections(answer)))
     return _write(subject, folder, texts, executor=None, progress=progress)
 
@@ -123,10 +113,14 @@ def _write(
     numbers = [
         folder.path / name for drawn in pictures.values() for picture in drawn for name in picture.files
     ]
-    page = as_html(_report(subject, pictures, reduced))
-    files: dict[str, str | bytes] = {**texts, **evidence_files(subject.evidence), "report.html": page}
+    html = page.as_html(_report(subject, pictures, reduced))
+    files: dict[str, str | bytes] = {
+        **texts,
+        **pipeline.evidence_files(subject.evidence),
+        "report.html": html,
+    }
     if subject.wish.pdf:
-        files["report.pdf"] = pdf_of(page)
+        files["report.pdf"] = page.pdf_of(html)
     return (*numbers, *folder.write(files))
 
 
@@ -192,7 +186,7 @@ def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Part]) -> Re
         text = "This report was made without figures; `ropefric report` adds them."
         of_trials.append(Alert("note", "No figures", text))
     blocks: dict[str, Iterable[Block]] = {
-        "result": front_blocks(subject, of_answer, len(of_trials), pictures.get("front", ())),
+        "result": page.front_blocks(subject, of_answer, len(of_trials), pictures.get("front", ())),
         "warnings": [of_trials] if of_trials else [],
         "trials": [*(_trial_sections(run, evidence) if run else ()), *pictures.get("trials", ())],
         "recordings": pictures.get("recordings", ()),

@@ -9,8 +9,7 @@ from pathlib import Path
 from ropefric.accuracy.measure import Machine
 from ropefric.accuracy.study import Measured, StudyResult, time_text
 from ropefric.files.folder import Folder, as_folder
-from ropefric.plotting.figure import save_figure
-from ropefric.plotting.svg import svg_text
+from ropefric.plotting.figure import save_figure, svg_text
 from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.report.page import Chapter, Picture, Report, as_html
 from ropefric.report.section import Section, plain

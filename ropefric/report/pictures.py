@@ -8,11 +8,17 @@ from ropefric.files.folder import Folder
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.fitting.result import FitResult
 from ropefric.papers.paper import Shown
-from ropefric.pipeline.evidence import Evidence
-from ropefric.pipeline.run import CampaignAnswer
-from ropefric.plotting.campaign import conditions_of, draw_condition, draw_overview
+from ropefric.pipeline import CampaignAnswer, Evidence
+from ropefric.plotting.campaign import (
+    conditions_of,
+    draw_condition,
+    draw_overview,
+    draw_recording,
+    draw_recordings,
+    pages_of_recordings,
+)
 from ropefric.plotting.design import draw_budget, draw_design_chart, draw_ladder, draw_tornado
-from ropefric.plotting.figure import FigureWithData, begin, figure_files, localize
+from ropefric.plotting.figure import FigureWithData, begin, figure_files, localize, svg_text
 from ropefric.plotting.fits import (
     draw_capstan,
     draw_corner,
@@ -22,10 +28,7 @@ from ropefric.plotting.fits import (
     parameter_draws,
 )
 from ropefric.plotting.machines import draw_chart
-from ropefric.plotting.recordings import draw_recording, draw_recordings, pages_of_recordings
-from ropefric.plotting.svg import svg_text
-from ropefric.report.front import Subject
-from ropefric.report.page import Picture
+from ropefric.report.page import Picture, Subject
 from ropefric.traces.breakaway import Breakaway
 from ropefric.trials.result import Extraction, TrialResult
 

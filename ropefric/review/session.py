@@ -1,5 +1,8 @@
 """A campaign under review: its trials, the decisions written to its list, and what these change."""
 
+import codecs
+import io
+import re
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -11,20 +14,21 @@ from pathlib import Path
 from typing import Any
 
 from ropefric.errors import DataError, InputError, RopefricError
-from ropefric.files.digits import rounded_tree
-from ropefric.files.read import read_file
+from ropefric.files.disk import read_file, write_file
+from ropefric.files.plain_text import rounded_tree, to_spreadsheet
 from ropefric.files.text import GZIP_MAGIC
-from ropefric.files.write import write_file
-from ropefric.pipeline.run import answer_trials
+from ropefric.pipeline import answer_trials
+from ropefric.quantities import unit_factor
 from ropefric.review import view
-from ropefric.review.decisions import COLUMNS, with_decision
 from ropefric.traces.breakaway import Status
 from ropefric.traces.readers.excel import READER as EXCEL
 from ropefric.trials import result as results
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import Campaign, TrialSpec
+from ropefric.trials.cells import CellTable, is_row, separator_of, stem_of, word_of
 from ropefric.trials.extract import ByRow, Progress, extract_rows, in_list_order
 from ropefric.trials.table import table_of_extraction
+from ropefric.trials.trial_list import DECIDED, QUANTITIES, TEXTS
 
 OWN_WORDS = "review: "
 """How a reason begins that nobody has written by hand."""
@@ -458,3 +462,93 @@ def _not_alone(changed: set[str], path: Path) -> DataError:
 def _changed(path: Path) -> DataError:
     why = "somebody else has changed the list of trials since it was read: nothing was written"
     return DataError(why, code="RF153", path=path, fix="read it again, then decide anew")
+
+
+COLUMNS = ("pick_s", "exclude", "why", "by", "when")
+"""What a decision is written to; columns that the list lacks are added at its right side."""
+
+_MARKS = {
+    codecs.BOM_UTF32_LE: "utf-32-le",
+    codecs.BOM_UTF32_BE: "utf-32-be",
+    codecs.BOM_UTF16_LE: "utf-16-le",
+    codecs.BOM_UTF16_BE: "utf-16-be",
+    codecs.BOM_UTF8: "utf-8",
+}
+
+
+def with_decision(content: bytes, line: int, values: Mapping[str, str | float], path: str = "") -> bytes:
+    """Return a trial list with these cells of one of its lines set; a number is in SI, "" empties the cell."""
+    mark, codec, text = _decoded(content)
+    lines = [*io.StringIO(text, newline="")]  # with their ends as they are
+    rows = [number for number, one in enumerate(lines, start=1) if is_row(one)]
+    head = rows[0]
+    separator = separator_of(lines[head - 1])
+    header = tuple(_value(raw) for raw in _split(lines[head - 1], separator))
+    table = CellTable(path=path, separator=separator, header=header, header_line=head, rows=())
+    is_decided = {"why", "by"} <= {word_of(name) for name in header}
+    columns, others, _ = table.bind({**QUANTITIES, **(DECIDED if is_decided else {})}, TEXTS)
+    places = {name: column.index for name, column in columns.items()}
+    places |= {word_of(name): header.index(name) for name in others}
+    added = [name for name in COLUMNS if values.get(name, "") != "" and name not in places]
+    other = next((name for name in others if stem_of(name) == "peak"), "")
+    if other and {"why", "by"} & {*added}:
+        why = f"with the columns why and by, the forces in '{other}' would be decisions too"
+        fix = "rename that column, for example to reference_N, or give the list why and by yourself"
+        raise InputError(why, code="RF122", path=path, line=head, fix=fix)
+
+    def written(name: str) -> str:
+        value = values.get(name, "")
+        if isinstance(value, str):
+            words = to_spreadsheet(" ".join(value.split()))
+            quoted = separator in words or '"' in words
+            return '"{}"'.format(words.replace('"', '""')) if quoted else words
+        scale = unit_factor(columns[name].unit, "s") if name in columns else 1.0
+        numbers = (_split(lines[row - 1], separator) for row in rows[1:]) if separator != "," else ()
+        cells = tuple((0, tuple(map(_value, raws))) for raws in numbers)
+        mark = CellTable(path=path, separator=separator, header=header, header_line=head, rows=cells)
+        return f"{value / scale:.12g}".replace(".", mark.decimal_mark(columns))
+
+    for number in rows if added else (line,):
+        bare = lines[number - 1].rstrip("\r\n")
+        cells = _split(bare, separator)
+        if number == line:
+            for name in values.keys() & places.keys():
+                new = written(name)
+                if _value(cells[places[name]]) != _value(new):
+                    cells[places[name]] = new
+        cells += added if number == head else [written(name) if number == line else "" for name in added]
+        lines[number - 1] = separator.join(cells) + lines[number - 1][len(bare) :]
+    try:
+        return mark + "".join(lines).encode(codec)
+    except UnicodeEncodeError as error:
+        odd = error.object[error.start : error.end]
+        why = f"the list is a text in {codec}, which has no '{odd}'"
+        fix = "say it in other letters, or save the list as UTF-8"
+        raise InputError(why, code="RF108", path=path, line=line, fix=fix) from None
+
+
+def _decoded(content: bytes) -> tuple[bytes, str, str]:
+    """Return a list's byte-order mark, encoding and text, found as everybody who reads it does."""
+    for mark, codec in _MARKS.items():
+        if content.startswith(mark):
+            return mark, codec, content[len(mark) :].decode(codec)
+    try:
+        return b"", "utf-8", content.decode()
+    except UnicodeDecodeError:
+        return b"", "cp1252", content.decode("cp1252")
+
+
+def _split(line: str, separator: str) -> list[str]:
+    """Return the cells of a line as they are written, with blanks and quotes around them."""
+    cell = re.compile(rf' *"(?:[^"]|"")*"|[^{separator}]*')
+    bare, found, place = line.rstrip("\r\n"), list[str](), 0
+    while place <= len(bare):
+        raw = cell.match(bare, place)
+        found.append(raw[0] if raw is not None else "")
+        place += len(found[-1]) + 1
+    return found
+
+
+def _value(raw: str) -> str:
+    text = raw.strip()
+    return text[1:-1].replace('""', '"').strip() if len(text) > 1 and text[0] == text[-1] == '"' else text

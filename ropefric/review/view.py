@@ -9,8 +9,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
-from ropefric.files.digits import GIVEN_DIGITS, rounded_tree
-from ropefric.pipeline.run import CampaignAnswer
+from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree
+from ropefric.pipeline import CampaignAnswer
 from ropefric.traces.breakaway import Status
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.smoothing import smooth

@@ -12,8 +12,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, UnknownNameError
+from ropefric.files.disk import write_file
 from ropefric.files.plain_text import csv_text, to_spreadsheet
-from ropefric.files.write import write_file
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean

@@ -1,7 +1,11 @@
-"""The commands of a campaign: its break-away forces, its whole way to a lift force, its report once more."""
+"""The commands of a campaign: its break-away forces, its whole way to a lift force, its report; a look at its picks."""
 
+import getpass
 import logging
 import math
+import os
+import sys
+import webbrowser
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -12,19 +16,17 @@ from typer import Argument, BadParameter, Option
 from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, out_folder
 from ropefric.cli.output import Output, Progress
-from ropefric.errors import Problem, RopefricError
+from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.glossary import counted
 
 with on_first_use():
-    from ropefric import executors, plugins
+    from ropefric import executors, pipeline, plugins
     from ropefric.files import folder as folders
     from ropefric.files import plain_text
     from ropefric.friction import laws
-    from ropefric.pipeline import evidence
-    from ropefric.pipeline import run as pipeline
     from ropefric.report import campaign as pages
-    from ropefric.report import front, parts, section
-    from ropefric.report import pdf as printing
+    from ropefric.report import page, parts, section
+    from ropefric.review import server, session
     from ropefric.traces import breakaway
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import campaign_model, result, workers
@@ -257,7 +259,7 @@ def work_through(
     parquet: bool = False,
     cache: bool = True,
     drawing: frozenset[str] = frozenset({"report"}),
-    wish: "front.Wish | None" = None,
+    wish: "page.Wish | None" = None,
     force: bool = False,
 ) -> Answer:
     """Return the answer to a campaign, and write everything into a folder.
@@ -305,7 +307,7 @@ def work_through(
                 finish()
             raise
         with Progress(out, "report") as reporting:
-            wanted = wish or front.Wish(figures="report" in drawing)
+            wanted = wish or page.Wish(figures="report" in drawing)
             written = pages.write_report(done, target, wanted, executor=pool[0], progress=reporting.update)
         target.publish("answer")
         for finish in to_finish:
@@ -351,9 +353,9 @@ def report(
     ):
         if unknown := [word for word in words if word not in known]:
             raise BadParameter(f"{unknown[0]!r} is none of {', '.join(known)}", param_hint=option)
-    wish = front.Wish(locale, pdf, figures, formats)
+    wish = page.Wish(locale, pdf, figures, formats)
     if pdf:
-        printing.find_browser()  # before the work
+        page.find_browser()  # before the work
     if source.suffix.lower() in _TABLES and not source.is_dir():
         inputs = [source, about] if about else [source]
         target = pipeline.table_folder(inputs, folder or Path("out"), force=force)
@@ -363,13 +365,13 @@ def report(
     if source.is_dir() and not (source / "campaign.toml").is_file():
         if folder is not None:
             raise BadParameter("a folder of results is written to itself", param_hint="--out")
-        folder, (campaign, law_before) = source, evidence.recorded_run(source)
+        folder, (campaign, law_before) = source, pipeline.recorded_run(source)
         law = law or law_before
     else:
         campaign = options.campaign_file(source)
         folder = folder or Path("out")
-        if not law and (folder / evidence.MANIFEST).is_file():
-            before, law_before = evidence.recorded_run(folder)
+        if not law and (folder / pipeline.MANIFEST).is_file():
+            before, law_before = pipeline.recorded_run(folder)
             law = law_before if before.resolve() == campaign.resolve() else ""
     loaded = campaigns.load_campaign(campaign)
     n_jobs = options.parse_jobs(jobs, len(loaded.trials))
@@ -381,7 +383,7 @@ _TABLES = (".csv", ".tsv", ".txt", ".xlsx", ".xls", ".ods")
 
 
 def _report_table(
-    out: Output, inputs: Sequence[Path], target: "folders.OutputFolder", law: str, wish: "front.Wish"
+    out: Output, inputs: Sequence[Path], target: "folders.OutputFolder", law: str, wish: "page.Wish"
 ) -> Answer:
     """Answer a table of forces, and write its report into a folder."""
     if law:
@@ -405,3 +407,77 @@ def _report_table(
         [*pages.answer_sections(answer), said],
         exit_code_of(answer.verdict),
     )
+
+
+@command("ropefric review out", order=65)
+def review(
+    out: Output,
+    folder: Path = Argument(..., metavar="OUT_DIR", help="A folder that `run` or `extract` wrote."),
+    *,
+    campaign: Path | None = Option(
+        None,
+        metavar="CAMPAIGN.toml",
+        help="The campaign; by default the one that `run` made the folder from.",
+    ),
+    by: str = Option(
+        "", metavar="NAME", help="Who decides, as the list will say; by default the login name."
+    ),
+    port: int = Option(0, min=0, max=65535, help="Of the page; 0: any that is free."),
+    open_page: bool = Option(True, "--open/--no-open", help="Open the page in the browser."),
+    jobs: options.Jobs = "auto",
+) -> Answer:
+    """Look at the picks of a campaign in the browser, and decide: accept, move, exclude, comment, undo.
+
+    Decisions go into the campaign's own list of trials (columns pick_s, exclude, why, by, when), of which nothing else
+    changes; what they change in the condition, the law and the lift force is shown. The page is served on this machine
+    alone, to whoever has the address that is printed. Ctrl-C ends it. The folder of results is brought up to date by
+    `ropefric report OUT_DIR`, or `extract`.
+    """
+    if not folder.is_dir():
+        raise DataError("there is no such folder", path=folder, fix="give a folder that `ropefric run` wrote")
+    if campaign is None and not (folder / pipeline.MANIFEST).is_file():
+        why = "the folder does not say which campaign it is of: only `run` writes that down"
+        raise DataError(why, path=folder, fix="name the campaign: --campaign CAMPAIGN.toml")
+    path, law = (campaign, "") if campaign is not None else pipeline.recorded_run(folder)
+    path = options.campaign_file(path)
+    n_jobs = options.parse_jobs(jobs, len(campaigns.load_campaign(path, missing_recordings="flag").trials))
+    with Progress(out, "extract") as progress:
+        reviewed = session.Review(
+            path,
+            by=by.strip() or _login_name(),
+            law=law,
+            cache_dir=folder / folders.CACHE,
+            jobs=n_jobs,
+            progress=progress.update,
+        )
+    with server.ReviewServer(reviewed, port) as serving:
+        # Not a note: without it nobody finds the page.
+        sys.stderr.write(f"{serving.address}\n")
+        sys.stderr.flush()
+        out.note(f"decisions go into {reviewed.trial_list}; Ctrl-C ends the review")
+        if open_page and _has_screen():
+            webbrowser.open(serving.address)
+        try:
+            serving.serve_forever()
+        except KeyboardInterrupt as interrupt:
+            reviewed.close()
+            if interrupt.args:  # not Ctrl-C: the system wants an end
+                raise
+    written = counted(reviewed.n_written, "decision")
+    more = f"; `ropefric report {folder}` brings the results up to date" if reviewed.n_written else ""
+    data = {"trial_list": reviewed.trial_list, "n_decisions": reviewed.n_written, "by": reviewed.by}
+    said = f"{written} written to {reviewed.trial_list}{more}"
+    return Answer(data, [section.Section(title="", lines=(said,), verbatim=True)])
+
+
+def _login_name() -> str:
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError, ImportError):  # a machine that knows no names
+        raise InputError("who decides?", code="RF121", key="--by", fix="give your name with --by") from None
+
+
+def _has_screen() -> bool:
+    """Return whether a browser could show itself; one for terminals would take this one."""
+    names = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
+    return sys.platform != "linux" or any(os.environ.get(name) for name in names)

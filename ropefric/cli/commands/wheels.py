@@ -1,4 +1,4 @@
-"""The commands that ask a stored fit: a wheel's lift force, its uncertainty, the smallest wheel, the next tests."""
+"""The commands that ask a fit: a wheel's lift force, its uncertainty, the smallest wheel, the next tests, a table."""
 
 import math
 from pathlib import Path
@@ -10,16 +10,20 @@ from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Number, command, diameter, exit_code_of, flag, listed, quantity
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
-from ropefric.files.write import refuse_input, refuse_special, write_file
+from ropefric.files.disk import refuse_input, refuse_special, write_file, write_files
 
 with on_first_use():
+    from ropefric import pipeline
+    from ropefric.fitting import budgets, next_tests, resolution
     from ropefric.fitting import design as designs
-    from ropefric.fitting import next_tests, resolution
+    from ropefric.fitting import export as exporting
     from ropefric.fitting import predict as predicting
     from ropefric.friction import condition as conditions
     from ropefric.friction import laws
-    from ropefric.pipeline import evidence
     from ropefric.report import parts, section
+    from ropefric.scenes import sweep_table
+    from ropefric.trials import campaign as campaigns
+    from ropefric.trials import extract as extracting
 
 
 @command(
@@ -118,7 +122,7 @@ def design(
             wheel = conditions.one_condition(
                 *(float(getattr(found, name)[0]) for name in conditions.SETTINGS)
             )
-            chart_of_it = evidence.chart_of_design(stored, wheel, probability)
+            chart_of_it = pipeline.chart_of_design(stored, wheel, probability)
             drawn = charts.draw_design_chart(chart_of_it, required_N=float(found.required_N[0]))
             files = figure.save_figure(drawn, target, "design_chart")
             options.publish(out, target, "chart", files)
@@ -277,14 +281,6 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
     return tuple(math.radians(degrees) for degrees in resolution.linear_levels(first, last, n, step=step))
 
 
-with on_first_use():
-    from ropefric.fitting import budgets
-    from ropefric.friction import condition as conditions
-    from ropefric.report import parts
-    from ropefric.trials import campaign as campaigns
-    from ropefric.trials import extract as extracting
-
-
 @command(
     'ropefric budget --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
     '--end-tension "60 N" --u-wrap "2 deg" --u-end-tension "0.5 N"',
@@ -400,4 +396,59 @@ def _of_fit(
         stated.to_dict() | known | more,
         parts.uncertainty_sections(stated, f"Uncertainty budget of the {stated.model.name} by {stored.law}"),
         exit_code_of(stated.trustworthy),
+    )
+
+
+@command('ropefric export fits/prth-coupled.json --wrap "90 deg .. 1080 deg" --out mu.csv', order=155)
+def export(
+    out: Output,
+    fit_file: Path = Argument(metavar="FIT.json", help="A stored fit."),
+    *,
+    wrap: str = Option("", metavar="ANGLES", help='φ, a list, or a range: "90 deg .. 1080 deg".'),
+    end_tension: str = Option("", metavar="FORCES", help='F_B: "20 N, 80 N".'),
+    wheel_radius: str = Option("", metavar="LENGTHS", help='R_w: "20 mm .. 60 mm".'),
+    levels: int = Option(12, min=2, help="Settings a range is divided into."),
+    rope_diameter: float | None = options.ROPE_DIAMETER,
+    file: Path | None = Option(None, "--out", "-o", metavar="TABLE.csv", help="Write the table there."),
+    force: options.Force = False,
+) -> Answer:
+    """Hand a fit on to a simulator: a table μ(φ, F_B, R_w), and the constant that stands for it best over that range.
+
+    Of settings that are not given the table covers what was tested. The constant is the one whose largest relative
+    error of the lift force over the table is smallest; that error is said. Exits with 4 when the law is not supported by
+    its fit.
+    """
+    if file is not None:  # before the work
+        refuse_special(file)
+        refuse_input(file, fit_file)
+    stored = options.read_fit(fit_file, out)
+    asked = {
+        "wrap_angle_rad": (wrap, "rad", "--wrap"),
+        "end_tension_N": (end_tension, "N", "--end-tension"),
+        "wheel_radius_m": (wheel_radius, "m", "--wheel-radius"),
+    }
+    given = {name: read_levels(*words, levels) for name, words in asked.items() if words[0]}
+    rope_m = options.rope_radius(stored, rope_diameter)
+    found = exporting.friction_table(stored, rope_radius_m=rope_m, **given)
+    columns = {name: getattr(found, name) for name in found._framed}  # noqa: SLF001  (what its frame holds)
+    names = ("law", "constant_mu", "constant_error")
+    data = {name: getattr(found, name) for name in names} | {
+        "rows": found.mu_average.size,
+        "extrapolated": int(found.extrapolated.sum()),
+        "unanswered": int((found.mu_average != found.mu_average).sum()),
+        "files": [],
+    }
+    if file is not None:
+        text = sweep_table.columns_text(columns)
+        data["files"] = [
+            str(path) for path in write_files(file.parent, {file.name: text.encode()}, overwrite=force)
+        ]
+        out.note(f"wrote {file}")
+    percent = f"{100 * found.constant_error:.3g} %"
+    lines = (
+        f"{found.mu_average.size} points of law {found.law}, {data['extrapolated']} outside what was tested",
+        f"the constant μ = {found.constant_mu:.4g} is off by {percent} of the lift force at most",
+    )
+    return Answer(
+        data, [section.Section(title="A law for a simulator", lines=lines)], exit_code_of(stored.verdict)
     )

@@ -12,7 +12,7 @@ from pydantic import Field, PlainValidator
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
-from ropefric.files.digits import significant
+from ropefric.files.plain_text import significant
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.systems.bandsaw import resonance

@@ -81,6 +81,7 @@ CONSTANT = FrictionLaw(
     parameters=(Parameter("mu", "-", 0.2, 0.0, 5.0, "friction coefficient"),),
     coefficient="average",
     effects=frozenset(),
+    weakens=True,
     physics=Uniform(),
     candidates=lambda mu, _conditions, _log_lift: [[mu]],
     arithmetic=mu_times_wrap(),
@@ -162,6 +163,7 @@ SIZE_POWER = FrictionLaw(
     ),
     coefficient="average",
     effects=frozenset({"size"}),
+    weakens=True,
     physics=PowerSize(),
     candidates=lambda mu, _conditions, _log_lift: combinations(
         mu * np.array([0.5, 1.0, 1.5]), [0.3, 1.0, 3.0, 10.0], mu * np.array([0.02, 0.3, 0.8])
@@ -219,6 +221,7 @@ SIZE_EXPONENTIAL = FrictionLaw(
     ),
     coefficient="average",
     effects=frozenset({"size"}),
+    weakens=True,
     physics=ExponentialSize(),
     candidates=lambda mu, conditions, _log_lift: combinations(
         mu * np.array([1.0, 1.3, 2.0]), *size_candidates(conditions)
@@ -274,6 +277,7 @@ THICKNESS = FrictionLaw(
     ),
     coefficient="average",
     effects=frozenset({"size"}),
+    weakens=True,
     physics=Thickness(),
     candidates=lambda mu, _conditions, _log_lift: mu * np.array([[1.0], [1.2], [1.6]]),
     arithmetic=_thickness_by_hand,
@@ -308,6 +312,7 @@ GROOVE = FrictionLaw(
     ),
     coefficient="average",
     effects=frozenset({"groove"}),
+    weakens=True,
     physics=Groove(),
     candidates=lambda mu, _conditions, _log_lift: [[mu * np.sin(_HALF_ANGLE_RAD), _HALF_ANGLE_RAD]],
     arithmetic=mu_times_wrap(("mu/sin(half angle)", "mu/sin(half_angle)", "mu")),

@@ -31,9 +31,7 @@ LINE_STYLES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
 """What tells lines and points apart where colour does not: on grey paper and for colour-blind eyes."""
 
-_STYLE: dict[str, Any] = {
-    **rc_params_from_file(Path(__file__).with_name("house.mplstyle"), use_default_template=False)
-}
+_HOUSE: Any = rc_params_from_file(Path(__file__).with_name("house.mplstyle"), use_default_template=False)
 _ONE_AT_A_TIME = threading.RLock()
 
 _SUBSCRIPT = re.compile(r"(?<![A-Za-zφμρσ])([A-Za-zφμρσ]++)_([A-Za-z0-9]++(?:,[A-Za-z0-9]++)*+)")
@@ -50,7 +48,7 @@ def house_style() -> Iterator[None]:
 
     The style of matplotlib is one for the whole process, so threads draw one after the other.
     """
-    with _ONE_AT_A_TIME, matplotlib.style.context(["default", _STYLE]):
+    with _ONE_AT_A_TIME, matplotlib.style.context(["default", _HOUSE]):
         yield
 
 

@@ -82,7 +82,7 @@ CONSTANT = FrictionLaw(
     coefficient="average",
     effects=frozenset(),
     physics=Uniform(),
-    candidates=lambda mu, _conditions, _log_lift: [[mu]],
+    candidates=lambda mu, _at, _log_lift: [[mu]],
     arithmetic=mu_times_wrap(),
 )
 
@@ -115,7 +115,7 @@ CONSTANT_OFFSET = FrictionLaw(
     coefficient="local",
     effects=frozenset({"offset"}),
     physics=Offset(),
-    candidates=lambda mu, _conditions, _log_lift: [[mu, 0.0]],
+    candidates=lambda mu, _at, _log_lift: [[mu, 0.0]],
     special_cases=(CONSTANT,),
     arithmetic=lambda sheet: sheet.line("mu phi + k", "mu * phi + k"),
 )  # fmt: skip
@@ -163,7 +163,7 @@ SIZE_POWER = FrictionLaw(
     coefficient="average",
     effects=frozenset({"size"}),
     physics=PowerSize(),
-    candidates=lambda mu, _conditions, _log_lift: combinations(
+    candidates=lambda mu, _at, _log_lift: combinations(
         mu * np.array([0.5, 1.0, 1.5]), [0.3, 1.0, 3.0, 10.0], mu * np.array([0.02, 0.3, 0.8])
     ),
     special_cases=(CONSTANT,),
@@ -220,9 +220,7 @@ SIZE_EXPONENTIAL = FrictionLaw(
     coefficient="average",
     effects=frozenset({"size"}),
     physics=ExponentialSize(),
-    candidates=lambda mu, conditions, _log_lift: combinations(
-        mu * np.array([1.0, 1.3, 2.0]), *size_candidates(conditions)
-    ),
+    candidates=lambda mu, at, _log_lift: combinations(mu * np.array([1.0, 1.3, 2.0]), *size_candidates(at)),
     special_cases=(CONSTANT,),
     arithmetic=mu_times_wrap(("r", "R_w/R_r"), ("mu", SIZE_FORMULA)),
 )  # fmt: skip
@@ -275,7 +273,7 @@ THICKNESS = FrictionLaw(
     coefficient="average",
     effects=frozenset({"size"}),
     physics=Thickness(),
-    candidates=lambda mu, _conditions, _log_lift: mu * np.array([[1.0], [1.2], [1.6]]),
+    candidates=lambda mu, _at, _log_lift: mu * np.array([[1.0], [1.2], [1.6]]),
     arithmetic=_thickness_by_hand,
 )  # fmt: skip
 
@@ -309,6 +307,6 @@ GROOVE = FrictionLaw(
     coefficient="average",
     effects=frozenset({"groove"}),
     physics=Groove(),
-    candidates=lambda mu, _conditions, _log_lift: [[mu * np.sin(_HALF_ANGLE_RAD), _HALF_ANGLE_RAD]],
+    candidates=lambda mu, _at, _log_lift: [[mu * np.sin(_HALF_ANGLE_RAD), _HALF_ANGLE_RAD]],
     arithmetic=mu_times_wrap(("mu/sin(half angle)", "mu/sin(half_angle)", "mu")),
 )  # fmt: skip

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
 from pathlib import Path
 
-import typer
 from pydantic import BaseModel, PlainValidator
 
 import ropefric as rf
@@ -139,7 +138,7 @@ def _condition() -> FigureWithData:
 
 def commands_page() -> str:
     """Return the page of all commands, from what the program itself knows of them."""
-    group = typer.main.get_command(build_app())
+    group = build_app()
     parts = ["# Commands\n", f"{group.epilog}\n"]
     for declared in find_commands().values():
         command = group.commands[declared.name]

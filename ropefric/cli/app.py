@@ -69,8 +69,9 @@ def main(argv: Sequence[str] | None = None, *, on_start: Callable[[], None] | No
     return code if isinstance(code, int) else 0
 
 
-def build_app(on_start: Callable[[], None] | None = None) -> typer.Typer:
-    """Return the typer application with every command of the registry."""
+@cache
+def build_app(on_start: Callable[[], None] | None = None) -> Any:
+    """Return the program with every command of the registry, as typer calls it."""
     app = typer.Typer(
         name="ropefric",
         help="From force traces of a rope on a wheel to a friction law, and on to design.",
@@ -83,13 +84,11 @@ def build_app(on_start: Callable[[], None] | None = None) -> typer.Typer:
     app.callback(invoke_without_command=True)(_top)
     for command in find_commands().values():
         text = inspect.getdoc(command.run) or ""
-        said: dict[str, Any] = {
-            "help": text,
-            "short_help": text.partition("\n\n")[0],
-            "epilog": command.example,
-        }
-        app.command(command.name, cls=_Command, **said)(_with_global_options(command, on_start))
-    return app
+        said: Any = {"short_help": text.partition("
+
+")[0], "epilog": command.example}
+        app.command(command.name, help=text, cls=_Command, **said)(_with_global_options(command, on_start))
+    return typer.main.get_command(app)
 
 
 def _top(

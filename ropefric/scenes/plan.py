@@ -281,6 +281,7 @@ def _measured(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Ex
         return timed(lambda: system.solve(assemble(system, problem, names), plan.method))
 
     own, own_s = solved(simulated)
+    (_, everything), all_s = timed(lambda: solve_planned(scene, problem, "all"))
     decisions = []
     for one in plan.decisions:
         found = one
@@ -291,17 +292,16 @@ def _measured(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Ex
                 is_in = one.fate == "simulated"
                 takes_s = max(0.0, own_s - other_s if is_in else other_s - own_s)
                 found = one._replace(
-                    worth=system.distance(*((other, own) if is_in else (own, other))),
+                    worth=system.distance(*((other, own) if is_in else (own, other)), everything),
                     time_share=takes_s / own_s if is_in and own_s > 0.0 else math.nan,
                     time_s=takes_s,
                 )
         decisions.append(found)
     planned_s = timed(lambda: solve_planned(scene, problem))[1]
-    (_, everything), all_s = timed(lambda: solve_planned(scene, problem, "all"))
     return replace(
         told,
         plan=replace(plan, decisions=tuple(decisions)),
         planned_s=planned_s,
         all_s=all_s,
-        difference=system.distance(own, everything),
+        difference=system.distance(own, everything, everything),
     )

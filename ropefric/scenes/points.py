@@ -198,11 +198,13 @@ def _joined(sums: tuple[int, float, float], values: FloatArray) -> tuple[int, fl
     """Return count, mean and sum of squared deviations of what was summed before and of more values (Chan et al.)."""
     if not values.size:
         return sums
-    (count, mean, squares), more = sums, float(values.mean())
-    total, apart = count + values.size, more - mean
-    with np.errstate(invalid="ignore"):  # among infinite numbers no deviation is one
-        squares += float(((values - more) ** 2).sum()) + apart**2 * count * values.size / total
-    return total, mean + apart * values.size / total, squares
+    count, mean, squares = sums
+    # Among infinite numbers no deviation is one, and the square of a very large one is no float.
+    with np.errstate(invalid="ignore", over="ignore"):
+        more, total = values.mean(), count + values.size
+        apart = more - mean
+        squares += float(((values - more) ** 2).sum() + apart**2 * count * values.size / total)
+        return total, float(mean + apart * values.size / total), squares
 
 
 class _Found(NamedTuple):
@@ -468,5 +470,5 @@ def _is_settled(found: _Found, error: FloatArray, accuracy: float) -> BoolArray:
         if one.scale is not None:
             settled &= error * np.abs(one.scale) <= accuracy * np.abs(one.value)
     for way in found.failures:
-        settled &= np.abs(way.value - way.limit) > error * np.abs(way.value)
+        settled &= ~way.is_open(error)
     return settled

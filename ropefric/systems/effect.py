@@ -81,7 +81,7 @@ class Method:
     why: str
 
 
-def _distance(answer: Any, reference: Any) -> float:
+def _distance(answer: Any, reference: Any, whole: Any) -> float:  # noqa: ARG001  (logarithms need no scale)
     return float(np.expm1(log_change(answer.logs, reference.logs)))
 
 
@@ -89,6 +89,7 @@ def _distance(answer: Any, reference: Any) -> float:
 class System(Generic[P, M, A]):
     """A kind of machine: its bare model, the effects it may have, how it is solved, and how far two answers are apart.
 
+    `distance(answer, reference, whole)` is a share of the numbers with all effects in, which bounds are of, too.
     Answers that say nothing else have `logs`, of all their numbers.
     """
 
@@ -97,7 +98,7 @@ class System(Generic[P, M, A]):
     bare: Callable[[P], M]
     method: Callable[[M, float], Method]
     solve: Callable[[M, Method], A]
-    distance: Callable[[A, A], float] = _distance
+    distance: Callable[[A, A, A], float] = _distance
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)  # no slots: a generic notes its type on what it makes

@@ -9,7 +9,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, median
 from ropefric.traces.breakaway import Status
-from ropefric.traces.events import SAME_KIND, Fall, as_loaded, half_climb
+from ropefric.traces.events import SAME_KIND, Fall, as_loaded, half_climb, loading_rate
 from ropefric.traces.noise import noise_std, runs_of
 from ropefric.traces.peak import WIDE_GAP
 from ropefric.traces.segments import PIECE_BLOCKS, Prepared, Sliding, roughness_N, sliding_after
@@ -20,8 +20,10 @@ RESOLVED_SIGMAS = 4.0
 QUIET_SIGMAS = 1.5
 SWING, DAMPED, HALF_PERIODS = 2.0, 0.2, 5.0
 """A swing passes its level as fast up as down, falls below it, and follows a load that comes on within few periods."""
-WAVES, SLOWEST, FASTEST = 0.06, 0.4, 1.25
+WAVES, LARGE_WAVES, SLOWEST, FASTEST = 0.02, 0.06, 0.4, 1.25
 """Waves that are slips are this part of the force at least, and rise as fast as the machine loads."""
+GENTLE, SLOWER_THAN_LOADED, ALIKE = 0.25, 0.95, 0.3
+"""Rounded ones rise as fast in their steepest part only, never so fast on the whole, and are alike."""
 LONG_TRAIN, REGULAR = 5, 0.2
 """Fewer waves are alike by chance."""
 LEAST_PEAK = 0.01
@@ -50,21 +52,33 @@ def stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidin
         or (fall.drop_N > CLEAR * height_N and loads_again(force_N, candidate))
     ):
         return True
-    if fall.drop_N <= max(LEAST_DROP * height_N, SAME_KIND * largest_N):
+    if fall.drop_N <= SAME_KIND * median(np.array([g.drop_N for g in (*teeth, *before)] or [0.0])):
         return False
-    if len(teeth) >= LONG_TRAIN and _is_regular(teeth):
+    if fall.drop_N > LEAST_DROP * height_N and len(teeth) >= LONG_TRAIN and _is_regular(teeth):
         return True
-    return fall.drop_N > WAVES * height_N and _is_loaded_by_the_machine(candidate, teeth)
+    return fall.drop_N > WAVES * height_N and _is_loaded_by_the_machine(force_N, candidate, teeth)
 
 
-def _is_loaded_by_the_machine(candidate: Candidate, teeth: list[Fall]) -> bool:
+def _is_loaded_by_the_machine(force_N: FloatArray, candidate: Candidate, teeth: list[Fall]) -> bool:
     """Return whether all rises between slips are as a machine loads: a force that only wanders rises at any rate."""
-    falls = [candidate.fall, *(g for g in teeth if g.drop_N >= TOOTH * candidate.fall.drop_N)]
-    rates = [
-        (after.top_N - fall.bottom_N) / max(candidate.rate * max(1, after.top - fall.bottom), TINY)
-        for fall, after in pairwise(falls)
-    ]
-    return len(rates) >= 2 and min(rates[:FEWEST_TEETH]) >= SLOWEST and max(rates) <= FASTEST
+    first = candidate.fall
+    falls = [first, *(g for g in teeth if g.drop_N >= TOOTH * first.drop_N)]
+    if len(falls) < FEWEST_TEETH:
+        return False
+    rates, steepest = (
+        np.array([rate(fall, after) / max(candidate.rate, TINY) for fall, after in pairwise(falls)])
+        for rate in (
+            lambda fall, after: (after.top_N - fall.bottom_N) / max(1, after.top - fall.bottom),
+            lambda fall, after: loading_rate(force_N, fall.bottom, after.top),
+        )
+    )
+    if first.drop_N > LARGE_WAVES * candidate.height_N and rates[:FEWEST_TEETH].min() >= SLOWEST:
+        return bool(rates.max() <= FASTEST)
+    # Rounded ones are loaded at the machine's rate for a part of the time only.
+    high_N, low_N = (np.array([getattr(fall, end) for fall in falls]) for end in ("top_N", "bottom_N"))
+    apart_N = max(median(np.abs(x - median(x))) for x in (high_N, low_N))
+    rounded = rates.max() <= SLOWER_THAN_LOADED and GENTLE <= median(steepest) <= FASTEST
+    return bool(rounded and apart_N < ALIKE * median(high_N - low_N))
 
 
 def _is_regular(teeth: list[Fall]) -> bool:

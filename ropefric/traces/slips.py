@@ -35,6 +35,10 @@ FULL = 0.16
 """A slip by which the force falls by more than this part of itself is no partial one."""
 AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
 SWINGS = 4
+WORN, GIVES, LONG_ENOUGH, COMES_BACK = 0.03, 0.8, 16, 3.0
+"""A rope that slides and wears in gives way: beyond a fall of this part at least, the force grows that much slower."""
+ARRIVED = 0.9
+"""A force that comes to a rest is there, when it has come so far."""
 BACK, ABOUT, FAR_FASTER = 0.6, 0.8, 5.0
 SMALL_GROWTH = 0.03
 LEAST_DROP = 0.04
@@ -159,8 +163,12 @@ def _rivals(
     if above_N <= 0.0:
         return None if later and _is_partial(pull, fall, later[0], rate) else []
     growth = above_N / max(height_N, 1e-12 * above_N, TINY)
+    if not higher:  # what is held afterwards is highest anywhere
+        top = last + int(np.argmax(force_N[last : pull.stop] >= fall.top_N + ARRIVED * above_N))
     slid = _slid_on(force_N, pull, fall, top, rates[1])
     between = [g for g in later[:n_lower] if g.drop_N >= AGAIN * fall.drop_N]
+    if _wears_in(force_N, pull, fall, later, top, rates[1]):
+        return []
     if not slid and _is_passed(force_N, _Place(pull, fall, later, between, higher, top, growth, *rates)):
         return None
     # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
@@ -188,6 +196,19 @@ def _slid_on(force_N: FloatArray, pull: Pull, fall: Fall, top: int, own_rate: fl
     if is_far_below or fall.drop_N < LEAST_DROP * height_N or not STICKS * rate <= own_rate <= rate / STICKS:
         return False
     return _turned_on(force_N[: top + 1], fall, rate) > 1.0 / STICKS
+
+
+def _wears_in(
+    force_N: FloatArray, pull: Pull, fall: Fall, later: list[Fall], top: int, own_rate: float
+) -> bool:
+    """Return whether a rope slides on after a fall though the force grows: it does so more slowly than it was loaded."""
+    passed = fall.top + int(np.flatnonzero(force_N[fall.top : top + 1] <= fall.top_N)[-1])
+    again = any(g.drop_N >= SAME_KIND * fall.drop_N and _slides_or_reloads(pull, g) for g in later)
+    if again or fall.drop_N < WORN * (fall.top_N - pull.base_N) or top - passed < LONG_ENOUGH:
+        return False
+    # A bump, or weights hung on, rise faster than the motor loads, which takes longer to come to the same force.
+    back = own_rate * (passed - fall.bottom - 1) / max(fall.top_N - fall.bottom_N, TINY)
+    return back < COMES_BACK and loading_rate(force_N, passed, top) < GIVES * own_rate
 
 
 def _turned_on(force_N: FloatArray, fall: Fall, rate: float | None = None) -> float:

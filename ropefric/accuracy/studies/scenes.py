@@ -151,7 +151,9 @@ def _reference(case: str) -> Any:
 
 def _settings(case: str) -> tuple[Setting, ...]:
     system, problem, _ = PROBLEMS[case]
-    judged = partial(against, _reference(case), error=system.distance)
+    judged = partial(
+        against, _reference(case), error=lambda found, wanted: system.distance(found, wanted, wanted)
+    )
 
     def plan_and_solve(accuracy: float, effects: str = "auto") -> object:
         plan, model = make_plan(system, problem, accuracy=accuracy, effects=effects)

@@ -28,6 +28,10 @@ _OF = Option(
     "peak", metavar="peak|kinetic", help="Fit the break-away force, or the mean force while sliding."
 )
 
+_TOUCHING = Option(
+    None, min=0.0, help="Turns that touch the one beside them; by default all beyond the first may."
+)
+
 
 @command("ropefric fit fits/prth-trials.csv --law coupled --out coupled.json", order=80)
 def fit(
@@ -93,8 +97,11 @@ def compare(
     *,
     laws: Words = listed("NAME[,NAME…]", "Laws to compare, all by default"),
     of: str = _OF,
+    touching_turns: float | None = _TOUCHING,
 ) -> Answer:
     """Rank friction laws on a trial table by AICc, with weights and the error at unseen conditions.
+
+    What no law knows is said beside them: contact between coils, where that describes the trials as well or better.
 
     The two constant laws always stand in the comparison. Exits with 4 unless the best law is supported: when the
     data leave two laws undecided, or no choice at all.
@@ -103,7 +110,10 @@ def compare(
     table = options.read_table(trials, out, of=of)
     with Progress(out, "fit") as progress:
         found = comparing.compare_laws(
-            table, names or None, progress=lambda law, done, total: progress.update(done, total, law)
+            table,
+            names or None,
+            touching_turns=touching_turns,
+            progress=lambda law, done, total: progress.update(done, total, law),
         )
     chosen = comparing.choose_law(found)
     verdict = parts.verdict_section(chosen.verdict, f"The law: {chosen.fit.law}")
@@ -116,9 +126,7 @@ def diagnose(
     out: Output,
     trials: options.TableArgument,
     *,
-    touching_turns: float | None = Option(
-        None, min=0.0, help="Turns that touch the one beside them; by default all beyond the first may."
-    ),
+    touching_turns: float | None = _TOUCHING,
 ) -> Answer:
     """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap, coil contact.
 

@@ -16,7 +16,7 @@ from typer import Argument, Option
 from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Number, Words, command, exit_code_of, flag, listed, quantity
 from ropefric.cli.output import PIPE_WIDTH, Output, Progress, width_of
-from ropefric.errors import DataError, InputError, UnknownNameError, raise_problems
+from ropefric.errors import DataError, InputError, Problem, UnknownNameError, raise_problems
 from ropefric.files.disk import refuse_input, refuse_special, write_file
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
@@ -35,6 +35,7 @@ with on_first_use():
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import campaign_model, outliers, trial_list, workers
     from ropefric.trials import extract as extracting
+    from ropefric.trials import table as tables
 
 if TYPE_CHECKING:
     from ropefric.traces.readers.inspection import ColumnSummary, Inspection
@@ -211,37 +212,51 @@ def _column_row(found: "Inspection", column: "ColumnSummary") -> tuple[str, ...]
 def check(
     out: Output,
     campaign: Path = Argument(
-        ..., metavar="CAMPAIGN.toml|SCENE.toml", help="A campaign: its file or its folder. Or a scene."
+        ...,
+        metavar="CAMPAIGN.toml|SCENE.toml|TABLE.csv",
+        help="A campaign: its file or its folder. Or a scene; or a trial table, or a list of conditions.",
     ),
 ) -> Answer:
     """List everything that is wrong or doubtful in a campaign, all at once, and tell what it holds.
 
-    One recording of every kind is opened and read. A scene is checked too. Nothing is extracted, solved or written.
-    Exit code 3 if there are errors; warnings alone leave it at 0.
+    One recording of every kind is opened and read. A scene is checked too, and a trial table (CSV, Excel or Parquet).
+    Of a campaign and a table, with or without forces, it is said what laws and parameters the list can tell apart.
+    Nothing is extracted, fitted, solved or written. Exit code 3 if there are errors; warnings alone leave it at 0.
     """
-    campaign = options.campaign_file(campaign)
-    scene = _is_scene(campaign)
-    problems = scenes.check_scene(campaign) if scene else campaigns.check_campaign(campaign)
+    file = options.campaign_file(campaign)
+    kind = "table" if file.suffix not in {"", ".toml"} else "scene" if _is_scene(file) else "campaign"
     content: dict[str, Any] = {}
-    if not scene and all(problem.severity == "warning" for problem in problems):
-        loaded = campaigns.load_campaign(campaign)
-        looked, unread = extracting.check_recordings(loaded)
-        tells = resolution.outlook_of_campaign(loaded)
-        content = _content(loaded) | {"recordings": list(looked), "tells": [item.to_dict() for item in tells]}
-        problems = (*problems, *unread)
+    problems: tuple[Problem, ...]
+    if kind == "scene":
+        problems = scenes.check_scene(file)
+    elif kind == "table":
+        try:
+            listed = resolution.read_list(file)
+        except DataError as error:
+            problems = error.problems
+        else:
+            problems, content = listed.warnings, _content_of_table(listed)
+    else:
+        problems = campaigns.check_campaign(file)
+        if all(problem.severity == "warning" for problem in problems):
+            loaded = campaigns.load_campaign(file)
+            looked, unread = extracting.check_recordings(loaded)
+            tells = resolution.outlook_of_campaign(loaded)
+            content = _content(loaded) | {"recordings": list(looked), "tells": [t.to_dict() for t in tells]}
+            problems = (*problems, *unread)
     n_errors = sum(problem.severity == "error" for problem in problems)
     if not out.json:
         out.problems(problems)
-    summary = f"{campaign}: {counted(n_errors, 'error')}, {counted(len(problems) - n_errors, 'warning')}"
-    listed = [problem.to_dict() | {"severity": problem.severity} for problem in problems]
-    data: dict[str, Any] = {"ok": n_errors == 0, "problems": listed}
+    summary = f"{file}: {counted(n_errors, 'error')}, {counted(len(problems) - n_errors, 'warning')}"
+    told = [problem.to_dict() | {"severity": problem.severity} for problem in problems]
+    data: dict[str, Any] = {"ok": n_errors == 0, "problems": told}
     try:
         raise_problems(problems)
     except DataError as failure:
         return Answer(data | failure.to_dict(), summary, DataError.exit_code)
-    if scene:
+    if kind == "scene":
         return Answer(data, summary)
-    return Answer(data | {"campaign": content}, "\n".join([summary, *_content_lines(content)]))
+    return Answer(data | {kind: content}, "\n".join([summary, *_content_lines(content)]))
 
 
 def _is_scene(path: Path) -> bool:
@@ -271,30 +286,54 @@ def _content(campaign: "campaign_model.Campaign") -> dict[str, Any]:
 
 
 def _content_lines(content: dict[str, Any]) -> list[str]:
-    """Return what a campaign holds in the units people use at the rig."""
+    """Return what a campaign or a table holds in the units people use at the rig, and what that can tell."""
     fewest, most = content["repeats"]["fewest"], content["repeats"]["most"]
-    good_lost = outliers.RULES[content["rejection"]].good_lost(most)
-    lost = f", takes {good_lost:.2g} good trials of {most} on average" if good_lost > 0.0 else ""
-    excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
     rows = [
-        ("campaign", content["name"] or "(no name)"),
-        ("trials", f"{content['n_trials']} in {content['n_files']} files{excluded}"),
         ("conditions", f"{content['n_conditions']}"),
         ("repeats", f"{fewest}" if fewest == most else f"{fewest} to {most} per condition"),
         ("wheel radius R_w", _listed(content["wheel_radius_m"], 1e3, "mm")),
         ("rope radius R_r", _listed(content["rope_radius_m"], 1e3, "mm")),
         ("wrap φ", _listed(content["wrap_angle_rad"], math.degrees(1.0), "deg")),
         ("end tension F_B", _listed(content["end_tension_N"], 1.0, "N")),
-        ("lift force F_A", _listed(content["lift_force_N"], 1.0, "N")),
-        ("rejection", f"{content['rejection']}{lost}"),
     ]
+    within, how = resolution.TYPICAL_WITHIN, ""
+    if "rejection" in content:
+        good_lost = outliers.RULES[content["rejection"]].good_lost(most)
+        lost = f", takes {good_lost:.2g} good trials of {most} on average" if good_lost > 0.0 else ""
+        excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
+        trials = f"{content['n_trials']} in {content['n_files']} files{excluded}"
+        rows = [("campaign", content["name"] or "(no name)"), ("trials", trials), *rows]
+        rows.append(("lift force F_A", _listed(content["lift_force_N"], 1.0, "N")))
+        rows.append(("rejection", f"{content['rejection']}{lost}"))
+    else:
+        rows.insert(
+            0, ("trials", f"{content['n_trials']}" + ("" if content["n_forces"] else ", without forces"))
+        )
+        if content["scatter_within"] is not None:
+            within, how = content["scatter_within"], " as here"
     told = [f"{name:<18} {text}" for name, text in rows if text]
     if content["tells"]:
-        told.append(
-            "what this list can tell, if ropes scatter as usual (1.5 % between repeats, 1 % between conditions):"
-        )
-        told += [f"  {item['text']}" for item in content["tells"]]
-    return told + [f"read {line}" for line in content["recordings"]]
+        scatter = f"{100.0 * within:.2g} % between repeats{how}, {100.0 * resolution.TYPICAL_BETWEEN:g} %"
+        told.append(f"what this list can tell, if ropes scatter as usual ({scatter} between conditions):")
+        told += [*(f"  {item['text']}" for item in content["tells"]), f"  ({resolution.SCALE})"]
+    return told + [f"read {line}" for line in content.get("recordings", ())]
+
+
+def _content_of_table(table: "tables.TrialTable") -> dict[str, Any]:
+    """Return what a table holds that is used, or a list that has no forces yet, and what it can tell."""
+    chosen, within = resolution.listed(table), resolution.scatter_of_repeats(table)
+    settings = {name: getattr(table, name)[chosen] for name in conditions.SETTINGS}
+    group = table.group() if table.used.any() else conditions.condition_groups(*settings.values())
+    repeats = Counter(group.tolist())
+    return {
+        "n_trials": int(chosen.sum()),
+        "n_conditions": len(repeats),
+        "repeats": {"fewest": min(repeats.values()), "most": max(repeats.values())},
+        **{name: conditions.distinct(values).tolist() for name, values in settings.items()},
+        "n_forces": int(table.used.sum()),
+        "scatter_within": None if math.isnan(within) else within,
+        "tells": [item.to_dict() for item in resolution.outlook_of_table(table)],
+    }
 
 
 def _listed(values: Iterable[float], factor: float, unit: str) -> str:

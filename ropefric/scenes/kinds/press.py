@@ -421,12 +421,25 @@ def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure,
     return (kind.Failure(words, "largest utilisation", largest, largest > 1.0),)
 
 
+def _undecided(answer: PressAnswer, _: PressProblem, error: float) -> tuple[str, ...]:
+    """Return which rollers may slip or not, and which may be the first; utilisations err by a share of the largest."""
+    use, rollers = answer.slip.utilisation[0], answer.slip.rollers
+    off = error * float(use.max()) / (1.0 - error) if error < 1.0 else math.inf
+    slip = [name for name, one in zip(rollers, use, strict=True) if abs(one - 1.0) <= off]
+    first = [name for name, one in zip(rollers, use, strict=True) if one >= use.max() - 2.0 * off]
+    found = [f"whether the belt slips on roller {' or '.join(slip)}"] if slip else []
+    if use.any() and len(first) > 1:
+        found.append(f"which is the first to slip, roller {' or '.join(first)}")
+    return tuple(found)
+
+
 def _by_name(names: Sequence[str], values: FloatArray) -> dict[str, float]:
     return dict(zip(names, values.tolist(), strict=True))
 
 
 def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
-    press, slip, factor = answer.model.press, answer.slip, float(answer.model.problem.load_factor[0])
+    press, given, slip = answer.model.press, answer.model.problem.press, answer.slip
+    factor = float(answer.model.problem.load_factor[0])
     spans = [span.name for span in press.spans]
     tree: dict[str, Any] = {
         "tension_N": _by_name(spans, answer.at_rest_N[0]),
@@ -439,7 +452,7 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
         "rank": answer.statics.rank,
         "undetermined": list(answer.statics.undetermined),
         "speed_m_s": float(answer.state.speed_m_s[0]),
-        # What the torques stand for: pulls M_G/R, eq. (6), and Δh K_max times the squeezes, eq. (9).
+        # What the torques given stand for: pulls M_G/R, eq. (6), and Δh K_max times the squeezes, eq. (9).
         "loads": {
             "by_roller": {
                 one.name: {
@@ -448,10 +461,10 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
                     * one.squeeze_torque_N_m
                     / (max(belt.width_m for belt in press.belts_on(one.name)) * one.radius_m),
                 }
-                for one in press.rollers
+                for one in given.rollers
                 if one.torque_N_m
             },
-            "total_N": factor * sum(one.torque_N_m / one.radius_m for one in press.rollers),
+            "total_N": factor * sum(one.torque_N_m / one.radius_m for one in given.rollers),
         },
         "creep": {
             "rim_speed_m_s": _by_name(slip.rollers, answer.rim_speed_m_s[0]),
@@ -666,7 +679,9 @@ KIND = kind.Kind(
     beyond={
         "critical": "what has to change until a roller slips, and which is the first",
         "sticking": "angles and travels of belts that stick from standstill on",
+        "creep.power_lost_W": "the power that creep takes",
     },
+    undecided=_undecided,
     # A span goes slack for want of preload; a roller has a table of its own.
     keys={"span": "press.preload", "roller": "rollers.{}"},
     sections=_sections,

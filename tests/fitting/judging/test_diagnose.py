@@ -225,6 +225,16 @@ def test_what_six_points_could_have_hidden(campaign):
     assert [cause.numbers[f"bound_{end}"] for end in ("low", "high")] == pytest.approx(ends, rel=1e-6)
 
 
+def test_limits_stand_where_conditions_are_too_few_for_any_law(campaign):
+    """Two wraps at two loads leave two degrees of freedom to a wrap effect beside μ, and none to a law with one."""
+    table = campaign("constant", [0.2], wraps_deg=(90, 180), loads=(20.0, 60.0), repeats=5, within=0.01)
+    cause = diagnose(table)["wrap effect"]
+    assert cause.supported == "cannot-tell"
+    assert "too few for any law" in cause.evidence
+    assert "from 90 to 180 deg" in cause.evidence
+    assert -0.5 < cause.numbers["bound_low"] < 0.0 < cause.numbers["bound_high"] < 0.5
+
+
 # --- coils that touch, and groups of trials ---
 
 
@@ -242,6 +252,16 @@ def test_coils_that_touch_raise_the_friction_beyond_one_turn():
     found = diagnose(table)["coil contact"]
     assert found.supported == "yes"
     assert found.numbers["slope"] == pytest.approx(0.06, abs=0.01)
+    # No law knows it, and the ranking says so; the number is that of the diagnosis, and nothing is fitted for it.
+    ranked = compare_laws(table)
+    assert ranked.contact["slope"] == pytest.approx(found.numbers["slope"], rel=0.05)
+    assert ranked.contact["lead"] == pytest.approx(ranked.best.aicc - ranked.contact["aicc"])
+    assert ranked.contact["lead"] > 6.0
+    assert any("contact between coils" in note for note in ranked.notes)
+    verdict = choose_law(ranked).verdict
+    assert verdict.word == "undecided"
+    assert "contact between coils" in verdict.reason
+    assert not compare_laws(table, touching_turns=0.0).contact
     apart = diagnose(table, touching_turns=0.0)
     assert apart["coil contact"].supported == "no"
     assert apart["wrap effect"].supported == "yes"

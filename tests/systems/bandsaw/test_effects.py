@@ -118,7 +118,7 @@ def test_bending_gives_the_reference_values_of_the_moving_beam(ends, travels):
 
 def test_torsion_adds_its_frequencies_and_changes_no_other(full_problem):
     without, with_it = solved(full_problem, ["travel"]), solved(full_problem, ["travel", "torsion"])
-    assert SYSTEM.distance(without, with_it) == 0.0
+    assert SYSTEM.distance(without, with_it, with_it) == 0.0
     assert without.sides[T].torsion_Hz is None
     section = full_problem.section
     stiff = (

@@ -84,9 +84,7 @@ def build_app(on_start: Callable[[], None] | None = None) -> Any:
     app.callback(invoke_without_command=True)(_top)
     for command in find_commands().values():
         text = inspect.getdoc(command.run) or ""
-        said: Any = {"short_help": text.partition("
-
-")[0], "epilog": command.example}
+        said: Any = {"short_help": text.partition("\n\n")[0], "epilog": command.example}
         app.command(command.name, help=text, cls=_Command, **said)(_with_global_options(command, on_start))
     return typer.main.get_command(app)
 

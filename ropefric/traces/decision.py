@@ -272,7 +272,9 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
         why = "no static peak stands out"
         return _held(prepared, sliding) if held else _no_peak(prepared, candidate, sliding, why)
     # A motor that stops lets the masses swing: not faster than it loaded them, and around a quiet level.
-    stops = fall.drop_N < candidate.rate * fall_blocks(force_N, fall) and is_quiet(prepared, candidate, sliding)
+    stops = fall.drop_N < candidate.rate * fall_blocks(force_N, fall) and is_quiet(
+        prepared, candidate, sliding
+    )
     if fall.sudden and not stops:
         return measured(prepared, settings, candidate, sliding)
     if much and swings(prepared, fall, sliding):

@@ -82,19 +82,10 @@ def out_folder(help: str, default: Path | None = None, names: tuple[str, ...] = 
     return typer.Option(default, *names, parser=named, metavar="FOLDER", help=help)
 
 
-CampaignArgument = Annotated[
-    Path,
-    typer.Argument(
-        metavar="CAMPAIGN.toml", help="The campaign: its TOML file, or the folder with a campaign.toml."
-    ),
-]
-TableArgument = Annotated[
-    Path,
-    typer.Argument(
-        metavar="TRIALS.csv",
-        help="A trial table, CSV, Excel or Parquet: what `extract` writes, or one of your own.",
-    ),
-]
+_CAMPAIGN = "The campaign: its TOML file, or the folder with a campaign.toml."
+_TABLE = "A trial table, CSV, Excel or Parquet: what `extract` writes, or one of your own."
+CampaignArgument = Annotated[Path, typer.Argument(metavar="CAMPAIGN.toml", help=_CAMPAIGN)]
+TableArgument = Annotated[Path, typer.Argument(metavar="TRIALS.csv", help=_TABLE)]
 SceneArgument = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
 FitOption = Annotated[Path, typer.Option("--fit", metavar="FIT.json", help="A stored fit.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace files there that ropefric did not write.")]
@@ -102,12 +93,8 @@ Cache = Annotated[bool, typer.Option("--cache/--no-cache", help="Skip recordings
 Jobs = Annotated[
     str, typer.Option(metavar="auto|N", help="Processes, at most the cores; auto: one for a small campaign.")
 ]
-Cluster = Annotated[
-    str,
-    typer.Option(
-        "--cluster", metavar="local|ADDRESS", help="Work on a dask cluster, tcp://HOST:8786 as a rule."
-    ),
-]
+_CLUSTER = "Work on a dask cluster, tcp://HOST:8786 as a rule."
+Cluster = Annotated[str, typer.Option("--cluster", metavar="local|ADDRESS", help=_CLUSTER)]
 Parquet = Annotated[
     bool, typer.Option("--parquet", help="Write trials.parquet beside trials.csv, with the same numbers.")
 ]

@@ -173,13 +173,7 @@ def _make_bar(out: Output) -> "Bar":
     from rich.progress import BarColumn, TextColumn, TimeRemainingColumn  # noqa: PLC0415  (only at a terminal)
     from rich.progress import Progress as RichProgress  # noqa: PLC0415
 
-    return RichProgress(
-        TextColumn("{task.description} {task.completed}/{task.total}"),
-        BarColumn(bar_width=24),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeRemainingColumn(),
-        TextColumn("{task.fields[note]}"),
-        console=out.stderr,
-        transient=True,
-        auto_refresh=False,  # no drawing thread: worker processes are forked while the bar is up
-    )
+    count = TextColumn("{task.description} {task.completed}/{task.total}"), BarColumn(bar_width=24)
+    left = TextColumn("{task.percentage:>3.0f} %"), TimeRemainingColumn(), TextColumn("{task.fields[note]}")
+    # No drawing thread: worker processes are forked while the bar is up.
+    return RichProgress(*count, *left, console=out.stderr, transient=True, auto_refresh=False)

@@ -186,9 +186,8 @@ class OutputFolder(Folder):
 
     def _remove(self, name: str) -> None:
         path = self.path / name
-        behind_a_link = any(
-            (self.path / one).is_symlink() for one in PurePosixPath(name).parents if one.parts
-        )
+        parents = PurePosixPath(name).parents
+        behind_a_link = any((self.path / one).is_symlink() for one in parents if one.parts)
         if not behind_a_link and self._is_ours(name) and _file_key(path) not in self._inputs:
             path.unlink()
             if path.parent != self.path:
@@ -256,11 +255,8 @@ class OutputFolder(Folder):
     def _is_ours(self, name: str) -> bool:
         path = self.path / name
         try:
-            return (
-                name in self._entries
-                and stat.S_ISREG(path.lstat().st_mode)
-                and hash_file(path) in self._entries[name].sha256
-            )
+            is_file = name in self._entries and stat.S_ISREG(path.lstat().st_mode)
+            return is_file and hash_file(path) in self._entries[name].sha256
         except (OSError, DataError):
             return False
 

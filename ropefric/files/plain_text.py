@@ -132,8 +132,6 @@ def rounded_tree(tree: Any, digits: int = MEASURED_DIGITS) -> Any:
     if isinstance(tree, float):
         return significant(tree, digits) if math.isfinite(tree) else None
     if isinstance(tree, Mapping):
-        return {
-            key: rounded_tree(item, min(digits, STD_DIGITS) if f"{key}_".startswith("std_") else digits)
-            for key, item in tree.items()
-        }
+        kept = {key: min(digits, STD_DIGITS) if f"{key}_".startswith("std_") else digits for key in tree}
+        return {key: rounded_tree(item, kept[key]) for key, item in tree.items()}
     return [rounded_tree(item, digits) for item in tree] if isinstance(tree, list | tuple) else tree

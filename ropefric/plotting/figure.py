@@ -37,11 +37,7 @@ from ropefric.plotting.style import TYPESET, figure_text, house_style, plain_tex
 T = TypeVar("T")
 
 # Without date and matplotlib's version, which would change an unchanged figure.
-FORMATS = {
-    "png": ("Software",),
-    "svg": ("Date", "Creator"),
-    "pdf": ("CreationDate", "Creator", "Producer"),
-}
+FORMATS = {"png": ("Software",), "svg": ("Date", "Creator"), "pdf": ("CreationDate", "Creator", "Producer")}
 """What a figure can be written as, and what is not to be said in it."""
 
 _PARSERS: dict[str, Any] = {}

@@ -3,10 +3,11 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from matplotlib.axes import Axes
 from matplotlib.ticker import LogFormatter
 from scipy.ndimage import gaussian_filter
 from scipy.special import ndtri
@@ -20,10 +21,6 @@ from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
 from ropefric.uncertainty.quantity import joint_draws, symmetric_root
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 FACETS = ("end_tension_N", "wrap_angle_rad", "wheel_radius_m")
 """What the average coefficient is drawn against."""
@@ -141,7 +138,7 @@ def _first(fits: Sequence[FitResult]) -> tuple[FitResult, ConditionPoints, str]:
     return fits[0], points, f"{counted(int(points.n.sum()), 'trial')}, {counted(points.n.size, 'condition')}"
 
 
-def _plain_log(axes: "Axes", axis: str) -> None:
+def _plain_log(axes: Axes, axis: str) -> None:
     """Make an axis logarithmic, with plain numbers at its ticks."""
     axes.set(**{f"{axis}scale": "log"})
     getattr(axes, f"{axis}axis").set_major_formatter("{x:g}")
@@ -199,7 +196,7 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
-def _draw_means(axes: "Axes", x: FloatArray, y: FloatArray, std: FloatArray, **look: Any) -> None:
+def _draw_means(axes: Axes, x: FloatArray, y: FloatArray, std: FloatArray, **look: Any) -> None:
     """Draw conditions with bars of ±2 standard uncertainties."""
     if x.size:
         axes.errorbar(x, y, yerr=2.0 * np.nan_to_num(std), **_BARS | look)
@@ -276,7 +273,7 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
-def _draw_wheels(axes: "Axes", points: ConditionPoints) -> None:
+def _draw_wheels(axes: Axes, points: ConditionPoints) -> None:
     radii_m = points.conditions.wheel_radius_m
     wheel = levels(radii_m)
     for place, color in enumerate(style.shades(int(wheel.max()) + 1)):
@@ -371,7 +368,7 @@ def _band(fit: FitResult, settings: Mapping[str, float], over: str) -> tuple[Flo
     return x, _evaluated(fit, _swept(settings, over, x), law, len(_BAND))
 
 
-def _draw_band(axes: "Axes", x: FloatArray, columns: FloatArray, law: str) -> None:
+def _draw_band(axes: Axes, x: FloatArray, columns: FloatArray, law: str) -> None:
     line, low, high, wide_low, wide_high = columns
     look = style.law_look(law)
     ink = look["color"]
@@ -382,7 +379,7 @@ def _draw_band(axes: "Axes", x: FloatArray, columns: FloatArray, law: str) -> No
 
 
 def _draw_measured(
-    axes: "Axes",
+    axes: Axes,
     fit: FitResult,
     points: ConditionPoints,
     settings: Mapping[str, float],
@@ -445,13 +442,8 @@ def draw_residuals(fit: FitResult) -> FigureWithData:
         share = f"{beyond} of {z.size} beyond ±2" if z.size else _NO_TRIALS
         figure.suptitle(f"Law {fit.law}: {what}, {share}")
         style.legend_of_figure(figure)
-    columns = {
-        "order": order,
-        "lift_force_N": np.exp(fitted),
-        "log_residual": residual,
-        "standardised": z,
-        "normal_quantile": quantile,
-    }
+    columns = {"order": order, "lift_force_N": np.exp(fitted), "log_residual": residual}
+    columns |= {"standardised": z, "normal_quantile": quantile}
     alt = f"Residuals of the law {fit.law}: no trials are stored with the fit."
     if z.size:
         rms = float(np.sqrt(np.mean(residual**2)))
@@ -475,7 +467,7 @@ def _residuals(fit: FitResult) -> tuple[FloatArray, FloatArray, FloatArray]:
     return fitted[usable], residual[usable], std[usable]
 
 
-def _scatter(axes: "Axes", x: "FloatArray | IntArray", z: FloatArray, law: str) -> None:
+def _scatter(axes: Axes, x: "FloatArray | IntArray", z: FloatArray, law: str) -> None:
     axes.axhline(0.0, color=style.INK, linewidth=0.8)
     for limit in (-_LIMIT, _LIMIT):
         axes.axhline(limit, color=style.INK, linewidth=1.0, linestyle=":", label="±2 standard deviations")
@@ -550,9 +542,8 @@ def draw_corner(fit: FitResult) -> FigureWithData:
                 axes.set_ylabel(_with_unit(fit, names[row]), fontsize=9)
         figure.suptitle(what, fontsize=9)
     rows = [
-        (names[i], names[j], float(theta[i]), float(std[i]), float(correlation[i, j]))
-        for i in range(n)
-        for j in range(n)
+        (names[i], names[j], float(theta[i]), float(std[i]), float(r))
+        for (i, j), r in np.ndenumerate(correlation)
     ]
     closest = max((row for row in rows if row[0] != row[1]), key=lambda row: abs(row[4]), default=None)
     alt = f"Parameters of the law {fit.law} against each other, {what}: {', '.join(names)}."
@@ -563,7 +554,7 @@ def draw_corner(fit: FitResult) -> FigureWithData:
     return FigureWithData(figure=figure, tables=(DataTable.of_rows(header, rows), drawn), alt=alt)
 
 
-def _draw_pair(axes: "Axes", x: FloatArray, y: FloatArray, law: str) -> None:
+def _draw_pair(axes: Axes, x: FloatArray, y: FloatArray, law: str) -> None:
     """Draw some of the draws of two parameters as points, and how densely all of them lie as contours."""
     ink = style.law_look(law)["color"]
     ends = (*axes.get_xlim(), *axes.get_ylim())

@@ -148,32 +148,20 @@ class Review:
         seen: ByRow = {} if before is None else before.by_row
         kept: dict[str, tuple[results.TrialResult, ...]] = {}
         if before is not None and before.campaign.settings_fingerprint() == campaign.settings_fingerprint():
-            kept = {
-                row.trial: tuple(
-                    one if one.own == row.own else replace(one, own=row.own) for one in seen[row.trial]
-                )
-                for row in campaign.trials
-                if before.bare.get(row.trial) == replace(row, line=0, own=())
-            }
+            alike = [
+                row for row in campaign.trials if before.bare.get(row.trial) == replace(row, line=0, own=())
+            ]
+            kept = {row.trial: tuple(replace(one, own=row.own) for one in seen[row.trial]) for row in alike}
         rows = tuple(row for row in campaign.trials if row.trial not in kept)
         readable = all(row.trial in seen and all(map(_is_readable, seen[row.trial])) for row in rows)
-        new, n_reused = extract_rows(
-            campaign.model_copy(update={"trials": rows, "warnings": ()}),
-            jobs=self._jobs,
-            cache_dir=self._cache_dir,
-            progress=progress,
-            trusted=readable and len(rows) <= FEW,
-        )
+        of_rows = campaign.model_copy(update={"trials": rows, "warnings": ()})
+        how: dict[str, Any] = {"jobs": self._jobs, "cache_dir": self._cache_dir, "progress": progress}
+        new, n_reused = extract_rows(of_rows, trusted=readable and len(rows) <= FEW, **how)
         by_row = {**kept, **new}
         placed = in_list_order(campaign, by_row)
         found = results.summarised(campaign, [result for _, result in placed], n_reused=n_reused)
-        return _State(
-            content=content,
-            campaign=campaign,
-            by_row=by_row,
-            extraction=results.set_aside_impossible(found, campaign),
-            specs={result.trial: row for row, result in placed},
-        )
+        specs = {result.trial: row for row, result in placed}
+        return _State(content, campaign, by_row, results.set_aside_impossible(found, campaign), specs)
 
     def reload(self) -> dict[str, Any]:
         """Read the campaign again, which somebody has changed; what was decided before can no longer be undone."""
@@ -210,10 +198,7 @@ class Review:
         """
         with self.lock:
             state, spec = self._state, self._spec(trial)
-            values: dict[str, str | float] = {
-                "by": self.by,
-                "when": self._now().isoformat(timespec="seconds"),
-            }
+            values: dict[str, Any] = {"by": self.by, "when": self._now().isoformat(timespec="seconds")}
             if action == "pick":
                 values |= self._picked(trial, pick_s, text)
             elif action in _TEXTS:
@@ -288,11 +273,9 @@ class Review:
             self._change = None
             self._recompute()
             return self.overview()
-        self._change = {
-            "trial": trial,
-            "was": before[trial] | {"condition_was": state.condition(trial)},
-            "is": now[trial] | {"condition_is": self._state.condition(trial)},
-        }
+        was = before[trial] | {"condition_was": state.condition(trial)}
+        is_now = now[trial] | {"condition_is": self._state.condition(trial)}
+        self._change = {"trial": trial, "was": was, "is": is_now}
         self._recompute()
         rows = {name: row for name, row in now.items() if row != before.get(name)}
         return {"rows": rows, "undo": len(self._undo), "counts": self._counts(), **self.answer()}
@@ -346,13 +329,9 @@ class Review:
         """Return the last decision, and what all trials say before and after it, as far as it is known."""
         with self.lock:
             ready = self._computed == self._number
-            return {
-                "change": self._change,
-                "computing": "" if ready else self._doing or "fit",
-                "first": self._first,
-                "before": self._before,
-                "now": self._answer if ready else None,
-            }
+            told = {"change": self._change, "first": self._first, "before": self._before}
+            computing = "" if ready else self._doing or "fit"
+            return told | {"computing": computing, "now": self._answer if ready else None}
 
     # --- what the page shows ---
 
@@ -360,17 +339,10 @@ class Review:
         """Return the whole list of trials, and what is known of all of them."""
         with self.lock:
             campaign = self._state.campaign
-            return {
-                "campaign": campaign.name,
-                "list": campaign.trial_list.name,
-                "by": self.by,
-                "slack": campaign.protocol.needs_lift_force,
-                "order": list(self._state.specs),
-                "rows": self._state.rows,
-                "undo": len(self._undo),
-                "counts": self._counts(),
-                **self.answer(),
-            }
+            names = {"campaign": campaign.name, "list": campaign.trial_list.name, "by": self.by}
+            trials = {"order": list(self._state.specs), "rows": self._state.rows, "counts": self._counts()}
+            slack = campaign.protocol.needs_lift_force
+            return {**names, "slack": slack, **trials, "undo": len(self._undo), **self.answer()}
 
     def _counts(self) -> dict[str, Any]:
         return results.count_trials(self._state.extraction)

@@ -28,37 +28,21 @@ _plain = partial(rounded_tree, digits=GIVEN_DIGITS)
 
 def row_of(trial: TrialResult, condition: str) -> dict[str, Any]:
     """Return what the list of trials shows of one."""
-    std_N = _std_of(trial)
-    return {
-        "file": trial.file,
-        "condition": condition,
-        "status": trial.breakaway.status.value,
-        "outcome": trial.outcome,
-        "excluded": trial.excluded,
-        "decision": trial.decision,
-        "why": trial.why,
-        "by": trial.by,
-        "force_N": trial.measured_N if isfinite(trial.measured_N) else None,
-        "std_N": std_N if isfinite(std_N) else None,
-    }
+    told = {name: getattr(trial, name) for name in ("file", "outcome", "excluded", "decision", "why", "by")}
+    force = {"force_N": trial.measured_N, "std_N": _std_of(trial)}
+    known = {name: value if isfinite(value) else None for name, value in force.items()}
+    return {**told, "condition": condition, "status": trial.breakaway.status.value, **known}
 
 
 def facts_of(spec: TrialSpec, result: TrialResult) -> dict[str, Any]:
     """Return what is known of a trial but its samples."""
     found = result.breakaway
-    tree = {
-        **{name: getattr(found, name) for name in NUMBERS},
-        "start_s": spec.start_s,
-        "stop_s": spec.stop_s,
-        "mu": result.mu,
-        "detail": found.detail,
-        "advice": "" if found.status is Status.OK else found.advice,
-        "notes": found.notes,
-        "problems": [f"{one.code}: {one.message}" for one in result.problems],
-        **{
-            name: [asdict(one) for one in getattr(found, name)] for name in ("phases", "events", "candidates")
-        },
-    }
+    tree = {name: getattr(found, name) for name in (*NUMBERS, "detail", "notes")}
+    tree |= {"start_s": spec.start_s, "stop_s": spec.stop_s, "mu": result.mu}
+    for name in ("phases", "events", "candidates"):
+        tree[name] = [asdict(one) for one in getattr(found, name)]
+    tree["advice"] = "" if found.status is Status.OK else found.advice
+    tree["problems"] = [f"{one.code}: {one.message}" for one in result.problems]
     return {**_plain(tree), **pick_of(result)}
 
 
@@ -119,18 +103,9 @@ def decimated(curves: Curves, start_s: float, stop_s: float, columns: int) -> di
 def answer_of(answer: CampaignAnswer) -> dict[str, Any]:
     """Return what all trials say, as few numbers as tell one answer from another."""
     parameters = [[one.name, one.value, one.std] for one in answer.fit.parameters if one.vary]
-    return {
-        "law": answer.fit.law,
-        "verdict": answer.verdict.word,
-        "reason": answer.verdict.reason,
-        "parameters": _plain(parameters),
-        "lift": _plain(_lift(answer)),
-    }
-
-
-def _lift(answer: CampaignAnswer) -> dict[str, Any] | None:
-    if answer.prediction is None:
-        return None
-    found = answer.prediction
-    low_N, high_N = found.interval_N[0].tolist()
-    return {"force_N": float(found.lift_force_N[0]), "low_N": low_N, "high_N": high_N, "level": found.level}
+    lift, found = None, answer.prediction
+    if found is not None:
+        ends = dict(zip(("low_N", "high_N"), found.interval_N[0].tolist(), strict=True))
+        lift = _plain({"force_N": float(found.lift_force_N[0]), **ends, "level": found.level})
+    said = {"law": answer.fit.law, "verdict": answer.verdict.word, "reason": answer.verdict.reason}
+    return {**said, "parameters": _plain(parameters), "lift": lift}

@@ -104,14 +104,10 @@ def draw_slider(rng: Rng, drawn: dict[str, Any]) -> Slider:
     if law == "lugre":
         part = 1.0 if drawn["fall_s"] else rng.uniform(0.2, 0.8)  # of the weakening, that by slip
         bristle = (mu + spread) / (speed_m_s * climb_s * rng.uniform(0.004, 0.06))
-        contact = {
-            "b": part * b,
-            "excess": (1.0 - part) * spread,
-            "stribeck_m_s": speed_m_s * rng.uniform(0.3, 4.0),
-            "bristle_1_m": bristle,
-            "bristle_damping_s_m": rng.uniform(0.1, 1.0) * np.sqrt(bristle * mass / (force_N * gain)),
-            "viscous_s_m": rng.uniform(0.0, 0.02) * mu / speed_m_s,
-        }
+        contact = {"b": part * b, "excess": (1.0 - part) * spread, "bristle_1_m": bristle}
+        contact["stribeck_m_s"] = speed_m_s * rng.uniform(0.3, 4.0)
+        contact["bristle_damping_s_m"] = rng.uniform(0.1, 1.0) * np.sqrt(bristle * mass / (force_N * gain))
+        contact["viscous_s_m"] = rng.uniform(0.0, 0.02) * mu / speed_m_s
     knots, end_s = _profile(rng, drawn)
     way = speed_m_s * climb_s
 
@@ -348,8 +344,6 @@ def draw_slider_pull(
             # Where nothing slipped, the pull had got so far.
             reached = rng.uniform(0.7, 0.95) if known.status == Status.NO_BREAKAWAY else 1.0
             top_N = known.peak_N if known.status == Status.OK else float(motion.force_N.max()) / reached
-            return SliderPull(
-                motion=motion, slider=slider, known=known, scale=lift_force_N / top_N, hang_s=hang_s,
-                lift_force_N=lift_force_N,
-            )  # fmt: skip
+            drawn: dict[str, Any] = {"motion": motion, "slider": slider, "known": known, "hang_s": hang_s}
+            return SliderPull(scale=lift_force_N / top_N, lift_force_N=lift_force_N, **drawn)
     raise SolverError(f"no pull of {lift_force_N:g} N with {physics} friction came out as {expects}")

@@ -268,9 +268,8 @@ class Recording:
             return trace
         counts = self.counts.astype(np.int64)
         force_N, saturation = self.calibration.apply(counts)
-        return replace(
-            trace, force_N=force_N, counts=counts, calibration=self.calibration, saturation=saturation
-        )
+        read: dict[str, Any] = {"counts": counts, "calibration": self.calibration, "saturation": saturation}
+        return replace(trace, force_N=force_N, **read)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

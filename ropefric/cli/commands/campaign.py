@@ -9,7 +9,7 @@ import webbrowser
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from typer import Argument, BadParameter, Option
 
@@ -88,6 +88,11 @@ def extract(
             out.problems(error.problems)
         data, exit_code = data | error.to_dict(), error.exit_code
     return Answer(data, _sections(extraction), exit_code)
+
+
+def _by_law(shown: Progress) -> Callable[[str, int, int], None]:
+    """Return what is told of each law that is fitted."""
+    return lambda name, done, total: shown.update(done, total, name)
 
 
 def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack) -> "Executor | None":
@@ -172,10 +177,8 @@ def _sections(extraction: "result.Extraction") -> "list[section.Section]":
         said = f"{len(flagged)} of {len(extraction.trials)} trials are without a force:"
         reasons = [row for group in result.alike(flagged) for row in _flagged_rows(group)]
         advice = [f"{one}: {breakaway.ADVICE[one]}" for one in statuses if one in _ADVISED]
-        told += [
-            section.Section(lines=(said,), headings=("trial", "status", "why "), rows=reasons, left=3),
-            section.Section(lines=advice),
-        ]
+        told.append(section.Section("", (said,), ("trial", "status", "why "), reasons, left=3))
+        told.append(section.Section(lines=advice))
     return told
 
 
@@ -221,20 +224,9 @@ def run(
     leave two of them undecided, or judge none.
     """
     loaded = campaigns.load_campaign(options.campaign_file(campaign))
-    n_jobs = options.parse_jobs(jobs, len(loaded.trials))
-    drawing = frozenset({"conditions", "report"}) if figures else frozenset()
-    return work_through(
-        out,
-        loaded,
-        folder,
-        law=law,
-        n_jobs=n_jobs,
-        cluster=cluster,
-        parquet=parquet,
-        cache=cache,
-        drawing=drawing,
-        force=force,
-    )
+    drawing = frozenset({"conditions", "report"} if figures else ())
+    how: dict[str, Any] = {"law": law, "cluster": cluster, "parquet": parquet, "cache": cache, "force": force}
+    return work_through(out, loaded, folder, jobs=jobs, drawing=drawing, **how)
 
 
 def work_through(
@@ -243,11 +235,11 @@ def work_through(
     folder: Path,
     *,
     law: str = "",
-    n_jobs: int = 1,
+    jobs: str,
     cluster: str = "",
     parquet: bool = False,
     cache: bool = True,
-    drawing: frozenset[str] = frozenset({"report"}),
+    drawing: frozenset[str],
     wish: "page.Wish | None" = None,
     force: bool = False,
 ) -> Answer:
@@ -258,7 +250,7 @@ def work_through(
     # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.
     if law:
         laws.ALL_LAWS[law]
-    cache_dir = folder / ".cache" if cache else None
+    cache_dir, n_jobs = folder / ".cache" if cache else None, options.parse_jobs(jobs, len(campaign.trials))
     options.lend_fonts_a_place(folder)
     target = pipeline.campaign_folder(campaign, folder, force=force)
 
@@ -279,17 +271,13 @@ def work_through(
                 Progress(out, "extract") as extracting,
                 Progress(out, "fit") as fitting,
             ):
+                how: dict[str, Any] = {"law": law, "jobs": n_jobs, "cache_dir": cache_dir, "parquet": parquet}
+                told: dict[str, Any] = {
+                    "extract_progress": extracting.update,
+                    "fit_progress": _by_law(fitting),
+                }
                 done = pipeline.run_campaign(
-                    campaign,
-                    target,
-                    law=law,
-                    jobs=n_jobs,
-                    cache_dir=cache_dir,
-                    executor=executor,
-                    parquet=parquet,
-                    extract_progress=extracting.update,
-                    fit_progress=lambda name, done, total: fitting.update(done, total, name),
-                    on_extracted=draw,
+                    campaign, target, executor=executor, on_extracted=draw, **how, **told
                 )
         except RopefricError:
             for finish in to_finish:
@@ -302,11 +290,8 @@ def work_through(
         for finish in to_finish:
             finish()
     said = options.written_to(folder, "report.html, trials.csv, fits/, comparison.csv, …")
-    return Answer(
-        done.to_dict() | {"written": [*done.written, *written]},
-        [*pages.summary_sections(done), said],
-        exit_code_of(done.answer.verdict),
-    )
+    data = done.to_dict() | {"written": [*done.written, *written]}
+    return Answer(data, [*pages.summary_sections(done), said], exit_code_of(done.answer.verdict))
 
 
 @command("ropefric report out --pdf", order=70)
@@ -363,9 +348,8 @@ def report(
             before, law_before = pipeline.recorded_run(folder)
             law = law_before if before.resolve() == campaign.resolve() else ""
     loaded = campaigns.load_campaign(campaign)
-    n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"report"} if figures else ())
-    return work_through(out, loaded, folder, law=law, n_jobs=n_jobs, drawing=drawing, wish=wish, force=force)
+    return work_through(out, loaded, folder, law=law, jobs=jobs, drawing=drawing, wish=wish, force=force)
 
 
 _TABLES = (".csv", ".tsv", ".txt", ".xlsx", ".xls", ".ods")
@@ -382,20 +366,15 @@ def _report_table(
     options.lend_fonts_a_place(target.path)
     with target:
         with Progress(out, "fit") as fitting, Progress(out, "report") as reporting:
-            answer = pipeline.answer_trials(
-                table, design=about.design, law=law, progress=lambda name, i, n: fitting.update(i, n, name)
-            )
+            answer = pipeline.answer_trials(table, design=about.design, law=law, progress=_by_law(fitting))
             written = pipeline.write_answer(answer, target)
             written += pages.write_table_report(
                 answer, inputs, target, words=about.report, wish=wish, progress=reporting.update
             )
         target.publish("answer")
     said = options.written_to(target.path, "report.html, fits/, comparison.csv, …")
-    return Answer(
-        answer.to_dict() | {"written": [*written]},
-        [*pages.answer_sections(answer), said],
-        exit_code_of(answer.verdict),
-    )
+    data = answer.to_dict() | {"written": [*written]}
+    return Answer(data, [*pages.answer_sections(answer), said], exit_code_of(answer.verdict))
 
 
 @command("ropefric review out", order=65)
@@ -431,14 +410,9 @@ def review(
     path = options.campaign_file(path)
     n_jobs = options.parse_jobs(jobs, len(campaigns.load_campaign(path, missing_recordings="flag").trials))
     with Progress(out, "extract") as progress:
-        reviewed = session.Review(
-            path,
-            by=by.strip() or _login_name(),
-            law=law,
-            cache_dir=folder / folders.CACHE,
-            jobs=n_jobs,
-            progress=progress.update,
-        )
+        how: dict[str, Any] = {"law": law, "cache_dir": folder / folders.CACHE, "jobs": n_jobs}
+        by = by.strip() or _login_name()
+        reviewed = session.Review(path, by=by, progress=progress.update, **how)
     with server.ReviewServer(reviewed, port) as serving:
         # Not a note: without it nobody finds the page.
         sys.stderr.write(f"{serving.address}\n")

@@ -76,11 +76,8 @@ def fit(
         out.note(f"wrote {store.save_fit(result, file, overwrite=force)}")
     verdict = parts.verdict_section(result.verdict, "The verdict, by this fit alone")
     sections = [parts.fit_section(result), verdict, *parts.notes_sections(result)]
-    return Answer(
-        result.to_dict() | {"verdict": result.verdict.to_dict(), "of": result.of},
-        sections,
-        exit_code_of(result.verdict),
-    )
+    data = result.to_dict() | {"verdict": result.verdict.to_dict(), "of": result.of}
+    return Answer(data, sections, exit_code_of(result.verdict))
 
 
 @contextmanager
@@ -120,11 +117,8 @@ def compare(
         )
     chosen = comparing.choose_law(found)
     verdict = parts.verdict_section(chosen.verdict, f"The law: {chosen.fit.law}")
-    return Answer(
-        found.to_dict() | chosen.to_dict() | {"of": table.force},
-        [parts.comparison_section(found), verdict],
-        exit_code_of(chosen.verdict),
-    )
+    data = found.to_dict() | chosen.to_dict() | {"of": table.force}
+    return Answer(data, [parts.comparison_section(found), verdict], exit_code_of(chosen.verdict))
 
 
 @command("ropefric diagnose fits/prth-trials.csv", order=110)

@@ -109,19 +109,11 @@ def solve(
             if target is not None:
                 write = stack.enter_context(sweep_table.sweep_table(axes, target, f"sweep.{table}")).add
             executor = stack.enter_context(executors.cluster(cluster))
-            found = sweeping.sweep_scene(
-                loaded,
-                axes,
-                progress=progress.update,
-                write=write,
-                keep=sweeping.KEPT_POINTS,
-                executor=executor,
-            )
+            how: dict[str, Any] = {"write": write, "keep": sweeping.KEPT_POINTS, "executor": executor}
+            found = sweeping.sweep_scene(loaded, axes, progress=progress.update, **how)
         files = [] if target is None else _publish_sweep(out, found, target, f"sweep.{table}", plot)
-        data = _tree(found) | {"files": files}
-        return Answer(
-            data, pages.sweep_sections(found, width_of(sys.stdout)), exit_code_of(found.keeps_accuracy)
-        )
+        shown = pages.sweep_sections(found, width_of(sys.stdout))
+        return Answer(_tree(found) | {"files": files}, shown, exit_code_of(found.keeps_accuracy))
 
 
 _DRAWN = ("draws.csv", "draws.parquet", "draws.json")
@@ -190,11 +182,9 @@ def _tree(found: "sweeping.Sweep") -> dict[str, Any]:
     points = prod(found.shape)
     # A million numbers on a terminal serve nobody; the CSV of --out has them.
     listed = points <= _LISTED_POINTS
+    axes = [(axis.key, axis.unit, (axis.values / axis.factor).tolist()) for axis in found.axes]
     return {
-        "axes": [
-            {"key": axis.key, "unit": axis.unit, "values": (axis.values / axis.factor).tolist()}
-            for axis in found.axes
-        ],
+        "axes": [dict(zip(("key", "unit", "values"), one, strict=True)) for one in axes],
         "points": points,
         "columns": {name: values if listed else None for name, values in found.columns.items()},
         "effects": {"simulated": found.simulated, "left_out_at": found.left_out},
@@ -318,11 +308,7 @@ def cost(
         written = cost_page.write_cost(results, machine, target)
         # A whole measurement is made anew, one that was interrupted goes on.
         kept.unlink(missing_ok=True)
-    data = {
-        "machine": asdict(machine),
-        "quick": quick,
-        "studies": [result.to_dict() for result in results],
-        "written": list(written),
-    }
+    studied = [result.to_dict() for result in results]
+    data = {"machine": asdict(machine), "quick": quick, "studies": studied, "written": list(written)}
     said = options.written_to(folder, "cost.html, cost.md, …")
     return Answer(data, [*cost_page.cost_sections(results, machine), said])

@@ -172,7 +172,7 @@ def _sections(found: "Inspection", profile: str) -> list["section.Section"]:
         section.Section(lines=notes, verbatim=True),
         section.Section("please check", notes=found.doubts),
         section.Section(
-            lines=("suggested for campaign.toml:", "", *profile.rstrip().split("\n")), verbatim=True
+            lines=["suggested for campaign.toml:", "", *profile.rstrip().split("\n")], verbatim=True
         ),
     ]
     return [one for one in told if one.rows or one.notes or (one.lines and not one.headings)]
@@ -397,18 +397,9 @@ def simulate(
         written = rigs.simulate_campaign(folder, plan, seed=seed, progress=progress.update)
     campaign = next(path for path in written if path.name == "campaign.toml")
     out.note(f"next: ropefric extract {quote(str(campaign))} --out out")
-    data = {
-        "campaign": campaign,
-        "bench": bench,
-        "seed": seed,
-        "physics": plan.physics,
-        "protocol": plan.protocol,
-        "law": plan.law,
-        "parameters": dict(plan.parameters),
-        "faults": dict(plan.faults),
-        "n_conditions": len(plan.conditions),
-        "n_trials": plan.n_trials,
-    }
+    planned = ("physics", "protocol", "law", "parameters", "faults", "n_trials")
+    data = {"campaign": campaign, "bench": bench, "seed": seed, "n_conditions": len(plan.conditions)}
+    data |= {name: getattr(plan, name) for name in planned}
     made = f"{counted(plan.n_trials, 'recording')} of {counted(len(plan.conditions), 'condition')}"
     return Answer(data, f"{made}, law {plan.law}, seed {seed} → {campaign}")
 

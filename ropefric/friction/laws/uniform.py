@@ -81,8 +81,9 @@ CONSTANT = FrictionLaw(
     parameters=(Parameter("mu", "-", 0.2, 0.0, 5.0, "friction coefficient"),),
     coefficient="average",
     effects=frozenset(),
+    weakens=True,
     physics=Uniform(),
-    candidates=lambda mu, _conditions, _log_lift: [[mu]],
+    candidates=lambda mu, _at, _log_lift: [[mu]],
     arithmetic=mu_times_wrap(),
 )
 
@@ -115,7 +116,7 @@ CONSTANT_OFFSET = FrictionLaw(
     coefficient="local",
     effects=frozenset({"offset"}),
     physics=Offset(),
-    candidates=lambda mu, _conditions, _log_lift: [[mu, 0.0]],
+    candidates=lambda mu, _at, _log_lift: [[mu, 0.0]],
     special_cases=(CONSTANT,),
     arithmetic=lambda sheet: sheet.line("mu phi + k", "mu * phi + k"),
 )  # fmt: skip
@@ -162,8 +163,9 @@ SIZE_POWER = FrictionLaw(
     ),
     coefficient="average",
     effects=frozenset({"size"}),
+    weakens=True,
     physics=PowerSize(),
-    candidates=lambda mu, _conditions, _log_lift: combinations(
+    candidates=lambda mu, _at, _log_lift: combinations(
         mu * np.array([0.5, 1.0, 1.5]), [0.3, 1.0, 3.0, 10.0], mu * np.array([0.02, 0.3, 0.8])
     ),
     special_cases=(CONSTANT,),
@@ -219,10 +221,9 @@ SIZE_EXPONENTIAL = FrictionLaw(
     ),
     coefficient="average",
     effects=frozenset({"size"}),
+    weakens=True,
     physics=ExponentialSize(),
-    candidates=lambda mu, conditions, _log_lift: combinations(
-        mu * np.array([1.0, 1.3, 2.0]), *size_candidates(conditions)
-    ),
+    candidates=lambda mu, at, _log_lift: combinations(mu * np.array([1.0, 1.3, 2.0]), *size_candidates(at)),
     special_cases=(CONSTANT,),
     arithmetic=mu_times_wrap(("r", "R_w/R_r"), ("mu", SIZE_FORMULA)),
 )  # fmt: skip
@@ -274,8 +275,9 @@ THICKNESS = FrictionLaw(
     ),
     coefficient="average",
     effects=frozenset({"size"}),
+    weakens=True,
     physics=Thickness(),
-    candidates=lambda mu, _conditions, _log_lift: mu * np.array([[1.0], [1.2], [1.6]]),
+    candidates=lambda mu, _at, _log_lift: mu * np.array([[1.0], [1.2], [1.6]]),
     arithmetic=_thickness_by_hand,
 )  # fmt: skip
 
@@ -308,7 +310,8 @@ GROOVE = FrictionLaw(
     ),
     coefficient="average",
     effects=frozenset({"groove"}),
+    weakens=True,
     physics=Groove(),
-    candidates=lambda mu, _conditions, _log_lift: [[mu * np.sin(_HALF_ANGLE_RAD), _HALF_ANGLE_RAD]],
+    candidates=lambda mu, _at, _log_lift: [[mu * np.sin(_HALF_ANGLE_RAD), _HALF_ANGLE_RAD]],
     arithmetic=mu_times_wrap(("mu/sin(half angle)", "mu/sin(half_angle)", "mu")),
 )  # fmt: skip

@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -36,8 +35,7 @@ _OTHERS = {"label": "other conditions", "color": style.GREY, "markerfacecolor": 
 _CHOSEN: dict[str, Any] = {"color": style.INK, "markersize": 5.5, "zorder": 4}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ConditionPoints:
+class ConditionPoints(NamedTuple):
     """The measured conditions behind a fit: how many trials, mean ln F_A and its standard uncertainty."""
 
     conditions: Conditions

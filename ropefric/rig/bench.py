@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from itertools import accumulate
 from math import nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -186,8 +186,7 @@ def draw_roughness(rng: np.random.Generator, std_N: float) -> Callable[[FloatArr
     return force_N
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Snap:
+class Snap(NamedTuple):
     """How the force falls when the rope slips: a mass on a spring, released."""
 
     natural_Hz: float
@@ -206,8 +205,7 @@ class Snap:
         return np.asarray(answer, dtype=np.float64)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Teeth:
+class Teeth(NamedTuple):
     """Stick-slip teeth after break-away, as deviations from the kinetic level.
 
     Tooth 0 is the break-away itself: its top is reached by the loading, not by a reload.
@@ -402,8 +400,7 @@ def _draw_stick_slip(
     return replace(pull, teeth=teeth, drift=0.0, off_s=off_s, end_s=off_s + (pull.end_s - pull.off_s))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class HeldPulls:
+class HeldPulls(NamedTuple):
     """One recording of a spring scale on the slack side: pulled in jerks, held, let go, several times."""
 
     knot_s: FloatArray
@@ -463,8 +460,7 @@ def _draw_held(
     return HeldPulls(lift_force_N=lift_force_N, end_s=now_s, **knots, **held)
 
 
-@dataclass(frozen=True, slots=True)
-class RigProtocol:
+class RigProtocol(NamedTuple):
     """A way of running the rig: whether one recording holds several trials, whether the tight side is measured."""
 
     name: str

@@ -59,6 +59,11 @@ def listed(metavar: str, help: str, *names: str) -> Any:  # noqa: A002  (as type
     return typer.Option(None, *names, metavar=metavar, help=f"{help}; repeatable.")
 
 
+def option(metavar: str, help: str, *names: str, default: Any = None) -> Any:  # noqa: A002
+    """Return an option with a value, shown as `metavar` in the help."""
+    return typer.Option(default, *names, metavar=metavar or None, help=help)
+
+
 def flag(name: str, help: str) -> Any:  # noqa: A002
     """Return an option that is given or not."""
     return typer.Option(False, name, help=help)

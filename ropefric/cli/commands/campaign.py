@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, out_folder
+from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, option, out_folder
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.glossary import counted
@@ -332,12 +332,12 @@ def report(
     they are, and removed if the forces have changed. Exits with 4 unless the law and its lift force are supported.
     """
     formats = tuple(name.strip() for text in figure_files or () for name in text.split(","))
-    for option, known, words in (
+    for flag_name, known, words in (
         ("--locale", plain_text.LANGUAGES, (locale,) if locale else ()),
         ("--figure-files", ("svg", "pdf", "png"), formats),
     ):
         if unknown := [word for word in words if word not in known]:
-            raise BadParameter(f"{unknown[0]!r} is none of {', '.join(known)}", param_hint=option)
+            raise BadParameter(f"{unknown[0]!r} is none of {', '.join(known)}", param_hint=flag_name)
     wish = page.Wish(locale, pdf, figures, formats)
     if pdf:
         page.find_browser()  # before the work
@@ -393,14 +393,10 @@ def review(
     out: Output,
     folder: Path = Argument(..., metavar="OUT_DIR", help="A folder that `run` or `extract` wrote."),
     *,
-    campaign: Path | None = Option(
-        None,
-        metavar="CAMPAIGN.toml",
-        help="The campaign; by default the one that `run` made the folder from.",
+    campaign: Path | None = option(
+        "CAMPAIGN.toml", "The campaign; by default the one that `run` made the folder from."
     ),
-    by: str = Option(
-        "", metavar="NAME", help="Who decides, as the list will say; by default the login name."
-    ),
+    by: str = option("NAME", "Who decides, as the list will say; by default the login name.", default=""),
     port: int = Option(0, min=0, max=65535, help="Of the page; 0: any that is free."),
     open_page: bool = Option(True, "--open/--no-open", help="Open the page in the browser."),
     jobs: options.Jobs = "auto",

@@ -12,7 +12,7 @@ from typing import Any
 from typer import Argument, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, out_folder
+from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, option, out_folder
 from ropefric.cli.output import Output, Progress, json_text, width_of
 from ropefric.errors import InputError
 
@@ -47,16 +47,15 @@ def solve(
     out: Output,
     scene: options.SceneArgument,
     *,
-    sweep: Words = Option(
-        None,
+    sweep: Words = option(
+        "KEY=START:STOP:COUNT",
+        "Solve over a range, or KEY=A,B,C over a list, of any number in the scene; several make a grid.",
         "--sweep",
-        metavar="KEY=START:STOP:COUNT",
-        help="Solve over a range, or KEY=A,B,C over a list, of any number in the scene; several make a grid.",
     ),
-    draws: int = Option(
-        0,
-        metavar="N",
-        help="Solve for so many draws of what is uncertain: the parameters of a fit, and what [tolerances] states.",
+    draws: int = option(
+        "N",
+        "Solve for so many draws of what is uncertain: the parameters of a fit, and what [tolerances] states.",
+        default=0,
     ),
     seed: int = Option(0, min=0, help="Of the draws."),
     identify: bool = flag("--identify", "Find the preload and mounting that the measured frequencies tell."),
@@ -65,10 +64,11 @@ def solve(
     ),
     folder: Path | None = out_folder("Write the answer (and the table of a sweep or of draws) there."),
     plot: str = Option("", help="Which number of a sweep the figure shows; by default the first."),
-    table: TableFormat = Option(
-        TableFormat.CSV,
+    table: TableFormat = option(
+        "",
+        "How the table of a sweep or of draws is written; Parquet needs pyarrow.",
         "--table",
-        help="How the table of a sweep or of draws is written; Parquet needs pyarrow.",
+        default=TableFormat.CSV,
     ),
     cluster: options.Cluster = "",
     force: Force = False,
@@ -222,12 +222,8 @@ def paper(
         ..., metavar="prth|press|saw", help="The rope on a wheel, the belt press or the band saw."
     ),
     *,
-    scene: Path | None = Option(
-        None, metavar="SCENE.toml", help="Of this machine; by default the published one."
-    ),
-    trials: Path | None = Option(
-        None, metavar="TRIALS.csv", help="For prth: reduce these trials as the paper does."
-    ),
+    scene: Path | None = option("SCENE.toml", "Of this machine; by default the published one."),
+    trials: Path | None = option("TRIALS.csv", "For prth: reduce these trials as the paper does."),
     fit: Path | None = Option(None, metavar="FIT.json", help="With the friction of this fit."),
     reference_tension: options.Number = options.quantity(
         "--reference-tension", "N", "For prth: F_0 of eqs. (11)-(13), 1 N by default."

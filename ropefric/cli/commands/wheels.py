@@ -7,7 +7,17 @@ from typing import Any
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Number, command, diameter, exit_code_of, flag, listed, quantity
+from ropefric.cli.options import (
+    Answer,
+    Number,
+    command,
+    diameter,
+    exit_code_of,
+    flag,
+    listed,
+    option,
+    quantity,
+)
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
 from ropefric.files.disk import refuse_input, refuse_special, write_file, write_files
@@ -166,9 +176,7 @@ def plan_tests(
     rope_diameter: Number = diameter("--rope-diameter", "Needed with --law."),
     n_conditions: int = Option(12, "--conditions", min=1, help="Conditions to plan."),
     repeats: int = Option(12, min=1, help="Pulls of each."),
-    criterion: str = Option(
-        "v", metavar="v|d", help="The best for the wanted force (v), or the parameters (d)."
-    ),
+    criterion: str = option("v|d", "The best for the wanted force (v), or the parameters (d).", default="v"),
     scatter_within: Number = quantity("--scatter-within", "", 'Between repeats, such as "1.7 %".'),
     scatter_between: Number = quantity("--scatter-between", "", "Between conditions."),
     u_force: Number = quantity("--u-force", "N", "Of a force, by the measuring chain."),

@@ -26,6 +26,9 @@ Range = tuple[float, float]
 """Lower and upper limit of a quantity that differs from recording to recording (uniform)."""
 
 
+_CELLS = (ForceCell(name="K1", full_scale_N=1000.0), ForceCell(name="K5", full_scale_N=5000.0))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bench:
     """The PRTH test bench: load cell at the rope's fixed end, weights at the other, a motor on the wheel.
@@ -35,10 +38,7 @@ class Bench:
 
     sampling_rate_Hz: float = 3000.0
     adc: Adc = field(default_factory=Adc)
-    cells: tuple[ForceCell, ...] = (
-        ForceCell(name="K1", full_scale_N=1000.0),
-        ForceCell(name="K5", full_scale_N=5000.0),
-    )
+    cells: tuple[ForceCell, ...] = _CELLS
     cell_use: float = 0.8
     rope_stiffness_N_m: float = 1.0e5
     cell_stiffness_N_m: float = 1.0e7
@@ -96,12 +96,7 @@ class Bench:
         return math.sqrt(series_N_m / self.moving_mass_kg) / (2.0 * math.pi)
 
 
-_SLOW: dict[str, Any] = {
-    "idle_s": (1.5, 2.5),
-    "load_s": (2.0, 5.0),
-    "dwell_s": (8.0, 15.0),
-    "slide_s": (1.0, 3.0),
-}
+_SLOW: Any = {"idle_s": (1.5, 2.5), "load_s": (2.0, 5.0), "dwell_s": (8.0, 15.0), "slide_s": (1.0, 3.0)}
 _SCALES = (ForceCell(name="K50", full_scale_N=50.0), ForceCell(name="K500", full_scale_N=500.0))
 HELD_BENCH = Bench(sampling_rate_Hz=50.0, adc=Adc(bits=12), cells=_SCALES, zero_counts=(10.0, 30.0), **_SLOW)
 """A hand-held spring-scale test, for protocol `held`: slack side measured, 50 Hz, 12 bit, cells of 50 and 500 N."""
@@ -350,10 +345,8 @@ class BreakawayPull:
         if not self.has_peak:
             return RecordingTruth(status=Status.NO_PEAK, **held)
         top_s = self.teeth.time_s[self.teeth.time_s < self.off_s - self.breakaway_s] + self.breakaway_s
-        held |= {
-            "tooth_tops_N": tuple(self._after_ramp_N(top_s).tolist()),
-            "tooth_times_s": tuple(top_s.tolist()),
-        }
+        held["tooth_tops_N"] = tuple(self._after_ramp_N(top_s).tolist())
+        held["tooth_times_s"] = tuple(top_s.tolist())
         return RecordingTruth(status=Status.OK, breakaway_time_s=self.breakaway_s, **held)
 
 
@@ -452,11 +445,7 @@ def _draw_held(
         knot_N += [level_N, slack_N, slack_N]
         hold_s.append((start_s, end_s))
     knots = {"knot_s": np.array(knot_s), "knot_N": np.array(knot_N), "hold_s": np.array(hold_s)}
-    held: dict[str, Any] = {
-        "creep_N": creep_N,
-        "creep_s": rng.uniform(0.5, 1.2, _CYCLES),
-        "plateau_N": plateau_N,
-    }
+    held: Any = {"creep_N": creep_N, "creep_s": rng.uniform(0.5, 1.2, _CYCLES), "plateau_N": plateau_N}
     return HeldPulls(lift_force_N=lift_force_N, end_s=now_s, **knots, **held)
 
 

@@ -71,15 +71,13 @@ def extract(
     target = pipeline.campaign_folder(loaded, folder, answers=False, force=force)
     with _saying_what_is_kept(out, cache_folder), target, ExitStack() as stack:
         with executors.cluster(cluster, n_jobs) as executor, Progress(out, "extract") as progress:
-            extraction = extracting.extract_campaign(
-                loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update, executor=executor
-            )
+            how: dict[str, Any] = {"jobs": n_jobs, "cache_dir": cache_folder, "executor": executor}
+            extraction = extracting.extract_campaign(loaded, progress=progress.update, **how)
         result.write_tables(extraction, target, parquet=parquet)
         target.publish("tables")
         if figures:
-            start_figures(
-                extraction, loaded.report.language, target, out, drawing_pool(extraction, n_jobs, stack)
-            )()
+            pool = drawing_pool(extraction, n_jobs, stack)
+            start_figures(extraction, loaded.report.language, target, out, pool)()
     say_problems(extraction, folder, out)
     data, exit_code = extraction.to_dict(), 0
     # A campaign without a single usable force is an error, though its tables are there.
@@ -99,11 +97,6 @@ def _saying_what_is_kept(out: Output, cache_folder: Path | None) -> Iterator[Non
         kept = f"finished recordings are kept in {cache_folder}; the same command goes on from there"
         out.note("nothing is kept (--no-cache)" if cache_folder is None else kept)
         raise
-
-
-def _by_law(shown: Progress) -> Callable[[str, int, int], None]:
-    """Return what is told of each law that is fitted."""
-    return lambda name, done, total: shown.update(done, total, name)
 
 
 def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack) -> "Executor | None":
@@ -128,9 +121,8 @@ def start_figures(
     """Begin to draw one figure per condition; return what waits for them, writes and publishes them."""
     from ropefric.plotting.campaign import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
 
-    write = start_condition_figures(
-        extraction, folder, under="figures/", language=language, executor=executor
-    )
+    how: dict[str, Any] = {"under": "figures/", "language": language, "executor": executor}
+    write = start_condition_figures(extraction, folder, **how)
 
     def finish() -> None:
         with Progress(out, "figures") as progress:
@@ -283,13 +275,8 @@ def work_through(
                 Progress(out, "fit") as fitting,
             ):
                 how: dict[str, Any] = {"law": law, "jobs": n_jobs, "cache_dir": cache_dir, "parquet": parquet}
-                told: dict[str, Any] = {
-                    "extract_progress": extracting.update,
-                    "fit_progress": _by_law(fitting),
-                }
-                done = pipeline.run_campaign(
-                    campaign, target, executor=executor, on_extracted=draw, **how, **told
-                )
+                how |= {"extract_progress": extracting.update, "fit_progress": fitting.update_named}
+                done = pipeline.run_campaign(campaign, target, executor=executor, on_extracted=draw, **how)
         except RopefricError:
             for finish in to_finish:
                 finish()
@@ -377,11 +364,12 @@ def _report_table(
     options.lend_fonts_a_place(target.path)
     with target:
         with Progress(out, "fit") as fitting, Progress(out, "report") as reporting:
-            answer = pipeline.answer_trials(table, design=about.design, law=law, progress=_by_law(fitting))
-            written = pipeline.write_answer(answer, target)
-            written += pages.write_table_report(
-                answer, inputs, target, words=about.report, wish=wish, progress=reporting.update
+            answer = pipeline.answer_trials(
+                table, design=about.design, law=law, progress=fitting.update_named
             )
+            written = pipeline.write_answer(answer, target)
+            told: dict[str, Any] = {"words": about.report, "wish": wish, "progress": reporting.update}
+            written += pages.write_table_report(answer, inputs, target, **told)
         target.publish("answer")
     said = options.written_to(target.path, "report.html, fits/, comparison.csv, …")
     data = answer.to_dict() | {"written": [*written]}

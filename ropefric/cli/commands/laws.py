@@ -109,12 +109,8 @@ def compare(
     names = [name.strip() for text in laws or () for name in text.split(",") if name.strip()]
     table = options.read_table(trials, out, of=of)
     with Progress(out, "fit") as progress:
-        found = comparing.compare_laws(
-            table,
-            names or None,
-            touching_turns=touching_turns,
-            progress=lambda law, done, total: progress.update(done, total, law),
-        )
+        told = progress.update_named
+        found = comparing.compare_laws(table, names or None, touching_turns=touching_turns, progress=told)
     chosen = comparing.choose_law(found)
     verdict = parts.verdict_section(chosen.verdict, f"The law: {chosen.fit.law}")
     data = found.to_dict() | chosen.to_dict() | {"of": table.force}

@@ -92,9 +92,8 @@ def solve(
     fits = [loaded.folder / fit, Path(fit)] if isinstance(fit, str) else []
     family = "sweep" if sweep else "draws" if draws else "scene"
     # Before the work, so that a folder that cannot be used costs nothing.
-    with options.open_folder(
-        folder, family=family, names=names, inputs=(scene, *fits), force=force
-    ) as target:
+    inputs = (scene, *fits)
+    with options.open_folder(folder, family=family, names=names, inputs=inputs, force=force) as target:
         if draws:
             return _drawn(out, loaded, draws, target, f"draws.{table}", cluster, seed=seed, level=level)
         if not sweep:
@@ -133,9 +132,8 @@ def _drawn(  # noqa: PLR0917  (as the command has them)
         if folder is not None:
             write = stack.enter_context(sweep_table.sweep_table((), folder, name)).add
         executor = stack.enter_context(executors.cluster(cluster))
-        found = drawing.draw_scene(
-            scene, count, progress=progress.update, write=write, executor=executor, **how
-        )
+        how |= {"progress": progress.update, "write": write, "executor": executor}
+        found = drawing.draw_scene(scene, count, **how)
     data: dict[str, Any] = found.to_dict()
     files: Sequence[Path] = ()
     if folder is not None:
@@ -286,15 +284,13 @@ def cost(
         chosen = [with_all_designs(one) if one.name == "uncertainty" else one for one in chosen]
     pairs = [f"{study.name}.{ending}" for study in chosen for ending in ("png", "csv")]
     # Before the work, so that a folder that cannot be used costs nothing.
-    with options.open_folder(
-        folder, family="cost", names=["cost.md", "cost.html", *pairs], force=force
-    ) as target:
+    names = ["cost.md", "cost.html", *pairs]
+    with options.open_folder(folder, family="cost", names=names, force=force) as target:
         machine = measure.this_machine()
         out.note(f"measuring on {machine.line}")
         with executors.cluster(cluster) as executor, Progress(out, "cost") as progress:
-            results = measure.measure_studies(
-                chosen, quick=quick, progress=progress.update, executor=executor
-            )
+            how: dict[str, Any] = {"progress": progress.update, "executor": executor}
+            results = measure.measure_studies(chosen, quick=quick, **how)
         written = cost_page.write_cost(results, machine, target)
     studied = [result.to_dict() for result in results]
     data = {"machine": asdict(machine), "quick": quick, "studies": studied, "written": list(written)}

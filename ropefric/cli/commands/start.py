@@ -157,15 +157,14 @@ def _sections(found: "Inspection", profile: str) -> list["section.Section"]:
     fitting = sum(total <= room for total in accumulate(widths))
     hidden = max(map(len, found.first_rows), default=0) - fitting
     notes = [f"({hidden} more columns)"] * (hidden > 0) + [f"recognised: {note}" for note in found.notes]
+    suggested = ["suggested for campaign.toml:", "", *profile.rstrip().split("\n")]
     told = [
         section.Section(lines=(_headline(found),), verbatim=True),
         section.Section(headings=heads, rows=cells, left=0),
         section.Section("", ("first rows:", ""), names[:fitting], [row[:fitting] for row in first], left=0),
         section.Section(lines=notes, verbatim=True),
         section.Section("please check", notes=found.doubts),
-        section.Section(
-            lines=["suggested for campaign.toml:", "", *profile.rstrip().split("\n")], verbatim=True
-        ),
+        section.Section(lines=suggested, verbatim=True),
     ]
     return [one for one in told if one.rows or one.notes or (one.lines and not one.headings)]
 

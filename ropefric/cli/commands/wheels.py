@@ -60,9 +60,8 @@ def predict(
     Exits with 4 when the lift force is not supported: undecided, or not judged.
     """
     stored = options.read_fit(fit, out)
-    wheel = conditions.one_condition(
-        wheel_radius, options.rope_radius(stored, rope_diameter), wrap, end_tension
-    )
+    rope_m = options.rope_radius(stored, rope_diameter)
+    wheel = conditions.one_condition(wheel_radius, rope_m, wrap, end_tension)
     running_rope = {"speed_m_s": speed, "linear_density_kg_m": linear_density}
     # The library says what the method may be.
     found = predicting.predict(stored, wheel, level=level, method=method, **running_rope)  # type: ignore[arg-type]
@@ -347,9 +346,8 @@ def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budget
     campaign = campaigns.load_campaign(file, missing_recordings="flag")
     with Progress(out, "extract") as progress:
         extraction = extracting.extract_campaign(campaign, progress=progress.update)
-    found = budgets.conditions_of_extraction(
-        extraction, weights_tolerance=campaign.weights_tolerance, gravity_limit=limit
-    )
+    tolerance = campaign.weights_tolerance
+    found = budgets.conditions_of_extraction(extraction, weights_tolerance=tolerance, gravity_limit=limit)
     if not found:
         fix = "`ropefric extract` says why for each"
         raise InputError("no recording gave a usable force", code="RF301", path=file, fix=fix)

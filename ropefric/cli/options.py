@@ -2,8 +2,8 @@
 
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeVar
 
@@ -148,6 +148,17 @@ def open_folder(
         return nullcontext()
     lend_fonts_a_place(path)
     return folders.OutputFolder(path, family=family, names=names, inputs=inputs, force=force)
+
+
+@contextmanager
+def saying_what_is_kept(out: Output, what: str, where: Path | None) -> Iterator[None]:
+    """Say what an interrupted run leaves for the next one."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        kept = f"finished {what} are kept in {where}; the same command goes on from there"
+        out.note("nothing is kept (--no-cache)" if where is None else kept)
+        raise
 
 
 def figure_names(*stems: str) -> tuple[str, ...]:

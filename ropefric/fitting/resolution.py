@@ -40,7 +40,9 @@ MOST = 1000
 _MOST_CONDITIONS = 50_000
 # By the share of campaigns, in whole per cent, from which on laws are told apart so.
 _VERBS = {80: "is told", 50: "may be told", 20: "can hardly be told", 0: "cannot be told"}
-SCALE = "; ".join(f"{verb}: in {share} % of campaigns or more" for share, verb in _VERBS.items() if share)
+SCALE = "of campaigns: " + ", ".join(
+    f"{verb} in {share} % or more" for share, verb in _VERBS.items() if share
+)
 """What the words of an outlook stand for."""
 # A parameter is told where its standard error is at most this part of it.
 _TOLD = 0.5

@@ -172,6 +172,10 @@ class FrictionLaw:
         Simpler laws that are special or limiting cases of it: a comparison tests it against them.
     arithmetic : callable, optional
         `arithmetic(sheet) -> value`: writes ln(F_A/F_B) as lines a pocket calculator can follow, see `Sheet`.
+    weakens : bool
+        Whether for parameters within their bounds bounds of error may rest on this: ln(F_A/F_B) is concave in the wrap
+        and not negative at none, falls with ln F_B by no more than ln F_B rises, and over the wrap is monotone in each
+        of the condition's numbers by itself.
     variant : FrictionLaw, optional
         The same law without the equivalence of end tension and wrap, where it has one; see `with_variant`.
 
@@ -193,6 +197,7 @@ class FrictionLaw:
     candidates: Callable[[float, Conditions, FloatArray], npt.ArrayLike]
     special_cases: "tuple[FrictionLaw, ...]" = ()
     arithmetic: Callable[[Sheet], float] | None = None
+    weakens: bool = False
     variant: "FrictionLaw | None" = None
 
     @property

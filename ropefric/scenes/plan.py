@@ -134,11 +134,9 @@ def solve_planned(scene: Scene, problem: Any, effects: str | tuple[str, ...] = "
     return plan, system.solve(model, plan.method)
 
 
-def worth_asking(
-    applicable: list[Effect[Any, Any]], cases: int, least_s: float = _LEAST_SAVED_S
-) -> list[Effect[Any, Any]]:
+def worth_asking(applicable: list[Effect[Any, Any]], cases: int) -> list[Effect[Any, Any]]:
     """Return the effects that take so long to simulate that leaving them out may save time."""
-    return [one for one in applicable if one.cost * cases >= least_s]
+    return [one for one in applicable if one.cost * cases >= _LEAST_SAVED_S]
 
 
 def room_for_effects(accuracy: float) -> float:

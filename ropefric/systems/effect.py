@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import combinations
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar
@@ -45,8 +45,9 @@ class Effect(Generic[P, M]):
         `influence(problem)` returns an upper bound of |ln(with it / without it)| of every number of the answer,
         whatever other effects are simulated; `inf` where none is known. Called only where nothing is missing.
     each : callable or None
-        `each(problem)` returns such a bound for each of many cases, shape (n,), in a fraction of the time of solving
-        them. Where there is none, a sweep solves the corners of its box with the effect and without.
+        `each(problem, answer)` returns such a bound for each of many cases, shape (n,), in a fraction of the time of
+        solving them, from the answer to them without it; without an answer what is known before, which is no more than
+        that. An effect that has none is simulated in every sweep.
     apply : callable or None
         `apply(model, problem)` returns the model with the effect in it. Called only where it is simulated. Without
         it the name is added to `model.effects`, which the mechanics look into.
@@ -65,7 +66,7 @@ class Effect(Generic[P, M]):
     adds: str
     instead: str
     influence: Callable[[P], float] = unknown
-    each: Callable[[P], FloatArray] | None = None
+    each: Callable[[P, Any], FloatArray] | None = None
     cost: float = 0.0
     needs: Callable[[P], tuple[str, ...]] = lambda problem: ()  # noqa: ARG005  (needs nothing)
     apply: Callable[[M, P], M] | None = None
@@ -203,22 +204,31 @@ def law_effects(
     wheel: str,
     rope: str,
     needs: Callable[[Any], tuple[str, ...]],
-    cost: float,
-) -> tuple[Effect[Any, Any], Effect[Any, Any]]:
-    """Return the effects of what a law is told of a contact on a wheel, by the names of the wheel and of the rope."""
-    return (
+    cost: float = 0.0,
+    each: Callable[[str, Any, Any], FloatArray] | None = None,
+) -> tuple[Effect[Any, Any], ...]:
+    """Return the effects of what a law is told of a contact on a wheel, by the names of the wheel and of the rope.
+
+    `each(name, problem, answer)` is theirs by name.
+    """
+    words = {
+        "wrap-dependence": (
+            "a coefficient that depends on wrap and tension",
+            "its average at the reference wrap and tension",
+        ),
+        "size": (
+            f"a coefficient that depends on the {wheel}'s radius over the {rope}'s",
+            "the coefficient at the reference wheel and rope",
+        ),
+    }
+    return tuple(
         Effect(
-            name="wrap-dependence",
-            adds="a coefficient that depends on wrap and tension",
-            instead="its average at the reference wrap and tension",
+            name=name,
+            adds=adds,
+            instead=instead,
             needs=needs,
             cost=cost,
-        ),
-        Effect(
-            name="size",
-            adds=f"a coefficient that depends on the {wheel}'s radius over the {rope}'s",
-            instead="the coefficient at the reference wheel and rope",
-            needs=needs,
-            cost=cost,
-        ),
+            each=None if each is None else partial(each, name),
+        )
+        for name, (adds, instead) in words.items()
     )

@@ -6,8 +6,8 @@ import math
 import os
 import sys
 import webbrowser
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -69,7 +69,7 @@ def extract(
     # Before the work, so that a folder that cannot be used costs nothing.
     options.lend_fonts_a_place(folder)
     target = pipeline.campaign_folder(loaded, folder, answers=False, force=force)
-    with _saying_what_is_kept(out, cache_folder), target, ExitStack() as stack:
+    with options.saying_what_is_kept(out, "recordings", cache_folder), target, ExitStack() as stack:
         with executors.cluster(cluster, n_jobs) as executor, Progress(out, "extract") as progress:
             how: dict[str, Any] = {"jobs": n_jobs, "cache_dir": cache_folder, "executor": executor}
             extraction = extracting.extract_campaign(loaded, progress=progress.update, **how)
@@ -86,17 +86,6 @@ def extract(
             out.problems(error.problems)
         data, exit_code = data | error.to_dict(), error.exit_code
     return Answer(data, _sections(extraction), exit_code)
-
-
-@contextmanager
-def _saying_what_is_kept(out: Output, cache_folder: Path | None) -> Iterator[None]:
-    """Say what an interrupted run leaves for the next one."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        kept = f"finished recordings are kept in {cache_folder}; the same command goes on from there"
-        out.note("nothing is kept (--no-cache)" if cache_folder is None else kept)
-        raise
 
 
 def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack) -> "Executor | None":
@@ -267,7 +256,7 @@ def work_through(
             pool[0] = drawing_pool(extraction, n_jobs, stack)
             to_finish.append(start_figures(extraction, campaign.report.language, target, out, pool[0]))
 
-    with _saying_what_is_kept(out, cache_dir), target, ExitStack() as stack:
+    with options.saying_what_is_kept(out, "recordings", cache_dir), target, ExitStack() as stack:
         try:
             with (
                 executors.cluster(cluster, n_jobs) as executor,

@@ -271,7 +271,8 @@ def cost(
     and scenes.
 
     For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
-    cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12.
+    cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12. After an interruption the same
+    command goes on with what is not measured yet.
     """
     chosen = [all_studies.STUDIES[name] for name in dict.fromkeys(studies or all_studies.STUDIES)]
     if campaign:
@@ -288,10 +289,17 @@ def cost(
     with options.open_folder(folder, family="cost", names=names, force=force) as target:
         machine = measure.this_machine()
         out.note(f"measuring on {machine.line}")
-        with executors.cluster(cluster) as executor, Progress(out, "cost") as progress:
-            how: dict[str, Any] = {"progress": progress.update, "executor": executor}
+        kept = folder / folders.CACHE / "cost.jsonl"
+        with (
+            options.saying_what_is_kept(out, "settings", kept),
+            executors.cluster(cluster) as executor,
+            Progress(out, "cost") as progress,
+        ):
+            how: dict[str, Any] = {"progress": progress.update, "executor": executor, "kept": kept}
             results = measure.measure_studies(chosen, quick=quick, **how)
         written = cost_page.write_cost(results, machine, target)
+        # A whole measurement is made anew, one that was interrupted goes on.
+        kept.unlink(missing_ok=True)
     studied = [result.to_dict() for result in results]
     data = {"machine": asdict(machine), "quick": quick, "studies": studied, "written": list(written)}
     said = options.written_to(folder, "cost.html, cost.md, …")

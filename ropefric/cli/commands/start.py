@@ -287,7 +287,6 @@ def _content_lines(content: dict[str, Any]) -> list[str]:
         ("wrap φ", _listed(content["wrap_angle_rad"], math.degrees(1.0), "deg")),
         ("end tension F_B", _listed(content["end_tension_N"], 1.0, "N")),
     ]
-    within, how = resolution.TYPICAL_WITHIN, ""
     if "rejection" in content:
         good_lost = outliers.RULES[content["rejection"]].good_lost(most)
         lost = f", takes {good_lost:.2g} good trials of {most} on average" if good_lost > 0.0 else ""
@@ -300,12 +299,13 @@ def _content_lines(content: dict[str, Any]) -> list[str]:
         rows.insert(
             0, ("trials", f"{content['n_trials']}" + ("" if content["n_forces"] else ", without forces"))
         )
-        if content["scatter_within"] is not None:
-            within, how = content["scatter_within"], " as here"
     told = [f"{name:<18} {text}" for name, text in rows if text]
     if content["tells"]:
-        scatter = f"{100.0 * within:.2g} % between repeats{how}, {100.0 * resolution.TYPICAL_BETWEEN:g} %"
-        told.append(f"what this list can tell, if ropes scatter as usual ({scatter} between conditions):")
+        usual = f"{100.0 * resolution.TYPICAL_BETWEEN:g} % between conditions"
+        scatter = f"{100.0 * resolution.TYPICAL_WITHIN:g} % between repeats, {usual}"
+        if (within := content.get("scatter_within")) is not None:
+            scatter = f"{usual}; between repeats, as here, {100.0 * within:.2g} %"
+        told.append(f"what this list can tell, if ropes scatter as usual ({scatter}):")
         told += [*(f"  {item['text']}" for item in content["tells"]), f"  ({resolution.SCALE})"]
     return told + [f"read {line}" for line in content.get("recordings", ())]
 

@@ -86,6 +86,7 @@ LAW = FrictionLaw(
     ),
     coefficient="local",
     effects=frozenset({"size", "wrap-dependence", "end-tension"}),
+    weakens=True,
     physics=Howell(),
     candidates=_candidates,
     special_cases=(CONSTANT,),

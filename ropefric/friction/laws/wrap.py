@@ -190,6 +190,7 @@ WRAP_POWER = with_variant(
         ),
         coefficient="local",
         effects=frozenset({"wrap-dependence", "end-tension"}),
+        weakens=True,
         physics=PowerWrap(strength=_First(), equivalence=True),
         candidates=lambda mu, _at, _log_lift: combinations(
             mu * np.array([0.3, 1.0, 3.0]), [-0.9, -0.6, -0.3, -0.1], mu * np.array([0.05, 0.4, 0.8])
@@ -215,6 +216,7 @@ COUPLED = with_variant(
         parameters=(*SIZE_EXPONENTIAL.parameters, exponent_parameter("c"), plateau_parameter("d")),
         coefficient="local",
         effects=frozenset({"size", "wrap-dependence", "end-tension"}),
+        weakens=True,
         physics=PowerWrap(strength=ExponentialSize(), equivalence=True),
         candidates=lambda mu, conditions, _log_lift: combinations(
             mu * np.array([1.0, 2.0, 4.0]),
@@ -324,6 +326,7 @@ WRAP_EXPONENTIAL = with_variant(
         ),
         coefficient="local",
         effects=frozenset({"wrap-dependence", "end-tension"}),
+        weakens=True,
         physics=ExponentialWrap(equivalence=True),
         candidates=lambda mu, conditions, _log_lift: combinations(
             mu * np.array([0.3, 1.0, 3.0]),

@@ -424,11 +424,12 @@ def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure,
 def _undecided(answer: PressAnswer, _: PressProblem, error: float) -> tuple[str, ...]:
     """Return which rollers may slip or not, and which may be the first; utilisations err by a share of the largest."""
     use, rollers = answer.slip.utilisation[0], answer.slip.rollers
-    off = error * float(use.max()) / (1.0 - error) if error < 1.0 else math.inf
+    lifted = np.isinf(use)  # a belt that has lifted off slips for sure
+    off = error * float(use[~lifted].max(initial=0.0)) / (1.0 - error) if error < 1.0 else math.inf
     slip = [name for name, one in zip(rollers, use, strict=True) if abs(one - 1.0) <= off]
-    first = [name for name, one in zip(rollers, use, strict=True) if one >= use.max() - 2.0 * off]
+    first = [name for name, one in zip(rollers, use, strict=True) if one + 2.0 * off >= use.max()]
     found = [f"whether the belt slips on roller {' or '.join(slip)}"] if slip else []
-    if use.any() and len(first) > 1:
+    if use.any() and len(first) > 1 and not lifted.any():
         found.append(f"which is the first to slip, roller {' or '.join(first)}")
     return tuple(found)
 

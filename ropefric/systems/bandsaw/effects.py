@@ -32,7 +32,7 @@ _ANY = np.array(list(product((-1.0, 0.0, 1.0), (0.0, 1.0), (0.0, 1.0)))).T[..., 
 """Side and effects: the sign of ΔF/2, and how much of the wheels' tension and of the travel there is."""
 
 
-def bending_bound(problem: SawProblem) -> FloatArray:
+def bending_bound(problem: SawProblem, _: SawAnswer | None = None) -> FloatArray:
     """Return an upper bound of the change of any mode's ln f and of ln v_c by the stiffness, shape (n,).
 
     Held ends shorten the string by a layer of δ = e/√(1 − V²) at each end, e = √(EI/F l²) and V = v/c; for ends that

@@ -21,7 +21,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError, SolverError
 from ropefric.registry import Registry
 from ropefric.systems.effect import Effect, Method, System, rounded_up, unknown
-from ropefric.systems.friction import TOLD, told_by
+from ropefric.systems.friction import TOLD, share_of_law, told_by
 from ropefric.systems.press.answer import (
     PressAnswer,
     PressModel,
@@ -30,7 +30,7 @@ from ropefric.systems.press.answer import (
     solve_press,
     take_up,
 )
-from ropefric.systems.press.slip import MEASURES, SlipTable
+from ropefric.systems.press.slip import LEAST_SLACK_N, MEASURES, SlipTable
 from ropefric.systems.press.statics import rim_speed_ratios, solve_statics, speed_shift_kg_m
 from ropefric.systems.press.transient.start_up import GRID_ERROR, ON_TENSION, largest_difference
 
@@ -141,7 +141,9 @@ def _steady(
     adds: str,
     instead: str,
     needs: Callable[[PressProblem], tuple[str, ...]] = lambda problem: (),  # noqa: ARG005
+    *,
     cost: float = 0.0,
+    each: Callable[[str, PressProblem, PressAnswer | None], FloatArray] | None = None,
 ) -> Effect[PressProblem, PressModel]:
     """Return an effect on a steady run. A start-up swings about that, and no bound is known for how far."""
 
@@ -156,7 +158,33 @@ def _steady(
         except RopefricError:
             return math.inf
 
-    return Effect(name=name, adds=adds, instead=instead, needs=needs, influence=influence, cost=cost)
+    bounded = None if each is None else partial(each, name)
+    return Effect(
+        name=name, adds=adds, instead=instead, needs=needs, influence=influence, cost=cost, each=bounded
+    )
+
+
+def _law_bound(name: str, problem: PressProblem, answer: PressAnswer | None) -> FloatArray:
+    """Return an upper bound of what an effect of the law changes in any number, shape (n,).
+
+    The tensions know nothing of it. A coefficient that changes by the factor e^d makes M another by M (e^d − 1) on each
+    roller, and e^M − 1 by d more than that in its logarithm: what any measure of slip is inverse to, or less.
+    """
+    share = 0.0 if answer is None else share_of_law(name, problem.friction.law, TOLD, answer.model.effects)
+    if answer is None or not share:
+        return np.zeros(problem.n)
+    contacts, most = answer.slip.contacts, answer.slip.exponent
+    slack_N = np.maximum(contacts.slack_N, LEAST_SLACK_N)
+    fixed = {"wheel_radius_m": contacts.radius_m, "rope_radius_m": contacts.half_thickness_m}
+    fixed["wrap_angle_rad"] = contacts.wrap_angle_rad
+    off = problem.friction.spread(
+        **{what: (one, one) for what, one in fixed.items()},
+        slack_tension_N=(slack_N.min(axis=0), slack_N.max(axis=0)),
+    )
+    with np.errstate(invalid="ignore", over="ignore"):
+        change = off + np.exp(off) * most * np.expm1(off)
+    bound = np.broadcast_to(change, (problem.n, most.shape[-1])).max(axis=-1)
+    return np.where(np.isnan(bound), np.inf, share * bound)
 
 
 def _moving(
@@ -229,12 +257,14 @@ EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
             "a coefficient that depends on wrap and slack-side tension",
             "its average at the reference wrap and tension",
             cost=1e-6,
+            each=_law_bound,
         ),
         _steady(
             "size",
             "a coefficient that depends on the roller's radius over half the belt's thickness",
             "the coefficient at the reference radius",
             cost=5e-7,
+            each=_law_bound,
         ),
         _moving("belt-damping", "the material damping of the belts", "belts that do not damp"),
         _moving("tensioner-damping", "the dampers of the tensioners", "tensioners without dampers"),

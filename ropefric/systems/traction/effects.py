@@ -40,7 +40,7 @@ EFFECTS: Registry[Effect[Any, Any]] = Registry(
             instead="the coefficient at rest",
             needs=missing({"speed_m_s": "lift.speed"}),
         ),
-        *law_effects("sheave", "rope", missing({"friction": "friction"}), 0.0),
+        *law_effects("sheave", "rope", missing({"friction": "friction"})),
     ),
 )
 """In the order in which they are applied."""

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
 from pathlib import Path
 
-import typer
 from pydantic import BaseModel, PlainValidator
 
 import ropefric as rf
@@ -23,10 +22,9 @@ from ropefric.friction.laws import LAWS
 from ropefric.papers.paper import PAPERS, read_paper
 from ropefric.plotting import style
 from ropefric.plotting.campaign import conditions_of, draw_condition
-from ropefric.plotting.figure import FigureWithData, drawing
+from ropefric.plotting.figure import FigureWithData, drawing, svg_text
 from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets
 from ropefric.plotting.machines import draw_chart, draw_sweep, scene_figures
-from ropefric.plotting.svg import svg_text
 from ropefric.rig.recording import FAULTS
 from ropefric.rig.strangers import FAMILIES
 from ropefric.scenes.kind import Key, Kind
@@ -140,7 +138,7 @@ def _condition() -> FigureWithData:
 
 def commands_page() -> str:
     """Return the page of all commands, from what the program itself knows of them."""
-    group = typer.main.get_command(build_app())
+    group = build_app()
     parts = ["# Commands\n", f"{group.epilog}\n"]
     for declared in find_commands().values():
         command = group.commands[declared.name]

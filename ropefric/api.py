@@ -30,7 +30,7 @@ from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.given import Columns, as_table, as_trace, number, settings, wheels_of
-from ropefric.pipeline.run import CampaignRun, campaign_folder, run_campaign
+from ropefric.pipeline import CampaignRun, campaign_folder, run_campaign
 from ropefric.scenes.draws import Draws, draw_scene
 from ropefric.scenes.plan import Explanation, explain_scene
 from ropefric.scenes.scene import Scene, load_scene
@@ -401,13 +401,17 @@ def compare(
     *,
     progress: Callable[[str, int, int], None] | None = None,
     of: Literal["peak", "kinetic"] = "peak",
+    touching_turns: float | None = None,
     columns: Columns = None,
 ) -> Comparison:
     """Return friction laws ranked on trials by AICc, all laws by default; the constant laws always stand in it.
 
-    `of` is the force they are fitted to: the break-away force, or the mean force while sliding.
+    `of` is the force they are fitted to: the break-away force, or the mean force while sliding. `touching_turns` is
+    how many turns at most touch the one beside them, all beyond the first by default: `contact` of the answer says
+    whether that describes the trials better than any law.
     """
-    return compare_laws(trial_table(trials, columns=columns).of(of), laws, progress=progress)
+    table = trial_table(trials, columns=columns).of(of)
+    return compare_laws(table, laws, touching_turns=touching_turns, progress=progress)
 
 
 def diagnose(

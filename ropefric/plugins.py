@@ -19,7 +19,7 @@ from typing import Any
 
 from ropefric.errors import DataError, Problem, RopefricError, data_error
 from ropefric.executors import CARRIED
-from ropefric.files.read import read_file
+from ropefric.files.disk import read_file
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import Registry, count_added, did_you_mean, forget_added
 from ropefric.shown import Shown

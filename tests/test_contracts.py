@@ -8,7 +8,7 @@ import pytest
 
 from ropefric import contracts
 from ropefric.friction.laws import LAWS
-from ropefric.friction.laws.constant import Uniform
+from ropefric.friction.laws.uniform import Uniform
 from ropefric.plugins import registry_of
 from ropefric.scenes.scene import load_scene
 from ropefric.traces.protocols import PROTOCOLS

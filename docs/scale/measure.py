@@ -178,8 +178,11 @@ RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 def picture(told: dict) -> str:
     """Return the measured times over the sizes, both logarithmic, as SVG."""
     from ropefric.plotting import style  # noqa: PLC0415
-    from ropefric.plotting.figure import FigureWithData, drawing  # noqa: PLC0415
-    from ropefric.plotting.svg import svg_text  # noqa: PLC0415
+    from ropefric.plotting.figure import (  # noqa: PLC0415
+        FigureWithData,
+        drawing,
+        svg_text,
+    )
 
     with drawing(7.2, 4.6) as figure:
         axes = figure.subplots()

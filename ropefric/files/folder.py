@@ -15,16 +15,16 @@ import stat
 import sys
 from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
-from typing import Any, BinaryIO, Self
+from typing import Any, BinaryIO, NamedTuple, Self
 
 from ropefric.errors import DataError, Problem, data_error
-from ropefric.files import write
+from ropefric.files import disk
+from ropefric.files.disk import hash_file
 from ropefric.files.plain_text import json_document
-from ropefric.files.read import hash_file
 
 if sys.platform != "win32":
     import fcntl
@@ -49,11 +49,11 @@ class Folder:
 
     def write(self, contents: Mapping[str, str | bytes]) -> tuple[Path, ...]:
         """Write files, named relative to the folder with "/"; return their paths."""
-        return tuple(write.write_file(self.path / name, content) for name, content in contents.items())
+        return tuple(disk.write_file(self.path / name, content) for name, content in contents.items())
 
     def stream(self, name: str) -> AbstractContextManager[BinaryIO]:
         """Return a context whose stream becomes a file, for what is too long to be held."""
-        return write.replacing(self.path / name)
+        return disk.replacing(self.path / name)
 
     def publish(self, part: str) -> None:
         """Let everybody see what was written since the last time, as one part of the result."""
@@ -64,8 +64,7 @@ def as_folder(folder: "Folder | str | os.PathLike[str]") -> Folder:
     return folder if isinstance(folder, Folder) else Folder(folder)
 
 
-@dataclass(frozen=True, slots=True)
-class _Entry:
+class _Entry(NamedTuple):
     """What is known of a file of ours: the hashes it may have, the parts it is of, and the hash it rests on."""
 
     sha256: tuple[str, ...]
@@ -103,8 +102,8 @@ class OutputFolder(Folder):
         try:
             self._make()
             self._take_lock()
-            for left in self._own.glob(f".*{write.PART}"):
-                write.discard(left)
+            for left in self._own.glob(f".*{disk.PART}"):
+                disk.discard(left)
             self._entries = self._read_entries()
             self._inputs = {key for key in map(_file_key, self._sources) if key is not None}
             self._refuse_others(self._existing())
@@ -116,7 +115,7 @@ class OutputFolder(Folder):
 
     def __exit__(self, *_why: object) -> None:
         for part in self._staged.values():
-            write.discard(part)
+            disk.discard(part)
         self._staged.clear()
         self._release()
 
@@ -132,10 +131,10 @@ class OutputFolder(Folder):
 
         def stage(part: Path) -> None:
             if name in self._staged:
-                write.discard(self._staged[name])
+                disk.discard(self._staged[name])
             self._staged[name] = part
 
-        return write.new_file(self._own, stage, meant=self.path / name)
+        return disk.new_file(self._own, stage, meant=self.path / name)
 
     def publish(self, part: str) -> None:
         """Put in place what was written since the last time, as one whole part of the result.
@@ -155,21 +154,21 @@ class OutputFolder(Folder):
             both = dict(self._entries)  # a file about to be replaced is the old one or the new one
             for name, sha256 in new.items():
                 before = both.get(name, _Entry((), frozenset({label}), basis))
-                both[name] = replace(before, sha256=(*before.sha256, sha256))
+                both[name] = before._replace(sha256=(*before.sha256, sha256))
             self._write_entries(both)
             for name in stale:
                 self._remove(name)
             for name, staged in list(self._staged.items()):
                 path = self.path / name
                 path.parent.mkdir(parents=True, exist_ok=True)
-                write.put_in_place(staged, path)
+                disk.put_in_place(staged, path)
                 del self._staged[name]
             for name, sha256 in new.items():
                 parts = kept[name].parts if name in kept else frozenset[str]()
                 kept[name] = _Entry((sha256,), parts | {label}, basis)
             self._write_entries(kept)
         except OSError as error:
-            raise write.cannot_write(error, error.filename2 or error.filename or self.path) from None
+            raise disk.cannot_write(error, error.filename2 or error.filename or self.path) from None
 
     def _sort_out(
         self, label: str, new: Mapping[str, str], basis: str
@@ -181,14 +180,13 @@ class OutputFolder(Folder):
             if name in new or not any(part.startswith(f"{self._family}/") for part in entry.parts):
                 kept[name] = entry
             elif left and entry.basis == basis:
-                kept[name] = replace(entry, parts=left)
+                kept[name] = entry._replace(parts=left)
         return kept, tuple(name for name in self._entries if name not in kept)
 
     def _remove(self, name: str) -> None:
         path = self.path / name
-        behind_a_link = any(
-            (self.path / one).is_symlink() for one in PurePosixPath(name).parents if one.parts
-        )
+        parents = PurePosixPath(name).parents
+        behind_a_link = any((self.path / one).is_symlink() for one in parents if one.parts)
         if not behind_a_link and self._is_ours(name) and _file_key(path) not in self._inputs:
             path.unlink()
             if path.parent != self.path:
@@ -203,14 +201,14 @@ class OutputFolder(Folder):
         for parent in sorted({PurePosixPath(name).parent.as_posix() for name in self._names} | {CACHE}):
             folder = self.path / parent
             if parent != ".":
-                write.refuse_link(folder)
+                disk.refuse_link(folder)
             if not os.path.lexists(folder) or parent == CACHE:
                 continue
             paths = map(PurePosixPath, self._names)
             patterns = [path.name for path in paths if path.parent.as_posix() == parent]
             reason = errno.EACCES if folder.is_dir() else errno.ENOTDIR
             if reason == errno.ENOTDIR or not os.access(folder, os.W_OK | os.X_OK):
-                raise write.cannot_write(OSError(reason, os.strerror(reason)), folder)
+                raise disk.cannot_write(OSError(reason, os.strerror(reason)), folder)
             names = sorted(path.name for path in folder.iterdir())
             taken = [name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns)]
             found += [name if parent == "." else f"{parent}/{name}" for name in taken]
@@ -222,8 +220,8 @@ class OutputFolder(Folder):
         for name in names:
             path = self.path / name
             for parent in PurePosixPath(name).parents[:-1]:
-                write.refuse_link(self.path / parent)
-            write.refuse_special(path)
+                disk.refuse_link(self.path / parent)
+            disk.refuse_special(path)
             code, what, fix = "", "", "choose another folder, or move the file away"
             if _file_key(path) in self._inputs:
                 code, what = "RF151", "this is an input of the same command and is never replaced"
@@ -251,16 +249,13 @@ class OutputFolder(Folder):
             more = f" and {len(names) - 3} more" if len(names) > 3 else ""
             why = f"the folder is neither new nor one of ropefric's: it holds {', '.join(names[:3])}{more}"
             fix = "choose a new or empty folder, or have the results written among these files with --force"
-            raise write.not_written(self.path, why, fix, "RF150")
+            raise disk.not_written(self.path, why, fix, "RF150")
 
     def _is_ours(self, name: str) -> bool:
         path = self.path / name
         try:
-            return (
-                name in self._entries
-                and stat.S_ISREG(path.lstat().st_mode)
-                and hash_file(path) in self._entries[name].sha256
-            )
+            is_file = name in self._entries and stat.S_ISREG(path.lstat().st_mode)
+            return is_file and hash_file(path) in self._entries[name].sha256
         except (OSError, DataError):
             return False
 
@@ -284,7 +279,7 @@ class OutputFolder(Folder):
             name: {"sha256": list(entry.sha256), "parts": sorted(entry.parts), "basis": entry.basis}
             for name, entry in self._entries.items()
         }
-        write.write_file(self._own / "files.json", json_document({"schema": SCHEMA, "files": files}))
+        disk.write_file(self._own / "files.json", json_document({"schema": SCHEMA, "files": files}))
 
     # --- one run at a time ---
 
@@ -294,11 +289,11 @@ class OutputFolder(Folder):
             missing = [path for path in paths if not os.path.lexists(path)]
             self._own.mkdir(parents=True, exist_ok=True)
             self._made = missing
-            write.refuse_link(self._own)
+            disk.refuse_link(self._own)
             if not os.access(self.path, os.W_OK | os.X_OK):
-                raise write.cannot_write(OSError(errno.EACCES, os.strerror(errno.EACCES)), self.path)
+                raise disk.cannot_write(OSError(errno.EACCES, os.strerror(errno.EACCES)), self.path)
         except OSError as error:
-            raise write.cannot_write(error, self.path) from None
+            raise disk.cannot_write(error, self.path) from None
         except ValueError as error:
             if isinstance(error, DataError):
                 raise
@@ -307,7 +302,7 @@ class OutputFolder(Folder):
 
     def _take_lock(self) -> None:
         path = self._own / "lock"
-        write.refuse_special(path)
+        disk.refuse_special(path)
         key = _file_key(self._own)
         assert key is not None  # noqa: S101  (it was just made)
         if key in _held:
@@ -317,7 +312,7 @@ class OutputFolder(Folder):
             tried = (self._open_lock(path, last=again == 19) for again in range(20))
             self._lock, self._key = next((handle for handle in tried if handle >= 0), -1), key
         except OSError as error:
-            raise write.cannot_write(error, path) from None
+            raise disk.cannot_write(error, path) from None
         _held.add(key)
 
     def _open_lock(self, path: Path, *, last: bool) -> int:
@@ -353,7 +348,7 @@ class OutputFolder(Folder):
 
     def _release(self) -> None:
         if self._lock >= 0:
-            write.discard(self._own / "lock")
+            disk.discard(self._own / "lock")
             os.close(self._lock)
             self._lock = -1
             _held.discard(self._key)
@@ -375,7 +370,7 @@ def _busy(holder: Mapping[str, Any], folder: Path) -> DataError:
     if where:
         fix += f"; if it ended without removing its lock, delete {(folder / OWN / 'lock').as_posix()}"
     why = f"another run works in this folder: {command}process {holder.get('pid', '?')}{where}{since}"
-    return write.not_written(folder, why, fix, "RF152")
+    return disk.not_written(folder, why, fix, "RF152")
 
 
 def _me() -> dict[str, Any]:

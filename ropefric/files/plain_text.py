@@ -1,11 +1,22 @@
-"""Text that somebody else has written, made harmless for what shows it: terminals, pages, figures, spreadsheets."""
+"""What is written: numbers to the digits that mean something, and text of others made harmless for what shows it.
+
+Sine, logarithm and linear algebra differ in the last bits from processor to processor and from one version of a
+library to the next. Measured numbers are known to four digits at best; rounded far below that, but far above the
+last bits, the same input gives the same files everywhere. A number may still lie on the edge between two roundings:
+with differences of 1e-15 and nine digits that is one number in a million.
+"""
 
 import csv
 import io
 import json
+import math
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from importlib import import_module
+from math import isnan
 from typing import Any
+
+from ropefric.errors import DataError, InputError
 
 # Control characters (ESC steers a terminal), what turns the direction of a line round, what no UTF-8 or XML holds.
 _UNSEEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]")
@@ -83,3 +94,100 @@ def from_spreadsheet(cell: str) -> str:
 def _escape(character: str) -> str:
     code = ord(character)
     return f"\\x{code:02x}" if code < 256 else f"\\u{code:04x}"
+
+
+MEASURED_DIGITS = 9
+"""Significant digits of forces, and of whatever else follows from measurements."""
+GIVEN_DIGITS = 12
+"""Significant digits of numbers that only arithmetic was done on."""
+STD_DIGITS = 4
+"""Significant digits of a standard error."""
+_SHARE = 1e-4
+"""Part of a standard error that rounding may be as large as."""
+
+
+def significant(
+    value: float, digits: int = MEASURED_DIGITS, *, smallest: float = 0.0, size: float = 0.0
+) -> float:
+    """Return a number with so many significant digits; zero where it is below `smallest`, the rest of a difference.
+
+    Where it is the rest of a difference of numbers of a certain `size`, the digits count from that.
+    """
+    if abs(value) < smallest:
+        return 0.0
+    if abs(value) < size < math.inf:
+        return round(value, digits - 1 - math.floor(math.log10(size))) + 0.0
+    return float(f"{value:.{digits - 1}e}") + 0.0  # never -0.0
+
+
+def to_share(value: float, std: float) -> float:
+    """Return an estimate to a decimal between 1e-5 and 1e-4 of its standard error, and to twelve digits at most."""
+    if not (math.isfinite(value) and value != 0.0 and 0.0 < std < math.inf):
+        return significant(value, GIVEN_DIGITS)
+    place = math.floor(math.log10(std * _SHARE))
+    return round(value, -max(place, math.floor(math.log10(abs(value))) - GIVEN_DIGITS + 1)) + 0.0
+
+
+def rounded_tree(tree: Any, digits: int = MEASURED_DIGITS) -> Any:
+    """Return a JSON tree with its numbers to so many significant digits, standard errors (`std`, `std_*`) to four.
+
+    A number that is not there or infinite is None.
+    """
+    if isinstance(tree, float):
+        return significant(tree, digits) if math.isfinite(tree) else None
+    if isinstance(tree, Mapping):
+        kept = {key: min(digits, STD_DIGITS) if f"{key}_".startswith("std_") else digits for key in tree}
+        return {key: rounded_tree(item, kept[key]) for key, item in tree.items()}
+    return [rounded_tree(item, digits) for item in tree] if isinstance(tree, list | tuple) else tree
+
+
+MOST_CELLS = 100_000_000
+MOST_BYTES = 2 * 2**30
+"""Of a table that is read, once unpacked."""
+
+
+def arrow(key: str = "") -> tuple[Any, Any]:
+    """Return pyarrow and its Parquet; `key` is what asked for it."""
+    try:
+        return import_module("pyarrow"), import_module("pyarrow.parquet")
+    except ImportError:
+        message = "Parquet needs pyarrow, which is not installed"
+        fix = 'pip install "ropefric[parquet]", or use CSV'
+        raise InputError(message, code="RF107", key=key, fix=fix) from None
+
+
+def parquet_bytes(rows: Sequence[Mapping[str, Any]], *, key: str) -> bytes:
+    """Return rows of the same keys as a Parquet file; a column without any value is one of numbers."""
+    pyarrow, parquet = arrow(key)
+    columns = {name: pyarrow.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
+    empty = pyarrow.null()
+    typed = {name: one.cast("float64") if one.type == empty else one for name, one in columns.items()}
+    stream = io.BytesIO()
+    parquet.write_table(pyarrow.table(typed), stream)
+    return stream.getvalue()
+
+
+def parquet_as_csv(content: bytes, shown: str) -> str:
+    """Return a Parquet file as CSV: numbers with all their digits, empty cells where there is none."""
+    pyarrow, parquet = arrow()
+    try:
+        file = parquet.ParquetFile(io.BytesIO(content))
+        about = file.metadata
+        size = sum(about.row_group(i).total_byte_size for i in range(about.num_row_groups))
+        if about.num_rows * about.num_columns > MOST_CELLS or size > MOST_BYTES:
+            shape = f"{about.num_rows} rows of {about.num_columns} columns, {size} bytes"
+            message = f"the table has {shape}: too many"
+            raise DataError(message, path=shown, fix="check that this is the table you mean, or split it")
+        table = file.read()
+        columns = [table.column(i).to_pylist() for i in range(table.num_columns)]
+    except (pyarrow.ArrowException, OSError, ValueError) as error:
+        message = f"this is not a readable Parquet file: {error}"
+        raise DataError(message, path=shown, fix="write it again, or save the table as CSV") from None
+    rows = (table.column_names, *zip(*columns, strict=True))
+    return csv_text(map(_cell, row) for row in rows)
+
+
+def _cell(value: Any) -> Any:
+    if value is None or (isinstance(value, float) and isnan(value)):
+        return ""
+    return csv_cell(value if isinstance(value, bool | int | float) else " ".join(str(value).split()))

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ropefric.errors import DataError
-from ropefric.files.read import BLOCK_BYTES, InputFile
+from ropefric.files.disk import BLOCK_BYTES, InputFile
 
 GZIP_MAGIC = b"\x1f\x8b"
 _GZIP = 31  # as zlib calls it

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ropefric.errors import DataError, Problem
-from ropefric.files.read import kind_of_file, read_file
+from ropefric.files.disk import kind_of_file, read_file
 
 KeyPath = tuple[str | int, ...]
 """A place in a TOML tree: names of keys and 0-based numbers of array elements."""

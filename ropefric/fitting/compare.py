@@ -6,22 +6,24 @@ fuller law is preferred to a simpler one takes AICc, the error at conditions lef
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
 
 from ropefric.errors import FitError, RopefricError, UnknownNameError
-from ropefric.files.digits import rounded_tree
+from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import Candidate, Prediction, averaged, predict
 from ropefric.fitting.problem import law_named
 from ropefric.fitting.result import RIVAL, Doubt, FitResult, FitStatus, Verdict, verdict_of
 from ropefric.fitting.standing import (
     CHANCE,
+    STRONG,
     Contest,
     FTest,
     Standing,
+    contact_trend,
     lead_by_chance,
     leave_one_out,
     nested_test,
@@ -99,6 +101,9 @@ class Comparison(Shown):
         The best law against the simpler ones it contains, and against a fuller one that an F-test speaks for.
     wild : tuple of str
         Trials that lie so far off all the others that they decide the ranking.
+    contact : dict of str to float
+        Of a constant μ that is larger beyond the first turn, where coils touch: by how much (`slope`), its `aicc`, and
+        by how much that is lower than the best law's (`lead`). Empty where no turn touches or it is not larger.
     """
 
     _said = ("best.law", "n", "unit", "n_trials", "scatter_within", "notes")
@@ -113,6 +118,7 @@ class Comparison(Shown):
     notes: tuple[str, ...]
     contests: tuple[Contest, ...] = ()
     wild: tuple[str, ...] = ()
+    contact: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def best(self) -> ComparisonEntry:
@@ -133,7 +139,7 @@ class Comparison(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape: `ranking` best first, F-tests and notes; weights are null if not `conclusive`."""
-        names = ("unit", "n", "n_trials", "scatter_within", "conclusive", "notes", "wild")
+        names = ("unit", "n", "n_trials", "scatter_within", "conclusive", "notes", "wild", "contact")
         tree = {name: getattr(self, name) for name in names} | {
             "ranking": [entry.to_dict() for entry in self.ranking],
             "f_tests": [asdict(test) for test in self.tests],
@@ -146,9 +152,10 @@ def compare_laws(
     table: TrialTable,
     laws: Iterable[str | FrictionLaw] | None = None,
     *,
+    touching_turns: float | None = None,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> Comparison:
-    """Return how friction laws stand against each other on a trial table."""
+    """Return how friction laws stand against each other on a trial table; all turns beyond the first may touch."""
     if isinstance(laws, str | FrictionLaw):
         laws = [laws]
     laws = LAWS.values() if laws is None else laws
@@ -183,6 +190,7 @@ def compare_laws(
         for case in stands.problem.law.special_cases
         if case.name in standings and (found := nested_test(standings[case.name], stands)) is not None
     )
+    contact = _contact(ranking, means, touching_turns)
     return Comparison(
         ranking=ranking,
         tests=tests,
@@ -190,7 +198,8 @@ def compare_laws(
         n=len(means),
         n_trials=data.n_points,
         scatter_within=means.scatter_within,
-        notes=_notes(ranking, tests, means, slack=slack),
+        notes=(*_notes(ranking, tests, means, slack=slack), *_contact_notes(ranking[0], contact)),
+        contact=contact,
         wild=() if wild is None else (np.array(table.trial)[table.used][wild].item(),),
     )
 
@@ -215,6 +224,8 @@ def _contests(
         pairs = [(law, name) for law in simpler]
         pairs += [(name, likely.fuller)] if likely is not None and likely.p_value <= CHANCE else []
         for low, high in pairs:
+            if (low, high) in {(contest.simpler, contest.fuller) for contest in held}:
+                continue
             family = [
                 standings[law]
                 for law in entries
@@ -339,6 +350,36 @@ def _notes(
     return tuple(notes)
 
 
+def _contact(
+    ranking: Sequence[ComparisonEntry], means: ConditionMeans, touching_turns: float | None
+) -> dict[str, float]:
+    """Return how contact between coils stands beside the laws, none of which knows it."""
+    slope, value = contact_trend(means, touching_turns)
+    best = min((entry.aicc for entry in ranking if entry.counted), default=math.inf)
+    if not math.isfinite(value) or not math.isfinite(best):
+        return {}
+    return {"slope": slope, "aicc": value, "lead": best - value}
+
+
+def _contact_notes(best: ComparisonEntry, contact: Mapping[str, float]) -> list[str]:
+    """Return that contact between coils may be what a law stands for."""
+    lead = contact.get("lead", -math.inf)
+    if lead > RIVAL:
+        text = f"{_contact_words(lead, best.law)}: such a law may only stand for it"
+        return [f"{text}; `ropefric diagnose` weighs the causes against each other"]
+    if lead >= -RIVAL and best.law != "constant":
+        text = (
+            f"contact between coils, beyond the first turn, describes the trials about as well as {best.law}"
+        )
+        return [f"{text}: hold the coils apart to tell"]
+    return []
+
+
+def _contact_words(lead: float, law: str) -> str:
+    text = "a constant μ that is larger beyond the first turn, as by contact between coils, describes the trials better"
+    return f"{text} (its AICc is {lead:.1f} below that of {law})"
+
+
 # Their forces follow the data as well as those of others, whatever is known of their parameters.
 _ANSWERING = frozenset({FitStatus.OK, FitStatus.AT_BOUND, FitStatus.UNIDENTIFIABLE})
 
@@ -440,6 +481,8 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
     doubts += [("undecided", contest.text) for contest in open_.values()]
     text = "lies far off what all the others agree on: look at it, and set it aside if it is bad"
     doubts += [("undecided", f"trial {name} {text}") for name in comparison.wild]
+    if (lead := comparison.contact.get("lead", 0.0)) >= STRONG:
+        doubts.append(("undecided", _contact_words(lead, comparison.best.law)))
     apart = [r.law for r in rivals if comparison[r.law].counted and not _agree(fit, r, wheel)]
     if other := [name for name in apart if name not in open_]:
         where = "on the conditions tested" if wheel is None else "for the wheel asked for"

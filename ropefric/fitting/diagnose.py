@@ -17,12 +17,13 @@ from scipy.special import fdtrc, stdtr, stdtrit
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.files.digits import significant
+from ropefric.files.plain_text import significant
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.compare import Comparison, choose_law, compare_laws
 from ropefric.fitting.predict import has_interval
 from ropefric.fitting.problem import FitProblem, typical_mu
 from ropefric.fitting.result import FitResult, Verdict
+from ropefric.fitting.standing import STRONG, beyond_first_turn, straight_fit
 from ropefric.friction.condition import distinct
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted
@@ -32,13 +33,11 @@ from ropefric.trials.table import TrialTable
 Supported = Literal["yes", "no", "cannot-tell"]
 
 WORDS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
-# Differences of AICc: an effect is supported when it makes the data e^3 = 20 times likelier after its price.
-_STRONG = 6.0
+# A difference of AICc.
 _WEAK = 2.0
 _SIGNIFICANT = 0.01
 _MANY = 0.2
 _LEVEL = 0.95
-_TURN_RAD = 2.0 * math.pi
 # Of a column, what others leave of it; below, it says nothing that they do not.
 _ALIASED = 1e-6
 
@@ -138,7 +137,9 @@ def diagnose(
     `touching_turns` says how many turns at most touch the one beside them; where it is not said, all beyond the first
     may, and that is tested as an effect.
     """
-    ranked = compare_laws(table, ALL_LAWS.values()) if comparison is None else comparison
+    ranked = comparison
+    if ranked is None:
+        ranked = compare_laws(table, ALL_LAWS.values(), touching_turns=touching_turns)
     if (fit := ranked["constant"].fit) is None or fit.problem is None:
         text = "the comparison carries no data"
         raise InputError(text, fix="compare the laws again, or leave the comparison out")
@@ -146,7 +147,7 @@ def diagnose(
     if wild:
         # One trial must not hide what all the others show.
         table = replace(table, kept=table.kept & ~np.isin(np.array(table.trial), wild))
-        ranked = compare_laws(table, [entry.law for entry in ranked.ranking])
+        ranked = compare_laws(table, [entry.law for entry in ranked.ranking], touching_turns=touching_turns)
         fit = ranked["constant"].fit or fit
     problem = fit.data
     means = stats.condition_means(problem)
@@ -196,8 +197,7 @@ class _Trends:
             "size effect": ("R_w/R_r =", "", 1.0, at.size_ratio),
             "wrap effect": ("", "deg", math.degrees(1.0), np.maximum(wrap, 1e-9)),
         }
-        turns = math.inf if touching_turns is None else touching_turns
-        beyond = np.clip(wrap - _TURN_RAD, 0.0, _TURN_RAD * turns)
+        beyond = beyond_first_turn(at, touching_turns)
         every = {"offset": np.ones_like(wrap)}
         every |= {title: wrap * np.log(x / x.min()) for title, (*_, x) in self.settings.items()}
         every["coil contact"], self.touching = beyond, bool(beyond.any())
@@ -216,20 +216,11 @@ class _Trends:
         """Return the columns of μ and of some trends, shape (K, 1 + number of trends)."""
         return np.stack([self.means.conditions.wrap_angle_rad, *(self.columns[t] for t in chosen)], axis=-1)
 
-    def _solved(self, X: FloatArray, rise: FloatArray) -> tuple[FloatArray, stats.ScatterFit]:
-        """Return the coefficients of columns, and the scatter of the means about them that makes them likeliest."""
-        root = self.means.std
-        for _ in range(4):
-            theta = np.asarray(np.linalg.lstsq(X / root[:, None], rise / root, rcond=None)[0])
-            scatter = stats.scatter_fit(X @ theta - rise, self.means)
-            root = np.sqrt(scatter.variance)
-        return theta, scatter
-
     def _aicc(self, chosen: tuple[str, ...]) -> float:
         X, K = self.matrix(chosen), len(self.means)
         if X.shape[1] + 2 >= K or any(not _adds(np.delete(X, i, 1), X[:, i]) for i in range(1, X.shape[1])):
             return math.inf
-        theta, scatter = self._solved(X, self.rise)
+        theta, scatter = straight_fit(X, self.rise, self.means)
         if "coil contact" in chosen and theta[1 + chosen.index("coil contact")] < 0.0:
             return math.inf  # contact between coils cannot help the rope along
         return stats.aicc(float(scatter.deviance), K, X.shape[1] + 1)
@@ -253,7 +244,7 @@ class _Trends:
         dof = len(self.means) - X.shape[1]
         if dof < 1 or not _adds(others, X[:, -1]):
             return None
-        theta, scatter = self._solved(X, rise)
+        theta, scatter = straight_fit(X, rise, self.means)
         known = self.means.std.max() if self.means.repeated else 0.0
         if max(known, float(np.abs(X @ theta - rise).max())) < stats.SMALLEST_SCATTER:
             return None  # they agree to rounding, which is no scatter to judge by
@@ -287,6 +278,7 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
         return Cause(title, "cannot-tell", untold or f"all conditions have one {quantity}", experiment)
     line = trends.line(title)
     numbers, parts = _of_line(title, line, ranked)
+    limits, room = _limits(title, line, trends) if line is not None else ({}, "")
     laws = {entry.law: entry.aicc for entry in ranked.ranking if entry.counted}
     having = {law: value for law, value in laws.items() if effect in ALL_LAWS[law].effects}
     lacking = {law: value for law, value in laws.items() if law not in having}
@@ -294,9 +286,12 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     by_having, by_lacking = (min(some.values(), default=math.inf) for some in (having, lacking))
     best = min(trends.least(title, there=True), by_having)
     other = min(trends.least(title, there=False), by_lacking)
+    if title == "coil contact" and math.isfinite(plain) and best == math.inf and ranked.n > 4:
+        parts += ["contact cannot make μ smaller, and no description with it finds a larger one", room]
+        return Cause(title, "no", "; ".join(filter(None, parts)), experiment, numbers | limits)
     if not (math.isfinite(plain) and math.isfinite(best)):
-        parts.append(f"{ranked.n} conditions are too few for any law with it")
-        return Cause(title, "cannot-tell", "; ".join(parts), experiment, numbers)
+        parts += [f"{ranked.n} conditions are too few for any law with it", room]
+        return Cause(title, "cannot-tell", "; ".join(filter(None, parts)), experiment, numbers | limits)
     gain, lead = plain - best, other - best
     numbers |= {"gain_on_constant": gain, "lead_on_others": lead}
     first = min(having, key=having.__getitem__, default="")
@@ -306,19 +301,19 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
         rival = min(lacking, key=lacking.__getitem__, default="constant")
         text += f" and {_against(lead)} that of the best without it ({rival} among the laws)"
     parts.append(text)
-    yes = lead >= _STRONG or (by_lacking - by_having >= _STRONG and lead > 0.0)
+    yes = lead >= STRONG or (by_lacking - by_having >= STRONG and lead > 0.0)
     if not yes and winner.law in having:
-        # The law that won names the effect where no description without it that is as simple comes near. A fuller law
-        # may contain the winner as a limit and then cannot be far behind; that it does not win is enough.
+        # The law that won names the effect where no description without it that is as simple comes near, and none at
+        # all is better. A fuller law may contain the winner as a limit and then cannot be far behind.
         rivals = [entry.aicc for entry in ranked.ranking if entry.law in lacking and entry.k <= winner.k]
         rivals += [x for some, x in trends.aicc.items() if title not in some and len(some) + 2 <= winner.k]
-        yes = min(rivals, default=math.inf) - winner.aicc >= _STRONG
+        yes = min(rivals, default=math.inf) - winner.aicc >= STRONG and other > winner.aicc - _WEAK
     # An offset and a wrap effect both explain what the constant law cannot, as well as each other.
     looks_like_offset = (
         title == "wrap effect"
         and offset.counted
         and plain - max(offset.aicc, by_having) >= _WEAK
-        and abs(offset.aicc - by_having) < _STRONG
+        and abs(offset.aicc - by_having) < STRONG
     )
     if looks_like_offset:
         text = "a constant μ with a constant offset in ln F looks exactly like a wrap effect"
@@ -327,16 +322,12 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
         return Cause(title, "yes", "; ".join(parts), experiment, numbers)
     # Another effect could stand in its place: it is as good without what the best description has.
     replaced = title not in trends.best and any(
-        trends.least(title, there=True, without=o) < other + _STRONG for o in trends.best
+        trends.least(title, there=True, without=o) < other + STRONG for o in trends.best
     )
     needless = gain < _WEAK or (lead < 0.0 and not replaced)
     clear = line is not None and line.p_value < _SIGNIFICANT
-    if line is not None:
-        limits, text = _limits(title, line, trends)
-        numbers |= limits
-        parts.append(text)
     supported: Supported = "no" if needless and not clear and not looks_like_offset else "cannot-tell"
-    return Cause(title, supported, "; ".join(parts), experiment, numbers)
+    return Cause(title, supported, "; ".join(filter(None, [*parts, room])), experiment, numbers | limits)
 
 
 def _against(difference: float) -> str:
@@ -386,9 +377,9 @@ def _limits(title: str, line: _Line, trends: _Trends) -> tuple[dict[str, float],
         span = f"{_percent(low)} to {_percent(high)}"
         return numbers, f"an offset may still change F_A by {span}{beside} (at 95 % each)"
     if title == "coil contact":
-        most = _percent(max(high, 0.0))
-        text = f"contact may still raise μ beyond the first turn by up to {most} (at 95 %)"
-        return numbers, text
+        if high <= 0.0:
+            return numbers, "the trials leave contact no room (at 95 %)"
+        return numbers, f"contact may still raise μ beyond the first turn by up to {_percent(high)} (at 95 %)"
     ends = " to ".join(f"{significant(float(end) * factor, 4):g}" for end in levels)
     room = [f"{way} by up to {_percent(size)}" for way, size in (("fall", -low), ("rise", high)) if size > 0]
     span = " ".join(filter(None, (name, ends, unit)))

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
-from ropefric.files.digits import significant, to_share
+from ropefric.files.plain_text import significant, to_share
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings, Loss, check_settings, law_named, reduced
 from ropefric.fitting.result import CommonError, FitResult, Found, assemble

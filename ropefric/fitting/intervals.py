@@ -16,7 +16,7 @@ from scipy.stats import chi2 as chi2_distribution
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import FitError, InputError, UnknownNameError
 from ropefric.executors import spread
-from ropefric.files.digits import to_share
+from ropefric.files.plain_text import to_share
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import MANY, FitProblem, Rows, pooled, reduced
 from ropefric.fitting.result import FitResult, FitStatus

@@ -20,7 +20,7 @@ from ropefric.files.plain_text import csv_text
 from ropefric.fitting.fit import COMMON, rope_slopes
 from ropefric.fitting.predict import REGRESSORS, outside_words
 from ropefric.fitting.problem import FitSettings, check_settings
-from ropefric.fitting.resolution import FACTORS, MOST, RigLimits, law_outlook
+from ropefric.fitting.resolution import FACTORS, MOST, SCALE, RigLimits, law_outlook
 from ropefric.fitting.result import CommonError, FitResult
 from ropefric.fitting.statistics import combined_dof, decomposed
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
@@ -669,12 +669,13 @@ def _told(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:
     """Return what the conditions tested so far can tell of the law and its parameters, and what with the plan."""
     tested, before = planned.tested, np.broadcast_to(planned.tested_repeats, len(planned.tested))
     both = Conditions(**{name: np.append(getattr(tested, name), getattr(plan, name)) for name in SETTINGS})
-    often, words = np.append(before, np.full(len(plan), repeats)), []
+    often, words, scale = np.append(before, np.full(len(plan), repeats)), [], []
     for name, at in (("what was tested", tested), ("with this plan", both)):
         if len(at):
             outlook = law_outlook(planned.law, at, planned.scatter.variance(often[: len(at)]), planned.theta)
             words.append(f"{name}: {outlook.text}")
-    return words
+            scale = [SCALE] if outlook.power else []
+    return words + scale
 
 
 def _check_determined(planned: PlannedLaw, rows: FloatArray, least: int, n: int) -> None:

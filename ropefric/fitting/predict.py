@@ -13,7 +13,7 @@ from scipy.special import ndtri, stdtr, stdtrit
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.files.digits import rounded_tree
+from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.result import Doubt, FitResult, FitStatus, Verdict, verdict_of
 from ropefric.fitting.statistics import combined_dof
 from ropefric.friction.condition import SETTINGS, Conditions

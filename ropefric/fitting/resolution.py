@@ -4,24 +4,28 @@ Of laws, of their parameters, and of laws from simpler ones.
 """
 
 import math
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.special import fdtri, ncfdtr
 
-from ropefric.arrays import FloatArray
-from ropefric.errors import InputError
+from ropefric.arrays import FloatArray, IntArray
+from ropefric.errors import InputError, raise_problems
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.result import SPARE
-from ropefric.fitting.statistics import decomposed
+from ropefric.fitting.statistics import decomposed, pooled_scatter
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import LAWS
 from ropefric.glossary import counted
 from ropefric.trials.campaign_model import Campaign
+from ropefric.trials.cells import QUANTITIES, example_of, read_cells
+from ropefric.trials.table import TrialTable, read_trial_table
 
 TYPICAL_WITHIN, TYPICAL_BETWEEN = 0.015, 0.01
 """Scatter of ln F_A between repeats and between conditions where none is known [-]."""
@@ -34,8 +38,12 @@ MOST = 1000
 
 # Of all combinations, each weighed against the others.
 _MOST_CONDITIONS = 50_000
-# The share of campaigns from which on laws are told apart.
-_SURE = 0.8
+# By the share of campaigns, in whole per cent, from which on laws are told apart so.
+_VERBS = {80: "is told", 50: "may be told", 20: "can hardly be told", 0: "cannot be told"}
+SCALE = "of campaigns: " + ", ".join(
+    f"{verb} in {share} % or more" for share, verb in _VERBS.items() if share
+)
+"""What the words of an outlook stand for."""
 # A parameter is told where its standard error is at most this part of it.
 _TOLD = 0.5
 _TYPICAL_MU = 0.2
@@ -84,23 +92,18 @@ class RigLimits:
         return Conditions(rope_radius_m=np.array(self.rope_radius_m), **columns)
 
 
-def linear_levels(low: float, high: float, n: int, *, step: float) -> tuple[float, ...]:
-    """Return about n settings from low to high that are whole multiples of a step, ends included."""
-    return _levels(low, high, n, lambda: [round(x / step) * step for x in np.linspace(low, high, n).tolist()])
-
-
-def geometric_levels(low: float, high: float, n: int) -> tuple[float, ...]:
-    """Return about n settings from low to high in even ratios, rounded to two digits, ends included."""
-    if not low > 0.0:
+def levels(low: float, high: float, n: int, *, step: float | None = None) -> tuple[float, ...]:
+    """Return about n settings, ends included: whole multiples of a step, or two digits in even ratios without one."""
+    if step is None and not low > 0.0:
         raise InputError(f"a range from {low:g} has no even ratios", key="range", fix="begin above zero")
-    return _levels(low, high, n, lambda: [float(f"{x:.2g}") for x in np.geomspace(low, high, n).tolist()])
-
-
-def _levels(low: float, high: float, n: int, rounded: Callable[[], list[float]]) -> tuple[float, ...]:
     if not (low < high and 2 <= n <= MOST):
         fix = f"give low before high, two to {MOST} settings"
         raise InputError(f"{n} settings from {low:g} to {high:g}", key="range", fix=fix)
-    return tuple(sorted({low, high, *(x for x in rounded()[1:-1] if low <= x <= high)}))
+    if step is None:
+        inner = [float(f"{x:.2g}") for x in np.geomspace(low, high, n).tolist()]
+    else:
+        inner = [round(x / step) * step for x in np.linspace(low, high, n).tolist()]
+    return tuple(sorted({low, high, *(x for x in inner[1:-1] if low <= x <= high)}))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,11 +135,11 @@ class LawOutlook:
         """Return the outlook in words."""
         if self.reason:
             return f"{self.law}: cannot be judged: {self.reason}"
-        verbs = ("cannot be told", "can hardly be told", "is told")
-        words = [
-            f"{verbs[(power >= 2 * _TEST_LEVEL) + (power >= _SURE)]} from {simpler} (in {power:.0%} of campaigns)"
-            for simpler, power in self.power.items()
-        ]
+        words = []
+        for simpler, power in self.power.items():
+            share = round(100.0 * power)
+            verb = next(verb for least, verb in _VERBS.items() if share >= least)
+            words.append(f"{verb} from {simpler} (in {share} % of campaigns)")
         if self.untold:
             words.append(f"no {', '.join(self.untold)}")
         return f"{self.law}: {'; '.join(words) or 'its parameters are told'}"
@@ -160,11 +163,73 @@ def outlook_of_campaign(campaign: Campaign) -> tuple[LawOutlook, ...]:
         for trial, part in zip(trials, left, strict=True)
     ]
     columns = [*place.T, np.array(tensions)]
-    group = condition_groups(*columns)
+    return _outlooks(columns, condition_groups(*columns), TYPICAL_WITHIN)
+
+
+def outlook_of_table(table: TrialTable) -> tuple[LawOutlook, ...]:
+    """Return what the conditions of a table can tell, by the scatter of its own repeats where it has any."""
+    settings, group = listed(table)
+    within = scatter_of_repeats(table)
+    return _outlooks([*settings.values()], group, TYPICAL_WITHIN if math.isnan(within) else within)
+
+
+def listed(table: TrialTable) -> tuple[dict[str, FloatArray], IntArray]:
+    """Return settings and conditions of the trials that have a force, or of all in a list that has no forces yet."""
+    used = table.used
+    settings = {name: getattr(table, name)[used if used.any() else table.kept] for name in SETTINGS}
+    return settings, table.group() if used.any() else condition_groups(*settings.values())
+
+
+def scatter_of_repeats(table: TrialTable) -> float:
+    """Return the standard deviation of ln F_A between repeats; NaN where no condition has two forces."""
+    used = table.used
+    return pooled_scatter(np.log(table.peak_N[used] / table.end_tension_N[used]), table.group()).within
+
+
+def _outlooks(columns: Sequence[FloatArray], group: IntArray, within: float) -> tuple[LawOutlook, ...]:
     first = np.unique(group, return_index=True)[1]
     at = Conditions(**{name: column[first] for name, column in zip(SETTINGS, columns, strict=True)})
-    variance = TYPICAL_BETWEEN**2 + TYPICAL_WITHIN**2 / np.bincount(group)
+    variance = TYPICAL_BETWEEN**2 + within**2 / np.bincount(group)
     return tuple(law_outlook(law, at, variance) for law in LAWS.values())
+
+
+def read_list(path: str | os.PathLike[str]) -> TrialTable:
+    """Return a trial table, or a list of conditions without forces: a row a pull, or as many as `repeats` says."""
+    table, problems = read_cells(path)
+    columns, others, wrong = table.bind(QUANTITIES, ("repeats",))
+    if wrong or "peak_N" in columns:
+        return read_trial_table(path)
+    found = [*problems, *(doubt for name in others for doubt in table.near_miss(name, QUANTITIES, ()))]
+    for stem in ("wheel_radius", "rope_diameter", "wrap_angle", "end_tension"):
+        if QUANTITIES[stem][0] not in columns:
+            text = f"there is no column for the {stem.replace('_', ' ')}; every condition needs one"
+            fix = f"add a column {example_of(stem, QUANTITIES)}"
+            if (campaign := Path(path).with_name("campaign.toml")).is_file():
+                fix += f"; or check the campaign that this list is of, {campaign.as_posix()}"
+            found.append(table.problem(table.header_line, "", "RF121", text, fix))
+    raise_problems(found)
+    read, refused = table.numbers(columns)
+    often = []
+    for place, (line, row) in enumerate(table.rows):
+        found += refused.get(place, ())
+        for name in SETTINGS:
+            if math.isnan(read[name][place]) and place not in refused:
+                text, key = "the cell is empty, and every condition needs it", columns[name].header
+                found.append(table.problem(line, key, "RF121", text, "write the number"))
+        written = row[columns["repeats"].index] if "repeats" in columns else "1"
+        often.append(int(written) if written.isdecimal() and len(written) < 5 else 0)
+        if not 1 <= often[-1] <= MOST:
+            text = f"{written[:40]!r} is no number of pulls"
+            found.append(table.problem(line, "repeats", "RF102", text, f"write 1 to {MOST}"))
+    if not table.rows:
+        text, fix = "the list has a header, but no conditions", "add a row for each"
+        found.append(table.problem(table.header_line, "", "RF101", text, fix))
+    raise_problems(found)
+    settings: dict[str, Any] = {name: np.repeat(read[name], often) for name in SETTINGS}
+    names = tuple(f"row-{line}-{i}" for (line, _), n in zip(table.rows, often, strict=True) for i in range(n))
+    return TrialTable(
+        trial=names, peak_N=np.array(math.nan), source=table.path, warnings=tuple(found), **settings
+    )
 
 
 def law_outlook(

@@ -39,8 +39,8 @@ import ropefric
 from ropefric import plugins
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant, to_share
-from ropefric.files.read import hash_file, kind_of_file
+from ropefric.files.disk import hash_file, kind_of_file
+from ropefric.files.plain_text import GIVEN_DIGITS, STD_DIGITS, significant, to_share
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
 from ropefric.friction.condition import SETTINGS, distinct

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from scipy.special import fdtrc
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
-from ropefric.files.digits import GIVEN_DIGITS, STD_DIGITS, significant
+from ropefric.files.plain_text import GIVEN_DIGITS, STD_DIGITS, significant
 from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import SETTINGS, Conditions, distinct
 

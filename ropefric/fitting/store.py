@@ -12,9 +12,8 @@ import numpy as np
 
 from ropefric import plugins
 from ropefric.errors import DataError, RopefricError
+from ropefric.files.disk import hash_file, kind_of_file, read_file, refuse_input, refuse_special, write_file
 from ropefric.files.plain_text import json_document
-from ropefric.files.read import hash_file, kind_of_file, read_file
-from ropefric.files.write import refuse_input, refuse_special, write_file
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.fitting.problem import FitSettings, check_settings

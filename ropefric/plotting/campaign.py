@@ -1,31 +1,36 @@
-"""A campaign in figures: every trial against every check; of each condition the recordings and their repeatability."""
+"""A campaign in figures: trials against checks, conditions with their repeatability, one recording and all of them."""
 
 import math
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from itertools import groupby
 from pathlib import Path
 from textwrap import shorten
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.ticker import MaxNLocator
 
+from ropefric.arrays import FloatArray
 from ropefric.files.folder import Folder, as_folder
 from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, begin, drawing, figure_files, localize
 from ropefric.traces.breakaway import Status
 from ropefric.trials.outliers import RULES
-from ropefric.trials.result import ConditionSummary, Extraction, TrialResult, count_trials, outcome_words
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
+from ropefric.trials.result import (
+    ConditionSummary,
+    Extraction,
+    Outline,
+    TrialResult,
+    count_trials,
+    outcome_words,
+)
 
 OK, NOT_JUDGED, FLAG, FAIL = "ok", "not judged", "flag", "fail"
 """What a check says of a trial."""
@@ -93,11 +98,7 @@ def draw_overview(extraction: Extraction) -> FigureWithData:
             _draw_band(axes, band, width)
         figure.suptitle(f"{extraction.name}, {counts}")
         style.legend_of_figure(figure)
-    alt = (
-        f"Campaign {extraction.name}, {counts}."
-        if rows
-        else f"Campaign {extraction.name}: there is no trial."
-    )
+    alt = f"Campaign {extraction.name}" + (f", {counts}." if rows else ": there is no trial.")
     told = Counter(
         check for _, *said in rows for check, one in zip(CHECKS, said, strict=True) if one in {FLAG, FAIL}
     )
@@ -108,7 +109,7 @@ def draw_overview(extraction: Extraction) -> FigureWithData:
     return FigureWithData(figure=figure, tables=(DataTable.of_rows(("trial", *CHECKS), rows),), alt=alt)
 
 
-def _draw_band(axes: "Axes", band: Sequence[tuple[str, ...]], width: int) -> None:
+def _draw_band(axes: Axes, band: Sequence[tuple[str, ...]], width: int) -> None:
     names, *columns = zip(*band, strict=True)
     crowded = width > _ONE_BAND
     for row, column in enumerate(columns):
@@ -162,12 +163,9 @@ def conditions_of(extraction: Extraction) -> dict[str, tuple[ConditionSummary, l
 def _settings(summary: ConditionSummary, trials: Iterable[TrialResult]) -> tuple[str, ...]:
     """Return radii, wrap, and the tension that is known with its symbol, in the units people use at the rig."""
     slack = _measures_slack(trials)
-    values = (
-        1e3 * summary.wheel_radius_m,
-        1e3 * summary.rope_radius_m,
-        math.degrees(summary.wrap_angle_rad),
-        summary.lift_force_N if slack else summary.end_tension_N,
-    )
+    radii_mm = 1e3 * summary.wheel_radius_m, 1e3 * summary.rope_radius_m
+    known_N = summary.lift_force_N if slack else summary.end_tension_N
+    values = (*radii_mm, math.degrees(summary.wrap_angle_rad), known_N)
     return (*(f"{value:.6g}" for value in values), "F_A" if slack else "F_B")
 
 
@@ -281,7 +279,7 @@ def _is_usable(trial: TrialResult) -> bool:
     return trial.breakaway.status is Status.OK
 
 
-def _draw_traces(axes: "Axes", trials: Sequence[TrialResult], colors: Sequence[Any]) -> None:
+def _draw_traces(axes: Axes, trials: Sequence[TrialResult], colors: Sequence[Any]) -> None:
     """Draw the recordings with the forces picked from them and the band of their sliding forces."""
     axes.set(xlabel=style.figure_label("time_s"), ylabel=style.figure_label("force_N"))
     recordings = _recordings_of(trials)
@@ -301,16 +299,10 @@ def _draw_traces(axes: "Axes", trials: Sequence[TrialResult], colors: Sequence[A
     axes.autoscale_view()
     usable = [trial for trial in trials if _is_usable(trial)]
     if usable:
-        axes.scatter(
-            [trial.breakaway.peak_time_s for trial in usable],
-            [trial.measured_N for trial in usable],
-            s=36,
-            c=[color_of[trial.trial] for trial in usable],
-            edgecolors="black",
-            linewidths=0.8,
-            zorder=5,
-            label=style.typeset("plateau F_B" if usable[0].measures_slack else "break-away force F_A"),
-        )
+        picks = [(one.breakaway.peak_time_s, one.measured_N, color_of[one.trial]) for one in usable]
+        time_s, force_N, inks = zip(*picks, strict=True)
+        label = style.typeset("plateau F_B" if usable[0].measures_slack else "break-away force F_A")
+        axes.scatter(time_s, force_N, s=36, c=inks, label=label, edgecolors="black", linewidths=0.8, zorder=5)
     sliding_N = [force for trial in usable if math.isfinite(force := trial.breakaway.kinetic_N)]
     if sliding_N:
         low_N, high_N = min(sliding_N), max(sliding_N)
@@ -332,7 +324,7 @@ def _draw_traces(axes: "Axes", trials: Sequence[TrialResult], colors: Sequence[A
 
 
 def _draw_strip(
-    axes: "Axes", summary: ConditionSummary, trials: Sequence[TrialResult], colors: Sequence[Any]
+    axes: Axes, summary: ConditionSummary, trials: Sequence[TrialResult], colors: Sequence[Any]
 ) -> None:
     r"""Draw the measured force of each trial in order, the mean and the ±2s band of all of them.
 
@@ -370,17 +362,13 @@ def _draw_strip(
     if not usable:
         axes.text(0.5, 0.5, "no usable force", transform=axes.transAxes, ha="center", color=style.GREY)
     elif warning := RULES[summary.rule].warning(summary.n):
-        banner = {
-            "facecolor": "#FFF3D6",
-            "edgecolor": style.ORANGE,
-            "boxstyle": "round,pad=0.2",
-            "linewidth": 0.8,
-        }
+        ink = {"facecolor": "#FFF3D6", "edgecolor": style.ORANGE, "linewidth": 0.8}
+        banner = ink | {"boxstyle": "round,pad=0.2"}
         axes.set_title(warning.split(" (")[0], fontsize=9, loc="left", bbox=banner)
     style.legend_below(axes)
 
 
-def _draw_values(axes: "Axes", usable: Sequence[tuple[int, TrialResult, Any]]) -> None:
+def _draw_values(axes: Axes, usable: Sequence[tuple[int, TrialResult, Any]]) -> None:
     """Draw the measured forces with their standard uncertainties; trials that are treated alike in one go."""
     for fate, marker in (("kept", "o"), ("rejected", "o"), ("excluded", "D")):
         mine = [one for one in usable if one[1].outcome == fate]
@@ -391,11 +379,10 @@ def _draw_values(axes: "Axes", usable: Sequence[tuple[int, TrialResult, Any]]) -
             forces_N = [trial.measured_N for trial in trials]
             look = ink if fate == "kept" else hollow
             axes.scatter(order, forces_N, s=36, marker=marker, zorder=5, label=fate, **look)
-    bars = [
-        (order, trial.measured_N, std_N, color)
-        for order, trial, color in usable
-        if np.isfinite(std_N := trial.end_tension_std_N if trial.measures_slack else trial.peak_std_N)
-    ]
+    bars = []
+    for place, trial, color in usable:
+        std_N = trial.end_tension_std_N if trial.measures_slack else trial.peak_std_N
+        bars += [(place, trial.measured_N, std_N, color)] if np.isfinite(std_N) else []
     if bars:
         places, force_N, half_N, inks = (list(column) for column in zip(*bars, strict=True))
         low_N, high_N = np.subtract(force_N, half_N), np.add(force_N, half_N)
@@ -404,7 +391,7 @@ def _draw_values(axes: "Axes", usable: Sequence[tuple[int, TrialResult, Any]]) -
         axes.scatter(2 * places, [*low_N, *high_N], s=16, c=2 * inks, **tick)
 
 
-def _draw_flags(axes: "Axes", flagged: dict[int, TrialResult]) -> None:
+def _draw_flags(axes: Axes, flagged: dict[int, TrialResult]) -> None:
     if not flagged:
         return
     look: dict[str, Any] = {"color": style.DARK_ORANGE, "transform": axes.get_xaxis_transform()}
@@ -413,3 +400,149 @@ def _draw_flags(axes: "Axes", flagged: dict[int, TrialResult]) -> None:
     for order, trial in flagged.items():
         words = str(trial.breakaway.status)
         axes.text(order, 0.07, words, rotation=90, fontsize=8, ha="center", va="bottom", **look)
+
+
+ACROSS, DOWN = 8, 12
+"""Small multiples beside and above each other in one figure."""
+MOST = 960
+"""Recordings that are drawn at most: beyond, a page takes long to open, and nobody looks through it."""
+_BINS = 44
+_WIDE = 0.9
+"""Of its cell of one by one, what a recording is wide."""
+_FATES: dict[str, Any] = {
+    "kept": {"color": style.BLUE, "marker": "o"},
+    "rejected": {"color": style.DARK_ORANGE, "marker": "D"},
+    "excluded": {"color": style.DARK_ORANGE, "marker": "s"},
+    "without a force": {"color": style.GREY, "marker": "x"},
+}
+
+
+def draw_recording(trial: TrialResult) -> FigureWithData:
+    """Return one recording: what was recorded, its mean, the break-away force picked from it, the force of sliding."""
+    outline, found = trial.outline, trial.breakaway
+    with drawing(5.2, 4.3) as figure:
+        axes = figure.subplots()
+        axes.set(xlabel=style.figure_label("time_s"), ylabel=style.figure_label("force_N"))
+        if outline is None:
+            style.say_instead(axes, "the recording could not be read")
+        else:
+            _draw_trace(axes, outline)
+        if math.isfinite(found.kinetic_N):
+            text = f"sliding force F_k = {found.kinetic_N:.4g} N"
+            look: dict[str, Any] = {"color": style.DARK_ORANGE, "linestyle": "--", "linewidth": 1.2}
+            axes.axhline(found.kinetic_N, label=style.typeset(text), **look)
+        if math.isfinite(found.peak_N):
+            symbol = "F_B" if trial.measures_slack else "F_A"
+            label = style.typeset(f"picked: {symbol} = {found.peak_N:.4g} N")
+            at = (found.peak_time_s, found.peak_N)
+            axes.plot(*at, "o", color=style.ORANGE, markeredgecolor="black", label=label, zorder=5)
+        axes.set_title(f"{trial.trial}, {trial.outcome}", fontsize=9)
+        style.legend_of_figure(figure, columns=2)
+    names = ("time_s", "low_N", "high_N", "smoothed_N")
+    columns = {name: getattr(outline, name, ()) for name in names}
+    alt = (
+        f"The recording {trial.trial}: picked {style.shown(found.peak_N, 'N')} at "
+        f"{style.shown(found.peak_time_s, 's')}, sliding at {style.shown(found.kinetic_N, 'N')}."
+    )
+    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
+
+
+def _draw_trace(axes: Axes, outline: Outline) -> None:
+    label: dict[str, Any] = {"label": "recorded, min to max", "color": style.BLUE, "alpha": 0.25}
+    axes.fill_between(outline.time_s, outline.low_N, outline.high_N, linewidth=0, **label)
+    axes.plot(outline.time_s, outline.smoothed_N, color=style.BLUE, linewidth=1.0, label="its mean")
+
+
+def pages_of_recordings(trials: Sequence[TrialResult]) -> Iterator[tuple[TrialResult, ...]]:
+    """Give the trials that are drawn, in their order, as many at once as one figure shows.
+
+    Of more than `MOST` those that do not count come first, then the first of the others.
+    """
+    chosen = [*trials]
+    if len(chosen) > MOST:
+        first = sorted(range(len(chosen)), key=lambda i: chosen[i].outcome == "kept")[:MOST]
+        chosen = [chosen[i] for i in sorted(first)]
+    for start in range(0, len(chosen), ACROSS * DOWN):
+        yield tuple(chosen[start : start + ACROSS * DOWN])
+
+
+def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
+    """Return recordings as small multiples, each with its pick, its lowest and highest force, and its length.
+
+    All stand in one pair of axes, a cell of one by one each: a hundred pairs of axes would take a hundred times as long.
+    """
+    down = max(math.ceil(len(trials) / ACROSS), 1)
+    lines: dict[str, list[FloatArray]] = {fate: [] for fate in _FATES}
+    picks: dict[str, list[tuple[float, float]]] = {fate: [] for fate in _FATES}
+    with drawing(10.0, 0.42 + 0.92 * down, margins=_margins(down)) as figure:
+        axes = figure.subplots()
+        axes.set(xlim=(0.0, ACROSS), ylim=(down, 0.0))
+        axes.set_axis_off()
+        for place, trial in enumerate(trials):
+            row, column = divmod(place, ACROSS)
+            fate = trial.outcome
+            usable = fate != "without a force"
+            head = f"{trial.measured_N:.4g} N" if usable else str(trial.breakaway.status)
+            ink = _FATES[fate]["color"] if fate != "kept" else style.INK
+            _write(axes, column, row + 0.13, trial.trial[:16], color=style.INK, fontsize=6.5)
+            _write(axes, column + _WIDE, row + 0.27, head, color=ink, fontsize=6.5, ha="right", weight="bold")
+            if trial.outline is None:
+                continue
+            curve, pick, numbers = _in_cell(trial, trial.outline)
+            lines[fate].append(curve + np.array([column, row]))
+            if usable and pick is not None:
+                picks[fate].append((pick[0] + column, pick[1] + row))
+            for x, y, text, ha in numbers:
+                _write(axes, column + x, row + y, text, ha=ha, color=style.GREY, fontsize=5.5)
+        for fate, look in _FATES.items():
+            # A label of its own for each, also where nothing has a mark.
+            axes.add_collection(LineCollection(lines[fate], colors=look["color"], linewidths=0.7))
+            if lines[fate] or picks[fate]:
+                at = np.array(picks[fate]).reshape(-1, 2).T
+                mark: dict[str, Any] = {"edgecolors": "black"} if look["marker"] != "x" else {}
+                mark |= {"marker": look["marker"], "c": look["color"], "linewidths": 0.5, "zorder": 4}
+                axes.scatter(at[0], at[1], s=14, label=fate, **mark)
+        style.legend_of_figure(figure)
+    names = ("trial", "file", "measured_N", "outcome")
+    columns = {name: [getattr(trial, name) for trial in trials] for name in names}
+    columns["peak_time_s"] = [trial.breakaway.peak_time_s for trial in trials]
+    without = sum(trial.outcome == "without a force" for trial in trials)
+    first, last = (trials[0].trial, trials[-1].trial) if trials else ("", "")
+    alt = f"{counted(len(trials), 'recording')}, {first} to {last}, each with its pick; {without} without a force."
+    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
+
+
+def _margins(down: int) -> dict[str, float]:
+    """Return margins with room for a row of legend, whatever the height."""
+    return {"left": 0.005, "right": 0.995, "top": 1.0, "bottom": 0.4 / (0.42 + 0.92 * down)}
+
+
+def _write(axes: Axes, x: float, y: float, text: str, **look: Any) -> None:
+    axes.text(x, y, text, **{"va": "baseline"} | look)
+
+
+def _in_cell(
+    trial: TrialResult, outline: Outline
+) -> tuple[FloatArray, tuple[float, float] | None, list[tuple[float, float, str, str]]]:
+    """Return a recording's curve in its cell, its pick, and the numbers at its ends: x, y, text, side."""
+    parts = np.array_split(np.arange(outline.time_s.size), min(_BINS, outline.time_s.size))
+    # Highest and lowest mean of each stretch in the order they come, so that no peak is lost.
+    ends = ((force_N.argmin(), force_N.argmax()) for force_N in (outline.smoothed_N[part] for part in parts))
+    picked = [int(part[i]) for part, pair in zip(parts, ends, strict=True) for i in sorted({*pair})]
+    time_s, force_N = outline.time_s[picked], outline.smoothed_N[picked]
+    low_N, high_N = float(force_N.min()), float(force_N.max())
+    start_s, long_s = float(time_s[0]), float(time_s[-1] - time_s[0]) or 1.0
+
+    def placed(at_s: Any, at_N: Any) -> tuple[Any, Any]:
+        up = (at_N - low_N) / ((high_N - low_N) or 1.0)
+        return 0.02 + (_WIDE - 0.02) * (at_s - start_s) / long_s, 0.86 - 0.5 * up
+
+    found = trial.breakaway
+    digits = max(0, 2 - math.floor(math.log10(max(high_N - low_N, 1e-3))))
+    inside = start_s <= found.peak_time_s <= start_s + long_s and math.isfinite(found.peak_N)
+    numbers = [
+        (0.0, 0.97, f"{low_N:.{digits}f} to {high_N:.{digits}f} N", "left"),
+        (_WIDE, 0.97, f"{long_s:.3g} s", "right"),
+    ]
+    pick = placed(found.peak_time_s, min(max(found.peak_N, low_N), high_N)) if inside else None
+    return np.column_stack(placed(time_s, force_N)), pick, numbers

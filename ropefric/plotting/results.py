@@ -20,7 +20,7 @@ from ropefric.fitting.predict import REGRESSORS, Prediction
 from ropefric.fitting.result import FitResult
 from ropefric.given import as_trace
 from ropefric.glossary import GLOSSARY, counted
-from ropefric.pipeline.run import CampaignRun
+from ropefric.pipeline import CampaignRun
 from ropefric.plotting import style
 from ropefric.plotting.campaign import draw_overview
 from ropefric.plotting.design import draw_budget, draw_ladder

@@ -4,9 +4,8 @@ In come the results of the rooms below; out go sections for the terminal, summar
 - `section`: what is told, as data (tables, sections, numbers as people read them), and its text
 - `parts`: a section for each kind of result: fit, comparison, diagnosis, prediction, plan of tests, uncertainty
 - `scene`: the same for what a scene's solution, plan and sweep say
-- `page`: a whole report as data, and the one HTML page that shows any report; `pdf`: the same, printed
-- `formula`: a law's equation as MathML
-- `front`: the first two pages, what is handed over; `campaign`: summary and report of a campaign or a trial table,
-  written as files; `pictures`: its figures, drawn for the page
+- `page`: a whole report as data, the one HTML page that shows any report, its equations, the same printed as PDF; the
+  first two pages of a campaign's, which are handed over
+- `campaign`: summary and report of a campaign or a trial table, written as files; `pictures`: its figures
 - `cost_page`: what accuracy costs, as HTML and Markdown
 """

@@ -7,24 +7,14 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
+from ropefric import pipeline
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import json_document
 from ropefric.glossary import counted
 from ropefric.papers.prth import reduction_of
-from ropefric.pipeline.evidence import (
-    MANIFEST,
-    Evidence,
-    evidence_files,
-    gather_evidence,
-    manifest,
-    trace_provenance,
-    trace_table,
-)
-from ropefric.pipeline.run import CampaignAnswer, CampaignRun
-from ropefric.report import parts
-from ropefric.report.front import USUAL, Subject, Wish, front_blocks, measured_rows
-from ropefric.report.page import Alert, Block, Chapter, Fold, Picture, Report, as_html
-from ropefric.report.pdf import pdf_of
+from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
+from ropefric.report import page, parts
+from ropefric.report.page import USUAL, Alert, Block, Chapter, Fold, Picture, Report, Subject, Wish
 from ropefric.report.section import Section, as_text, percent, plain
 from ropefric.scenes.kind import Part
 from ropefric.traces.breakaway import ADVICE, Status
@@ -75,11 +65,11 @@ def write_report(
     design, manifest.json and, if wished, report.pdf. The same campaign gives the same bytes. The figures are drawn by
     the executor, if any.
     """
-    target, campaign, evidence = as_folder(folder), run.campaign, gather_evidence(run)
-    provenance, tally = trace_provenance(run, evidence), _tally(run.extraction)
-    told = (campaign.report, measured_rows(run), run, wish)
+    target, campaign, evidence = as_folder(folder), run.campaign, pipeline.gather_evidence(run)
+    provenance, tally = pipeline.trace_provenance(run, evidence), _tally(run.extraction)
+    told = (campaign.report, page.measured_rows(run), run, wish)
     subject = Subject(campaign.name, tally, run.answer, evidence, provenance, *told)
-    texts = manifest(provenance, campaign.path, target.path)
+    texts = pipeline.manifest(provenance, campaign.path, target.path)
     texts["summary.txt"] = as_text(summary_sections(run))
     return _write(subject, target, texts, executor=executor, progress=progress)
 
@@ -97,11 +87,11 @@ def write_table_report(
 
     The inputs are the table and, where there is one, the file that says more about it, from where `words` are.
     """
-    evidence, tally, table = gather_evidence(answer), table_tally(answer), inputs[0]
-    provenance = trace_table(answer, evidence, inputs)
+    evidence, tally, table = pipeline.gather_evidence(answer), table_tally(answer), inputs[0]
+    provenance = pipeline.trace_table(answer, evidence, inputs)
     measured = [("Trial table", table.name)]
     subject = Subject(table.stem, tally, answer, evidence, provenance, words, measured, wish=wish)
-    texts = {MANIFEST: json_document(provenance)}
+    texts = {pipeline.MANIFEST: json_document(provenance)}
     texts["summary.txt"] = as_text((Section(lines=[f"{table.name}: {tally}"]), *answer_sections(answer)))
     return _write(subject, folder, texts, executor=None, progress=progress)
 
@@ -109,7 +99,7 @@ def write_table_report(
 def _write(
     subject: Subject,
     folder: Folder,
-    texts: Mapping[str, str],
+    texts: dict[str, str],
     *,
     executor: Executor | None,
     progress: Progress | None,
@@ -123,10 +113,10 @@ def _write(
     numbers = [
         folder.path / name for drawn in pictures.values() for picture in drawn for name in picture.files
     ]
-    page = as_html(_report(subject, pictures, reduced))
-    files: dict[str, str | bytes] = {**texts, **evidence_files(subject.evidence), "report.html": page}
+    html = page.as_html(_report(subject, pictures, reduced))
+    files: dict[str, Any] = texts | pipeline.evidence_files(subject.evidence) | {"report.html": html}
     if subject.wish.pdf:
-        files["report.pdf"] = pdf_of(page)
+        files["report.pdf"] = page.pdf_of(html)
     return (*numbers, *folder.write(files))
 
 
@@ -138,11 +128,10 @@ def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
         lines.append(f"rejected by the rule {run.campaign.rejection}; look for a physical reason")
     if statuses := ", ".join(f"{n} {status}" for status, n in counts["status"].items() if status != "ok"):
         lines.append(f"recordings without a usable force: {statuses}")
-    lines += [
-        f"force cell {name}: {', '.join(cell.assumed)} assumed, not stated: state them in [cells.{name}]"
-        for name, cell in run.campaign.cells.items()
-        if cell.assumed
-    ]
+    for name, cell in run.campaign.cells.items():
+        if cell.assumed:
+            limits = ", ".join(cell.assumed)
+            lines.append(f"force cell {name}: {limits} assumed, not stated: state them in [cells.{name}]")
     sections = (Section(lines=lines), *answer_sections(run.answer))
     nowhere = Section("Lift force", ("the campaign names no wheel: add [design] to it",))
     return sections if run.campaign.design is not None else (*sections, nowhere)
@@ -178,11 +167,8 @@ def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Part]) -> Re
     """Return a report: the result on the first pages, then what to know, the evidence, settings and provenance."""
     answer, evidence, run = subject.answer, subject.evidence, subject.run
     by_hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
-    undecided = [
-        f"{cause.cause}: {cause.experiment}"
-        for cause in answer.diagnosis.causes
-        if cause.supported == "cannot-tell"
-    ]
+    open_causes = [one for one in answer.diagnosis.causes if one.supported == "cannot-tell"]
+    undecided = [f"{cause.cause}: {cause.experiment}" for cause in open_causes]
     of_answer = [*_alerts_of_answer(answer, evidence, asked=run is None or run.campaign.design is not None)]
     of_trials = [alert for alert in of_answer if alert.grade == "note"]
     if run is not None:
@@ -192,7 +178,7 @@ def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Part]) -> Re
         text = "This report was made without figures; `ropefric report` adds them."
         of_trials.append(Alert("note", "No figures", text))
     blocks: dict[str, Iterable[Block]] = {
-        "result": front_blocks(subject, of_answer, len(of_trials), pictures.get("front", ())),
+        "result": page.front_blocks(subject, of_answer, len(of_trials), pictures.get("front", ())),
         "warnings": [of_trials] if of_trials else [],
         "trials": [*(_trial_sections(run, evidence) if run else ()), *pictures.get("trials", ())],
         "recordings": pictures.get("recordings", ()),
@@ -209,19 +195,13 @@ def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Part]) -> Re
         "paper": [*(Section(**part._asdict()) for part in reduced), *pictures.get("paper", ())],
         "uncertainty": _uncertainty(evidence, pictures),
         "design": [*pictures.get("design", ()), *([by_hand] if evidence.hand else [])],
-        "next": ()
-        if evidence.plan is None
-        else [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)],
+        "next": [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)] if evidence.plan else (),
         "provenance": _provenance(subject.provenance, 2 if run else 1),
     }
     chapters = (Chapter(key, _CHAPTERS[key], tuple(own)) for key, own in blocks.items())
-    return Report(
-        title=subject.title,
-        lead=f"{subject.tally}; the friction law they ask for, how good it is, and the lift force it gives.",
-        chapters=tuple(chapter for chapter in chapters if chapter.blocks),
-        language=subject.language,
-        names=subject.names,
-    )
+    lead = f"{subject.tally}; the friction law they ask for, how good it is, and the lift force it gives."
+    shown = tuple(chapter for chapter in chapters if chapter.blocks)
+    return Report(subject.title, lead, shown, subject.language, subject.names)
 
 
 def _uncertainty(evidence: Evidence, pictures: Pictures) -> Iterator[Block]:
@@ -378,18 +358,13 @@ def _sliding_section(extraction: result.Extraction) -> Iterator[Section]:
 
 def _decided_section(extraction: result.Extraction) -> Iterator[Section]:
     """Yield what people decided about single trials, where they did: what, who and why."""
-    rows = tuple(
-        (
-            trial.trial,
-            trial.decision or f"excluded: {trial.excluded}",
-            plain(trial.measured_N),
-            trial.by,
-            trial.why,
-            "; ".join(note for note in trial.breakaway.notes if note.startswith("without the decision")),
-        )
-        for trial in extraction.trials
-        if trial.decision or (trial.excluded and trial.by)
-    )
+    rows = []
+    for trial in extraction.trials:
+        if trial.decision or (trial.excluded and trial.by):
+            what = trial.decision or f"excluded: {trial.excluded}"
+            without = [note for note in trial.breakaway.notes if note.startswith("without the decision")]
+            cells = trial.trial, what, plain(trial.measured_N), trial.by, trial.why, "; ".join(without)
+            rows.append(cells)
     if rows:
         headings = ("trial", "decision ", "F_A [N]", "by ", "why ", "and else ")
         yield Section("Decided by people", headings=headings, rows=rows, left=1)

@@ -1,18 +1,35 @@
-"""A report as data, and as one HTML page that needs nothing else."""
+"""A report as data, as one HTML page that needs nothing else, its equations as MathML, and the page printed as PDF.
 
+The notation is that of every law: `mu_inf (1 - exp(a R_w/R_r + b))`. A name right before a bracket is a function of
+what stands in it, two factors beside each other are multiplied, and `integral of X from A to B` is one over the wrap.
+"""
+
+import math
+import os
 import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
-from typing import Literal, NamedTuple
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, pass_context
 from jinja2.runtime import Context
 from markupsafe import Markup, escape
 
 from ropefric import __version__
+from ropefric.errors import RopefricError
 from ropefric.files.plain_text import localized, visible
-from ropefric.report.section import Section
+from ropefric.friction.law import FrictionLaw
+from ropefric.glossary import counted
+from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
+from ropefric.report import parts
+from ropefric.report.section import Section, interval, percent, plain
+from ropefric.trials.campaign_model import ReportWords
 
-_SYMBOL = re.compile(r"\b([RFuUkνμδ]|mu)_(w|r|A|B|R|c|eff|tr|lin|hys|sm|q|inf|rope)\b")
+_INDEXED = re.compile(r"\b([RFuUkνμδ]|mu)_(w|r|A|B|R|c|eff|tr|lin|hys|sm|q|inf|rope)\b")
 
 
 class Alert(NamedTuple):
@@ -91,27 +108,16 @@ def as_html(report: Report) -> str:
     """
     blocks = [block for chapter in report.chapters for block in chapter.blocks]
     stems = [block.stem for block in blocks if isinstance(block, Picture)]
-    page = (
-        _environment()
-        .get_template("report.html.j2")
-        .render(
-            report=report,
-            numbers={stem: place for place, stem in enumerate(stems, start=1)},
-            made_by=f"ropefric {__version__}",
-        )
-    )
-    return visible(page) + "\n"
+    numbers = {stem: place for place, stem in enumerate(stems, start=1)}
+    template = _environment().get_template("report.html.j2")
+    return visible(template.render(report=report, numbers=numbers, made_by=f"ropefric {__version__}")) + "\n"
 
 
 @cache
 def _environment() -> Environment:
-    environment = Environment(
-        loader=PackageLoader("ropefric.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    blanks: Any = {"trim_blocks": True, "lstrip_blocks": True}
+    loader = PackageLoader("ropefric.report")
+    environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, **blanks)
     environment.filters |= {"kind": _kind, "markup": Markup, "symbols": _symbols}
     return environment
 
@@ -126,4 +132,381 @@ def _symbols(context: Context, text: str) -> Markup:
     """Return text with the index of each symbol set low and numbers in the report's language, all else escaped."""
     report = context["report"]
     shown = escape(localized(text, report.language, report.names))
-    return Markup(_SYMBOL.sub(r"\1<sub>\2</sub>", str(shown)))  # noqa: S704  (escaped just now)
+    return Markup(_INDEXED.sub(r"\1<sub>\2</sub>", str(shown)))  # noqa: S704  (escaped just now)
+
+
+_GIVEN = {
+    "lab": "Laboratory",
+    "customer": "Customer",
+    "operator": "Operator",
+    "number": "Report",
+    "date": "Date",
+}
+SHORT_NAMES = (16, 20)
+"""Letters that figures have room for in the name of a trial."""
+_LIMITS = ("linearity", "hysteresis", "repeatability", "transmitter")
+
+
+class Wish(NamedTuple):
+    """How a report is wanted: the language of its numbers ("" as [report] says), as PDF too, figures as which files."""
+
+    language: str = ""
+    pdf: bool = False
+    figures: bool = True
+    formats: tuple[str, ...] = ()
+
+
+USUAL = Wish()
+
+
+class Subject(NamedTuple):
+    """What a report is of: an answer, what stands behind it, and what is said beside it.
+
+    `measured` are particulars of what was measured with what; `run` is None where there is a trial table alone.
+    """
+
+    title: str
+    tally: str
+    answer: CampaignAnswer
+    evidence: Evidence
+    provenance: Mapping[str, Any]
+    words: ReportWords
+    measured: Sequence[tuple[str, str]]
+    run: CampaignRun | None = None
+    wish: Wish = USUAL
+
+    @property
+    def language(self) -> str:
+        """Return whose numbers and dates the report has."""
+        return self.wish.language or self.words.language
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Return what people have named with numbers that a language would change, whole and as figures cut it."""
+        words, table = self.words, self.answer.table
+        given = [self.title, words.lab, words.customer, words.operator, words.number, *table.trial]
+        if self.run is not None:
+            campaign, trials = self.run.campaign, self.run.extraction.trials
+            given += [*campaign.wheels, *campaign.cells]
+            given += [name for one in trials for name in (one.trial, one.file)]
+            given += [wheel.material for wheel in campaign.wheels.values()]
+        cut = {name[:length] for name in given for length in (None, *SHORT_NAMES)}
+        return frozenset(name for name in cut if localized(name, self.language) != name)
+
+
+def front_blocks(
+    subject: Subject, alerts: Sequence[Alert], n_remarks: int, pictures: Sequence[Picture]
+) -> Iterator[Block]:
+    """Give the blocks of the first two pages: what is grave, who and what, the answer, law, pictures, and limits.
+
+    `alerts` are of the answer; so many remarks on the measurements stand in the annex.
+    """
+    answer, words = subject.answer, subject.words
+    if grave := [alert for alert in alerts if alert.grade == "stop"]:
+        yield grave
+    given = [(label, str(getattr(words, name))) for name, label in _GIVEN.items()]
+    rows = (*given, *subject.measured, ("Question", words.question))
+    yield Particulars(tuple(row for row in rows if row[1]))
+    yield [*_facts(answer, subject.evidence)]
+    law = parts.fit_section(answer.fit, f"The law: {answer.fit.law}, {answer.winner.how}")
+    yield Section(law.title)
+    yield Formula(formulas(answer.fit.friction_law))
+    yield law._replace(title="", lines=law.lines[1:])
+    if pictures:
+        yield Section("In pictures")
+        yield from pictures
+    tested = f"tested: {', '.join(parts.tested_ranges(answer.fit))}; beyond it the law is extrapolated"
+    annex = [f"{counted(n_remarks, 'remark')} on the measurements: see the annex"] if n_remarks else []
+    yield Section("Limits and assumptions", notes=(tested, *words.assumptions, *annex))
+    doubts = [alert for alert in alerts if alert.grade == "doubt"]
+    if doubts or not grave:
+        yield doubts or [Alert("note", "Nothing was found", "No check stands against the result.")]
+
+
+def measured_rows(run: CampaignRun) -> list[tuple[str, str]]:
+    """Return rope, wheels, force cells with their calibration, and the way of measuring, as far as they are given."""
+    campaign, rope = run.campaign, run.campaign.rope
+    density = rope.linear_density_kg_m
+    weight = "" if density is None else f"{plain(1e3 * density)} g/m"
+    used = {(trial.wheel_radius_m, trial.cell) for trial in run.extraction.trials}
+    radii_m, own_cells = (set(one) for one in zip(*used, strict=True)) if used else (set(), set())
+    wheels = [
+        f"{name} R_w = {plain(1e3 * wheel.radius_m)} mm" + (f" ({wheel.material})" if wheel.material else "")
+        for name, wheel in campaign.wheels.items()
+        if wheel.radius_m in radii_m
+    ]
+    cells = [_cell_words(name, cell) for name, cell in campaign.cells.items() if name in own_cells]
+    window_s = campaign.smoothing.window_s
+    smoothing = campaign.smoothing.mode + (f", {plain(1e3 * window_s)} ms" if window_s else "")
+    method = f"protocol {campaign.protocol.name}; smoothing {smoothing}; outliers by {campaign.rejection}"
+    size = f"{plain(2e3 * rope.radius_m)} mm in diameter"
+    of_rope = ", ".join(filter(None, (size, weight, rope.material)))
+    on = ("Wheels", "; ".join(wheels)), ("Force cells", "; ".join(cells))
+    return [("Rope", of_rope), *on, ("Method", method)]
+
+
+def _cell_words(name: str, cell: Any) -> str:
+    """Return a cell's range, its number and calibration, and its limits of error, those that are assumed as such."""
+    known = ", ".join(f"{limit} {100 * getattr(cell, limit):.2g} %" for limit in _LIMITS)
+    assumed = f" ({', '.join(cell.assumed)} assumed, not stated)" if cell.assumed else ""
+    said = (
+        f"{name} to {plain(cell.full_scale_N)} N",
+        cell.serial and f"serial {cell.serial}",
+        cell.calibrated and f"calibrated {cell.calibrated}",
+        f"of full scale: {known}{assumed}",
+    )
+    return ", ".join(filter(None, said))
+
+
+def _facts(answer: CampaignAnswer, evidence: Evidence) -> Iterator[Fact]:
+    """Give the numbers a reader looks for first."""
+    fit, found = answer.fit, answer.prediction
+    if found is not None:
+        at = found.conditions
+        cells = parts.setting_cells(at.wheel_radius_m[0], at.wrap_angle_rad[0], at.end_tension_N[0])
+        (wheel, wrap, tension), rope = cells, plain(2e3 * at.rope_radius_m[0])
+        where = f"on average, for R_w = {wheel} mm, φ = {wrap} deg, F_B = {tension} N, rope of {rope} mm"
+        yield Fact("Lift force of the design", f"{plain(found.lift_force_N[0], '.5g')} N", where)
+        level, one = f"{100 * found.level:g} %", found.prediction_interval_N[0]
+        mean = f"where the average of many ropes lies; standard error {plain(found.std_N[0], '.2g')} N"
+        yield Fact(f"{level} confidence interval", f"{interval(found.interval_N[0])} N", mean)
+        if not math.isnan(float(one[0])):
+            pull = "where one pull with a new rope lies"
+            yield Fact(f"{level} prediction interval", f"{interval(one)} N", pull)
+    yield Fact("Law and verdict", f"{fit.law}, {answer.verdict.word}", answer.verdict.reason)
+    unseen, scatter = answer.winner.entry.loco_error, fit.statistics.scatter_within
+    if math.isfinite(unseen):
+        remark = "root mean square over conditions left out one by one"
+        yield Fact("Error at unseen conditions", percent(unseen), remark)
+    if math.isfinite(scatter):
+        yield Fact("Scatter between repeats", percent(scatter), "standard deviation of one pull")
+    if evidence.lift is not None:
+        first, name = evidence.lift.budget.lines[0], f"What dominates the {evidence.lift.model.name}"
+        yield Fact(name, first.label, f"{percent(first.share, '.0f')} of its variance")
+    if (plan := evidence.plan) is not None:
+        value = f"{counted(len(plan), 'condition')}, {counted(len(plan) * plan.repeats, 'pull')}"
+        better = f"for a mean law {plain(plan.improvement, '.2g')} times as certain"
+        yield Fact("What to measure next", value, better)
+
+
+_TOKEN = re.compile(r"(\d+(?:\.\d+)?)|([A-Za-z]\w*)|(\S)")
+_GREEK = {"mu": "μ", "phi": "φ", "lambda": "λ", "inf": "∞"}
+_NAME = re.compile(r"([A-Za-z]+?)(?:_(\w+)|(\d+))?")
+_FUNCTIONS = {"exp", "sqrt", "sin", "arccos", "ln"}
+_SPACE = '<mspace width="0.17em"/>'
+
+
+def formulas(law: FrictionLaw) -> tuple[str, ...]:
+    """Return the statements of a law's equation as MathML elements; what is not in our notation stays plain text."""
+    statements = [text for part in law.equation.split(";") for text in _split(part.strip())]
+    return tuple(f'<math display="block">{_typeset(text)}</math>' for text in statements)
+
+
+def _typeset(text: str) -> str:
+    try:
+        return _Statement(text).typeset()
+    except ValueError:  # a law of somebody's own may be written in any way
+        return f"<mtext>{escape(text)}</mtext>"
+
+
+def symbol(name: str) -> str:
+    """Return a plain symbol such as mu_R as MathML, its index set low."""
+    found = _NAME.fullmatch(name)
+    base, *indices = found.groups() if found else (name, None, None)
+    index = indices[0] or indices[1]
+    if len(base) > 2 and base not in _GREEK:  # a word, not a letter with an index
+        return f"<mi>{name.replace('_', ' ')}</mi>"
+    letter = f"<mi>{_GREEK.get(base, base)}</mi>"
+    if not index:
+        return letter
+    kind = "mn" if index.isdigit() else "mi"
+    return f"<msub>{letter}<{kind}>{_GREEK.get(index, index)}</{kind}></msub>"
+
+
+def _split(text: str) -> list[str]:
+    """Return what commas outside brackets part."""
+    parts, depth = [""], 0
+    for letter in text:
+        depth += (letter == "(") - (letter == ")")
+        if letter == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return [part.strip() for part in parts]
+
+
+class _Bracket(str):
+    """What stands in brackets, with them; `inner` is without, for where a bar or a raised place takes their part."""
+
+    __slots__ = ("inner",)
+    inner: str
+
+
+def _bare(found: str) -> str:
+    return found.inner if isinstance(found, _Bracket) else found
+
+
+class _Statement:
+    """A statement and how far it is read; each method reads what it is named after and returns it as MathML."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.tokens = [(found[0], found.start(found.lastindex or 0)) for found in _TOKEN.finditer(text)]
+        self.place = 0
+
+    def typeset(self) -> str:
+        words = ""
+        while self.ahead in {"local", "average"}:
+            words += f"<mtext>{self.take()}</mtext>{_SPACE}"
+        found = words + self.sum()
+        while self.ahead == "=":
+            self.take()
+            found += f"<mo>=</mo>{self.sum()}"
+        if self.ahead:
+            raise ValueError(f"{self.text!r} is no equation from {self.ahead!r} on")
+        return f"<mrow>{found}</mrow>"
+
+    @property
+    def ahead(self) -> str:
+        return self.tokens[self.place][0].strip() if self.place < len(self.tokens) else ""
+
+    def take(self) -> str:
+        found = self.ahead
+        self.place += 1
+        return found
+
+    def sum(self) -> str:
+        found = self._sign() + self.product() if self.ahead == "-" else self.product()
+        while self.ahead in {"+", "-"}:
+            found += self._sign() + self.product()
+        return found
+
+    def _sign(self) -> str:
+        return f"<mo>{self.take().replace('-', '−')}</mo>"
+
+    def product(self) -> str:
+        found = [self.quotient()]
+        while self.ahead and self.ahead not in "=+-)" and self.ahead not in {"from", "to"}:
+            found.append(self.quotient())
+        return _SPACE.join(found)
+
+    def quotient(self) -> str:
+        found = self.power()
+        while self.ahead == "/":
+            self.take()
+            found = f"<mfrac><mrow>{_bare(found)}</mrow><mrow>{_bare(self.power())}</mrow></mfrac>"
+        return found
+
+    def power(self) -> str:
+        found = self.atom()
+        if self.ahead != "^":
+            return found
+        self.take()
+        raised = f"<mrow>{_bare(self.atom())}</mrow>"
+        if found.startswith("<msub>"):
+            return f"<msubsup>{found[6:-7]}{raised}</msubsup>"
+        return f"<msup>{found}{raised}</msup>"
+
+    def atom(self) -> str:
+        word = self.take()
+        if word == "(":
+            return self._bracket()
+        if word == "integral":
+            return self._integral()
+        if word[:1].isdigit():
+            return f"<mn>{word}</mn>"
+        if not word[:1].isalpha():
+            raise ValueError(f"{self.text!r} has {word!r} where a number or a name belongs")
+        called = self.place < len(self.tokens) and self.tokens[self.place][0] == "("  # no blank before it
+        if not called:
+            return symbol(word)
+        self.take()
+        inner = self._bracket()
+        if word == "sqrt":
+            return f"<msqrt>{_bare(inner)}</msqrt>"
+        name = f"<mi>{word}</mi>" if word in _FUNCTIONS else symbol(word)
+        return f"<mrow>{name}<mo>&#x2061;</mo>{inner}</mrow>"
+
+    def _bracket(self) -> str:
+        inner = self.sum()
+        self.expect(")")
+        found = _Bracket(f"<mrow><mo>(</mo>{inner}<mo>)</mo></mrow>")
+        found.inner = inner
+        return found
+
+    def _integral(self) -> str:
+        self.expect("of")
+        of = self.sum()
+        self.expect("from")
+        low = self.sum()
+        self.expect("to")
+        high = self.sum()
+        ends = f"<munderover><mo>∫</mo><mrow>{low}</mrow><mrow>{high}</mrow></munderover>"
+        return f"<mrow>{ends}{of}{_SPACE}<mi>d</mi>{symbol('phi')}</mrow>"
+
+    def expect(self, word: str) -> None:
+        if self.take() != word:
+            raise ValueError(f"{self.text!r} lacks {word!r}")
+
+
+BROWSER = "ROPEFRIC_BROWSER"
+"""The environment variable that names the browser, where it is not found by itself."""
+
+_NAMES = (
+    *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"),
+    *("chrome", "msedge", "brave-browser"),
+)
+_PLACES = (
+    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
+    "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
+    "C:/Program Files/Google/Chrome/Application/chrome.exe",
+    "C:/Program Files (x86)/Microsoft/Edge/Application/msedge.exe",
+)
+_FLAGS = (
+    *("--headless", "--disable-gpu", "--disable-dev-shm-usage", "--disable-extensions", "--no-first-run"),
+    *("--disable-background-networking", "--disable-component-update", "--no-pdf-header-footer"),
+)
+_PATIENCE_S = 300.0
+_BY_HAND = "or open report.html in any browser and print it"
+_DATE = re.compile(rb"(?<=Date \(D:)\d{14}")
+_UUID = re.compile(rb"(?<=uuid:)[0-9a-f-]{36}")
+
+
+def find_browser() -> str:
+    """Return the program of a Chromium, Chrome or Edge: the one that is named, else one that is found."""
+    named = os.environ.get(BROWSER, "")
+    candidates = [named] if named else [*_NAMES, *_PLACES]
+    for found in map(shutil.which, candidates):
+        if found is not None:
+            return found
+    none = "no Chromium, Chrome or Edge was found"
+    what = f"{BROWSER} names {named!r}, which is no program" if named else none
+    fix = f"install one (apt-get install chromium), or name its program in {BROWSER}; {_BY_HAND}"
+    raise RopefricError(f"a PDF is printed by a browser, and {what}", code="RF154", fix=fix)
+
+
+def pdf_of(page: str) -> bytes:
+    """Return an HTML page as PDF; the same page and browser give the same bytes.
+
+    The page is ours, has no script and fetches nothing; so a browser that has no sandbox here, as in a container, is
+    asked again to do without.
+    """
+    browser = find_browser()
+    with tempfile.TemporaryDirectory(prefix="ropefric-", ignore_cleanup_errors=True) as folder:
+        source, target = Path(folder, "report.html"), Path(folder, "report.pdf")
+        source.write_text(page, encoding="utf-8")
+        own = (f"--user-data-dir={folder}/profile", f"--print-to-pdf={target}", source.as_uri())
+        said = ""
+        for sandbox in ((), ("--no-sandbox",)):
+            try:
+                done = subprocess.run(  # noqa: S603  (the browser that was found, or that the user names)
+                    [browser, *_FLAGS, *sandbox, *own], capture_output=True, timeout=_PATIENCE_S, check=False
+                )
+                said = done.stderr.decode(errors="replace").strip().rpartition("\n")[2]
+            except (OSError, subprocess.TimeoutExpired) as error:
+                said = str(error)
+            if target.is_file():
+                content = _DATE.sub(b"20000101000000", target.read_bytes())
+                return _UUID.sub(b"00000000-0000-0000-0000-000000000000", content)
+    why = f"the browser {browser} printed no PDF: {said or 'it said nothing'}"
+    raise RopefricError(why, code="RF154", fix=f"name another one in {BROWSER}, {_BY_HAND}")

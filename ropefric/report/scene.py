@@ -36,6 +36,7 @@ def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Sec
         f"left out: {', '.join(plan.left_out) or 'none'}",
         f"method: {_method(plan)}",
         f"relative difference to simulating everything: {bound} (wanted: {plan.accuracy:g})",
+        *(f"bound of {name}: {to_error(one, 0.0)}" for name, one in solution.own_bounds.items()),
         *([f"not bounded, but of the effects simulated: {beyond}"] if beyond else []),
     ]
     return [
@@ -181,10 +182,8 @@ def sweep_sections(sweep: "Sweep", width: int | None = None) -> list[Section]:
         (axis.label, [f"{value:.5g}" for value in values])
         for axis, values in zip(sweep.axes, zip(*points, strict=True), strict=True)
     ]
-    columns += [
-        (label, [f"{factor * value:.5g}" for value in sweep.columns[name].tolist()])
-        for name, label, factor in moving
-    ]
+    for name, label, factor in moving:
+        columns.append((label, [f"{factor * value:.5g}" for value in sweep.columns[name].tolist()]))
     room = (width or _ROOM) - 2
     widths = [2 + max(map(len, (*label.split(), *cells))) for label, cells in columns]
     n = max(sum(reach <= room + 2 for reach in accumulate(widths)), len(sweep.axes) + 1)

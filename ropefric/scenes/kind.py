@@ -276,17 +276,25 @@ class Quantity(NamedTuple):
 
 
 class Failure(NamedTuple):
-    """A way in which a machine does not do what it is for, however well that is known: on one side of a limit."""
+    """A way in which a machine does not do what it is for, however well that is known: on one side of a limit.
+
+    One that is only `counted`, over many cases, does not speak against a single answer, which tells of it elsewhere.
+    """
 
     words: str
     measure: str
     value: FloatArray
     fails: BoolArray
     limit: float = 1.0
+    counted: bool = False
 
-    def text(self) -> str:
-        """Return what the first case that fails does not do."""
-        return f"{self.words}: {self.measure} {float(self.value[self.fails][0]):.3g}"
+    def text(self, case: int | None = None) -> str:
+        """Return what one case does not do; the first that fails, if it is not said which."""
+        return f"{self.words}: {self.measure} {float(self.value[np.argmax(self.fails) if case is None else case]):.3g}"
+
+    def is_open(self, error: FloatArray | float) -> BoolArray:
+        """Return where a measure that errs by a share may be on either side of its limit."""
+        return np.asarray(np.abs(self.value - self.limit) <= error * np.abs(self.value))
 
 
 class Part(NamedTuple):
@@ -393,6 +401,10 @@ class Kind:
         By file name without ending.
     beyond : mapping of str to str
         Which parts of the tree the bound of a plan does not cover, in words: what they are is of the effects simulated.
+        A number in a table of the tree is named with it: "creep.power_lost_W".
+    undecided : callable
+        `undecided(answer, problem, error)` returns what an answer that errs by that share leaves open, in words, beside
+        the `failures`.
     words : mapping of str to str
         What the numbers of its answer are, with unit, where the glossary does not say it.
     layout : callable
@@ -424,6 +436,7 @@ class Kind:
     histories: Mapping[str, Callable[[Any], Mapping[str, FloatArray] | None]] = field(default_factory=dict)
     figures: Mapping[str, Figure] = field(default_factory=dict)
     beyond: Mapping[str, str] = field(default_factory=dict)
+    undecided: Callable[[Any, Any, float], tuple[str, ...]] = lambda answer, problem, error: ()  # noqa: ARG005
     words: Mapping[str, str] = field(default_factory=dict)
     layout: Callable[[Any], Mapping[str, tuple[Wheel, ...]]] = lambda problem: {}  # noqa: ARG005  (not drawn)
 

@@ -134,11 +134,9 @@ def solve_planned(scene: Scene, problem: Any, effects: str | tuple[str, ...] = "
     return plan, system.solve(model, plan.method)
 
 
-def worth_asking(
-    applicable: list[Effect[Any, Any]], cases: int, least_s: float = _LEAST_SAVED_S
-) -> list[Effect[Any, Any]]:
+def worth_asking(applicable: list[Effect[Any]], cases: int) -> list[Effect[Any]]:
     """Return the effects that take so long to simulate that leaving them out may save time."""
-    return [one for one in applicable if one.cost * cases >= least_s]
+    return [one for one in applicable if one.cost * cases >= _LEAST_SAVED_S]
 
 
 def room_for_effects(accuracy: float) -> float:
@@ -146,7 +144,7 @@ def room_for_effects(accuracy: float) -> float:
     return math.log1p((1.0 - _METHOD_SHARE) * accuracy)
 
 
-def _left_out(spare: list[Effect[Any, Any]], bounds: dict[str, float], accuracy: float) -> set[str]:
+def _left_out(spare: list[Effect[Any]], bounds: dict[str, float], accuracy: float) -> set[str]:
     """Return what can be left out: the smallest influence first, the dearer of two equal ones first."""
     order = sorted(spare, key=lambda one: (bounds[one.name], -one.cost))
     spent = accumulate(bounds[one.name] for one in order)
@@ -281,6 +279,7 @@ def _measured(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Ex
         return timed(lambda: system.solve(assemble(system, problem, names), plan.method))
 
     own, own_s = solved(simulated)
+    (_, everything), all_s = timed(lambda: solve_planned(scene, problem, "all"))
     decisions = []
     for one in plan.decisions:
         found = one
@@ -291,17 +290,16 @@ def _measured(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Ex
                 is_in = one.fate == "simulated"
                 takes_s = max(0.0, own_s - other_s if is_in else other_s - own_s)
                 found = one._replace(
-                    worth=system.distance(*((other, own) if is_in else (own, other))),
+                    worth=system.distance(*((other, own) if is_in else (own, other)), everything),
                     time_share=takes_s / own_s if is_in and own_s > 0.0 else math.nan,
                     time_s=takes_s,
                 )
         decisions.append(found)
     planned_s = timed(lambda: solve_planned(scene, problem))[1]
-    (_, everything), all_s = timed(lambda: solve_planned(scene, problem, "all"))
     return replace(
         told,
         plan=replace(plan, decisions=tuple(decisions)),
         planned_s=planned_s,
         all_s=all_s,
-        difference=system.distance(own, everything),
+        difference=system.distance(own, everything, everything),
     )

@@ -23,19 +23,16 @@ from ropefric.scenes.plan import make_plan, room_for_effects, solve_planned, wor
 from ropefric.scenes.scene import Scene, replaced, source_of
 from ropefric.shown import Shown
 from ropefric.systems.checks import rules_of
-from ropefric.systems.effect import Effect, assemble
+from ropefric.systems.effect import assemble
 
 BLOCK = 50_000
 _ONE_BY_ONE = 20
 """Points of a piece of work that are solved one after another."""
-_BETWEEN = 2.0
-"""What an effect may change between the levels, over what it changes at them."""
-
+_DEAR_S = 1e-3
+"""Time that an effect adds to a case."""
 _ROUNDING = 1e-12
 _SEEN_S = 1.0
 """What is solved in one call takes at most about this long."""
-_LEAST_SAVED_S = 5e-2
-"""An effect that takes less than this over the whole grid is not worth solving the box without it."""
 
 Progress = Callable[[int, int, str], None]
 Write = Callable[[Mapping[str, FloatArray], int], None]
@@ -198,11 +195,13 @@ def _joined(sums: tuple[int, float, float], values: FloatArray) -> tuple[int, fl
     """Return count, mean and sum of squared deviations of what was summed before and of more values (Chan et al.)."""
     if not values.size:
         return sums
-    (count, mean, squares), more = sums, float(values.mean())
-    total, apart = count + values.size, more - mean
-    with np.errstate(invalid="ignore"):  # among infinite numbers no deviation is one
-        squares += float(((values - more) ** 2).sum()) + apart**2 * count * values.size / total
-    return total, mean + apart * values.size / total, squares
+    count, mean, squares = sums
+    # Among infinite numbers no deviation is one, and the square of a very large one is no float.
+    with np.errstate(invalid="ignore", over="ignore"):
+        more, total = values.mean(), count + values.size
+        apart = more - mean
+        squares += float(((values - more) ** 2).sum() + apart**2 * count * values.size / total)
+        return total, float(mean + apart * values.size / total), squares
 
 
 class _Found(NamedTuple):
@@ -230,11 +229,10 @@ Outcome = tuple[IntArray, _Found | RopefricError]
 
 
 class _Run:
-    """Many cases as they are solved: which effects may go is asked once, for the box of all axes.
+    """Many cases as they are solved: which effects are worth leaving out is asked once, for the box of all axes.
 
-    An effect that has a bound for each case goes wherever the bound allows; another goes everywhere, if the corners of
-    the box and what lies between them show that it may. Where what is left then leaves a yes or no open, or a
-    difference of two numbers less accurate than is wanted, the points are solved again with everything.
+    They go wherever their bounds allow it. Where what is left then leaves a yes or no open, or a difference of two
+    numbers less accurate than is wanted, the points are solved again with everything.
     """
 
     def __init__(self, scene: Scene, points: Points) -> None:
@@ -245,12 +243,12 @@ class _Run:
         cost_s = sum(one.cost for one in effects if not one.needs(scene.problem))
         # Of a dear machine few at once, so that people see how far it is.
         self.size = min(BLOCK, max(1, int(_SEEN_S / max(cost_s, 1e-9)))) if self.by_array else 1
-        self.gone: frozenset[str] = frozenset()
-        self.spent = 0.0
-        self.bounded: tuple[str, ...] = ()
         self.room = room_for_effects(scene.accuracy)
+        self.gone: frozenset[str] = frozenset()
         if scene.effects == "auto" and self.by_array:
-            self._plan(prod(points.shape))
+            # Where the box has a point without an answer, the sweep will say which.
+            with suppress(RopefricError):
+                self.gone = self._worth_leaving_out(prod(points.shape))
 
     def build(self, values: list[FloatArray]) -> Any:
         """Return the problem of some points from what `Points.at` gives there."""
@@ -274,48 +272,42 @@ class _Run:
             friction = replace(friction, theta=thetas[0][0])
         return kind.problem(table, friction)
 
-    def _plan(self, total: int) -> None:
-        """Find out what may go, from the corners of the box and what lies between them."""
-        try:
-            box = self.build(self.points.box())
-            possible = self.kind.answerable(box)
-            applicable = [one for one in self.kind.system.effects.values() if not one.needs(box)]
-            everywhere = [one for one in worth_asking(applicable, total, _LEAST_SAVED_S) if one.each is None]
-            # Where the box ends at a machine that has no answer, nothing is known of what lies before it.
-            if everywhere and possible.all():
-                self._leave_out(box, applicable, sorted(everywhere, key=lambda one: -one.cost))
-            self.bounded = tuple(one.name for one in worth_asking(applicable, total) if one.each is not None)
-            if self.bounded and not (self._bounds(box)[possible] <= self.room).any():
-                self.bounded = ()
-        except RopefricError:  # the box has a point without an answer; the sweep will say which
-            self.bounded = ()
+    def _worth_leaving_out(self, total: int) -> frozenset[str]:
+        """Return what takes time and may go at some corner of the box at least, or between; the worst never."""
+        values = self.points.box()
+        possible = self.kind.answerable(self.build(values))
+        if not possible.any():
+            return frozenset()
+        box = self.build([value[possible] for value in values])
+        applicable = [one for one in self.kind.system.effects.values() if not one.needs(box)]
+        tried = [one for one in worth_asking(applicable, total) if one.each is not None]
+        while tried:
+            names = frozenset(one.name for one in applicable) - {one.name for one in tried}
+            answer = self._answer(box, names)[0]
+            bounds = [one.each(box, answer) for one in tried if one.each]
+            if (sum(bounds, np.zeros(box.n)) <= self.room).any():
+                break
+            tried.pop(int(np.argmax([one.min() for one in bounds])))
+        return frozenset(one.name for one in tried)
 
-    def _leave_out(
-        self, box: Any, applicable: list[Effect[Any, Any]], candidates: list[Effect[Any, Any]]
-    ) -> None:
-        names = frozenset(one.name for one in applicable)
-        whole = self._solved(box, names)
-        for one in candidates:
-            try:
-                found = self._solved(box, names - self.gone - {one.name})
-            except RopefricError:
-                continue
-            spent = math.log1p(_BETWEEN * max(map(_change, found.quantities, whole.quantities)))
-            if spent <= (0.5 * self.room if any(other.each for other in applicable) else self.room):
-                self.gone, self.spent = self.gone | {one.name}, spent
+    def _bounds(self, problem: Any, answer: Any = None) -> FloatArray:
+        """Return what leaving out all that may go changes at most, shape (n,); without an answer no more than that."""
+        effects = (self.kind.system.effects[name] for name in self.gone)
+        return np.asarray(
+            sum((one.each(problem, answer) for one in effects if one.each), np.zeros(problem.n))
+        )
 
-    def _bounds(self, problem: Any) -> FloatArray:
-        """Return what leaving out all that may go changes at most, shape (n,)."""
-        effects = (self.kind.system.effects[name] for name in self.bounded)
-        each = (one.each(problem) for one in effects if one.each)
-        return np.asarray(self.spent + sum(each, np.zeros(problem.n)))
-
-    def _solved(self, problem: Any, simulated: frozenset[str]) -> _Found:
-        system, kind = self.kind.system, self.kind
+    def _answer(self, problem: Any, simulated: frozenset[str]) -> tuple[Any, float]:
+        """Return what a problem gives with some effects, and how far the method may be off."""
+        system = self.kind.system
         model = assemble(system, problem, simulated)
         method = system.method(model, self.scene.accuracy)
-        gone = frozenset(system.effects) - simulated
-        return _found(kind, problem, system.solve(model, method), simulated, gone, method.error)
+        return system.solve(model, method), method.error
+
+    def _solved(self, problem: Any, simulated: frozenset[str]) -> tuple[_Found, Any]:
+        answer, error = self._answer(problem, simulated)
+        gone = frozenset(self.kind.system.effects) - simulated
+        return _found(self.kind, problem, answer, simulated, gone, error), answer
 
     def pieces(self, start: int, stop: int) -> list[tuple[int, int]]:
         """Return the first point of each piece of a block, and the one after its last."""
@@ -362,43 +354,38 @@ class _Run:
     def _points(self, places: IntArray, values: list[FloatArray], problem: Any = None) -> Iterator[Outcome]:
         """Yield what points give, with less than everything where that may be."""
         rest = np.ones(places.size, dtype=np.bool_)
-        if self.bounded or self.gone:
-            for some, found in self._lessened(problem, values):
-                rest[some] = False
-                yield places[some], found
+        lessened = self._lessened(problem, values) if self.gone else None
+        if lessened is not None:
+            some, found = lessened
+            rest[some] = False
+            yield places[some], found
         if rest.all():
             yield from self._whole(places, values, problem)
         elif rest.any():
             yield from self._whole(places[rest], [value[rest] for value in values])
 
-    def _lessened(self, problem: Any, values: list[FloatArray]) -> Iterator[tuple[slice | BoolArray, _Found]]:
-        """Yield which points can be solved with less than everything, and what they give."""
+    def _lessened(self, problem: Any, values: list[FloatArray]) -> tuple[BoolArray, _Found] | None:
+        """Return which points can be solved with less than everything, and what they give."""
         # What has no answer, or none without some effect, is left to everything.
         with suppress(RopefricError):
             problem = self.build(values) if problem is None else problem
-            names = frozenset(one.name for one in self.kind.system.effects.values() if not one.needs(problem))
-            bounds = self._bounds(problem)
-            few = bounds <= self.room
-            groups = [(few, self.gone | {*self.bounded}, bounds)]
-            if self.gone and self.bounded:
-                groups.append((~few, self.gone, np.full(few.size, self.spent)))
-            for group, without, bound in groups:
-                if not group.any():
-                    continue
-                less = problem if group.all() else self.build([value[group] for value in values])
-                error = np.expm1(bound[group])
-                found = self._solved(less, names - without)
-                sure = _is_settled(found, error, self.scene.accuracy)
-                if sure.any():
-                    most = float(error[sure].max())
-                    off = most + found.error_bound * (1.0 + most)
-                    if not sure.all():
-                        group[np.flatnonzero(group)[~sure]] = False
-                        found = found.at(sure)
-                    yield (
-                        slice(None) if group.all() else group,
-                        found._replace(left_out=without, error_bound=off),
-                    )
+            some = self._bounds(problem) <= self.room
+            if not some.any():
+                return None
+            less = problem if some.all() else self.build([value[some] for value in values])
+            names = frozenset(one.name for one in self.kind.system.effects.values() if not one.needs(less))
+            found, answer = self._solved(less, names - self.gone)
+            bounds = self._bounds(less, answer)
+            error = np.expm1(np.minimum(bounds, 1.0))
+            sure = (bounds <= self.room) & _is_settled(found, error, self.scene.accuracy)
+            if sure.any():
+                most = float(error[sure].max())
+                some[np.flatnonzero(some)[~sure]] = False
+                found = found if sure.all() else found.at(sure)
+                return some, found._replace(
+                    left_out=self.gone, error_bound=most + found.error_bound * (1.0 + most)
+                )
+        return None
 
     def _whole(self, places: IntArray, values: list[FloatArray], problem: Any = None) -> Iterator[Outcome]:
         """Yield what points give, solved in one call; where one has no answer, they are halved until it stands alone."""
@@ -427,7 +414,7 @@ class _Run:
     def _listed(self, problem: Any, names: frozenset[str]) -> _Found:
         """Return what a list of effects gives; how far that is from everything is found by solving that, too.
 
-        Without the effects that have a bound for each case: they may be dear.
+        A dear effect that has a bound for each case is not solved for that.
         """
         effects = self.kind.system.effects
         if any(effects[name].needs(problem) for name in names):
@@ -435,13 +422,16 @@ class _Run:
                 self.kind.system, problem, accuracy=self.scene.accuracy, effects=tuple(names)
             )  # refuses
         missing = [one for one in effects.values() if one.name not in names and not one.needs(problem)]
-        found, off = self._solved(problem, names), 0.0
+        (found, answer), off = self._solved(problem, names), 0.0
         try:
-            others = names | {one.name for one in missing if one.each is None}
+            dear = {one.name for one in missing if one.each is not None and one.cost >= _DEAR_S}
+            others = names | {one.name for one in missing} - dear
             if others != names:
-                whole = self._solved(problem, others)
+                whole, answer = self._solved(problem, others)
                 off = math.log1p(max(map(_change, found.quantities, whole.quantities)))
-            off += sum(float(one.each(problem).max()) for one in missing if one.each is not None)
+            off += sum(
+                float(one.each(problem, answer).max()) for one in missing if one.name in dear and one.each
+            )
         except RopefricError:
             off = math.inf
         error = math.expm1(min(off, 700.0)) if off < math.inf else math.inf
@@ -468,5 +458,5 @@ def _is_settled(found: _Found, error: FloatArray, accuracy: float) -> BoolArray:
         if one.scale is not None:
             settled &= error * np.abs(one.scale) <= accuracy * np.abs(one.value)
     for way in found.failures:
-        settled &= np.abs(way.value - way.limit) > error * np.abs(way.value)
+        settled &= ~way.is_open(error)
     return settled

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ropefric.errors import DataError, InputError, Problem, RopefricError, data_error, raise_problems
-from ropefric.files.read import kind_of_file
+from ropefric.files.disk import kind_of_file
 from ropefric.files.toml import TomlDocument, is_campaign, read_toml
 from ropefric.files.toml_model import got, validate_document
 from ropefric.fitting.result import FitResult

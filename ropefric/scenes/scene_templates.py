@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ropefric.errors import UnknownNameError
-from ropefric.files.write import write_files
+from ropefric.files.disk import write_files
 from ropefric.registry import did_you_mean
 
 _PACKAGE = Path(__file__).parents[1]

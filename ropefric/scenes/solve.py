@@ -18,7 +18,7 @@ from ropefric.plugins import provenance
 from ropefric.quantities import split_unit_suffix
 from ropefric.scenes.kind import Quantity, finite
 from ropefric.scenes.plan import Plan, method_tree, solve_planned
-from ropefric.scenes.scene import FrictionSource, Scene, placed
+from ropefric.scenes.scene import FrictionSource, Scene, placed, value_at
 from ropefric.shown import Shown, in_words
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
@@ -57,6 +57,10 @@ class Solution(Shown):
         In which respects the friction is used outside what it was tested for.
     failures : tuple of str
         What the machine does not do, however well that is known: a hoist that does not lift.
+    undecided : tuple of str
+        Which yes or no may be another with the effects that are left out: of those asked for by name none is added.
+    own_bounds : dict of str to float
+        How far the effects left out may put off the numbers that the relative bound does not hold for, in their unit.
     tree : dict
         What the machine's kind adds to the JSON shape.
     """
@@ -88,24 +92,30 @@ class Solution(Shown):
     level: float
     extrapolation: tuple[str, ...]
     failures: tuple[str, ...]
+    undecided: tuple[str, ...]
+    own_bounds: dict[str, float]
     tree: dict[str, Any]
 
     @property
     def stands(self) -> bool:
         """Return whether the friction is supported, the accuracy kept, and the machine does what it is for."""
         source = self.scene.source
-        return self.plan.keeps_accuracy and not self.failures and (source is None or not source.warnings)
+        doubts = self.failures or self.undecided or (source is not None and source.warnings)
+        return self.plan.keeps_accuracy and not doubts
 
     @property
     def beyond_bound(self) -> list[str]:
         """Return the parts of the tree that the bound does not cover, where something is left out."""
-        return [name for name in self.scene.kind.beyond if name in self.tree] if self.plan.left_out else []
+        if not self.plan.left_out:
+            return []
+        return [name for name in self.scene.kind.beyond if value_at(self.tree, name) is not None]
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Return what speaks against using the answer, or the machine."""
         source, plan = self.scene.source, self.plan
         found = [*self.failures, *(() if source is None else source.warnings)]
+        found += [f"left open by the effects left out: {words}" for words in self.undecided]
         found += [f"extrapolated: {words}" for words in self.extrapolation]
         if not plan.keeps_accuracy:
             bound = "not known" if math.isinf(plan.error_bound) else f"up to {plan.error_bound:.2g}"
@@ -132,9 +142,11 @@ class Solution(Shown):
             "accuracy": plan.accuracy,
             "error_bound": finite(plan.error_bound),
             "beyond_bound": self.beyond_bound,
+            "own_bounds": {name: finite(bound) for name, bound in self.own_bounds.items()},
             "method": method_tree(plan.method),
             "friction": None if source is None else source.origin,
             "failures": list(self.failures),
+            "undecided": list(self.undecided),
             "warnings": list(self.warnings),
             **({"plugins": used} if (used := provenance("KIND", "LAW")) else {}),
         }
@@ -174,7 +186,12 @@ def solve_scene(scene: Scene, *, level: float = 0.95, identify: bool = False) ->
                 kind.system.solve(assemble(kind.system, other, plan.simulated), plan.method), other
             )
 
-        tree = kind.tree(answer, problem)
+        tree, error = kind.tree(answer, problem), plan.error_bound
+        failures = [one for one in kind.failures(answer, problem) if not one.counted]
+        undecided: tuple[str, ...] = ()
+        if plan.left_out and math.isfinite(error):
+            undecided = tuple(one.text(0) for one in failures if one.is_open(error)[0])
+            undecided += kind.undecided(answer, problem, error)
         if identify:
             found = kind.identified(answer, problem)
             if found is None:
@@ -192,7 +209,13 @@ def solve_scene(scene: Scene, *, level: float = 0.95, identify: bool = False) ->
             quantities=carry_through(source, again, quantities, level=level),
             level=level,
             extrapolation=_extrapolation(scene),
-            failures=tuple(one.text() for one in kind.failures(answer, problem) if one.fails.any()),
+            failures=tuple(one.text() for one in failures if one.fails.any()),
+            undecided=undecided,
+            own_bounds={
+                one.name: error * abs(float(one.scale[0])) for one in quantities if one.scale is not None
+            }
+            if plan.left_out
+            else {},
             tree=tree,
         )
     except RopefricError as error:

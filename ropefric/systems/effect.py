@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import combinations
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar
@@ -28,8 +28,10 @@ def unknown(problem: object) -> float:  # noqa: ARG001
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Effect(Generic[P, M]):
+class Effect(Generic[P]):
     """Something physical that a model may contain or not: all that the planner knows of it.
+
+    It is applied by its name: the mechanics bring in what it is about where the model has it, `Model.part`.
 
     Attributes
     ----------
@@ -45,30 +47,26 @@ class Effect(Generic[P, M]):
         `influence(problem)` returns an upper bound of |ln(with it / without it)| of every number of the answer,
         whatever other effects are simulated; `inf` where none is known. Called only where nothing is missing.
     each : callable or None
-        `each(problem)` returns such a bound for each of many cases, shape (n,), in a fraction of the time of solving
-        them. Where there is none, a sweep solves the corners of its box with the effect and without.
-    apply : callable or None
-        `apply(model, problem)` returns the model with the effect in it. Called only where it is simulated. Without
-        it the name is added to `model.effects`, which the mechanics look into.
+        `each(problem, answer)` returns such a bound for each of many cases, shape (n,), in a fraction of the time of
+        solving them, from the answer to them without it; without an answer what is known before, which is no more than
+        that. An effect that has none is simulated in every sweep.
     cost : float
         Time that it adds to each case, roughly [s]. An effect that costs none is not left out to save time.
 
     Examples
     --------
-    >>> heavier = Effect(name="weight", adds="its weight", instead="no weight",
-    ...     influence=lambda problem: 0.02, apply=lambda model, problem: model + problem)
-    >>> heavier.apply(1.0, 0.5)
-    1.5
+    >>> weight = Effect(name="weight", adds="its weight", instead="no weight", influence=lambda problem: 0.02)
+    >>> "weight" in Model(problem=None, effects=frozenset({weight.name})).effects
+    True
     """
 
     name: str
     adds: str
     instead: str
     influence: Callable[[P], float] = unknown
-    each: Callable[[P], FloatArray] | None = None
+    each: Callable[[P, Any], FloatArray] | None = None
     cost: float = 0.0
     needs: Callable[[P], tuple[str, ...]] = lambda problem: ()  # noqa: ARG005  (needs nothing)
-    apply: Callable[[M, P], M] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,23 +79,24 @@ class Method:
     why: str
 
 
-def _distance(answer: Any, reference: Any) -> float:
+def _distance(answer: Any, reference: Any, whole: Any) -> float:  # noqa: ARG001  (logarithms need no scale)
     return float(np.expm1(log_change(answer.logs, reference.logs)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System(Generic[P, M, A]):
-    """A kind of machine: its bare model, the effects it may have, how it is solved, and how far two answers are apart.
+    """A kind of machine: its model, the effects it may have, how it is solved, and how far two answers are apart.
 
+    `distance(answer, reference, whole)` is a share of the numbers with all effects in, which bounds are of, too.
     Answers that say nothing else have `logs`, of all their numbers.
     """
 
     name: str
-    effects: Registry[Effect[P, M]]
-    bare: Callable[[P], M]
+    effects: Registry[Effect[P]]
+    model: Callable[..., M]
     method: Callable[[M, float], Method]
     solve: Callable[[M, Method], A]
-    distance: Callable[[A, A], float] = _distance
+    distance: Callable[[A, A, A], float] = _distance
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)  # no slots: a generic notes its type on what it makes
@@ -116,14 +115,7 @@ class Model(Generic[P]):
 
 def assemble(system: System[P, M, A], problem: P, simulated: Iterable[str]) -> M:
     """Return the model of a problem with the named effects in it and no others."""
-    wanted = {system.effects[name].name for name in simulated}
-    model: Any = system.bare(problem)
-    for effect in system.effects.values():
-        if effect.name in wanted and effect.apply is not None:
-            model = effect.apply(model, problem)
-        elif effect.name in wanted:
-            model = replace(model, effects=model.effects | {effect.name})
-    return model  # type: ignore[no-any-return]
+    return system.model(problem=problem, effects=frozenset(system.effects[name].name for name in simulated))
 
 
 def missing(keys: Mapping[str, str]) -> Callable[[Any], tuple[str, ...]]:
@@ -172,7 +164,7 @@ def log_change(logs: FloatArray, others: FloatArray) -> float:
 
 
 def closed_form_system(
-    name: str, effects: Registry[Effect[Any, Any]], solve: Callable[[Any], Any], *, error: float, why: str
+    name: str, effects: Registry[Effect[Any]], solve: Callable[[Any], Any], *, error: float, why: str
 ) -> System[Any, Any, Any]:
     """Return the system of a machine whose answers cost next to nothing and have `logs`, of all their numbers.
 
@@ -184,7 +176,7 @@ def closed_form_system(
         names = [name for name, one in effects.items() if not one.needs(problem)]
         return largest_changes(names, lambda some: solve(Model(problem=problem, effects=some)).logs)
 
-    def bounded(one: Effect[Any, Any]) -> Effect[Any, Any]:
+    def bounded(one: Effect[Any]) -> Effect[Any]:
         own = one.influence is unknown
         return replace(one, influence=lambda problem: changes(problem)[one.name]) if own else one
 
@@ -192,7 +184,7 @@ def closed_form_system(
     return System(
         name=name,
         effects=Registry(effects.kind, map(bounded, effects.values())),
-        bare=lambda problem: Model(problem=problem),
+        model=Model,
         method=lambda model, budget: method,  # noqa: ARG005
         solve=lambda model, method: solve(model),  # noqa: ARG005
     )
@@ -202,22 +194,31 @@ def law_effects(
     wheel: str,
     rope: str,
     needs: Callable[[Any], tuple[str, ...]],
-    cost: float,
-) -> tuple[Effect[Any, Any], Effect[Any, Any]]:
-    """Return the effects of what a law is told of a contact on a wheel, by the names of the wheel and of the rope."""
-    return (
+    cost: float = 0.0,
+    each: Callable[[str, Any, Any], FloatArray] | None = None,
+) -> tuple[Effect[Any], ...]:
+    """Return the effects of what a law is told of a contact on a wheel, by the names of the wheel and of the rope.
+
+    `each(name, problem, answer)` is theirs by name.
+    """
+    words = {
+        "wrap-dependence": (
+            "a coefficient that depends on wrap and tension",
+            "its average at the reference wrap and tension",
+        ),
+        "size": (
+            f"a coefficient that depends on the {wheel}'s radius over the {rope}'s",
+            "the coefficient at the reference wheel and rope",
+        ),
+    }
+    return tuple(
         Effect(
-            name="wrap-dependence",
-            adds="a coefficient that depends on wrap and tension",
-            instead="its average at the reference wrap and tension",
+            name=name,
+            adds=adds,
+            instead=instead,
             needs=needs,
             cost=cost,
-        ),
-        Effect(
-            name="size",
-            adds=f"a coefficient that depends on the {wheel}'s radius over the {rope}'s",
-            instead="the coefficient at the reference wheel and rope",
-            needs=needs,
-            cost=cost,
-        ),
+            each=None if each is None else partial(each, name),
+        )
+        for name, (adds, instead) in words.items()
     )

@@ -1,8 +1,9 @@
 """The friction of a machine: a law, the condition it falls back on, and what of a contact it is told."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,22 @@ EVERYTHING = frozenset({"wrap", "end-tension", "size"})
 """What of a contact a law may be told: how far the rope wraps, how tight it is, how large the wheel is."""
 TOLD = {"wrap-dependence": frozenset({"wrap", "end-tension"}), "size": frozenset({"size"})}
 """What of a contact each effect tells a law, where the tension goes with the wrap."""
+
+
+_SEEN = frozenset({"wrap-dependence", "end-tension", "size"})
+"""Effects of a law by which it looks at a contact."""
+
+
+def share_of_law(
+    effect: str, law: FrictionLaw, told: Mapping[str, object], simulated: Collection[str]
+) -> float:
+    """Return an effect's share of what all that a law is not told comes to, by the effects that tell it.
+
+    Whatever that is, the coefficient stays in one range: several effects at once change it no more than one may.
+    """
+    if law.weakens and effect not in law.effects:
+        return 0.0
+    return 1.0 / max(1, len(law.effects & told.keys() - frozenset(simulated)))
 
 
 def told_by(effects: Collection[str]) -> frozenset[str]:
@@ -123,6 +140,32 @@ class WrapFriction:
             )
         return np.asarray(rise / contacts.wrap_angle_rad)
 
+    def spread(self, **ranges: tuple[npt.ArrayLike, npt.ArrayLike]) -> FloatArray:
+        """Return by what factor, in logarithms, any average coefficient changes at most, whatever the law is told.
+
+        The ranges are of what it may be told of each contact, by its name in `exponent`; what stands in for that lies
+        at the reference. Over the box of both a law that is monotone in each number has its ends at the corners.
+        Infinite where nothing is known of the law, or its parameters differ from case to case.
+        """
+        law, theta = self.law, self.theta
+        if law.weakens and not law.effects & _SEEN:
+            return np.zeros(1)
+        if not law.weakens or theta.ndim > 1 or ((theta < law.lower) | (theta > law.upper)).any():
+            return np.full(1, np.inf)
+        ends = []
+        for name, (low, high) in ranges.items():
+            own = getattr(self.reference, _CONDITION.get(name, name))
+            ends.append((np.minimum(low, own), np.maximum(high, own)))
+        corners = [np.stack(np.broadcast_arrays(*one)) for one in product(*ends)]
+        contacts = dict(zip(ranges, np.stack(corners, axis=1), strict=True))
+        with np.errstate(all="ignore"):
+            try:
+                average = self.exponent(**contacts) / contacts["wrap_angle_rad"]
+            except InputError:
+                return np.full(1, np.inf)
+            change = np.log(average.max(axis=0) / average.min(axis=0))
+        return np.where(np.isnan(change), np.inf, change)
+
     def has_answer(self, contacts: Conditions) -> BoolArray:
         """Return for which of n contacts in their valid range `exponent` has an answer, shape (n,)."""
         if self.theta.ndim > 1:
@@ -136,6 +179,8 @@ _OWNER = {
     "wrap_angle_rad": "wrap",
     "end_tension_N": "end-tension",
 }
+
+_CONDITION = {"slack_tension_N": "end_tension_N"}
 
 _LEAST_EXPONENT, _LARGEST_EXPONENT = 1e-12, 300.0
 

@@ -13,10 +13,9 @@ from typing import Any, Literal
 import numpy as np
 
 from ropefric.errors import DataError, Problem, UnknownNameError, raise_problems
-from ropefric.files.read import kind_of_file
+from ropefric.files.disk import kind_of_file, write_files
 from ropefric.files.toml import TomlDocument, is_scene, read_toml
 from ropefric.files.toml_model import validate_document
-from ropefric.files.write import write_files
 from ropefric.plugins import load_named
 from ropefric.registry import did_you_mean
 from ropefric.traces.assemble import COUNTS, evaluate_derived

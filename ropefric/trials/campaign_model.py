@@ -17,7 +17,7 @@ from pydantic_core import to_jsonable_python
 from ropefric.errors import InputError, Problem
 from ropefric.files import toml_model as read
 from ropefric.files.plain_text import LANGUAGES
-from ropefric.files.stamps import ORDERS
+from ropefric.files.text_table import ORDERS
 from ropefric.files.toml_model import StrictTable, Table, got, reject
 from ropefric.plugins import provenance
 from ropefric.quantities import si_unit_of

@@ -19,8 +19,7 @@ from pydantic import ConfigDict, TypeAdapter
 from ropefric import __version__
 from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.executors import spread
-from ropefric.files.read import InputFile, hash_file, read_file, use_file
-from ropefric.files.write import write_file
+from ropefric.files.disk import InputFile, hash_file, read_file, use_file, write_file
 from ropefric.glossary import counted
 from ropefric.traces.readers import READERS, TEXT_FORMATS, find_reader, read_recordings
 from ropefric.trials.campaign_model import Campaign, TrialSpec

@@ -11,7 +11,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import DataError, Problem, RopefricError
-from ropefric.files.read import FileChangedError, InputFile, open_file
+from ropefric.files.disk import FileChangedError, InputFile, open_file
 from ropefric.registry import did_you_mean
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status

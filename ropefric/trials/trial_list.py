@@ -15,8 +15,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, Problem, data_error
+from ropefric.files.disk import kind_of_file
 from ropefric.files.plain_text import csv_text, from_spreadsheet, to_spreadsheet
-from ropefric.files.read import kind_of_file
 from ropefric.friction.condition import condition_groups, distinct
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean

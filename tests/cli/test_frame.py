@@ -9,7 +9,7 @@ import pytest
 import typer
 
 from ropefric.cli import app
-from ropefric.cli.app import find_commands
+from ropefric.cli.app import build_app, find_commands
 from ropefric.cli.options import Answer, Command
 from ropefric.cli.output import json_text
 from ropefric.errors import DataError, FitError, Problem
@@ -29,6 +29,9 @@ def run(monkeypatch, capfd):
 
         command = Command(name="do", run=do, example="ropefric do", order=1)
         monkeypatch.setattr(app, "find_commands", lambda: Registry("command", [command]))
+        monkeypatch.setattr(
+            app, "build_app", build_app.__wrapped__
+        )  # which remembers the commands it was built of
         code = app.main(argv)
         said = capfd.readouterr()
         return code, said.out, said.err

@@ -12,8 +12,7 @@ import pytest
 from ropefric.cli.app import main
 from ropefric.files.plain_text import from_spreadsheet, to_spreadsheet, visible
 from ropefric.fitting.store import load_fit
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
-from ropefric.plotting.svg import svg_text
+from ropefric.plotting.figure import DataTable, FigureWithData, new_figure, svg_text
 from ropefric.trials.table import read_trial_table
 
 ROOT = Path(__file__).parents[2]

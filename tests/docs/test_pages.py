@@ -94,9 +94,7 @@ def commands_named():
 
 
 def test_every_command_named_exists_with_its_options():
-    import typer
-
-    group = typer.main.get_command(build_app())
+    group = build_app()
     known = {
         name: {word for one in command.params for word in (*one.opts, *one.secondary_opts)}
         for name, command in group.commands.items()

@@ -263,16 +263,16 @@ def test_a_plain_folder_is_written_into_at_once(tmp_path):
 
 STOPPED = """
 import os, signal, sys
-from ropefric.files import write
+from ropefric.files import disk
 from ropefric.files.folder import OutputFolder
 calls = []
-real = write.put_in_place
+real = disk.put_in_place
 def stop(*what):
     calls.extend([what] if what[1].suffix == ".txt" else [])
     if calls and calls[-1] is what and len(calls) == int(sys.argv[2]):
         os.kill(os.getpid(), signal.SIGKILL)
     real(*what)
-write.put_in_place = stop
+disk.put_in_place = stop
 with OutputFolder(sys.argv[1], family="campaign", names=["*.txt"], basis="a.txt") as folder:
     folder.write({"a.txt": "new", "b.txt": "new", "c.txt": "new"})
     folder.publish("answer")

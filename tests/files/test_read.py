@@ -10,8 +10,8 @@ import pytest
 
 from ropefric.cli.app import main
 from ropefric.errors import DataError
-from ropefric.files import read
-from ropefric.files.read import FileChangedError, hash_file, kind_of_file, open_file, read_file
+from ropefric.files import disk
+from ropefric.files.disk import FileChangedError, hash_file, kind_of_file, open_file, read_file
 from ropefric.fitting.store import load_fit
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import ImportProfile
@@ -134,15 +134,15 @@ def test_a_file_that_is_written_to_is_read_again_or_refused(tmp_path, monkeypatc
     path = tmp_path / "run.csv"
     path.write_bytes(b"time_s,force_N\n0,1\n")
     versions = [b"time_s,force_N\n0,1\n0.1,2\n", b"time_s,force_N\n0,1\n0.1,2\n0.2,3\n"]
-    real = read.InputFile.part
+    real = disk.InputFile.part
 
     def write_meanwhile(file, start, size):
         if versions and size > 10:
             path.write_bytes(versions.pop(0))
         return real(file, start, size)
 
-    monkeypatch.setattr(read, "KEPT_BYTES", 1000)
-    monkeypatch.setattr(read.InputFile, "part", write_meanwhile)
+    monkeypatch.setattr(disk, "KEPT_BYTES", 1000)
+    monkeypatch.setattr(disk.InputFile, "part", write_meanwhile)
     (recording,) = read_recordings(path, ImportProfile())
     assert recording.columns["force"].tolist() == [1, 2, 3]
     versions = [b"a" * (100 + n) for n in range(100)]
@@ -151,7 +151,7 @@ def test_a_file_that_is_written_to_is_read_again_or_refused(tmp_path, monkeypatc
 
 
 def test_a_large_file_gives_the_same_bytes_in_every_pass(tmp_path, monkeypatch):
-    monkeypatch.setattr(read, "KEPT_BYTES", 10)
+    monkeypatch.setattr(disk, "KEPT_BYTES", 10)
     path = tmp_path / "a"
     path.write_bytes(b"0123456789" * 10)
     with open_file(path) as file:

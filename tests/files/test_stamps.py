@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ropefric.errors import DataError, RopefricError
-from ropefric.files.stamps import is_stamp, read_stamps
+from ropefric.files.text_table import is_stamp, read_stamps
 
 
 def refuse(line, why, fix):

@@ -9,8 +9,8 @@ import sys
 import pytest
 
 from ropefric.errors import DataError, InputError
-from ropefric.files import write
-from ropefric.files.write import replacing, write_file, write_files
+from ropefric.files import disk
+from ropefric.files.disk import replacing, write_file, write_files
 
 
 def names(folder):
@@ -30,7 +30,7 @@ def refuse_from(monkeypatch, where, number):
     def fail(*_, **__):
         raise OSError(number, os.strerror(number))
 
-    monkeypatch.setattr(write.os, where, fail)
+    monkeypatch.setattr(disk.os, where, fail)
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_a_process_that_is_killed_in_the_middle_leaves_the_old_file(target):
     code = (
         "import os, signal, sys\n"
         "from pathlib import Path\n"
-        "from ropefric.files.write import replacing\n"
+        "from ropefric.files.disk import replacing\n"
         "with replacing(Path(sys.argv[1])) as stream:\n"
         "    stream.write(b'x' * 100_000)\n"
         "    os.kill(os.getpid(), signal.SIGKILL)\n"
@@ -147,7 +147,7 @@ def test_new_files_come_all_or_none_and_over_nobodys_work(tmp_path, monkeypatch)
         if len(calls) == 2:
             raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(write.os, "fsync", full)
+    monkeypatch.setattr(disk.os, "fsync", full)
     with pytest.raises(DataError, match="no space left"):
         write_files(tmp_path / "new", contents)
     assert names(tmp_path / "new") == []

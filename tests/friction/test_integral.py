@@ -21,7 +21,7 @@ from ropefric.friction.integral import (
     power_log_start,
 )
 from ropefric.friction.laws import LAWS
-from ropefric.friction.laws.wrap_exponential import exponential_rise
+from ropefric.friction.laws.wrap import exponential_rise
 
 # Issue 3 asks for 1e-12; what is reached is 5e-15, and the tests hold a tenth of what is asked.
 ASKED = 1e-13

@@ -7,7 +7,7 @@ import ropefric as rf
 from ropefric.friction import laws
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw, Parameter, Refusal, with_variant
-from ropefric.friction.laws.constant import LAW as CONSTANT
+from ropefric.friction.laws.uniform import CONSTANT
 
 
 class Logarithmic:

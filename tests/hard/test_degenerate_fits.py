@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hard_regime import Regime, once
 
-from ropefric.files.digits import STD_DIGITS, significant, to_share
+from ropefric.files.plain_text import STD_DIGITS, significant, to_share
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import predict
 from ropefric.fitting.result import FitStatus

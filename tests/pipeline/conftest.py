@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ropefric.friction.laws import LAWS
-from ropefric.pipeline.run import run_campaign
+from ropefric.pipeline import run_campaign
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.table import TrialTable
 

@@ -12,7 +12,7 @@ from ropefric.errors import DataError, FitError, UnknownNameError
 from ropefric.files.folder import OutputFolder
 from ropefric.fitting.compare import choose_law, compare_laws
 from ropefric.fitting.result import FitStatus
-from ropefric.pipeline.run import answer_trials, run_campaign, write_answer
+from ropefric.pipeline import answer_trials, run_campaign, write_answer
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import DesignWheel
 from ropefric.trials.result import NOT_ABOVE, count_trials, set_aside_impossible

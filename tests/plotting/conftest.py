@@ -7,8 +7,7 @@ import pytest
 
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.result import FitResult
-from ropefric.plotting.figure import save_figure
-from ropefric.plotting.svg import svg_text
+from ropefric.plotting.figure import save_figure, svg_text
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.trials.result import Extraction, Outline, TrialResult, summarise_conditions
 from ropefric.trials.table import TrialTable

@@ -9,12 +9,11 @@ from matplotlib.colors import to_hex
 
 from ropefric.fitting.compare import compare_laws
 from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.plotting.campaign import MOST, _in_cell, draw_recording, draw_recordings, pages_of_recordings
 from ropefric.plotting.design import draw_ladder
-from ropefric.plotting.figure import figure_files, localize
+from ropefric.plotting.figure import figure_files, localize, svg_text
 from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets
-from ropefric.plotting.recordings import MOST, _in_cell, draw_recording, draw_recordings, pages_of_recordings
 from ropefric.plotting.style import law_look
-from ropefric.plotting.svg import svg_text
 from ropefric.trials.result import Outline
 from ropefric.trials.table import TrialTable
 

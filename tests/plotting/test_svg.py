@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from ropefric.plotting.campaign import draw_condition
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure
+from ropefric.plotting.figure import DataTable, FigureWithData, new_figure, short_path, svg_text
 from ropefric.plotting.style import LINE_STYLES, MARKERS, house_style, line_look
-from ropefric.plotting.svg import short_path, svg_text
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.recording import draw_outline
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from ropefric.cli.app import main
-from ropefric.pipeline.run import run_campaign
+from ropefric.pipeline import run_campaign
 from ropefric.report.campaign import write_report
 from ropefric.trials.campaign import load_campaign
 

@@ -11,9 +11,9 @@ from ropefric.files.folder import OutputFolder
 from ropefric.fitting.compare import choose_law
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import one_condition
-from ropefric.pipeline.run import run_campaign
+from ropefric.pipeline import run_campaign
 from ropefric.report.campaign import write_report
-from ropefric.report.front import Wish
+from ropefric.report.page import Wish
 from ropefric.trials.campaign import load_campaign
 
 LARGEST_BYTES = 3_000_000

@@ -14,7 +14,7 @@ from ropefric.errors import DataError
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import one_condition
-from ropefric.pipeline.evidence import (
+from ropefric.pipeline import (
     STEP,
     Evidence,
     chart_of_design,

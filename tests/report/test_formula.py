@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.report.formula import _Statement, formulas, symbol
+from ropefric.report.page import _Statement, formulas, symbol
 
 ELEMENTS = {
     *("math", "mrow", "mi", "mn", "mo", "msub", "msup", "msubsup", "mfrac", "msqrt"),

@@ -14,9 +14,9 @@ import pytest
 
 from ropefric.cli.app import main
 from ropefric.files.plain_text import localized
-from ropefric.report import pdf
+from ropefric.report import page
 from ropefric.report.campaign import write_report
-from ropefric.report.front import Wish
+from ropefric.report.page import Wish
 from ropefric.report.pictures import typical_trial
 from ropefric.trials.campaign_model import ReportWords
 
@@ -162,31 +162,31 @@ def test_figures_stand_beside_it_as_files(five, handed):
 @pytest.mark.slow
 def test_it_is_printed_short_with_page_numbers_alike_each_time(five, handed):
     try:
-        pdf.find_browser()
-    except pdf.RopefricError:
+        page.find_browser()
+    except page.RopefricError:
         pytest.skip("no browser on this machine: apt-get install chromium")
-    printed = pdf.pdf_of(handed)
+    printed = page.pdf_of(handed)
     assert printed.startswith(b"%PDF")
     assert len(re.findall(rb"/Type /Page\b", printed)) <= 2 + 6
-    assert pdf.pdf_of(handed) == printed
+    assert page.pdf_of(handed) == printed
 
 
 def test_without_a_browser_it_is_said_what_to_do(run, results, monkeypatch, capfd):
     monkeypatch.setenv("PATH", "")
-    monkeypatch.setattr(pdf, "_PLACES", ())
+    monkeypatch.setattr(page, "_PLACES", ())
     assert main(["report", str(results), "--pdf"]) == 3
     said = " ".join(capfd.readouterr().err.split())
     assert "no Chromium, Chrome or Edge was found" in said
-    assert pdf.BROWSER in said
-    monkeypatch.setenv(pdf.BROWSER, "/nowhere/chrome")
+    assert page.BROWSER in said
+    monkeypatch.setenv(page.BROWSER, "/nowhere/chrome")
     assert main(["report", str(results), "--pdf"]) == 3
     assert "'/nowhere/chrome', which is no program" in capfd.readouterr().err
 
 
 def test_a_browser_that_prints_nothing_is_said(monkeypatch):
-    monkeypatch.setenv(pdf.BROWSER, shutil.which("true"))
-    with pytest.raises(pdf.RopefricError, match=r"printed no PDF: it said nothing"):
-        pdf.pdf_of("<p>page</p>")
+    monkeypatch.setenv(page.BROWSER, shutil.which("true"))
+    with pytest.raises(page.RopefricError, match=r"printed no PDF: it said nothing"):
+        page.pdf_of("<p>page</p>")
 
 
 @pytest.mark.slow

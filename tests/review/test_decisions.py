@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ropefric.errors import InputError
-from ropefric.review.decisions import with_decision
+from ropefric.review.session import with_decision
 from ropefric.trials.cells import read_cells
 
 PICK = {"pick_s": 1.25, "why": "seen", "by": "A. Meier", "when": "2026-11-22T14:30:00+00:00", "exclude": ""}

@@ -212,19 +212,7 @@ def test_every_number_of_some_scenes(name, scene_of):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["saw", "press"])
-def test_every_number_of_a_hundred_dear_scenes(name, scene_of):
-    solved, _ = check_many(DRAWS[name], scene_of, 100, 22)
-    assert solved > 30
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=pytest.mark.hours if name in {"saw", "press"} else pytest.mark.slow)
-        for name in DRAWS
-    ],
-)
+@pytest.mark.parametrize("name", DRAWS)
 def test_every_number_of_two_thousand_scenes(name, scene_of):
     solved, spared = check_many(DRAWS[name], scene_of, 2000, 21)
     assert solved > 900

@@ -10,7 +10,7 @@ import pytest
 
 import ropefric as rf
 from ropefric.errors import InputError
-from ropefric.files import parquet
+from ropefric.files import plain_text
 from ropefric.files.folder import Folder
 from ropefric.scenes import points as solving
 from ropefric.scenes import sweep_table as tables
@@ -60,24 +60,25 @@ def test_whether_a_hoist_lifts_is_never_left_open(hoist_of):
     assert planned.failures
 
 
-@pytest.fixture
-def asked(monkeypatch):
-    """The box is solved with and without whatever takes time, however little that is."""
-    monkeypatch.setattr(solving, "_LEAST_SAVED_S", 0.0)
-
-
-@pytest.mark.usefixtures("asked")
-def test_what_a_law_is_told_goes_everywhere_where_the_box_says_so(hoist_of):
+def test_what_a_law_is_told_goes_where_it_stays_in_a_small_range(hoist_of):
     planned = compared(hoist_of, *AXES, accuracy=0.02, friction=WEAK, rope=STIFF)
-    assert planned.left_out["wrap-dependence"] == 30_000
+    assert planned.left_out["wrap-dependence"] > 27_000, "all but where the stiffness matters"
+    limp = {"linear_density": "62 g/m", "hanging_length": "5 m"}
+    planned = compared(hoist_of, *AXES, accuracy=0.02, friction=WEAK, rope=limp)
+    assert planned.left_out["wrap-dependence"] == planned.left_out["end-tension"] == 30_000
 
 
-@pytest.mark.usefixtures("asked")
-def test_where_the_box_ends_at_lift_off_nothing_is_left_out_that_has_no_bound_of_its_own(hoist_of):
+def test_where_the_box_ends_at_lift_off_the_bounds_hold_for_what_still_has_an_answer(hoist_of):
     axes = ("wheel.speed=0.1m/s:40m/s:200", "load.end_tension=5N:100N:150")
     planned = compared(hoist_of, *axes, accuracy=0.1, friction=WEAK, rope=STIFF)
     assert planned.failed > 0
-    assert "wrap-dependence" not in planned.left_out
+    assert 0 < planned.left_out["wrap-dependence"] < 30_000 - planned.failed
+
+
+def test_a_box_without_any_answer_is_told_of_by_its_points(hoist_of):
+    scene = hoist_of(accuracy=0.5, rope=STIFF)
+    with pytest.raises(InputError, match=r"no point of the sweep has an answer; the first says: rho v\^2"):
+        sweep_scene(scene, (parse_axis(scene, "wheel.speed=60m/s:90m/s:30000"),))
 
 
 def test_a_small_sweep_is_solved_whole(hoist_of):
@@ -85,7 +86,6 @@ def test_a_small_sweep_is_solved_whole(hoist_of):
     assert not sweep_scene(scene, (parse_axis(scene, "wheel.wrap=90deg:1440deg:50"),)).left_out
 
 
-@pytest.mark.usefixtures("asked")
 def test_a_press_and_a_drive_keep_their_promise_over_a_grid(loaded, scene_of):
     friction = {"law": "wrap-power", "parameters": {"a": 0.01, "b": -0.2, "c": 1.0}}
     press = loaded("belt-press").document.data
@@ -160,13 +160,11 @@ def answered(hoist_of, count, seed):
     return found
 
 
-@pytest.mark.usefixtures("asked")
 def test_random_sweeps_keep_the_promise(hoist_of):
     assert answered(hoist_of, 25, 1) > 8
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("asked")
 def test_hundreds_of_random_sweeps_keep_the_promise(hoist_of):
     assert answered(hoist_of, 600, 2) > 200
 
@@ -182,12 +180,13 @@ def test_the_bound_of_a_stiffness_holds_case_by_case(hoist_of, others):
         speed_m_s=6.0,
     )
     assert SYSTEM.effects["bending-stiffness"].each is stiffness_bound
-    bound = stiffness_bound(problem)
     with_it, without = (
-        solve_lift(Model(problem=problem, effects=frozenset(others) | own)).logs
+        solve_lift(Model(problem=problem, effects=frozenset(others) | own))
         for own in ({"bending-stiffness"}, frozenset())
     )
-    worth = np.abs(with_it - without).max(axis=0)
+    bound = stiffness_bound(problem, without)
+    assert (stiffness_bound(problem) <= bound).all()
+    worth = np.abs(with_it.logs - without.logs).max(axis=0)
     assert (worth <= bound).all()
     assert np.median(bound / worth) < 4.0, "a bound that is ten times too large helps nobody"
 
@@ -273,7 +272,7 @@ def test_without_pyarrow_parquet_says_what_to_install(hoist_of, tmp_path, monkey
     def missing(name):
         raise ImportError
 
-    monkeypatch.setattr(parquet, "import_module", missing)
+    monkeypatch.setattr(plain_text, "import_module", missing)
     scene = hoist_of()
     axes = (parse_axis(scene, "wheel.wrap=1turn,2turn"),)
     with (
@@ -292,8 +291,7 @@ def test_a_list_of_effects_says_how_far_it_is_from_everything(hoist_of, loaded):
         )
     )
     off = max(np.abs(values / whole.columns[name] - 1.0).max() for name, values in listed.columns.items())
-    assert listed.error_bound > off, "the stiffness has a bound only"
-    assert listed.error_bound < 3.0 * off
+    assert off <= listed.error_bound < (1.0 + 1e-9) * off + 1e-9, "what is quick is solved to know it"
     assert listed.left_out["centrifugal"] == 300
     saw = loaded("band-saw")
     swept = sweep_scene(saw, (parse_axis(saw, "tension.preload=3000N,30000N"),))

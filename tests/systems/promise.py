@@ -38,7 +38,7 @@ def check_promise(system, problems, examples, *, may_refuse=False, rounding=0.0)
             if not may_refuse:
                 raise
             assume(condition=False)
-        difference = system.distance(system.solve(model, plan.method), everything)
+        difference = system.distance(system.solve(model, plan.method), everything, everything)
         assert difference <= min(accuracy, plan.error_bound) + rounding, (difference, plan.error_bound, plan)
         assert plan.keeps_accuracy
         if accuracy == 0.05:

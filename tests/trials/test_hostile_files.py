@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from ropefric.cli.app import main
-from ropefric.files import read
+from ropefric.files import disk
 from ropefric.trials import recording, workers
 from ropefric.trials.extract import extract_campaign
 from ropefric.trials.result import write_tables
@@ -240,7 +240,7 @@ def test_hash_cache_and_numbers_come_from_the_same_bytes(
 ):
     """A file that is replaced between being hashed and being parsed."""
     if large:
-        monkeypatch.setattr(read, "KEPT_BYTES", 100)
+        monkeypatch.setattr(disk, "KEPT_BYTES", 100)
     lab.pulls(a=100.0)
     target, other, real = lab.folder / "a.csv", pull_csv(150.0, seed=3).encode(), recording.read_recordings
     first = target.read_bytes()

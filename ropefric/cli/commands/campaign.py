@@ -1,30 +1,32 @@
-"""The commands of a campaign: its break-away forces, its whole way to a lift force, its report once more."""
+"""The commands of a campaign: its break-away forces, its whole way to a lift force, its report; a look at its picks."""
 
+import getpass
 import logging
 import math
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+import os
+import sys
+import webbrowser
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, out_folder
+from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, option, out_folder
 from ropefric.cli.output import Output, Progress
-from ropefric.errors import Problem, RopefricError
+from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.glossary import counted
 
 with on_first_use():
-    from ropefric import executors, plugins
+    from ropefric import executors, pipeline, plugins
     from ropefric.files import folder as folders
     from ropefric.files import plain_text
     from ropefric.friction import laws
-    from ropefric.pipeline import evidence
-    from ropefric.pipeline import run as pipeline
     from ropefric.report import campaign as pages
-    from ropefric.report import front, parts, section
-    from ropefric.report import pdf as printing
+    from ropefric.report import page, parts, section
+    from ropefric.review import server, session
     from ropefric.traces import breakaway
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import campaign_model, result, workers
@@ -67,17 +69,15 @@ def extract(
     # Before the work, so that a folder that cannot be used costs nothing.
     options.lend_fonts_a_place(folder)
     target = pipeline.campaign_folder(loaded, folder, answers=False, force=force)
-    with _saying_what_is_kept(out, cache_folder), target, ExitStack() as stack:
+    with options.saying_what_is_kept(out, "recordings", cache_folder), target, ExitStack() as stack:
         with executors.cluster(cluster, n_jobs) as executor, Progress(out, "extract") as progress:
-            extraction = extracting.extract_campaign(
-                loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update, executor=executor
-            )
+            how: dict[str, Any] = {"jobs": n_jobs, "cache_dir": cache_folder, "executor": executor}
+            extraction = extracting.extract_campaign(loaded, progress=progress.update, **how)
         result.write_tables(extraction, target, parquet=parquet)
         target.publish("tables")
         if figures:
-            start_figures(
-                extraction, loaded.report.language, target, out, drawing_pool(extraction, n_jobs, stack)
-            )()
+            pool = drawing_pool(extraction, n_jobs, stack)
+            start_figures(extraction, loaded.report.language, target, out, pool)()
     say_problems(extraction, folder, out)
     data, exit_code = extraction.to_dict(), 0
     # A campaign without a single usable force is an error, though its tables are there.
@@ -86,17 +86,6 @@ def extract(
             out.problems(error.problems)
         data, exit_code = data | error.to_dict(), error.exit_code
     return Answer(data, _sections(extraction), exit_code)
-
-
-@contextmanager
-def _saying_what_is_kept(out: Output, cache_folder: Path | None) -> Iterator[None]:
-    """Say what an interrupted run leaves for the next one."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        kept = f"finished recordings are kept in {cache_folder}; the same command goes on from there"
-        out.note("nothing is kept (--no-cache)" if cache_folder is None else kept)
-        raise
 
 
 def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack) -> "Executor | None":
@@ -121,9 +110,8 @@ def start_figures(
     """Begin to draw one figure per condition; return what waits for them, writes and publishes them."""
     from ropefric.plotting.campaign import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
 
-    write = start_condition_figures(
-        extraction, folder, under="figures/", language=language, executor=executor
-    )
+    how: dict[str, Any] = {"under": "figures/", "language": language, "executor": executor}
+    write = start_condition_figures(extraction, folder, **how)
 
     def finish() -> None:
         with Progress(out, "figures") as progress:
@@ -181,10 +169,8 @@ def _sections(extraction: "result.Extraction") -> "list[section.Section]":
         said = f"{len(flagged)} of {len(extraction.trials)} trials are without a force:"
         reasons = [row for group in result.alike(flagged) for row in _flagged_rows(group)]
         advice = [f"{one}: {breakaway.ADVICE[one]}" for one in statuses if one in _ADVISED]
-        told += [
-            section.Section(lines=(said,), headings=("trial", "status", "why "), rows=reasons, left=3),
-            section.Section(lines=advice),
-        ]
+        told.append(section.Section("", (said,), ("trial", "status", "why "), reasons, left=3))
+        told.append(section.Section(lines=advice))
     return told
 
 
@@ -230,20 +216,9 @@ def run(
     leave two of them undecided, or judge none.
     """
     loaded = campaigns.load_campaign(options.campaign_file(campaign))
-    n_jobs = options.parse_jobs(jobs, len(loaded.trials))
-    drawing = frozenset({"conditions", "report"}) if figures else frozenset()
-    return work_through(
-        out,
-        loaded,
-        folder,
-        law=law,
-        n_jobs=n_jobs,
-        cluster=cluster,
-        parquet=parquet,
-        cache=cache,
-        drawing=drawing,
-        force=force,
-    )
+    drawing = frozenset({"conditions", "report"} if figures else ())
+    how: dict[str, Any] = {"law": law, "cluster": cluster, "parquet": parquet, "cache": cache, "force": force}
+    return work_through(out, loaded, folder, jobs=jobs, drawing=drawing, **how)
 
 
 def work_through(
@@ -252,12 +227,12 @@ def work_through(
     folder: Path,
     *,
     law: str = "",
-    n_jobs: int = 1,
+    jobs: str,
     cluster: str = "",
     parquet: bool = False,
     cache: bool = True,
-    drawing: frozenset[str] = frozenset({"report"}),
-    wish: "front.Wish | None" = None,
+    drawing: frozenset[str],
+    wish: "page.Wish | None" = None,
     force: bool = False,
 ) -> Answer:
     """Return the answer to a campaign, and write everything into a folder.
@@ -267,7 +242,7 @@ def work_through(
     # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.
     if law:
         laws.ALL_LAWS[law]
-    cache_dir = folder / ".cache" if cache else None
+    cache_dir, n_jobs = folder / ".cache" if cache else None, options.parse_jobs(jobs, len(campaign.trials))
     options.lend_fonts_a_place(folder)
     target = pipeline.campaign_folder(campaign, folder, force=force)
 
@@ -281,41 +256,29 @@ def work_through(
             pool[0] = drawing_pool(extraction, n_jobs, stack)
             to_finish.append(start_figures(extraction, campaign.report.language, target, out, pool[0]))
 
-    with _saying_what_is_kept(out, cache_dir), target, ExitStack() as stack:
+    with options.saying_what_is_kept(out, "recordings", cache_dir), target, ExitStack() as stack:
         try:
             with (
                 executors.cluster(cluster, n_jobs) as executor,
                 Progress(out, "extract") as extracting,
                 Progress(out, "fit") as fitting,
             ):
-                done = pipeline.run_campaign(
-                    campaign,
-                    target,
-                    law=law,
-                    jobs=n_jobs,
-                    cache_dir=cache_dir,
-                    executor=executor,
-                    parquet=parquet,
-                    extract_progress=extracting.update,
-                    fit_progress=lambda name, done, total: fitting.update(done, total, name),
-                    on_extracted=draw,
-                )
+                how: dict[str, Any] = {"law": law, "jobs": n_jobs, "cache_dir": cache_dir, "parquet": parquet}
+                how |= {"extract_progress": extracting.update, "fit_progress": fitting.update_named}
+                done = pipeline.run_campaign(campaign, target, executor=executor, on_extracted=draw, **how)
         except RopefricError:
             for finish in to_finish:
                 finish()
             raise
         with Progress(out, "report") as reporting:
-            wanted = wish or front.Wish(figures="report" in drawing)
+            wanted = wish or page.Wish(figures="report" in drawing)
             written = pages.write_report(done, target, wanted, executor=pool[0], progress=reporting.update)
         target.publish("answer")
         for finish in to_finish:
             finish()
     said = options.written_to(folder, "report.html, trials.csv, fits/, comparison.csv, …")
-    return Answer(
-        done.to_dict() | {"written": [*done.written, *written]},
-        [*pages.summary_sections(done), said],
-        exit_code_of(done.answer.verdict),
-    )
+    data = done.to_dict() | {"written": [*done.written, *written]}
+    return Answer(data, [*pages.summary_sections(done), said], exit_code_of(done.answer.verdict))
 
 
 @command("ropefric report out --pdf", order=70)
@@ -345,15 +308,15 @@ def report(
     they are, and removed if the forces have changed. Exits with 4 unless the law and its lift force are supported.
     """
     formats = tuple(name.strip() for text in figure_files or () for name in text.split(","))
-    for option, known, words in (
+    for flag_name, known, words in (
         ("--locale", plain_text.LANGUAGES, (locale,) if locale else ()),
         ("--figure-files", ("svg", "pdf", "png"), formats),
     ):
         if unknown := [word for word in words if word not in known]:
-            raise BadParameter(f"{unknown[0]!r} is none of {', '.join(known)}", param_hint=option)
-    wish = front.Wish(locale, pdf, figures, formats)
+            raise BadParameter(f"{unknown[0]!r} is none of {', '.join(known)}", param_hint=flag_name)
+    wish = page.Wish(locale, pdf, figures, formats)
     if pdf:
-        printing.find_browser()  # before the work
+        page.find_browser()  # before the work
     if source.suffix.lower() in _TABLES and not source.is_dir():
         inputs = [source, about] if about else [source]
         target = pipeline.table_folder(inputs, folder or Path("out"), force=force)
@@ -363,25 +326,24 @@ def report(
     if source.is_dir() and not (source / "campaign.toml").is_file():
         if folder is not None:
             raise BadParameter("a folder of results is written to itself", param_hint="--out")
-        folder, (campaign, law_before) = source, evidence.recorded_run(source)
+        folder, (campaign, law_before) = source, pipeline.recorded_run(source)
         law = law or law_before
     else:
         campaign = options.campaign_file(source)
         folder = folder or Path("out")
-        if not law and (folder / evidence.MANIFEST).is_file():
-            before, law_before = evidence.recorded_run(folder)
+        if not law and (folder / pipeline.MANIFEST).is_file():
+            before, law_before = pipeline.recorded_run(folder)
             law = law_before if before.resolve() == campaign.resolve() else ""
     loaded = campaigns.load_campaign(campaign)
-    n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"report"} if figures else ())
-    return work_through(out, loaded, folder, law=law, n_jobs=n_jobs, drawing=drawing, wish=wish, force=force)
+    return work_through(out, loaded, folder, law=law, jobs=jobs, drawing=drawing, wish=wish, force=force)
 
 
 _TABLES = (".csv", ".tsv", ".txt", ".xlsx", ".xls", ".ods")
 
 
 def _report_table(
-    out: Output, inputs: Sequence[Path], target: "folders.OutputFolder", law: str, wish: "front.Wish"
+    out: Output, inputs: Sequence[Path], target: "folders.OutputFolder", law: str, wish: "page.Wish"
 ) -> Answer:
     """Answer a table of forces, and write its report into a folder."""
     if law:
@@ -392,16 +354,77 @@ def _report_table(
     with target:
         with Progress(out, "fit") as fitting, Progress(out, "report") as reporting:
             answer = pipeline.answer_trials(
-                table, design=about.design, law=law, progress=lambda name, i, n: fitting.update(i, n, name)
+                table, design=about.design, law=law, progress=fitting.update_named
             )
             written = pipeline.write_answer(answer, target)
-            written += pages.write_table_report(
-                answer, inputs, target, words=about.report, wish=wish, progress=reporting.update
-            )
+            told: dict[str, Any] = {"words": about.report, "wish": wish, "progress": reporting.update}
+            written += pages.write_table_report(answer, inputs, target, **told)
         target.publish("answer")
     said = options.written_to(target.path, "report.html, fits/, comparison.csv, …")
-    return Answer(
-        answer.to_dict() | {"written": [*written]},
-        [*pages.answer_sections(answer), said],
-        exit_code_of(answer.verdict),
-    )
+    data = answer.to_dict() | {"written": [*written]}
+    return Answer(data, [*pages.answer_sections(answer), said], exit_code_of(answer.verdict))
+
+
+@command("ropefric review out", order=65)
+def review(
+    out: Output,
+    folder: Path = Argument(..., metavar="OUT_DIR", help="A folder that `run` or `extract` wrote."),
+    *,
+    campaign: Path | None = option(
+        "CAMPAIGN.toml", "The campaign; by default the one that `run` made the folder from."
+    ),
+    by: str = option("NAME", "Who decides, as the list will say; by default the login name.", default=""),
+    port: int = Option(0, min=0, max=65535, help="Of the page; 0: any that is free."),
+    open_page: bool = Option(True, "--open/--no-open", help="Open the page in the browser."),
+    jobs: options.Jobs = "auto",
+) -> Answer:
+    """Look at the picks of a campaign in the browser, and decide: accept, move, exclude, comment, undo.
+
+    Decisions go into the campaign's own list of trials (columns pick_s, exclude, why, by, when), of which nothing else
+    changes; what they change in the condition, the law and the lift force is shown. The page is served on this machine
+    alone, to whoever has the address that is printed. Ctrl-C ends it. The folder of results is brought up to date by
+    `ropefric report OUT_DIR`, or `extract`.
+    """
+    if not folder.is_dir():
+        raise DataError("there is no such folder", path=folder, fix="give a folder that `ropefric run` wrote")
+    if campaign is None and not (folder / pipeline.MANIFEST).is_file():
+        why = "the folder does not say which campaign it is of: only `run` writes that down"
+        raise DataError(why, path=folder, fix="name the campaign: --campaign CAMPAIGN.toml")
+    path, law = (campaign, "") if campaign is not None else pipeline.recorded_run(folder)
+    path = options.campaign_file(path)
+    n_jobs = options.parse_jobs(jobs, len(campaigns.load_campaign(path, missing_recordings="flag").trials))
+    with Progress(out, "extract") as progress:
+        how: dict[str, Any] = {"law": law, "cache_dir": folder / folders.CACHE, "jobs": n_jobs}
+        by = by.strip() or _login_name()
+        reviewed = session.Review(path, by=by, progress=progress.update, **how)
+    with server.ReviewServer(reviewed, port) as serving:
+        # Not a note: without it nobody finds the page.
+        sys.stderr.write(f"{serving.address}\n")
+        sys.stderr.flush()
+        out.note(f"decisions go into {reviewed.trial_list}; Ctrl-C ends the review")
+        if open_page and _has_screen():
+            webbrowser.open(serving.address)
+        try:
+            serving.serve_forever()
+        except KeyboardInterrupt as interrupt:
+            reviewed.close()
+            if interrupt.args:  # not Ctrl-C: the system wants an end
+                raise
+    written = counted(reviewed.n_written, "decision")
+    more = f"; `ropefric report {folder}` brings the results up to date" if reviewed.n_written else ""
+    data = {"trial_list": reviewed.trial_list, "n_decisions": reviewed.n_written, "by": reviewed.by}
+    said = f"{written} written to {reviewed.trial_list}{more}"
+    return Answer(data, [section.Section(title="", lines=(said,), verbatim=True)])
+
+
+def _login_name() -> str:
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError, ImportError):  # a machine that knows no names
+        raise InputError("who decides?", code="RF121", key="--by", fix="give your name with --by") from None
+
+
+def _has_screen() -> bool:
+    """Return whether a browser could show itself; one for terminals would take this one."""
+    names = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
+    return sys.platform != "linux" or any(os.environ.get(name) for name in names)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typer import Argument, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Words, command, exit_code_of, flag, listed
+from ropefric.cli.options import Answer, Words, command, exit_code_of, flag, listed, option
 from ropefric.cli.output import Output, Progress
 
 with on_first_use():
@@ -28,6 +28,10 @@ _OF = Option(
     "peak", metavar="peak|kinetic", help="Fit the break-away force, or the mean force while sliding."
 )
 
+_TOUCHING = Option(
+    None, min=0.0, help="Turns that touch the one beside them; by default all beyond the first may."
+)
+
 
 @command("ropefric fit fits/prth-trials.csv --law coupled --out coupled.json", order=80)
 def fit(
@@ -38,10 +42,10 @@ def fit(
     fix: Words = listed("NAME=VALUE", "Hold a parameter"),
     bound: Words = listed("NAME=LOW:HIGH", "Bounds of a parameter"),
     start: Words = Option(None, metavar="NAME=VALUE", help="Start value; the law guesses others."),
-    intervals: str = Option(
-        "auto",
-        metavar="auto|covariance|profile|bootstrap|bootstrap-t",
-        help="Where the 95 % intervals come from; auto is the covariance where it will do, else the profile.",
+    intervals: str = option(
+        "auto|covariance|profile|bootstrap|bootstrap-t",
+        "Where the 95 % intervals come from; auto is the covariance where it will do, else the profile.",
+        default="auto",
     ),
     loss: str = Option("linear", help="linear, or soft_l1, huber, cauchy, arctan: less weight for outliers."),
     seed: int = Option(0, min=0, help="Of the search's further starts and of the bootstrap."),
@@ -72,11 +76,8 @@ def fit(
         out.note(f"wrote {store.save_fit(result, file, overwrite=force)}")
     verdict = parts.verdict_section(result.verdict, "The verdict, by this fit alone")
     sections = [parts.fit_section(result), verdict, *parts.notes_sections(result)]
-    return Answer(
-        result.to_dict() | {"verdict": result.verdict.to_dict(), "of": result.of},
-        sections,
-        exit_code_of(result.verdict),
-    )
+    data = result.to_dict() | {"verdict": result.verdict.to_dict(), "of": result.of}
+    return Answer(data, sections, exit_code_of(result.verdict))
 
 
 @contextmanager
@@ -96,8 +97,11 @@ def compare(
     *,
     laws: Words = listed("NAME[,NAME…]", "Laws to compare, all by default"),
     of: str = _OF,
+    touching_turns: float | None = _TOUCHING,
 ) -> Answer:
     """Rank friction laws on a trial table by AICc, with weights and the error at unseen conditions.
+
+    What no law knows is said beside them: contact between coils, where that describes the trials as well or better.
 
     The two constant laws always stand in the comparison. Exits with 4 unless the best law is supported: when the
     data leave two laws undecided, or no choice at all.
@@ -105,16 +109,12 @@ def compare(
     names = [name.strip() for text in laws or () for name in text.split(",") if name.strip()]
     table = options.read_table(trials, out, of=of)
     with Progress(out, "fit") as progress:
-        found = comparing.compare_laws(
-            table, names or None, progress=lambda law, done, total: progress.update(done, total, law)
-        )
+        told = progress.update_named
+        found = comparing.compare_laws(table, names or None, touching_turns=touching_turns, progress=told)
     chosen = comparing.choose_law(found)
     verdict = parts.verdict_section(chosen.verdict, f"The law: {chosen.fit.law}")
-    return Answer(
-        found.to_dict() | chosen.to_dict() | {"of": table.force},
-        [parts.comparison_section(found), verdict],
-        exit_code_of(chosen.verdict),
-    )
+    data = found.to_dict() | chosen.to_dict() | {"of": table.force}
+    return Answer(data, [parts.comparison_section(found), verdict], exit_code_of(chosen.verdict))
 
 
 @command("ropefric diagnose fits/prth-trials.csv", order=110)
@@ -122,9 +122,7 @@ def diagnose(
     out: Output,
     trials: options.TableArgument,
     *,
-    touching_turns: float | None = Option(
-        None, min=0.0, help="Turns that touch the one beside them; by default all beyond the first may."
-    ),
+    touching_turns: float | None = _TOUCHING,
 ) -> Answer:
     """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap, coil contact.
 

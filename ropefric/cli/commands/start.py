@@ -1,10 +1,10 @@
-"""The commands before a campaign: templates to fill in, a look at a recording, a check, a virtual rig."""
+"""The commands before a campaign: templates, a look at a recording, a check, a virtual rig, a plugin tried."""
 
 import math
 import sys
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial
 from itertools import accumulate
 from pathlib import Path
@@ -14,14 +14,15 @@ from typing import TYPE_CHECKING, Any
 from typer import Argument, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Number, Words, command, flag, listed, quantity
+from ropefric.cli.options import Answer, Number, Words, command, exit_code_of, flag, listed, option, quantity
 from ropefric.cli.output import PIPE_WIDTH, Output, Progress, width_of
-from ropefric.errors import DataError, InputError, UnknownNameError, raise_problems
-from ropefric.files.write import refuse_input, refuse_special, write_file
+from ropefric.errors import DataError, InputError, Problem, UnknownNameError, raise_problems
+from ropefric.files.disk import refuse_input, refuse_special, write_file
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 
 with on_first_use():
+    from ropefric import contracts
     from ropefric.files import toml
     from ropefric.fitting import resolution
     from ropefric.friction import condition as conditions
@@ -34,6 +35,7 @@ with on_first_use():
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import campaign_model, outliers, trial_list, workers
     from ropefric.trials import extract as extracting
+    from ropefric.trials import table as tables
 
 if TYPE_CHECKING:
     from ropefric.traces.readers.inspection import ColumnSummary, Inspection
@@ -51,16 +53,13 @@ def init(
         "Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …",
         "--scene",
     ),
-    recordings: str = Option(
-        "",
-        "--from",
-        metavar="GLOB",
-        help="List these recordings in trials.csv, such as 'daq/*.csv' (in quotes).",
+    recordings: str = option(
+        "GLOB", "List these recordings in trials.csv, such as 'daq/*.csv' (in quotes).", "--from", default=""
     ),
-    pattern: str = Option(
-        "",
-        metavar="PATTERN",
-        help="What their names say: '{wheel}_{wrap_angle_deg}deg_{end_tension_N}N_{repeat}', headers of the list.",
+    pattern: str = option(
+        "PATTERN",
+        "What their names say: '{wheel}_{wrap_angle_deg}deg_{end_tension_N}N_{repeat}', headers of the list.",
+        default="",
     ),
     force: bool = flag("--force", "Write over files that are already there."),
 ) -> Answer:
@@ -94,15 +93,10 @@ def inspect(
     out: Output,
     file: Path = Argument(..., metavar="FILE", help="A recording."),
     *,
-    file_format: str = Option(
-        "auto",
-        "--format",
-        metavar="NAME",
-        help="How it is written, where its name does not tell: delimited, …",
+    file_format: str = option(
+        "NAME", "How it is written, where its name does not tell: delimited, …", "--format", default="auto"
     ),
-    write_profile: Path | None = Option(
-        None, metavar="PATH", help="Write the suggested [import] section there."
-    ),
+    write_profile: Path | None = option("PATH", "Write the suggested [import] section there."),
     force: bool = flag("--force", "Write over a file that is already there."),
     everything: bool = flag("--all", "Read a large text whole, not only its first and last megabyte."),
     memory: Number = quantity("--memory", "byte", "Most memory that reading it may take [2 GB]."),
@@ -163,15 +157,14 @@ def _sections(found: "Inspection", profile: str) -> list["section.Section"]:
     fitting = sum(total <= room for total in accumulate(widths))
     hidden = max(map(len, found.first_rows), default=0) - fitting
     notes = [f"({hidden} more columns)"] * (hidden > 0) + [f"recognised: {note}" for note in found.notes]
+    suggested = ["suggested for campaign.toml:", "", *profile.rstrip().split("\n")]
     told = [
         section.Section(lines=(_headline(found),), verbatim=True),
         section.Section(headings=heads, rows=cells, left=0),
         section.Section("", ("first rows:", ""), names[:fitting], [row[:fitting] for row in first], left=0),
         section.Section(lines=notes, verbatim=True),
         section.Section("please check", notes=found.doubts),
-        section.Section(
-            lines=("suggested for campaign.toml:", "", *profile.rstrip().split("\n")), verbatim=True
-        ),
+        section.Section(lines=suggested, verbatim=True),
     ]
     return [one for one in told if one.rows or one.notes or (one.lines and not one.headings)]
 
@@ -210,37 +203,51 @@ def _column_row(found: "Inspection", column: "ColumnSummary") -> tuple[str, ...]
 def check(
     out: Output,
     campaign: Path = Argument(
-        ..., metavar="CAMPAIGN.toml|SCENE.toml", help="A campaign: its file or its folder. Or a scene."
+        ...,
+        metavar="CAMPAIGN.toml|SCENE.toml|TABLE.csv",
+        help="A campaign: its file or its folder. Or a scene; or a trial table, or a list of conditions.",
     ),
 ) -> Answer:
     """List everything that is wrong or doubtful in a campaign, all at once, and tell what it holds.
 
-    One recording of every kind is opened and read. A scene is checked too. Nothing is extracted, solved or written.
-    Exit code 3 if there are errors; warnings alone leave it at 0.
+    One recording of every kind is opened and read. A scene is checked too, and a trial table (CSV, Excel or Parquet).
+    Of a campaign and a table, with or without forces, it is said what laws and parameters the list can tell apart.
+    Nothing is extracted, fitted, solved or written. Exit code 3 if there are errors; warnings alone leave it at 0.
     """
-    campaign = options.campaign_file(campaign)
-    scene = _is_scene(campaign)
-    problems = scenes.check_scene(campaign) if scene else campaigns.check_campaign(campaign)
+    file = options.campaign_file(campaign)
+    kind = "table" if file.suffix not in {"", ".toml"} else "scene" if _is_scene(file) else "campaign"
     content: dict[str, Any] = {}
-    if not scene and all(problem.severity == "warning" for problem in problems):
-        loaded = campaigns.load_campaign(campaign)
-        looked, unread = extracting.check_recordings(loaded)
-        tells = resolution.outlook_of_campaign(loaded)
-        content = _content(loaded) | {"recordings": list(looked), "tells": [item.to_dict() for item in tells]}
-        problems = (*problems, *unread)
+    problems: tuple[Problem, ...]
+    if kind == "scene":
+        problems = scenes.check_scene(file)
+    elif kind == "table":
+        try:
+            listed = resolution.read_list(file)
+        except DataError as error:
+            problems = error.problems
+        else:
+            problems, content = listed.warnings, _content_of_table(listed)
+    else:
+        problems = campaigns.check_campaign(file)
+        if all(problem.severity == "warning" for problem in problems):
+            loaded = campaigns.load_campaign(file)
+            looked, unread = extracting.check_recordings(loaded)
+            tells = resolution.outlook_of_campaign(loaded)
+            content = _content(loaded) | {"recordings": list(looked), "tells": [t.to_dict() for t in tells]}
+            problems = (*problems, *unread)
     n_errors = sum(problem.severity == "error" for problem in problems)
     if not out.json:
         out.problems(problems)
-    summary = f"{campaign}: {counted(n_errors, 'error')}, {counted(len(problems) - n_errors, 'warning')}"
-    listed = [problem.to_dict() | {"severity": problem.severity} for problem in problems]
-    data: dict[str, Any] = {"ok": n_errors == 0, "problems": listed}
+    summary = f"{file}: {counted(n_errors, 'error')}, {counted(len(problems) - n_errors, 'warning')}"
+    told = [problem.to_dict() | {"severity": problem.severity} for problem in problems]
+    data: dict[str, Any] = {"ok": n_errors == 0, "problems": told}
     try:
         raise_problems(problems)
     except DataError as failure:
         return Answer(data | failure.to_dict(), summary, DataError.exit_code)
-    if scene:
+    if kind == "scene":
         return Answer(data, summary)
-    return Answer(data | {"campaign": content}, "\n".join([summary, *_content_lines(content)]))
+    return Answer(data | {kind: content}, "\n".join([summary, *_content_lines(content)]))
 
 
 def _is_scene(path: Path) -> bool:
@@ -270,30 +277,52 @@ def _content(campaign: "campaign_model.Campaign") -> dict[str, Any]:
 
 
 def _content_lines(content: dict[str, Any]) -> list[str]:
-    """Return what a campaign holds in the units people use at the rig."""
+    """Return what a campaign or a table holds in the units people use at the rig, and what that can tell."""
     fewest, most = content["repeats"]["fewest"], content["repeats"]["most"]
-    good_lost = outliers.RULES[content["rejection"]].good_lost(most)
-    lost = f", takes {good_lost:.2g} good trials of {most} on average" if good_lost > 0.0 else ""
-    excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
     rows = [
-        ("campaign", content["name"] or "(no name)"),
-        ("trials", f"{content['n_trials']} in {content['n_files']} files{excluded}"),
         ("conditions", f"{content['n_conditions']}"),
         ("repeats", f"{fewest}" if fewest == most else f"{fewest} to {most} per condition"),
         ("wheel radius R_w", _listed(content["wheel_radius_m"], 1e3, "mm")),
         ("rope radius R_r", _listed(content["rope_radius_m"], 1e3, "mm")),
         ("wrap φ", _listed(content["wrap_angle_rad"], math.degrees(1.0), "deg")),
         ("end tension F_B", _listed(content["end_tension_N"], 1.0, "N")),
-        ("lift force F_A", _listed(content["lift_force_N"], 1.0, "N")),
-        ("rejection", f"{content['rejection']}{lost}"),
     ]
+    if "rejection" in content:
+        good_lost = outliers.RULES[content["rejection"]].good_lost(most)
+        lost = f", takes {good_lost:.2g} good trials of {most} on average" if good_lost > 0.0 else ""
+        excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
+        trials = f"{content['n_trials']} in {content['n_files']} files{excluded}"
+        rows = [("campaign", content["name"] or "(no name)"), ("trials", trials), *rows]
+        rows.append(("lift force F_A", _listed(content["lift_force_N"], 1.0, "N")))
+        rows.append(("rejection", f"{content['rejection']}{lost}"))
+    else:
+        rows.insert(
+            0, ("trials", f"{content['n_trials']}" + ("" if content["n_forces"] else ", without forces"))
+        )
     told = [f"{name:<18} {text}" for name, text in rows if text]
     if content["tells"]:
-        told.append(
-            "what this list can tell, if ropes scatter as usual (1.5 % between repeats, 1 % between conditions):"
-        )
-        told += [f"  {item['text']}" for item in content["tells"]]
-    return told + [f"read {line}" for line in content["recordings"]]
+        usual = f"{100.0 * resolution.TYPICAL_BETWEEN:g} % between conditions"
+        scatter = f"{100.0 * resolution.TYPICAL_WITHIN:g} % between repeats, {usual}"
+        if (within := content.get("scatter_within")) is not None:
+            scatter = f"{usual}; between repeats, as here, {100.0 * within:.2g} %"
+        told.append(f"what this list can tell, if ropes scatter as usual ({scatter}):")
+        told += [*(f"  {item['text']}" for item in content["tells"]), f"  ({resolution.SCALE})"]
+    return told + [f"read {line}" for line in content.get("recordings", ())]
+
+
+def _content_of_table(table: "tables.TrialTable") -> dict[str, Any]:
+    """Return what a table holds that is used, or a list that has no forces yet, and what it can tell."""
+    (settings, group), within = resolution.listed(table), resolution.scatter_of_repeats(table)
+    repeats = Counter(group.tolist())
+    return {
+        "n_trials": group.size,
+        "n_conditions": len(repeats),
+        "repeats": {"fewest": min(repeats.values()), "most": max(repeats.values())},
+        **{name: conditions.distinct(values).tolist() for name, values in settings.items()},
+        "n_forces": int(table.used.sum()),
+        "scatter_within": None if math.isnan(within) else within,
+        "tells": [item.to_dict() for item in resolution.outlook_of_table(table)],
+    }
 
 
 def _listed(values: Iterable[float], factor: float, unit: str) -> str:
@@ -359,17 +388,42 @@ def simulate(
         written = rigs.simulate_campaign(folder, plan, seed=seed, progress=progress.update)
     campaign = next(path for path in written if path.name == "campaign.toml")
     out.note(f"next: ropefric extract {quote(str(campaign))} --out out")
-    data = {
-        "campaign": campaign,
-        "bench": bench,
-        "seed": seed,
-        "physics": plan.physics,
-        "protocol": plan.protocol,
-        "law": plan.law,
-        "parameters": dict(plan.parameters),
-        "faults": dict(plan.faults),
-        "n_conditions": len(plan.conditions),
-        "n_trials": plan.n_trials,
-    }
+    planned = ("physics", "protocol", "law", "parameters", "faults", "n_trials")
+    data = {"campaign": campaign, "bench": bench, "seed": seed, "n_conditions": len(plan.conditions)}
+    data |= {name: getattr(plan, name) for name in planned}
     made = f"{counted(plan.n_trials, 'recording')} of {counted(len(plan.conditions), 'condition')}"
     return Answer(data, f"{made}, law {plan.law}, seed {seed} → {campaign}")
+
+
+@command("ropefric check-plugin my_law.py", order=200)
+def check_plugin(
+    out: Output,
+    plugin_file: str = Argument(
+        metavar="PLUGIN.py", help="The plugin: a Python file, or an installed one's name."
+    ),
+    *,
+    files: list[Path] | None = option(
+        "FILE", "A recording its reader, or a scene its machine, is tried on; repeatable.", "--file"
+    ),
+) -> Answer:
+    """Try a plugin: whether its laws, readers, rules, protocols and machines keep the promises that ours keep.
+
+    Exits with 4 when one is broken. A reader is tried on garbage alone, and a machine not at all, until --file names a
+    recording or a scene.
+    """
+    plugin, findings = contracts.check_plugin(plugin_file, tuple(files or ()))
+    slots = {said.partition(" ")[0] for said in plugin.declares} & contracts.FILE_CHECKS.keys()
+    if slots and not files:
+        out.note(
+            f"{plugin.source}: give --file, a recording or a scene of its own, to see {', '.join(sorted(slots))} at work"
+        )
+    broken = [one for one in findings if one.broken]
+    rows = [(one.member, "BROKEN" if one.broken else "kept", one.promise) for one in findings]
+    table = section.Section(
+        title=f"{plugin.source}: {len(findings) - len(broken)} of {len(findings)} promises are kept",
+        headings=("declares", "", "promise"), rows=rows, left=3,
+    )  # fmt: skip
+    lines = tuple(f"{one.member}: {one.broken}" for one in broken)
+    shown = [table, *([section.Section(title="What is broken", lines=lines)] if lines else [])]
+    data = {"plugin": plugin.to_dict(), "ok": not broken, "promises": [asdict(one) for one in findings]}
+    return Answer(data, shown, exit_code_of(not broken))

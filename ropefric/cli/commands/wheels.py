@@ -1,4 +1,4 @@
-"""The commands that ask a stored fit: a wheel's lift force, its uncertainty, the smallest wheel, the next tests."""
+"""The commands that ask a fit: a wheel's lift force, its uncertainty, the smallest wheel, the next tests, a table."""
 
 import math
 from pathlib import Path
@@ -7,19 +7,33 @@ from typing import Any
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Number, command, diameter, exit_code_of, flag, listed, quantity
+from ropefric.cli.options import (
+    Answer,
+    Number,
+    command,
+    diameter,
+    exit_code_of,
+    flag,
+    listed,
+    option,
+    quantity,
+)
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
-from ropefric.files.write import refuse_input, refuse_special, write_file
+from ropefric.files.disk import refuse_input, refuse_special, write_file, write_files
 
 with on_first_use():
+    from ropefric import pipeline
+    from ropefric.fitting import budgets, next_tests, resolution
     from ropefric.fitting import design as designs
-    from ropefric.fitting import next_tests, resolution
+    from ropefric.fitting import export as exporting
     from ropefric.fitting import predict as predicting
     from ropefric.friction import condition as conditions
     from ropefric.friction import laws
-    from ropefric.pipeline import evidence
     from ropefric.report import parts, section
+    from ropefric.scenes import sweep_table
+    from ropefric.trials import campaign as campaigns
+    from ropefric.trials import extract as extracting
 
 
 @command(
@@ -46,9 +60,8 @@ def predict(
     Exits with 4 when the lift force is not supported: undecided, or not judged.
     """
     stored = options.read_fit(fit, out)
-    wheel = conditions.one_condition(
-        wheel_radius, options.rope_radius(stored, rope_diameter), wrap, end_tension
-    )
+    rope_m = options.rope_radius(stored, rope_diameter)
+    wheel = conditions.one_condition(wheel_radius, rope_m, wrap, end_tension)
     running_rope = {"speed_m_s": speed, "linear_density_kg_m": linear_density}
     # The library says what the method may be.
     found = predicting.predict(stored, wheel, level=level, method=method, **running_rope)  # type: ignore[arg-type]
@@ -98,16 +111,10 @@ def design(
     names = options.figure_names("design_chart")
     # Before the work, so that a folder that cannot be used costs nothing.
     with options.open_folder(chart, family="chart", names=names, inputs=[fit], force=force) as target:
-        found = designs.design(
-            stored,
-            lift_N=lift,
-            rope_radius_m=options.rope_radius(stored, rope_diameter),
-            solve_for=solve_for.replace("-", "_"),  # type: ignore[arg-type]  # the library says what it may be
-            probability=None if on_average else probability,
-            wheel_radius_m=wheel_radius,
-            wrap_angle_rad=wrap,
-            end_tension_N=end_tension,
-        )
+        asked: dict[str, Any] = {"lift_N": lift, "rope_radius_m": options.rope_radius(stored, rope_diameter)}
+        asked |= {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
+        asked["solve_for"] = solve_for.replace("-", "_")  # the library says what it may be
+        found = designs.design(stored, **asked, probability=None if on_average else probability)
         reached = bool(found.reached[0])
         files: tuple[Path, ...] = ()
         if target is not None and reached:
@@ -115,19 +122,14 @@ def design(
             from ropefric.plotting import figure  # noqa: PLC0415
 
             # At the design's end tension.
-            wheel = conditions.one_condition(
-                *(float(getattr(found, name)[0]) for name in conditions.SETTINGS)
-            )
-            chart_of_it = evidence.chart_of_design(stored, wheel, probability)
+            at = conditions.one_condition(*(float(getattr(found, name)[0]) for name in conditions.SETTINGS))
+            chart_of_it = pipeline.chart_of_design(stored, at, probability)
             drawn = charts.draw_design_chart(chart_of_it, required_N=float(found.required_N[0]))
             files = figure.save_figure(drawn, target, "design_chart")
             options.publish(out, target, "chart", files)
-    return Answer(
-        found.to_dict()
-        | {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)},
-        [_section(found)],
-        exit_code_of(reached and stored.verdict.supported),
-    )
+    about = {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)}
+    code = exit_code_of(reached and stored.verdict.supported)
+    return Answer(found.to_dict() | about, [_section(found)], code)
 
 
 def _section(found: "designs.Design") -> "section.Section":
@@ -173,9 +175,7 @@ def plan_tests(
     rope_diameter: Number = diameter("--rope-diameter", "Needed with --law."),
     n_conditions: int = Option(12, "--conditions", min=1, help="Conditions to plan."),
     repeats: int = Option(12, min=1, help="Pulls of each."),
-    criterion: str = Option(
-        "v", metavar="v|d", help="The best for the wanted force (v), or the parameters (d)."
-    ),
+    criterion: str = option("v|d", "The best for the wanted force (v), or the parameters (d).", default="v"),
     scatter_within: Number = quantity("--scatter-within", "", 'Between repeats, such as "1.7 %".'),
     scatter_between: Number = quantity("--scatter-between", "", "Between conditions."),
     u_force: Number = quantity("--u-force", "N", "Of a force, by the measuring chain."),
@@ -220,23 +220,12 @@ def plan_tests(
         planned = next_tests.planned_guess(laws.ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold or ()))
     if rope_m is None:
         raise BadParameter("a guessed law does not know its rope", param_hint="--rope-diameter")
-    found = next_tests.plan_tests(
-        planned,
-        resolution.RigLimits(
-            wheel_radius_m=radii_m,
-            wrap_angle_rad=wraps_rad,
-            end_tension_N=loads_N,
-            rope_radius_m=rope_m,
-            largest_force_N=max_force,
-        ),
-        conditions.one_condition(wheel_radius, rope_m, wrap, end_tension),
-        n_conditions=n_conditions,
-        repeats=repeats,
-        criterion=criterion,  # type: ignore[arg-type]  # the library says what it may be
-        level=level,
-        starts=starts,
-        seed=seed,
-    )
+    can: dict[str, Any] = {"wheel_radius_m": radii_m, "wrap_angle_rad": wraps_rad, "end_tension_N": loads_N}
+    limits = resolution.RigLimits(**can, rope_radius_m=rope_m, largest_force_N=max_force)
+    wanted = conditions.one_condition(wheel_radius, rope_m, wrap, end_tension)
+    # The library says what the criterion may be.
+    how: dict[str, Any] = {"criterion": criterion, "level": level, "starts": starts, "seed": seed}
+    found = next_tests.plan_tests(planned, limits, wanted, n_conditions=n_conditions, repeats=repeats, **how)
     if file is not None:
         if before is not None and before != found.to_csv().encode():
             raise _taken(file)
@@ -247,12 +236,8 @@ def plan_tests(
 
 def _taken(path: Path) -> InputError:
     # A lab writes into its plans, and nothing tells such a one from one as it was written.
-    return InputError(
-        "the file is there already, with other content than this plan",
-        code="RF150",
-        path=path.as_posix(),
-        fix="choose another name, or replace it with --force",
-    )
+    why, fix = "the file is there already, with other content than this plan", "or replace it with --force"
+    return InputError(why, code="RF150", path=path.as_posix(), fix=f"choose another name, {fix}")
 
 
 def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
@@ -271,18 +256,10 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
     low, _, high = text.partition("..")
     ends = [options.read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
     if unit != "rad":
-        return resolution.geometric_levels(ends[0], ends[1], n)
+        return resolution.levels(ends[0], ends[1], n)
     first, last = (float(f"{math.degrees(end):.12g}") for end in ends)
     step = next((s for s in (45.0, 15.0, 5.0) if (n - 1) * s <= last - first), 1.0)
-    return tuple(math.radians(degrees) for degrees in resolution.linear_levels(first, last, n, step=step))
-
-
-with on_first_use():
-    from ropefric.fitting import budgets
-    from ropefric.friction import condition as conditions
-    from ropefric.report import parts
-    from ropefric.trials import campaign as campaigns
-    from ropefric.trials import extract as extracting
+    return tuple(math.radians(degrees) for degrees in resolution.levels(first, last, n, step=step))
 
 
 @command(
@@ -331,12 +308,8 @@ def budget(
         raise BadParameter("give a campaign or trial table, or --fit, and not both", param_hint="--fit")
     if fit is not None:
         wheel = {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
-        uncertainty = {
-            "wheel_radius_m": u_wheel_radius or 0.0,
-            "rope_radius_m": u_rope_diameter or 0.0,
-            "wrap_angle_rad": u_wrap or 0.0,
-            "end_tension_N": u_end_tension or 0.0,
-        }
+        values = (u_wheel_radius, u_rope_diameter, u_wrap, u_end_tension)
+        uncertainty = {name: u or 0.0 for name, u in zip(conditions.SETTINGS, values, strict=True)}
         return _of_fit(out, fit, wheel, rope_diameter, uncertainty, check=check | {"one_pull": one_pull})
     if of not in {"force", "mu"}:
         raise BadParameter(f"{of!r} is neither force nor mu", param_hint="--quantity")
@@ -373,9 +346,8 @@ def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budget
     campaign = campaigns.load_campaign(file, missing_recordings="flag")
     with Progress(out, "extract") as progress:
         extraction = extracting.extract_campaign(campaign, progress=progress.update)
-    found = budgets.conditions_of_extraction(
-        extraction, weights_tolerance=campaign.weights_tolerance, gravity_limit=limit
-    )
+    tolerance = campaign.weights_tolerance
+    found = budgets.conditions_of_extraction(extraction, weights_tolerance=tolerance, gravity_limit=limit)
     if not found:
         fix = "`ropefric extract` says why for each"
         raise InputError("no recording gave a usable force", code="RF301", path=file, fix=fix)
@@ -396,8 +368,58 @@ def _of_fit(
     at = conditions.one_condition(rope_radius_m=options.rope_radius(stored, rope_m), **known)
     stated = budgets.state_lift(stored, at, uncertainty, **check)
     more = {"rope_radius_m": float(at.rope_radius_m[0]), "fit": path, "fit_status": stored.status.value}
-    return Answer(
-        stated.to_dict() | known | more,
-        parts.uncertainty_sections(stated, f"Uncertainty budget of the {stated.model.name} by {stored.law}"),
-        exit_code_of(stated.trustworthy),
+    title = f"Uncertainty budget of the {stated.model.name} by {stored.law}"
+    shown = parts.uncertainty_sections(stated, title)
+    return Answer(stated.to_dict() | known | more, shown, exit_code_of(stated.trustworthy))
+
+
+@command('ropefric export fits/prth-coupled.json --wrap "90 deg .. 1080 deg" --out mu.csv', order=155)
+def export(
+    out: Output,
+    fit_file: Path = Argument(metavar="FIT.json", help="A stored fit."),
+    *,
+    wrap: str = Option("", metavar="ANGLES", help='φ, a list, or a range: "90 deg .. 1080 deg".'),
+    end_tension: str = Option("", metavar="FORCES", help='F_B: "20 N, 80 N".'),
+    wheel_radius: str = Option("", metavar="LENGTHS", help='R_w: "20 mm .. 60 mm".'),
+    levels: int = Option(12, min=2, help="Settings a range is divided into."),
+    rope_diameter: float | None = options.ROPE_DIAMETER,
+    file: Path | None = Option(None, "--out", "-o", metavar="TABLE.csv", help="Write the table there."),
+    force: options.Force = False,
+) -> Answer:
+    """Hand a fit on to a simulator: a table μ(φ, F_B, R_w), and the constant that stands for it best over that range.
+
+    Of settings that are not given the table covers what was tested. The constant is the one whose largest relative
+    error of the lift force over the table is smallest; that error is said. Exits with 4 when the law is not supported by
+    its fit.
+    """
+    if file is not None:  # before the work
+        refuse_special(file)
+        refuse_input(file, fit_file)
+    stored = options.read_fit(fit_file, out)
+    asked = {
+        "wrap_angle_rad": (wrap, "rad", "--wrap"),
+        "end_tension_N": (end_tension, "N", "--end-tension"),
+        "wheel_radius_m": (wheel_radius, "m", "--wheel-radius"),
+    }
+    given = {name: read_levels(*words, levels) for name, words in asked.items() if words[0]}
+    rope_m = options.rope_radius(stored, rope_diameter)
+    found = exporting.friction_table(stored, rope_radius_m=rope_m, **given)
+    columns = {name: getattr(found, name) for name in found._framed}  # noqa: SLF001  (what its frame holds)
+    names = ("law", "constant_mu", "constant_error")
+    data = {name: getattr(found, name) for name in names} | {
+        "rows": found.mu_average.size,
+        "extrapolated": int(found.extrapolated.sum()),
+        "unanswered": int((found.mu_average != found.mu_average).sum()),
+        "files": [],
+    }
+    if file is not None:
+        content = {file.name: sweep_table.columns_text(columns).encode()}
+        data["files"] = [*map(str, write_files(file.parent, content, overwrite=force))]
+        out.note(f"wrote {file}")
+    percent = f"{100 * found.constant_error:.3g} %"
+    lines = (
+        f"{found.mu_average.size} points of law {found.law}, {data['extrapolated']} outside what was tested",
+        f"the constant μ = {found.constant_mu:.4g} is off by {percent} of the lift force at most",
     )
+    shown = [section.Section("A law for a simulator", lines)]
+    return Answer(data, shown, exit_code_of(stored.verdict))

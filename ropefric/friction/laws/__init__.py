@@ -1,16 +1,24 @@
-"""Every friction law by name; one file declares one law."""
+"""Every friction law by name, and its declaration: all that the tool says of it.
+
+`uniform` has those whose coefficient is the same all along the wrap, `wrap` those whose local one falls with it,
+`bending` a stiff rope, `howell` friction as a power of the contact force. A law of one's own is one more file.
+"""
 
 import copyreg
 from typing import Any
 
 from ropefric.friction.law import FrictionLaw
-from ropefric.registry import Registry, declared_in
+from ropefric.friction.laws import bending, howell, uniform, wrap
+from ropefric.registry import Registry
 
-_IN_ORDER = (
-    "constant", "constant_offset", "size_power", "size_exponential", "wrap_exponential", "wrap_power", "coupled",
-    "thickness", "bending", "howell", "groove",
-)  # fmt: skip
-LAWS: Registry[FrictionLaw] = Registry("friction law", declared_in(__name__, _IN_ORDER, "LAW"))
+LAWS: Registry[FrictionLaw] = Registry(
+    "friction law",
+    [
+        *(uniform.CONSTANT, uniform.CONSTANT_OFFSET, uniform.SIZE_POWER, uniform.SIZE_EXPONENTIAL),
+        *(wrap.WRAP_EXPONENTIAL, wrap.WRAP_POWER, wrap.COUPLED),
+        *(uniform.THICKNESS, bending.LAW, howell.LAW, uniform.GROOVE),
+    ],
+)
 """The laws that a comparison fits."""
 
 

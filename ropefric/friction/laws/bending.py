@@ -8,7 +8,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.friction import law
 from ropefric.friction.condition import Conditions
-from ropefric.friction.laws.constant import LAW as CONSTANT
+from ropefric.friction.laws.uniform import CONSTANT
 
 _MAX_STEPS = 100
 

@@ -8,7 +8,7 @@ from ropefric.arrays import FloatArray
 from ropefric.friction.condition import Conditions
 from ropefric.friction.integral import log1prel, log1prel_slope
 from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Sheet, Slopes
-from ropefric.friction.laws.constant import LAW as CONSTANT
+from ropefric.friction.laws.uniform import CONSTANT
 
 
 class Howell:
@@ -86,6 +86,7 @@ LAW = FrictionLaw(
     ),
     coefficient="local",
     effects=frozenset({"size", "wrap-dependence", "end-tension"}),
+    weakens=True,
     physics=Howell(),
     candidates=_candidates,
     special_cases=(CONSTANT,),

@@ -143,6 +143,18 @@ def _failures(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Failure,
     )
 
 
+def _belts(utilisation: float, problem: DriveProblem) -> int:
+    return max(1, math.ceil(utilisation * float(problem.belt_count[0]) - 1e-9))
+
+
+def _undecided(answer: DriveAnswer, problem: DriveProblem, error: float) -> tuple[str, ...]:
+    if problem.power_W is None:
+        return ()
+    use = float(answer.utilisation[0])
+    least, most = (_belts(end, problem) for end in (use / (1.0 + error), use * (1.0 + error)))
+    return () if least == most else (f"the power takes {least} to {most} belts",)
+
+
 def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
     tree: dict[str, Any] = {"closure": problem.closure, **kind.first(answer, "circling_N")}
     tree["belt_speed_m_s"] = None if problem.speed_rad_s is None else float(problem.belt_speed_m_s[0])
@@ -181,7 +193,7 @@ def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
             "power_W": float((share * problem.tension_N * 2.0 / 3.0 * best)[0]),
         }
     if problem.power_W is not None:
-        tree["belts"] = max(1, math.ceil(float((answer.utilisation * problem.belt_count)[0]) - 1e-9))
+        tree["belts"] = _belts(float(answer.utilisation[0]), problem)
     return tree
 
 
@@ -290,6 +302,13 @@ KIND = kind.Kind(
     failures=_failures,
     sections=_sections,
     layout=_layout,
+    beyond={
+        "circling_N": "what keeps the belt on its circle",
+        "pulleys.driving.adhesion_arc_rad": "the arc of adhesion on the driving pulley",
+        "pulleys.driven.adhesion_arc_rad": "the arc of adhesion on the driven pulley",
+        "creep.power_lost_W": "the power that creep takes",
+    },
+    undecided=_undecided,
     figures={"belt_power": kind.Figure(_power_chart), "belt_arcs": kind.Figure(_arcs_chart)},
     words={
         "full_pull_N": "Largest pull of all belts [N]",

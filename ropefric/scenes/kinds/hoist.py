@@ -131,6 +131,6 @@ KIND = kind.Kind(
     answerable=answerable,
     failures=_failures,
     sections=_sections,
-    beyond={"slip_arc_rad": "the arcs of slip and stick"},
+    beyond={"slip_arc_rad": "the arc of slip", "stick_arc_rad": "the arc of stick"},
     layout=lambda problem: {"rope": (kind.lone_wheel(problem, ("F_A", "F_B")),)},
 )

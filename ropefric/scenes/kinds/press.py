@@ -14,7 +14,7 @@ from ropefric.errors import RopefricError
 from ropefric.files.toml_model import choice, got, quantity, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.answer import PressAnswer, PressProblem, slip_margins
+from ropefric.systems.press.answer import PressAnswer, PressProblem, settles, slip_margins
 from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import (
     Belt,
@@ -421,12 +421,26 @@ def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure,
     return (kind.Failure(words, "largest utilisation", largest, largest > 1.0),)
 
 
+def _undecided(answer: PressAnswer, _: PressProblem, error: float) -> tuple[str, ...]:
+    """Return which rollers may slip or not, and which may be the first; utilisations err by a share of the largest."""
+    use, rollers = answer.slip.utilisation[0], answer.slip.rollers
+    lifted = np.isinf(use)  # a belt that has lifted off slips for sure
+    off = error * float(use[~lifted].max(initial=0.0)) / (1.0 - error) if error < 1.0 else math.inf
+    slip = [name for name, one in zip(rollers, use, strict=True) if abs(one - 1.0) <= off]
+    first = [name for name, one in zip(rollers, use, strict=True) if one + 2.0 * off >= use.max()]
+    found = [f"whether the belt slips on roller {' or '.join(slip)}"] if slip else []
+    if use.any() and len(first) > 1 and not lifted.any():
+        found.append(f"which is the first to slip, roller {' or '.join(first)}")
+    return tuple(found)
+
+
 def _by_name(names: Sequence[str], values: FloatArray) -> dict[str, float]:
     return dict(zip(names, values.tolist(), strict=True))
 
 
 def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
-    press, slip, factor = answer.model.press, answer.slip, float(answer.model.problem.load_factor[0])
+    press, given, slip = answer.model.press, answer.model.problem.press, answer.slip
+    factor = float(answer.model.problem.load_factor[0])
     spans = [span.name for span in press.spans]
     tree: dict[str, Any] = {
         "tension_N": _by_name(spans, answer.at_rest_N[0]),
@@ -439,7 +453,7 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
         "rank": answer.statics.rank,
         "undetermined": list(answer.statics.undetermined),
         "speed_m_s": float(answer.state.speed_m_s[0]),
-        # What the torques stand for: pulls M_G/R, eq. (6), and Δh K_max times the squeezes, eq. (9).
+        # What the torques given stand for: pulls M_G/R, eq. (6), and Δh K_max times the squeezes, eq. (9).
         "loads": {
             "by_roller": {
                 one.name: {
@@ -448,10 +462,10 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
                     * one.squeeze_torque_N_m
                     / (max(belt.width_m for belt in press.belts_on(one.name)) * one.radius_m),
                 }
-                for one in press.rollers
+                for one in given.rollers
                 if one.torque_N_m
             },
-            "total_N": factor * sum(one.torque_N_m / one.radius_m for one in press.rollers),
+            "total_N": factor * sum(one.torque_N_m / one.radius_m for one in given.rollers),
         },
         "creep": {
             "rim_speed_m_s": _by_name(slip.rollers, answer.rim_speed_m_s[0]),
@@ -469,48 +483,7 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
             }
     if answer.start_up is None:
         return tree
-    return tree | {"start_up": answer.start_up.summary() | {"settles": _settles(answer)}}
-
-
-_SAME_STATE = 1e-3
-"""Of the greatest tension: what a start-up settles at and the steady run are one."""
-
-
-def _settles(answer: PressAnswer) -> dict[str, Any]:
-    """Return where a start-up leads, how far that is from the steady run, and why."""
-    found, steady_N, closure = answer.start_up, answer.state.tension_N[0], answer.statics.closure
-    assert found is not None  # noqa: S101  (asked for by the caller)
-    told: dict[str, Any] = {"steady": False, "differs_N": None, "span": None}
-    if found.settled is None:
-        names = [
-            f"{roller.name} {what}"
-            for roller, what in zip(found.press.rollers, found.at_end.tolist(), strict=True)
-            if what
-        ]
-        why = f"at the end of the time simulated roller {', '.join(names)}" if names else ""
-        return told | {"why": why or "drivers of different speed stretch the belts until one slips"}
-    apart_N = found.settled.tension_N - steady_N
-    worst = int(np.argmax(np.abs(apart_N)))
-    told |= {"differs_N": float(apart_N[worst]), "span": found.press.spans[worst].name}
-    if abs(apart_N[worst]) <= _SAME_STATE * np.abs(steady_N).max():
-        return told | {"steady": True, "why": "it settles where the steady run is"}
-    slipped = ", ".join(dict.fromkeys(slip.roller for slip in found.slips))
-    why = "belts that stick to their rollers from the start share the pull as their spans stretch"
-    if slipped:
-        why += f", displaced by the slip on roller {slipped}"
-    if closure in {"share", "speed-ratio"}:
-        longest_m = max(sum(belt.span_lengths_m or ()) for belt in found.press.belts)
-        passage_s = longest_m / float(answer.state.speed_m_s[0])
-        why += (
-            f"; elastic creep, which is not part of a start-up, carries that over to the closure '{closure}'"
-            f" in some passages of the belts, of {passage_s:.3g} s each"
-        )
-    elif closure:
-        why += f"; the closure '{closure}' states another share"
-    press = found.press
-    if np.abs(press.pull @ apart_N).max() > _SAME_STATE * np.abs(steady_N).max():
-        why += "; its tensioners give way to the loads, where the steady run has them at the travel given"
-    return told | {"why": why}
+    return tree | {"start_up": answer.start_up.summary() | {"settles": settles(answer)}}
 
 
 _WAYS = {
@@ -666,7 +639,9 @@ KIND = kind.Kind(
     beyond={
         "critical": "what has to change until a roller slips, and which is the first",
         "sticking": "angles and travels of belts that stick from standstill on",
+        "creep.power_lost_W": "the power that creep takes",
     },
+    undecided=_undecided,
     # A span goes slack for want of preload; a roller has a table of its own.
     keys={"span": "press.preload", "roller": "rollers.{}"},
     sections=_sections,

@@ -32,7 +32,7 @@ _ANY = np.array(list(product((-1.0, 0.0, 1.0), (0.0, 1.0), (0.0, 1.0)))).T[..., 
 """Side and effects: the sign of ΔF/2, and how much of the wheels' tension and of the travel there is."""
 
 
-def bending_bound(problem: SawProblem) -> FloatArray:
+def bending_bound(problem: SawProblem, _: SawAnswer | None = None) -> FloatArray:
     """Return an upper bound of the change of any mode's ln f and of ln v_c by the stiffness, shape (n,).
 
     Held ends shorten the string by a layer of δ = e/√(1 − V²) at each end, e = √(EI/F l²) and V = v/c; for ends that
@@ -60,7 +60,7 @@ def bending_bound(problem: SawProblem) -> FloatArray:
 
 
 _SPEED = {"wheel_radius_m": "wheel.radius", "wheel_speed_rad_s": "wheel.speed"}
-EFFECTS: Registry[Effect[SawProblem, SawModel]] = Registry(
+EFFECTS: Registry[Effect[SawProblem]] = Registry(
     "effect of a band saw",
     (
         Effect(
@@ -133,7 +133,7 @@ def _method(model: SawModel, budget: float) -> Method:
 SYSTEM: System[SawProblem, SawModel, SawAnswer] = System(
     name="bandsaw",
     effects=EFFECTS,
-    bare=lambda problem: SawModel(problem=problem),
+    model=SawModel,
     method=_method,
     solve=lambda model, method: solve_saw(model, accuracy=method.settings.get("accuracy", _FINEST)),
 )

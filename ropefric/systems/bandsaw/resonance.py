@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import FloatArray, IntArray
-from ropefric.files.digits import significant
+from ropefric.files.plain_text import significant
 from ropefric.glossary import AdvisedStatus
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz, roots_between
 

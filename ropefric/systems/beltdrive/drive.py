@@ -79,6 +79,7 @@ class DriveAnswer:
     """
 
     problem: DriveProblem
+    effects: frozenset[str]
     circling_N: FloatArray
     coefficients: FloatArray
     exponents: FloatArray
@@ -175,6 +176,7 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
         strain = np.stack([tight_N, slack_N]) / problem.axial_stiffness_N
     return DriveAnswer(
         problem=problem,
+        effects=model.effects,
         circling_N=circling_N,
         coefficients=coefficients,
         exponents=exponents,

@@ -1,98 +1,98 @@
 """The effects a hoist may be simulated with, and how much each can matter at most."""
 
-from dataclasses import replace
-from itertools import product
-from typing import Any
+import math
+from functools import lru_cache, partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import RopefricError
 from ropefric.friction.laws.bending import lifted_arc_rad
 from ropefric.registry import Registry
 from ropefric.systems.checks import lean
 from ropefric.systems.effect import Effect, System, closed_form_system, missing
-from ropefric.systems.hoist.contact import HoistModel, HoistProblem, Lift, solve_lift
-
-_LEVELS, _STEP = 5, 1e-4
-"""Of each number that a law looks at, over its range; and the relative step of a slope there."""
-_BETWEEN = 1.1
-"""What a slope between two levels may exceed those at them by; at the ends of the range monotone slopes are largest."""
+from ropefric.systems.friction import share_of_law
+from ropefric.systems.hoist.contact import TOLD, HoistModel, HoistProblem, Lift, solve_lift
 
 
-def stiffness_bound(problem: HoistProblem) -> FloatArray:
-    """Return an upper bound of what the stiffness changes in any number, shape (n,): no law is solved case by case.
+class _Stiff(NamedTuple):
+    """What a stiff rope loses at most, shape (n,) or (1,): ln P/(P − E) of what presses, and a share of its wrap."""
 
-    With E/P of what presses gone and at most 2θ_B of the wrap, |Δ ln F_A| ≤ ln(P/(P − E)) + |ΔM|; M's slopes over wrap
-    and tension are the largest of the range of all cases, whatever of a contact the law is told.
-    """
-    bound = np.full(problem.n, np.inf)
-    wrap, end_N, stiff_N = map(lean, (problem.wrap_angle_rad, problem.end_tension_N, problem.bending_N))
-    least_N, most_N = end_N - lean(problem.circling_N), end_N + lean(problem.weight_N)
+    pressing: FloatArray
+    share: FloatArray
+
+
+@lru_cache(maxsize=2)
+def _stiff(problem: HoistProblem) -> _Stiff:
+    """Return what stiffness takes, with the least P that any other effects leave, and 2θ_B of the wrap lifted."""
+    stiff_N = lean(problem.bending_N)
+    least_N = lean(problem.end_tension_N) - lean(problem.circling_N)
     share = stiff_N / np.maximum(least_N, 2.0 * stiff_N + 1e-300)
-    lost = 2.0 * lifted_arc_rad(share)
-    known = np.broadcast_to((share < 0.5) & (lost < 0.5 * wrap), bound.shape)
-    if not known.any():
-        return bound
-    if not known.all():
-        wrap, end_N, least_N, most_N, stiff_N, share, lost = (
-            np.broadcast_to(one, bound.shape)[known]
-            for one in (wrap, end_N, least_N, most_N, stiff_N, share, lost)
-        )
-    pressed, shortened = -np.log1p(-share), -np.log1p(-lost / wrap)
-    ends = {
+    lost = 2.0 * lifted_arc_rad(share) / lean(problem.wrap_angle_rad)
+    known = (share < 0.5) & (lost < 0.5)
+    return _Stiff(*(np.where(known, one, np.inf) for one in (-np.log1p(-np.minimum(share, 0.5)), lost)))
+
+
+@lru_cache(maxsize=2)
+def _spread(problem: HoistProblem) -> float:
+    """Return by what factor, in logarithms, what the law is told changes any coefficient of any case at most."""
+    end_N, stiff_N, wrap = map(lean, (problem.end_tension_N, problem.bending_N, problem.wrap_angle_rad))
+    least_N = end_N - lean(problem.circling_N) - stiff_N
+    contact = wrap * (1.0 - np.minimum(_stiff(problem).share, 0.5))
+    if not (least_N > 0.0).all():
+        return math.inf
+    ranges = {
         "wheel_radius_m": (problem.wheel_radius_m, problem.wheel_radius_m),
         "rope_radius_m": (problem.rope_radius_m, problem.rope_radius_m),
-        "wrap_angle_rad": (wrap - lost, wrap),
-        "slack_tension_N": (least_N - stiff_N, most_N),
+        "wrap_angle_rad": (contact, wrap),
+        "slack_tension_N": (least_N, end_N + lean(problem.weight_N)),
     }
-    ranges = {name: (float(low.min()), float(high.max())) for name, (low, high) in ends.items()}
-    try:
-        by_wrap, by_tension, own_wrap, own_tension = _slopes(problem, ranges)
-    except RopefricError:  # somewhere in the range the law has no answer
-        return bound
-    lift = pressed + by_wrap * lost + by_tension * pressed
-    coefficient = own_wrap * shortened + own_tension * pressed
-    bound[slice(None) if known.all() else known] = np.maximum(np.maximum(lift, coefficient), shortened)
-    return np.where(np.isnan(bound), np.inf, bound)
+    ends = {name: (low.min(), high.max()) for name, (low, high) in ranges.items()}
+    return float(problem.friction.spread(**ends)[0])
 
 
-def _slopes(problem: HoistProblem, ranges: dict[str, tuple[float, float]]) -> tuple[float, ...]:
-    """Return the largest |dM/dφ| and |dM/d ln P| over ranges of what a law is told, and those of ln(M/φ).
+def stiffness_bound(problem: HoistProblem, answer: Lift | None = None) -> FloatArray:
+    """Return an upper bound of what the stiffness changes in any number, shape (n,): no law is solved for it.
 
-    Of parameters that differ from case to case, with those sets that have the least or the largest of any.
+    With E/P of what presses gone and the share s of the wrap, M of a law that weakens loses at most s M, as it is
+    concave, and gains ln(P/(P − E)) at most; so |Δ ln F_A| ≤ ln(P/(P − E)) + s M, and M over the contact grows by the
+    gain and 1/(1 − s). A law that is not told the wrap has the slope over P of another wrap, its reference.
     """
-    theta, own, levels = problem.friction.theta, problem.friction.reference, []
-    if theta.ndim > 1:
-        ends = np.unique([theta.argmin(axis=0), theta.argmax(axis=0)])
-        sets = [replace(problem.friction, theta=theta[i]) for i in ends]
-        return tuple(
-            np.max([_slopes(replace(problem, friction=one), ranges) for one in sets], axis=0).tolist()
-        )
-    for name, (low, high) in ranges.items():
-        stand_in = getattr(own, "end_tension_N" if name == "slack_tension_N" else name)
-        levels.append(np.append(np.unique(np.geomspace(low, high, _LEVELS)), stand_in))
-    corners = dict(zip(ranges, np.array(list(product(*levels))).T, strict=True))
+    friction, (pressing, share) = problem.friction, _stiff(problem)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shorter = -np.log1p(-share)
+        bound = np.maximum(pressing, shorter)
+        if answer is not None:
+            theta, law, effects = friction.theta, friction.law, answer.model.effects
+            wrap, own = lean(problem.wrap_angle_rad), friction.reference.wrap_angle_rad
+            gain = pressing * lean(np.asarray(friction.scale))
+            gain = gain * (1.0 if "wrap-dependence" in effects else np.maximum(1.0, wrap / own))
+            # What of the law is left out as well may make M another.
+            off = 1.0 if law.effects & TOLD.keys() <= effects else math.exp(_spread(problem))
+            M, sound = lean(answer.exponent), law.weakens & (theta >= law.lower) & (theta <= law.upper)
+            bound = np.maximum(
+                np.maximum(pressing + off * share * M, gain), shorter + np.log1p(off * gain / M)
+            )
+            bound = np.where(np.all(sound, axis=-1), bound, np.inf)
+    return np.broadcast_to(np.where(np.isnan(bound), np.inf, bound), (problem.n,))
 
-    def exponent(**scaled: float) -> FloatArray:
-        return problem.friction.exponent(
-            **{name: one * scaled.get(name, 1.0) for name, one in corners.items()}
-        )
 
-    at, longer, tighter = (
-        exponent(),
-        exponent(wrap_angle_rad=1.0 + _STEP),
-        exponent(slack_tension_N=1.0 + _STEP),
-    )
-    wrap, looks = corners["wrap_angle_rad"], problem.friction.law.effects
-    step, tells = np.log1p(_STEP), float("end-tension" in looks)
-    found = (
-        np.maximum(np.abs(longer - at) / (_STEP * wrap), at / wrap).max(),
-        tells * np.abs(tighter - at).max() / step,
-        np.abs(np.log(longer / at) / step - 1.0).max(),
-        tells * np.abs(np.log(tighter / at)).max() / step,
-    )
-    return tuple(_BETWEEN * float(one) for one in found)
+def _law_bound(name: str, problem: HoistProblem, answer: Lift | None) -> FloatArray:
+    """Return an upper bound of what an effect of the law changes in any number, shape (n,).
+
+    A coefficient that changes by the factor e^d makes M another by M (e^d − 1), and as much ln F_A; of a stiff rope the
+    contact changes too, but by no more than the arcs that it stands off.
+    """
+    simulated = frozenset() if answer is None else answer.model.effects
+    share = share_of_law(name, problem.friction.law, TOLD, simulated)
+    off = _spread(problem) if share else 0.0
+    bound = np.full(problem.n, off)
+    if answer is not None and off > 0.0:
+        lost = _stiff(problem).share if "bending-stiffness" in answer.model.effects else 0.0
+        with np.errstate(invalid="ignore", over="ignore"):
+            most = np.exp(off) * answer.exponent
+            bound = np.maximum(off, most * np.expm1(off)) + lost / (1.0 - lost) * np.maximum(most, 1.0)
+    return np.where(np.isnan(bound), np.inf, share * bound)
 
 
 def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
@@ -101,25 +101,28 @@ def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
     return missing({"bending_stiffness_N_m2": "rope.bending_stiffness"})(problem)
 
 
-EFFECTS: Registry[Effect[Any, Any]] = Registry(
+EFFECTS: Registry[Effect[Any]] = Registry(
     "effect of a hoist",
     (
         Effect(
             name="wrap-dependence",
             adds="a coefficient that depends on how far the rope wraps",
             instead="its average at the reference wrap, over the whole wrap",
+            each=partial(_law_bound, "wrap-dependence"),
             cost=1e-7,
         ),
         Effect(
             name="size",
             adds="a coefficient that depends on the wheel's radius over the rope's",
             instead="the coefficient at the reference wheel and rope",
+            each=partial(_law_bound, "size"),
             cost=5e-8,
         ),
         Effect(
             name="end-tension",
             adds="a coefficient that depends on the end tension (the wrap it stands for)",
             instead="the coefficient at the reference end tension",
+            each=partial(_law_bound, "end-tension"),
             cost=1e-7,
         ),
         Effect(

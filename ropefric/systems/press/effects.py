@@ -2,9 +2,10 @@
 
 Tensions are linear: each load, the preload and the speed have their own share, got by one small linear solution each.
 So the tensions of every subset of effects are sums of the same few columns, and the largest change that an effect
-makes among all subsets bounds it. What is bounded is |ΔT'| of each span over its T' with everything in, |ΔU| of each
-roller over the largest U with everything in, |ΔP| of the drivers over their P, and |Δv| of each rim over the largest v
-with everything in; leaving out several effects adds their bounds up at most.
+makes among all subsets bounds it. What is bounded is |ΔT'| of each span over its T' with everything in, at rest, too,
+|ΔU| of each roller over the largest U with everything in, and so for the other measures of slip, |ΔP| of the drivers
+over their P, and |Δv| of each rim over the largest v with everything in; leaving out several effects adds their bounds
+up at most.
 """
 
 import math
@@ -20,7 +21,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError, SolverError
 from ropefric.registry import Registry
 from ropefric.systems.effect import Effect, Method, System, rounded_up, unknown
-from ropefric.systems.friction import TOLD, told_by
+from ropefric.systems.friction import TOLD, share_of_law, told_by
 from ropefric.systems.press.answer import (
     PressAnswer,
     PressModel,
@@ -29,7 +30,7 @@ from ropefric.systems.press.answer import (
     solve_press,
     take_up,
 )
-from ropefric.systems.press.slip import SlipTable
+from ropefric.systems.press.slip import LEAST_SLACK_N, MEASURES, SlipTable
 from ropefric.systems.press.statics import rim_speed_ratios, solve_statics, speed_shift_kg_m
 from ropefric.systems.press.transient.start_up import GRID_ERROR, ON_TENSION, largest_difference
 
@@ -42,15 +43,15 @@ def _largest_change(name: str, problem: PressProblem) -> float:
     names = _applicable(problem)
     if name not in (*names, "elastic-creep"):
         return 0.0
-    tension_N, use, pace = _corners(problem)
+    tensions_N, uses, pace = _corners(problem)
     whole = (-1,) * len(names)
     fastest = pace[whole].max(axis=-1, keepdims=True)
     if name == "elastic-creep":  # tensions and slip know nothing of it
         return float((np.abs(pace - 1.0) / fastest).max())
     axis = names.index(name)
     changes = (
-        np.abs(np.diff(tension_N, axis=axis)) / tension_N[whole],
-        _share_of_largest(np.abs(np.diff(use, axis=axis)), use[whole]),
+        *(np.abs(np.diff(one, axis=axis)) / one[whole] for one in tensions_N),
+        *(_share_of_largest(np.abs(np.diff(use, axis=axis)), use[whole]) for use in uses),
         np.abs(np.diff(pace, axis=axis)) / fastest,
     )
     return max(*(float(one.max()) for one in changes), _share_of_pull(name, problem))
@@ -72,8 +73,10 @@ def _share_of_pull(name: str, problem: PressProblem) -> float:
 
 
 @lru_cache(maxsize=4)
-def _corners(problem: PressProblem) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return T', U and the rims' pace of every subset of effects: an axis of length 2 each, then points, then places.
+def _corners(problem: PressProblem) -> tuple[tuple[FloatArray, FloatArray], list[FloatArray], FloatArray]:
+    """Return T' at speed and at rest, the measures of slip and the rims' pace of every subset of effects.
+
+    Each has an axis of length 2 for every effect, then points, then places.
 
     The bounds of all effects are read off the same table.
     """
@@ -93,25 +96,27 @@ def _corners(problem: PressProblem) -> tuple[FloatArray, FloatArray, FloatArray]
         for flags in product((0, 1), repeat=len(names))
     ]
     shifts = {state: squared * speed_shift_kg_m(statics, state) for state in set(map(take_up, subsets))}
+    shape = (2,) * len(names) + base_N.shape
+    still = [base_N + sum(share for name, share in loads_N.items() if name in chosen) for chosen in subsets]
+    still_N = np.array(still).reshape(shape)
     tension_N = np.array(
-        [
-            base_N + sum(share for name, share in loads_N.items() if name in chosen) + shifts[take_up(chosen)]
-            for chosen in subsets
-        ]
-    ).reshape((2,) * len(names) + base_N.shape)
+        [one + shifts[take_up(chosen)] for one, chosen in zip(still, subsets, strict=True)]
+    ).reshape(shape)
     if not (tension_N > 0.0).all():
         raise SolverError("a span goes slack without some of the effects")
     # One evaluation of the law for each set of what it is told.
-    use = np.empty((*tension_N.shape[:-1], len(press.rollers)))
+    uses = [np.empty((*tension_N.shape[:-1], len(press.rollers))) for _ in MEASURES]
     telling = [name for name in names if name in TOLD]
     for flags in product((0, 1), repeat=len(telling)):
         told = told_by([name for name, flag in zip(telling, flags, strict=True) if flag])
         place = tuple(flags[telling.index(name)] if name in telling else slice(None) for name in names)
-        use[place] = SlipTable(press, tension_N[place], problem.friction, told=told).utilisation
+        slip = SlipTable(press, tension_N[place], problem.friction, told=told)
+        for use, measure in zip(uses, MEASURES, strict=True):
+            use[place] = getattr(slip, measure)
     whole_N = tension_N.copy()
     if "belt-inertia" in names:
         whole_N[(slice(None),) * names.index("belt-inertia") + (1,)] += squared * press.density_kg_m
-    return tension_N, use, rim_speed_ratios(press, whole_N)
+    return (tension_N, still_N), uses, rim_speed_ratios(press, whole_N)
 
 
 def _applicable(problem: PressProblem) -> list[str]:
@@ -136,8 +141,10 @@ def _steady(
     adds: str,
     instead: str,
     needs: Callable[[PressProblem], tuple[str, ...]] = lambda problem: (),  # noqa: ARG005
+    *,
     cost: float = 0.0,
-) -> Effect[PressProblem, PressModel]:
+    each: Callable[[str, PressProblem, PressAnswer | None], FloatArray] | None = None,
+) -> Effect[PressProblem]:
     """Return an effect on a steady run. A start-up swings about that, and no bound is known for how far."""
 
     def influence(problem: PressProblem) -> float:
@@ -151,7 +158,33 @@ def _steady(
         except RopefricError:
             return math.inf
 
-    return Effect(name=name, adds=adds, instead=instead, needs=needs, influence=influence, cost=cost)
+    bounded = None if each is None else partial(each, name)
+    return Effect(
+        name=name, adds=adds, instead=instead, needs=needs, influence=influence, cost=cost, each=bounded
+    )
+
+
+def _law_bound(name: str, problem: PressProblem, answer: PressAnswer | None) -> FloatArray:
+    """Return an upper bound of what an effect of the law changes in any number, shape (n,).
+
+    The tensions know nothing of it. A coefficient that changes by the factor e^d makes M another by M (e^d − 1) on each
+    roller, and e^M − 1 by d more than that in its logarithm: what any measure of slip is inverse to, or less.
+    """
+    share = 0.0 if answer is None else share_of_law(name, problem.friction.law, TOLD, answer.model.effects)
+    if answer is None or not share:
+        return np.zeros(problem.n)
+    contacts, most = answer.slip.contacts, answer.slip.exponent
+    slack_N = np.maximum(contacts.slack_N, LEAST_SLACK_N)
+    fixed = {"wheel_radius_m": contacts.radius_m, "rope_radius_m": contacts.half_thickness_m}
+    fixed["wrap_angle_rad"] = contacts.wrap_angle_rad
+    off = problem.friction.spread(
+        **{what: (one, one) for what, one in fixed.items()},
+        slack_tension_N=(slack_N.min(axis=0), slack_N.max(axis=0)),
+    )
+    with np.errstate(invalid="ignore", over="ignore"):
+        change = off + np.exp(off) * most * np.expm1(off)
+    bound = np.broadcast_to(change, (problem.n, most.shape[-1])).max(axis=-1)
+    return np.where(np.isnan(bound), np.inf, share * bound)
 
 
 def _moving(
@@ -161,7 +194,7 @@ def _moving(
     *,
     bound: Callable[[PressProblem], float] = unknown,
     cost: float = 0.1,
-) -> Effect[PressProblem, PressModel]:
+) -> Effect[PressProblem]:
     """Return an effect that only a start-up has; of most no bound is known where there is one.
 
     Stiff belts, fast oscillations and slow ramps take no steps of their own, as an exponential carries any of them over
@@ -196,7 +229,7 @@ def _needs_of_start_up(problem: PressProblem) -> tuple[str, ...]:
     return ("start_up",) if problem.start_up is None else _lacking(problem, masses=True)
 
 
-EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
+EFFECTS: Registry[Effect[PressProblem]] = Registry(
     "effect of a press",
     (
         _steady("gravity-load", "the drag of the sludge's weight, eq. (6)", "no drag of weight"),
@@ -224,12 +257,14 @@ EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
             "a coefficient that depends on wrap and slack-side tension",
             "its average at the reference wrap and tension",
             cost=1e-6,
+            each=_law_bound,
         ),
         _steady(
             "size",
             "a coefficient that depends on the roller's radius over half the belt's thickness",
             "the coefficient at the reference radius",
             cost=5e-7,
+            each=_law_bound,
         ),
         _moving("belt-damping", "the material damping of the belts", "belts that do not damp"),
         _moving("tensioner-damping", "the dampers of the tensioners", "tensioners without dampers"),
@@ -290,17 +325,27 @@ def _method(model: PressModel, budget: float) -> Method:  # noqa: ARG001  (the s
     )
 
 
-def _distance(answer: PressAnswer, reference: PressAnswer) -> float:
-    def of_largest(values: FloatArray, others: FloatArray) -> float:
-        return float(_share_of_largest(np.abs(values - others), others).max())
+def _measure(name: str, answer: PressAnswer) -> FloatArray:
+    # Where nothing is driven, utilisation is what rounding leaves of zero, and no share of that means anything.
+    return np.asarray(np.round(getattr(answer.slip, name), 12))
 
-    ones = (answer, reference)
+
+def _distance(answer: PressAnswer, reference: PressAnswer, whole: PressAnswer) -> float:
+    ones = (answer, reference, whole)
+
+    def apart(read: Callable[[PressAnswer], FloatArray]) -> float:
+        """Return the largest change of any of an answer's numbers, as a share of the largest."""
+        values, others, all_in = map(read, ones)
+        return float(_share_of_largest(np.abs(values - others), all_in).max())
+
+    def tension_N(one: PressAnswer) -> FloatArray:
+        return np.stack([one.state.effective_tension_N, one.at_rest_N])
+
     found = [
-        _relative(*(one.state.effective_tension_N for one in ones)),
-        # Where nothing is driven, utilisation is what rounding leaves of zero, and no share of that means anything.
-        of_largest(*(np.round(one.slip.utilisation, 12) for one in ones)),
-        of_largest(*(one.state.drive_power_W[..., np.newaxis] for one in ones)),
-        of_largest(*(one.rim_speed_m_s for one in ones)),
+        float((np.abs(tension_N(answer) - tension_N(reference)) / tension_N(whole)).max()),
+        *(apart(partial(_measure, name)) for name in MEASURES),
+        apart(lambda one: one.state.drive_power_W[..., np.newaxis]),
+        apart(lambda one: one.rim_speed_m_s),
     ]
     moved, other = answer.start_up, reference.start_up
     if other is not None:
@@ -308,14 +353,10 @@ def _distance(answer: PressAnswer, reference: PressAnswer) -> float:
     return max(found)
 
 
-def _relative(values: FloatArray, reference: FloatArray) -> float:
-    return float(np.max(np.abs(values / reference - 1.0)))
-
-
 SYSTEM: System[PressProblem, PressModel, PressAnswer] = System(
     name="press",
     effects=EFFECTS,
-    bare=lambda problem: PressModel(problem=problem),
+    model=PressModel,
     method=_method,
     solve=lambda model, method: solve_press(model),  # noqa: ARG005  (the model says which)
     distance=_distance,

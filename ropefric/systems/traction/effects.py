@@ -13,7 +13,7 @@ def _pulleys(problem: TractionProblem) -> tuple[str, ...]:
     return (*lacking, *missing({"deceleration_m_s2": "lift.deceleration"})(problem))
 
 
-EFFECTS: Registry[Effect[Any, Any]] = Registry(
+EFFECTS: Registry[Effect[Any]] = Registry(
     "effect of a traction sheave",
     (
         Effect(
@@ -40,7 +40,7 @@ EFFECTS: Registry[Effect[Any, Any]] = Registry(
             instead="the coefficient at rest",
             needs=missing({"speed_m_s": "lift.speed"}),
         ),
-        *law_effects("sheave", "rope", missing({"friction": "friction"}), 0.0),
+        *law_effects("sheave", "rope", missing({"friction": "friction"})),
     ),
 )
 """In the order in which they are applied."""

@@ -9,7 +9,7 @@ inspection.py looks at an unknown file and suggests a profile.
 from pathlib import Path, PurePath
 
 from ropefric.errors import DataError
-from ropefric.files.read import InputFile, use_file
+from ropefric.files.disk import InputFile, use_file
 from ropefric.files.text import Source, first_lines
 from ropefric.registry import Registry
 from ropefric.traces.readers import excel, hdf5, headed, labview, matlab, tdms, vernier

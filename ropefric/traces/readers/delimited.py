@@ -15,7 +15,7 @@ from itertools import chain, pairwise
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
-from ropefric.files.read import FileChangedError
+from ropefric.files.disk import FileChangedError
 from ropefric.files.text import Block, Source, Text, is_blank_line, load_text, split_line
 from ropefric.files.text_table import Dialect, find_dialect, is_number, is_value
 from ropefric.glossary import counted

@@ -10,7 +10,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
-from ropefric.files.read import InputFile, use_file
+from ropefric.files.disk import InputFile, use_file
 from ropefric.files.text import WHOLE_BYTES, Source, Text, split_line
 from ropefric.files.text_table import Dialect, is_unit
 from ropefric.quantities import split_unit_suffix

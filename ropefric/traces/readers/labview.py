@@ -10,9 +10,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
-from ropefric.files.stamps import read_stamps
 from ropefric.files.text import Source, Text, load_text, split_line
-from ropefric.files.text_table import Dialect, HeadRows
+from ropefric.files.text_table import Dialect, HeadRows, read_stamps
 from ropefric.glossary import counted
 from ropefric.traces.clock import GAP_STEPS
 from ropefric.traces.readers.delimited import text_table, without_footer

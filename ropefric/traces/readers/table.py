@@ -12,9 +12,8 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
-from ropefric.files.stamps import read_stamps
 from ropefric.files.text import Source
-from ropefric.files.text_table import Dialect, bare_unit, is_number
+from ropefric.files.text_table import Dialect, bare_unit, is_number, read_stamps
 from ropefric.quantities import split_unit_suffix
 from ropefric.registry import did_you_mean
 from ropefric.traces.readers.profile import Channel, ImportProfile, RawRecording

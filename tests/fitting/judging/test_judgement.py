@@ -12,7 +12,7 @@ from ropefric.fitting.compare import choose_law, compare_laws
 from ropefric.fitting.predict import predict
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
-from ropefric.pipeline.run import answer_trials
+from ropefric.pipeline import answer_trials
 from ropefric.trials.campaign_model import DesignWheel
 from ropefric.trials.table import TrialTable
 

@@ -60,7 +60,7 @@ def preferred_shares(n_conditions, repeats, between, n, *, law="constant", theta
         if k + 2 > K or (len(wheels) == 1 and LAWS[name].effects == {"size"}):
             continue
         fits[name] = searched(problem, log_lift, problem.start)
-        missed = LAWS[name].log_lift(fits[name].theta, at) - log_lift
+        missed = LAWS[name].log_lift(fits[name], at) - log_lift
         deviance = scatter_fit(missed, shape, std**2).deviance
         criteria[name] = np.array([aicc(value, K, k) for value in deviance.tolist()])
     found = dict.fromkeys(("fuller", "simpler", "undecided"), 0)
@@ -70,7 +70,7 @@ def preferred_shares(n_conditions, repeats, between, n, *, law="constant", theta
             found["simpler"] += 1
             continue
         means = means_of(i)
-        family = {name: standing(problem_of(name, i), means, fits[name].theta[i]) for name in criteria}
+        family = {name: standing(problem_of(name, i), means, fits[name][i]) for name in criteria}
         plain, fuller = family.pop("constant"), family[leader]
         # As in a comparison, nothing is simulated where the F-test is that clear.
         tested = nested_test(plain, fuller)
@@ -82,6 +82,38 @@ def preferred_shares(n_conditions, repeats, between, n, *, law="constant", theta
         )  # fmt: skip
         found[contest.preferred] += 1
     return {word: count / n for word, count in found.items()}
+
+
+@pytest.mark.parametrize(("offset", "draws"), [(0.0, 49), (0.01, 49), (0.06, 199)])
+def test_a_lead_by_chance_is_as_rare_as_the_f_test_says(offset, draws):
+    """Of two linear laws without repeats the lead in AICc rises with F alone, whose distribution is known.
+
+    Within three standard errors of a share of so many draws, which end early where a lead is common.
+    """
+    phi = np.linspace(1.0, 10.0, 10)
+    at = Conditions(
+        wheel_radius_m=0.03, rope_radius_m=0.005, end_tension_N=np.full(10, 20.0), wrap_angle_rad=phi
+    )
+    rng = np.random.default_rng(4)
+    log_lift = np.log(20.0) + 0.2 * phi + offset + 0.03 * rng.standard_normal(10)
+    means = ConditionMeans(at, log_lift, np.ones(10), np.ones(10, dtype=int), np.nan)
+    plain, fuller = (
+        standing(
+            FitProblem(
+                law=LAWS[name], conditions=at, log_lift=log_lift, std=np.ones(10), group=np.arange(10),
+                start=np.array([item.start for item in LAWS[name].parameters]), lower=LAWS[name].lower,
+                upper=LAWS[name].upper, vary=np.ones(len(LAWS[name].parameters), dtype=bool),
+            ),
+            means,
+            [0.2, 0.0][: len(LAWS[name].parameters)],
+        )
+        for name in ("constant", "constant-offset")
+    )  # fmt: skip
+    expected = nested_test(plain, fuller).p_value
+    found = lead_by_chance(plain, fuller, [fuller], means)
+    assert lead_by_chance(plain, fuller, [fuller, fuller], means) == found
+    assert found * (draws + 1) == pytest.approx(round(found * (draws + 1)), abs=1e-9)
+    assert found == pytest.approx(expected, abs=3.0 * np.sqrt(expected * (1.0 - expected) / draws))
 
 
 ALL_DESIGNS = [(K, m, between) for K in DESIGNS for m in (1, 3, 5, 12) for between in (0.0, 0.02)]

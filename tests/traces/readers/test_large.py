@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import DataError
-from ropefric.files import read, text
+from ropefric.files import disk, text
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile
@@ -74,11 +74,11 @@ def in_blocks(monkeypatch):
     """Read every file as if it were large, in blocks of a few bytes."""
 
     def in_blocks(size):
-        real = read.InputFile.blocks
-        monkeypatch.setattr(read, "KEPT_BYTES", 0)
+        real = disk.InputFile.blocks
+        monkeypatch.setattr(disk, "KEPT_BYTES", 0)
         monkeypatch.setattr(text, "WHOLE_BYTES", 50)
         monkeypatch.setattr(text, "HEAD_BYTES", 500)
-        monkeypatch.setattr(read.InputFile, "blocks", lambda file, _=0: real(file, size))
+        monkeypatch.setattr(disk.InputFile, "blocks", lambda file, _=0: real(file, size))
 
     return in_blocks
 

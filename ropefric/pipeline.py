@@ -1,31 +1,244 @@
-"""What a report shows beyond the answer: budgets, sensitivities, next tests; and where the result comes from."""
+"""A campaign from recordings to the lift force of a wheel, what stands behind it, and what it was made from.
+
+Recordings to forces, forces to a law, the law to the lift force, written so that others can check it; for a report
+budgets, sensitivities and next tests; a manifest by which the result can be made again.
+"""
 
 import json
 import math
 import os
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from ropefric.errors import DataError, RopefricError
-from ropefric.files.digits import rounded_tree
-from ropefric.files.plain_text import json_document
-from ropefric.files.read import hash_file, read_file
+from ropefric.files.disk import hash_file, read_file
+from ropefric.files.folder import Folder, OutputFolder, as_folder
+from ropefric.files.plain_text import csv_cell, csv_text, json_document, rounded_tree
 from ropefric.fitting import budgets, next_tests, resolution
+from ropefric.fitting.compare import Choice, Comparison, choose_law, compare_laws
 from ropefric.fitting.design import DesignChart, design_chart
+from ropefric.fitting.diagnose import Diagnosis, diagnose
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std
-from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import Conditions, distinct
-from ropefric.pipeline.run import CampaignAnswer, CampaignRun
+from ropefric.fitting.predict import REGRESSORS, Prediction, new_rope_std, predict
+from ropefric.fitting.result import FitResult, Verdict
+from ropefric.fitting.store import fit_text
+from ropefric.friction.condition import Conditions, distinct, one_condition
+from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.plugins import provenance
+from ropefric.shown import Shown
+from ropefric.trials.campaign_model import Campaign, DesignWheel
+from ropefric.trials.extract import extract_campaign
 from ropefric.trials.outliers import RULES
+from ropefric.trials.result import Extraction, count_trials, no_force, set_aside_impossible, write_tables
+from ropefric.trials.table import TrialTable, read_trial_table
 from ropefric.uncertainty.budget import LinearBudget, Statement, linear_budget, state_uncertainty
+
+Progress = Callable[[str, int, int], None]
+_RANKING = (
+    *("law", "status", "counted", "n", "k", "chi2", "aicc"),
+    *("delta_aicc", "weight", "bic", "loco_error", "note"),
+)
+_EXTRACTED = (
+    *("trials.csv", "conditions.csv", "problems.csv", "trials.parquet"),
+    *(f"figures/Rw*deg_F*.{end}" for end in ("csv", "png", "svg", "pdf")),
+)
+_FIGURES = (
+    *("overview", "mu_facets", "capstan", "fit_over_", "residuals", "ladder", "corner"),
+    *("tornado", "design_chart", "budget_", "typical_recording", "law", "recordings_", "paper_"),
+)
+_ANSWERED = (
+    *("comparison.csv", "prediction.json", "uncertainty.json", "next_tests.csv", "manifest.json"),
+    *("report.html", "report.pdf", "summary.txt"),
+    *(f"figures/{stem}*.{end}" for stem in _FIGURES for end in ("csv", "png", "svg", "pdf")),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CampaignAnswer:
+    """What a trial table says."""
+
+    table: TrialTable
+    comparison: Comparison
+    winner: Choice
+    diagnosis: Diagnosis
+    prediction: Prediction | None
+    doubts: tuple[str, ...]
+
+    @property
+    def fit(self) -> FitResult:
+        """Return the fit of the law that is used."""
+        return self.winner.fit
+
+    @property
+    def verdict(self) -> Verdict:
+        """Return the verdict: on the lift force where there is one, which holds that on the law, else on the law."""
+        return self.winner.verdict if self.prediction is None else self.prediction.verdict()
+
+    @property
+    def forced_law(self) -> str:
+        """Return the law that was asked for by its name, "" where the best is used."""
+        return self.fit.law if self.winner.forced else ""
+
+    @property
+    def fits(self) -> tuple[FitResult, ...]:
+        """Return the fits of all laws that have one, best first."""
+        return tuple(entry.fit for entry in self.comparison.ranking if entry.fit is not None)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return ranking, fit, prediction and diagnosis as a JSON tree."""
+        return {
+            **self.comparison.to_dict(),
+            "law": self.fit.law,
+            "verdict": self.verdict.to_dict(),
+            "fit": self.fit.to_dict(),
+            "prediction": None if self.prediction is None else self.prediction.to_dict(),
+            "diagnosis": self.diagnosis.to_dict(),
+            "doubts": list(self.doubts),
+        }
+
+
+def answer_trials(
+    table: TrialTable,
+    *,
+    design: DesignWheel | None = None,
+    rope_radius_m: float | None = None,
+    law: str = "",
+    progress: Progress | None = None,
+) -> CampaignAnswer:
+    """Return which law a trial table asks for, what it supports, and the lift force of a design."""
+    laws = [*LAWS, law] if law and law not in LAWS else None
+    comparison = compare_laws(table, laws, progress=progress)
+    rope_m = float(np.median(table.rope_radius_m[table.used])) if rope_radius_m is None else rope_radius_m
+    wheel = prediction = None
+    refused: list[str] = []
+    try:
+        if design is not None:
+            settings = (design.wheel_radius_m, rope_m, design.wrap_angle_rad, design.end_tension_N)
+            wheel = one_condition(*settings)
+        winner = choose_law(comparison, law, wheel)
+        if wheel is not None:
+            prediction = winner.of(predict(winner.fit, wheel))
+    except RopefricError as error:
+        refused = [f"no lift force for the design: {error}"]
+        winner = choose_law(comparison, law, wheel)
+    return CampaignAnswer(
+        table=table,
+        comparison=comparison,
+        winner=winner,
+        diagnosis=diagnose(table, comparison),
+        prediction=prediction,
+        doubts=tuple(dict.fromkeys((*winner.doubts, *winner.fit.advice, *comparison.notes[1:], *refused))),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CampaignRun(Shown):
+    """A campaign's result.
+
+    Attributes
+    ----------
+    campaign : Campaign
+        What was measured.
+    extraction : Extraction
+        The forces.
+    answer : CampaignAnswer
+        What they say.
+    written : tuple of Path
+        The files, in the order they were written.
+    """
+
+    _said = ("name=campaign.name", "law=answer.fit.law", "verdict=answer.verdict.word", "written")
+    _framed = "extraction.trials"
+
+    campaign: Campaign
+    extraction: Extraction
+    answer: CampaignAnswer
+    written: tuple[Path, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return counts of the extraction, ranking, fit, prediction and diagnosis as a JSON tree."""
+        counts = count_trials(self.extraction)
+        return {"campaign": self.campaign.name, "extraction": counts, **self.answer.to_dict()}
+
+
+def run_campaign(
+    campaign: Campaign,
+    folder: Folder | str | os.PathLike[str],
+    *,
+    law: str = "",
+    jobs: int = 1,
+    cache_dir: Path | None = None,
+    executor: Any = None,
+    parquet: bool = False,
+    extract_progress: Callable[[int, int, str], None] | None = None,
+    fit_progress: Progress | None = None,
+    on_extracted: Callable[[Extraction], None] | None = None,
+) -> CampaignRun:
+    """Return the result of a campaign, and write its tables, fits, comparison and prediction into a folder.
+
+    Writes trials.csv, conditions.csv, problems.csv, fits/LAW.json for every law fitted, comparison.csv and
+    prediction.json, and trials.parquet if it is wanted; the same campaign gives the same bytes, whatever `jobs`, the
+    executor that reads in their stead, and the cache.
+    """
+    found = extract_campaign(
+        campaign, jobs=jobs, cache_dir=cache_dir, progress=extract_progress, executor=executor
+    )
+    extraction = set_aside_impossible(found, campaign)
+    target = as_folder(folder)
+    tables = write_tables(extraction, target, parquet=parquet)
+    target.publish("tables")
+    if on_extracted is not None:
+        on_extracted(extraction)
+    if (without := no_force(extraction, campaign.path)) is not None:
+        raise without
+    # From the file, so that every fit names its data, with its hash, and can be made again.
+    asked: dict[str, Any] = {"design": campaign.design, "rope_radius_m": campaign.rope.radius_m}
+    answer = answer_trials(read_trial_table(tables[0]), law=law, progress=fit_progress, **asked)
+    written = (*tables, *write_answer(answer, target))
+    return CampaignRun(campaign=campaign, extraction=extraction, answer=answer, written=written)
+
+
+def write_answer(answer: CampaignAnswer, folder: Folder | str | os.PathLike[str]) -> tuple[Path, ...]:
+    """Write fits/LAW.json for every law, comparison.csv and, if there is one, prediction.json; return their paths."""
+    target = as_folder(folder)
+    texts = {f"fits/{fit.law}.json": fit_text(fit, target.path / "fits") for fit in answer.fits}
+    texts["comparison.csv"] = _ranking_text(answer.comparison)
+    if answer.prediction is not None:
+        texts["prediction.json"] = json_document(answer.prediction.to_dict())
+    return target.write(texts)
+
+
+def _ranking_text(comparison: Comparison) -> str:
+    rows = (entry.to_dict() for entry in comparison.ranking)
+    return csv_text([_RANKING, *([csv_cell(row[name]) for name in _RANKING] for row in rows)])
+
+
+def campaign_folder(
+    campaign: Campaign, folder: str | os.PathLike[str], *, answers: bool = True, force: bool = False
+) -> OutputFolder:
+    """Return the folder of a campaign's results, as a context that keeps it from other runs; see `OutputFolder`."""
+    names = (*_EXTRACTED, *(_answered() if answers else ()))
+    inputs = (campaign.path, campaign.trial_list, *dict.fromkeys(trial.path for trial in campaign.trials))
+    of_campaign: dict[str, Any] = {"family": "campaign", "basis": "trials.csv"}
+    return OutputFolder(folder, names=names, inputs=inputs, force=force, **of_campaign)
+
+
+def table_folder(
+    inputs: Iterable[Path], folder: str | os.PathLike[str], *, force: bool = False
+) -> OutputFolder:
+    """Return the folder of the answer to a trial table, likewise."""
+    return OutputFolder(folder, family="trial table", names=_answered(), inputs=inputs, force=force)
+
+
+def _answered() -> tuple[str, ...]:
+    return (*_ANSWERED, *(f"fits/{law}.json" for law in ALL_LAWS))
+
 
 T = TypeVar("T")
 
@@ -42,8 +255,7 @@ Measured = tuple[tuple[budgets.MeasuredCondition, LinearBudget], ...]
 """Each condition with the uncertainty of its measured force, by the budget alone."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Evidence:
+class Evidence(NamedTuple):
     """What stands behind a campaign's answer; None where there is no design, or where it could not be made."""
 
     measured: Measured = ()
@@ -185,14 +397,10 @@ def chart_of_design(fit: FitResult, wheel: Conditions, probability: float = 0.95
     (small_m, large_m), (_, most_rad) = fit.validity["wheel_radius_m"], fit.validity["wrap_angle_rad"]
     own_m, wrap_rad = float(wheel.wheel_radius_m[0]), float(wheel.wrap_angle_rad[0])
     farthest_rad = _BEYOND * max(most_rad, wrap_rad)
-    return design_chart(
-        fit,
-        np.unique(np.append(np.linspace(small_m, large_m, _WHEELS), own_m)),
-        np.linspace(farthest_rad / _WRAPS, farthest_rad, _WRAPS),
-        float(wheel.end_tension_N[0]),
-        rope_radius_m=float(wheel.rope_radius_m[0]),
-        probability=probability,
-    )
+    wheels_m = np.unique(np.append(np.linspace(small_m, large_m, _WHEELS), own_m))
+    wraps_rad = np.linspace(farthest_rad / _WRAPS, farthest_rad, _WRAPS)
+    end_N, rope_m = float(wheel.end_tension_N[0]), float(wheel.rope_radius_m[0])
+    return design_chart(fit, wheels_m, wraps_rad, end_N, rope_radius_m=rope_m, probability=probability)
 
 
 def plan_for_design(answer: CampaignAnswer, run: CampaignRun | None, wheel: Conditions) -> next_tests.LabPlan:
@@ -225,9 +433,7 @@ def _between(low: float, high: float, step: float | None = None) -> tuple[float,
     """Return settings from low to high, or the one there is."""
     if not high > low * (1.0 + 1e-9):
         return (low,)
-    if step is None:
-        return resolution.geometric_levels(low, high, _LEVELS)
-    return resolution.linear_levels(low, high, _LEVELS, step=step)
+    return resolution.levels(low, high, _LEVELS, step=step)
 
 
 SCHEMA, TABLE_SCHEMA = "ropefric.run/1", "ropefric.table/1"
@@ -269,11 +475,8 @@ def trace_table(answer: CampaignAnswer, evidence: Evidence, inputs: Sequence[Pat
     at = None if answer.prediction is None else answer.prediction.conditions
     design = {} if at is None else {name: float(getattr(at, name)[0]) for name in REGRESSORS}
     hashes = {path.name: hash_file(path) for path in inputs}
-    return {
-        "schema": TABLE_SCHEMA,
-        **_traced(answer, evidence, words, hashes),
-        "settings": {"design": design},
-    }
+    traced = _traced(answer, evidence, words, hashes)
+    return {"schema": TABLE_SCHEMA, **traced, "settings": {"design": design}}
 
 
 def _traced(

@@ -310,7 +310,9 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
         return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)
-    if fall.drop_N < LEAST_DROP * candidate.height_N and quiet:
+    # It may settle little by little.
+    drop_N = max(fall.drop_N, fall.top_N - sliding.onset_N)
+    if drop_N < LEAST_DROP * candidate.height_N and quiet:
         if flat == "rounded" and not short:
             return _doubtful(prepared, [candidate], f"{seen}: sliding, or the creep of a held rope")
         return _held(prepared, sliding)
@@ -323,7 +325,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
     brief = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
     sharp = (flat == "sharp" and (brief or bends or share >= MOST)) or (flat == "unclear" and bends)
-    creeps = not brief and fall.drop_N < 2.0 * LEAST_DROP * candidate.height_N
+    creeps = not brief and drop_N < 2.0 * LEAST_DROP * candidate.height_N
     if share < LEAST_SHARE or creeps or not (sharp or flat == "rounded"):
         why = f"{seen}, without roughness: sliding, or a load that was let down"
         return _doubtful(prepared, [candidate], why)

@@ -93,3 +93,14 @@ def test_waves_that_go_on_are_no_swing_that_dies_away():
     found = picked(force)
     assert found.status is Status.OK, found.detail
     assert found.peak_N == pytest.approx(100.0, rel=0.01)
+
+
+@pytest.mark.parametrize(("later_N", "tau_s"), [(2.5, 1.0), (4.5, 1.0), (4.5, 2.0)])
+def test_a_fall_that_settles_little_by_little_is_not_the_creep_of_a_held_rope(later_N, tau_s):
+    time_s = np.arange(0.0, 40.0, 0.05)
+    since_s = np.maximum(time_s - 20.0, 0.0)
+    fall = 3.4 * np.minimum(since_s / 0.1, 1.0) + later_N * (1.0 - np.exp(-since_s / tau_s))
+    force = np.where(time_s < 20.0, np.clip((time_s - 8.0) / 0.12, 0.0, 100.0), 100.0 - fall)
+    found = picked(force, time_s, noise_N=0.6)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.015)

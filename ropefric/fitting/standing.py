@@ -8,7 +8,7 @@ whatever the end tension would seem perfect. Such a law says nothing of the forc
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -152,11 +152,6 @@ class _SetLoads(Conditions):
     """Conditions at which the lift force was set, and the end tension measured."""
 
     log_lift: FloatArray
-
-    def select(self, index: npt.ArrayLike) -> "_SetLoads":
-        """Return the conditions at an index array or boolean mask, in that order."""
-        chosen = np.asarray(index)
-        return _SetLoads(**{item.name: getattr(self, item.name)[chosen] for item in fields(self)})
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -255,8 +255,7 @@ Measured = tuple[tuple[budgets.MeasuredCondition, LinearBudget], ...]
 """Each condition with the uncertainty of its measured force, by the budget alone."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Evidence:
+class Evidence(NamedTuple):
     """What stands behind a campaign's answer; None where there is no design, or where it could not be made."""
 
     measured: Measured = ()

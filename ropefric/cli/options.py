@@ -4,9 +4,8 @@ import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 import typer
 
@@ -29,8 +28,7 @@ SERIAL_BELOW = 20
 """Recordings below which starting worker processes costs more than it saves."""
 
 
-@dataclass(frozen=True, slots=True)
-class Answer:
+class Answer(NamedTuple):
     """The result of one command: data for programs, what people see of it, an exit code."""
 
     data: Mapping[str, Any]
@@ -38,8 +36,7 @@ class Answer:
     exit_code: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Command:
+class Command(NamedTuple):
     """One verb of the command line, declared in a file of `cli/commands/`."""
 
     name: str
@@ -60,6 +57,11 @@ Number = float | None
 def listed(metavar: str, help: str, *names: str) -> Any:  # noqa: A002  (as typer calls it)
     """Return an option that may be given several times."""
     return typer.Option(None, *names, metavar=metavar, help=f"{help}; repeatable.")
+
+
+def option(metavar: str, help: str, *names: str, default: Any = None) -> Any:  # noqa: A002
+    """Return an option with a value, shown as `metavar` in the help."""
+    return typer.Option(default, *names, metavar=metavar or None, help=help)
 
 
 def flag(name: str, help: str) -> Any:  # noqa: A002

@@ -142,6 +142,10 @@ class Progress:
         if self._bar is not None:
             self._bar.stop()
 
+    def update_named(self, item: str, done: int, total: int) -> None:
+        """Take note as `update` does, told of the item first."""
+        self.update(done, total, item)
+
     def update(self, done: int, total: int, item: str) -> None:
         """Take note that `done` of `total` items are finished, the last being `item`.
 

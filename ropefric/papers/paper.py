@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from decimal import Decimal
 from importlib import import_module
 from pathlib import Path
@@ -67,8 +67,7 @@ def nothing(_: Any) -> Iterable[Any]:
     return ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Item:
+class Item(NamedTuple):
     """An equation, table or figure of a paper.
 
     Attributes
@@ -106,8 +105,7 @@ class Given(NamedTuple):
     reference_N: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Paper:
+class Paper(NamedTuple):
     """A paper: what it is, the scene of its machine in words, what that is made into, its items, and what to know."""
 
     title: str
@@ -115,14 +113,13 @@ class Paper:
     system: str
     scene: str
     machine: Callable[[Given], Any]
+    items: tuple[Item, ...]
     of: str = "the published machine"
     beside: str = ""
-    items: tuple[Item, ...]
     notes: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Reading:
+class Reading(NamedTuple):
     """A paper as read for a machine: the rows of all its items."""
 
     name: str

@@ -163,12 +163,9 @@ def conditions_of(extraction: Extraction) -> dict[str, tuple[ConditionSummary, l
 def _settings(summary: ConditionSummary, trials: Iterable[TrialResult]) -> tuple[str, ...]:
     """Return radii, wrap, and the tension that is known with its symbol, in the units people use at the rig."""
     slack = _measures_slack(trials)
-    values = (
-        1e3 * summary.wheel_radius_m,
-        1e3 * summary.rope_radius_m,
-        math.degrees(summary.wrap_angle_rad),
-        summary.lift_force_N if slack else summary.end_tension_N,
-    )
+    radii_mm = 1e3 * summary.wheel_radius_m, 1e3 * summary.rope_radius_m
+    known_N = summary.lift_force_N if slack else summary.end_tension_N
+    values = (*radii_mm, math.degrees(summary.wrap_angle_rad), known_N)
     return (*(f"{value:.6g}" for value in values), "F_A" if slack else "F_B")
 
 
@@ -365,12 +362,8 @@ def _draw_strip(
     if not usable:
         axes.text(0.5, 0.5, "no usable force", transform=axes.transAxes, ha="center", color=style.GREY)
     elif warning := RULES[summary.rule].warning(summary.n):
-        banner = {
-            "facecolor": "#FFF3D6",
-            "edgecolor": style.ORANGE,
-            "boxstyle": "round,pad=0.2",
-            "linewidth": 0.8,
-        }
+        ink = {"facecolor": "#FFF3D6", "edgecolor": style.ORANGE, "linewidth": 0.8}
+        banner = ink | {"boxstyle": "round,pad=0.2"}
         axes.set_title(warning.split(" (")[0], fontsize=9, loc="left", bbox=banner)
     style.legend_below(axes)
 
@@ -386,11 +379,10 @@ def _draw_values(axes: Axes, usable: Sequence[tuple[int, TrialResult, Any]]) -> 
             forces_N = [trial.measured_N for trial in trials]
             look = ink if fate == "kept" else hollow
             axes.scatter(order, forces_N, s=36, marker=marker, zorder=5, label=fate, **look)
-    bars = [
-        (order, trial.measured_N, std_N, color)
-        for order, trial, color in usable
-        if np.isfinite(std_N := trial.end_tension_std_N if trial.measures_slack else trial.peak_std_N)
-    ]
+    bars = []
+    for place, trial, color in usable:
+        std_N = trial.end_tension_std_N if trial.measures_slack else trial.peak_std_N
+        bars += [(place, trial.measured_N, std_N, color)] if np.isfinite(std_N) else []
     if bars:
         places, force_N, half_N, inks = (list(column) for column in zip(*bars, strict=True))
         low_N, high_N = np.subtract(force_N, half_N), np.add(force_N, half_N)

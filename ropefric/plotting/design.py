@@ -172,11 +172,8 @@ def _draw_swings(axes: Axes, ranked: Sequence[tuple[str, float, float, float, fl
     """Draw rows of name, force at the low and the high value, in the base case, and their width."""
     low, high = "input at its low value", "input at its high value"
     for column, color, hatch, label in ((1, style.ORANGE, "///", low), (2, style.BLUE, "", high)):
-        ends: dict[int, float] = {
-            place: force_N
-            for place, row in enumerate(ranked)
-            if not math.isnan(force_N := float(row[column]))
-        }
+        forces_N = {place: float(row[column]) for place, row in enumerate(ranked)}
+        ends = {place: force_N for place, force_N in forces_N.items() if not math.isnan(force_N)}
         widths = [value_N - base_N for value_N in ends.values()]
         look: dict[str, Any] = {"edgecolor": style.INK, "linewidth": 0.6, "facecolor": color, "hatch": hatch}
         axes.barh([*ends], widths, left=base_N, height=0.6, label=label if ends else "", **look)

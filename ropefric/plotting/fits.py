@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -33,16 +32,10 @@ _LIMIT = 2.0
 _NO_TRIALS = "no trials stored with the fit"
 _BARS: dict[str, Any] = {"fmt": "o", "elinewidth": 1.0, "capsize": 2.0}
 _OTHERS = {"label": "other conditions", "color": style.GREY, "markerfacecolor": "white", "markersize": 3.5}
-_CHOSEN: dict[str, Any] = {
-    "label": "conditions as in the heading",
-    "color": style.INK,
-    "markersize": 5.5,
-    "zorder": 4,
-}
+_CHOSEN: dict[str, Any] = {"color": style.INK, "markersize": 5.5, "zorder": 4}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ConditionPoints:
+class ConditionPoints(NamedTuple):
     """The measured conditions behind a fit: how many trials, mean ln F_A and its standard uncertainty."""
 
     conditions: Conditions
@@ -176,7 +169,8 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
                 style.say_instead(axes, _NO_TRIALS)
             chosen = _have(points.conditions, settings)
             x = factor * getattr(points.conditions, over)
-            for mask, look in ((~chosen, _OTHERS), (chosen, _CHOSEN)):
+            heading = {"label": "conditions as in the heading"}
+            for mask, look in ((~chosen, _OTHERS), (chosen, _CHOSEN | heading)):
                 _draw_means(axes, x[mask], mu[mask], mu_std[mask], **look)
         figure.axes[0].set_ylabel(style.figure_label("mu_average"))
         figure.suptitle(f"{counts}; bars: ±2 u (k = 2)")
@@ -263,11 +257,8 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
             f"straight line through the origin has slope {slope:.4g}; points lie up to {worst:.3g} off it, a factor of "
             f"{math.exp(worst):.3g} in force."
         )
-    drawn = {
-        "law": np.repeat([*curves], grid.size),
-        "wrap_angle_rad": np.tile(grid, len(curves)),
-        "log_ratio": np.ravel([*curves.values()]),
-    }
+    drawn = {"law": np.repeat([*curves], grid.size), "wrap_angle_rad": np.tile(grid, len(curves))}
+    drawn["log_ratio"] = np.ravel([*curves.values()])
     conditions = points.settings | {"log_ratio": rise, "log_ratio_std": points.std_log}
     tables = DataTable(conditions), DataTable(drawn, "laws")
     return FigureWithData(figure=figure, tables=tables, alt=alt)
@@ -305,9 +296,9 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad", narrow: bool 
         panels = figure.subplots(**rows, sharex=True, squeeze=False)[:, 0]
         axes, last = panels[0], panels[-1]
         hatch: dict[str, Any] = {
+            "hatch": "///",
             "facecolor": "none",
             "edgecolor": "#9A9A9A",
-            "hatch": "///",
             "linewidth": 0.0,
         }
         for panel in panels:

@@ -100,10 +100,8 @@ def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
             drawn = axes.pcolormesh(places[1], places[0], shown, cmap="cividis", shading="nearest")
             axes.set_ylabel(outer[0].label)
             axes.figure.colorbar(drawn, ax=axes).set_label(label)
-    columns = {
-        axis.key: each.ravel()
-        for axis, each in zip(sweep.axes, np.meshgrid(*places, indexing="ij"), strict=True)
-    }
+    meshes = zip(sweep.axes, np.meshgrid(*places, indexing="ij"), strict=True)
+    columns = {axis.key: each.ravel() for axis, each in meshes}
     table = DataTable(columns | {name: grid.ravel()})
     return FigureWithData(figure=figure, tables=(table,))
 
@@ -246,12 +244,12 @@ def name_lines(axes: Axes, ends: Iterable[tuple[str, float]], *, gap: float = 0.
     arrow = {"arrowstyle": "-", "color": style.GREY, "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
     for (true, name), place in zip(wanted, spread, strict=True):
         look: dict[str, Any] = {
-            "xycoords": "axes fraction",
             "va": "center",
             "fontsize": 9.0,
             "arrowprops": arrow,
+            "annotation_clip": False,
         }
-        axes.annotate(style.typeset(name), (1.0, true), (1.03, place), annotation_clip=False, **look)
+        axes.annotate(style.typeset(name), (1.0, true), (1.03, place), xycoords="axes fraction", **look)
 
 
 def _spread(block: Sequence[float], gap: float) -> list[float]:

@@ -61,10 +61,8 @@ def law_look(law: str) -> dict[str, Any]:
     """Return colour and line style of a law, the same in every figure; the capstan equation is a plain black line."""
     place = list(ALL_LAWS).index(law.removesuffix("-from-zero"))
     n = len(_LAW_COLORS)
-    return {
-        "color": _LAW_COLORS[place % n],
-        "linestyle": LINE_STYLES[(place + place // n) % len(LINE_STYLES)],
-    }
+    dashes = LINE_STYLES[(place + place // n) % len(LINE_STYLES)]
+    return {"color": _LAW_COLORS[place % n], "linestyle": dashes}
 
 
 def shades(n: int) -> list[tuple[float, ...]]:
@@ -123,13 +121,8 @@ def note_at(
     axes: Axes, text: str, point: tuple[float, float], right: float = 0.0, up: float = 0.0, **look: Any
 ) -> None:
     """Write a small text at a point, so many points of print to the right of it and above it."""
-    shown: dict[str, Any] = {
-        "fontsize": 8.0,
-        "ha": "center",
-        "va": "bottom",
-        "textcoords": "offset points",
-    } | look
-    axes.annotate(text, point, xytext=(right, up), **shown)
+    shown: dict[str, Any] = {"fontsize": 8.0, "ha": "center", "va": "bottom"} | look
+    axes.annotate(text, point, xytext=(right, up), textcoords="offset points", **shown)
 
 
 def legend_below(axes: Axes, *, columns: int = 2) -> None:

@@ -128,11 +128,10 @@ def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
         lines.append(f"rejected by the rule {run.campaign.rejection}; look for a physical reason")
     if statuses := ", ".join(f"{n} {status}" for status, n in counts["status"].items() if status != "ok"):
         lines.append(f"recordings without a usable force: {statuses}")
-    lines += [
-        f"force cell {name}: {', '.join(cell.assumed)} assumed, not stated: state them in [cells.{name}]"
-        for name, cell in run.campaign.cells.items()
-        if cell.assumed
-    ]
+    for name, cell in run.campaign.cells.items():
+        if cell.assumed:
+            limits = ", ".join(cell.assumed)
+            lines.append(f"force cell {name}: {limits} assumed, not stated: state them in [cells.{name}]")
     sections = (Section(lines=lines), *answer_sections(run.answer))
     nowhere = Section("Lift force", ("the campaign names no wheel: add [design] to it",))
     return sections if run.campaign.design is not None else (*sections, nowhere)
@@ -200,13 +199,9 @@ def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Part]) -> Re
         "provenance": _provenance(subject.provenance, 2 if run else 1),
     }
     chapters = (Chapter(key, _CHAPTERS[key], tuple(own)) for key, own in blocks.items())
-    return Report(
-        title=subject.title,
-        lead=f"{subject.tally}; the friction law they ask for, how good it is, and the lift force it gives.",
-        chapters=tuple(chapter for chapter in chapters if chapter.blocks),
-        language=subject.language,
-        names=subject.names,
-    )
+    lead = f"{subject.tally}; the friction law they ask for, how good it is, and the lift force it gives."
+    shown = tuple(chapter for chapter in chapters if chapter.blocks)
+    return Report(subject.title, lead, shown, subject.language, subject.names)
 
 
 def _uncertainty(evidence: Evidence, pictures: Pictures) -> Iterator[Block]:

@@ -229,24 +229,20 @@ def measured_rows(run: CampaignRun) -> list[tuple[str, str]]:
     density = rope.linear_density_kg_m
     weight = "" if density is None else f"{plain(1e3 * density)} g/m"
     used = {(trial.wheel_radius_m, trial.cell) for trial in run.extraction.trials}
+    radii_m, own_cells = (set(one) for one in zip(*used, strict=True)) if used else (set(), set())
     wheels = [
         f"{name} R_w = {plain(1e3 * wheel.radius_m)} mm" + (f" ({wheel.material})" if wheel.material else "")
         for name, wheel in campaign.wheels.items()
-        if wheel.radius_m in {radius_m for radius_m, _ in used}
+        if wheel.radius_m in radii_m
     ]
-    cells = [
-        _cell_words(name, cell) for name, cell in campaign.cells.items() if name in {one for _, one in used}
-    ]
+    cells = [_cell_words(name, cell) for name, cell in campaign.cells.items() if name in own_cells]
     window_s = campaign.smoothing.window_s
     smoothing = campaign.smoothing.mode + (f", {plain(1e3 * window_s)} ms" if window_s else "")
     method = f"protocol {campaign.protocol.name}; smoothing {smoothing}; outliers by {campaign.rejection}"
     size = f"{plain(2e3 * rope.radius_m)} mm in diameter"
-    return [
-        ("Rope", ", ".join(filter(None, (size, weight, rope.material)))),
-        ("Wheels", "; ".join(wheels)),
-        ("Force cells", "; ".join(cells)),
-        ("Method", method),
-    ]
+    of_rope = ", ".join(filter(None, (size, weight, rope.material)))
+    on = ("Wheels", "; ".join(wheels)), ("Force cells", "; ".join(cells))
+    return [("Rope", of_rope), *on, ("Method", method)]
 
 
 def _cell_words(name: str, cell: Any) -> str:
@@ -483,11 +479,8 @@ def find_browser() -> str:
     for found in map(shutil.which, candidates):
         if found is not None:
             return found
-    what = (
-        f"{BROWSER} names {named!r}, which is no program"
-        if named
-        else "no Chromium, Chrome or Edge was found"
-    )
+    none = "no Chromium, Chrome or Edge was found"
+    what = f"{BROWSER} names {named!r}, which is no program" if named else none
     fix = f"install one (apt-get install chromium), or name its program in {BROWSER}; {_BY_HAND}"
     raise RopefricError(f"a PDF is printed by a browser, and {what}", code="RF154", fix=fix)
 

@@ -132,10 +132,8 @@ def _table_lines(section: Section, width: int | None) -> Iterator[str]:
     forms = [f"{'<' if section.is_words(place) else '>'}{one}" for place, one in enumerate(widths)]
     whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
     for row in rows:
-        cells = (
-            wrap(cell, one, **whole) if len(cell) > one else [cell]
-            for cell, one in zip(row, widths, strict=True)
-        )
+        pairs = zip(row, widths, strict=True)
+        cells = (wrap(cell, one, **whole) if len(cell) > one else [cell] for cell, one in pairs)
         for line in zip_longest(*cells, fillvalue=""):
             yield "  ".join(f"{part:{form}}" for part, form in zip(line, forms, strict=True))
 

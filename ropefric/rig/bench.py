@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from itertools import accumulate
 from math import nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,9 @@ Range = tuple[float, float]
 """Lower and upper limit of a quantity that differs from recording to recording (uniform)."""
 
 
+_CELLS = (ForceCell(name="K1", full_scale_N=1000.0), ForceCell(name="K5", full_scale_N=5000.0))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bench:
     """The PRTH test bench: load cell at the rope's fixed end, weights at the other, a motor on the wheel.
@@ -35,10 +38,7 @@ class Bench:
 
     sampling_rate_Hz: float = 3000.0
     adc: Adc = field(default_factory=Adc)
-    cells: tuple[ForceCell, ...] = (
-        ForceCell(name="K1", full_scale_N=1000.0),
-        ForceCell(name="K5", full_scale_N=5000.0),
-    )
+    cells: tuple[ForceCell, ...] = _CELLS
     cell_use: float = 0.8
     rope_stiffness_N_m: float = 1.0e5
     cell_stiffness_N_m: float = 1.0e7
@@ -96,12 +96,7 @@ class Bench:
         return math.sqrt(series_N_m / self.moving_mass_kg) / (2.0 * math.pi)
 
 
-_SLOW: dict[str, Any] = {
-    "idle_s": (1.5, 2.5),
-    "load_s": (2.0, 5.0),
-    "dwell_s": (8.0, 15.0),
-    "slide_s": (1.0, 3.0),
-}
+_SLOW: Any = {"idle_s": (1.5, 2.5), "load_s": (2.0, 5.0), "dwell_s": (8.0, 15.0), "slide_s": (1.0, 3.0)}
 _SCALES = (ForceCell(name="K50", full_scale_N=50.0), ForceCell(name="K500", full_scale_N=500.0))
 HELD_BENCH = Bench(sampling_rate_Hz=50.0, adc=Adc(bits=12), cells=_SCALES, zero_counts=(10.0, 30.0), **_SLOW)
 """A hand-held spring-scale test, for protocol `held`: slack side measured, 50 Hz, 12 bit, cells of 50 and 500 N."""
@@ -186,8 +181,7 @@ def draw_roughness(rng: np.random.Generator, std_N: float) -> Callable[[FloatArr
     return force_N
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Snap:
+class Snap(NamedTuple):
     """How the force falls when the rope slips: a mass on a spring, released."""
 
     natural_Hz: float
@@ -206,8 +200,7 @@ class Snap:
         return np.asarray(answer, dtype=np.float64)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Teeth:
+class Teeth(NamedTuple):
     """Stick-slip teeth after break-away, as deviations from the kinetic level.
 
     Tooth 0 is the break-away itself: its top is reached by the loading, not by a reload.
@@ -352,10 +345,8 @@ class BreakawayPull:
         if not self.has_peak:
             return RecordingTruth(status=Status.NO_PEAK, **held)
         top_s = self.teeth.time_s[self.teeth.time_s < self.off_s - self.breakaway_s] + self.breakaway_s
-        held |= {
-            "tooth_tops_N": tuple(self._after_ramp_N(top_s).tolist()),
-            "tooth_times_s": tuple(top_s.tolist()),
-        }
+        held["tooth_tops_N"] = tuple(self._after_ramp_N(top_s).tolist())
+        held["tooth_times_s"] = tuple(top_s.tolist())
         return RecordingTruth(status=Status.OK, breakaway_time_s=self.breakaway_s, **held)
 
 
@@ -402,8 +393,7 @@ def _draw_stick_slip(
     return replace(pull, teeth=teeth, drift=0.0, off_s=off_s, end_s=off_s + (pull.end_s - pull.off_s))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class HeldPulls:
+class HeldPulls(NamedTuple):
     """One recording of a spring scale on the slack side: pulled in jerks, held, let go, several times."""
 
     knot_s: FloatArray
@@ -455,16 +445,11 @@ def _draw_held(
         knot_N += [level_N, slack_N, slack_N]
         hold_s.append((start_s, end_s))
     knots = {"knot_s": np.array(knot_s), "knot_N": np.array(knot_N), "hold_s": np.array(hold_s)}
-    held: dict[str, Any] = {
-        "creep_N": creep_N,
-        "creep_s": rng.uniform(0.5, 1.2, _CYCLES),
-        "plateau_N": plateau_N,
-    }
+    held: Any = {"creep_N": creep_N, "creep_s": rng.uniform(0.5, 1.2, _CYCLES), "plateau_N": plateau_N}
     return HeldPulls(lift_force_N=lift_force_N, end_s=now_s, **knots, **held)
 
 
-@dataclass(frozen=True, slots=True)
-class RigProtocol:
+class RigProtocol(NamedTuple):
     """A way of running the rig: whether one recording holds several trials, whether the tight side is measured."""
 
     name: str

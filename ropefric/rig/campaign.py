@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -139,12 +139,11 @@ def prth_bench_plan() -> CampaignPlan:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class PlannedTrial:
+class PlannedTrial(NamedTuple):
     """One recording to be made."""
 
     name: str
-    index: int
+    place: int
     condition: RigCondition
     lift_force_N: float
     cell: str
@@ -209,7 +208,7 @@ def record_trial(plan: CampaignPlan, trial: PlannedTrial, *, seed: int) -> tuple
         "end_tension_N": trial.condition.end_tension_N,
     }
     ways: dict[str, Any] = {"protocol": plan.protocol, "physics": plan.physics, "cell": trial.cell}
-    rng = np.random.default_rng([seed, 2, trial.index])
+    rng = np.random.default_rng([seed, 2, trial.place])
     recording = simulate_recording(plan.bench, rng=rng, faults=trial.faults, **forces, **ways)
     buffer = io.BytesIO()
     # Without name and time, so that the same text gives the same bytes. Level 9 takes five times as long for a
@@ -217,7 +216,7 @@ def record_trial(plan: CampaignPlan, trial: PlannedTrial, *, seed: int) -> tuple
     with gzip.GzipFile(filename="", mode="wb", compresslevel=6, fileobj=buffer, mtime=0) as stream:
         stream.write(recording_text(recording).encode())
     data = buffer.getvalue()
-    file_rng = np.random.default_rng([seed, 3, trial.index])
+    file_rng = np.random.default_rng([seed, 3, trial.place])
     for name in trial.faults:
         if on_bytes := FAULTS[name].on_bytes:
             data = on_bytes(data, file_rng)
@@ -323,7 +322,7 @@ def _trials_text(plan: CampaignPlan, trials: tuple[PlannedTrial, ...], truths: l
         wrap_deg = f"{np.degrees(condition.wrap_angle_rad):.10g}"
         force = f"{condition.end_tension_N if slack else trial.lift_force_N:.10g}"
         dwell = "" if math.isnan(truth.dwell_s) else f"{truth.dwell_s:.3f}"
-        rope = f"sim-rope-{trial.index + 1:03d}"
+        rope = f"sim-rope-{trial.place + 1:03d}"
         rows.append([trial.name, trial.file, condition.wheel, wrap_deg, force, truth.cell, rope, dwell, ""])
     return csv_text(map(to_spreadsheet, row) for row in rows)
 

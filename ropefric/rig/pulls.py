@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import inf, nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,7 @@ _ATTEMPTS = 30
 _FALL = 0.015  # of F_A; a first fall of less, or lost in the noise, is none
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Truth:
+class Truth(NamedTuple):
     """What is true of a recording: its status, and F_A and its time where there is one.
 
     F_A is the largest noise-free force of the spring between the onset of macroscopic slip (which goes on for many

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, out_folder
+from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, option, out_folder
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.glossary import counted
@@ -71,15 +71,13 @@ def extract(
     target = pipeline.campaign_folder(loaded, folder, answers=False, force=force)
     with options.saying_what_is_kept(out, "recordings", cache_folder), target, ExitStack() as stack:
         with executors.cluster(cluster, n_jobs) as executor, Progress(out, "extract") as progress:
-            extraction = extracting.extract_campaign(
-                loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update, executor=executor
-            )
+            how: dict[str, Any] = {"jobs": n_jobs, "cache_dir": cache_folder, "executor": executor}
+            extraction = extracting.extract_campaign(loaded, progress=progress.update, **how)
         result.write_tables(extraction, target, parquet=parquet)
         target.publish("tables")
         if figures:
-            start_figures(
-                extraction, loaded.report.language, target, out, drawing_pool(extraction, n_jobs, stack)
-            )()
+            pool = drawing_pool(extraction, n_jobs, stack)
+            start_figures(extraction, loaded.report.language, target, out, pool)()
     say_problems(extraction, folder, out)
     data, exit_code = extraction.to_dict(), 0
     # A campaign without a single usable force is an error, though its tables are there.
@@ -88,11 +86,6 @@ def extract(
             out.problems(error.problems)
         data, exit_code = data | error.to_dict(), error.exit_code
     return Answer(data, _sections(extraction), exit_code)
-
-
-def _by_law(shown: Progress) -> Callable[[str, int, int], None]:
-    """Return what is told of each law that is fitted."""
-    return lambda name, done, total: shown.update(done, total, name)
 
 
 def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack) -> "Executor | None":
@@ -117,9 +110,8 @@ def start_figures(
     """Begin to draw one figure per condition; return what waits for them, writes and publishes them."""
     from ropefric.plotting.campaign import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
 
-    write = start_condition_figures(
-        extraction, folder, under="figures/", language=language, executor=executor
-    )
+    how: dict[str, Any] = {"under": "figures/", "language": language, "executor": executor}
+    write = start_condition_figures(extraction, folder, **how)
 
     def finish() -> None:
         with Progress(out, "figures") as progress:
@@ -272,13 +264,8 @@ def work_through(
                 Progress(out, "fit") as fitting,
             ):
                 how: dict[str, Any] = {"law": law, "jobs": n_jobs, "cache_dir": cache_dir, "parquet": parquet}
-                told: dict[str, Any] = {
-                    "extract_progress": extracting.update,
-                    "fit_progress": _by_law(fitting),
-                }
-                done = pipeline.run_campaign(
-                    campaign, target, executor=executor, on_extracted=draw, **how, **told
-                )
+                how |= {"extract_progress": extracting.update, "fit_progress": fitting.update_named}
+                done = pipeline.run_campaign(campaign, target, executor=executor, on_extracted=draw, **how)
         except RopefricError:
             for finish in to_finish:
                 finish()
@@ -321,12 +308,12 @@ def report(
     they are, and removed if the forces have changed. Exits with 4 unless the law and its lift force are supported.
     """
     formats = tuple(name.strip() for text in figure_files or () for name in text.split(","))
-    for option, known, words in (
+    for flag_name, known, words in (
         ("--locale", plain_text.LANGUAGES, (locale,) if locale else ()),
         ("--figure-files", ("svg", "pdf", "png"), formats),
     ):
         if unknown := [word for word in words if word not in known]:
-            raise BadParameter(f"{unknown[0]!r} is none of {', '.join(known)}", param_hint=option)
+            raise BadParameter(f"{unknown[0]!r} is none of {', '.join(known)}", param_hint=flag_name)
     wish = page.Wish(locale, pdf, figures, formats)
     if pdf:
         page.find_browser()  # before the work
@@ -366,11 +353,12 @@ def _report_table(
     options.lend_fonts_a_place(target.path)
     with target:
         with Progress(out, "fit") as fitting, Progress(out, "report") as reporting:
-            answer = pipeline.answer_trials(table, design=about.design, law=law, progress=_by_law(fitting))
-            written = pipeline.write_answer(answer, target)
-            written += pages.write_table_report(
-                answer, inputs, target, words=about.report, wish=wish, progress=reporting.update
+            answer = pipeline.answer_trials(
+                table, design=about.design, law=law, progress=fitting.update_named
             )
+            written = pipeline.write_answer(answer, target)
+            told: dict[str, Any] = {"words": about.report, "wish": wish, "progress": reporting.update}
+            written += pages.write_table_report(answer, inputs, target, **told)
         target.publish("answer")
     said = options.written_to(target.path, "report.html, fits/, comparison.csv, …")
     data = answer.to_dict() | {"written": [*written]}
@@ -382,14 +370,10 @@ def review(
     out: Output,
     folder: Path = Argument(..., metavar="OUT_DIR", help="A folder that `run` or `extract` wrote."),
     *,
-    campaign: Path | None = Option(
-        None,
-        metavar="CAMPAIGN.toml",
-        help="The campaign; by default the one that `run` made the folder from.",
+    campaign: Path | None = option(
+        "CAMPAIGN.toml", "The campaign; by default the one that `run` made the folder from."
     ),
-    by: str = Option(
-        "", metavar="NAME", help="Who decides, as the list will say; by default the login name."
-    ),
+    by: str = option("NAME", "Who decides, as the list will say; by default the login name.", default=""),
     port: int = Option(0, min=0, max=65535, help="Of the page; 0: any that is free."),
     open_page: bool = Option(True, "--open/--no-open", help="Open the page in the browser."),
     jobs: options.Jobs = "auto",

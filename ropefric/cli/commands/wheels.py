@@ -7,7 +7,17 @@ from typing import Any
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Number, command, diameter, exit_code_of, flag, listed, quantity
+from ropefric.cli.options import (
+    Answer,
+    Number,
+    command,
+    diameter,
+    exit_code_of,
+    flag,
+    listed,
+    option,
+    quantity,
+)
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
 from ropefric.files.disk import refuse_input, refuse_special, write_file, write_files
@@ -50,9 +60,8 @@ def predict(
     Exits with 4 when the lift force is not supported: undecided, or not judged.
     """
     stored = options.read_fit(fit, out)
-    wheel = conditions.one_condition(
-        wheel_radius, options.rope_radius(stored, rope_diameter), wrap, end_tension
-    )
+    rope_m = options.rope_radius(stored, rope_diameter)
+    wheel = conditions.one_condition(wheel_radius, rope_m, wrap, end_tension)
     running_rope = {"speed_m_s": speed, "linear_density_kg_m": linear_density}
     # The library says what the method may be.
     found = predicting.predict(stored, wheel, level=level, method=method, **running_rope)  # type: ignore[arg-type]
@@ -166,9 +175,7 @@ def plan_tests(
     rope_diameter: Number = diameter("--rope-diameter", "Needed with --law."),
     n_conditions: int = Option(12, "--conditions", min=1, help="Conditions to plan."),
     repeats: int = Option(12, min=1, help="Pulls of each."),
-    criterion: str = Option(
-        "v", metavar="v|d", help="The best for the wanted force (v), or the parameters (d)."
-    ),
+    criterion: str = option("v|d", "The best for the wanted force (v), or the parameters (d).", default="v"),
     scatter_within: Number = quantity("--scatter-within", "", 'Between repeats, such as "1.7 %".'),
     scatter_between: Number = quantity("--scatter-between", "", "Between conditions."),
     u_force: Number = quantity("--u-force", "N", "Of a force, by the measuring chain."),
@@ -339,9 +346,8 @@ def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budget
     campaign = campaigns.load_campaign(file, missing_recordings="flag")
     with Progress(out, "extract") as progress:
         extraction = extracting.extract_campaign(campaign, progress=progress.update)
-    found = budgets.conditions_of_extraction(
-        extraction, weights_tolerance=campaign.weights_tolerance, gravity_limit=limit
-    )
+    tolerance = campaign.weights_tolerance
+    found = budgets.conditions_of_extraction(extraction, weights_tolerance=tolerance, gravity_limit=limit)
     if not found:
         fix = "`ropefric extract` says why for each"
         raise InputError("no recording gave a usable force", code="RF301", path=file, fix=fix)

@@ -190,7 +190,8 @@ def compare_laws(
         for case in stands.problem.law.special_cases
         if case.name in standings and (found := nested_test(standings[case.name], stands)) is not None
     )
-    contact = _contact(ranking, means, touching_turns)
+    best = min((entry.aicc for entry in ranking if entry.counted), default=math.inf)
+    contact = contact_trend(means, touching_turns, best)
     return Comparison(
         ranking=ranking,
         tests=tests,
@@ -348,17 +349,6 @@ def _notes(
             f"{', '.join(wraps)}: measure the offset at a wrap near zero"
         )
     return tuple(notes)
-
-
-def _contact(
-    ranking: Sequence[ComparisonEntry], means: ConditionMeans, touching_turns: float | None
-) -> dict[str, float]:
-    """Return how contact between coils stands beside the laws, none of which knows it."""
-    slope, value = contact_trend(means, touching_turns)
-    best = min((entry.aicc for entry in ranking if entry.counted), default=math.inf)
-    if not math.isfinite(value) or not math.isfinite(best):
-        return {}
-    return {"slope": slope, "aicc": value, "lead": best - value}
 
 
 def _contact_notes(best: ComparisonEntry, contact: Mapping[str, float]) -> list[str]:

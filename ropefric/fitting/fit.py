@@ -385,15 +385,12 @@ def guess(law: FrictionLaw, conditions: Conditions, log_lift: npt.ArrayLike) -> 
     The best of a few candidates, brought near measured ln(F_A / 1 N) of shape (n,) by the engine of every fit; typical
     values where no number of the data leads to better ones.
     """
-    found = typical = np.array([parameter.start for parameter in law.parameters])
     data = np.asarray(log_lift, dtype=np.float64)
     if data.size > _MAX_CONDITIONS:
         rows = np.linspace(0, data.size - 1, _MAX_CONDITIONS).round().astype(np.int64)
         conditions, data = conditions.select(rows), data[rows]
-    problem = FitProblem(
-        law=law, conditions=conditions, log_lift=data, std=np.ones_like(data), group=np.arange(data.size),
-        start=typical, lower=law.lower, upper=law.upper, vary=np.array([not item.fixed for item in law.parameters]),
-    )  # fmt: skip
+    problem = FitProblem.plain(law, conditions, data)
+    found = typical = problem.start
     wrapped = conditions.wrap_angle_rad > 0.0
 
     def misfit(theta: FloatArray) -> FloatArray:

@@ -54,13 +54,9 @@ _NOTHING_TOLD = (FitStatus.TOO_FEW_POINTS, FitStatus.NOT_CONVERGED)
 
 def outside_range(validity: Validity, conditions: Conditions) -> BoolArray:
     """Return which regressors lie outside the tested range, shape (n, 4), columns in the order of `REGRESSORS`."""
-    outside = np.zeros((len(conditions), len(REGRESSORS)), dtype=np.bool_)
-    for column, name in enumerate(REGRESSORS):
-        if name in validity:
-            low, high = validity[name]
-            values = getattr(conditions, name)
-            outside[:, column] = (values < low * (1.0 - _SLACK)) | (values > high * (1.0 + _SLACK))
-    return outside
+    values = np.stack([getattr(conditions, name) for name in REGRESSORS], axis=-1)
+    low, high = np.array([validity.get(name, (-math.inf, math.inf)) for name in REGRESSORS]).T
+    return np.asarray((values < low * (1.0 - _SLACK)) | (values > high * (1.0 + _SLACK)))
 
 
 def outside_words(validity: Validity, conditions: Conditions, index: int = 0) -> tuple[str, ...]:

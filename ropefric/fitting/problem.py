@@ -135,6 +135,23 @@ class FitProblem:
     upper: FloatArray
     vary: BoolArray
 
+    @classmethod
+    def plain(
+        cls,
+        law: FrictionLaw,
+        conditions: Conditions,
+        log_lift: FloatArray,
+        std: float | FloatArray = 1.0,
+        start: npt.ArrayLike | None = None,
+    ) -> "FitProblem":
+        """Return data at conditions of their own as the problem to fit a law with what it declares itself."""
+        declared = [item.start for item in law.parameters]
+        return cls(
+            law=law, conditions=conditions, log_lift=log_lift, std=np.full(log_lift.size, std),
+            group=np.arange(log_lift.size), start=np.array(declared if start is None else start, np.float64),
+            lower=law.lower, upper=law.upper, vary=np.array([not item.fixed for item in law.parameters]),
+        )  # fmt: skip
+
     @property
     def n_points(self) -> int:
         """Return the number of points n."""

@@ -264,11 +264,7 @@ def _power(
     # An effect that is nothing there is shown at a tenth.
     signed = (law.lower < 0.0) & (law.upper > 0.0)
     shown = law.log_lift(np.where((theta == 0.0) & signed, 0.1, theta), at)
-    problem = FitProblem(
-        law=simpler, conditions=at, log_lift=shown, std=np.sqrt(variance), group=np.arange(n),
-        start=np.array([item.start for item in simpler.parameters]), lower=simpler.lower, upper=simpler.upper,
-        vary=np.array([not item.fixed for item in simpler.parameters]),
-    )  # fmt: skip
+    problem = FitProblem.plain(simpler, at, shown, np.sqrt(variance))
     try:
         off = float(batched_fit(problem, tolerance=1e-3, max_iterations=60).chi2[0])
     except InputError:

@@ -8,7 +8,7 @@ whatever the end tension would seem perfect. Such a law says nothing of the forc
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -152,11 +152,6 @@ class _SetLoads(Conditions):
     """Conditions at which the lift force was set, and the end tension measured."""
 
     log_lift: FloatArray
-
-    def select(self, index: npt.ArrayLike) -> "_SetLoads":
-        """Return the conditions at an index array or boolean mask, in that order."""
-        chosen = np.asarray(index)
-        return _SetLoads(**{item.name: getattr(self, item.name)[chosen] for item in fields(self)})
 
 
 @dataclass(frozen=True, slots=True)
@@ -356,15 +351,19 @@ def straight_fit(X: FloatArray, rise: FloatArray, means: ConditionMeans) -> tupl
     return theta, scatter
 
 
-def contact_trend(means: ConditionMeans, touching_turns: float | None = None) -> tuple[float, float]:
-    """Return how much larger μ is where coils touch, and the AICc of that beside a constant μ; 0 and ∞ if not larger."""
+def contact_trend(means: ConditionMeans, touching_turns: float | None, best: float) -> dict[str, float]:
+    """Return how much larger μ is where coils touch, the AICc of that beside a constant μ, and its lead on the best.
+
+    Nothing where no turn touches another, or μ is not larger there.
+    """
     at = means.conditions
     X = np.stack([at.wrap_angle_rad, beyond_first_turn(at, touching_turns)], axis=-1)
     if np.linalg.matrix_rank(X, tol=1e-6 * float(np.linalg.norm(X))) < 2:
-        return 0.0, math.inf
+        return {}
     theta, scatter = straight_fit(X, means.log_lift - at.log_end_tension, means)
-    slope = float(theta[1])
-    return (slope, aicc(float(scatter.deviance), len(means), 3)) if slope > 0.0 else (0.0, math.inf)
+    slope, value = float(theta[1]), aicc(float(scatter.deviance), len(means), 3)
+    told = slope > 0.0 and math.isfinite(value) and math.isfinite(best)
+    return {"slope": slope, "aicc": value, "lead": best - value} if told else {}
 
 
 def nested_test(simpler: Standing, fuller: Standing) -> FTest | None:

@@ -1,6 +1,7 @@
 """The conditions under which a rope is pulled over a wheel: who is large, how far it wraps, what hangs on it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Self
 
 import numpy as np
 import numpy.typing as npt
@@ -58,10 +59,10 @@ class Conditions:
         """Return ln(F_B / 1 N) [-], shape (n,)."""
         return np.log(self.end_tension_N)
 
-    def select(self, index: npt.ArrayLike) -> "Conditions":
+    def select(self, index: npt.ArrayLike) -> Self:
         """Return the conditions at an index array or boolean mask, in that order."""
         chosen = np.asarray(index)
-        return Conditions(**{name: getattr(self, name)[chosen] for name in SETTINGS})
+        return type(self)(**{item.name: getattr(self, item.name)[chosen] for item in fields(self)})
 
     def describe(self, index: int) -> str:
         """Return one condition in words, for messages."""

@@ -1,6 +1,5 @@
 """Fitting a law: numerical against analytic Jacobian, and where to stop."""
 
-from collections.abc import Sequence
 from functools import cache, partial
 from typing import Any
 
@@ -12,7 +11,6 @@ from ropefric.arrays import FloatArray
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 
 TRUTH = (0.2, -0.5, 0.1)
@@ -31,17 +29,6 @@ _DECIMALS = 6
 _TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12, 1e-15)
 
 
-def known_problem(
-    law: FrictionLaw, pulls: Conditions, log_lift: FloatArray, scatter: float, start: Sequence[float]
-) -> FitProblem:
-    """Return pulls at as many conditions, of known scatter, as the problem to fit a law to them."""
-    n = len(pulls)
-    return FitProblem(
-        law=law, conditions=pulls, log_lift=log_lift, std=np.full(n, scatter), group=np.arange(n), start=np.array(start),
-        lower=law.lower, upper=law.upper, vary=np.ones(len(start), dtype=np.bool_),
-    )  # fmt: skip
-
-
 @cache
 def fitting_problem(case: str) -> FitProblem:
     """Return twelve pulls of wrap-power, counted from φ = 0, with a scatter of half a per cent."""
@@ -55,7 +42,7 @@ def fitting_problem(case: str) -> FitProblem:
     )
     scatter = SCATTER * np.sin(1.0 + 2.0 * np.arange(_N_POINTS))
     log_lift = (law.log_lift(TRUTH, pulls) + scatter).round(_DECIMALS)
-    return known_problem(law, pulls, log_lift, SCATTER, START)
+    return FitProblem.plain(law, pulls, log_lift, SCATTER, START)
 
 
 def _settings(case: str) -> tuple[Setting, ...]:

@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtri
 
-from ropefric.accuracy.studies.fit import known_problem
 from ropefric.accuracy.study import Case, Outcome, Setting, Study, against, over_seeds
 from ropefric.arrays import FloatArray
 from ropefric.fitting.intervals import bootstrap, profile_intervals
@@ -57,7 +56,7 @@ def interval_problem(law: str) -> FitProblem:
     )
     truth, scatter = [_TRUTH[law]], _SCATTER[law]
     residual = scatter * np.sin(1.0 + 2.0 * np.arange(n))
-    return known_problem(chosen, pulls, chosen.log_lift(truth, pulls) + residual, scatter, truth)
+    return FitProblem.plain(chosen, pulls, chosen.log_lift(truth, pulls) + residual, scatter, truth)
 
 
 def exact_interval(law: str) -> tuple[float, float, float]:

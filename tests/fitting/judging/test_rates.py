@@ -45,12 +45,7 @@ def preferred_shares(n_conditions, repeats, between, n, *, law="constant", theta
         return ConditionMeans(at, log_lift[rows][i], np.full(K, std[i]), size, float(within[i]))
 
     def problem_of(name, i):
-        one = LAWS[name]
-        return FitProblem(
-            law=one, conditions=at, log_lift=log_lift[i], std=np.ones(K), group=np.arange(K),
-            start=np.array([item.start for item in one.parameters]), lower=one.lower, upper=one.upper,
-            vary=np.array([not item.fixed for item in one.parameters]),
-        )  # fmt: skip
+        return FitProblem.plain(LAWS[name], at, log_lift[i])
 
     shape = replace(means_of(0), std=np.ones(K), scatter_within=1.0 if spare else np.nan)
     criteria, fits = {}, {}
@@ -98,17 +93,9 @@ def test_a_lead_by_chance_is_as_rare_as_the_f_test_says(offset, draws):
     log_lift = np.log(20.0) + 0.2 * phi + offset + 0.03 * rng.standard_normal(10)
     means = ConditionMeans(at, log_lift, np.ones(10), np.ones(10, dtype=int), np.nan)
     plain, fuller = (
-        standing(
-            FitProblem(
-                law=LAWS[name], conditions=at, log_lift=log_lift, std=np.ones(10), group=np.arange(10),
-                start=np.array([item.start for item in LAWS[name].parameters]), lower=LAWS[name].lower,
-                upper=LAWS[name].upper, vary=np.ones(len(LAWS[name].parameters), dtype=bool),
-            ),
-            means,
-            [0.2, 0.0][: len(LAWS[name].parameters)],
-        )
+        standing(FitProblem.plain(LAWS[name], at, log_lift), means, [0.2, 0.0][: len(LAWS[name].parameters)])
         for name in ("constant", "constant-offset")
-    )  # fmt: skip
+    )
     expected = nested_test(plain, fuller).p_value
     found = lead_by_chance(plain, fuller, [fuller], means)
     assert lead_by_chance(plain, fuller, [fuller, fuller], means) == found

@@ -231,15 +231,14 @@ def test_what_is_measured_of_a_list_stays_below_its_bound(loaded, scene_of):
 
 
 @pytest.mark.parametrize(
-    ("preload", "mu", "load_factor", "inertia", "roller"),
+    "case",
     [
         ("3920 N", 0.34, 1.0, "1.3 kg*m^2", "4"),
-        pytest.param("1930 N", 0.35, 1.2, "8 kg*m^2", "5", marks=pytest.mark.slow),
+        pytest.param(("1930 N", 0.35, 1.2, "8 kg*m^2", "5"), marks=pytest.mark.slow),
     ],
 )
-def test_a_slip_of_a_millisecond_between_the_steps_of_a_grid_is_not_missed(
-    loaded, scene_of, preload, mu, load_factor, inertia, roller
-):
+def test_a_slip_of_a_millisecond_between_the_steps_of_a_grid_is_not_missed(loaded, scene_of, case):
+    preload, mu, load_factor, inertia, roller = case
     tree = loaded("press-start-up").document.data | {"friction": {"mu": mu}, "accuracy": 0.05}
     tree["press"] = tree["press"] | {"preload": preload, "closure": "equal", "load_factor": load_factor}
     tree["rollers"] = tree["rollers"] | {"3": tree["rollers"]["3"] | {"inertia": inertia}}

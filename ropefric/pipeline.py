@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -198,13 +198,8 @@ def run_campaign(
     if (without := no_force(extraction, campaign.path)) is not None:
         raise without
     # From the file, so that every fit names its data, with its hash, and can be made again.
-    answer = answer_trials(
-        read_trial_table(tables[0]),
-        design=campaign.design,
-        rope_radius_m=campaign.rope.radius_m,
-        law=law,
-        progress=fit_progress,
-    )
+    asked: dict[str, Any] = {"design": campaign.design, "rope_radius_m": campaign.rope.radius_m}
+    answer = answer_trials(read_trial_table(tables[0]), law=law, progress=fit_progress, **asked)
     written = (*tables, *write_answer(answer, target))
     return CampaignRun(campaign=campaign, extraction=extraction, answer=answer, written=written)
 
@@ -228,14 +223,10 @@ def campaign_folder(
     campaign: Campaign, folder: str | os.PathLike[str], *, answers: bool = True, force: bool = False
 ) -> OutputFolder:
     """Return the folder of a campaign's results, as a context that keeps it from other runs; see `OutputFolder`."""
-    return OutputFolder(
-        folder,
-        family="campaign",
-        names=(*_EXTRACTED, *(_answered() if answers else ())),
-        inputs=(campaign.path, campaign.trial_list, *dict.fromkeys(trial.path for trial in campaign.trials)),
-        basis="trials.csv",
-        force=force,
-    )
+    names = (*_EXTRACTED, *(_answered() if answers else ()))
+    inputs = (campaign.path, campaign.trial_list, *dict.fromkeys(trial.path for trial in campaign.trials))
+    of_campaign: dict[str, Any] = {"family": "campaign", "basis": "trials.csv"}
+    return OutputFolder(folder, names=names, inputs=inputs, force=force, **of_campaign)
 
 
 def table_folder(
@@ -264,8 +255,7 @@ Measured = tuple[tuple[budgets.MeasuredCondition, LinearBudget], ...]
 """Each condition with the uncertainty of its measured force, by the budget alone."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Evidence:
+class Evidence(NamedTuple):
     """What stands behind a campaign's answer; None where there is no design, or where it could not be made."""
 
     measured: Measured = ()
@@ -407,14 +397,10 @@ def chart_of_design(fit: FitResult, wheel: Conditions, probability: float = 0.95
     (small_m, large_m), (_, most_rad) = fit.validity["wheel_radius_m"], fit.validity["wrap_angle_rad"]
     own_m, wrap_rad = float(wheel.wheel_radius_m[0]), float(wheel.wrap_angle_rad[0])
     farthest_rad = _BEYOND * max(most_rad, wrap_rad)
-    return design_chart(
-        fit,
-        np.unique(np.append(np.linspace(small_m, large_m, _WHEELS), own_m)),
-        np.linspace(farthest_rad / _WRAPS, farthest_rad, _WRAPS),
-        float(wheel.end_tension_N[0]),
-        rope_radius_m=float(wheel.rope_radius_m[0]),
-        probability=probability,
-    )
+    wheels_m = np.unique(np.append(np.linspace(small_m, large_m, _WHEELS), own_m))
+    wraps_rad = np.linspace(farthest_rad / _WRAPS, farthest_rad, _WRAPS)
+    end_N, rope_m = float(wheel.end_tension_N[0]), float(wheel.rope_radius_m[0])
+    return design_chart(fit, wheels_m, wraps_rad, end_N, rope_radius_m=rope_m, probability=probability)
 
 
 def plan_for_design(answer: CampaignAnswer, run: CampaignRun | None, wheel: Conditions) -> next_tests.LabPlan:
@@ -447,9 +433,7 @@ def _between(low: float, high: float, step: float | None = None) -> tuple[float,
     """Return settings from low to high, or the one there is."""
     if not high > low * (1.0 + 1e-9):
         return (low,)
-    if step is None:
-        return resolution.geometric_levels(low, high, _LEVELS)
-    return resolution.linear_levels(low, high, _LEVELS, step=step)
+    return resolution.levels(low, high, _LEVELS, step=step)
 
 
 SCHEMA, TABLE_SCHEMA = "ropefric.run/1", "ropefric.table/1"
@@ -491,11 +475,8 @@ def trace_table(answer: CampaignAnswer, evidence: Evidence, inputs: Sequence[Pat
     at = None if answer.prediction is None else answer.prediction.conditions
     design = {} if at is None else {name: float(getattr(at, name)[0]) for name in REGRESSORS}
     hashes = {path.name: hash_file(path) for path in inputs}
-    return {
-        "schema": TABLE_SCHEMA,
-        **_traced(answer, evidence, words, hashes),
-        "settings": {"design": design},
-    }
+    traced = _traced(answer, evidence, words, hashes)
+    return {"schema": TABLE_SCHEMA, **traced, "settings": {"design": design}}
 
 
 def _traced(

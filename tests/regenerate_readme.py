@@ -41,6 +41,7 @@ FOUND = dict.fromkeys((6, 8, 12, 20, 36), 5)
 """Campaigns of constant data, and of each effect, that are judged at so many conditions."""
 MACHINE_LINE = "Times in the pictures: "
 _DPI = 80
+_PERCENT = "\N{NO-BREAK SPACE}%"
 # Below this an error is rounding, which every processor and every version of SciPy does in its own way.
 _FLOOR = 1e-13
 
@@ -170,13 +171,13 @@ def verdicts_block() -> str:
     ]
     for size, n in FOUND.items():
         true = (designs[size, 5, uncertainty.WITHIN]._replace(special=effect) for effect in effects)
-        shares = (uncertainty.verdicts(one, n).shares["effect"] for one in true)
-        lines.append(f"| {size} | {n} | {' | '.join(map(_percent, shares))} |")
+        shares = (uncertainty.share_text(uncertainty.verdicts(one, n).shares, "effect") for one in true)
+        lines.append(f"| {size} | {n} | {' | '.join(shares).replace(' %', _PERCENT)} |")
     return "\n".join([*lines, ""])
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.0f}\N{NO-BREAK SPACE}%" if math.isfinite(share) else "–"
+    return f"{100 * share:.0f}{_PERCENT}" if math.isfinite(share) else "–"
 
 
 def _script(name: str, *parts: str) -> ModuleType:

@@ -1,6 +1,8 @@
 """Measuring studies: the error and the time of every setting, one after another, on a machine that is named."""
 
 import gc
+import hashlib
+import json
 import os
 import platform
 from collections.abc import Callable, Sequence
@@ -15,7 +17,7 @@ import numpy as np
 
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.study import Case, Measured, Setting, Study, StudyResult
-from ropefric.executors import spread
+from ropefric.executors import software, spread
 
 _CPUINFO = Path("/proc/cpuinfo")
 _MOST_LOOPS = 1_000_000
@@ -119,20 +121,57 @@ def measure_studies(
     effort: Effort | None = None,
     progress: Progress | None = None,
     executor: Any = None,
+    kept: Path | None = None,
 ) -> tuple[StudyResult, ...]:
-    """Return the error and time of every setting of each study; errors are found by an executor, times taken here."""
+    """Return the error and time of every setting of each study; errors are found by an executor, times taken here.
+
+    Each goes at once to the file `kept`, a line each. What stands there already, measured by this version on this
+    machine, is not measured again, so that the same call goes on where another ended.
+    """
     effort = effort or (QUICK if quick else FULL)
     planned = [(study, case, place, setting) for study in studies for case in study.cases
                for place, setting in enumerate(_settings(case)) if setting.quick or not quick]  # fmt: skip
+    how = (software(), this_machine().line, effort)
+    names = [_name_of(how, study, case, setting) for study, case, _, setting in planned]
+    before = {} if kept is None else _kept_before(kept)
     found: dict[str, list[Measured]] = {study.name: [] for study in studies}
-    assessed = spread(_assessed_at, [(case, place) for _, case, place, _ in planned], executor)
-    for done, ((study, case, _, setting), point) in enumerate(zip(planned, assessed, strict=True), start=1):
-        found[study.name].append(replace(point, **time_call(setting.call, effort)._asdict()))
+    pieces = (
+        (case, place) for (_, case, place, _), name in zip(planned, names, strict=True) if name not in before
+    )
+    assessed = spread(_assessed_at, pieces, executor)
+    for done, ((study, case, _, setting), name) in enumerate(zip(planned, names, strict=True), start=1):
+        if name in before:
+            point = before[name]
+        else:
+            point = replace(next(assessed), **time_call(setting.call, effort)._asdict())
+            if kept is not None:
+                kept.parent.mkdir(parents=True, exist_ok=True)
+                with kept.open("a", encoding="utf-8") as stream:
+                    stream.write("\n" + json.dumps([name, asdict(point)]))  # the line before may be cut off
+        found[study.name].append(point)
         if progress is not None:
             progress(
                 done, len(planned), f"{study.name}: {case.name}, {setting.method} {setting.setting}".rstrip()
             )
     return tuple(StudyResult(study=study, points=tuple(found[study.name]), quick=quick) for study in studies)
+
+
+def _name_of(how: tuple[object, ...], study: Study, case: Case, setting: Setting) -> str:
+    """Return what tells a setting, and how it is measured, from all others."""
+    text = repr((*how, study.name, case.name, case.title, setting.method, setting.setting))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _kept_before(kept: Path) -> dict[str, Measured]:
+    """Return the points that an earlier call kept, by name; a line that was cut off is none."""
+    points = {}
+    for line in kept.read_text(encoding="utf-8").splitlines() if kept.is_file() else ():
+        try:
+            name, tree = json.loads(line)
+            points[name] = Measured(**tree)
+        except (ValueError, TypeError):
+            continue
+    return points
 
 
 def error_table(study: str, case: str = "", *, method: str = "") -> tuple[Measured, ...]:

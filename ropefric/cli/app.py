@@ -37,15 +37,8 @@ EXIT_CODES = (
 _JSON = Annotated[bool, typer.Option("--json", help="Print the result as JSON, alone on stdout.")]
 _QUIET = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, notes or warnings.")]
 _NO_COLOR = Annotated[bool, typer.Option("--no-color", help="Plain text; so does NO_COLOR=1.")]
-_PLUGIN = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--plugin",
-        metavar="FILE.py",
-        help="A law, reader, outlier rule, protocol or machine of your own: a Python file, or an installed plugin; "
-        "repeatable.",
-    ),
-]
+_OWN = "A law, reader, outlier rule, protocol or machine of your own: a Python file, or an installed plugin; repeatable."
+_PLUGIN = Annotated[list[str] | None, typer.Option("--plugin", metavar="FILE.py", help=_OWN)]
 _GLOBAL_OPTIONS = {"json_": _JSON, "quiet": _QUIET, "no_color": _NO_COLOR}
 _STACKED_BELOW = 60
 _OUT_OF = {errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE}
@@ -91,13 +84,8 @@ def build_app(on_start: Callable[[], None] | None = None) -> Any:
     app.callback(invoke_without_command=True)(_top)
     for command in find_commands().values():
         text = inspect.getdoc(command.run) or ""
-        app.command(
-            command.name,
-            help=text,
-            short_help=text.partition("\n\n")[0],
-            epilog=command.example,
-            cls=_Command,
-        )(_with_global_options(command, on_start))
+        said: Any = {"short_help": text.partition("\n\n")[0], "epilog": command.example}
+        app.command(command.name, help=text, cls=_Command, **said)(_with_global_options(command, on_start))
     return typer.main.get_command(app)
 
 
@@ -240,13 +228,10 @@ def _in_known_words(error: BaseException) -> tuple[RopefricError, int]:
         reason, fix = error.strerror or str(error), "check the path, its permissions and the space left"
         refused = DataError(reason.lower(), code="RF101", path=os.fsdecode(error.filename or ""), fix=fix)
         return refused, refused.exit_code
-    fault = RopefricError(
-        f"internal fault, {type(error).__name__}: {error}",
-        code="RF000",
-        fix="this is a bug in ropefric, not in your data: please report it with the command you gave; "
-        "ROPEFRIC_DEBUG=1 shows where it happened",
-    )
-    return fault, INTERNAL
+    fix = "this is a bug in ropefric, not in your data: please report it with the command you gave; "
+    fix += "ROPEFRIC_DEBUG=1 shows where it happened"
+    what = f"internal fault, {type(error).__name__}: {error}"
+    return RopefricError(what, code="RF000", fix=fix), INTERNAL
 
 
 def _usage_error(error: Any) -> InputError:

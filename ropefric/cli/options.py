@@ -2,11 +2,10 @@
 
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 import typer
 
@@ -29,8 +28,7 @@ SERIAL_BELOW = 20
 """Recordings below which starting worker processes costs more than it saves."""
 
 
-@dataclass(frozen=True, slots=True)
-class Answer:
+class Answer(NamedTuple):
     """The result of one command: data for programs, what people see of it, an exit code."""
 
     data: Mapping[str, Any]
@@ -38,8 +36,7 @@ class Answer:
     exit_code: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Command:
+class Command(NamedTuple):
     """One verb of the command line, declared in a file of `cli/commands/`."""
 
     name: str
@@ -62,6 +59,11 @@ def listed(metavar: str, help: str, *names: str) -> Any:  # noqa: A002  (as type
     return typer.Option(None, *names, metavar=metavar, help=f"{help}; repeatable.")
 
 
+def option(metavar: str, help: str, *names: str, default: Any = None) -> Any:  # noqa: A002
+    """Return an option with a value, shown as `metavar` in the help."""
+    return typer.Option(default, *names, metavar=metavar or None, help=help)
+
+
 def flag(name: str, help: str) -> Any:  # noqa: A002
     """Return an option that is given or not."""
     return typer.Option(False, name, help=help)
@@ -82,19 +84,10 @@ def out_folder(help: str, default: Path | None = None, names: tuple[str, ...] = 
     return typer.Option(default, *names, parser=named, metavar="FOLDER", help=help)
 
 
-CampaignArgument = Annotated[
-    Path,
-    typer.Argument(
-        metavar="CAMPAIGN.toml", help="The campaign: its TOML file, or the folder with a campaign.toml."
-    ),
-]
-TableArgument = Annotated[
-    Path,
-    typer.Argument(
-        metavar="TRIALS.csv",
-        help="A trial table, CSV, Excel or Parquet: what `extract` writes, or one of your own.",
-    ),
-]
+_CAMPAIGN = "The campaign: its TOML file, or the folder with a campaign.toml."
+_TABLE = "A trial table, CSV, Excel or Parquet: what `extract` writes, or one of your own."
+CampaignArgument = Annotated[Path, typer.Argument(metavar="CAMPAIGN.toml", help=_CAMPAIGN)]
+TableArgument = Annotated[Path, typer.Argument(metavar="TRIALS.csv", help=_TABLE)]
 SceneArgument = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
 FitOption = Annotated[Path, typer.Option("--fit", metavar="FIT.json", help="A stored fit.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace files there that ropefric did not write.")]
@@ -102,12 +95,8 @@ Cache = Annotated[bool, typer.Option("--cache/--no-cache", help="Skip recordings
 Jobs = Annotated[
     str, typer.Option(metavar="auto|N", help="Processes, at most the cores; auto: one for a small campaign.")
 ]
-Cluster = Annotated[
-    str,
-    typer.Option(
-        "--cluster", metavar="local|ADDRESS", help="Work on a dask cluster, tcp://HOST:8786 as a rule."
-    ),
-]
+_CLUSTER = "Work on a dask cluster, tcp://HOST:8786 as a rule."
+Cluster = Annotated[str, typer.Option("--cluster", metavar="local|ADDRESS", help=_CLUSTER)]
 Parquet = Annotated[
     bool, typer.Option("--parquet", help="Write trials.parquet beside trials.csv, with the same numbers.")
 ]
@@ -159,6 +148,17 @@ def open_folder(
         return nullcontext()
     lend_fonts_a_place(path)
     return folders.OutputFolder(path, family=family, names=names, inputs=inputs, force=force)
+
+
+@contextmanager
+def saying_what_is_kept(out: Output, what: str, where: Path | None) -> Iterator[None]:
+    """Say what an interrupted run leaves for the next one."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        kept = f"finished {what} are kept in {where}; the same command goes on from there"
+        out.note("nothing is kept (--no-cache)" if where is None else kept)
+        raise
 
 
 def figure_names(*stems: str) -> tuple[str, ...]:

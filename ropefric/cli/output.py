@@ -142,6 +142,10 @@ class Progress:
         if self._bar is not None:
             self._bar.stop()
 
+    def update_named(self, item: str, done: int, total: int) -> None:
+        """Take note as `update` does, told of the item first."""
+        self.update(done, total, item)
+
     def update(self, done: int, total: int, item: str) -> None:
         """Take note that `done` of `total` items are finished, the last being `item`.
 
@@ -173,13 +177,7 @@ def _make_bar(out: Output) -> "Bar":
     from rich.progress import BarColumn, TextColumn, TimeRemainingColumn  # noqa: PLC0415  (only at a terminal)
     from rich.progress import Progress as RichProgress  # noqa: PLC0415
 
-    return RichProgress(
-        TextColumn("{task.description} {task.completed}/{task.total}"),
-        BarColumn(bar_width=24),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeRemainingColumn(),
-        TextColumn("{task.fields[note]}"),
-        console=out.stderr,
-        transient=True,
-        auto_refresh=False,  # no drawing thread: worker processes are forked while the bar is up
-    )
+    count = TextColumn("{task.description} {task.completed}/{task.total}"), BarColumn(bar_width=24)
+    left = TextColumn("{task.percentage:>3.0f} %"), TimeRemainingColumn(), TextColumn("{task.fields[note]}")
+    # No drawing thread: worker processes are forked while the bar is up.
+    return RichProgress(*count, *left, console=out.stderr, transient=True, auto_refresh=False)

@@ -4,5 +4,5 @@
 file in place of another; `folder` puts a command's results into a folder that is its own. `text` turns a text file into
 clean lines, `text_table` finds the layout of a table in it and reads time stamps. `toml` reads TOML with the line of
 every key, `toml_model` its tables as pydantic models. `plain_text` is what is written: numbers to the digits worth it,
-the text of others made harmless for what shows it. `parquet` writes and reads tables so.
+the text of others made harmless for what shows it, rows as CSV and Parquet.
 """

@@ -15,11 +15,11 @@ import stat
 import sys
 from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
-from typing import Any, BinaryIO, Self
+from typing import Any, BinaryIO, NamedTuple, Self
 
 from ropefric.errors import DataError, Problem, data_error
 from ropefric.files import disk
@@ -64,8 +64,7 @@ def as_folder(folder: "Folder | str | os.PathLike[str]") -> Folder:
     return folder if isinstance(folder, Folder) else Folder(folder)
 
 
-@dataclass(frozen=True, slots=True)
-class _Entry:
+class _Entry(NamedTuple):
     """What is known of a file of ours: the hashes it may have, the parts it is of, and the hash it rests on."""
 
     sha256: tuple[str, ...]
@@ -155,7 +154,7 @@ class OutputFolder(Folder):
             both = dict(self._entries)  # a file about to be replaced is the old one or the new one
             for name, sha256 in new.items():
                 before = both.get(name, _Entry((), frozenset({label}), basis))
-                both[name] = replace(before, sha256=(*before.sha256, sha256))
+                both[name] = before._replace(sha256=(*before.sha256, sha256))
             self._write_entries(both)
             for name in stale:
                 self._remove(name)
@@ -181,14 +180,13 @@ class OutputFolder(Folder):
             if name in new or not any(part.startswith(f"{self._family}/") for part in entry.parts):
                 kept[name] = entry
             elif left and entry.basis == basis:
-                kept[name] = replace(entry, parts=left)
+                kept[name] = entry._replace(parts=left)
         return kept, tuple(name for name in self._entries if name not in kept)
 
     def _remove(self, name: str) -> None:
         path = self.path / name
-        behind_a_link = any(
-            (self.path / one).is_symlink() for one in PurePosixPath(name).parents if one.parts
-        )
+        parents = PurePosixPath(name).parents
+        behind_a_link = any((self.path / one).is_symlink() for one in parents if one.parts)
         if not behind_a_link and self._is_ours(name) and _file_key(path) not in self._inputs:
             path.unlink()
             if path.parent != self.path:
@@ -256,11 +254,8 @@ class OutputFolder(Folder):
     def _is_ours(self, name: str) -> bool:
         path = self.path / name
         try:
-            return (
-                name in self._entries
-                and stat.S_ISREG(path.lstat().st_mode)
-                and hash_file(path) in self._entries[name].sha256
-            )
+            is_file = name in self._entries and stat.S_ISREG(path.lstat().st_mode)
+            return is_file and hash_file(path) in self._entries[name].sha256
         except (OSError, DataError):
             return False
 

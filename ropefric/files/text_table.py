@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, date, datetime, timedelta
 from itertools import islice
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from zoneinfo import ZoneInfo
 
 import numpy as np
@@ -157,15 +157,9 @@ def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Di
         for row in rows[:2]
     )
     decimal = layout.decimal or _find_decimal(head, rows.data_row, separator, text.source)
-    return Dialect(
-        separator=separator,
-        decimal=decimal,
-        rows=rows,
-        header=header,
-        units=units,
-        first_row=split_line(lines[rows.data_row - 1], separator),
-        layout=layout,
-    )
+    cells: dict[str, Any] = {"header": header, "units": units}
+    cells["first_row"] = split_line(lines[rows.data_row - 1], separator)
+    return Dialect(separator=separator, decimal=decimal, rows=rows, layout=layout, **cells)
 
 
 def _check(layout: TableLayout) -> None:
@@ -414,9 +408,8 @@ def read_stamps(
             values.append(None)
             continue
         if match is None or any((match[key] is None) != (first[key] is None) for key in ("date", "zone")):
-            raise refuse(
-                line, f"cannot read {text[:40]!r} as a time stamp like {first[0]!r}", "mend the cell"
-            )
+            why = f"cannot read {text[:40]!r} as a time stamp like {first[0]!r}"
+            raise refuse(line, why, "mend the cell")
         at_s = days[match["date"]] * _DAY_S if match["date"] else 0
         at_s += _second_of_day(match, line, refuse)
         part = int((match["part"] or "").ljust(12, "0")[:12])

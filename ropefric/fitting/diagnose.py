@@ -286,6 +286,9 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     by_having, by_lacking = (min(some.values(), default=math.inf) for some in (having, lacking))
     best = min(trends.least(title, there=True), by_having)
     other = min(trends.least(title, there=False), by_lacking)
+    if title == "coil contact" and math.isfinite(plain) and best == math.inf and ranked.n > 4:
+        parts += ["contact cannot make μ smaller, and no description with it finds a larger one", room]
+        return Cause(title, "no", "; ".join(filter(None, parts)), experiment, numbers | limits)
     if not (math.isfinite(plain) and math.isfinite(best)):
         parts += [f"{ranked.n} conditions are too few for any law with it", room]
         return Cause(title, "cannot-tell", "; ".join(filter(None, parts)), experiment, numbers | limits)
@@ -300,11 +303,11 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     parts.append(text)
     yes = lead >= STRONG or (by_lacking - by_having >= STRONG and lead > 0.0)
     if not yes and winner.law in having:
-        # The law that won names the effect where no description without it that is as simple comes near. A fuller law
-        # may contain the winner as a limit and then cannot be far behind; that it does not win is enough.
+        # The law that won names the effect where no description without it that is as simple comes near, and none at
+        # all is better. A fuller law may contain the winner as a limit and then cannot be far behind.
         rivals = [entry.aicc for entry in ranked.ranking if entry.law in lacking and entry.k <= winner.k]
         rivals += [x for some, x in trends.aicc.items() if title not in some and len(some) + 2 <= winner.k]
-        yes = min(rivals, default=math.inf) - winner.aicc >= STRONG
+        yes = min(rivals, default=math.inf) - winner.aicc >= STRONG and other > winner.aicc - _WEAK
     # An offset and a wrap effect both explain what the constant law cannot, as well as each other.
     looks_like_offset = (
         title == "wrap effect"
@@ -374,9 +377,9 @@ def _limits(title: str, line: _Line, trends: _Trends) -> tuple[dict[str, float],
         span = f"{_percent(low)} to {_percent(high)}"
         return numbers, f"an offset may still change F_A by {span}{beside} (at 95 % each)"
     if title == "coil contact":
-        most = _percent(max(high, 0.0))
-        text = f"contact may still raise μ beyond the first turn by up to {most} (at 95 %)"
-        return numbers, text
+        if high <= 0.0:
+            return numbers, "the trials leave contact no room (at 95 %)"
+        return numbers, f"contact may still raise μ beyond the first turn by up to {_percent(high)} (at 95 %)"
     ends = " to ".join(f"{significant(float(end) * factor, 4):g}" for end in levels)
     room = [f"{way} by up to {_percent(size)}" for way, size in (("fall", -low), ("rise", high)) if size > 0]
     span = " ".join(filter(None, (name, ends, unit)))

@@ -331,8 +331,9 @@ def lead_by_chance(
         behind, tried = block, tried + block.size
         least = criteria(simpler, block, np.full(block.size, -np.inf)) - own
         for stands in laws:
-            still = criteria(stands, behind, least) > least
-            behind, least = behind[still], least[still]
+            if behind.size:
+                still = criteria(stands, behind, least) > least
+                behind, least = behind[still], least[still]
         leading += block.size - behind.size
         if leading >= _ENOUGH:
             break

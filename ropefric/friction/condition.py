@@ -12,15 +12,7 @@ from ropefric.errors import InputError
 # written to nine digits stays a hundred times below it.
 _SAME_SETTING = 1e-6
 
-_ALLOWED = {
-    "wheel_radius_m": ("positive", "m"),
-    "rope_radius_m": ("positive", "m"),
-    "wrap_angle_rad": ("zero or more", "rad"),
-    "end_tension_N": ("positive", "N"),
-}
-
-
-SETTINGS = tuple(_ALLOWED)
+SETTINGS = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
 """The four settings that make a condition."""
 
 
@@ -39,9 +31,8 @@ class Conditions:
             shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
         except ValueError:
             lengths = ", ".join(f"{name} has {array.size}" for name, array in arrays.items())
-            raise InputError(
-                f"the conditions disagree in length: {lengths}", fix="give one value each, or one for all"
-            ) from None
+            why = f"the conditions disagree in length: {lengths}"
+            raise InputError(why, fix="give one value each, or one for all") from None
         for name, array in arrays.items():
             _check_range(name, array)
             spread = np.broadcast_to(array, shape).copy()
@@ -88,12 +79,11 @@ def _check_sizes(wheel_m: FloatArray, rope_m: FloatArray) -> None:
         wrong = ~((ratio > 0.0) & np.isfinite(ratio) & np.isfinite(wheel_m + rope_m))
     if wrong.any():
         first = int(np.argmax(wrong))
-        raise InputError(
-            f"wheel_radius_m[{first}] is {wheel_m[first]:g} m and rope_radius_m[{first}] {rope_m[first]:g} m: "
-            "no number holds R_w/R_r or R_w + R_r",
-            key="wheel_radius_m",
-            fix="give both in metres",
+        sizes = (
+            f"wheel_radius_m[{first}] is {wheel_m[first]:g} m and rope_radius_m[{first}] {rope_m[first]:g} m"
         )
+        why = f"{sizes}: no number holds R_w/R_r or R_w + R_r"
+        raise InputError(why, key="wheel_radius_m", fix="give both in metres")
 
 
 def one_condition(
@@ -158,26 +148,20 @@ def as_floats(name: str, values: npt.ArrayLike) -> FloatArray:
     try:
         array = np.atleast_1d(np.asarray(values, dtype=np.float64))
     except (TypeError, ValueError):
-        raise InputError(
-            f"{name} is not a number or a list of numbers: {values!r:.60}", key=name, fix="give SI numbers"
-        ) from None
+        why = f"{name} is not a number or a list of numbers: {values!r:.60}"
+        raise InputError(why, key=name, fix="give SI numbers") from None
     if array.ndim > 1:
-        raise InputError(
-            f"{name} has {array.ndim} axes {array.shape}; conditions are one list",
-            key=name,
-            fix="ravel the array",
-        )
+        why = f"{name} has {array.ndim} axes {array.shape}; conditions are one list"
+        raise InputError(why, key=name, fix="ravel the array")
     return array
 
 
 def _check_range(name: str, array: FloatArray) -> None:
-    rule, unit = _ALLOWED[name]
-    low_enough = array >= 0.0 if rule == "zero or more" else array > 0.0
-    wrong = ~(low_enough & np.isfinite(array))
+    rule, unit = ("zero or more" if name == "wrap_angle_rad" else "positive"), name.rpartition("_")[2]
+    high_enough = array >= 0.0 if rule == "zero or more" else array > 0.0
+    wrong = ~(high_enough & np.isfinite(array))
     if wrong.any():
         first = int(np.argmax(wrong))
-        raise InputError(
-            f"{name}[{first}] is {array[first]:g} {unit}; it must be finite and {rule}",
-            key=name,
-            fix=f"correct or leave out this condition ({int(wrong.sum())} of {array.size} are wrong)",
-        )
+        why = f"{name}[{first}] is {array[first]:g} {unit}; it must be finite and {rule}"
+        fix = f"correct or leave out this condition ({int(wrong.sum())} of {array.size} are wrong)"
+        raise InputError(why, key=name, fix=fix)

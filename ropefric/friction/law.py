@@ -290,9 +290,8 @@ class FrictionLaw:
         ndarray, shape (n, 3) or (m, n, 3)
             Columns in 1/m, 1/rad and [-].
         """
-        return self._table(
-            theta, conditions, lambda columns: self.physics.condition_slopes(columns, conditions)
-        )
+        slopes = self.physics.condition_slopes
+        return self._table(theta, conditions, lambda columns: slopes(columns, conditions))
 
     def local_mu(self, theta: npt.ArrayLike, wrap_rad: npt.ArrayLike, conditions: Conditions) -> FloatArray:
         """Return the local coefficient μ(φ) = d ln F/dφ where the wrap ends after an angle from the slack end.
@@ -324,15 +323,11 @@ class FrictionLaw:
         """
         if (conditions.wrap_angle_rad < _LEAST_WRAP_RAD).any():
             first = int(np.argmin(conditions.wrap_angle_rad))
-            raise InputError(
-                f"{self.name}: no average coefficient over a wrap of zero at {conditions.describe(first)}",
-                key="wrap_angle_rad",
-                fix="leave out the conditions with zero wrap",
-            )
+            what = f"{self.name}: no average coefficient over a wrap of zero at {conditions.describe(first)}"
+            raise InputError(what, key="wrap_angle_rad", fix="leave out the conditions with zero wrap")
         wrap_rad = conditions.wrap_angle_rad
-        return self._table(
-            theta, conditions, lambda columns: (self.physics.rise(columns, conditions) / wrap_rad,)
-        )[..., 0]
+        rise = self.physics.rise
+        return self._table(theta, conditions, lambda columns: (rise(columns, conditions) / wrap_rad,))[..., 0]
 
     def validity(self, theta: npt.ArrayLike, conditions: Conditions) -> tuple[str, ...]:
         """Return why the law has no answer for some of the conditions; empty where it has one for all."""
@@ -377,16 +372,14 @@ class FrictionLaw:
         names = self.parameter_names
         for name in mapping:
             if name not in names:
-                raise UnknownNameError(
-                    f"{self.name} has no parameter {name!r}", fix=did_you_mean(name, names)
-                )
+                fix = did_you_mean(name, names)
+                raise UnknownNameError(f"{self.name} has no parameter {name!r}", fix=fix)
         values = {parameter.name: parameter.start for parameter in self.parameters if parameter.fixed}
         values |= mapping
         missing = [name for name in names if name not in values]
         if missing:
-            raise InputError(
-                f"{self.name}: no value for {', '.join(missing)}", fix=f"it needs {', '.join(names)}"
-            )
+            fix = f"it needs {', '.join(names)}"
+            raise InputError(f"{self.name}: no value for {', '.join(missing)}", fix=fix)
         return np.array([float(values[name]) for name in names])
 
     def as_mapping(self, theta: npt.ArrayLike) -> dict[str, float]:
@@ -419,19 +412,15 @@ class FrictionLaw:
         others are words.
         """
         if self.arithmetic is None:
-            raise InputError(
-                f"there is no hand calculation for law {self.name}",
-                fix="declare its `arithmetic`, see FrictionLaw",
-            )
+            fix = "declare its `arithmetic`, see FrictionLaw"
+            raise InputError(f"there is no hand calculation for law {self.name}", fix=fix)
         at = conditions.select([index])
         sheet = Sheet(self.effects)
         sheet.say(f"law {self.name}: {self.equation}")
         for name, value in self.as_mapping(theta).items():
             sheet.given(name, value)
-        for symbol, unit, setting in zip(
-            ("R_w", "R_r", "phi", "F_B"), ("m", "m", "rad", "N"), SETTINGS, strict=True
-        ):
-            sheet.given(symbol, float(getattr(at, setting)[0]), f"{symbol} [{unit}]")
+        for symbol, setting in zip(("R_w", "R_r", "phi", "F_B"), SETTINGS, strict=True):
+            sheet.given(symbol, float(getattr(at, setting)[0]), f"{symbol} [{setting.rpartition('_')[2]}]")
         sheet.line("ln F_B", "ln(F_B)", "y")
         sheet["rise"] = self.arithmetic(sheet)
         log_lift = sheet.line("ln F_A", "y + rise", "log_lift")
@@ -450,15 +439,12 @@ class FrictionLaw:
             raise InputError(f"{self.name}: theta is not an array of numbers", key="theta") from None
         p = len(self.parameters)
         if array.ndim not in {1, 2} or array.shape[-1] != p:
-            raise InputError(
-                f"{self.name}: theta has shape {array.shape}; it needs ({p},) or (m, {p})",
-                key="theta",
-                fix=f"its parameters are {', '.join(self.parameter_names)}",
-            )
+            why = f"{self.name}: theta has shape {array.shape}; it needs ({p},) or (m, {p})"
+            fix = f"its parameters are {', '.join(self.parameter_names)}"
+            raise InputError(why, key="theta", fix=fix)
         if not np.isfinite(array).all():
-            raise InputError(
-                f"{self.name}: a parameter is not finite", key="theta", fix="give finite numbers"
-            )
+            why = f"{self.name}: a parameter is not finite"
+            raise InputError(why, key="theta", fix="give finite numbers")
         return tuple(array[..., i] if array.ndim == 1 else array[:, i, np.newaxis] for i in range(p))
 
     def _answered(self, columns: Columns, conditions: Conditions) -> BoolArray:
@@ -492,12 +478,10 @@ class FrictionLaw:
         wrong = ~np.isfinite(table)
         if wrong.any():
             condition = int(np.argwhere(wrong)[0][-2])
-            raise InputError(
-                f"{self.name}: no finite value at {conditions.describe(condition)}: the coefficient is infinite where "
-                "the wrap starts from nothing, or a parameter is so large or small that floats overflow",
-                code="RF420",
-                fix="ask at a wrap angle above zero, with parameters inside their bounds",
-            )
+            why = f"{self.name}: no finite value at {conditions.describe(condition)}: the coefficient is infinite where "
+            why += "the wrap starts from nothing, or a parameter is so large or small that floats overflow"
+            fix = "ask at a wrap angle above zero, with parameters inside their bounds"
+            raise InputError(why, code="RF420", fix=fix)
         return table
 
 
@@ -533,10 +517,8 @@ class LiftModel:
     def __post_init__(self) -> None:
         rho, v = self.linear_density_kg_m, self.speed_m_s
         if not (math.isfinite(rho) and math.isfinite(v) and rho >= 0.0):
-            raise InputError(
-                f"mass per length {rho:g} kg/m and speed {v:g} m/s must be finite and the mass zero or more",
-                key="linear_density_kg_m",
-            )
+            why = f"mass per length {rho:g} kg/m and speed {v:g} m/s must be finite and the mass zero or more"
+            raise InputError(why, key="linear_density_kg_m")
 
     @property
     def inertia_N(self) -> float:
@@ -563,10 +545,9 @@ class LiftModel:
             return conditions
         left_N = conditions.end_tension_N - self.inertia_N
         if not (left_N > 0.0).all():
-            raise InputError(
-                f"rho v^2 = {self.inertia_N:.6g} N is not below F_B at "
-                f"{conditions.describe(int(np.argmin(left_N)))}: the rope lifts off the wheel",
-                code="RF420",
-                fix="raise the end tension or lower the speed",
+            where = conditions.describe(int(np.argmin(left_N)))
+            why = (
+                f"rho v^2 = {self.inertia_N:.6g} N is not below F_B at {where}: the rope lifts off the wheel"
             )
+            raise InputError(why, code="RF420", fix="raise the end tension or lower the speed")
         return replace(conditions, end_tension_N=left_N)

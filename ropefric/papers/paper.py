@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from decimal import Decimal
 from importlib import import_module
 from pathlib import Path
@@ -67,8 +67,7 @@ def nothing(_: Any) -> Iterable[Any]:
     return ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Item:
+class Item(NamedTuple):
     """An equation, table or figure of a paper.
 
     Attributes
@@ -106,8 +105,7 @@ class Given(NamedTuple):
     reference_N: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Paper:
+class Paper(NamedTuple):
     """A paper: what it is, the scene of its machine in words, what that is made into, its items, and what to know."""
 
     title: str
@@ -115,14 +113,13 @@ class Paper:
     system: str
     scene: str
     machine: Callable[[Given], Any]
+    items: tuple[Item, ...]
     of: str = "the published machine"
     beside: str = ""
-    items: tuple[Item, ...]
     notes: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Reading:
+class Reading(NamedTuple):
     """A paper as read for a machine: the rows of all its items."""
 
     name: str
@@ -144,20 +141,15 @@ class Reading:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the reading as a JSON tree."""
-        return {
-            "paper": self.name,
-            "title": self.paper.title,
-            "source": self.paper.source,
-            "of": self.of,
-            "printed": len(self.printed),
-            "agree": sum(bool(row.agrees) for _, row in self.printed),
-            "items": [
-                {name: getattr(item, name) for name in ("number", "says", "where", "unit", "remark", "given")}
-                | {"rows": [_tree(row) for row in rows]}
-                for item, rows in self.rows
-            ],
-            "notes": list(self.paper.notes),
-        }
+        paper, names = self.paper, ("number", "says", "where", "unit", "remark", "given")
+        items = [
+            {name: getattr(item, name) for name in names} | {"rows": [_tree(row) for row in rows]}
+            for item, rows in self.rows
+        ]
+        agree = sum(bool(row.agrees) for _, row in self.printed)
+        about = {"paper": self.name, "title": paper.title, "source": paper.source, "of": self.of}
+        counts = {"printed": len(self.printed), "agree": agree}
+        return {**about, **counts, "items": items, "notes": list(paper.notes)}
 
     def parts(self) -> Iterator[Part]:
         """Yield the reading in words: what agrees, then item by item."""
@@ -183,15 +175,14 @@ def part_of(item: Item, rows: Iterable[Row]) -> Part:
 
 
 def _tree(row: Row) -> dict[str, Any]:
-    value, apart = (
-        one if one is None or isinstance(one, bool) else finite(significant(one))
-        for one in (row.value, row.deviation)
-    )
+    def plain(one: Any) -> Any:
+        return one if one is None or isinstance(one, bool) else finite(significant(one))
+
+    numbers = {"value": plain(row.value), "deviation": plain(row.deviation)}
     return {
         "of": row.of,
-        "value": value,
+        **numbers,
         "printed": row.printed or None,
-        "deviation": apart,
         "agrees": row.agrees,
         "remark": row.remark,
     }
@@ -231,10 +222,11 @@ def read_paper(
     if name not in PAPERS:
         raise UnknownNameError(f"unknown paper {name!r}", key="PAPER", fix=did_you_mean(name, PAPERS))
     paper: Paper = import_module(f"ropefric.papers.{name}").PAPER
-    for given, key, what in (
+    of_prth = (
         (trials, "--trials", "reduces trials"),
         (reference_N, "--reference-tension", "has a reference tension"),
-    ):
+    )
+    for given, key, what in of_prth:
         if given is not None and name != "prth":
             raise InputError(f"only prth {what}", key=key, fix=f"leave {key} out")
     F_0 = 1.0 if reference_N is None else float(checked("reference_tension", reference_N))
@@ -244,12 +236,9 @@ def read_paper(
     else:
         loaded = load_scene(scene)
     if loaded.kind.name != paper.system:
-        raise InputError(
-            f"the scene is one of a {loaded.kind.name}, the paper of a {paper.system}",
-            key="--scene",
-            path=str(scene),
-            fix=f'give one with system = "{paper.system}"',
-        )
+        why = f"the scene is one of a {loaded.kind.name}, the paper of a {paper.system}"
+        fix = f'give one with system = "{paper.system}"'
+        raise InputError(why, key="--scene", path=str(scene), fix=fix)
     if fit is not None:
         table = loaded.table.model_copy(update={"friction": FrictionTable(fit=fit.name)})
         source = source_of(loaded.kind, table, fit.parent)

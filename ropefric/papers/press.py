@@ -78,16 +78,10 @@ def _machine(given: Given) -> Machine:
     def swept(**axes: FloatArray) -> PressSweep:
         return PressSweep(statics, problem.friction, **axes)
 
-    return Machine(
-        answer=answer,
-        press=press,
-        over_speed=swept(speed_m_s=speeds_m_s),
-        over_preload=swept(preload_N=preloads_N),
-        over_both=swept(preload_N=few_N, speed_m_s=speeds_m_s),
-        settled=ends,
-        moved=None if problem.start_up is None else _start_up(problem),
-        published=given.published,
-    )
+    over = swept(speed_m_s=speeds_m_s), swept(preload_N=preloads_N)
+    both = swept(preload_N=few_N, speed_m_s=speeds_m_s)
+    moved = None if problem.start_up is None else _start_up(problem)
+    return Machine(answer, press, *over, both, ends, moved, given.published)
 
 
 def _start_up(problem: PressProblem) -> StartUp | None:
@@ -204,10 +198,8 @@ def _constant(values: FloatArray) -> bool:
 
 def _figure_4(it: Machine) -> Iterator[Row]:
     tension_N = it.over_speed.effective_tension_N[0]
-    yield Row(
-        "largest fall of T' from rest to twice the speed [%]",
-        100.0 * float((1.0 - tension_N[-1] / tension_N[0]).max()),
-    )
+    fall = float((1.0 - tension_N[-1] / tension_N[0]).max())
+    yield Row("largest fall of T' from rest to twice the speed [%]", 100.0 * fall)
     if it.published:
         both = [it.spans.index(name) for name in ("5", "6", "7", "8")]
         others = [i for i in range(len(it.spans)) if i not in both]
@@ -251,11 +243,11 @@ def _figure_5(it: Machine) -> Iterator[Row]:
 
 def _figure_6(it: Machine) -> Iterator[Row]:
     slip = it.over_preload.slip
-    yield from _said(
-        it,
-        "rollers 2 and 5 fall as the preload rises",
-        lambda measure: all(_falls(slip.of(name, measure)) for name in _WATCHED),
-    )
+
+    def falls(measure: str) -> bool:
+        return all(_falls(slip.of(name, measure)) for name in _WATCHED)
+
+    yield from _said(it, "rollers 2 and 5 fall as the preload rises", falls)
 
 
 def _figure_7(it: Machine) -> Iterator[Row]:

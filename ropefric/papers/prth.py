@@ -118,13 +118,9 @@ def _series(trials: TrialTable, over: str) -> Series | None:
     n = np.array([rows.size for rows in places])
     squares = sum(float(((log_lift[rows] - log_lift[rows].mean()) ** 2).sum()) for rows in places)
     within = math.sqrt(squares / (n.sum() - n.size)) if n.sum() > n.size else math.nan
-    return Series(
-        over=over,
-        at=at.select([rows[0] for rows in places]),
-        log_lift=np.array([log_lift[rows].mean() for rows in places]),
-        std=within / np.sqrt(n),
-        trials=replace(trials, kept=kept),
-    )
+    means = np.array([log_lift[rows].mean() for rows in places])
+    mine, own = at.select([rows[0] for rows in places]), replace(trials, kept=kept)
+    return Series(over, mine, means, within / np.sqrt(n), own)
 
 
 class Segments(NamedTuple):
@@ -179,21 +175,17 @@ def _machine(given: Given) -> Machine:
     if trials is not None and given.reference_N != 1.0:
         forces = (
             "end_tension_N",
+            "end_tension_std_N",
+            "end_tension_set_N",
             "peak_N",
             "peak_std_N",
-            "end_tension_std_N",
             "cell_std_N",
-            "end_tension_set_N",
         )
         trials = replace(trials, **{name: getattr(trials, name) / given.reference_N for name in forces})
-    return Machine(
-        lift=lift,
-        law=source.friction.law,
-        theta=source.friction.theta,
-        at=Conditions(**{name: getattr(problem, name)[:1] for name in SETTINGS}),
-        reference_N=given.reference_N,
-        reduction=None if trials is None else reduce_trials(trials),
-    )
+    law, theta = source.friction.law, source.friction.theta
+    at = Conditions(**{name: getattr(problem, name)[:1] for name in SETTINGS})
+    reduction = None if trials is None else reduce_trials(trials)
+    return Machine(lift, law, theta, at, given.reference_N, reduction)
 
 
 def _means(fit: FitResult) -> TrialTable:
@@ -249,11 +241,9 @@ def _chart_1(it: Machine) -> Iterator[Shown]:
     pieces = {"slips": ends[:2], "sticks": ends[1:]}
     angles = {name: np.linspace(one[0], one[1], _STEPS) for name, one in pieces.items()}
     lines = [Line(name, np.degrees(one), tension_along_N(it.lift, one)) for name, one in angles.items()]
-    up = ("tension_N", "Tension F [N]")
-    across = ("wrap_angle_deg", "Angle from the slack side [deg]")
-    yield shown(
-        "figure_1", "Tension along the rope on the turning wheel, under the payload", across, up, lines
-    )
+    title = "Tension along the rope on the turning wheel, under the payload"
+    across, up = ("wrap_angle_deg", "Angle from the slack side [deg]"), ("tension_N", "Tension F [N]")
+    yield shown("figure_1", title, across, up, lines)
 
 
 def _within(std: float) -> str:
@@ -298,9 +288,8 @@ def _segments(wraps: Series, _: Reduction) -> Iterator[Row]:
         yield Row(f"μ from {start:.4g} to {end:.4g} deg", float(mu), remark=_within(float(std)))
     yield Row("(7), (9): Σ μ_m φ_m / φ", float(cut.mu @ widths / widths.sum()))
     equal = np.ptp(widths) < 1e-9
-    yield Row(
-        "(8), (10): equal weights", float(cut.mu.mean()), remark="" if equal else "the pieces are not equal"
-    )
+    remark = "" if equal else "the pieces are not equal"
+    yield Row("(8), (10): equal weights", float(cut.mu.mean()), remark=remark)
     yield Row("ln(F_A/F_B)/φ over it all", float(wraps.average_mu[-1]))
 
 
@@ -344,12 +333,8 @@ def _start_rad(it: Machine, reference_N: float) -> float:
     return math.exp(brentq(surplus, -600.0, 10.0, xtol=1e-12)) if log_end > 0.0 else 0.0
 
 
-_NAMES = {
-    "size-power": "(3), size-power",
-    "size-exponential": "(4), size-exponential",
-    "wrap-exponential": "(14), wrap-exponential",
-    "wrap-power": "(15), wrap-power",
-}
+_NUMBERS = {"size-power": 3, "size-exponential": 4, "wrap-exponential": 14, "wrap-power": 15}
+_NAMES = {law: f"({number}), {law}" for law, number in _NUMBERS.items()}
 _MU, _LOCAL = ("mu_average", "Average coefficient μ [-]"), ("mu_local", "Local coefficient μ(φ) [-]")
 _WRAP, _SIZE = ("wrap_angle_deg", "Wrap φ [deg]"), ("size_ratio", "R_w/R_r [-]")
 

@@ -66,19 +66,11 @@ def _machine(given: Given) -> Machine:
     problem: SawProblem = given.scene.problem
     saw = problem.saw
     if saw is None:
-        raise InputError(
-            "the paper's saw has wheels",
-            code="RF121",
-            key="--scene",
-            fix="give the scene a [wheel] with its speed",
-        )
+        fix = "give the scene a [wheel] with its speed"
+        raise InputError("the paper's saw has wheels", code="RF121", key="--scene", fix=fix)
     string = replace(saw, bending_stiffness_N_m2=0.0)
-    by_table = {
-        "1": string,
-        "2": replace(string, mounting_factor=0.0),
-        "3": replace(string, mounting_factor=1.0),
-    }
-    return Machine(problem, by_table)
+    fixed, free = (replace(string, mounting_factor=kappa) for kappa in (0.0, 1.0))
+    return Machine(problem, {"1": string, "2": fixed, "3": free})
 
 
 def _one(of: str, value: float, printed: str = "", remark: str = "") -> Row:
@@ -144,17 +136,13 @@ def _feed(it: Machine) -> Iterator[Row]:
     problem, section = it.problem, it.problem.section
     if section is None:
         return
-    yield _one(
-        "first frequency of torsion at rest [Hz]",
-        torsion_frequencies_Hz(it.span(Side.REST), section, 1)[0, 0],
-    )
+    torsion_Hz = torsion_frequencies_Hz(it.span(Side.REST), section, 1)[0, 0]
+    yield _one("first frequency of torsion at rest [Hz]", torsion_Hz)
     length_m = float((problem.free_span_m if problem.guided_m is None else problem.guided_m)[0])
     for side in _RUNNING:
         net_N = it.span(side, "3").net_tension_N
-        yield _one(
-            f"limit under feed force, {side} side [N]",
-            feed_limit_N(net_N, section, problem.ends, length_m)[0],
-        )
+        limit_N = feed_limit_N(net_N, section, problem.ends, length_m)[0]
+        yield _one(f"limit under feed force, {side} side [N]", limit_N)
 
 
 def _measured(it: Machine) -> Iterator[Row]:
@@ -162,10 +150,8 @@ def _measured(it: Machine) -> Iterator[Row]:
     for point in it.problem.measurements:
         name = f"{point.side} measured {point.frequency_Hz:g} Hz"
         if point.side is Side.REST:
-            yield _one(
-                f"{name}, string at rest off by [%]",
-                100.0 * (it.modes_Hz(Side.REST)[0] / point.frequency_Hz - 1),
-            )
+            ratio = it.modes_Hz(Side.REST)[0] / point.frequency_Hz
+            yield _one(f"{name}, string at rest off by [%]", 100.0 * (ratio - 1))
             continue
         for model in ("string-fixed-axles", "string-constant-force"):
             (off,) = deviations(saw, (point,), (model,))

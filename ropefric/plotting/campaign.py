@@ -1,42 +1,36 @@
 """A campaign in figures: trials against checks, conditions with their repeatability, one recording and all of them."""
 
 import math
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from matplotlib.collections import LineCollection
-
-from ropefric.arrays import FloatArray
-from ropefric.glossary import counted
-from ropefric.plotting import style
-from ropefric.plotting.figure import DataTable, FigureWithData, drawing
-from ropefric.trials.result import Outline, TrialResult
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from itertools import groupby
 from pathlib import Path
 from textwrap import shorten
-from typing import TYPE_CHECKING
+from typing import Any
 
-from matplotlib.collections import PolyCollection
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.ticker import MaxNLocator
 
+from ropefric.arrays import FloatArray
 from ropefric.files.folder import Folder, as_folder
-from ropefric.plotting.figure import begin, figure_files, localize
+from ropefric.glossary import counted
+from ropefric.plotting import style
+from ropefric.plotting.figure import DataTable, FigureWithData, begin, drawing, figure_files, localize
 from ropefric.traces.breakaway import Status
 from ropefric.trials.outliers import RULES
-from ropefric.trials.result import ConditionSummary, Extraction, count_trials, outcome_words
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
+from ropefric.trials.result import (
+    ConditionSummary,
+    Extraction,
+    Outline,
+    TrialResult,
+    count_trials,
+    outcome_words,
+)
 
 OK, NOT_JUDGED, FLAG, FAIL = "ok", "not judged", "flag", "fail"
 """What a check says of a trial."""
@@ -104,11 +98,7 @@ def draw_overview(extraction: Extraction) -> FigureWithData:
             _draw_band(axes, band, width)
         figure.suptitle(f"{extraction.name}, {counts}")
         style.legend_of_figure(figure)
-    alt = (
-        f"Campaign {extraction.name}, {counts}."
-        if rows
-        else f"Campaign {extraction.name}: there is no trial."
-    )
+    alt = f"Campaign {extraction.name}" + (f", {counts}." if rows else ": there is no trial.")
     told = Counter(
         check for _, *said in rows for check, one in zip(CHECKS, said, strict=True) if one in {FLAG, FAIL}
     )
@@ -119,7 +109,7 @@ def draw_overview(extraction: Extraction) -> FigureWithData:
     return FigureWithData(figure=figure, tables=(DataTable.of_rows(("trial", *CHECKS), rows),), alt=alt)
 
 
-def _draw_band(axes: "Axes", band: Sequence[tuple[str, ...]], width: int) -> None:
+def _draw_band(axes: Axes, band: Sequence[tuple[str, ...]], width: int) -> None:
     names, *columns = zip(*band, strict=True)
     crowded = width > _ONE_BAND
     for row, column in enumerate(columns):
@@ -173,12 +163,9 @@ def conditions_of(extraction: Extraction) -> dict[str, tuple[ConditionSummary, l
 def _settings(summary: ConditionSummary, trials: Iterable[TrialResult]) -> tuple[str, ...]:
     """Return radii, wrap, and the tension that is known with its symbol, in the units people use at the rig."""
     slack = _measures_slack(trials)
-    values = (
-        1e3 * summary.wheel_radius_m,
-        1e3 * summary.rope_radius_m,
-        math.degrees(summary.wrap_angle_rad),
-        summary.lift_force_N if slack else summary.end_tension_N,
-    )
+    radii_mm = 1e3 * summary.wheel_radius_m, 1e3 * summary.rope_radius_m
+    known_N = summary.lift_force_N if slack else summary.end_tension_N
+    values = (*radii_mm, math.degrees(summary.wrap_angle_rad), known_N)
     return (*(f"{value:.6g}" for value in values), "F_A" if slack else "F_B")
 
 
@@ -292,7 +279,7 @@ def _is_usable(trial: TrialResult) -> bool:
     return trial.breakaway.status is Status.OK
 
 
-def _draw_traces(axes: "Axes", trials: Sequence[TrialResult], colors: Sequence[Any]) -> None:
+def _draw_traces(axes: Axes, trials: Sequence[TrialResult], colors: Sequence[Any]) -> None:
     """Draw the recordings with the forces picked from them and the band of their sliding forces."""
     axes.set(xlabel=style.figure_label("time_s"), ylabel=style.figure_label("force_N"))
     recordings = _recordings_of(trials)
@@ -312,16 +299,10 @@ def _draw_traces(axes: "Axes", trials: Sequence[TrialResult], colors: Sequence[A
     axes.autoscale_view()
     usable = [trial for trial in trials if _is_usable(trial)]
     if usable:
-        axes.scatter(
-            [trial.breakaway.peak_time_s for trial in usable],
-            [trial.measured_N for trial in usable],
-            s=36,
-            c=[color_of[trial.trial] for trial in usable],
-            edgecolors="black",
-            linewidths=0.8,
-            zorder=5,
-            label=style.typeset("plateau F_B" if usable[0].measures_slack else "break-away force F_A"),
-        )
+        picks = [(one.breakaway.peak_time_s, one.measured_N, color_of[one.trial]) for one in usable]
+        time_s, force_N, inks = zip(*picks, strict=True)
+        label = style.typeset("plateau F_B" if usable[0].measures_slack else "break-away force F_A")
+        axes.scatter(time_s, force_N, s=36, c=inks, label=label, edgecolors="black", linewidths=0.8, zorder=5)
     sliding_N = [force for trial in usable if math.isfinite(force := trial.breakaway.kinetic_N)]
     if sliding_N:
         low_N, high_N = min(sliding_N), max(sliding_N)
@@ -343,7 +324,7 @@ def _draw_traces(axes: "Axes", trials: Sequence[TrialResult], colors: Sequence[A
 
 
 def _draw_strip(
-    axes: "Axes", summary: ConditionSummary, trials: Sequence[TrialResult], colors: Sequence[Any]
+    axes: Axes, summary: ConditionSummary, trials: Sequence[TrialResult], colors: Sequence[Any]
 ) -> None:
     r"""Draw the measured force of each trial in order, the mean and the ±2s band of all of them.
 
@@ -381,17 +362,13 @@ def _draw_strip(
     if not usable:
         axes.text(0.5, 0.5, "no usable force", transform=axes.transAxes, ha="center", color=style.GREY)
     elif warning := RULES[summary.rule].warning(summary.n):
-        banner = {
-            "facecolor": "#FFF3D6",
-            "edgecolor": style.ORANGE,
-            "boxstyle": "round,pad=0.2",
-            "linewidth": 0.8,
-        }
+        ink = {"facecolor": "#FFF3D6", "edgecolor": style.ORANGE, "linewidth": 0.8}
+        banner = ink | {"boxstyle": "round,pad=0.2"}
         axes.set_title(warning.split(" (")[0], fontsize=9, loc="left", bbox=banner)
     style.legend_below(axes)
 
 
-def _draw_values(axes: "Axes", usable: Sequence[tuple[int, TrialResult, Any]]) -> None:
+def _draw_values(axes: Axes, usable: Sequence[tuple[int, TrialResult, Any]]) -> None:
     """Draw the measured forces with their standard uncertainties; trials that are treated alike in one go."""
     for fate, marker in (("kept", "o"), ("rejected", "o"), ("excluded", "D")):
         mine = [one for one in usable if one[1].outcome == fate]
@@ -402,11 +379,10 @@ def _draw_values(axes: "Axes", usable: Sequence[tuple[int, TrialResult, Any]]) -
             forces_N = [trial.measured_N for trial in trials]
             look = ink if fate == "kept" else hollow
             axes.scatter(order, forces_N, s=36, marker=marker, zorder=5, label=fate, **look)
-    bars = [
-        (order, trial.measured_N, std_N, color)
-        for order, trial, color in usable
-        if np.isfinite(std_N := trial.end_tension_std_N if trial.measures_slack else trial.peak_std_N)
-    ]
+    bars = []
+    for place, trial, color in usable:
+        std_N = trial.end_tension_std_N if trial.measures_slack else trial.peak_std_N
+        bars += [(place, trial.measured_N, std_N, color)] if np.isfinite(std_N) else []
     if bars:
         places, force_N, half_N, inks = (list(column) for column in zip(*bars, strict=True))
         low_N, high_N = np.subtract(force_N, half_N), np.add(force_N, half_N)
@@ -415,7 +391,7 @@ def _draw_values(axes: "Axes", usable: Sequence[tuple[int, TrialResult, Any]]) -
         axes.scatter(2 * places, [*low_N, *high_N], s=16, c=2 * inks, **tick)
 
 
-def _draw_flags(axes: "Axes", flagged: dict[int, TrialResult]) -> None:
+def _draw_flags(axes: Axes, flagged: dict[int, TrialResult]) -> None:
     if not flagged:
         return
     look: dict[str, Any] = {"color": style.DARK_ORANGE, "transform": axes.get_xaxis_transform()}
@@ -471,7 +447,7 @@ def draw_recording(trial: TrialResult) -> FigureWithData:
     return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
 
 
-def _draw_trace(axes: "Axes", outline: Outline) -> None:
+def _draw_trace(axes: Axes, outline: Outline) -> None:
     label: dict[str, Any] = {"label": "recorded, min to max", "color": style.BLUE, "alpha": 0.25}
     axes.fill_between(outline.time_s, outline.low_N, outline.high_N, linewidth=0, **label)
     axes.plot(outline.time_s, outline.smoothed_N, color=style.BLUE, linewidth=1.0, label="its mean")
@@ -524,17 +500,8 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
             if lines[fate] or picks[fate]:
                 at = np.array(picks[fate]).reshape(-1, 2).T
                 mark: dict[str, Any] = {"edgecolors": "black"} if look["marker"] != "x" else {}
-                axes.scatter(
-                    at[0],
-                    at[1],
-                    s=14,
-                    marker=look["marker"],
-                    c=look["color"],
-                    label=fate,
-                    linewidths=0.5,
-                    zorder=4,
-                    **mark,
-                )
+                mark |= {"marker": look["marker"], "c": look["color"], "linewidths": 0.5, "zorder": 4}
+                axes.scatter(at[0], at[1], s=14, label=fate, **mark)
         style.legend_of_figure(figure)
     names = ("trial", "file", "measured_N", "outcome")
     columns = {name: [getattr(trial, name) for trial in trials] for name in names}
@@ -550,7 +517,7 @@ def _margins(down: int) -> dict[str, float]:
     return {"left": 0.005, "right": 0.995, "top": 1.0, "bottom": 0.4 / (0.42 + 0.92 * down)}
 
 
-def _write(axes: "Axes", x: float, y: float, text: str, **look: Any) -> None:
+def _write(axes: Axes, x: float, y: float, text: str, **look: Any) -> None:
     axes.text(x, y, text, **{"va": "baseline"} | look)
 
 
@@ -560,13 +527,8 @@ def _in_cell(
     """Return a recording's curve in its cell, its pick, and the numbers at its ends: x, y, text, side."""
     parts = np.array_split(np.arange(outline.time_s.size), min(_BINS, outline.time_s.size))
     # Highest and lowest mean of each stretch in the order they come, so that no peak is lost.
-    picked = [
-        i
-        for part in parts
-        for i in sorted(
-            {int(part[outline.smoothed_N[part].argmin()]), int(part[outline.smoothed_N[part].argmax()])}
-        )
-    ]
+    ends = ((force_N.argmin(), force_N.argmax()) for force_N in (outline.smoothed_N[part] for part in parts))
+    picked = [int(part[i]) for part, pair in zip(parts, ends, strict=True) for i in sorted({*pair})]
     time_s, force_N = outline.time_s[picked], outline.smoothed_N[picked]
     low_N, high_N = float(force_N.min()), float(force_N.max())
     start_s, long_s = float(time_s[0]), float(time_s[-1] - time_s[0]) or 1.0

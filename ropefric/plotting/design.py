@@ -2,21 +2,17 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
+from ropefric.arrays import FloatArray
 from ropefric.fitting.compare import Comparison, ComparisonEntry
+from ropefric.fitting.design import DesignChart
 from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from ropefric.arrays import FloatArray
-    from ropefric.fitting.design import DesignChart
-
 
 _LADDER = ("law", "k", "delta_aicc", "weight", "chi2", "loco_error", "status", "counted", "note")
 _EVEN = 2.0
@@ -56,7 +52,7 @@ def draw_ladder(comparison: Comparison) -> FigureWithData:
     return FigureWithData(figure=figure, tables=(table,), alt=_ladder_in_words(comparison, laws))
 
 
-def _name_rows(axes: "Axes", names: Sequence[str]) -> None:
+def _name_rows(axes: Axes, names: Sequence[str]) -> None:
     """Write a name at each row, the first on top."""
     axes.set_yticks(range(len(names)), list(names))
     axes.set_ylim(max(len(names), 1) - 0.4, -0.6)
@@ -67,7 +63,7 @@ def _is_ranked(entry: ComparisonEntry) -> bool:
     return entry.counted and math.isfinite(entry.delta_aicc)
 
 
-def _draw_entry(axes: "Axes", row: int, entry: ComparisonEntry) -> None:
+def _draw_entry(axes: Axes, row: int, entry: ComparisonEntry) -> None:
     beside = axes.get_yaxis_transform()
     if not _is_ranked(entry):
         axes.plot([0.0], [row], "x", color=style.GREY, markersize=7, markeredgewidth=1.6)
@@ -131,7 +127,7 @@ def draw_budget(
     return FigureWithData(figure=figure, tables=(table,), alt=f"Uncertainty budget of {title}: {said}.")
 
 
-def _draw_contributions(axes: "Axes", names: Sequence[str], parts: "FloatArray") -> None:
+def _draw_contributions(axes: Axes, names: Sequence[str], parts: FloatArray) -> None:
     widths = np.nan_to_num(parts[0])
     places = range(len(names))
     axes.barh(places, widths, height=0.62, color=style.BLUE, alpha=0.75, edgecolor=style.INK, linewidth=0.6)
@@ -172,17 +168,12 @@ def draw_tornado(rows: Sequence[tuple[str, float, float, float]]) -> FigureWithD
     return FigureWithData(figure=figure, tables=(DataTable.of_rows(header, ranked),), alt=alt)
 
 
-def _draw_swings(
-    axes: "Axes", ranked: Sequence[tuple[str, float, float, float, float]], base_N: float
-) -> None:
+def _draw_swings(axes: Axes, ranked: Sequence[tuple[str, float, float, float, float]], base_N: float) -> None:
     """Draw rows of name, force at the low and the high value, in the base case, and their width."""
     low, high = "input at its low value", "input at its high value"
     for column, color, hatch, label in ((1, style.ORANGE, "///", low), (2, style.BLUE, "", high)):
-        ends: dict[int, float] = {
-            place: force_N
-            for place, row in enumerate(ranked)
-            if not math.isnan(force_N := float(row[column]))
-        }
+        forces_N = {place: float(row[column]) for place, row in enumerate(ranked)}
+        ends = {place: force_N for place, force_N in forces_N.items() if not math.isnan(force_N)}
         widths = [value_N - base_N for value_N in ends.values()]
         look: dict[str, Any] = {"edgecolor": style.INK, "linewidth": 0.6, "facecolor": color, "hatch": hatch}
         axes.barh([*ends], widths, left=base_N, height=0.6, label=label if ends else "", **look)
@@ -199,7 +190,7 @@ def _draw_swings(
 _MARKERS_A_LINE = 8
 
 
-def draw_design_chart(chart: "DesignChart", *, required_N: float | None = None) -> FigureWithData:
+def draw_design_chart(chart: DesignChart, *, required_N: float | None = None) -> FigureWithData:
     """Return the chart of a design: F_A over the wrap for each wheel, on a logarithmic force axis.
 
     Solid lines are the mean law, dashed ones what a pull with a new rope exceeds with the chart's probability; where
@@ -246,17 +237,15 @@ def draw_design_chart(chart: "DesignChart", *, required_N: float | None = None) 
         asked = {"required_N": [float(required_N)] * n_wheels, "safety": [1.0] * n_wheels}
         needed = {"wheel_radius_m": chart.wheel_radius_m} | asked | {"wrap_angle_rad": wraps_rad}
         tables.append(DataTable(needed, "smallest_wrap"))
-        found = [
-            f"{radius} needs {math.degrees(wrap):.4g} deg"
-            if math.isfinite(wrap)
-            else f"{radius} does not reach it"
-            for radius, wrap in zip(radii_mm, wraps_rad, strict=True)
-        ]
+        needs = (
+            f"needs {math.degrees(x):.4g} deg" if math.isfinite(x) else "does not reach it" for x in wraps_rad
+        )
+        found = map(" ".join, zip(radii_mm, needs, strict=True))
         alt += f" For {required_N:.4g} N, lifted with probability {chart.probability:g}: {'; '.join(found)}."
     return FigureWithData(figure=figure, tables=tuple(tables), alt=alt)
 
 
-def _smallest_wrap(chart: "DesignChart", row: int, needed_N: float) -> float:
+def _smallest_wrap(chart: DesignChart, row: int, needed_N: float) -> float:
     """Return the first wrap whose lower bound reaches a force [rad], straight in ln F between the chart's columns."""
     bound_N, wrap_rad = chart.lower_bound_N[row], chart.wrap_angle_rad
     with np.errstate(invalid="ignore"):
@@ -271,7 +260,7 @@ def _smallest_wrap(chart: "DesignChart", row: int, needed_N: float) -> float:
     return float(wrap_rad[i - 1] + share * (wrap_rad[i] - wrap_rad[i - 1]))
 
 
-def _draw_load(axes: "Axes", wraps_rad: list[float], needed_N: float) -> None:
+def _draw_load(axes: Axes, wraps_rad: list[float], needed_N: float) -> None:
     wraps_deg = np.degrees([wrap for wrap in wraps_rad if math.isfinite(wrap)])
     axes.plot(wraps_deg, np.full(wraps_deg.size, needed_N), "v", color=style.INK, markersize=8, zorder=6)
     for place, wrap_deg in enumerate(sorted(wraps_deg.tolist())):
@@ -279,7 +268,7 @@ def _draw_load(axes: "Axes", wraps_rad: list[float], needed_N: float) -> None:
     axes.axhline(needed_N, label=f"required: {needed_N:.4g} N", color=style.ORANGE, linewidth=1.5)
 
 
-def _draw_wheel(axes: "Axes", chart: "DesignChart", row: int, color: object, label: str) -> None:
+def _draw_wheel(axes: Axes, chart: DesignChart, row: int, color: object, label: str) -> None:
     wrap_deg = np.degrees(chart.wrap_angle_rad)
     marker, every = style.MARKERS[row % len(style.MARKERS)], max(1, wrap_deg.size // _MARKERS_A_LINE)
     marked: dict[str, Any] = {"marker": marker, "markevery": every, "markersize": 4.5, "label": label}

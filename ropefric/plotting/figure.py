@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 from xml.etree import ElementTree as ET
 
 import matplotlib as mpl
@@ -37,11 +37,7 @@ from ropefric.plotting.style import TYPESET, figure_text, house_style, plain_tex
 T = TypeVar("T")
 
 # Without date and matplotlib's version, which would change an unchanged figure.
-FORMATS = {
-    "png": ("Software",),
-    "svg": ("Date", "Creator"),
-    "pdf": ("CreationDate", "Creator", "Producer"),
-}
+FORMATS = {"png": ("Software",), "svg": ("Date", "Creator"), "pdf": ("CreationDate", "Creator", "Producer")}
 """What a figure can be written as, and what is not to be said in it."""
 
 _PARSERS: dict[str, Any] = {}
@@ -77,8 +73,7 @@ def forget_fonts() -> None:
     gc.collect()  # figures that are done with hold them in cycles
 
 
-@dataclass(frozen=True, slots=True)
-class DataTable:
+class DataTable(NamedTuple):
     """Numbers behind a figure: columns of one length, each under its heading."""
 
     columns: Mapping[str, Iterable[object]]

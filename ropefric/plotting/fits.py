@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from matplotlib.axes import Axes
 from matplotlib.ticker import LogFormatter
 from scipy.ndimage import gaussian_filter
 from scipy.special import ndtri
@@ -21,10 +21,6 @@ from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
 from ropefric.uncertainty.quantity import joint_draws, symmetric_root
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
 FACETS = ("end_tension_N", "wrap_angle_rad", "wheel_radius_m")
 """What the average coefficient is drawn against."""
 
@@ -36,16 +32,10 @@ _LIMIT = 2.0
 _NO_TRIALS = "no trials stored with the fit"
 _BARS: dict[str, Any] = {"fmt": "o", "elinewidth": 1.0, "capsize": 2.0}
 _OTHERS = {"label": "other conditions", "color": style.GREY, "markerfacecolor": "white", "markersize": 3.5}
-_CHOSEN: dict[str, Any] = {
-    "label": "conditions as in the heading",
-    "color": style.INK,
-    "markersize": 5.5,
-    "zorder": 4,
-}
+_CHOSEN: dict[str, Any] = {"color": style.INK, "markersize": 5.5, "zorder": 4}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ConditionPoints:
+class ConditionPoints(NamedTuple):
     """The measured conditions behind a fit: how many trials, mean ln F_A and its standard uncertainty."""
 
     conditions: Conditions
@@ -141,7 +131,7 @@ def _first(fits: Sequence[FitResult]) -> tuple[FitResult, ConditionPoints, str]:
     return fits[0], points, f"{counted(int(points.n.sum()), 'trial')}, {counted(points.n.size, 'condition')}"
 
 
-def _plain_log(axes: "Axes", axis: str) -> None:
+def _plain_log(axes: Axes, axis: str) -> None:
     """Make an axis logarithmic, with plain numbers at its ticks."""
     axes.set(**{f"{axis}scale": "log"})
     getattr(axes, f"{axis}axis").set_major_formatter("{x:g}")
@@ -179,7 +169,8 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
                 style.say_instead(axes, _NO_TRIALS)
             chosen = _have(points.conditions, settings)
             x = factor * getattr(points.conditions, over)
-            for mask, look in ((~chosen, _OTHERS), (chosen, _CHOSEN)):
+            heading = {"label": "conditions as in the heading"}
+            for mask, look in ((~chosen, _OTHERS), (chosen, _CHOSEN | heading)):
                 _draw_means(axes, x[mask], mu[mask], mu_std[mask], **look)
         figure.axes[0].set_ylabel(style.figure_label("mu_average"))
         figure.suptitle(f"{counts}; bars: ±2 u (k = 2)")
@@ -199,7 +190,7 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
-def _draw_means(axes: "Axes", x: FloatArray, y: FloatArray, std: FloatArray, **look: Any) -> None:
+def _draw_means(axes: Axes, x: FloatArray, y: FloatArray, std: FloatArray, **look: Any) -> None:
     """Draw conditions with bars of ±2 standard uncertainties."""
     if x.size:
         axes.errorbar(x, y, yerr=2.0 * np.nan_to_num(std), **_BARS | look)
@@ -266,17 +257,14 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
             f"straight line through the origin has slope {slope:.4g}; points lie up to {worst:.3g} off it, a factor of "
             f"{math.exp(worst):.3g} in force."
         )
-    drawn = {
-        "law": np.repeat([*curves], grid.size),
-        "wrap_angle_rad": np.tile(grid, len(curves)),
-        "log_ratio": np.ravel([*curves.values()]),
-    }
+    drawn = {"law": np.repeat([*curves], grid.size), "wrap_angle_rad": np.tile(grid, len(curves))}
+    drawn["log_ratio"] = np.ravel([*curves.values()])
     conditions = points.settings | {"log_ratio": rise, "log_ratio_std": points.std_log}
     tables = DataTable(conditions), DataTable(drawn, "laws")
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
-def _draw_wheels(axes: "Axes", points: ConditionPoints) -> None:
+def _draw_wheels(axes: Axes, points: ConditionPoints) -> None:
     radii_m = points.conditions.wheel_radius_m
     wheel = levels(radii_m)
     for place, color in enumerate(style.shades(int(wheel.max()) + 1)):
@@ -308,9 +296,9 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad", narrow: bool 
         panels = figure.subplots(**rows, sharex=True, squeeze=False)[:, 0]
         axes, last = panels[0], panels[-1]
         hatch: dict[str, Any] = {
+            "hatch": "///",
             "facecolor": "none",
             "edgecolor": "#9A9A9A",
-            "hatch": "///",
             "linewidth": 0.0,
         }
         for panel in panels:
@@ -371,7 +359,7 @@ def _band(fit: FitResult, settings: Mapping[str, float], over: str) -> tuple[Flo
     return x, _evaluated(fit, _swept(settings, over, x), law, len(_BAND))
 
 
-def _draw_band(axes: "Axes", x: FloatArray, columns: FloatArray, law: str) -> None:
+def _draw_band(axes: Axes, x: FloatArray, columns: FloatArray, law: str) -> None:
     line, low, high, wide_low, wide_high = columns
     look = style.law_look(law)
     ink = look["color"]
@@ -382,7 +370,7 @@ def _draw_band(axes: "Axes", x: FloatArray, columns: FloatArray, law: str) -> No
 
 
 def _draw_measured(
-    axes: "Axes",
+    axes: Axes,
     fit: FitResult,
     points: ConditionPoints,
     settings: Mapping[str, float],
@@ -445,13 +433,8 @@ def draw_residuals(fit: FitResult) -> FigureWithData:
         share = f"{beyond} of {z.size} beyond ±2" if z.size else _NO_TRIALS
         figure.suptitle(f"Law {fit.law}: {what}, {share}")
         style.legend_of_figure(figure)
-    columns = {
-        "order": order,
-        "lift_force_N": np.exp(fitted),
-        "log_residual": residual,
-        "standardised": z,
-        "normal_quantile": quantile,
-    }
+    columns = {"order": order, "lift_force_N": np.exp(fitted), "log_residual": residual}
+    columns |= {"standardised": z, "normal_quantile": quantile}
     alt = f"Residuals of the law {fit.law}: no trials are stored with the fit."
     if z.size:
         rms = float(np.sqrt(np.mean(residual**2)))
@@ -475,7 +458,7 @@ def _residuals(fit: FitResult) -> tuple[FloatArray, FloatArray, FloatArray]:
     return fitted[usable], residual[usable], std[usable]
 
 
-def _scatter(axes: "Axes", x: "FloatArray | IntArray", z: FloatArray, law: str) -> None:
+def _scatter(axes: Axes, x: "FloatArray | IntArray", z: FloatArray, law: str) -> None:
     axes.axhline(0.0, color=style.INK, linewidth=0.8)
     for limit in (-_LIMIT, _LIMIT):
         axes.axhline(limit, color=style.INK, linewidth=1.0, linestyle=":", label="±2 standard deviations")
@@ -550,9 +533,8 @@ def draw_corner(fit: FitResult) -> FigureWithData:
                 axes.set_ylabel(_with_unit(fit, names[row]), fontsize=9)
         figure.suptitle(what, fontsize=9)
     rows = [
-        (names[i], names[j], float(theta[i]), float(std[i]), float(correlation[i, j]))
-        for i in range(n)
-        for j in range(n)
+        (names[i], names[j], float(theta[i]), float(std[i]), float(r))
+        for (i, j), r in np.ndenumerate(correlation)
     ]
     closest = max((row for row in rows if row[0] != row[1]), key=lambda row: abs(row[4]), default=None)
     alt = f"Parameters of the law {fit.law} against each other, {what}: {', '.join(names)}."
@@ -563,7 +545,7 @@ def draw_corner(fit: FitResult) -> FigureWithData:
     return FigureWithData(figure=figure, tables=(DataTable.of_rows(header, rows), drawn), alt=alt)
 
 
-def _draw_pair(axes: "Axes", x: FloatArray, y: FloatArray, law: str) -> None:
+def _draw_pair(axes: Axes, x: FloatArray, y: FloatArray, law: str) -> None:
     """Draw some of the draws of two parameters as points, and how densely all of them lie as contours."""
     ink = style.law_look(law)["color"]
     ends = (*axes.get_xlim(), *axes.get_ylim())

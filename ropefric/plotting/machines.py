@@ -1,31 +1,26 @@
 """The figures of scenes: charts, sweeps as lines or a map, a press's start-up, a saw's Campbell chart."""
 
 import math
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.glossary import GLOSSARY
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
+from ropefric.scenes.kind import Chart, Wheel
+from ropefric.scenes.plan import Explanation
+from ropefric.scenes.scene import Scene
+from ropefric.scenes.solve import Solution
+from ropefric.scenes.sweep import Sweep
+from ropefric.systems.bandsaw.resonance import Excitation, SawChart
 from ropefric.systems.bandsaw.saw import Side
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from matplotlib.axes import Axes
-
-    from ropefric.arrays import FloatArray
-    from ropefric.scenes.kind import Chart, Wheel
-    from ropefric.scenes.plan import Explanation
-    from ropefric.scenes.scene import Scene
-    from ropefric.scenes.solve import Solution
-    from ropefric.scenes.sweep import Sweep
-    from ropefric.systems.bandsaw.resonance import Excitation, SawChart
-    from ropefric.systems.press.transient.start_up import StartUp
-
+from ropefric.systems.press.transient.start_up import StartUp
 
 _MARKERS = "os^Dv*"
 _MOST_LINES = 6
@@ -34,7 +29,7 @@ _DRAWN_POINTS, _DRAWN_CELLS = 2000, 250
 """Most points of a line, and of each side of a map, that a page can show; a finer sweep is thinned evenly."""
 
 
-def scene_figures(solution: "Solution") -> "Iterator[tuple[str, FigureWithData]]":
+def scene_figures(solution: Solution) -> Iterator[tuple[str, FigureWithData]]:
     """Yield file name without ending and figure of everything that a solved scene has to show."""
     for stem, figure in solution.scene.kind.figures.items():
         data = figure.data(solution.answer, solution.scene.problem)
@@ -42,7 +37,7 @@ def scene_figures(solution: "Solution") -> "Iterator[tuple[str, FigureWithData]]
             yield stem, globals()[figure.drawn_by](data)
 
 
-def draw_chart(chart: "Chart") -> FigureWithData:
+def draw_chart(chart: Chart) -> FigureWithData:
     """Return the figure of a chart: its lines, thin grey ones for limits, a point where a line has one value."""
     with drawing(9.0, 6.0) as figure:
         axes = figure.subplots()
@@ -68,7 +63,7 @@ def draw_chart(chart: "Chart") -> FigureWithData:
     return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
 
 
-def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
+def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
     """Return the figure of one number of a sweep over one or two axes: lines for few values of the first, else a map."""
     if len(sweep.axes) > 2:
         raise InputError(
@@ -105,15 +100,13 @@ def draw_sweep(sweep: "Sweep", *, quantity: str = "") -> FigureWithData:
             drawn = axes.pcolormesh(places[1], places[0], shown, cmap="cividis", shading="nearest")
             axes.set_ylabel(outer[0].label)
             axes.figure.colorbar(drawn, ax=axes).set_label(label)
-    columns = {
-        axis.key: each.ravel()
-        for axis, each in zip(sweep.axes, np.meshgrid(*places, indexing="ij"), strict=True)
-    }
+    meshes = zip(sweep.axes, np.meshgrid(*places, indexing="ij"), strict=True)
+    columns = {axis.key: each.ravel() for axis, each in meshes}
     table = DataTable(columns | {name: grid.ravel()})
     return FigureWithData(figure=figure, tables=(table,))
 
 
-def draw_explanation(told: "Explanation") -> FigureWithData:
+def draw_explanation(told: Explanation) -> FigureWithData:
     """Return what every effect of a scene is worth, against the accuracy wanted, and beside it the time it takes."""
     shown = [one for one in told.plan.decisions if one.fate != "not applicable"]
     rows, inside = np.arange(len(shown)), np.array([one.fate == "simulated" for one in shown])
@@ -144,7 +137,7 @@ def draw_explanation(told: "Explanation") -> FigureWithData:
 _ROLES = {"driver": style.BLUE, "driven": style.GREY, "tensioner": style.ORANGE}
 
 
-def draw_layout(scene: "Scene") -> FigureWithData:
+def draw_layout(scene: Scene) -> FigureWithData:
     """Return the wheels of a machine and what lies on them, radii and wraps to scale, in the order of travel.
 
     Two wheels of a loop face each other; in a longer one each is shown with its wrap on top, since no scene tells where
@@ -189,8 +182,8 @@ def draw_layout(scene: "Scene") -> FigureWithData:
 
 
 def _draw_wheel(
-    axes: "Axes", wheel: "Wheel", place: "FloatArray", middle: float, *, stubs: bool
-) -> "tuple[FloatArray, FloatArray]":
+    axes: Axes, wheel: Wheel, place: FloatArray, middle: float, *, stubs: bool
+) -> tuple[FloatArray, FloatArray]:
     """Draw a wheel and what lies on it about the direction of its middle; return where that begins and ends."""
     radius_mm, turns = 1e3 * wheel.radius_m, wheel.wrap_angle_rad / (2.0 * np.pi)
     along = np.linspace(0.0, 1.0, 121 * math.ceil(turns))
@@ -221,7 +214,7 @@ _LEFT_BEHIND = 0.02
 _FLOOR = 1e-16
 
 
-def _same_lines(names: "Iterable[str]", lines: "FloatArray", prefix: str) -> "dict[str, FloatArray]":
+def _same_lines(names: Iterable[str], lines: FloatArray, prefix: str) -> dict[str, FloatArray]:
     """Return each different line once, under all its names."""
     groups: list[tuple[list[str], FloatArray]] = []
     for name, line in zip(names, lines.T, strict=True):
@@ -232,7 +225,7 @@ def _same_lines(names: "Iterable[str]", lines: "FloatArray", prefix: str) -> "di
     return {", ".join(members): line for members, line in groups}
 
 
-def name_lines(axes: "Axes", ends: "Iterable[tuple[str, float]]", *, gap: float = 0.042) -> None:
+def name_lines(axes: Axes, ends: Iterable[tuple[str, float]], *, gap: float = 0.042) -> None:
     """Write names at the right end of lines, pushed apart where they would touch; call it with the limits set."""
     to_axes = axes.transData + axes.transAxes.inverted()
     right = axes.get_xlim()[1]
@@ -251,20 +244,20 @@ def name_lines(axes: "Axes", ends: "Iterable[tuple[str, float]]", *, gap: float 
     arrow = {"arrowstyle": "-", "color": style.GREY, "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
     for (true, name), place in zip(wanted, spread, strict=True):
         look: dict[str, Any] = {
-            "xycoords": "axes fraction",
             "va": "center",
             "fontsize": 9.0,
             "arrowprops": arrow,
+            "annotation_clip": False,
         }
-        axes.annotate(style.typeset(name), (1.0, true), (1.03, place), annotation_clip=False, **look)
+        axes.annotate(style.typeset(name), (1.0, true), (1.03, place), xycoords="axes fraction", **look)
 
 
-def _spread(block: "Sequence[float]", gap: float) -> "list[float]":
+def _spread(block: Sequence[float], gap: float) -> list[float]:
     middle = sum(block) / len(block)
     return [middle + gap * (i - 0.5 * (len(block) - 1)) for i in range(len(block))]
 
 
-def draw_press_start_up(found: "StartUp") -> FigureWithData:
+def draw_press_start_up(found: StartUp) -> FigureWithData:
     """Return the figure of a start-up.
 
     From above: the tension of every span; the rim speed of every roller; when the belt slips on which roller, forward
@@ -305,12 +298,12 @@ def draw_press_start_up(found: "StartUp") -> FigureWithData:
     return FigureWithData(figure=figure, tables=tables, alt=alt)
 
 
-def _slipped(found: "StartUp") -> list[str]:
+def _slipped(found: StartUp) -> list[str]:
     """Return the rollers on which a belt slips, in the order in which it begins to."""
     return list(dict.fromkeys(slip.roller for slip in found.slips))
 
 
-def _draw_speeds(axes: "Axes", found: "StartUp", rims_m_s: "FloatArray") -> None:
+def _draw_speeds(axes: Axes, found: StartUp, rims_m_s: FloatArray) -> None:
     drive_m_s, slipped = found.drive_speed_m_s, _slipped(found)
     least = _LEFT_BEHIND * float(np.abs(drive_m_s).max())
     ends = [("drive", float(drive_m_s[-1]))]
@@ -324,7 +317,7 @@ def _draw_speeds(axes: "Axes", found: "StartUp", rims_m_s: "FloatArray") -> None
     name_lines(axes, ends, gap=0.07)
 
 
-def _draw_slips(axes: "Axes", found: "StartUp") -> None:
+def _draw_slips(axes: Axes, found: StartUp) -> None:
     names = _slipped(found)
     for slip in found.slips:
         color = style.ORANGE if slip.direction > 0 else style.BLUE
@@ -356,7 +349,7 @@ _MODE_LABELS_AT = 0.12
 _BACKGROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.4}
 
 
-def draw_saw_chart(chart: "SawChart") -> FigureWithData:
+def draw_saw_chart(chart: SawChart) -> FigureWithData:
     """Return a Campbell chart: frequencies of the modes of both sides over the blade's speed, and the excitations.
 
     Where a mode meets an excitation there is a circle; the number beside it says by how much the speed at work would
@@ -393,7 +386,7 @@ def draw_saw_chart(chart: "SawChart") -> FigureWithData:
     return FigureWithData(figure=figure, tables=tables)
 
 
-def _draw_modes(axes: "Axes", chart: "SawChart") -> None:
+def _draw_modes(axes: Axes, chart: SawChart) -> None:
     for side, frequencies in chart.mode_Hz.items():
         color, dashes = _LOOK[side]
         for mode, values in enumerate(frequencies.T, start=1):
@@ -404,13 +397,13 @@ def _draw_modes(axes: "Axes", chart: "SawChart") -> None:
                 style.note_at(axes, f"mode {mode}", point, up=-6.0, va="top", bbox=_BACKGROUND, zorder=5)
 
 
-def _mode_label_place(chart: "SawChart") -> float:
+def _mode_label_place(chart: SawChart) -> float:
     slowest, fastest = float(chart.speed_m_s[0]), float(chart.speed_m_s[-1])
     return slowest + _MODE_LABELS_AT * (fastest - slowest)
 
 
 def _draw_excitation(
-    axes: "Axes", excitation: "Excitation", chart: "SawChart", dashes: object, top_Hz: float
+    axes: Axes, excitation: Excitation, chart: SawChart, dashes: object, top_Hz: float
 ) -> None:
     lines = excitation.frequencies_Hz(chart.speed_m_s).T
     if float(lines.min(axis=1).min()) >= top_Hz:
@@ -430,7 +423,7 @@ def _draw_excitation(
         style.note_at(axes, f"{harmonic}×", point, color=style.GREY, annotation_clip=False, **where)
 
 
-def _draw_crossings(axes: "Axes", chart: "SawChart", top_Hz: float) -> None:
+def _draw_crossings(axes: Axes, chart: SawChart, top_Hz: float) -> None:
     slowest_m_s, span_m_s = float(chart.speed_m_s[0]), float(np.ptp(chart.speed_m_s))
     slack = chart.mode_Hz[Side.SLACK][int(np.searchsorted(chart.speed_m_s, _mode_label_place(chart)))]
     written = [(_MODE_LABELS_AT, float(value) / top_Hz - _LABEL_OFFSET) for value in slack]

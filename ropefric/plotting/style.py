@@ -5,10 +5,11 @@ import re
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import matplotlib.style
-from matplotlib import colormaps
+from matplotlib import colormaps, rc_params_from_file
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -30,29 +31,7 @@ LINE_STYLES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
 """What tells lines and points apart where colour does not: on grey paper and for colour-blind eyes."""
 
-_STYLE = {
-    "figure.dpi": 110.0,
-    "savefig.dpi": 110.0,
-    "font.family": "DejaVu Sans",  # comes with matplotlib, so that every machine sets the same letters
-    "font.size": 10.0,
-    "axes.titlesize": 11.0,
-    "figure.titlesize": 12.0,
-    "axes.labelsize": 10.0,
-    "legend.fontsize": 9.0,
-    "xtick.labelsize": 9.0,
-    "ytick.labelsize": 9.0,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#DDDDDD",
-    "grid.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "legend.frameon": False,
-    "svg.hashsalt": "ropefric",
-    "svg.fonttype": "path",
-    "pdf.fonttype": 42,
-    "path.simplify": True,
-}
+_HOUSE: Any = rc_params_from_file(Path(__file__).with_name("house.mplstyle"), use_default_template=False)
 _ONE_AT_A_TIME = threading.RLock()
 
 _SUBSCRIPT = re.compile(r"(?<![A-Za-zφμρσ])([A-Za-zφμρσ]++)_([A-Za-z0-9]++(?:,[A-Za-z0-9]++)*+)")
@@ -69,7 +48,7 @@ def house_style() -> Iterator[None]:
 
     The style of matplotlib is one for the whole process, so threads draw one after the other.
     """
-    with _ONE_AT_A_TIME, matplotlib.style.context(["default", _STYLE]):
+    with _ONE_AT_A_TIME, matplotlib.style.context(["default", _HOUSE]):
         yield
 
 
@@ -82,10 +61,8 @@ def law_look(law: str) -> dict[str, Any]:
     """Return colour and line style of a law, the same in every figure; the capstan equation is a plain black line."""
     place = list(ALL_LAWS).index(law.removesuffix("-from-zero"))
     n = len(_LAW_COLORS)
-    return {
-        "color": _LAW_COLORS[place % n],
-        "linestyle": LINE_STYLES[(place + place // n) % len(LINE_STYLES)],
-    }
+    dashes = LINE_STYLES[(place + place // n) % len(LINE_STYLES)]
+    return {"color": _LAW_COLORS[place % n], "linestyle": dashes}
 
 
 def shades(n: int) -> list[tuple[float, ...]]:
@@ -144,13 +121,8 @@ def note_at(
     axes: Axes, text: str, point: tuple[float, float], right: float = 0.0, up: float = 0.0, **look: Any
 ) -> None:
     """Write a small text at a point, so many points of print to the right of it and above it."""
-    shown: dict[str, Any] = {
-        "fontsize": 8.0,
-        "ha": "center",
-        "va": "bottom",
-        "textcoords": "offset points",
-    } | look
-    axes.annotate(text, point, xytext=(right, up), **shown)
+    shown: dict[str, Any] = {"fontsize": 8.0, "ha": "center", "va": "bottom"} | look
+    axes.annotate(text, point, xytext=(right, up), textcoords="offset points", **shown)
 
 
 def legend_below(axes: Axes, *, columns: int = 2) -> None:

@@ -3,15 +3,13 @@
 import math
 import re
 import textwrap
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from matplotlib.axes import Axes
 
 from ropefric.accuracy.study import ROUNDING, Measured, StudyResult, in_case, time_text
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 _COLUMNS = (
     *("case", "method", "setting", "error", "seconds", "spread_s", "evaluations"),
@@ -68,7 +66,7 @@ def _look(place: int) -> dict[str, Any]:
 
 
 def _draw_case(
-    axes: "Axes", points: tuple[Measured, ...], front: tuple[Measured, ...], looks: dict[str, dict[str, Any]]
+    axes: Axes, points: tuple[Measured, ...], front: tuple[Measured, ...], looks: dict[str, dict[str, Any]]
 ) -> None:
     shown = [point for point in points if math.isfinite(point.error)]
     axes.set_xscale("log")
@@ -92,7 +90,7 @@ def _draw_case(
     axes.set(xlabel="Relative error [-], more accurate to the right", ylabel="Time of one call [s]")
 
 
-def _few_decades(axes: "Axes", points: list[Measured]) -> None:
+def _few_decades(axes: Axes, points: list[Measured]) -> None:
     """Mark no more decades than can be read, and where rounding ends all accuracy."""
     if not points:
         return

@@ -99,7 +99,7 @@ def write_table_report(
 def _write(
     subject: Subject,
     folder: Folder,
-    texts: Mapping[str, str],
+    texts: dict[str, str],
     *,
     executor: Executor | None,
     progress: Progress | None,
@@ -114,11 +114,7 @@ def _write(
         folder.path / name for drawn in pictures.values() for picture in drawn for name in picture.files
     ]
     html = page.as_html(_report(subject, pictures, reduced))
-    files: dict[str, str | bytes] = {
-        **texts,
-        **pipeline.evidence_files(subject.evidence),
-        "report.html": html,
-    }
+    files: dict[str, Any] = texts | pipeline.evidence_files(subject.evidence) | {"report.html": html}
     if subject.wish.pdf:
         files["report.pdf"] = page.pdf_of(html)
     return (*numbers, *folder.write(files))
@@ -132,11 +128,10 @@ def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
         lines.append(f"rejected by the rule {run.campaign.rejection}; look for a physical reason")
     if statuses := ", ".join(f"{n} {status}" for status, n in counts["status"].items() if status != "ok"):
         lines.append(f"recordings without a usable force: {statuses}")
-    lines += [
-        f"force cell {name}: {', '.join(cell.assumed)} assumed, not stated: state them in [cells.{name}]"
-        for name, cell in run.campaign.cells.items()
-        if cell.assumed
-    ]
+    for name, cell in run.campaign.cells.items():
+        if cell.assumed:
+            limits = ", ".join(cell.assumed)
+            lines.append(f"force cell {name}: {limits} assumed, not stated: state them in [cells.{name}]")
     sections = (Section(lines=lines), *answer_sections(run.answer))
     nowhere = Section("Lift force", ("the campaign names no wheel: add [design] to it",))
     return sections if run.campaign.design is not None else (*sections, nowhere)
@@ -172,11 +167,8 @@ def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Part]) -> Re
     """Return a report: the result on the first pages, then what to know, the evidence, settings and provenance."""
     answer, evidence, run = subject.answer, subject.evidence, subject.run
     by_hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
-    undecided = [
-        f"{cause.cause}: {cause.experiment}"
-        for cause in answer.diagnosis.causes
-        if cause.supported == "cannot-tell"
-    ]
+    open_causes = [one for one in answer.diagnosis.causes if one.supported == "cannot-tell"]
+    undecided = [f"{cause.cause}: {cause.experiment}" for cause in open_causes]
     of_answer = [*_alerts_of_answer(answer, evidence, asked=run is None or run.campaign.design is not None)]
     of_trials = [alert for alert in of_answer if alert.grade == "note"]
     if run is not None:
@@ -203,19 +195,13 @@ def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Part]) -> Re
         "paper": [*(Section(**part._asdict()) for part in reduced), *pictures.get("paper", ())],
         "uncertainty": _uncertainty(evidence, pictures),
         "design": [*pictures.get("design", ()), *([by_hand] if evidence.hand else [])],
-        "next": ()
-        if evidence.plan is None
-        else [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)],
+        "next": [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)] if evidence.plan else (),
         "provenance": _provenance(subject.provenance, 2 if run else 1),
     }
     chapters = (Chapter(key, _CHAPTERS[key], tuple(own)) for key, own in blocks.items())
-    return Report(
-        title=subject.title,
-        lead=f"{subject.tally}; the friction law they ask for, how good it is, and the lift force it gives.",
-        chapters=tuple(chapter for chapter in chapters if chapter.blocks),
-        language=subject.language,
-        names=subject.names,
-    )
+    lead = f"{subject.tally}; the friction law they ask for, how good it is, and the lift force it gives."
+    shown = tuple(chapter for chapter in chapters if chapter.blocks)
+    return Report(subject.title, lead, shown, subject.language, subject.names)
 
 
 def _uncertainty(evidence: Evidence, pictures: Pictures) -> Iterator[Block]:
@@ -372,18 +358,13 @@ def _sliding_section(extraction: result.Extraction) -> Iterator[Section]:
 
 def _decided_section(extraction: result.Extraction) -> Iterator[Section]:
     """Yield what people decided about single trials, where they did: what, who and why."""
-    rows = tuple(
-        (
-            trial.trial,
-            trial.decision or f"excluded: {trial.excluded}",
-            plain(trial.measured_N),
-            trial.by,
-            trial.why,
-            "; ".join(note for note in trial.breakaway.notes if note.startswith("without the decision")),
-        )
-        for trial in extraction.trials
-        if trial.decision or (trial.excluded and trial.by)
-    )
+    rows = []
+    for trial in extraction.trials:
+        if trial.decision or (trial.excluded and trial.by):
+            what = trial.decision or f"excluded: {trial.excluded}"
+            without = [note for note in trial.breakaway.notes if note.startswith("without the decision")]
+            cells = trial.trial, what, plain(trial.measured_N), trial.by, trial.why, "; ".join(without)
+            rows.append(cells)
     if rows:
         headings = ("trial", "decision ", "F_A [N]", "by ", "why ", "and else ")
         yield Section("Decided by people", headings=headings, rows=rows, left=1)

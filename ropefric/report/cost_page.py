@@ -107,18 +107,9 @@ def cost_markdown(results: Sequence[StudyResult], machine: Machine) -> str:
     parts = [f"# {TITLE}\n\n" + "\n\n".join((*head.lines, *_markdown_table(head))) + "\n"]
     for result, section in zip(results, studies, strict=True):
         name = result.study.name
-        cases, notes = (
-            "\n".join(f"- {line}" for line in lines) for lines in (section.lines[3:], section.notes)
-        )
-        figure, table = f"![{name}]({name}.png)", _markdown_table(section) if section.rows else ()
-        blocks = [
-            f"## {section.title}",
-            *section.lines[:3],
-            cases,
-            figure,
-            *table,
-            *([notes] if notes else []),
-        ]
+        cases, notes = ("\n".join(f"- {one}" for one in some) for some in (section.lines[3:], section.notes))
+        blocks = [f"## {section.title}", *section.lines[:3], cases, f"![{name}]({name}.png)"]
+        blocks += [*(_markdown_table(section) if section.rows else ()), *([notes] if notes else [])]
         parts.append("\n\n".join(blocks) + f"\n\nAll numbers: [{name}.csv]({name}.csv)\n")
     return "\n".join(parts)
 

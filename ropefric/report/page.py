@@ -108,27 +108,16 @@ def as_html(report: Report) -> str:
     """
     blocks = [block for chapter in report.chapters for block in chapter.blocks]
     stems = [block.stem for block in blocks if isinstance(block, Picture)]
-    page = (
-        _environment()
-        .get_template("report.html.j2")
-        .render(
-            report=report,
-            numbers={stem: place for place, stem in enumerate(stems, start=1)},
-            made_by=f"ropefric {__version__}",
-        )
-    )
-    return visible(page) + "\n"
+    numbers = {stem: place for place, stem in enumerate(stems, start=1)}
+    template = _environment().get_template("report.html.j2")
+    return visible(template.render(report=report, numbers=numbers, made_by=f"ropefric {__version__}")) + "\n"
 
 
 @cache
 def _environment() -> Environment:
-    environment = Environment(
-        loader=PackageLoader("ropefric.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    blanks: Any = {"trim_blocks": True, "lstrip_blocks": True}
+    loader = PackageLoader("ropefric.report")
+    environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, **blanks)
     environment.filters |= {"kind": _kind, "markup": Markup, "symbols": _symbols}
     return environment
 
@@ -198,12 +187,8 @@ class Subject(NamedTuple):
         given = [self.title, words.lab, words.customer, words.operator, words.number, *table.trial]
         if self.run is not None:
             campaign, trials = self.run.campaign, self.run.extraction.trials
-            given += [
-                *campaign.wheels,
-                *campaign.cells,
-                *(one.trial for one in trials),
-                *(one.file for one in trials),
-            ]
+            given += [*campaign.wheels, *campaign.cells]
+            given += [name for one in trials for name in (one.trial, one.file)]
             given += [wheel.material for wheel in campaign.wheels.values()]
         cut = {name[:length] for name in given for length in (None, *SHORT_NAMES)}
         return frozenset(name for name in cut if localized(name, self.language) != name)
@@ -244,24 +229,20 @@ def measured_rows(run: CampaignRun) -> list[tuple[str, str]]:
     density = rope.linear_density_kg_m
     weight = "" if density is None else f"{plain(1e3 * density)} g/m"
     used = {(trial.wheel_radius_m, trial.cell) for trial in run.extraction.trials}
+    radii_m, own_cells = (set(one) for one in zip(*used, strict=True)) if used else (set(), set())
     wheels = [
         f"{name} R_w = {plain(1e3 * wheel.radius_m)} mm" + (f" ({wheel.material})" if wheel.material else "")
         for name, wheel in campaign.wheels.items()
-        if wheel.radius_m in {radius_m for radius_m, _ in used}
+        if wheel.radius_m in radii_m
     ]
-    cells = [
-        _cell_words(name, cell) for name, cell in campaign.cells.items() if name in {one for _, one in used}
-    ]
+    cells = [_cell_words(name, cell) for name, cell in campaign.cells.items() if name in own_cells]
     window_s = campaign.smoothing.window_s
     smoothing = campaign.smoothing.mode + (f", {plain(1e3 * window_s)} ms" if window_s else "")
     method = f"protocol {campaign.protocol.name}; smoothing {smoothing}; outliers by {campaign.rejection}"
     size = f"{plain(2e3 * rope.radius_m)} mm in diameter"
-    return [
-        ("Rope", ", ".join(filter(None, (size, weight, rope.material)))),
-        ("Wheels", "; ".join(wheels)),
-        ("Force cells", "; ".join(cells)),
-        ("Method", method),
-    ]
+    of_rope = ", ".join(filter(None, (size, weight, rope.material)))
+    on = ("Wheels", "; ".join(wheels)), ("Force cells", "; ".join(cells))
+    return [("Rope", of_rope), *on, ("Method", method)]
 
 
 def _cell_words(name: str, cell: Any) -> str:
@@ -472,13 +453,8 @@ BROWSER = "ROPEFRIC_BROWSER"
 """The environment variable that names the browser, where it is not found by itself."""
 
 _NAMES = (
-    "chromium",
-    "chromium-browser",
-    "google-chrome",
-    "google-chrome-stable",
-    "chrome",
-    "msedge",
-    "brave-browser",
+    *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"),
+    *("chrome", "msedge", "brave-browser"),
 )
 _PLACES = (
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
@@ -491,6 +467,7 @@ _FLAGS = (
     *("--disable-background-networking", "--disable-component-update", "--no-pdf-header-footer"),
 )
 _PATIENCE_S = 300.0
+_BY_HAND = "or open report.html in any browser and print it"
 _DATE = re.compile(rb"(?<=Date \(D:)\d{14}")
 _UUID = re.compile(rb"(?<=uuid:)[0-9a-f-]{36}")
 
@@ -502,17 +479,10 @@ def find_browser() -> str:
     for found in map(shutil.which, candidates):
         if found is not None:
             return found
-    what = (
-        f"{BROWSER} names {named!r}, which is no program"
-        if named
-        else "no Chromium, Chrome or Edge was found"
-    )
-    raise RopefricError(
-        f"a PDF is printed by a browser, and {what}",
-        code="RF154",
-        fix=f"install one (apt-get install chromium), or name its program in {BROWSER}; or open report.html in any "
-        "browser and print it",
-    )
+    none = "no Chromium, Chrome or Edge was found"
+    what = f"{BROWSER} names {named!r}, which is no program" if named else none
+    fix = f"install one (apt-get install chromium), or name its program in {BROWSER}; {_BY_HAND}"
+    raise RopefricError(f"a PDF is printed by a browser, and {what}", code="RF154", fix=fix)
 
 
 def pdf_of(page: str) -> bytes:
@@ -538,8 +508,5 @@ def pdf_of(page: str) -> bytes:
             if target.is_file():
                 content = _DATE.sub(b"20000101000000", target.read_bytes())
                 return _UUID.sub(b"00000000-0000-0000-0000-000000000000", content)
-    raise RopefricError(
-        f"the browser {browser} printed no PDF: {said or 'it said nothing'}",
-        code="RF154",
-        fix=f"name another one in {BROWSER}, or open report.html in any browser and print it",
-    )
+    why = f"the browser {browser} printed no PDF: {said or 'it said nothing'}"
+    raise RopefricError(why, code="RF154", fix=f"name another one in {BROWSER}, {_BY_HAND}")

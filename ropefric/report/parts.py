@@ -24,13 +24,10 @@ def fit_section(fit: FitResult, title: str = "", *, short: bool = False) -> Sect
     """Return a fitted law with its parameters and their 95 % intervals; in `short`, values as 0.1192(12)."""
     law, found = fit.friction_law, fit.statistics
     between = f"between conditions {percent(found.scatter_between)}"
+    kinetic = ("fitted to the kinetic force: F_A is the mean force while sliding",)
     lines = (
         f"{law.name}: {law.equation}",
-        *(
-            ("fitted to the kinetic force: F_A is the mean force while sliding",)
-            if fit.of == "kinetic"
-            else ()
-        ),
+        *(kinetic if fit.of == "kinetic" else ()),
         f"{counted(found.n, 'trial')} of {counted(found.n_conditions, 'condition')}",
         f"scatter between repeats {percent(found.scatter_within)}, {between}",
         f"status {fit.status}: {fit.status.advice}",
@@ -168,35 +165,25 @@ def tested_ranges(fit: FitResult) -> tuple[str, ...]:
 
 def plan_sections(plan: LabPlan) -> tuple[Section, ...]:
     """Return a plan as sections: its conditions, and the wanted predictions before and after."""
-    rows = [
-        (
-            str(row["condition"]),
-            plain(1e3 * row["wheel_radius_m"]),
-            plain(math.degrees(row["wrap_angle_rad"])),
-            plain(row["end_tension_N"]),
-            str(row["repeats"]),
-            plain(row["expected_lift_force_N"]),
-            f"{100 * row['cell_use']:.0f} %",
+    rows = []
+    for row in plan.rows():
+        settings = setting_cells(
+            *(row[name] for name in ("wheel_radius_m", "wrap_angle_rad", "end_tension_N"))
         )
-        for row in plan.rows()
-    ]
+        expected = plain(row["expected_lift_force_N"]), f"{100 * row['cell_use']:.0f} %"
+        rows.append((str(row["condition"]), *settings, str(row["repeats"]), *expected))
     conditions, pulls = counted(len(plan), "condition"), counted(len(plan) * plan.repeats, "pull")
     law, scatter = plan.planned.law, plan.planned.scatter
     values = law.as_mapping(plan.planned.theta)
-    expected = ", ".join(
-        f"{name} = {plain(values[name], '.3g')} ± {plain(std, '.1g')}"
-        for name, std in plan.expected_parameter_std().items()
-    )
+    within, between = 100 * scatter.within, 100 * scatter.between
+    scattered = f"between repeats {within:.2g} %, between conditions {between:.2g} %"
+    agreeing = f"{plan.agreeing_starts} of {plan.starts} starts"
+    stds = plan.expected_parameter_std().items()
+    told = ", ".join(f"{name} = {plain(values[name], '.3g')} ± {plain(std, '.1g')}" for name, std in stds)
     lines = (
-        (
-            f"{law.name}; scatter between repeats {100 * scatter.within:.2g} %, between conditions "
-            f"{100 * scatter.between:.2g} %, measuring chain {plain(scatter.instrument_N, '.2g')} N"
-        ),
-        f"standard errors to expect: {expected}",
-        (
-            f"the best of {plan.n_candidates} possible conditions; {plan.agreeing_starts} of {plan.starts} starts of "
-            "the search came out as good"
-        ),
+        f"{law.name}; scatter {scattered}, measuring chain {plain(scatter.instrument_N, '.2g')} N",
+        f"standard errors to expect: {told}",
+        f"the best of {plan.n_candidates} possible conditions; {agreeing} of the search came out as good",
     )
     title = f"{conditions} to test, {pulls}, the best for {_GOALS[plan.criterion]}"
     headings = ("no.", "R_w [mm]", "wrap [deg]", "F_B [N]", "repeats", "expected F_A [N]", "of the cell")
@@ -218,11 +205,9 @@ def _worth_section(plan: LabPlan, i: int) -> Section:
         span = interval((lift_N * math.exp(-half), lift_N * math.exp(half))) if told else "cannot be told"
         rows.append((name, std, span, str(outlook.dof)))
     headings = ("tests", "standard error [N]", f"{100 * plan.level:g} % interval of the mean [N]", "dof")
+    gain, at_target = (f"{plain(one, '.3g')} times as" for one in (plan.gain, plan.gain_at_target))
     notes = (
-        (
-            f"intervals {plain(plan.gain, '.3g')} times as narrow as one factor at a time about the middle, "
-            f"{plain(plan.gain_at_target, '.3g')} times as about the wanted condition"
-        ),
+        f"intervals {gain} narrow as one factor at a time about the middle, {at_target} about the wanted condition",
         "expected for these parameters and this scatter; plan again when the first tests have told them better",
     )
     title = f"Worth of the plan: F_A = {plain(lift_N)} N"
@@ -240,15 +225,12 @@ def uncertainty_sections(stated: Statement, title: str) -> tuple[Section, ...]:
     """Return a statement of uncertainty as sections: budget, check by draws, what would make it smaller."""
     found = stated.budget
     unit = "" if stated.model.unit == "-" else f" {stated.model.unit}"
+    y, U = f"{plain(found.estimate, '.5g')}{unit}", f"{plain(found.expanded, '.2g')}{unit}"
+    factors = f"ν_eff = {plain(found.effective_dof, '.3g')}, k = {plain(found.coverage_factor, '.3g')}"
+    combined = f"u_c = {plain(found.combined, '.3g')}{unit}"
     lines = (
-        (
-            f"{stated.model.symbol} = {plain(found.estimate, '.5g')}{unit} ± {plain(found.expanded, '.2g')}{unit} "
-            f"({100 * found.level:g} %)"
-        ),
-        (
-            f"u_c = {plain(found.combined, '.3g')}{unit}, ν_eff = {plain(found.effective_dof, '.3g')}, "
-            f"k = {plain(found.coverage_factor, '.3g')}: U = {plain(found.expanded, '.3g')}{unit}"
-        ),
+        f"{stated.model.symbol} = {y} ± {U} ({100 * found.level:g} %)",
+        f"{combined}, {factors}: U = {plain(found.expanded, '.3g')}{unit}",
     )
     notes = (f"{stated.status}: {stated.status.advice}", *stated.notes)
     smaller = [
@@ -267,15 +249,11 @@ def budgets_section(stated: Sequence[tuple[int, str, Statement]], title: str) ->
     rows = []
     for number, words, item in stated:
         found, largest = item.budget, item.budget.lines[0]
-        numbers = (
-            plain(found.estimate, ".5g"),
-            plain(found.combined, ".2g"),
-            plain(found.effective_dof, ".3g"),
-            plain(found.expanded, ".2g"),
-            f"{100 * found.expanded / abs(found.estimate):.2g} %",
-        )
+        forms = {"estimate": ".5g", "combined": ".2g", "effective_dof": ".3g", "expanded": ".2g"}
+        cells = [plain(getattr(found, key), form) for key, form in forms.items()]
+        cells.append(f"{100 * found.expanded / abs(found.estimate):.2g} %")
         part = f"{largest.label} ({100 * largest.share:.0f} %)"
-        rows.append((str(number), words, *numbers, part, str(item.status)))
+        rows.append((str(number), words, *cells, part, str(item.status)))
     numbers = ("estimate", "u_c", "ν_eff", "U", "U/estimate")
     headings = ("no.", "condition ", *numbers, "largest part ", "status ")
     return Section(title, headings=headings, rows=rows, left=2)
@@ -300,11 +278,9 @@ def _draws_section(stated: Statement, unit: str) -> Section:
     left_out = f"; {drawn.unanswered} draws have no answer" if drawn.unanswered else ""
     allowed = f"{plain(numerical_tolerance(u_c, max(drawn.validated_digits, 1)), '.2g')}{unit}"
     count = {1: "one digit", 2: "two digits"}.get(drawn.validated_digits)
-    strict = (
-        f"holds to {count} of u_c, for which {allowed} are allowed"
-        if count
-        else f"is not passed: to one digit of u_c {allowed} are allowed"
-    )
+    strict = f"is not passed: to one digit of u_c {allowed} are allowed"
+    if count:
+        strict = f"holds to {count} of u_c, for which {allowed} are allowed"
     symmetric, shortest = (interval(x, ".5g") for x in (drawn.symmetric_interval, drawn.shortest_interval))
     lines = (
         f"y ± U: {interval(found.interval, '.5g')}{unit}",

@@ -57,15 +57,11 @@ def draw_pictures(
     drawings = [*_of_front(answer, extraction, evidence)]
     drawings += [] if extraction is None else _of_trials(extraction)
     drawings += [*_of_laws(answer), *_of_design(evidence)]
-    drawings += [
-        ("paper", f"paper_{one.stem}", f"{one.chart.title}.", partial(draw_chart, one.chart))
-        for one in of_paper
-    ]
-    names = subject.names
-    jobs = {
-        stem: partial(_drawn, stem, draw, subject.language, names, subject.wish.formats)
-        for _, stem, _, draw in drawings
-    }
+    for one in of_paper:
+        draw = partial(draw_chart, one.chart)
+        drawings.append(("paper", f"paper_{one.stem}", f"{one.chart.title}.", draw))
+    asked = subject.language, subject.names, subject.wish.formats
+    jobs = {stem: partial(_drawn, stem, draw, *asked) for _, stem, _, draw in drawings}
     made: dict[str, tuple[str, tuple[str, ...]]] = {}
     for done, (stem, (svg, files)) in enumerate(begin(jobs, executor)(), start=1):
         # Workers draw, and this process alone writes.
@@ -159,11 +155,8 @@ def chosen_conditions(extraction: Extraction) -> tuple[tuple[int, str], ...]:
     if any(gone):
         worst = gone.index(max(gone))
         found[worst] = f"{gone[worst]} of {conditions[worst].n_recorded} trials not kept"
-    scatter = [
-        (item.std_kept_N / item.mean_kept_N, -place)
-        for place, item in enumerate(conditions)
-        if item.n_kept > 1
-    ]
+    many = ((place, item) for place, item in enumerate(conditions) if item.n_kept > 1)
+    scatter = [(item.std_kept_N / item.mean_kept_N, -place) for place, item in many]
     if scatter:
         found.setdefault(-max(scatter)[1], "the largest scatter of all")
     return tuple(found.items())

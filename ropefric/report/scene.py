@@ -182,10 +182,8 @@ def sweep_sections(sweep: "Sweep", width: int | None = None) -> list[Section]:
         (axis.label, [f"{value:.5g}" for value in values])
         for axis, values in zip(sweep.axes, zip(*points, strict=True), strict=True)
     ]
-    columns += [
-        (label, [f"{factor * value:.5g}" for value in sweep.columns[name].tolist()])
-        for name, label, factor in moving
-    ]
+    for name, label, factor in moving:
+        columns.append((label, [f"{factor * value:.5g}" for value in sweep.columns[name].tolist()]))
     room = (width or _ROOM) - 2
     widths = [2 + max(map(len, (*label.split(), *cells))) for label, cells in columns]
     n = max(sum(reach <= room + 2 for reach in accumulate(widths)), len(sweep.axes) + 1)

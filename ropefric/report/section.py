@@ -82,9 +82,9 @@ def as_text(sections: Sequence[Section], width: int | None = None) -> str:
 
 def folded(text: str, width: int | None) -> str:
     """Return text with its lines folded at blanks to a terminal's width, if it is one; no word is broken."""
-    return (
-        text if width is None else "\n".join(part for line in text.split("\n") for part in fold(line, width))
-    )
+    if width is None:
+        return text
+    return "\n".join(part for line in text.split("\n") for part in fold(line, width))
 
 
 def fold(line: str, width: int, indent: str = "", *, hang: str = "  ", more: str = "") -> list[str]:
@@ -107,12 +107,10 @@ def _text_lines(section: Section, width: int | None) -> list[str]:
     narrow = min(WIDTH, width or WIDTH)
     lines = folded(section.title, width).split("\n") if section.title else []
     for line in section.lines:
-        whole = section.verbatim and width is None
-        lines += (
-            [f"{indent}{line}"]
-            if whole
-            else fold(line, width or WIDTH if section.verbatim else narrow, indent)
-        )
+        if section.verbatim and width is None:
+            lines.append(f"{indent}{line}")
+        else:
+            lines += fold(line, width or WIDTH if section.verbatim else narrow, indent)
     if section.headings:
         lines += [f"{indent}{line}".rstrip() for line in _table_lines(section, width and width - len(indent))]
     return lines + [part for note in section.notes for part in fold(f"- {note}", narrow, indent)]
@@ -134,10 +132,8 @@ def _table_lines(section: Section, width: int | None) -> Iterator[str]:
     forms = [f"{'<' if section.is_words(place) else '>'}{one}" for place, one in enumerate(widths)]
     whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
     for row in rows:
-        cells = (
-            wrap(cell, one, **whole) if len(cell) > one else [cell]
-            for cell, one in zip(row, widths, strict=True)
-        )
+        pairs = zip(row, widths, strict=True)
+        cells = (wrap(cell, one, **whole) if len(cell) > one else [cell] for cell, one in pairs)
         for line in zip_longest(*cells, fillvalue=""):
             yield "  ".join(f"{part:{form}}" for part, form in zip(line, forms, strict=True))
 
@@ -145,10 +141,6 @@ def _table_lines(section: Section, width: int | None) -> Iterator[str]:
 def _records(headings: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> Iterator[str]:
     """Give a table that is too wide for its columns as one block a row, a line a cell, its heading before it."""
     for row in rows:
-        told = [
-            f"{heading}: {cell}" if heading else cell
-            for heading, cell in zip(headings, row, strict=True)
-            if cell
-        ]
-        for place, line in enumerate(told):
+        told = [(name, cell) for name, cell in zip(headings, row, strict=True) if cell]
+        for place, line in enumerate(f"{name}: {cell}" if name else cell for name, cell in told):
             yield from fold(line, width, "  " if place else "")

@@ -1,8 +1,8 @@
 """Review of picks in the browser: a person looks at recordings and decides, the campaign's own list keeps it.
 
-In: a campaign, and the cache that its extraction left. `session` holds its trials, puts decisions into the bytes of
-the trial list and computes anew what they change; `view` is what a page shows of it; `server` lets one browser on this
-machine see and do it, with the page `page.html`.
+In: a campaign, and the cache that its extraction left. `session` holds its trials, says what a page shows of
+them, puts decisions into the bytes of the trial list and computes anew what they change; `server` lets one browser on
+this machine see and do it, with the page `page.html`.
 Out: cells of the trial list; everything else follows from it the next time the campaign is run.
 
 The server is Python's own `http.server` and the page plain HTML, script and canvas, in one file: ten addresses for one

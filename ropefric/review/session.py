@@ -6,29 +6,128 @@ import re
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from datetime import datetime
-from functools import cached_property
+from functools import cached_property, partial
 from math import ceil, degrees, isclose, isfinite, log10
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.files.disk import read_file, write_file
-from ropefric.files.plain_text import rounded_tree, to_spreadsheet
+from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree, to_spreadsheet
 from ropefric.files.text import GZIP_MAGIC
-from ropefric.pipeline import answer_trials
+from ropefric.pipeline import CampaignAnswer, answer_trials
 from ropefric.quantities import unit_factor
-from ropefric.review import view
 from ropefric.traces.breakaway import Status
+from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.excel import READER as EXCEL
+from ropefric.traces.smoothing import smooth
 from ropefric.trials import result as results
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import Campaign, TrialSpec
 from ropefric.trials.cells import CellTable, is_row, separator_of, stem_of, word_of
 from ropefric.trials.extract import ByRow, Progress, extract_rows, in_list_order
+from ropefric.trials.recording import blocks_of, tared_trace
+from ropefric.trials.result import TrialResult
 from ropefric.trials.table import table_of_extraction
 from ropefric.trials.trial_list import DECIDED, QUANTITIES, TEXTS
+
+NUMBERS = ("kinetic_N", "kinetic_std_N", "drop_N", "noise_std_N", "window_s", "loading_rate_N_s", "n_slips")
+"""Of a break-away, beside the force itself."""
+Curves = tuple[FloatArray, FloatArray, FloatArray | None]
+"""Time, force and smoothed force of a recording, samples that are missing left out."""
+
+_plain = partial(rounded_tree, digits=GIVEN_DIGITS)
+
+
+def row_of(trial: TrialResult, condition: str) -> dict[str, Any]:
+    """Return what the list of trials shows of one."""
+    told = {name: getattr(trial, name) for name in ("file", "outcome", "excluded", "decision", "why", "by")}
+    force = {"force_N": trial.measured_N, "std_N": _std_of(trial)}
+    known = {name: value if isfinite(value) else None for name, value in force.items()}
+    return {**told, "condition": condition, "status": trial.breakaway.status.value, **known}
+
+
+def facts_of(spec: TrialSpec, result: TrialResult) -> dict[str, Any]:
+    """Return what is known of a trial but its samples."""
+    found = result.breakaway
+    tree = {name: getattr(found, name) for name in (*NUMBERS, "detail", "notes")}
+    tree |= {"start_s": spec.start_s, "stop_s": spec.stop_s, "mu": result.mu}
+    for name in ("phases", "events", "candidates"):
+        tree[name] = [asdict(one) for one in getattr(found, name)]
+    tree["advice"] = "" if found.status is Status.OK else found.advice
+    tree["problems"] = [f"{one.code}: {one.message}" for one in result.problems]
+    return {**_plain(tree), **pick_of(result)}
+
+
+def pick_of(result: TrialResult) -> dict[str, Any]:
+    """Return the force of a trial, its standard uncertainty, and when it was reached."""
+    return {"picked": _plain([result.measured_N, _std_of(result), result.breakaway.peak_time_s])}
+
+
+def _std_of(trial: TrialResult) -> float:
+    return trial.end_tension_std_N if trial.measures_slack else trial.peak_std_N
+
+
+def curves_of(campaign: Campaign, spec: TrialSpec, result: TrialResult) -> Curves:
+    """Return a recording as it was picked from: calibrated, tared, and smoothed where that was done."""
+    raws = read_recordings(spec.path, campaign.profile, shown_as=spec.file)
+    raw = blocks_of(replace(spec, sample=result.sample), raws)[0]
+    trace, _, _ = tared_trace(campaign, spec, raw)
+    window_s, present = result.breakaway.window_s, np.isfinite(trace.force_N)
+    smoothed_N = smooth(trace, window_s).force_N[present] if isfinite(window_s) else None
+    return trace.time_s[present], trace.force_N[present], smoothed_N
+
+
+def decimated(curves: Curves, start_s: float, stop_s: float, columns: int) -> dict[str, Any]:
+    """Return time, lowest, highest and smoothed force for each column of a picture that has a sample.
+
+    A column holds all samples in its stretch of time, so no peak is lost; where there are fewer samples than
+    two in a column, each stands for itself.
+    """
+    time_s, force_N, smoothed_N = curves
+    if not time_s.size:
+        raise DataError("no sample is there", fix="exclude the trial")
+    begin_s, end_s = float(time_s[0]), float(time_s[-1])
+    start_s = start_s if isfinite(start_s) else begin_s
+    stop_s = stop_s if isfinite(stop_s) else end_s
+    columns = min(max(int(columns), 10), 5000)
+    if not start_s < stop_s:
+        stop_s = start_s + 1e-9 * max(1.0, abs(start_s))
+    first, last = np.searchsorted(time_s, start_s, "left"), np.searchsorted(time_s, stop_s, "right")
+    if last - first <= 2 * columns:
+        inside = slice(max(0, int(first) - 1), int(last) + 1)
+        drawn = [time_s[inside], force_N[inside], force_N[inside]]
+        middle = np.arange(time_s.size)[inside]
+    else:
+        time, force = time_s[first:last], force_N[first:last]
+        column = np.minimum(((time - start_s) * (columns / (stop_s - start_s))).astype(np.int64), columns - 1)
+        starts = np.flatnonzero(np.diff(column, prepend=-1))
+        counts = np.diff(np.append(starts, column.size))
+        low, high = np.minimum.reduceat(force, starts), np.maximum.reduceat(force, starts)
+        drawn = [0.5 * (time[starts] + time[starts + counts - 1]), low, high]
+        middle = first + starts + counts // 2
+    if smoothed_N is not None:
+        drawn.append(smoothed_N[middle])
+    names = ("time_s", "low_N", "high_N", "smoothed_N")
+    tree = {name: _plain(values.tolist()) for name, values in zip(names, drawn, strict=False)}
+    return {"start_s": start_s, "stop_s": stop_s, "begin_s": begin_s, "end_s": end_s} | tree
+
+
+def answer_of(answer: CampaignAnswer) -> dict[str, Any]:
+    """Return what all trials say, as few numbers as tell one answer from another."""
+    parameters = [[one.name, one.value, one.std] for one in answer.fit.parameters if one.vary]
+    lift, found = None, answer.prediction
+    if found is not None:
+        ends = dict(zip(("low_N", "high_N"), found.interval_N[0].tolist(), strict=True))
+        lift = _plain({"force_N": float(found.lift_force_N[0]), **ends, "level": found.level})
+    said = {"law": answer.fit.law, "verdict": answer.verdict.word, "reason": answer.verdict.reason}
+    return {**said, "parameters": _plain(parameters), "lift": lift}
+
 
 OWN_WORDS = "review: "
 """How a reason begins that nobody has written by hand."""
@@ -66,7 +165,7 @@ class _State:
     def rows(self) -> dict[str, dict[str, Any]]:
         """Return what the list of trials shows of each."""
         names = {name: self._name_of(one) for one in self.extraction.conditions for name in one.trials}
-        return {trial.trial: view.row_of(trial, names[trial.trial]) for trial in self.extraction.trials}
+        return {trial.trial: row_of(trial, names[trial.trial]) for trial in self.extraction.trials}
 
     def _name_of(self, one: results.ConditionSummary) -> str:
         """Return the settings of a condition in words."""
@@ -117,7 +216,7 @@ class Review:
         self._cache_dir, self._jobs = cache_dir, jobs
         self.lock = threading.RLock()
         self.n_written = 0
-        self._curves: dict[tuple[object, ...], view.Curves] = {}
+        self._curves: dict[tuple[object, ...], Curves] = {}
         self._undo: deque[tuple[bytes, str]] = deque(maxlen=MOST_UNDONE)
         self._state = self._load(None, progress=progress)
         self._change: dict[str, Any] | None = None
@@ -148,32 +247,20 @@ class Review:
         seen: ByRow = {} if before is None else before.by_row
         kept: dict[str, tuple[results.TrialResult, ...]] = {}
         if before is not None and before.campaign.settings_fingerprint() == campaign.settings_fingerprint():
-            kept = {
-                row.trial: tuple(
-                    one if one.own == row.own else replace(one, own=row.own) for one in seen[row.trial]
-                )
-                for row in campaign.trials
-                if before.bare.get(row.trial) == replace(row, line=0, own=())
-            }
+            alike = [
+                row for row in campaign.trials if before.bare.get(row.trial) == replace(row, line=0, own=())
+            ]
+            kept = {row.trial: tuple(replace(one, own=row.own) for one in seen[row.trial]) for row in alike}
         rows = tuple(row for row in campaign.trials if row.trial not in kept)
         readable = all(row.trial in seen and all(map(_is_readable, seen[row.trial])) for row in rows)
-        new, n_reused = extract_rows(
-            campaign.model_copy(update={"trials": rows, "warnings": ()}),
-            jobs=self._jobs,
-            cache_dir=self._cache_dir,
-            progress=progress,
-            trusted=readable and len(rows) <= FEW,
-        )
+        of_rows = campaign.model_copy(update={"trials": rows, "warnings": ()})
+        how: dict[str, Any] = {"jobs": self._jobs, "cache_dir": self._cache_dir, "progress": progress}
+        new, n_reused = extract_rows(of_rows, trusted=readable and len(rows) <= FEW, **how)
         by_row = {**kept, **new}
         placed = in_list_order(campaign, by_row)
         found = results.summarised(campaign, [result for _, result in placed], n_reused=n_reused)
-        return _State(
-            content=content,
-            campaign=campaign,
-            by_row=by_row,
-            extraction=results.set_aside_impossible(found, campaign),
-            specs={result.trial: row for row, result in placed},
-        )
+        specs = {result.trial: row for row, result in placed}
+        return _State(content, campaign, by_row, results.set_aside_impossible(found, campaign), specs)
 
     def reload(self) -> dict[str, Any]:
         """Read the campaign again, which somebody has changed; what was decided before can no longer be undone."""
@@ -210,10 +297,7 @@ class Review:
         """
         with self.lock:
             state, spec = self._state, self._spec(trial)
-            values: dict[str, str | float] = {
-                "by": self.by,
-                "when": self._now().isoformat(timespec="seconds"),
-            }
+            values: dict[str, Any] = {"by": self.by, "when": self._now().isoformat(timespec="seconds")}
             if action == "pick":
                 values |= self._picked(trial, pick_s, text)
             elif action in _TEXTS:
@@ -288,11 +372,9 @@ class Review:
             self._change = None
             self._recompute()
             return self.overview()
-        self._change = {
-            "trial": trial,
-            "was": before[trial] | {"condition_was": state.condition(trial)},
-            "is": now[trial] | {"condition_is": self._state.condition(trial)},
-        }
+        was = before[trial] | {"condition_was": state.condition(trial)}
+        is_now = now[trial] | {"condition_is": self._state.condition(trial)}
+        self._change = {"trial": trial, "was": was, "is": is_now}
         self._recompute()
         rows = {name: row for name, row in now.items() if row != before.get(name)}
         return {"rows": rows, "undo": len(self._undo), "counts": self._counts(), **self.answer()}
@@ -346,13 +428,9 @@ class Review:
         """Return the last decision, and what all trials say before and after it, as far as it is known."""
         with self.lock:
             ready = self._computed == self._number
-            return {
-                "change": self._change,
-                "computing": "" if ready else self._doing or "fit",
-                "first": self._first,
-                "before": self._before,
-                "now": self._answer if ready else None,
-            }
+            told = {"change": self._change, "first": self._first, "before": self._before}
+            computing = "" if ready else self._doing or "fit"
+            return told | {"computing": computing, "now": self._answer if ready else None}
 
     # --- what the page shows ---
 
@@ -360,17 +438,10 @@ class Review:
         """Return the whole list of trials, and what is known of all of them."""
         with self.lock:
             campaign = self._state.campaign
-            return {
-                "campaign": campaign.name,
-                "list": campaign.trial_list.name,
-                "by": self.by,
-                "slack": campaign.protocol.needs_lift_force,
-                "order": list(self._state.specs),
-                "rows": self._state.rows,
-                "undo": len(self._undo),
-                "counts": self._counts(),
-                **self.answer(),
-            }
+            names = {"campaign": campaign.name, "list": campaign.trial_list.name, "by": self.by}
+            trials = {"order": list(self._state.specs), "rows": self._state.rows, "counts": self._counts()}
+            slack = campaign.protocol.needs_lift_force
+            return {**names, "slack": slack, **trials, "undo": len(self._undo), **self.answer()}
 
     def _counts(self) -> dict[str, Any]:
         return results.count_trials(self._state.extraction)
@@ -389,7 +460,7 @@ class Review:
         with self.lock:
             spec, result = self._spec(trial), self._result(trial)
             condition = self._state.condition(trial)
-        return view.facts_of(spec, result) | {"trial": trial, "condition": condition}
+        return facts_of(spec, result) | {"trial": trial, "condition": condition}
 
     def preview(self, trial: str, pick_s: float) -> dict[str, Any]:
         """Return the force that a trial would have with its break-away at a time; nothing is written."""
@@ -403,7 +474,7 @@ class Review:
         found = result.breakaway
         if found.status is not Status.OK:
             raise DataError(found.detail, code="RF244", key="pick_s", fix="choose another place")
-        return view.pick_of(result)
+        return pick_of(result)
 
     def curve(self, trial: str, start_s: float, stop_s: float, columns: int) -> dict[str, Any]:
         """Return a stretch of a recording as it is drawn; a time that is no number stands for the recording's end."""
@@ -411,13 +482,13 @@ class Review:
             campaign, spec, result = self._state.campaign, self._spec(trial), self._result(trial)
         self._refuse_unread(result)
         key = (trial, result.sha256, campaign.settings_fingerprint(), result.breakaway.window_s)
-        curves = self._curves.get(key) or view.curves_of(campaign, spec, result)
+        curves = self._curves.get(key) or curves_of(campaign, spec, result)
         with self.lock:
             self._curves.pop(key, None)
             self._curves[key] = curves  # the last one is the newest
             for old in [*self._curves][:-HELD_CURVES]:
                 del self._curves[old]
-        return view.decimated(curves, start_s, stop_s, columns)
+        return decimated(curves, start_s, stop_s, columns)
 
     def _refuse_unread(self, result: results.TrialResult) -> None:
         if not _is_readable(result):
@@ -432,7 +503,7 @@ def _said(state: _State, law: str, progress: Callable[[str, int, int], None]) ->
         raise without
     rope_m, table = campaign.rope.radius_m, table_of_extraction(state.extraction)
     answer = answer_trials(table, design=campaign.design, rope_radius_m=rope_m, law=law, progress=progress)
-    return view.answer_of(answer)
+    return answer_of(answer)
 
 
 def _is_readable(result: results.TrialResult) -> bool:

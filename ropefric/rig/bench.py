@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from itertools import accumulate
 from math import nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,9 @@ Range = tuple[float, float]
 """Lower and upper limit of a quantity that differs from recording to recording (uniform)."""
 
 
+_CELLS = (ForceCell(name="K1", full_scale_N=1000.0), ForceCell(name="K5", full_scale_N=5000.0))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bench:
     """The PRTH test bench: load cell at the rope's fixed end, weights at the other, a motor on the wheel.
@@ -35,10 +38,7 @@ class Bench:
 
     sampling_rate_Hz: float = 3000.0
     adc: Adc = field(default_factory=Adc)
-    cells: tuple[ForceCell, ...] = (
-        ForceCell(name="K1", full_scale_N=1000.0),
-        ForceCell(name="K5", full_scale_N=5000.0),
-    )
+    cells: tuple[ForceCell, ...] = _CELLS
     cell_use: float = 0.8
     rope_stiffness_N_m: float = 1.0e5
     cell_stiffness_N_m: float = 1.0e7
@@ -96,16 +96,9 @@ class Bench:
         return math.sqrt(series_N_m / self.moving_mass_kg) / (2.0 * math.pi)
 
 
-HELD_BENCH = Bench(
-    sampling_rate_Hz=50.0,
-    adc=Adc(bits=12),
-    cells=(ForceCell(name="K50", full_scale_N=50.0), ForceCell(name="K500", full_scale_N=500.0)),
-    idle_s=(1.5, 2.5),
-    load_s=(2.0, 5.0),
-    dwell_s=(8.0, 15.0),
-    slide_s=(1.0, 3.0),
-    zero_counts=(10.0, 30.0),
-)
+_SLOW: Any = {"idle_s": (1.5, 2.5), "load_s": (2.0, 5.0), "dwell_s": (8.0, 15.0), "slide_s": (1.0, 3.0)}
+_SCALES = (ForceCell(name="K50", full_scale_N=50.0), ForceCell(name="K500", full_scale_N=500.0))
+HELD_BENCH = Bench(sampling_rate_Hz=50.0, adc=Adc(bits=12), cells=_SCALES, zero_counts=(10.0, 30.0), **_SLOW)
 """A hand-held spring-scale test, for protocol `held`: slack side measured, 50 Hz, 12 bit, cells of 50 and 500 N."""
 
 
@@ -188,8 +181,7 @@ def draw_roughness(rng: np.random.Generator, std_N: float) -> Callable[[FloatArr
     return force_N
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Snap:
+class Snap(NamedTuple):
     """How the force falls when the rope slips: a mass on a spring, released."""
 
     natural_Hz: float
@@ -208,8 +200,7 @@ class Snap:
         return np.asarray(answer, dtype=np.float64)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Teeth:
+class Teeth(NamedTuple):
     """Stick-slip teeth after break-away, as deviations from the kinetic level.
 
     Tooth 0 is the break-away itself: its top is reached by the loading, not by a reload.
@@ -345,22 +336,18 @@ class BreakawayPull:
     def truth(self) -> RecordingTruth:
         """Return what a perfect reading of this recording would find."""
         ends_s = (self.hang_s, self.breakaway_s, self.off_s, self.end_s)
-        truth = RecordingTruth(
-            status=Status.NO_BREAKAWAY,
-            lift_force_N=self.lift_force_N,
-            dwell_s=self.ramp_s - self.settle_s,
-            phases=phases_of(*ends_s, slides=self.breaks_away),
-        )
+        phases, dwell_s = phases_of(*ends_s, slides=self.breaks_away), self.ramp_s - self.settle_s
+        held: dict[str, Any] = {"lift_force_N": self.lift_force_N, "dwell_s": dwell_s, "phases": phases}
         if not self.breaks_away:
-            return truth
+            return RecordingTruth(status=Status.NO_BREAKAWAY, **held)
         sliding_s = np.linspace(min(self.breakaway_s + SETTLED_S, self.off_s), self.off_s, 4001)
-        truth = replace(truth, status=Status.NO_PEAK, kinetic_N=float(self._after_ramp_N(sliding_s).mean()))
+        held["kinetic_N"] = float(self._after_ramp_N(sliding_s).mean())
         if not self.has_peak:
-            return truth
+            return RecordingTruth(status=Status.NO_PEAK, **held)
         top_s = self.teeth.time_s[self.teeth.time_s < self.off_s - self.breakaway_s] + self.breakaway_s
-        tops_N, tops_s = tuple(self._after_ramp_N(top_s).tolist()), tuple(top_s.tolist())
-        truth = replace(truth, tooth_tops_N=tops_N, tooth_times_s=tops_s)
-        return replace(truth, status=Status.OK, breakaway_time_s=self.breakaway_s)
+        held["tooth_tops_N"] = tuple(self._after_ramp_N(top_s).tolist())
+        held["tooth_times_s"] = tuple(top_s.tolist())
+        return RecordingTruth(status=Status.OK, breakaway_time_s=self.breakaway_s, **held)
 
 
 def draw_breakaway(
@@ -386,16 +373,9 @@ def draw_breakaway(
     natural_Hz = bench.natural_frequency_Hz(rng.uniform(*bench.stiffness_factor))
     drawn["snap"] = Snap(natural_Hz=natural_Hz, damping_ratio=rng.uniform(*bench.damping_ratio))
     drawn |= zip(("hang_s", "settle_s", "ramp_s", "breakaway_s", "off_s", "end_s"), ends_s, strict=True)
-    return BreakawayPull(
-        pretension_N=pretension_N,
-        bounce_N=bounce_N,
-        lift_force_N=lift_force_N,
-        ramp_top_N=lift_force_N,
-        kinetic_N=kinetic_N,
-        holding_N=pretension_N + (kinetic_N - pretension_N) * rng.uniform(0.3, 0.8),
-        release_s=rng.uniform(*bench.release_s),
-        **drawn,
-    )
+    drawn["holding_N"] = pretension_N + (kinetic_N - pretension_N) * rng.uniform(0.3, 0.8)
+    drawn |= {"release_s": rng.uniform(*bench.release_s), "pretension_N": pretension_N, "bounce_N": bounce_N}
+    return BreakawayPull(lift_force_N=lift_force_N, ramp_top_N=lift_force_N, kinetic_N=kinetic_N, **drawn)
 
 
 def _draw_stick_slip(
@@ -405,18 +385,15 @@ def _draw_stick_slip(
     tops_N = lift_force_N * (1.0 + bench.trial_scatter * rng.standard_normal(n + 1))
     pull = draw_breakaway(bench, float(tops_N[0]), end_tension_N, rng)
     drop_N = pull.lift_force_N - pull.kinetic_N
-    teeth = lay_teeth(
-        top_N=tops_N - pull.kinetic_N,
-        bottom_N=-drop_N * rng.uniform(0.6, 1.0, n + 1),
-        reload_N_s=1.8 * drop_N * rng.uniform(*_SLOW_TEETH_HZ),
-    )
+    bottom_N = -drop_N * rng.uniform(0.6, 1.0, n + 1)
+    reload_N_s = 1.8 * drop_N * rng.uniform(*_SLOW_TEETH_HZ)
+    teeth = lay_teeth(top_N=tops_N - pull.kinetic_N, bottom_N=bottom_N, reload_N_s=reload_N_s)
     off_s = pull.breakaway_s + float(teeth.time_s[-2] + 0.7 * (teeth.time_s[-1] - teeth.time_s[-2]))
     # Static tops stand on the static friction, not on the kinetic level, so that level must not drift here.
     return replace(pull, teeth=teeth, drift=0.0, off_s=off_s, end_s=off_s + (pull.end_s - pull.off_s))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class HeldPulls:
+class HeldPulls(NamedTuple):
     """One recording of a spring scale on the slack side: pulled in jerks, held, let go, several times."""
 
     knot_s: FloatArray
@@ -440,12 +417,9 @@ class HeldPulls:
 
     def truth(self) -> RecordingTruth:
         """Return the plateaus and when they were held."""
-        return RecordingTruth(
-            status=Status.OK,
-            lift_force_N=self.lift_force_N,
-            plateaus_N=tuple(self.plateau_N.tolist()),
-            phases=tuple(Phase(name="held", start_s=a, end_s=b) for a, b in self.hold_s.tolist()),
-        )
+        phases = tuple(Phase(name="held", start_s=a, end_s=b) for a, b in self.hold_s.tolist())
+        held: dict[str, Any] = {"plateaus_N": tuple(self.plateau_N.tolist()), "phases": phases}
+        return RecordingTruth(status=Status.OK, lift_force_N=self.lift_force_N, **held)
 
 
 def _draw_held(
@@ -470,20 +444,12 @@ def _draw_held(
         knot_s += [end_s, let_go_s, now_s]
         knot_N += [level_N, slack_N, slack_N]
         hold_s.append((start_s, end_s))
-    return HeldPulls(
-        knot_s=np.array(knot_s),
-        knot_N=np.array(knot_N),
-        hold_s=np.array(hold_s),
-        creep_N=creep_N,
-        creep_s=rng.uniform(0.5, 1.2, _CYCLES),
-        plateau_N=plateau_N,
-        lift_force_N=lift_force_N,
-        end_s=now_s,
-    )
+    knots = {"knot_s": np.array(knot_s), "knot_N": np.array(knot_N), "hold_s": np.array(hold_s)}
+    held: Any = {"creep_N": creep_N, "creep_s": rng.uniform(0.5, 1.2, _CYCLES), "plateau_N": plateau_N}
+    return HeldPulls(lift_force_N=lift_force_N, end_s=now_s, **knots, **held)
 
 
-@dataclass(frozen=True, slots=True)
-class RigProtocol:
+class RigProtocol(NamedTuple):
     """A way of running the rig: whether one recording holds several trials, whether the tight side is measured."""
 
     name: str
@@ -492,12 +458,10 @@ class RigProtocol:
     measures_lift: bool = True
 
 
-RIG_PROTOCOLS: Registry[RigProtocol] = Registry(
-    "rig protocol",
-    [
-        RigProtocol("breakaway", draw_breakaway, scatters_inside=False),
-        RigProtocol("stick-slip", _draw_stick_slip, scatters_inside=True),
-        RigProtocol("held", _draw_held, scatters_inside=True, measures_lift=False),
-    ],
+_PROTOCOLS = (
+    RigProtocol("breakaway", draw_breakaway, scatters_inside=False),
+    RigProtocol("stick-slip", _draw_stick_slip, scatters_inside=True),
+    RigProtocol("held", _draw_held, scatters_inside=True, measures_lift=False),
 )
+RIG_PROTOCOLS = Registry("rig protocol", _PROTOCOLS)
 """One static peak a recording, slow teeth of which each is a trial, plateaus held on the slack side."""

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -121,6 +122,10 @@ def prth_bench_plan() -> CampaignPlan:
         RigCondition(wheel_radius_m=R / 1e3, wrap_angle_rad=math.radians(phi), end_tension_N=float(F))
         for R, phi, F in points
     )
+    more = dict.fromkeys(("snag", "impact", "precursor"), 0.02)
+    more |= dict.fromkeys(("rounded", "slow-fall", "zero-drift"), 0.01)
+    # Recordings as short as the paper's phases allow: 432 of them are kept under version control.
+    short: Any = {"idle_s": (0.27, 0.4), "dwell_s": (0.3, 0.5), "load_s": (1.0, 1.5), "slide_s": (0.6, 0.8)}
     return CampaignPlan(
         name="prth-bench",
         law="coupled",
@@ -129,22 +134,16 @@ def prth_bench_plan() -> CampaignPlan:
         conditions=tuple(conditions),
         design=design,
         unseen=(unseen_1, unseen_2),
-        faults=ORDINARY
-        | {"hum": 0.05, "snag": 0.02, "impact": 0.02, "precursor": 0.02}
-        | {"rounded": 0.01, "slow-fall": 0.01, "zero-drift": 0.01},
-        # Recordings as short as the paper's phases allow: 432 of them are kept under version control.
-        bench=Bench(
-            idle_s=(0.27, 0.4), dwell_s=(0.3, 0.5), load_s=(1.0, 1.5), slide_s=(0.6, 0.8), off_s=(0.15, 0.25)
-        ),
+        faults=ORDINARY | {"hum": 0.05} | more,
+        bench=Bench(**short, off_s=(0.15, 0.25)),
     )
 
 
-@dataclass(frozen=True, slots=True)
-class PlannedTrial:
+class PlannedTrial(NamedTuple):
     """One recording to be made."""
 
     name: str
-    index: int
+    place: int
     condition: RigCondition
     lift_force_N: float
     cell: str
@@ -204,23 +203,20 @@ def _deal_faults(plan: CampaignPlan, law_N: FloatArray, rng: np.random.Generator
 
 def record_trial(plan: CampaignPlan, trial: PlannedTrial, *, seed: int) -> tuple[SimulatedRecording, bytes]:
     """Return one recording of a campaign and the bytes of its file; needs none of the other recordings."""
-    recording = simulate_recording(
-        plan.bench,
-        lift_force_N=trial.lift_force_N,
-        end_tension_N=trial.condition.end_tension_N,
-        rng=np.random.default_rng([seed, 2, trial.index]),
-        faults=trial.faults,
-        protocol=plan.protocol,
-        physics=plan.physics,
-        cell=trial.cell,
-    )
+    forces: dict[str, Any] = {
+        "lift_force_N": trial.lift_force_N,
+        "end_tension_N": trial.condition.end_tension_N,
+    }
+    ways: dict[str, Any] = {"protocol": plan.protocol, "physics": plan.physics, "cell": trial.cell}
+    rng = np.random.default_rng([seed, 2, trial.place])
+    recording = simulate_recording(plan.bench, rng=rng, faults=trial.faults, **forces, **ways)
     buffer = io.BytesIO()
     # Without name and time, so that the same text gives the same bytes. Level 9 takes five times as long for a
     # thousandth of the size: time stamps are what fills these files.
     with gzip.GzipFile(filename="", mode="wb", compresslevel=6, fileobj=buffer, mtime=0) as stream:
         stream.write(recording_text(recording).encode())
     data = buffer.getvalue()
-    file_rng = np.random.default_rng([seed, 3, trial.index])
+    file_rng = np.random.default_rng([seed, 3, trial.place])
     for name in trial.faults:
         if on_bytes := FAULTS[name].on_bytes:
             data = on_bytes(data, file_rng)
@@ -273,14 +269,13 @@ def recording_text(recording: SimulatedRecording) -> str:
 def campaign_text(plan: CampaignPlan) -> str:
     """Return the `campaign.toml` of a plan."""
     bench = plan.bench
+    diameter = _quantity(1e3 * plan.rope_diameter_m, "mm")
+    density = _quantity(1e3 * plan.rope_linear_density_kg_m, "g/m")
     lines = [
         "# Simulated by ropefric's virtual rig; no rope was pulled. The truth is in truth.toml.",
         *_keys(schema="ropefric.campaign/1", name=f"{plan.name} (simulated)", trials="trials.csv"),
         *_table(
-            "rope",
-            diameter=_quantity(1e3 * plan.rope_diameter_m, "mm"),
-            linear_density=_quantity(1e3 * plan.rope_linear_density_kg_m, "g/m"),
-            material="polyamide, kernmantle (simulated)",
+            "rope", diameter=diameter, linear_density=density, material="polyamide, kernmantle (simulated)"
         ),
     ]
     radii_m = {c.wheel: c.wheel_radius_m for c in sorted(plan.conditions, key=lambda c: c.wheel_radius_m)}
@@ -298,6 +293,8 @@ def campaign_text(plan: CampaignPlan) -> str:
         lines += _table(f"cells.{cell.name}", full_scale=_thousands(cell.full_scale_N, "N"), **chain)
     idle_s = math.floor(20.0 * (bench.idle_s[0] - 0.01)) / 20.0
     adc, design = bench.adc, plan.design
+    radius = _quantity(1e3 * design.wheel_radius_m, "mm")
+    wrap = _quantity(math.degrees(design.wrap_angle_rad), "deg")
     lines += [
         *_table("adc", bits=adc.bits, low=_quantity(adc.low_V, "V"), high=_quantity(adc.high_V, "V")),
         *_table("sampling", rate=_thousands(bench.sampling_rate_Hz, "Hz")),
@@ -307,10 +304,7 @@ def campaign_text(plan: CampaignPlan) -> str:
         *_table("rejection", rule="two-sigma"),
         *_table("weights", tolerance="0.05 %"),
         *_table(
-            "design",
-            wheel_radius=_quantity(1e3 * design.wheel_radius_m, "mm"),
-            wrap_angle=_quantity(math.degrees(design.wrap_angle_rad), "deg"),
-            end_tension=_quantity(design.end_tension_N, "N"),
+            "design", wheel_radius=radius, wrap_angle=wrap, end_tension=_quantity(design.end_tension_N, "N")
         ),
         *_table("import", format="delimited", separator=",", decimal="."),
         *_table("import.channels", time="time_s", counts="counts"),
@@ -328,7 +322,7 @@ def _trials_text(plan: CampaignPlan, trials: tuple[PlannedTrial, ...], truths: l
         wrap_deg = f"{np.degrees(condition.wrap_angle_rad):.10g}"
         force = f"{condition.end_tension_N if slack else trial.lift_force_N:.10g}"
         dwell = "" if math.isnan(truth.dwell_s) else f"{truth.dwell_s:.3f}"
-        rope = f"sim-rope-{trial.index + 1:03d}"
+        rope = f"sim-rope-{trial.place + 1:03d}"
         rows.append([trial.name, trial.file, condition.wheel, wrap_deg, force, truth.cell, rope, dwell, ""])
     return csv_text(map(to_spreadsheet, row) for row in rows)
 
@@ -337,17 +331,11 @@ def _truth_lines(
     plan: CampaignPlan, trials: tuple[PlannedTrial, ...], truths: list[RecordingTruth], seed: int
 ) -> Iterator[str]:
     yield "# What is true of this simulated campaign. An analysis must not read it; a test of one may."
-    yield from _keys(
-        schema=TRUTH_SCHEMA,
-        simulated=True,
-        seed=seed,
-        **({} if plan.physics == "coulomb" else {"physics": plan.physics}),
-        law=plan.law,
-        parameters={name: float(value) for name, value in plan.parameters.items()},
-        rope_radius_m=0.5 * plan.rope_diameter_m,
-        trial_scatter=plan.bench.trial_scatter,
-        condition_scatter=plan.bench.condition_scatter,
-    )
+    yield from _keys(schema=TRUTH_SCHEMA, simulated=True, seed=seed)
+    yield from () if plan.physics == "coulomb" else _keys(physics=plan.physics)
+    parameters = {name: float(value) for name, value in plan.parameters.items()}
+    yield from _keys(law=plan.law, parameters=parameters, rope_radius_m=0.5 * plan.rope_diameter_m)
+    yield from _keys(trial_scatter=plan.bench.trial_scatter, condition_scatter=plan.bench.condition_scatter)
     for kind, conditions in (("conditions", plan.conditions), ("unseen", (plan.design, *plan.unseen))):
         for condition, force_N in zip(conditions, plan.lift_force_N(conditions).tolist(), strict=True):
             yield from _table(f"[{kind}]", **asdict(condition), lift_force_N=force_N)

@@ -12,7 +12,7 @@ from stiffness, mass and the friction of the moment.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from math import exp, inf
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -78,8 +78,7 @@ class Slider:
         return self.slack_N * (exp(self.mu * self.wrap_rad) - self.tared)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Motion:
+class Motion(NamedTuple):
     """What a slider did, at the steps of the integration, shape (n,): spring force, rope, wheel, slip, friction."""
 
     time_s: FloatArray

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import inf, nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,7 @@ _ATTEMPTS = 30
 _FALL = 0.015  # of F_A; a first fall of less, or lost in the noise, is none
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Truth:
+class Truth(NamedTuple):
     """What is true of a recording: its status, and F_A and its time where there is one.
 
     F_A is the largest noise-free force of the spring between the onset of macroscopic slip (which goes on for many
@@ -104,14 +103,10 @@ def draw_slider(rng: Rng, drawn: dict[str, Any]) -> Slider:
     if law == "lugre":
         part = 1.0 if drawn["fall_s"] else rng.uniform(0.2, 0.8)  # of the weakening, that by slip
         bristle = (mu + spread) / (speed_m_s * climb_s * rng.uniform(0.004, 0.06))
-        contact = {
-            "b": part * b,
-            "excess": (1.0 - part) * spread,
-            "stribeck_m_s": speed_m_s * rng.uniform(0.3, 4.0),
-            "bristle_1_m": bristle,
-            "bristle_damping_s_m": rng.uniform(0.1, 1.0) * np.sqrt(bristle * mass / (force_N * gain)),
-            "viscous_s_m": rng.uniform(0.0, 0.02) * mu / speed_m_s,
-        }
+        contact = {"b": part * b, "excess": (1.0 - part) * spread, "bristle_1_m": bristle}
+        contact["stribeck_m_s"] = speed_m_s * rng.uniform(0.3, 4.0)
+        contact["bristle_damping_s_m"] = rng.uniform(0.1, 1.0) * np.sqrt(bristle * mass / (force_N * gain))
+        contact["viscous_s_m"] = rng.uniform(0.0, 0.02) * mu / speed_m_s
     knots, end_s = _profile(rng, drawn)
     way = speed_m_s * climb_s
 
@@ -348,8 +343,6 @@ def draw_slider_pull(
             # Where nothing slipped, the pull had got so far.
             reached = rng.uniform(0.7, 0.95) if known.status == Status.NO_BREAKAWAY else 1.0
             top_N = known.peak_N if known.status == Status.OK else float(motion.force_N.max()) / reached
-            return SliderPull(
-                motion=motion, slider=slider, known=known, scale=lift_force_N / top_N, hang_s=hang_s,
-                lift_force_N=lift_force_N,
-            )  # fmt: skip
+            drawn: dict[str, Any] = {"motion": motion, "slider": slider, "known": known, "hang_s": hang_s}
+            return SliderPull(scale=lift_force_N / top_N, lift_force_N=lift_force_N, **drawn)
     raise SolverError(f"no pull of {lift_force_N:g} N with {physics} friction came out as {expects}")

@@ -76,9 +76,8 @@ class Fault:
         """Refuse a protocol that this fault cannot befall."""
         if self.protocols and protocol not in self.protocols:
             fix = f"leave it out; it goes with: {', '.join(self.protocols)}"
-            raise InputError(
-                f"fault '{self.name}' does not go with protocol '{protocol}'", key="faults", fix=fix
-            )
+            what = f"fault '{self.name}' does not go with protocol '{protocol}'"
+            raise InputError(what, key="faults", fix=fix)
 
 
 def _near(time_s: FloatArray, peak_s: float, within_s: float) -> tuple[int, int]:
@@ -173,16 +172,10 @@ def _no_breakaway(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
 
 def _no_peak(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
     """Let the whole slope be lost to micro-slip, and slide on roughly at the force reached, without teeth."""
-    return replace(
-        pull,
-        micro_slip=rng.uniform(0.15, 0.4),
-        micro_slip_loss=1.0,
-        kinetic_N=pull.lift_force_N,
-        drift=rng.uniform(0.0, 0.015),
-        roughness=benches.draw_roughness(rng, pull.lift_force_N * rng.uniform(*_ROUGHNESS)),
-        teeth=pull.teeth.scaled(0.0),
-        has_peak=False,
-    )
+    slope: dict[str, Any] = {"micro_slip": rng.uniform(0.15, 0.4), "micro_slip_loss": 1.0, "has_peak": False}
+    slides: dict[str, Any] = {"kinetic_N": pull.lift_force_N, "drift": rng.uniform(0.0, 0.015)}
+    roughness = benches.draw_roughness(rng, pull.lift_force_N * rng.uniform(*_ROUGHNESS))
+    return replace(pull, roughness=roughness, teeth=pull.teeth.scaled(0.0), **slope, **slides)
 
 
 def _high_tooth(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
@@ -191,18 +184,16 @@ def _high_tooth(pull: BreakawayPull, rng: Rng) -> BreakawayPull:
     drop_N = pull.lift_force_N - pull.kinetic_N
     # Where one tooth can stand so high, all teeth are large: redraw them.
     height_N, rate_Hz = 0.6 * drop_N, float(rng.uniform(8.0, 25.0))
-    teeth = benches.draw_teeth(
-        rng, drop_N=drop_N, height_N=height_N, rate_Hz=rate_Hz, lasting_s=4.0 * sliding_s
-    )
+    size = {"drop_N": drop_N, "height_N": height_N, "rate_Hz": rate_Hz}
+    teeth = benches.draw_teeth(rng, lasting_s=4.0 * sliding_s, **size)
     n = int(rng.integers(1, 4))
     chosen = rng.choice(np.arange(2, 5), size=n, replace=False)
     top_N = teeth.top_N.copy()
     top_N[chosen] = pull.lift_force_N * rng.uniform(1.02, 1.08, n) - pull.kinetic_N
     # The last of them must come before the motor is off, if need be by a faster reload.
     needed_N_s = float((top_N[1:5] - teeth.bottom_N[:4]).sum()) / (0.8 * sliding_s)
-    laid = benches.lay_teeth(
-        top_N=top_N, bottom_N=teeth.bottom_N, reload_N_s=max(height_N * rate_Hz, needed_N_s)
-    )
+    reload_N_s = max(height_N * rate_Hz, needed_N_s)
+    laid = benches.lay_teeth(top_N=top_N, bottom_N=teeth.bottom_N, reload_N_s=reload_N_s)
     return replace(pull, teeth=laid, drift=0.0)
 
 
@@ -334,14 +325,11 @@ def simulate_recording(
     measured_N = lift_force_N if way.measures_lift else end_tension_N
     draw = way.draw if physics == "coulomb" else partial(_drawn, faults=chosen, physics=physics)
     pull: Any = draw(bench, lift_force_N, end_tension_N, draw_rng)
-    sensor = Sensor(
-        cell=bench.cell_named(cell) if cell else bench.cell_for(measured_N),
-        adc=bench.adc,
-        zero_counts=draw_rng.uniform(*bench.zero_counts),
-        drift_counts=bench.zero_drift_counts * draw_rng.uniform(-1.0, 1.0),
-        noise_counts=draw_rng.uniform(*bench.noise_counts),
-        hum_phase_rad=draw_rng.uniform(0.0, 2.0 * np.pi),
-    )
+    counts = {"zero_counts": draw_rng.uniform(*bench.zero_counts)}  # in the order of the draws
+    counts["drift_counts"] = bench.zero_drift_counts * draw_rng.uniform(-1.0, 1.0)
+    counts["noise_counts"] = draw_rng.uniform(*bench.noise_counts)
+    used = bench.cell_named(cell) if cell else bench.cell_for(measured_N)
+    sensor = Sensor(cell=used, adc=bench.adc, hum_phase_rad=draw_rng.uniform(0.0, 2.0 * np.pi), **counts)
     for fault in chosen:
         if fault.on_setup:
             pull, sensor = fault.on_setup(pull, sensor, bench, fault_rng)
@@ -360,7 +348,5 @@ def simulate_recording(
     statuses = [truth.status, *(fault.expected_status for fault in chosen if fault.expected_status)]
     befallen = tuple(fault.name for fault in chosen)
     truth = replace(truth, status=min(statuses, key=_SEVERITY.index), faults=befallen, cell=sensor.cell.name)
-    time_s, counts = samples
-    return SimulatedRecording(
-        time_s=time_s, counts=counts, true_time_s=true_time_s, true_force_N=true_force_N, truth=truth
-    )
+    true = {"true_time_s": true_time_s, "true_force_N": true_force_N}
+    return SimulatedRecording(time_s=samples[0], counts=samples[1], truth=truth, **true)

@@ -7,7 +7,7 @@ The truth comes from the noise-free force of the spring alone.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.signal
@@ -247,8 +247,7 @@ TIERS = ("clean", "lab", "nasty")
 _BATCH, _ATTEMPTS = 240, 15
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Recording:
+class Recording(NamedTuple):
     """One recording as a stranger sends it."""
 
     name: str
@@ -268,13 +267,11 @@ class Recording:
             return trace
         counts = self.counts.astype(np.int64)
         force_N, saturation = self.calibration.apply(counts)
-        return replace(
-            trace, force_N=force_N, counts=counts, calibration=self.calibration, saturation=saturation
-        )
+        read: dict[str, Any] = {"counts": counts, "calibration": self.calibration, "saturation": saturation}
+        return replace(trace, force_N=force_N, **read)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Family:
+class Family(NamedTuple):
     """Recordings of one kind: how they are drawn, and what the sensor does to them."""
 
     name: str

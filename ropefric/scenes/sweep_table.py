@@ -8,8 +8,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.files.folder import Folder
-from ropefric.files.parquet import arrow
-from ropefric.files.plain_text import csv_cell, csv_text
+from ropefric.files.plain_text import arrow, csv_cell, csv_text
 from ropefric.scenes.points import BLOCK
 from ropefric.scenes.sweep import Axis
 

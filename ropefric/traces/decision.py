@@ -51,6 +51,7 @@ from ropefric.traces.segments import (
 )
 from ropefric.traces.slips import (
     FEW_BLOCKS,
+    FULL,
     LEAST_DROP,
     TALL,
     Candidate,
@@ -67,10 +68,13 @@ from ropefric.traces.zero import with_its_zero
 FLAT_BLOCKS = 8
 LEAST_SHARE = 0.55
 """Part of the peak that the force keeps where nothing but the fall speaks for a slip."""
+MOST = 0.75
+"""A load that is let down is not let down by a little, to stand there."""
 STEPS = 3
 """A fall of fewer steps of the converter has no shape."""
 LASTS = 0.25
 """What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
+BENT = 0.25
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
@@ -203,6 +207,12 @@ def _of_pull(
     if unseen := hidden(trace, prepared, first.top if first else None, first.settled if first else 0):
         return without_force(*unseen, prepared)
     if first is None:
+        full = [f for f in falls if f.drop_N > FULL * (f.top_N - pull.base_N) > TALL * height_N]
+        if full:
+            slip = Candidate(pull, full[0], 0.0, [])
+            return _doubtful(
+                prepared, [slip], "a full slip, or a partial one of a rope that is held later on"
+            )
         return _levels_off(prepared, force_N[pull.start : pull.stop])
     events = [
         _event(prepared, fall, "bump", "the force comes back to the line of its loading")
@@ -261,12 +271,16 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
         held = not fall.slips and is_quiet(prepared, candidate, sliding)
         why = "no static peak stands out"
         return _held(prepared, sliding) if held else _no_peak(prepared, candidate, sliding, why)
-    if fall.sudden:
+    # A motor that stops lets the masses swing: not faster than it loaded them, and around a quiet level.
+    stops = fall.drop_N < candidate.rate * fall_blocks(force_N, fall) and is_quiet(
+        prepared, candidate, sliding
+    )
+    if fall.sudden and not stops:
         return measured(prepared, settings, candidate, sliding)
     if much and swings(prepared, fall, sliding):
         why = f"the force swings to {from_N:.4g} N and dies away: a load that comes on, or a slip"
         return _doubtful(prepared, [candidate], why)
-    if much and loads_again(force_N, candidate):
+    if much and not stops and loads_again(force_N, candidate):
         return measured(prepared, settings, candidate, sliding)
     return _of_slow_fall(prepared, settings, candidate, sliding)
 
@@ -284,8 +298,12 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         f"and stays at {share:.0%} of the peak"
     )
     flat = flat_top(force_N, fall, blocks.noise_N)
-    short = sliding.stop - sliding.first < max(
-        LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top)
+    bends = bends_to_its_level(force_N, fall, blocks.noise_N)
+    # A force that bends to its level has shown it; a held one that is let down may do so as well.
+    short = sliding.stop - sliding.first < (
+        BENT * (fall.settled - fall.top)
+        if bends and flat != "held"
+        else max(LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top))
     )
     quiet = is_quiet(prepared, candidate, sliding)
     lively = fall.reloads or not quiet
@@ -304,8 +322,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         return _doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
     brief = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
-    bends = bends_to_its_level(force_N, fall, blocks.noise_N)
-    sharp = (flat == "sharp" and (brief or bends)) or (flat == "unclear" and bends)
+    sharp = (flat == "sharp" and (brief or bends or share >= MOST)) or (flat == "unclear" and bends)
     creeps = not brief and fall.drop_N < 2.0 * LEAST_DROP * candidate.height_N
     if share < LEAST_SHARE or creeps or not (sharp or flat == "rounded"):
         why = f"{seen}, without roughness: sliding, or a load that was let down"

@@ -20,9 +20,11 @@ RESOLVED_SIGMAS = 4.0
 QUIET_SIGMAS = 1.5
 SWING, DAMPED, HALF_PERIODS = 2.0, 0.2, 5.0
 """A swing passes its level as fast up as down, falls below it, and follows a load that comes on within few periods."""
-WAVES, LARGE_WAVES, SLOWEST, FASTEST = 0.02, 0.06, 0.4, 1.25
-"""Waves that are slips are this part of the force at least, and rise as fast as the machine loads."""
-GENTLE, SLOWER_THAN_LOADED, ALIKE = 0.25, 0.95, 0.3
+WAVES_ON, DIES = (0.1, 0.9), 0.25
+"""What swings on is as high between these quantiles as this part of the first swing; slow waves are smooth, but no noise."""
+WAVES, LARGE_WAVES, SLOWEST, FASTEST = (0.1, 0.05, 0.02), 0.06, 0.4, 1.25
+"""One wave, two or more that are slips are this part of the force at least, and rise as fast as the machine loads."""
+GENTLE, SLOWER_THAN_LOADED, ALIKE = 0.25, 0.75, 0.18
 """Rounded ones rise as fast in their steepest part only, never so fast on the whole, and are alike."""
 LONG_TRAIN, REGULAR = 5, 0.2
 """Fewer waves are alike by chance."""
@@ -56,14 +58,15 @@ def stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidin
         return False
     if fall.drop_N > LEAST_DROP * height_N and len(teeth) >= LONG_TRAIN and _is_regular(teeth):
         return True
-    return fall.drop_N > WAVES * height_N and _is_loaded_by_the_machine(force_N, candidate, teeth)
+    waves = [g for g in candidate.later if g.top < sliding.stop]
+    return _is_loaded_by_the_machine(force_N, candidate, waves)
 
 
 def _is_loaded_by_the_machine(force_N: FloatArray, candidate: Candidate, teeth: list[Fall]) -> bool:
     """Return whether all rises between slips are as a machine loads: a force that only wanders rises at any rate."""
     first = candidate.fall
     falls = [first, *(g for g in teeth if g.drop_N >= TOOTH * first.drop_N)]
-    if len(falls) < FEWEST_TEETH:
+    if first.drop_N <= WAVES[min(len(falls), FEWEST_TEETH) - 1] * candidate.height_N:
         return False
     rates, steepest = (
         np.array([rate(fall, after) / max(candidate.rate, TINY) for fall, after in pairwise(falls)])
@@ -72,13 +75,16 @@ def _is_loaded_by_the_machine(force_N: FloatArray, candidate: Candidate, teeth: 
             lambda fall, after: loading_rate(force_N, fall.bottom, after.top),
         )
     )
+    if not rates.size:
+        return True
     if first.drop_N > LARGE_WAVES * candidate.height_N and rates[:FEWEST_TEETH].min() >= SLOWEST:
         return bool(rates.max() <= FASTEST)
     # Rounded ones are loaded at the machine's rate for a part of the time only.
     high_N, low_N = (np.array([getattr(fall, end) for fall in falls]) for end in ("top_N", "bottom_N"))
+    low_N = low_N if falls[-1].reloads else low_N[:-1]
     apart_N = max(median(np.abs(x - median(x))) for x in (high_N, low_N))
     rounded = rates.max() <= SLOWER_THAN_LOADED and GENTLE <= median(steepest) <= FASTEST
-    return bool(rounded and apart_N < ALIKE * median(high_N - low_N))
+    return bool(rounded and apart_N < ALIKE * first.drop_N)
 
 
 def _is_regular(teeth: list[Fall]) -> bool:
@@ -131,6 +137,8 @@ def swings(prepared: Prepared, fall: Fall, sliding: Sliding) -> bool:
     after = force_N[fall.top + 3 * (bottom - fall.top) : sliding.stop]
     quiet = after.size < PIECE_BLOCKS or (
         roughness_N(after[: 2 * PIECE_BLOCKS]) <= quiet_N(prepared, fall.start, fall.top)
+        and float(np.ptp(np.quantile(after[: 6 * (bottom - fall.top)], WAVES_ON)))
+        < DIES * (fall.top_N - bottom_N)
     )
     return quiet and rising <= SWING * falling and lasts <= HALF_PERIODS * (rising + falling)
 

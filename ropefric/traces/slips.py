@@ -165,6 +165,7 @@ def _rivals(
     growth = above_N / max(height_N, 1e-12 * above_N, TINY)
     if not higher:  # what is held afterwards is highest anywhere
         top = last + int(np.argmax(force_N[last : pull.stop] >= fall.top_N + ARRIVED * above_N))
+    came = fall.bottom + int(np.argmax(force_N[fall.bottom : top + 1] >= fall.top_N + ARRIVED * above_N))
     slid = _slid_on(force_N, pull, fall, top, rates[1])
     between = [g for g in later[:n_lower] if g.drop_N >= AGAIN * fall.drop_N]
     if _wears_in(force_N, pull, fall, later, top, rates[1]):
@@ -172,18 +173,21 @@ def _rivals(
     if not slid and _is_passed(force_N, _Place(pull, fall, later, between, higher, top, growth, *rates)):
         return None
     # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
-    passed = top - int(np.flatnonzero(force_N[fall.top : top + 1] <= fall.top_N)[-1]) - fall.top
+    passed = came - int(np.flatnonzero(force_N[fall.top : came + 1] <= fall.top_N)[-1]) - fall.top
     hardens = passed > FEW_BLOCKS and above_N < SLIDES * rate * passed
     # It slips again before it is loaded as high, or has slipped by far more than partially: that has weakened it.
     alike = [g for g in between if _is_alike(fall, g, pull)]
     weaker = bool(between) and (growth <= LITTLE or len(between) >= FEWEST_TEETH or len(alike) >= 2)
     weaker |= len(later) >= 2 and all(_is_alike(fall, g, pull, ALIKE) for g in later[:2])
-    if slid or hardens or weaker or fall.drop_N > FULL * height_N:
+    # Loaded again along the machine's line to a far higher force, at which nothing slips, it has not slid.
+    held = all(g.drop_N < LEAST_DROP * height_N for g in higher)
+    sticks = growth > GROWTH and held and _turned_on(force_N[: top + 1], fall) < SLOWER
+    if slid or hardens or weaker or (fall.drop_N > FULL * height_N and not sticks):
         return []
     if growth > GROWTH or not higher:
         return None
     # It is not loaded again as a rope that sticks.
-    if float(force_N[top]) - fall.bottom_N < STICKS * rate * (top - fall.bottom):
+    if float(force_N[came]) - fall.bottom_N < STICKS * rate * (came - fall.bottom):
         return []
     against = _against_the_higher(pull, fall, higher, growth)
     return higher if against else None if against is None else []

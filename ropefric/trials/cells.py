@@ -15,7 +15,7 @@ from typing import Any
 
 from ropefric.errors import DataError, InputError, Problem
 from ropefric.files.disk import use_file
-from ropefric.files.parquet import parquet_as_csv
+from ropefric.files.plain_text import parquet_as_csv
 from ropefric.files.text import Source, load_text
 from ropefric.quantities import example_unit, in_range, parse_quantity, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean

@@ -15,8 +15,7 @@ from pydantic import PlainSerializer, PlainValidator
 from ropefric.arrays import FloatArray, frozen_array
 from ropefric.errors import DataError, Problem
 from ropefric.files.folder import Folder, as_folder
-from ropefric.files.parquet import parquet_bytes
-from ropefric.files.plain_text import csv_cell, csv_text, significant
+from ropefric.files.plain_text import csv_cell, csv_text, parquet_bytes, significant
 from ropefric.friction.condition import condition_groups
 from ropefric.shown import Shown
 from ropefric.traces.breakaway import Breakaway, Status

@@ -160,21 +160,31 @@ def test_a_share_has_its_binomial_interval(monkeypatch):
     assert [three.shares[name] for name in ("law_low", "law_high")] == pytest.approx(
         [0.0667, 0.6525], abs=5e-5
     )
+    judging(monkeypatch, *7 * [("constant", "supported", ["offset"])], *3 * [never])
+    seven = verdicts(Design("constant", 8, 3, special="no effect"), 10).shares
+    assert [seven[f"effect_{end}"] for end in ("low", "high")] == pytest.approx([0.3475, 0.9333], abs=5e-5)
 
 
 def test_the_page_and_the_findings_show_verdicts_beside_intervals():
-    shares = {"law": 0.02, "law_low": 0.005, "law_high": 0.05, "effect": 0.01}
+    shares = {"law": 0.02, "law_low": 0.005, "law_high": 0.05}
+    few, many = (
+        shares | {"effect": share, "effect_low": share - 0.01, "effect_high": share + 0.1}
+        for share in (0.01, 0.8)
+    )
     points = (
         Measured(case="a", method="auto", setting="", error=0.0, evaluations=200.0, seconds=1.0,
                  shares={"parameters": 0.95, "mean": 0.95, "pull": 0.95}),
-        Measured(case="b, no effect", method="no effect", setting="", error=0.02, evaluations=200.0, shares=shares),
+        Measured(case="b, no effect", method="no effect", setting="", error=0.02, evaluations=200.0, shares=few),
         Measured(case="b, no effect", method="wrap effect", setting="", error=0.2, evaluations=200.0,
-                 shares=shares | {"effect": 0.8}),
+                 shares=many),
     )  # fmt: skip
     found = STUDIES["uncertainty"].findings(points)
     assert found[-2:] == (
-        "b, no effect: a richer law is supported in 2 % (0.5 to 5.0 %) of 200 campaigns, an effect in 1 %.",
-        "b, wrap effect: a law with it is supported in 2 % (0.5 to 5.0 %) of 200 campaigns, the effect in 80 %.",
+        "b, no effect: a richer law is supported in 2 % (0 to 5 %) of 200 campaigns, an effect in 1 % (0 to 11 %).",
+        (
+            "b, wrap effect: a law with it is supported in 2 % (0 to 5 %) of 200 campaigns, "
+            "the effect in 80 % (79 to 90 %)."
+        ),
     )
     result = StudyResult(study=STUDIES["uncertainty"], points=points, quick=False)
     page = cost_markdown([result], this_machine())

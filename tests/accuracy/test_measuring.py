@@ -1,12 +1,14 @@
 """Timing with a clock of our own, the front, the cheapest, and what a study result holds."""
 
 import itertools
+import json
 import math
 
 import numpy as np
 import pytest
 
-from ropefric.accuracy.measure import FULL, QUICK, Effort, measure_studies, this_machine, time_call
+from ropefric.accuracy import measure
+from ropefric.accuracy.measure import FULL, QUICK, Effort, Timing, measure_studies, this_machine, time_call
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.study import (
     ACCURACIES,
@@ -162,6 +164,38 @@ def test_a_study_is_measured_setting_by_setting_and_quickly_only_in_part():
     quick = measure_studies([made_study(calls)], quick=True, effort=effort)[0]
     assert [p.method for p in quick.points] == ["a"]
     assert quick.quick
+
+
+def test_an_interrupted_study_goes_on_with_the_same_points(tmp_path, monkeypatch):
+    """Interrupted at the third of five settings, with half a line written: only those that are left are measured."""
+    monkeypatch.setattr(measure, "time_call", lambda call, effort: Timing(1.5e-3, 1e-3, 2e-3, 5, 1))
+    assessed, stop_at = [], [3]
+
+    def setting(place):
+        def assess():
+            if len(assessed) + 1 == stop_at[0]:
+                raise KeyboardInterrupt
+            assessed.append(place)
+            return Outcome(error=1.0 / (place + 1), evaluations=float(place), shares={"mean": 0.1 * place})
+
+        return Setting("method", f"{place} steps", lambda: None, assess)
+
+    def measured(kept=None):
+        case = Case("one", "", lambda: tuple(map(setting, range(5))))
+        study = Study(name="s", title="", question="", reference="", counted="", cases=(case,))
+        (result,) = measure_studies([study], kept=kept)
+        return result.to_dict()
+
+    kept = tmp_path / "new" / "kept.jsonl"
+    with pytest.raises(KeyboardInterrupt):
+        measured(kept)
+    stop_at[0] = 0
+    with kept.open("a", encoding="utf-8") as stream:
+        stream.write('\n["4f", {"err')
+    found = measured(kept)
+    assert assessed == [0, 1, 2, 3, 4]
+    assert json.dumps(found) == json.dumps(measured())
+    assert assessed == [0, 1, 2, 3, 4, 0, 1, 2, 3, 4]
 
 
 def test_quick_is_quicker_than_full():

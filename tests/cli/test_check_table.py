@@ -59,7 +59,7 @@ def test_a_workbook_tells_the_same_as_text(call, tmp_path):
     ]
     assert texts[0] == texts[1]
     assert "constant-offset: is told from constant (in " in texts[0]
-    assert "may be told: in 50 % of campaigns or more" in texts[0]
+    assert "may be told in 50 % or more" in texts[0]
 
 
 def test_a_plan_can_be_checked_as_it_was_written(call, tmp_path):

@@ -4,6 +4,7 @@ import csv
 
 import pytest
 
+from ropefric.accuracy import measure
 from ropefric.accuracy.measure import error_table
 from ropefric.cli.app import main
 
@@ -49,6 +50,28 @@ def test_the_result_is_json_and_progress_goes_elsewhere(call, tmp_path):
     assert any(path.endswith("cost.html") for path in facts["written"])
     assert "measuring on" in done.err
     assert "100 %" in done.err
+
+
+def test_what_an_interrupted_run_measured_is_kept_until_the_whole_is(call, tmp_path, monkeypatch):
+    done, whole = [], measure.time_call
+
+    def timed(setting, effort):
+        done.append(setting)
+        if len(done) == 3:
+            raise KeyboardInterrupt
+        return whole(setting, effort)
+
+    monkeypatch.setattr(measure, "time_call", timed)
+    said = call("cost", "end-tension", "--quick", "--out", tmp_path / "out")
+    kept = tmp_path / "out" / ".cache" / "cost.jsonl"
+    assert said.code == 130
+    assert f"finished settings are kept in {kept}" in said.err
+    assert len(kept.read_text(encoding="utf-8").splitlines()) == 1 + 2
+    again = call("--json", "cost", "end-tension", "--quick", "--out", tmp_path / "out")
+    assert again.code == 0
+    (study,) = again.json()["studies"]
+    assert len(done) == 3 + len(study["points"]) - 2
+    assert not kept.exists()
 
 
 def test_an_unknown_study_is_answered_with_the_nearest_before_anything_is_measured(call, tmp_path):

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from ropefric.cli.app import main
 from ropefric.errors import DataError, InputError
 from ropefric.review import session
-from ropefric.review.view import decimated
+from ropefric.review.session import decimated
 
 DOUBTFUL = ("c07-r03", "c08-r06")
 

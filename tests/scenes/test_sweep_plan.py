@@ -10,7 +10,7 @@ import pytest
 
 import ropefric as rf
 from ropefric.errors import InputError
-from ropefric.files import parquet
+from ropefric.files import plain_text
 from ropefric.files.folder import Folder
 from ropefric.scenes import points as solving
 from ropefric.scenes import sweep_table as tables
@@ -272,7 +272,7 @@ def test_without_pyarrow_parquet_says_what_to_install(hoist_of, tmp_path, monkey
     def missing(name):
         raise ImportError
 
-    monkeypatch.setattr(parquet, "import_module", missing)
+    monkeypatch.setattr(plain_text, "import_module", missing)
     scene = hoist_of()
     axes = (parse_axis(scene, "wheel.wrap=1turn,2turn"),)
     with (

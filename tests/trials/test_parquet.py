@@ -8,8 +8,8 @@ import pytest
 
 import ropefric as rf
 from ropefric.errors import DataError, InputError
-from ropefric.files import parquet
-from ropefric.files.parquet import parquet_as_csv, parquet_bytes
+from ropefric.files import plain_text
+from ropefric.files.plain_text import parquet_as_csv, parquet_bytes
 from ropefric.trials.result import write_tables
 from ropefric.trials.table import read_trial_table
 
@@ -72,7 +72,7 @@ def test_bad_files_say_what_is_wrong(tmp_path, monkeypatch):
         with pytest.raises(DataError, match="not a readable Parquet file"):
             parquet_as_csv(good[:cut], "cut.parquet")
     assert parquet_as_csv(good, "good.parquet") == "a\n1.5\n"
-    monkeypatch.setattr(parquet, "MOST_CELLS", 1)
+    monkeypatch.setattr(plain_text, "MOST_CELLS", 1)
     with pytest.raises(DataError, match="1 rows of 2 columns"):
         parquet_as_csv(parquet_bytes([{"a": 1.5, "b": 2}], key=""), "large.parquet")
     assert parquet_as_csv(parquet_bytes([], key=""), "empty.parquet").strip() == ""
@@ -84,7 +84,7 @@ def test_without_pyarrow_it_says_what_to_install(monkeypatch, tmp_path):
 
     path = tmp_path / "t.parquet"
     path.write_bytes(parquet_bytes([{"a": 1}], key=""))
-    monkeypatch.setattr(parquet, "import_module", missing)
+    monkeypatch.setattr(plain_text, "import_module", missing)
     with pytest.raises(InputError, match="pyarrow") as caught:
         read_trial_table(path)
     assert "ropefric[parquet]" in caught.value.fix

@@ -4,7 +4,7 @@ Of laws, designs and every kind of interval; and of constant data and of data wi
 `diagnose` support.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache, partial
 from math import degrees, isfinite, log, log1p, nan, pi
@@ -46,8 +46,8 @@ QUICK, USUAL, FULL = 20, 200, 1000
 """Campaigns of a quick look, of the usual one and of that over all designs."""
 _RESAMPLES = 400
 _SIZES, _REPEATS = (6, 8, 12, 20, 36), (1, 3, 5, 12)
-JUDGED = 50
-"""Campaigns that are judged at each usual design."""
+JUDGED = 100
+"""Campaigns that are judged at each usual design: a share is known to 10 % at worst."""
 EFFECTS = {
     "no effect": ("", "wrap_angle_rad", 8.0, 0.0),
     "wrap effect": ("wrap-dependence", "wrap_angle_rad", 8.0, -0.2),
@@ -232,7 +232,8 @@ def verdicts(design: Design, n: int) -> Outcome:
     """Return in which share of campaigns a law with the effect of a design, and the effect itself, are supported.
 
     Of a constant coefficient that is any law but the constant one, any effect: the error is the share of such laws,
-    else that of campaigns in which the effect is missed. `law_low` and `law_high` hold the share of laws at 95 %.
+    else that of campaigns in which the effect is missed. `law_low` and `law_high` hold the share of laws at 95 %,
+    `effect_low` and `effect_high` that of effects.
     """
     effect, named = EFFECTS[design.special][0], {design.special}
     if not effect:
@@ -245,12 +246,11 @@ def verdicts(design: Design, n: int) -> Outcome:
         law = choice.fit.friction_law
         laws += choice.verdict.supported and (effect in law.effects if effect else law.name != "constant")
         effects += any(cause.supported == "yes" and cause.cause in named for cause in causes)
-    shares = {
-        "law": laws / n,
-        "law_low": float(betaincinv(laws, n - laws + 1, 0.025)) if laws else 0.0,
-        "law_high": float(betaincinv(laws + 1, n - laws, 0.975)) if laws < n else 1.0,
-        "effect": effects / n,
-    }
+    shares: dict[str, float] = {}
+    for name, count in (("law", laws), ("effect", effects)):
+        low = float(betaincinv(count, n - count + 1, 0.025)) if count else 0.0
+        high = float(betaincinv(count + 1, n - count, 0.975)) if count < n else 1.0
+        shares |= {name: count / n, f"{name}_low": low, f"{name}_high": high}
     return Outcome(
         error=1.0 - shares["effect"] if effect else shares["law"], evaluations=float(n), shares=shares
     )
@@ -310,17 +310,21 @@ def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
         lines.append("No kind of interval holds 93 to 97 % in every design; what each covers stands above.")
     for (case, effect), point in every.items():
         if effect in EFFECTS:
-            law, low, high, found = (
-                100.0 * point.shares[name] for name in ("law", "law_low", "law_high", "effect")
-            )
+            law, found = (share_text(point.shares, name) for name in ("law", "effect"))
             whose, which = (
                 ("a richer law", "an effect") if effect == "no effect" else ("a law with it", "the effect")
             )
             lines.append(
-                f"{case.split(', no')[0]}, {effect}: {whose} is supported in {law:.0f} % ({low:.1f} to {high:.1f} %) of "
-                f"{point.evaluations:.0f} campaigns, {which} in {found:.0f} %."
+                f"{case.split(', no')[0]}, {effect}: {whose} is supported in {law} of {point.evaluations:.0f} "
+                f"campaigns, {which} in {found}."
             )
     return tuple(lines)
+
+
+def share_text(shares: Mapping[str, float], name: str) -> str:
+    """Return a share of verdicts with its 95 % interval."""
+    share, low, high = (100.0 * shares[f"{name}{end}"] for end in ("", "_low", "_high"))
+    return f"{share:.0f} % ({low:.0f} to {high:.0f} %)"
 
 
 def _off(point: Measured) -> str:

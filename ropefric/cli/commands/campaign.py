@@ -6,15 +6,15 @@ import math
 import os
 import sys
 import webbrowser
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, out_folder
+from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, option, out_folder
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.glossary import counted
@@ -69,17 +69,15 @@ def extract(
     # Before the work, so that a folder that cannot be used costs nothing.
     options.lend_fonts_a_place(folder)
     target = pipeline.campaign_folder(loaded, folder, answers=False, force=force)
-    with _saying_what_is_kept(out, cache_folder), target, ExitStack() as stack:
+    with options.saying_what_is_kept(out, "recordings", cache_folder), target, ExitStack() as stack:
         with executors.cluster(cluster, n_jobs) as executor, Progress(out, "extract") as progress:
-            extraction = extracting.extract_campaign(
-                loaded, jobs=n_jobs, cache_dir=cache_folder, progress=progress.update, executor=executor
-            )
+            how: dict[str, Any] = {"jobs": n_jobs, "cache_dir": cache_folder, "executor": executor}
+            extraction = extracting.extract_campaign(loaded, progress=progress.update, **how)
         result.write_tables(extraction, target, parquet=parquet)
         target.publish("tables")
         if figures:
-            start_figures(
-                extraction, loaded.report.language, target, out, drawing_pool(extraction, n_jobs, stack)
-            )()
+            pool = drawing_pool(extraction, n_jobs, stack)
+            start_figures(extraction, loaded.report.language, target, out, pool)()
     say_problems(extraction, folder, out)
     data, exit_code = extraction.to_dict(), 0
     # A campaign without a single usable force is an error, though its tables are there.
@@ -88,17 +86,6 @@ def extract(
             out.problems(error.problems)
         data, exit_code = data | error.to_dict(), error.exit_code
     return Answer(data, _sections(extraction), exit_code)
-
-
-@contextmanager
-def _saying_what_is_kept(out: Output, cache_folder: Path | None) -> Iterator[None]:
-    """Say what an interrupted run leaves for the next one."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        kept = f"finished recordings are kept in {cache_folder}; the same command goes on from there"
-        out.note("nothing is kept (--no-cache)" if cache_folder is None else kept)
-        raise
 
 
 def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack) -> "Executor | None":
@@ -123,9 +110,8 @@ def start_figures(
     """Begin to draw one figure per condition; return what waits for them, writes and publishes them."""
     from ropefric.plotting.campaign import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
 
-    write = start_condition_figures(
-        extraction, folder, under="figures/", language=language, executor=executor
-    )
+    how: dict[str, Any] = {"under": "figures/", "language": language, "executor": executor}
+    write = start_condition_figures(extraction, folder, **how)
 
     def finish() -> None:
         with Progress(out, "figures") as progress:
@@ -183,10 +169,8 @@ def _sections(extraction: "result.Extraction") -> "list[section.Section]":
         said = f"{len(flagged)} of {len(extraction.trials)} trials are without a force:"
         reasons = [row for group in result.alike(flagged) for row in _flagged_rows(group)]
         advice = [f"{one}: {breakaway.ADVICE[one]}" for one in statuses if one in _ADVISED]
-        told += [
-            section.Section(lines=(said,), headings=("trial", "status", "why "), rows=reasons, left=3),
-            section.Section(lines=advice),
-        ]
+        told.append(section.Section("", (said,), ("trial", "status", "why "), reasons, left=3))
+        told.append(section.Section(lines=advice))
     return told
 
 
@@ -232,20 +216,9 @@ def run(
     leave two of them undecided, or judge none.
     """
     loaded = campaigns.load_campaign(options.campaign_file(campaign))
-    n_jobs = options.parse_jobs(jobs, len(loaded.trials))
-    drawing = frozenset({"conditions", "report"}) if figures else frozenset()
-    return work_through(
-        out,
-        loaded,
-        folder,
-        law=law,
-        n_jobs=n_jobs,
-        cluster=cluster,
-        parquet=parquet,
-        cache=cache,
-        drawing=drawing,
-        force=force,
-    )
+    drawing = frozenset({"conditions", "report"} if figures else ())
+    how: dict[str, Any] = {"law": law, "cluster": cluster, "parquet": parquet, "cache": cache, "force": force}
+    return work_through(out, loaded, folder, jobs=jobs, drawing=drawing, **how)
 
 
 def work_through(
@@ -254,11 +227,11 @@ def work_through(
     folder: Path,
     *,
     law: str = "",
-    n_jobs: int = 1,
+    jobs: str,
     cluster: str = "",
     parquet: bool = False,
     cache: bool = True,
-    drawing: frozenset[str] = frozenset({"report"}),
+    drawing: frozenset[str],
     wish: "page.Wish | None" = None,
     force: bool = False,
 ) -> Answer:
@@ -269,7 +242,7 @@ def work_through(
     # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.
     if law:
         laws.ALL_LAWS[law]
-    cache_dir = folder / ".cache" if cache else None
+    cache_dir, n_jobs = folder / ".cache" if cache else None, options.parse_jobs(jobs, len(campaign.trials))
     options.lend_fonts_a_place(folder)
     target = pipeline.campaign_folder(campaign, folder, force=force)
 
@@ -283,25 +256,16 @@ def work_through(
             pool[0] = drawing_pool(extraction, n_jobs, stack)
             to_finish.append(start_figures(extraction, campaign.report.language, target, out, pool[0]))
 
-    with _saying_what_is_kept(out, cache_dir), target, ExitStack() as stack:
+    with options.saying_what_is_kept(out, "recordings", cache_dir), target, ExitStack() as stack:
         try:
             with (
                 executors.cluster(cluster, n_jobs) as executor,
                 Progress(out, "extract") as extracting,
                 Progress(out, "fit") as fitting,
             ):
-                done = pipeline.run_campaign(
-                    campaign,
-                    target,
-                    law=law,
-                    jobs=n_jobs,
-                    cache_dir=cache_dir,
-                    executor=executor,
-                    parquet=parquet,
-                    extract_progress=extracting.update,
-                    fit_progress=lambda name, done, total: fitting.update(done, total, name),
-                    on_extracted=draw,
-                )
+                how: dict[str, Any] = {"law": law, "jobs": n_jobs, "cache_dir": cache_dir, "parquet": parquet}
+                how |= {"extract_progress": extracting.update, "fit_progress": fitting.update_named}
+                done = pipeline.run_campaign(campaign, target, executor=executor, on_extracted=draw, **how)
         except RopefricError:
             for finish in to_finish:
                 finish()
@@ -313,11 +277,8 @@ def work_through(
         for finish in to_finish:
             finish()
     said = options.written_to(folder, "report.html, trials.csv, fits/, comparison.csv, …")
-    return Answer(
-        done.to_dict() | {"written": [*done.written, *written]},
-        [*pages.summary_sections(done), said],
-        exit_code_of(done.answer.verdict),
-    )
+    data = done.to_dict() | {"written": [*done.written, *written]}
+    return Answer(data, [*pages.summary_sections(done), said], exit_code_of(done.answer.verdict))
 
 
 @command("ropefric report out --pdf", order=70)
@@ -347,12 +308,12 @@ def report(
     they are, and removed if the forces have changed. Exits with 4 unless the law and its lift force are supported.
     """
     formats = tuple(name.strip() for text in figure_files or () for name in text.split(","))
-    for option, known, words in (
+    for flag_name, known, words in (
         ("--locale", plain_text.LANGUAGES, (locale,) if locale else ()),
         ("--figure-files", ("svg", "pdf", "png"), formats),
     ):
         if unknown := [word for word in words if word not in known]:
-            raise BadParameter(f"{unknown[0]!r} is none of {', '.join(known)}", param_hint=option)
+            raise BadParameter(f"{unknown[0]!r} is none of {', '.join(known)}", param_hint=flag_name)
     wish = page.Wish(locale, pdf, figures, formats)
     if pdf:
         page.find_browser()  # before the work
@@ -374,9 +335,8 @@ def report(
             before, law_before = pipeline.recorded_run(folder)
             law = law_before if before.resolve() == campaign.resolve() else ""
     loaded = campaigns.load_campaign(campaign)
-    n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     drawing = frozenset({"report"} if figures else ())
-    return work_through(out, loaded, folder, law=law, n_jobs=n_jobs, drawing=drawing, wish=wish, force=force)
+    return work_through(out, loaded, folder, law=law, jobs=jobs, drawing=drawing, wish=wish, force=force)
 
 
 _TABLES = (".csv", ".tsv", ".txt", ".xlsx", ".xls", ".ods")
@@ -394,19 +354,15 @@ def _report_table(
     with target:
         with Progress(out, "fit") as fitting, Progress(out, "report") as reporting:
             answer = pipeline.answer_trials(
-                table, design=about.design, law=law, progress=lambda name, i, n: fitting.update(i, n, name)
+                table, design=about.design, law=law, progress=fitting.update_named
             )
             written = pipeline.write_answer(answer, target)
-            written += pages.write_table_report(
-                answer, inputs, target, words=about.report, wish=wish, progress=reporting.update
-            )
+            told: dict[str, Any] = {"words": about.report, "wish": wish, "progress": reporting.update}
+            written += pages.write_table_report(answer, inputs, target, **told)
         target.publish("answer")
     said = options.written_to(target.path, "report.html, fits/, comparison.csv, …")
-    return Answer(
-        answer.to_dict() | {"written": [*written]},
-        [*pages.answer_sections(answer), said],
-        exit_code_of(answer.verdict),
-    )
+    data = answer.to_dict() | {"written": [*written]}
+    return Answer(data, [*pages.answer_sections(answer), said], exit_code_of(answer.verdict))
 
 
 @command("ropefric review out", order=65)
@@ -414,14 +370,10 @@ def review(
     out: Output,
     folder: Path = Argument(..., metavar="OUT_DIR", help="A folder that `run` or `extract` wrote."),
     *,
-    campaign: Path | None = Option(
-        None,
-        metavar="CAMPAIGN.toml",
-        help="The campaign; by default the one that `run` made the folder from.",
+    campaign: Path | None = option(
+        "CAMPAIGN.toml", "The campaign; by default the one that `run` made the folder from."
     ),
-    by: str = Option(
-        "", metavar="NAME", help="Who decides, as the list will say; by default the login name."
-    ),
+    by: str = option("NAME", "Who decides, as the list will say; by default the login name.", default=""),
     port: int = Option(0, min=0, max=65535, help="Of the page; 0: any that is free."),
     open_page: bool = Option(True, "--open/--no-open", help="Open the page in the browser."),
     jobs: options.Jobs = "auto",
@@ -442,14 +394,9 @@ def review(
     path = options.campaign_file(path)
     n_jobs = options.parse_jobs(jobs, len(campaigns.load_campaign(path, missing_recordings="flag").trials))
     with Progress(out, "extract") as progress:
-        reviewed = session.Review(
-            path,
-            by=by.strip() or _login_name(),
-            law=law,
-            cache_dir=folder / folders.CACHE,
-            jobs=n_jobs,
-            progress=progress.update,
-        )
+        how: dict[str, Any] = {"law": law, "cache_dir": folder / folders.CACHE, "jobs": n_jobs}
+        by = by.strip() or _login_name()
+        reviewed = session.Review(path, by=by, progress=progress.update, **how)
     with server.ReviewServer(reviewed, port) as serving:
         # Not a note: without it nobody finds the page.
         sys.stderr.write(f"{serving.address}\n")

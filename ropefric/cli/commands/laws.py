@@ -8,7 +8,7 @@ from pathlib import Path
 from typer import Argument, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Words, command, exit_code_of, flag, listed
+from ropefric.cli.options import Answer, Words, command, exit_code_of, flag, listed, option
 from ropefric.cli.output import Output, Progress
 
 with on_first_use():
@@ -42,10 +42,10 @@ def fit(
     fix: Words = listed("NAME=VALUE", "Hold a parameter"),
     bound: Words = listed("NAME=LOW:HIGH", "Bounds of a parameter"),
     start: Words = Option(None, metavar="NAME=VALUE", help="Start value; the law guesses others."),
-    intervals: str = Option(
-        "auto",
-        metavar="auto|covariance|profile|bootstrap|bootstrap-t",
-        help="Where the 95 % intervals come from; auto is the covariance where it will do, else the profile.",
+    intervals: str = option(
+        "auto|covariance|profile|bootstrap|bootstrap-t",
+        "Where the 95 % intervals come from; auto is the covariance where it will do, else the profile.",
+        default="auto",
     ),
     loss: str = Option("linear", help="linear, or soft_l1, huber, cauchy, arctan: less weight for outliers."),
     seed: int = Option(0, min=0, help="Of the search's further starts and of the bootstrap."),
@@ -76,11 +76,8 @@ def fit(
         out.note(f"wrote {store.save_fit(result, file, overwrite=force)}")
     verdict = parts.verdict_section(result.verdict, "The verdict, by this fit alone")
     sections = [parts.fit_section(result), verdict, *parts.notes_sections(result)]
-    return Answer(
-        result.to_dict() | {"verdict": result.verdict.to_dict(), "of": result.of},
-        sections,
-        exit_code_of(result.verdict),
-    )
+    data = result.to_dict() | {"verdict": result.verdict.to_dict(), "of": result.of}
+    return Answer(data, sections, exit_code_of(result.verdict))
 
 
 @contextmanager
@@ -112,19 +109,12 @@ def compare(
     names = [name.strip() for text in laws or () for name in text.split(",") if name.strip()]
     table = options.read_table(trials, out, of=of)
     with Progress(out, "fit") as progress:
-        found = comparing.compare_laws(
-            table,
-            names or None,
-            touching_turns=touching_turns,
-            progress=lambda law, done, total: progress.update(done, total, law),
-        )
+        told = progress.update_named
+        found = comparing.compare_laws(table, names or None, touching_turns=touching_turns, progress=told)
     chosen = comparing.choose_law(found)
     verdict = parts.verdict_section(chosen.verdict, f"The law: {chosen.fit.law}")
-    return Answer(
-        found.to_dict() | chosen.to_dict() | {"of": table.force},
-        [parts.comparison_section(found), verdict],
-        exit_code_of(chosen.verdict),
-    )
+    data = found.to_dict() | chosen.to_dict() | {"of": table.force}
+    return Answer(data, [parts.comparison_section(found), verdict], exit_code_of(chosen.verdict))
 
 
 @command("ropefric diagnose fits/prth-trials.csv", order=110)

@@ -12,7 +12,7 @@ from typing import Any
 from typer import Argument, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, out_folder
+from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, option, out_folder
 from ropefric.cli.output import Output, Progress, json_text, width_of
 from ropefric.errors import InputError
 
@@ -47,16 +47,15 @@ def solve(
     out: Output,
     scene: options.SceneArgument,
     *,
-    sweep: Words = Option(
-        None,
+    sweep: Words = option(
+        "KEY=START:STOP:COUNT",
+        "Solve over a range, or KEY=A,B,C over a list, of any number in the scene; several make a grid.",
         "--sweep",
-        metavar="KEY=START:STOP:COUNT",
-        help="Solve over a range, or KEY=A,B,C over a list, of any number in the scene; several make a grid.",
     ),
-    draws: int = Option(
-        0,
-        metavar="N",
-        help="Solve for so many draws of what is uncertain: the parameters of a fit, and what [tolerances] states.",
+    draws: int = option(
+        "N",
+        "Solve for so many draws of what is uncertain: the parameters of a fit, and what [tolerances] states.",
+        default=0,
     ),
     seed: int = Option(0, min=0, help="Of the draws."),
     identify: bool = flag("--identify", "Find the preload and mounting that the measured frequencies tell."),
@@ -65,10 +64,11 @@ def solve(
     ),
     folder: Path | None = out_folder("Write the answer (and the table of a sweep or of draws) there."),
     plot: str = Option("", help="Which number of a sweep the figure shows; by default the first."),
-    table: TableFormat = Option(
-        TableFormat.CSV,
+    table: TableFormat = option(
+        "",
+        "How the table of a sweep or of draws is written; Parquet needs pyarrow.",
         "--table",
-        help="How the table of a sweep or of draws is written; Parquet needs pyarrow.",
+        default=TableFormat.CSV,
     ),
     cluster: options.Cluster = "",
     force: Force = False,
@@ -92,9 +92,8 @@ def solve(
     fits = [loaded.folder / fit, Path(fit)] if isinstance(fit, str) else []
     family = "sweep" if sweep else "draws" if draws else "scene"
     # Before the work, so that a folder that cannot be used costs nothing.
-    with options.open_folder(
-        folder, family=family, names=names, inputs=(scene, *fits), force=force
-    ) as target:
+    inputs = (scene, *fits)
+    with options.open_folder(folder, family=family, names=names, inputs=inputs, force=force) as target:
         if draws:
             return _drawn(out, loaded, draws, target, f"draws.{table}", cluster, seed=seed, level=level)
         if not sweep:
@@ -109,19 +108,11 @@ def solve(
             if target is not None:
                 write = stack.enter_context(sweep_table.sweep_table(axes, target, f"sweep.{table}")).add
             executor = stack.enter_context(executors.cluster(cluster))
-            found = sweeping.sweep_scene(
-                loaded,
-                axes,
-                progress=progress.update,
-                write=write,
-                keep=sweeping.KEPT_POINTS,
-                executor=executor,
-            )
+            how: dict[str, Any] = {"write": write, "keep": sweeping.KEPT_POINTS, "executor": executor}
+            found = sweeping.sweep_scene(loaded, axes, progress=progress.update, **how)
         files = [] if target is None else _publish_sweep(out, found, target, f"sweep.{table}", plot)
-        data = _tree(found) | {"files": files}
-        return Answer(
-            data, pages.sweep_sections(found, width_of(sys.stdout)), exit_code_of(found.keeps_accuracy)
-        )
+        shown = pages.sweep_sections(found, width_of(sys.stdout))
+        return Answer(_tree(found) | {"files": files}, shown, exit_code_of(found.keeps_accuracy))
 
 
 _DRAWN = ("draws.csv", "draws.parquet", "draws.json")
@@ -141,9 +132,8 @@ def _drawn(  # noqa: PLR0917  (as the command has them)
         if folder is not None:
             write = stack.enter_context(sweep_table.sweep_table((), folder, name)).add
         executor = stack.enter_context(executors.cluster(cluster))
-        found = drawing.draw_scene(
-            scene, count, progress=progress.update, write=write, executor=executor, **how
-        )
+        how |= {"progress": progress.update, "write": write, "executor": executor}
+        found = drawing.draw_scene(scene, count, **how)
     data: dict[str, Any] = found.to_dict()
     files: Sequence[Path] = ()
     if folder is not None:
@@ -190,11 +180,9 @@ def _tree(found: "sweeping.Sweep") -> dict[str, Any]:
     points = prod(found.shape)
     # A million numbers on a terminal serve nobody; the CSV of --out has them.
     listed = points <= _LISTED_POINTS
+    axes = [(axis.key, axis.unit, (axis.values / axis.factor).tolist()) for axis in found.axes]
     return {
-        "axes": [
-            {"key": axis.key, "unit": axis.unit, "values": (axis.values / axis.factor).tolist()}
-            for axis in found.axes
-        ],
+        "axes": [dict(zip(("key", "unit", "values"), one, strict=True)) for one in axes],
         "points": points,
         "columns": {name: values if listed else None for name, values in found.columns.items()},
         "effects": {"simulated": found.simulated, "left_out_at": found.left_out},
@@ -232,12 +220,8 @@ def paper(
         ..., metavar="prth|press|saw", help="The rope on a wheel, the belt press or the band saw."
     ),
     *,
-    scene: Path | None = Option(
-        None, metavar="SCENE.toml", help="Of this machine; by default the published one."
-    ),
-    trials: Path | None = Option(
-        None, metavar="TRIALS.csv", help="For prth: reduce these trials as the paper does."
-    ),
+    scene: Path | None = option("SCENE.toml", "Of this machine; by default the published one."),
+    trials: Path | None = option("TRIALS.csv", "For prth: reduce these trials as the paper does."),
     fit: Path | None = Option(None, metavar="FIT.json", help="With the friction of this fit."),
     reference_tension: options.Number = options.quantity(
         "--reference-tension", "N", "For prth: F_0 of eqs. (11)-(13), 1 N by default."
@@ -287,7 +271,8 @@ def cost(
     and scenes.
 
     For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
-    cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12.
+    cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12. After an interruption the same
+    command goes on with what is not measured yet.
     """
     chosen = [all_studies.STUDIES[name] for name in dict.fromkeys(studies or all_studies.STUDIES)]
     if campaign:
@@ -300,21 +285,22 @@ def cost(
         chosen = [with_all_designs(one) if one.name == "uncertainty" else one for one in chosen]
     pairs = [f"{study.name}.{ending}" for study in chosen for ending in ("png", "csv")]
     # Before the work, so that a folder that cannot be used costs nothing.
-    with options.open_folder(
-        folder, family="cost", names=["cost.md", "cost.html", *pairs], force=force
-    ) as target:
+    names = ["cost.md", "cost.html", *pairs]
+    with options.open_folder(folder, family="cost", names=names, force=force) as target:
         machine = measure.this_machine()
         out.note(f"measuring on {machine.line}")
-        with executors.cluster(cluster) as executor, Progress(out, "cost") as progress:
-            results = measure.measure_studies(
-                chosen, quick=quick, progress=progress.update, executor=executor
-            )
+        kept = folder / folders.CACHE / "cost.jsonl"
+        with (
+            options.saying_what_is_kept(out, "settings", kept),
+            executors.cluster(cluster) as executor,
+            Progress(out, "cost") as progress,
+        ):
+            how: dict[str, Any] = {"progress": progress.update, "executor": executor, "kept": kept}
+            results = measure.measure_studies(chosen, quick=quick, **how)
         written = cost_page.write_cost(results, machine, target)
-    data = {
-        "machine": asdict(machine),
-        "quick": quick,
-        "studies": [result.to_dict() for result in results],
-        "written": list(written),
-    }
+        # A whole measurement is made anew, one that was interrupted goes on.
+        kept.unlink(missing_ok=True)
+    studied = [result.to_dict() for result in results]
+    data = {"machine": asdict(machine), "quick": quick, "studies": studied, "written": list(written)}
     said = options.written_to(folder, "cost.html, cost.md, …")
     return Answer(data, [*cost_page.cost_sections(results, machine), said])

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from typer import Argument, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Number, Words, command, exit_code_of, flag, listed, quantity
+from ropefric.cli.options import Answer, Number, Words, command, exit_code_of, flag, listed, option, quantity
 from ropefric.cli.output import PIPE_WIDTH, Output, Progress, width_of
 from ropefric.errors import DataError, InputError, Problem, UnknownNameError, raise_problems
 from ropefric.files.disk import refuse_input, refuse_special, write_file
@@ -53,16 +53,13 @@ def init(
         "Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …",
         "--scene",
     ),
-    recordings: str = Option(
-        "",
-        "--from",
-        metavar="GLOB",
-        help="List these recordings in trials.csv, such as 'daq/*.csv' (in quotes).",
+    recordings: str = option(
+        "GLOB", "List these recordings in trials.csv, such as 'daq/*.csv' (in quotes).", "--from", default=""
     ),
-    pattern: str = Option(
-        "",
-        metavar="PATTERN",
-        help="What their names say: '{wheel}_{wrap_angle_deg}deg_{end_tension_N}N_{repeat}', headers of the list.",
+    pattern: str = option(
+        "PATTERN",
+        "What their names say: '{wheel}_{wrap_angle_deg}deg_{end_tension_N}N_{repeat}', headers of the list.",
+        default="",
     ),
     force: bool = flag("--force", "Write over files that are already there."),
 ) -> Answer:
@@ -96,15 +93,10 @@ def inspect(
     out: Output,
     file: Path = Argument(..., metavar="FILE", help="A recording."),
     *,
-    file_format: str = Option(
-        "auto",
-        "--format",
-        metavar="NAME",
-        help="How it is written, where its name does not tell: delimited, …",
+    file_format: str = option(
+        "NAME", "How it is written, where its name does not tell: delimited, …", "--format", default="auto"
     ),
-    write_profile: Path | None = Option(
-        None, metavar="PATH", help="Write the suggested [import] section there."
-    ),
+    write_profile: Path | None = option("PATH", "Write the suggested [import] section there."),
     force: bool = flag("--force", "Write over a file that is already there."),
     everything: bool = flag("--all", "Read a large text whole, not only its first and last megabyte."),
     memory: Number = quantity("--memory", "byte", "Most memory that reading it may take [2 GB]."),
@@ -165,15 +157,14 @@ def _sections(found: "Inspection", profile: str) -> list["section.Section"]:
     fitting = sum(total <= room for total in accumulate(widths))
     hidden = max(map(len, found.first_rows), default=0) - fitting
     notes = [f"({hidden} more columns)"] * (hidden > 0) + [f"recognised: {note}" for note in found.notes]
+    suggested = ["suggested for campaign.toml:", "", *profile.rstrip().split("\n")]
     told = [
         section.Section(lines=(_headline(found),), verbatim=True),
         section.Section(headings=heads, rows=cells, left=0),
         section.Section("", ("first rows:", ""), names[:fitting], [row[:fitting] for row in first], left=0),
         section.Section(lines=notes, verbatim=True),
         section.Section("please check", notes=found.doubts),
-        section.Section(
-            lines=("suggested for campaign.toml:", "", *profile.rstrip().split("\n")), verbatim=True
-        ),
+        section.Section(lines=suggested, verbatim=True),
     ]
     return [one for one in told if one.rows or one.notes or (one.lines and not one.headings)]
 
@@ -296,7 +287,6 @@ def _content_lines(content: dict[str, Any]) -> list[str]:
         ("wrap φ", _listed(content["wrap_angle_rad"], math.degrees(1.0), "deg")),
         ("end tension F_B", _listed(content["end_tension_N"], 1.0, "N")),
     ]
-    within, how = resolution.TYPICAL_WITHIN, ""
     if "rejection" in content:
         good_lost = outliers.RULES[content["rejection"]].good_lost(most)
         lost = f", takes {good_lost:.2g} good trials of {most} on average" if good_lost > 0.0 else ""
@@ -309,24 +299,23 @@ def _content_lines(content: dict[str, Any]) -> list[str]:
         rows.insert(
             0, ("trials", f"{content['n_trials']}" + ("" if content["n_forces"] else ", without forces"))
         )
-        if content["scatter_within"] is not None:
-            within, how = content["scatter_within"], " as here"
     told = [f"{name:<18} {text}" for name, text in rows if text]
     if content["tells"]:
-        scatter = f"{100.0 * within:.2g} % between repeats{how}, {100.0 * resolution.TYPICAL_BETWEEN:g} %"
-        told.append(f"what this list can tell, if ropes scatter as usual ({scatter} between conditions):")
+        usual = f"{100.0 * resolution.TYPICAL_BETWEEN:g} % between conditions"
+        scatter = f"{100.0 * resolution.TYPICAL_WITHIN:g} % between repeats, {usual}"
+        if (within := content.get("scatter_within")) is not None:
+            scatter = f"{usual}; between repeats, as here, {100.0 * within:.2g} %"
+        told.append(f"what this list can tell, if ropes scatter as usual ({scatter}):")
         told += [*(f"  {item['text']}" for item in content["tells"]), f"  ({resolution.SCALE})"]
     return told + [f"read {line}" for line in content.get("recordings", ())]
 
 
 def _content_of_table(table: "tables.TrialTable") -> dict[str, Any]:
     """Return what a table holds that is used, or a list that has no forces yet, and what it can tell."""
-    chosen, within = resolution.listed(table), resolution.scatter_of_repeats(table)
-    settings = {name: getattr(table, name)[chosen] for name in conditions.SETTINGS}
-    group = table.group() if table.used.any() else conditions.condition_groups(*settings.values())
+    (settings, group), within = resolution.listed(table), resolution.scatter_of_repeats(table)
     repeats = Counter(group.tolist())
     return {
-        "n_trials": int(chosen.sum()),
+        "n_trials": group.size,
         "n_conditions": len(repeats),
         "repeats": {"fewest": min(repeats.values()), "most": max(repeats.values())},
         **{name: conditions.distinct(values).tolist() for name, values in settings.items()},
@@ -399,18 +388,9 @@ def simulate(
         written = rigs.simulate_campaign(folder, plan, seed=seed, progress=progress.update)
     campaign = next(path for path in written if path.name == "campaign.toml")
     out.note(f"next: ropefric extract {quote(str(campaign))} --out out")
-    data = {
-        "campaign": campaign,
-        "bench": bench,
-        "seed": seed,
-        "physics": plan.physics,
-        "protocol": plan.protocol,
-        "law": plan.law,
-        "parameters": dict(plan.parameters),
-        "faults": dict(plan.faults),
-        "n_conditions": len(plan.conditions),
-        "n_trials": plan.n_trials,
-    }
+    planned = ("physics", "protocol", "law", "parameters", "faults", "n_trials")
+    data = {"campaign": campaign, "bench": bench, "seed": seed, "n_conditions": len(plan.conditions)}
+    data |= {name: getattr(plan, name) for name in planned}
     made = f"{counted(plan.n_trials, 'recording')} of {counted(len(plan.conditions), 'condition')}"
     return Answer(data, f"{made}, law {plan.law}, seed {seed} → {campaign}")
 
@@ -422,11 +402,8 @@ def check_plugin(
         metavar="PLUGIN.py", help="The plugin: a Python file, or an installed one's name."
     ),
     *,
-    files: list[Path] | None = Option(
-        None,
-        "--file",
-        metavar="FILE",
-        help="A recording its reader, or a scene its machine, is tried on; repeatable.",
+    files: list[Path] | None = option(
+        "FILE", "A recording its reader, or a scene its machine, is tried on; repeatable.", "--file"
     ),
 ) -> Answer:
     """Try a plugin: whether its laws, readers, rules, protocols and machines keep the promises that ours keep.

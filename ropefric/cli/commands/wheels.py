@@ -7,7 +7,17 @@ from typing import Any
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Number, command, diameter, exit_code_of, flag, listed, quantity
+from ropefric.cli.options import (
+    Answer,
+    Number,
+    command,
+    diameter,
+    exit_code_of,
+    flag,
+    listed,
+    option,
+    quantity,
+)
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
 from ropefric.files.disk import refuse_input, refuse_special, write_file, write_files
@@ -50,9 +60,8 @@ def predict(
     Exits with 4 when the lift force is not supported: undecided, or not judged.
     """
     stored = options.read_fit(fit, out)
-    wheel = conditions.one_condition(
-        wheel_radius, options.rope_radius(stored, rope_diameter), wrap, end_tension
-    )
+    rope_m = options.rope_radius(stored, rope_diameter)
+    wheel = conditions.one_condition(wheel_radius, rope_m, wrap, end_tension)
     running_rope = {"speed_m_s": speed, "linear_density_kg_m": linear_density}
     # The library says what the method may be.
     found = predicting.predict(stored, wheel, level=level, method=method, **running_rope)  # type: ignore[arg-type]
@@ -102,16 +111,10 @@ def design(
     names = options.figure_names("design_chart")
     # Before the work, so that a folder that cannot be used costs nothing.
     with options.open_folder(chart, family="chart", names=names, inputs=[fit], force=force) as target:
-        found = designs.design(
-            stored,
-            lift_N=lift,
-            rope_radius_m=options.rope_radius(stored, rope_diameter),
-            solve_for=solve_for.replace("-", "_"),  # type: ignore[arg-type]  # the library says what it may be
-            probability=None if on_average else probability,
-            wheel_radius_m=wheel_radius,
-            wrap_angle_rad=wrap,
-            end_tension_N=end_tension,
-        )
+        asked: dict[str, Any] = {"lift_N": lift, "rope_radius_m": options.rope_radius(stored, rope_diameter)}
+        asked |= {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
+        asked["solve_for"] = solve_for.replace("-", "_")  # the library says what it may be
+        found = designs.design(stored, **asked, probability=None if on_average else probability)
         reached = bool(found.reached[0])
         files: tuple[Path, ...] = ()
         if target is not None and reached:
@@ -119,19 +122,14 @@ def design(
             from ropefric.plotting import figure  # noqa: PLC0415
 
             # At the design's end tension.
-            wheel = conditions.one_condition(
-                *(float(getattr(found, name)[0]) for name in conditions.SETTINGS)
-            )
-            chart_of_it = pipeline.chart_of_design(stored, wheel, probability)
+            at = conditions.one_condition(*(float(getattr(found, name)[0]) for name in conditions.SETTINGS))
+            chart_of_it = pipeline.chart_of_design(stored, at, probability)
             drawn = charts.draw_design_chart(chart_of_it, required_N=float(found.required_N[0]))
             files = figure.save_figure(drawn, target, "design_chart")
             options.publish(out, target, "chart", files)
-    return Answer(
-        found.to_dict()
-        | {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)},
-        [_section(found)],
-        exit_code_of(reached and stored.verdict.supported),
-    )
+    about = {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)}
+    code = exit_code_of(reached and stored.verdict.supported)
+    return Answer(found.to_dict() | about, [_section(found)], code)
 
 
 def _section(found: "designs.Design") -> "section.Section":
@@ -177,9 +175,7 @@ def plan_tests(
     rope_diameter: Number = diameter("--rope-diameter", "Needed with --law."),
     n_conditions: int = Option(12, "--conditions", min=1, help="Conditions to plan."),
     repeats: int = Option(12, min=1, help="Pulls of each."),
-    criterion: str = Option(
-        "v", metavar="v|d", help="The best for the wanted force (v), or the parameters (d)."
-    ),
+    criterion: str = option("v|d", "The best for the wanted force (v), or the parameters (d).", default="v"),
     scatter_within: Number = quantity("--scatter-within", "", 'Between repeats, such as "1.7 %".'),
     scatter_between: Number = quantity("--scatter-between", "", "Between conditions."),
     u_force: Number = quantity("--u-force", "N", "Of a force, by the measuring chain."),
@@ -224,23 +220,12 @@ def plan_tests(
         planned = next_tests.planned_guess(laws.ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold or ()))
     if rope_m is None:
         raise BadParameter("a guessed law does not know its rope", param_hint="--rope-diameter")
-    found = next_tests.plan_tests(
-        planned,
-        resolution.RigLimits(
-            wheel_radius_m=radii_m,
-            wrap_angle_rad=wraps_rad,
-            end_tension_N=loads_N,
-            rope_radius_m=rope_m,
-            largest_force_N=max_force,
-        ),
-        conditions.one_condition(wheel_radius, rope_m, wrap, end_tension),
-        n_conditions=n_conditions,
-        repeats=repeats,
-        criterion=criterion,  # type: ignore[arg-type]  # the library says what it may be
-        level=level,
-        starts=starts,
-        seed=seed,
-    )
+    can: dict[str, Any] = {"wheel_radius_m": radii_m, "wrap_angle_rad": wraps_rad, "end_tension_N": loads_N}
+    limits = resolution.RigLimits(**can, rope_radius_m=rope_m, largest_force_N=max_force)
+    wanted = conditions.one_condition(wheel_radius, rope_m, wrap, end_tension)
+    # The library says what the criterion may be.
+    how: dict[str, Any] = {"criterion": criterion, "level": level, "starts": starts, "seed": seed}
+    found = next_tests.plan_tests(planned, limits, wanted, n_conditions=n_conditions, repeats=repeats, **how)
     if file is not None:
         if before is not None and before != found.to_csv().encode():
             raise _taken(file)
@@ -251,12 +236,8 @@ def plan_tests(
 
 def _taken(path: Path) -> InputError:
     # A lab writes into its plans, and nothing tells such a one from one as it was written.
-    return InputError(
-        "the file is there already, with other content than this plan",
-        code="RF150",
-        path=path.as_posix(),
-        fix="choose another name, or replace it with --force",
-    )
+    why, fix = "the file is there already, with other content than this plan", "or replace it with --force"
+    return InputError(why, code="RF150", path=path.as_posix(), fix=f"choose another name, {fix}")
 
 
 def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
@@ -275,10 +256,10 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
     low, _, high = text.partition("..")
     ends = [options.read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
     if unit != "rad":
-        return resolution.geometric_levels(ends[0], ends[1], n)
+        return resolution.levels(ends[0], ends[1], n)
     first, last = (float(f"{math.degrees(end):.12g}") for end in ends)
     step = next((s for s in (45.0, 15.0, 5.0) if (n - 1) * s <= last - first), 1.0)
-    return tuple(math.radians(degrees) for degrees in resolution.linear_levels(first, last, n, step=step))
+    return tuple(math.radians(degrees) for degrees in resolution.levels(first, last, n, step=step))
 
 
 @command(
@@ -327,12 +308,8 @@ def budget(
         raise BadParameter("give a campaign or trial table, or --fit, and not both", param_hint="--fit")
     if fit is not None:
         wheel = {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
-        uncertainty = {
-            "wheel_radius_m": u_wheel_radius or 0.0,
-            "rope_radius_m": u_rope_diameter or 0.0,
-            "wrap_angle_rad": u_wrap or 0.0,
-            "end_tension_N": u_end_tension or 0.0,
-        }
+        values = (u_wheel_radius, u_rope_diameter, u_wrap, u_end_tension)
+        uncertainty = {name: u or 0.0 for name, u in zip(conditions.SETTINGS, values, strict=True)}
         return _of_fit(out, fit, wheel, rope_diameter, uncertainty, check=check | {"one_pull": one_pull})
     if of not in {"force", "mu"}:
         raise BadParameter(f"{of!r} is neither force nor mu", param_hint="--quantity")
@@ -369,9 +346,8 @@ def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budget
     campaign = campaigns.load_campaign(file, missing_recordings="flag")
     with Progress(out, "extract") as progress:
         extraction = extracting.extract_campaign(campaign, progress=progress.update)
-    found = budgets.conditions_of_extraction(
-        extraction, weights_tolerance=campaign.weights_tolerance, gravity_limit=limit
-    )
+    tolerance = campaign.weights_tolerance
+    found = budgets.conditions_of_extraction(extraction, weights_tolerance=tolerance, gravity_limit=limit)
     if not found:
         fix = "`ropefric extract` says why for each"
         raise InputError("no recording gave a usable force", code="RF301", path=file, fix=fix)
@@ -392,11 +368,9 @@ def _of_fit(
     at = conditions.one_condition(rope_radius_m=options.rope_radius(stored, rope_m), **known)
     stated = budgets.state_lift(stored, at, uncertainty, **check)
     more = {"rope_radius_m": float(at.rope_radius_m[0]), "fit": path, "fit_status": stored.status.value}
-    return Answer(
-        stated.to_dict() | known | more,
-        parts.uncertainty_sections(stated, f"Uncertainty budget of the {stated.model.name} by {stored.law}"),
-        exit_code_of(stated.trustworthy),
-    )
+    title = f"Uncertainty budget of the {stated.model.name} by {stored.law}"
+    shown = parts.uncertainty_sections(stated, title)
+    return Answer(stated.to_dict() | known | more, shown, exit_code_of(stated.trustworthy))
 
 
 @command('ropefric export fits/prth-coupled.json --wrap "90 deg .. 1080 deg" --out mu.csv', order=155)
@@ -439,16 +413,13 @@ def export(
         "files": [],
     }
     if file is not None:
-        text = sweep_table.columns_text(columns)
-        data["files"] = [
-            str(path) for path in write_files(file.parent, {file.name: text.encode()}, overwrite=force)
-        ]
+        content = {file.name: sweep_table.columns_text(columns).encode()}
+        data["files"] = [*map(str, write_files(file.parent, content, overwrite=force))]
         out.note(f"wrote {file}")
     percent = f"{100 * found.constant_error:.3g} %"
     lines = (
         f"{found.mu_average.size} points of law {found.law}, {data['extrapolated']} outside what was tested",
         f"the constant μ = {found.constant_mu:.4g} is off by {percent} of the lift force at most",
     )
-    return Answer(
-        data, [section.Section(title="A law for a simulator", lines=lines)], exit_code_of(stored.verdict)
-    )
+    shown = [section.Section("A law for a simulator", lines)]
+    return Answer(data, shown, exit_code_of(stored.verdict))

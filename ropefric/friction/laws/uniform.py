@@ -83,7 +83,7 @@ CONSTANT = FrictionLaw(
     effects=frozenset(),
     weakens=True,
     physics=Uniform(),
-    candidates=lambda mu, _conditions, _log_lift: [[mu]],
+    candidates=lambda mu, _at, _log_lift: [[mu]],
     arithmetic=mu_times_wrap(),
 )
 
@@ -116,7 +116,7 @@ CONSTANT_OFFSET = FrictionLaw(
     coefficient="local",
     effects=frozenset({"offset"}),
     physics=Offset(),
-    candidates=lambda mu, _conditions, _log_lift: [[mu, 0.0]],
+    candidates=lambda mu, _at, _log_lift: [[mu, 0.0]],
     special_cases=(CONSTANT,),
     arithmetic=lambda sheet: sheet.line("mu phi + k", "mu * phi + k"),
 )  # fmt: skip
@@ -165,7 +165,7 @@ SIZE_POWER = FrictionLaw(
     effects=frozenset({"size"}),
     weakens=True,
     physics=PowerSize(),
-    candidates=lambda mu, _conditions, _log_lift: combinations(
+    candidates=lambda mu, _at, _log_lift: combinations(
         mu * np.array([0.5, 1.0, 1.5]), [0.3, 1.0, 3.0, 10.0], mu * np.array([0.02, 0.3, 0.8])
     ),
     special_cases=(CONSTANT,),
@@ -223,9 +223,7 @@ SIZE_EXPONENTIAL = FrictionLaw(
     effects=frozenset({"size"}),
     weakens=True,
     physics=ExponentialSize(),
-    candidates=lambda mu, conditions, _log_lift: combinations(
-        mu * np.array([1.0, 1.3, 2.0]), *size_candidates(conditions)
-    ),
+    candidates=lambda mu, at, _log_lift: combinations(mu * np.array([1.0, 1.3, 2.0]), *size_candidates(at)),
     special_cases=(CONSTANT,),
     arithmetic=mu_times_wrap(("r", "R_w/R_r"), ("mu", SIZE_FORMULA)),
 )  # fmt: skip
@@ -279,7 +277,7 @@ THICKNESS = FrictionLaw(
     effects=frozenset({"size"}),
     weakens=True,
     physics=Thickness(),
-    candidates=lambda mu, _conditions, _log_lift: mu * np.array([[1.0], [1.2], [1.6]]),
+    candidates=lambda mu, _at, _log_lift: mu * np.array([[1.0], [1.2], [1.6]]),
     arithmetic=_thickness_by_hand,
 )  # fmt: skip
 
@@ -314,6 +312,6 @@ GROOVE = FrictionLaw(
     effects=frozenset({"groove"}),
     weakens=True,
     physics=Groove(),
-    candidates=lambda mu, _conditions, _log_lift: [[mu * np.sin(_HALF_ANGLE_RAD), _HALF_ANGLE_RAD]],
+    candidates=lambda mu, _at, _log_lift: [[mu * np.sin(_HALF_ANGLE_RAD), _HALF_ANGLE_RAD]],
     arithmetic=mu_times_wrap(("mu/sin(half angle)", "mu/sin(half_angle)", "mu")),
 )  # fmt: skip

@@ -192,7 +192,7 @@ WRAP_POWER = with_variant(
         effects=frozenset({"wrap-dependence", "end-tension"}),
         weakens=True,
         physics=PowerWrap(strength=_First(), equivalence=True),
-        candidates=lambda mu, _conditions, _log_lift: combinations(
+        candidates=lambda mu, _at, _log_lift: combinations(
             mu * np.array([0.3, 1.0, 3.0]), [-0.9, -0.6, -0.3, -0.1], mu * np.array([0.05, 0.4, 0.8])
         ),
         special_cases=(CONSTANT,),

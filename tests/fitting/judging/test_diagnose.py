@@ -228,7 +228,7 @@ def test_what_six_points_could_have_hidden(campaign):
 def test_limits_stand_where_conditions_are_too_few_for_any_law(campaign):
     """Two wraps at two loads leave two degrees of freedom to a wrap effect beside μ, and none to a law with one."""
     table = campaign("constant", [0.2], wraps_deg=(90, 180), loads=(20.0, 60.0), repeats=5, within=0.01)
-    cause = diagnose(table)["wrap effect"]
+    cause = diagnose(table, compare_laws(table, ["constant"]))["wrap effect"]
     assert cause.supported == "cannot-tell"
     assert "too few for any law" in cause.evidence
     assert "from 90 to 180 deg" in cause.evidence
@@ -265,6 +265,34 @@ def test_coils_that_touch_raise_the_friction_beyond_one_turn():
     apart = diagnose(table, touching_turns=0.0)
     assert apart["coil contact"].supported == "no"
     assert apart["wrap effect"].supported == "yes"
+
+
+def test_less_friction_beyond_one_turn_is_no_contact(campaign):
+    """Not that conditions were too few: contact cannot lower μ, and the trials leave it little room."""
+    falling = campaign("wrap-power", [0.2, -0.5, 0.1], wraps_deg=(90, 180, 270, 360, 540, 720), loads=(40.0,))
+    found = diagnose(falling, compare_laws(falling, ["constant"]))["coil contact"]
+    assert found.supported == "no"
+    assert "contact cannot make μ smaller" in found.evidence
+    assert found.numbers["bound_high"] < 0.2
+
+
+def test_the_winning_law_names_no_effect_that_a_better_description_does_without():
+    """Wheel and load go together here, so a law with both leads the laws; straight trends without the size lead it."""
+    wraps, pairs = np.radians((90, 180, 360, 720)), ((10.0, 0.015), (40.0, 0.03), (120.0, 0.06))
+    phi, F, R = np.array([(wrap, *pair) for wrap in wraps for pair in pairs]).T.repeat(5, axis=1)
+    mu = 0.25 * (phi / np.pi) ** -0.15 * (F / 40.0) ** -0.1 * (R / 0.03) ** 0.1
+    rng = np.random.default_rng(0)
+    between = np.repeat(0.01 * rng.standard_normal(12), 5)
+    table = TrialTable(
+        trial=tuple(map(str, range(60))), wheel_radius_m=R, rope_radius_m=0.004, wrap_angle_rad=phi,
+        end_tension_N=F, peak_N=F * np.exp(mu * phi + between + 0.015 * rng.standard_normal(60)),
+    )  # fmt: skip
+    ranked = compare_laws(table, ["howell"])
+    assert "size" in ALL_LAWS[ranked.best.law].effects
+    found = diagnose(table, ranked)
+    assert found["size effect"].numbers["lead_on_others"] < 0.0
+    assert found["size effect"].supported == "cannot-tell"
+    assert found["wrap effect"].supported == "yes"
 
 
 def labelled(table, labels, change):

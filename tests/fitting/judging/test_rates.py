@@ -84,7 +84,7 @@ def preferred_shares(n_conditions, repeats, between, n, *, law="constant", theta
     return {word: count / n for word, count in found.items()}
 
 
-@pytest.mark.parametrize(("offset", "draws"), [(0.01, 49), (0.06, 199)])
+@pytest.mark.parametrize(("offset", "draws"), [(0.0, 49), (0.01, 49), (0.06, 199)])
 def test_a_lead_by_chance_is_as_rare_as_the_f_test_says(offset, draws):
     """Of two linear laws without repeats the lead in AICc rises with F alone, whose distribution is known.
 
@@ -111,6 +111,7 @@ def test_a_lead_by_chance_is_as_rare_as_the_f_test_says(offset, draws):
     )  # fmt: skip
     expected = nested_test(plain, fuller).p_value
     found = lead_by_chance(plain, fuller, [fuller], means)
+    assert lead_by_chance(plain, fuller, [fuller, fuller], means) == found
     assert found * (draws + 1) == pytest.approx(round(found * (draws + 1)), abs=1e-9)
     assert found == pytest.approx(expected, abs=3.0 * np.sqrt(expected * (1.0 - expected) / draws))
 

@@ -228,3 +228,24 @@ def test_what_is_measured_of_a_list_stays_below_its_bound(loaded, scene_of):
     tree = loaded("belt-press").document.data | {"effects": ["squeeze-load", "belt-inertia"]}
     for one in explain_scene(scene_of(**tree), measure=True).plan.decisions:
         assert math.isnan(one.worth) or one.worth <= one.bound * (1.0 + 1e-9) + 1e-12, one.name
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        ("3920 N", 0.34, 1.0, "1.3 kg*m^2", "4"),
+        pytest.param(("1930 N", 0.35, 1.2, "8 kg*m^2", "5"), marks=pytest.mark.slow),
+    ],
+)
+def test_a_slip_of_a_millisecond_between_the_steps_of_a_grid_is_not_missed(loaded, scene_of, case):
+    preload, mu, load_factor, inertia, roller = case
+    tree = loaded("press-start-up").document.data | {"friction": {"mu": mu}, "accuracy": 0.05}
+    tree["press"] = tree["press"] | {"preload": preload, "closure": "equal", "load_factor": load_factor}
+    tree["rollers"] = tree["rollers"] | {"3": tree["rollers"]["3"] | {"inertia": inertia}}
+    tree["start_up"] = {"law": "constant", "simulate": "0.2 s", "points": 46, "loads": "constant"}
+    planned, whole = (
+        solve_scene(scene_of(**tree | {"effects": effects})).answer.start_up.summary()
+        for effects in ("auto", "all")
+    )
+    assert whole["slipping_s"][roller] < 2e-3
+    assert planned["first_slip_s"].keys() == whole["first_slip_s"].keys()

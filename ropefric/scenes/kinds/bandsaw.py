@@ -18,7 +18,7 @@ from ropefric.scenes import kind
 from ropefric.systems.bandsaw import resonance
 from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem, answerable, solve_saw
 from ropefric.systems.bandsaw.effects import SYSTEM
-from ropefric.systems.bandsaw.measured import Measurement, deviations, explain_mounting, identify
+from ropefric.systems.bandsaw.measured import Measurement, deviation, explain_mounting, identify
 from ropefric.systems.bandsaw.saw import MODELS, Saw, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS
 from ropefric.systems.checks import rules_of
@@ -465,8 +465,7 @@ def _comparison(whole: Saw, planned: Saw, points: tuple[Measurement, ...]) -> di
     for model, point in product(MODELS, points):
         found: dict[str, Any] = {"model_Hz": None, "relative": None, "why": ""}
         try:
-            (one,) = deviations(whole, (point,), (model,))
-            found |= {"model_Hz": one.frequency_Hz, "relative": one.relative}
+            found["model_Hz"], found["relative"] = deviation(whole, point, model)
         except RopefricError as error:  # this model has no answer for this saw
             found["why"] = error.problem.message
         off.append(row(point, model=model) | found)

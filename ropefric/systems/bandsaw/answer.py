@@ -23,7 +23,7 @@ import scipy.linalg
 from numpy.polynomial import legendre
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import SolverError
+from ropefric.errors import InputError, SolverError
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.measured import Measurement
 from ropefric.systems.bandsaw.resonance import Excitation
@@ -268,7 +268,15 @@ def feed_limit_N(
 def _limit_N(P: float, section: Section, ends: Ends, *, length_m: float, e: float) -> float:
     before = math.inf
     for order in _ORDERS:
-        found = _at_order(P, section, ends, order, length_m=length_m, e=e)
+        try:
+            found = _at_order(P, section, ends, order, length_m=length_m, e=e)
+        except np.linalg.LinAlgError:  # what it resists with is not positive: bending, or twisting
+            raise InputError(
+                f"the blade buckles by itself, without any feed: its net tension is {P:.6g} N",
+                code="RF530",
+                key="travel_speed_m_s",
+                fix="run slower, or raise the preload",
+            ) from None
         if abs(found - before) <= _SETTLED * found:
             return found
         before = found

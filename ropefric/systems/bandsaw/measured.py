@@ -1,9 +1,8 @@
 """What measured frequencies say about the models: how far each is off, and which mounting would explain them."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -74,15 +73,6 @@ class Measurement(NamedTuple):
     std_Hz: float | None = None
 
 
-class Deviation(NamedTuple):
-    """How far a model is from a measurement."""
-
-    model: str
-    measurement: Measurement
-    frequency_Hz: float
-    relative: float
-
-
 class MountingStatus(AdvisedStatus):
     """Whether some mounting of the wheels explains a measured frequency."""
 
@@ -105,26 +95,18 @@ class Mounting(NamedTuple):
     status: MountingStatus
 
 
-def deviations(
-    saw: Saw, measurements: Iterable[Measurement], models: Iterable[str] | None = None
-) -> tuple[Deviation, ...]:
-    """Return how far each model is from each measurement."""
-    stiff = saw.bending_stiffness_N_m2 > 0.0
-    if models is None:
-        models = [name for name, model in MODELS.items() if stiff or not model.bends]
-    chosen = [MODELS[name] for name in models]
-    if not stiff and any(model.bends for model in chosen):
+def deviation(saw: Saw, measurement: Measurement, model: str) -> tuple[float, float]:
+    """Return the frequency that a model gives a measured mode [Hz], and how far that is from it, as a share."""
+    chosen = MODELS[model]
+    if chosen.bends and not saw.bending_stiffness_N_m2:
         raise InputError(
             "the saw has no bending stiffness, so there is no beam to compare with",
             key="bending_stiffness_N_m2",
             fix="give EI, or compare strings only",
         )
-    found = []
-    for point, model in product(measurements, chosen):
-        changed = model.applied_to(_at_speed(saw, point))
-        frequency = float(frequencies_Hz(changed, point.side, point.mode)[0, -1])
-        found.append(Deviation(model.name, point, frequency, frequency / point.frequency_Hz - 1.0))
-    return tuple(found)
+    changed = chosen.applied_to(_at_speed(saw, measurement))
+    frequency_Hz = float(frequencies_Hz(changed, measurement.side, measurement.mode)[0, -1])
+    return frequency_Hz, frequency_Hz / measurement.frequency_Hz - 1.0
 
 
 def explain_mounting(saw: Saw, measurement: Measurement) -> Mounting:

@@ -9,6 +9,7 @@ from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 from scipy.special import jv
 
+from ropefric.errors import InputError
 from ropefric.systems.bandsaw.answer import feed_limit_N
 from ropefric.systems.bandsaw.saw import STEEL_85_09
 from ropefric.systems.bandsaw.span import CLAMPED, PINNED
@@ -99,3 +100,13 @@ def test_a_hair_of_compression_changes_next_to_nothing():
     around = feed_limit_N(np.array([-1e-3, 1e-3]), STEEL_85_09, CLAMPED, LENGTH_M)
     assert around[0] < around[1]
     assert around[0] == pytest.approx(around[1], rel=1e-3)
+
+
+@pytest.mark.parametrize("net_N", [-40.0, -1e4])
+def test_a_blade_too_fast_to_stand_by_itself_is_refused(net_N):
+    """Beyond π² EI/l² of compression there is no limit under feed: the blade has buckled before."""
+    own_N = math.pi**2 * STEEL_85_09.bending_stiffness_N_m2 / LENGTH_M**2
+    assert own_N < 40.0
+    with pytest.raises(InputError, match="buckles by itself, without any feed"):
+        feed_limit_N(np.array([net_N]), STEEL_85_09, PINNED, LENGTH_M)
+    assert feed_limit_N(np.array([-0.9 * own_N]), STEEL_85_09, PINNED, LENGTH_M)[0] > 0.0

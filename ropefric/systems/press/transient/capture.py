@@ -113,7 +113,7 @@ class GridSolver(HybridSolver):
     phase_type: type[_GridPhase] = _GridPhase
     steps = 1
     looks_between = False
-    """Whether guards are looked at between steps, too."""
+    """Whether a guard that is below zero between steps is a change that is not a drag's."""
 
     def run(self, times_s: FloatArray) -> tuple[list[Motion], FloatArray, FloatArray]:
         """Return motions, states and works at evenly spaced times from 0 on."""
@@ -198,11 +198,10 @@ class GridSolver(HybridSolver):
                 margins = states[1:] @ phase.firing.T
                 fired = (margins < -1.0).any(axis=1)
                 good = int(np.argmax(fired)) if fired.any() else count
-                low = margins[:good]
-                if self.looks_between and self.only_drags and good:
-                    low = phase.lowest(states[: good + 1], low, self._step_s)
-                    self.only_drags &= bool(low.min() >= -1.0)
-                self._note_spare(phase, low)
+                if good:
+                    low = phase.lowest(states[: good + 1], margins[:good], self._step_s)
+                    self.only_drags &= not self.looks_between or bool(low.min() >= -1.0)
+                    self._note_spare(phase, low)
                 self._keep(phase, states[: good + 1], place, _PARTS)
                 place, z, block = place + good * _PARTS, states[good], min(2 * block, _BLOCK)
                 if good == count:
@@ -216,8 +215,9 @@ class GridSolver(HybridSolver):
                 if margins.min() < -1.0 and part > 1:
                     part //= 2
                     continue
-                self._keep(phase, np.array([z, after]), place, part)
-                self._note_spare(phase, margins[np.newaxis])
+                both = np.array([z, after])
+                self._keep(phase, both, place, part)
+                self._note_spare(phase, phase.lowest(both, margins[np.newaxis], part / _PARTS * self._step_s))
                 place, z = place + part, after
                 if margins.min() < -1.0:
                     return phase.guards[int(np.argmin(margins))], place, z

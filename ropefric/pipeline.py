@@ -433,9 +433,7 @@ def _between(low: float, high: float, step: float | None = None) -> tuple[float,
     """Return settings from low to high, or the one there is."""
     if not high > low * (1.0 + 1e-9):
         return (low,)
-    if step is None:
-        return resolution.geometric_levels(low, high, _LEVELS)
-    return resolution.linear_levels(low, high, _LEVELS, step=step)
+    return resolution.levels(low, high, _LEVELS, step=step)
 
 
 SCHEMA, TABLE_SCHEMA = "ropefric.run/1", "ropefric.table/1"

@@ -377,9 +377,9 @@ def _limits(title: str, line: _Line, trends: _Trends) -> tuple[dict[str, float],
         span = f"{_percent(low)} to {_percent(high)}"
         return numbers, f"an offset may still change F_A by {span}{beside} (at 95 % each)"
     if title == "coil contact":
-        most = _percent(max(high, 0.0))
-        text = f"contact may still raise μ beyond the first turn by up to {most} (at 95 %)"
-        return numbers, text
+        if high <= 0.0:
+            return numbers, "the trials leave contact no room (at 95 %)"
+        return numbers, f"contact may still raise μ beyond the first turn by up to {_percent(high)} (at 95 %)"
     ends = " to ".join(f"{significant(float(end) * factor, 4):g}" for end in levels)
     room = [f"{way} by up to {_percent(size)}" for way, size in (("fall", -low), ("rise", high)) if size > 0]
     span = " ".join(filter(None, (name, ends, unit)))

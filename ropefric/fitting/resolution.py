@@ -5,7 +5,7 @@ Of laws, of their parameters, and of laws from simpler ones.
 
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from scipy.special import fdtri, ncfdtr
 
-from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError, raise_problems
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.result import SPARE
-from ropefric.fitting.statistics import decomposed, group_means
+from ropefric.fitting.statistics import decomposed, pooled_scatter
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import LAWS
@@ -92,23 +92,18 @@ class RigLimits:
         return Conditions(rope_radius_m=np.array(self.rope_radius_m), **columns)
 
 
-def linear_levels(low: float, high: float, n: int, *, step: float) -> tuple[float, ...]:
-    """Return about n settings from low to high that are whole multiples of a step, ends included."""
-    return _levels(low, high, n, lambda: [round(x / step) * step for x in np.linspace(low, high, n).tolist()])
-
-
-def geometric_levels(low: float, high: float, n: int) -> tuple[float, ...]:
-    """Return about n settings from low to high in even ratios, rounded to two digits, ends included."""
-    if not low > 0.0:
+def levels(low: float, high: float, n: int, *, step: float | None = None) -> tuple[float, ...]:
+    """Return about n settings, ends included: whole multiples of a step, or two digits in even ratios without one."""
+    if step is None and not low > 0.0:
         raise InputError(f"a range from {low:g} has no even ratios", key="range", fix="begin above zero")
-    return _levels(low, high, n, lambda: [float(f"{x:.2g}") for x in np.geomspace(low, high, n).tolist()])
-
-
-def _levels(low: float, high: float, n: int, rounded: Callable[[], list[float]]) -> tuple[float, ...]:
     if not (low < high and 2 <= n <= MOST):
         fix = f"give low before high, two to {MOST} settings"
         raise InputError(f"{n} settings from {low:g} to {high:g}", key="range", fix=fix)
-    return tuple(sorted({low, high, *(x for x in rounded()[1:-1] if low <= x <= high)}))
+    if step is None:
+        inner = [float(f"{x:.2g}") for x in np.geomspace(low, high, n).tolist()]
+    else:
+        inner = [round(x / step) * step for x in np.linspace(low, high, n).tolist()]
+    return tuple(sorted({low, high, *(x for x in inner[1:-1] if low <= x <= high)}))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -173,25 +168,22 @@ def outlook_of_campaign(campaign: Campaign) -> tuple[LawOutlook, ...]:
 
 def outlook_of_table(table: TrialTable) -> tuple[LawOutlook, ...]:
     """Return what the conditions of a table can tell, by the scatter of its own repeats where it has any."""
-    chosen, within = listed(table), scatter_of_repeats(table)
-    columns = [getattr(table, name)[chosen] for name in SETTINGS]
-    group = table.group() if table.used.any() else condition_groups(*columns)
-    return _outlooks(columns, group, TYPICAL_WITHIN if math.isnan(within) else within)
+    settings, group = listed(table)
+    within = scatter_of_repeats(table)
+    return _outlooks([*settings.values()], group, TYPICAL_WITHIN if math.isnan(within) else within)
+
+
+def listed(table: TrialTable) -> tuple[dict[str, FloatArray], IntArray]:
+    """Return settings and conditions of the trials that have a force, or of all in a list that has no forces yet."""
+    used = table.used
+    settings = {name: getattr(table, name)[used if used.any() else table.kept] for name in SETTINGS}
+    return settings, table.group() if used.any() else condition_groups(*settings.values())
 
 
 def scatter_of_repeats(table: TrialTable) -> float:
     """Return the standard deviation of ln F_A between repeats; NaN where no condition has two forces."""
-    group, used = table.group(), table.used
-    rise = np.log(table.peak_N[used] / table.end_tension_N[used])
-    spare = group.size - len(set(group.tolist()))
-    if not spare:
-        return math.nan
-    return math.sqrt(float(((rise - group_means(rise, group)[group]) ** 2).sum()) / spare)
-
-
-def listed(table: TrialTable) -> BoolArray:
-    """Return which trials count: those with a force, or all of a list that has no forces yet."""
-    return table.used if table.used.any() else table.kept
+    used = table.used
+    return pooled_scatter(np.log(table.peak_N[used] / table.end_tension_N[used]), table.group()).within
 
 
 def _outlooks(columns: Sequence[FloatArray], group: IntArray, within: float) -> tuple[LawOutlook, ...]:

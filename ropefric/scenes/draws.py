@@ -293,7 +293,8 @@ def draw_scene(
     for name, column in kept.columns.items():
         known = column[~np.isnan(column)]
         _, mean, std = kept.moments(name)
-        ends = np.quantile(known, at).tolist() if known.size else [np.nan] * 3
+        with np.errstate(invalid="ignore"):  # between two that are infinite lies none
+            ends = np.quantile(known, at).tolist() if known.size else [np.nan] * 3
         numbers[name] = Drawn(value=values.get(name, np.nan), mean=mean, std=std, quantiles=tuple(ends))
     return Draws(
         system=kind.name,

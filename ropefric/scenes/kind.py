@@ -276,13 +276,17 @@ class Quantity(NamedTuple):
 
 
 class Failure(NamedTuple):
-    """A way in which a machine does not do what it is for, however well that is known: on one side of a limit."""
+    """A way in which a machine does not do what it is for, however well that is known: on one side of a limit.
+
+    One that is only `counted`, over many cases, does not speak against a single answer, which tells of it elsewhere.
+    """
 
     words: str
     measure: str
     value: FloatArray
     fails: BoolArray
     limit: float = 1.0
+    counted: bool = False
 
     def text(self, case: int | None = None) -> str:
         """Return what one case does not do; the first that fails, if it is not said which."""

@@ -134,7 +134,7 @@ def solve_planned(scene: Scene, problem: Any, effects: str | tuple[str, ...] = "
     return plan, system.solve(model, plan.method)
 
 
-def worth_asking(applicable: list[Effect[Any, Any]], cases: int) -> list[Effect[Any, Any]]:
+def worth_asking(applicable: list[Effect[Any]], cases: int) -> list[Effect[Any]]:
     """Return the effects that take so long to simulate that leaving them out may save time."""
     return [one for one in applicable if one.cost * cases >= _LEAST_SAVED_S]
 
@@ -144,7 +144,7 @@ def room_for_effects(accuracy: float) -> float:
     return math.log1p((1.0 - _METHOD_SHARE) * accuracy)
 
 
-def _left_out(spare: list[Effect[Any, Any]], bounds: dict[str, float], accuracy: float) -> set[str]:
+def _left_out(spare: list[Effect[Any]], bounds: dict[str, float], accuracy: float) -> set[str]:
     """Return what can be left out: the smallest influence first, the dearer of two equal ones first."""
     order = sorted(spare, key=lambda one: (bounds[one.name], -one.cost))
     spent = accumulate(bounds[one.name] for one in order)

@@ -186,7 +186,8 @@ def solve_scene(scene: Scene, *, level: float = 0.95, identify: bool = False) ->
                 kind.system.solve(assemble(kind.system, other, plan.simulated), plan.method), other
             )
 
-        tree, failures, error = kind.tree(answer, problem), kind.failures(answer, problem), plan.error_bound
+        tree, error = kind.tree(answer, problem), plan.error_bound
+        failures = [one for one in kind.failures(answer, problem) if not one.counted]
         undecided: tuple[str, ...] = ()
         if plan.left_out and math.isfinite(error):
             undecided = tuple(one.text(0) for one in failures if one.is_open(error)[0])

@@ -28,8 +28,10 @@ def unknown(problem: object) -> float:  # noqa: ARG001
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Effect(Generic[P, M]):
+class Effect(Generic[P]):
     """Something physical that a model may contain or not: all that the planner knows of it.
+
+    It is applied by its name: the mechanics bring in what it is about where the model has it, `Model.part`.
 
     Attributes
     ----------
@@ -48,18 +50,14 @@ class Effect(Generic[P, M]):
         `each(problem, answer)` returns such a bound for each of many cases, shape (n,), in a fraction of the time of
         solving them, from the answer to them without it; without an answer what is known before, which is no more than
         that. An effect that has none is simulated in every sweep.
-    apply : callable or None
-        `apply(model, problem)` returns the model with the effect in it. Called only where it is simulated. Without
-        it the name is added to `model.effects`, which the mechanics look into.
     cost : float
         Time that it adds to each case, roughly [s]. An effect that costs none is not left out to save time.
 
     Examples
     --------
-    >>> heavier = Effect(name="weight", adds="its weight", instead="no weight",
-    ...     influence=lambda problem: 0.02, apply=lambda model, problem: model + problem)
-    >>> heavier.apply(1.0, 0.5)
-    1.5
+    >>> weight = Effect(name="weight", adds="its weight", instead="no weight", influence=lambda problem: 0.02)
+    >>> "weight" in Model(problem=None, effects=frozenset({weight.name})).effects
+    True
     """
 
     name: str
@@ -69,7 +67,6 @@ class Effect(Generic[P, M]):
     each: Callable[[P, Any], FloatArray] | None = None
     cost: float = 0.0
     needs: Callable[[P], tuple[str, ...]] = lambda problem: ()  # noqa: ARG005  (needs nothing)
-    apply: Callable[[M, P], M] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,15 +85,15 @@ def _distance(answer: Any, reference: Any, whole: Any) -> float:  # noqa: ARG001
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System(Generic[P, M, A]):
-    """A kind of machine: its bare model, the effects it may have, how it is solved, and how far two answers are apart.
+    """A kind of machine: its model, the effects it may have, how it is solved, and how far two answers are apart.
 
     `distance(answer, reference, whole)` is a share of the numbers with all effects in, which bounds are of, too.
     Answers that say nothing else have `logs`, of all their numbers.
     """
 
     name: str
-    effects: Registry[Effect[P, M]]
-    bare: Callable[[P], M]
+    effects: Registry[Effect[P]]
+    model: Callable[..., M]
     method: Callable[[M, float], Method]
     solve: Callable[[M, Method], A]
     distance: Callable[[A, A, A], float] = _distance
@@ -118,14 +115,7 @@ class Model(Generic[P]):
 
 def assemble(system: System[P, M, A], problem: P, simulated: Iterable[str]) -> M:
     """Return the model of a problem with the named effects in it and no others."""
-    wanted = {system.effects[name].name for name in simulated}
-    model: Any = system.bare(problem)
-    for effect in system.effects.values():
-        if effect.name in wanted and effect.apply is not None:
-            model = effect.apply(model, problem)
-        elif effect.name in wanted:
-            model = replace(model, effects=model.effects | {effect.name})
-    return model  # type: ignore[no-any-return]
+    return system.model(problem=problem, effects=frozenset(system.effects[name].name for name in simulated))
 
 
 def missing(keys: Mapping[str, str]) -> Callable[[Any], tuple[str, ...]]:
@@ -174,7 +164,7 @@ def log_change(logs: FloatArray, others: FloatArray) -> float:
 
 
 def closed_form_system(
-    name: str, effects: Registry[Effect[Any, Any]], solve: Callable[[Any], Any], *, error: float, why: str
+    name: str, effects: Registry[Effect[Any]], solve: Callable[[Any], Any], *, error: float, why: str
 ) -> System[Any, Any, Any]:
     """Return the system of a machine whose answers cost next to nothing and have `logs`, of all their numbers.
 
@@ -186,7 +176,7 @@ def closed_form_system(
         names = [name for name, one in effects.items() if not one.needs(problem)]
         return largest_changes(names, lambda some: solve(Model(problem=problem, effects=some)).logs)
 
-    def bounded(one: Effect[Any, Any]) -> Effect[Any, Any]:
+    def bounded(one: Effect[Any]) -> Effect[Any]:
         own = one.influence is unknown
         return replace(one, influence=lambda problem: changes(problem)[one.name]) if own else one
 
@@ -194,7 +184,7 @@ def closed_form_system(
     return System(
         name=name,
         effects=Registry(effects.kind, map(bounded, effects.values())),
-        bare=lambda problem: Model(problem=problem),
+        model=Model,
         method=lambda model, budget: method,  # noqa: ARG005
         solve=lambda model, method: solve(model),  # noqa: ARG005
     )
@@ -206,7 +196,7 @@ def law_effects(
     needs: Callable[[Any], tuple[str, ...]],
     cost: float = 0.0,
     each: Callable[[str, Any, Any], FloatArray] | None = None,
-) -> tuple[Effect[Any, Any], ...]:
+) -> tuple[Effect[Any], ...]:
     """Return the effects of what a law is told of a contact on a wheel, by the names of the wheel and of the rope.
 
     `each(name, problem, answer)` is theirs by name.

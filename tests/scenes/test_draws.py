@@ -221,6 +221,40 @@ def test_draws_of_enormous_forces_have_no_deviation_and_end_in_no_crash(hoist_of
     assert numbers["quantiles"][0] < numbers["quantiles"][2]
 
 
+def test_the_share_that_resonates_is_counted_over_draws(loaded, scene_of):
+    """A string's first mode goes with √F_0: from which preload on it leaves the margin has a closed form."""
+    tree = {
+        "system": "bandsaw",
+        "effects": "all",
+        "accuracy": 0.1,
+        "blade": {"free_span": "1 m", "linear_density": "0.5 kg/m", "modes": 1},
+        "wheel": {"radius": "0.35 m", "speed": "0 rpm"},
+        "tension": {"preload": "3000 N"},
+        "excitation": {
+            "wheel_harmonics": 0,
+            "frequencies": ["36 Hz"],
+            "margin": 0.05,
+            "preload_range": ["2000 N", "4000 N"],
+        },
+        "tolerances": {"tension": {"preload": "10 %"}},
+    }
+    first_N, last_N = (0.5 * (2.0 * 36.0 * share) ** 2 for share in (0.95, 1.05))
+    share = (min(last_N, 3300.0) - max(first_N, 2700.0)) / 600.0
+    assert 0.2 < share < 0.9
+    words = "a mode is nearer to what shakes it than the margin wanted"
+    found = draw_scene(scene_of(**tree), N)
+    assert found.shares[words] == pytest.approx(share, abs=4.0 * math.sqrt(share * (1.0 - share) / N))
+    assert any(words in line for line in found.warnings)
+    assert found.stands
+    assert solve_scene(scene_of(**tree)).failures == (), "a single answer tells the margin itself"
+    tree["blade"]["bending_stiffness"], tree["excitation"]["frequencies"] = "0.5 N*m^2", ["38 Hz"]
+    stiff = draw_scene(scene_of(**tree), 60)
+    fine = draw_scene(scene_of(**tree | {"accuracy": 1e-9}), 60)
+    assert 0 < stiff.failures[words] == fine.failures[words] < 60
+    del tree["excitation"]["margin"], tree["excitation"]["preload_range"]
+    assert draw_scene(scene_of(**tree), 100).shares == {}
+
+
 def test_what_a_law_is_told_goes_where_its_bound_says_so(hoist_of):
     weak = {"law": "wrap-power", "parameters": {"a": 0.0005, "b": -0.2, "c": 0.2}}
     tolerances = {"wheel": {"wrap": "5 deg"}}

@@ -23,7 +23,7 @@ from ropefric.systems.bandsaw.answer import SawProblem
 from ropefric.systems.bandsaw.effects import SYSTEM as SAW
 from ropefric.systems.bandsaw.saw import STEEL_85_09
 from ropefric.systems.beltdrive.effects import SYSTEM as DRIVE
-from ropefric.systems.effect import System
+from ropefric.systems.effect import System, assemble
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import HoistProblem
 from ropefric.systems.hoist.effects import SYSTEM as HOIST
@@ -162,7 +162,7 @@ def _settings(case: str) -> tuple[Setting, ...]:
     def count(_answer: object, accuracy: float, effects: str = "auto") -> float:
         return len(planned(case, accuracy, effects)[0].simulated)
 
-    bare, roughest = system.bare(problem), _roughest(case)
+    bare, roughest = assemble(system, problem, ()), _roughest(case)
     label = "accuracy {:g}" if len(roughest) > 1 else ""
     whole, all_of = partial(plan_and_solve, effects="all"), partial(count, effects="all")
     return (

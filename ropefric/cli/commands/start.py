@@ -312,12 +312,10 @@ def _content_lines(content: dict[str, Any]) -> list[str]:
 
 def _content_of_table(table: "tables.TrialTable") -> dict[str, Any]:
     """Return what a table holds that is used, or a list that has no forces yet, and what it can tell."""
-    chosen, within = resolution.listed(table), resolution.scatter_of_repeats(table)
-    settings = {name: getattr(table, name)[chosen] for name in conditions.SETTINGS}
-    group = table.group() if table.used.any() else conditions.condition_groups(*settings.values())
+    (settings, group), within = resolution.listed(table), resolution.scatter_of_repeats(table)
     repeats = Counter(group.tolist())
     return {
-        "n_trials": int(chosen.sum()),
+        "n_trials": group.size,
         "n_conditions": len(repeats),
         "repeats": {"fewest": min(repeats.values()), "most": max(repeats.values())},
         **{name: conditions.distinct(values).tolist() for name, values in settings.items()},

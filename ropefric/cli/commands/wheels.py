@@ -246,10 +246,10 @@ def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
     low, _, high = text.partition("..")
     ends = [options.read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
     if unit != "rad":
-        return resolution.geometric_levels(ends[0], ends[1], n)
+        return resolution.levels(ends[0], ends[1], n)
     first, last = (float(f"{math.degrees(end):.12g}") for end in ends)
     step = next((s for s in (45.0, 15.0, 5.0) if (n - 1) * s <= last - first), 1.0)
-    return tuple(math.radians(degrees) for degrees in resolution.linear_levels(first, last, n, step=step))
+    return tuple(math.radians(degrees) for degrees in resolution.levels(first, last, n, step=step))
 
 
 @command(

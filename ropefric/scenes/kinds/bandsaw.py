@@ -16,11 +16,13 @@ from ropefric.files.plain_text import significant
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.systems.bandsaw import resonance
-from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem, answerable
+from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem, answerable, solve_saw
 from ropefric.systems.bandsaw.effects import SYSTEM
 from ropefric.systems.bandsaw.measured import Measurement, deviations, explain_mounting, identify
 from ropefric.systems.bandsaw.saw import MODELS, Saw, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS
+from ropefric.systems.checks import rules_of
+from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
 
 _SIDES = tuple(side.value for side in Side)
@@ -313,11 +315,33 @@ def _quantities(answer: SawAnswer, _: SawProblem) -> tuple[kind.Quantity, ...]:
 
 
 def _failures(answer: SawAnswer, problem: SawProblem) -> tuple[kind.Failure, ...]:
-    limit_N = answer.feed_limit_N
-    if limit_N is None or problem.feed_force_N is None:
-        return ()
-    used = problem.feed_force_N / limit_N
-    return (kind.Failure("the blade buckles under the feed", "share of its limit", used, used > 1.0),)
+    found, limit_N = [], answer.feed_limit_N
+    if limit_N is not None and problem.feed_force_N is not None:
+        used = problem.feed_force_N / limit_N
+        found.append(kind.Failure("the blade buckles under the feed", "share of its limit", used, used > 1.0))
+    apart = _apart(answer, problem)
+    if apart is not None:
+        # Where the accuracy of the frequencies leaves it open, they are found to ten digits.
+        close = np.abs(apart - 1.0) <= answer.accuracy
+        if close.any():
+            given = {name: getattr(problem, name) for name in rules_of(SawProblem)}
+            some = replace(problem, **{name: one[close] for name, one in given.items() if one is not None})
+            apart[close] = _apart(solve_saw(assemble(SYSTEM, some, answer.model.effects)), some)
+        words, measure = "a mode is nearer to what shakes it than the margin wanted", "distance over that"
+        found.append(kind.Failure(words, measure, apart, apart < 1.0, counted=True))
+    return tuple(found)
+
+
+def _apart(answer: SawAnswer, problem: SawProblem) -> FloatArray | None:
+    """Return the least ratio of a mode and what shakes it over that of the margin wanted, shape (n,); None without."""
+    margin, speed_m_s = problem.margin_wanted, problem.speed_m_s
+    if margin is None or speed_m_s is None or not problem.excitations:
+        return None
+    shaken_Hz = np.hstack([one.frequencies_Hz(speed_m_s) for one in problem.excitations])[:, :, np.newaxis]
+    modes_Hz = np.hstack([answer.sides[side].frequencies_Hz for side in _RUNNING])[:, np.newaxis]
+    with np.errstate(divide="ignore"):
+        ratio = modes_Hz / shaken_Hz
+    return np.asarray(np.maximum(ratio / (1.0 + margin), (1.0 - margin) / ratio).min(axis=(1, 2)))
 
 
 def _kept(problem: SawProblem) -> dict[str, str]:

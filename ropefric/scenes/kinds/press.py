@@ -14,7 +14,7 @@ from ropefric.errors import RopefricError
 from ropefric.files.toml_model import choice, got, quantity, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.answer import PressAnswer, PressProblem, slip_margins
+from ropefric.systems.press.answer import PressAnswer, PressProblem, settles, slip_margins
 from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import (
     Belt,
@@ -483,48 +483,7 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
             }
     if answer.start_up is None:
         return tree
-    return tree | {"start_up": answer.start_up.summary() | {"settles": _settles(answer)}}
-
-
-_SAME_STATE = 1e-3
-"""Of the greatest tension: what a start-up settles at and the steady run are one."""
-
-
-def _settles(answer: PressAnswer) -> dict[str, Any]:
-    """Return where a start-up leads, how far that is from the steady run, and why."""
-    found, steady_N, closure = answer.start_up, answer.state.tension_N[0], answer.statics.closure
-    assert found is not None  # noqa: S101  (asked for by the caller)
-    told: dict[str, Any] = {"steady": False, "differs_N": None, "span": None}
-    if found.settled is None:
-        names = [
-            f"{roller.name} {what}"
-            for roller, what in zip(found.press.rollers, found.at_end.tolist(), strict=True)
-            if what
-        ]
-        why = f"at the end of the time simulated roller {', '.join(names)}" if names else ""
-        return told | {"why": why or "drivers of different speed stretch the belts until one slips"}
-    apart_N = found.settled.tension_N - steady_N
-    worst = int(np.argmax(np.abs(apart_N)))
-    told |= {"differs_N": float(apart_N[worst]), "span": found.press.spans[worst].name}
-    if abs(apart_N[worst]) <= _SAME_STATE * np.abs(steady_N).max():
-        return told | {"steady": True, "why": "it settles where the steady run is"}
-    slipped = ", ".join(dict.fromkeys(slip.roller for slip in found.slips))
-    why = "belts that stick to their rollers from the start share the pull as their spans stretch"
-    if slipped:
-        why += f", displaced by the slip on roller {slipped}"
-    if closure in {"share", "speed-ratio"}:
-        longest_m = max(sum(belt.span_lengths_m or ()) for belt in found.press.belts)
-        passage_s = longest_m / float(answer.state.speed_m_s[0])
-        why += (
-            f"; elastic creep, which is not part of a start-up, carries that over to the closure '{closure}'"
-            f" in some passages of the belts, of {passage_s:.3g} s each"
-        )
-    elif closure:
-        why += f"; the closure '{closure}' states another share"
-    press = found.press
-    if np.abs(press.pull @ apart_N).max() > _SAME_STATE * np.abs(steady_N).max():
-        why += "; its tensioners give way to the loads, where the steady run has them at the travel given"
-    return told | {"why": why}
+    return tree | {"start_up": answer.start_up.summary() | {"settles": settles(answer)}}
 
 
 _WAYS = {

@@ -60,7 +60,7 @@ def bending_bound(problem: SawProblem, _: SawAnswer | None = None) -> FloatArray
 
 
 _SPEED = {"wheel_radius_m": "wheel.radius", "wheel_speed_rad_s": "wheel.speed"}
-EFFECTS: Registry[Effect[SawProblem, SawModel]] = Registry(
+EFFECTS: Registry[Effect[SawProblem]] = Registry(
     "effect of a band saw",
     (
         Effect(
@@ -133,7 +133,7 @@ def _method(model: SawModel, budget: float) -> Method:
 SYSTEM: System[SawProblem, SawModel, SawAnswer] = System(
     name="bandsaw",
     effects=EFFECTS,
-    bare=lambda problem: SawModel(problem=problem),
+    model=SawModel,
     method=_method,
     solve=lambda model, method: solve_saw(model, accuracy=method.settings.get("accuracy", _FINEST)),
 )

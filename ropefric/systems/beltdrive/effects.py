@@ -45,7 +45,7 @@ def _law_bound(name: str, problem: DriveProblem, answer: DriveAnswer | None) -> 
     return np.broadcast_to(np.where(change < _ROOM, share * 2.0 * (change + off), np.inf), (problem.n,))
 
 
-EFFECTS: Registry[Effect[Any, Any]] = Registry(
+EFFECTS: Registry[Effect[Any]] = Registry(
     "effect of a belt drive",
     (
         Effect(

@@ -101,7 +101,7 @@ def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
     return missing({"bending_stiffness_N_m2": "rope.bending_stiffness"})(problem)
 
 
-EFFECTS: Registry[Effect[Any, Any]] = Registry(
+EFFECTS: Registry[Effect[Any]] = Registry(
     "effect of a hoist",
     (
         Effect(

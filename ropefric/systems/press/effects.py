@@ -144,7 +144,7 @@ def _steady(
     *,
     cost: float = 0.0,
     each: Callable[[str, PressProblem, PressAnswer | None], FloatArray] | None = None,
-) -> Effect[PressProblem, PressModel]:
+) -> Effect[PressProblem]:
     """Return an effect on a steady run. A start-up swings about that, and no bound is known for how far."""
 
     def influence(problem: PressProblem) -> float:
@@ -194,7 +194,7 @@ def _moving(
     *,
     bound: Callable[[PressProblem], float] = unknown,
     cost: float = 0.1,
-) -> Effect[PressProblem, PressModel]:
+) -> Effect[PressProblem]:
     """Return an effect that only a start-up has; of most no bound is known where there is one.
 
     Stiff belts, fast oscillations and slow ramps take no steps of their own, as an exponential carries any of them over
@@ -229,7 +229,7 @@ def _needs_of_start_up(problem: PressProblem) -> tuple[str, ...]:
     return ("start_up",) if problem.start_up is None else _lacking(problem, masses=True)
 
 
-EFFECTS: Registry[Effect[PressProblem, PressModel]] = Registry(
+EFFECTS: Registry[Effect[PressProblem]] = Registry(
     "effect of a press",
     (
         _steady("gravity-load", "the drag of the sludge's weight, eq. (6)", "no drag of weight"),
@@ -356,7 +356,7 @@ def _distance(answer: PressAnswer, reference: PressAnswer, whole: PressAnswer) -
 SYSTEM: System[PressProblem, PressModel, PressAnswer] = System(
     name="press",
     effects=EFFECTS,
-    bare=lambda problem: PressModel(problem=problem),
+    model=PressModel,
     method=_method,
     solve=lambda model, method: solve_press(model),  # noqa: ARG005  (the model says which)
     distance=_distance,

@@ -13,7 +13,7 @@ def _pulleys(problem: TractionProblem) -> tuple[str, ...]:
     return (*lacking, *missing({"deceleration_m_s2": "lift.deceleration"})(problem))
 
 
-EFFECTS: Registry[Effect[Any, Any]] = Registry(
+EFFECTS: Registry[Effect[Any]] = Registry(
     "effect of a traction sheave",
     (
         Effect(

@@ -16,7 +16,7 @@ from ropefric.fitting.next_tests import (
     planned_guess,
 )
 from ropefric.fitting.predict import predict
-from ropefric.fitting.resolution import RigLimits, geometric_levels, linear_levels
+from ropefric.fitting.resolution import RigLimits, levels
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.trials.table import TrialTable
@@ -37,8 +37,8 @@ def bench():
     """The wheels, wraps and weights of the PRTH bench, with its smaller cell."""
     return RigLimits(
         wheel_radius_m=(0.015, 0.02, 0.03, 0.04, 0.06),
-        wrap_angle_rad=tuple(map(math.radians, linear_levels(90.0, 1080.0, 12, step=45.0))),
-        end_tension_N=geometric_levels(5.0, 200.0, 10),
+        wrap_angle_rad=tuple(map(math.radians, levels(90.0, 1080.0, 12, step=45.0))),
+        end_tension_N=levels(5.0, 200.0, 10),
         rope_radius_m=0.0049,
         largest_force_N=800.0,
     )

@@ -22,15 +22,9 @@ from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, begin, drawing, figure_files, localize
 from ropefric.traces.breakaway import Status
+from ropefric.trials import result
 from ropefric.trials.outliers import RULES
-from ropefric.trials.result import (
-    ConditionSummary,
-    Extraction,
-    Outline,
-    TrialResult,
-    count_trials,
-    outcome_words,
-)
+from ropefric.trials.result import ConditionSummary, Extraction, Outline, TrialResult
 
 OK, NOT_JUDGED, FLAG, FAIL = "ok", "not judged", "flag", "fail"
 """What a check says of a trial."""
@@ -88,7 +82,7 @@ def draw_overview(extraction: Extraction) -> FigureWithData:
     width = math.ceil(n / math.ceil(n / widest)) if n else 1
     bands = [rows[start : start + width] for start in range(0, n, width)] or [()]
     longest = max((len(name) for name, *_ in rows), default=0)
-    counts = f"{counted(n, 'trial')}: {outcome_words(count_trials(extraction))}"
+    counts = f"{counted(n, 'trial')}: {result.outcome_words(result.count_trials(extraction))}"
     band_inch = 0.19 * len(CHECKS) + 0.25 + 0.065 * min(longest, 20)
     with drawing(10.0, 1.1 + band_inch * len(bands)) as figure:
         panels = figure.subplots(len(bands), 1, squeeze=False)[:, 0]

@@ -9,24 +9,10 @@ from ropefric.fitting.predict import REGRESSORS
 from ropefric.fitting.result import FitResult
 from ropefric.papers.paper import Shown
 from ropefric.pipeline import CampaignAnswer, Evidence
-from ropefric.plotting.campaign import (
-    conditions_of,
-    draw_condition,
-    draw_overview,
-    draw_recording,
-    draw_recordings,
-    pages_of_recordings,
-)
+from ropefric.plotting import campaign as of_trials
+from ropefric.plotting import fits as of_laws
 from ropefric.plotting.design import draw_budget, draw_design_chart, draw_ladder, draw_tornado
 from ropefric.plotting.figure import FigureWithData, begin, figure_files, localize, svg_text
-from ropefric.plotting.fits import (
-    draw_capstan,
-    draw_corner,
-    draw_fit_band,
-    draw_mu_facets,
-    draw_residuals,
-    parameter_draws,
-)
 from ropefric.plotting.machines import draw_chart
 from ropefric.report.page import Picture, Subject
 from ropefric.traces.breakaway import Breakaway
@@ -88,13 +74,13 @@ def _of_front(answer: CampaignAnswer, extraction: Extraction | None, evidence: E
     """Give a typical recording, where there are any, and the law with its data."""
     if extraction is not None and (trial := typical_trial(extraction, evidence.typical_number)) is not None:
         caption = f"A typical recording, {trial.trial}, with the force picked from it."
-        yield "front", "typical_recording", caption, partial(draw_recording, trial)
+        yield "front", "typical_recording", caption, partial(of_trials.draw_recording, trial)
     caption = (
         "The law and what was measured: the inner band holds the mean law, the outer one a pull with a new rope; "
         "hatched: outside what was tested."
     )
     over = (*_swept(answer), _SWEPT[0])[0]
-    yield "front", "law", caption, partial(draw_fit_band, answer.fit, over=over, narrow=True)
+    yield "front", "law", caption, partial(of_laws.draw_fit_band, answer.fit, over=over, narrow=True)
 
 
 def typical_trial(extraction: Extraction, number: int) -> TrialResult | None:
@@ -122,7 +108,7 @@ def _swept(answer: CampaignAnswer) -> list[str]:
 
 def _of_trials(extraction: Extraction) -> Drawings:
     """Give every recording, the overview where a trial does not count, and the conditions that are worth a look."""
-    pages = [*pages_of_recordings(extraction.trials)]
+    pages = [*of_trials.pages_of_recordings(extraction.trials)]
     shown = sum(map(len, pages))
     for number, page in enumerate(pages, start=1):
         first, last = page[0].trial, page[-1].trial
@@ -133,15 +119,15 @@ def _of_trials(extraction: Extraction) -> Drawings:
             caption += (
                 f" {shown} of {len(extraction.trials)} are drawn, those that do not count before all others."
             )
-        yield "recordings", f"recordings_{number}", caption, partial(draw_recordings, page)
+        yield "recordings", f"recordings_{number}", caption, partial(of_trials.draw_recordings, page)
     if any(not trial.kept or trial.problems for trial in extraction.trials):
         caption = "Every trial against every check: where a column has a mark, the recording wants a look."
-        yield "trials", "overview", caption, partial(draw_overview, extraction)
-    conditions = list(conditions_of(extraction).items())
+        yield "trials", "overview", caption, partial(of_trials.draw_overview, extraction)
+    conditions = list(of_trials.conditions_of(extraction).items())
     for place, why in chosen_conditions(extraction):
         stem, item = conditions[place]
         caption = f"Repeatability of condition {place + 1}: {why}."
-        yield "trials", stem, caption, partial(draw_condition, *item, traces=False)
+        yield "trials", stem, caption, partial(of_trials.draw_condition, *item, traces=False)
 
 
 def chosen_conditions(extraction: Extraction) -> tuple[tuple[int, str], ...]:
@@ -174,19 +160,20 @@ def _of_laws(answer: CampaignAnswer) -> Drawings:
         title = REGRESSORS[name][0]
         caption = f"The law over the {title}, and off it."
         stem = f"fit_over_{title.replace(' ', '_')}"
-        yield "bands", stem, caption, partial(draw_fit_band, fit, over=name)
+        yield "bands", stem, caption, partial(of_laws.draw_fit_band, fit, over=name)
     caption = (
         "Residuals over their standard deviation. If all is right they have no trend, one in twenty lies beyond ±2, "
         "and they follow the line of the normal quantiles."
     )
-    yield "residuals", "residuals", caption, partial(draw_residuals, fit)
+    yield "residuals", "residuals", caption, partial(of_laws.draw_residuals, fit)
     if fit.shown.sum() > 1:
+        drawn = of_laws.parameter_draws(fit)[1]
         caption = (
-            f"The parameters against each other: {parameter_draws(fit)[1]}, some as points; the contours hold half "
+            f"The parameters against each other: {drawn}, some as points; the contours hold half "
             "and 95 % of them, the number is the correlation. A slim cloud that leans is a pair that the data see only "
             "together."
         )
-        yield "corner", "corner", caption, partial(draw_corner, fit)
+        yield "corner", "corner", caption, partial(of_laws.draw_corner, fit)
     if answer.comparison.conclusive:
         caption = "All laws by AICc, with their weight and their error at conditions they have not seen."
         yield "ladder", "ladder", caption, partial(draw_ladder, answer.comparison)
@@ -198,12 +185,12 @@ def _of_many(fits: list[FitResult]) -> Drawings:
         "Average coefficient of friction of every condition against end tension, wrap and wheel radius. By the capstan "
         "equation there would be one level line."
     )
-    yield "friction", "mu_facets", caption, partial(draw_mu_facets, fits)
+    yield "friction", "mu_facets", caption, partial(of_laws.draw_mu_facets, fits)
     caption = (
         "ln(F_A/F_B) against the wrap. By the capstan equation all points would lie on one straight line through the "
         "origin."
     )
-    yield "friction", "capstan", caption, partial(draw_capstan, fits)
+    yield "friction", "capstan", caption, partial(of_laws.draw_capstan, fits)
 
 
 def _of_design(evidence: Evidence) -> Drawings:

@@ -7,17 +7,7 @@ from typing import Any
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import (
-    Answer,
-    Number,
-    command,
-    diameter,
-    exit_code_of,
-    flag,
-    listed,
-    option,
-    quantity,
-)
+from ropefric.cli.options import Answer, Number, command, exit_code_of, flag, listed, option, quantity
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
 from ropefric.files.disk import refuse_input, refuse_special, write_file, write_files
@@ -172,7 +162,7 @@ def plan_tests(
     law: str = Option("", help="Without a fit: the law."),
     guess: options.Words = listed("NAME=VALUE", "Its parameters, guessed"),
     hold: options.Words = listed("NAME", "A guessed parameter taken as known"),
-    rope_diameter: Number = diameter("--rope-diameter", "Needed with --law."),
+    rope_diameter: Number = options.diameter("--rope-diameter", "Needed with --law."),
     n_conditions: int = Option(12, "--conditions", min=1, help="Conditions to plan."),
     repeats: int = Option(12, min=1, help="Pulls of each."),
     criterion: str = option("v|d", "The best for the wanted force (v), or the parameters (d).", default="v"),
@@ -279,9 +269,9 @@ def budget(
     wheel_radius: Number = quantity("--wheel-radius", "m", "R_w, with --fit."),
     wrap: Number = quantity("--wrap", "rad", "φ, with --fit."),
     end_tension: Number = quantity("--end-tension", "N", "F_B, with --fit."),
-    rope_diameter: Number = diameter("--rope-diameter", "Of another rope."),
+    rope_diameter: Number = options.diameter("--rope-diameter", "Of another rope."),
     u_wheel_radius: Number = quantity("--u-wheel-radius", "m", "Standard uncertainty of R_w."),
-    u_rope_diameter: Number = diameter("--u-rope-diameter", "Of the rope's diameter."),
+    u_rope_diameter: Number = options.diameter("--u-rope-diameter", "Of the rope's diameter."),
     u_wrap: Number = quantity("--u-wrap", "rad", 'Of the wrap, such as "2 deg".'),
     u_end_tension: Number = quantity("--u-end-tension", "N", 'Of F_B, such as "0.5 N".'),
     end_tension_measured: bool = flag(

@@ -8,17 +8,9 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from ropefric.arrays import FloatArray
+from ropefric.friction import law
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import (
-    Columns,
-    FrictionLaw,
-    Parameter,
-    Refusal,
-    Sheet,
-    Slopes,
-    combinations,
-    negative,
-)
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Sheet, Slopes
 
 
 class Uniform:
@@ -56,11 +48,11 @@ class Uniform:
         by_radius = self.mu_by_radius(columns, conditions) * conditions.wrap_angle_rad
         return by_radius, self.mu(columns, conditions), np.array(1.0)
 
-    def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
+    def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[law.Refusal]:
         """Yield where μ is negative."""
         what = f"the coefficient is {{value}}, negative: {self.why_negative}"
         fix = "change the parameters, or leave out these conditions"
-        yield negative(self.mu(columns, conditions), what, fix)
+        yield law.negative(self.mu(columns, conditions), what, fix)
 
 
 def mu_times_wrap(*lines: tuple[str, ...]) -> Callable[[Sheet], float]:
@@ -165,7 +157,7 @@ SIZE_POWER = FrictionLaw(
     effects=frozenset({"size"}),
     weakens=True,
     physics=PowerSize(),
-    candidates=lambda mu, _at, _log_lift: combinations(
+    candidates=lambda mu, _at, _log_lift: law.combinations(
         mu * np.array([0.5, 1.0, 1.5]), [0.3, 1.0, 3.0, 10.0], mu * np.array([0.02, 0.3, 0.8])
     ),
     special_cases=(CONSTANT,),
@@ -206,7 +198,7 @@ def size_candidates(conditions: Conditions) -> tuple[FloatArray, FloatArray]:
     return np.array([-4.0, -1.5, -0.5, -0.15]) / r, np.array([-3.0, -1.0, -0.2])
 
 
-SIZE_FORMULA = "mu_inf * (1 - exp(a * r + b))"
+MU_R = "mu_inf * (1 - exp(a * r + b))"
 
 SIZE_EXPONENTIAL = FrictionLaw(
     name="size-exponential",
@@ -223,9 +215,9 @@ SIZE_EXPONENTIAL = FrictionLaw(
     effects=frozenset({"size"}),
     weakens=True,
     physics=ExponentialSize(),
-    candidates=lambda mu, at, _log_lift: combinations(mu * np.array([1.0, 1.3, 2.0]), *size_candidates(at)),
+    candidates=lambda mu, at, _log_lift: law.combinations(mu * np.array([1.0, 1.3, 2.0]), *size_candidates(at)),
     special_cases=(CONSTANT,),
-    arithmetic=mu_times_wrap(("r", "R_w/R_r"), ("mu", SIZE_FORMULA)),
+    arithmetic=mu_times_wrap(("r", "R_w/R_r"), ("mu", MU_R)),
 )  # fmt: skip
 
 

@@ -10,25 +10,14 @@ import numpy as np
 from scipy.special import exprel
 
 from ropefric.arrays import FloatArray
+from ropefric.friction import law
 from ropefric.friction.condition import Conditions
 from ropefric.friction.integral import PowerSpan, exponential_start_rad, exprel_slope, power_log_start
-from ropefric.friction.law import (
-    FROM_ZERO,
-    Columns,
-    FrictionLaw,
-    Parameter,
-    Refusal,
-    Sheet,
-    Slopes,
-    below_reference,
-    combinations,
-    negative,
-    with_variant,
-)
+from ropefric.friction.law import Columns, FrictionLaw, Parameter, Refusal, Sheet, Slopes
 from ropefric.friction.laws.uniform import (
     CONSTANT,
+    MU_R,
     SIZE_EXPONENTIAL,
-    SIZE_FORMULA,
     ExponentialSize,
     Uniform,
     size_candidates,
@@ -100,12 +89,12 @@ class PowerWrap:
         m, (k, d) = self.strength.mu(columns, conditions), columns[-2:]
         yield Refusal(k <= -1.0, k, "the exponent of φ is {value}, and ∫ φ^k from 0 diverges for k <= -1;"
                      " there is no such wrap", "keep the exponent above -1")  # fmt: skip
-        yield negative(m, f"the coefficient of φ^k is {{value}}, negative: {self.strength.why_negative}",
+        yield law.negative(m, f"the coefficient of φ^k is {{value}}, negative: {self.strength.why_negative}",
                        "change the parameters, or leave out wheels this small")  # fmt: skip
-        yield negative(d, "the constant part of μ is {value}, negative: μ turns negative at a large wrap")
+        yield law.negative(d, "the constant part of μ is {value}, negative: μ turns negative at a large wrap")
         if self.equivalence:
             y = conditions.log_end_tension
-            yield below_reference(conditions)
+            yield law.below_reference(conditions)
             yield Refusal((m + d <= 0.0) & (y > 0.0), m + 0.0 * y,
                          "μ is zero everywhere, so no wrap angle stands for the end tension",
                          "give a positive coefficient")  # fmt: skip
@@ -178,7 +167,7 @@ def power_by_hand(sheet: Sheet, m: str, k: str, d: str) -> float:
     return integral_by_hand(sheet, f"{m}/s * {{0}}^s + {d} * {{0}}", start_rad)
 
 
-WRAP_POWER = with_variant(
+WRAP_POWER = law.with_variant(
     FrictionLaw(
         name="wrap-power",
         equation="mu(phi) = a phi^b + c; F_A = F_B exp(integral of mu from phi0 to phi0 + phi)",
@@ -192,7 +181,7 @@ WRAP_POWER = with_variant(
         effects=frozenset({"wrap-dependence", "end-tension"}),
         weakens=True,
         physics=PowerWrap(strength=_First(), equivalence=True),
-        candidates=lambda mu, _at, _log_lift: combinations(
+        candidates=lambda mu, _at, _log_lift: law.combinations(
             mu * np.array([0.3, 1.0, 3.0]), [-0.9, -0.6, -0.3, -0.1], mu * np.array([0.05, 0.4, 0.8])
         ),
         special_cases=(CONSTANT,),
@@ -203,11 +192,11 @@ WRAP_POWER = with_variant(
 
 def _coupled_by_hand(sheet: Sheet) -> float:
     sheet.line("r", "R_w/R_r")
-    sheet.line("mu_R", SIZE_FORMULA)
+    sheet.line("mu_R", MU_R)
     return power_by_hand(sheet, "mu_R", "c", "d")
 
 
-COUPLED = with_variant(
+COUPLED = law.with_variant(
     FrictionLaw(
         name="coupled",
         equation="mu(phi) = mu_R phi^c + d, mu_R = mu_inf (1 - exp(a R_w/R_r + b)); "
@@ -218,7 +207,7 @@ COUPLED = with_variant(
         effects=frozenset({"size", "wrap-dependence", "end-tension"}),
         weakens=True,
         physics=PowerWrap(strength=ExponentialSize(), equivalence=True),
-        candidates=lambda mu, conditions, _log_lift: combinations(
+        candidates=lambda mu, conditions, _log_lift: law.combinations(
             mu * np.array([1.0, 2.0, 4.0]),
             *size_candidates(conditions),
             [-0.75, -0.4, -0.1],
@@ -282,16 +271,16 @@ class ExponentialWrap:
     def refusals(self, columns: Columns, conditions: Conditions) -> Iterable[Refusal]:
         """Yield where φ0 does not exist or μ is negative."""
         a, b, c = columns
-        yield negative(a, "a is {value}, negative: μ would rise with the wrap")
+        yield law.negative(a, "a is {value}, negative: μ would rise with the wrap")
         what = "b is {value}, positive: μ would grow without limit"
         yield Refusal(b > 0.0, b, what, "keep it at zero or below")
-        yield negative(c, "c is {value}, negative: μ turns negative at a large wrap")
+        yield law.negative(c, "c is {value}, negative: μ turns negative at a large wrap")
         if self.equivalence:
             y = conditions.log_end_tension
-            yield below_reference(conditions)
+            yield law.below_reference(conditions)
             yield Refusal((c == 0.0) & (y > 0.0) & (-b * y >= a), y + 0.0 * c,
                          "with c = 0 the integral of μ never reaches a/|b|, but ln F_B is {value}; no wrap angle"
-                         " stands for it", f"give a positive c, or {FROM_ZERO}")  # fmt: skip
+                         " stands for it", f"give a positive c, or {law.FROM_ZERO}")  # fmt: skip
 
     def _start(self, columns: Columns, conditions: Conditions) -> FloatArray:
         if not self.equivalence:
@@ -312,7 +301,7 @@ def _exponential_by_hand(sheet: Sheet) -> float:
     return integral_by_hand(sheet, "a/b * (exp(b * {0}) - 1) + c * {0}", start_rad)
 
 
-WRAP_EXPONENTIAL = with_variant(
+WRAP_EXPONENTIAL = law.with_variant(
     FrictionLaw(
         name="wrap-exponential",
         equation="mu(phi) = a exp(b phi) + c; F_A = F_B exp(integral of mu from phi0 to phi0 + phi)",
@@ -328,7 +317,7 @@ WRAP_EXPONENTIAL = with_variant(
         effects=frozenset({"wrap-dependence", "end-tension"}),
         weakens=True,
         physics=ExponentialWrap(equivalence=True),
-        candidates=lambda mu, conditions, _log_lift: combinations(
+        candidates=lambda mu, conditions, _log_lift: law.combinations(
             mu * np.array([0.3, 1.0, 3.0]),
             np.array([-6.0, -2.0, -0.7, -0.2]) / (float(conditions.wrap_angle_rad.max()) or 1.0),
             mu * np.array([0.2, 0.6, 0.9]),

@@ -25,7 +25,7 @@ SIGNATURES = {
     "budget": "(fit, *, wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m=None, u_wheel_radius_m=0.0, "
     "u_rope_radius_m=0.0, u_wrap_angle_rad=0.0, u_end_tension_N=0.0, one_pull=False, level=0.95, draws=200000, "
     "seed=0)",
-    "compare": "(trials, laws=None, *, progress=None, of='peak', columns=None)",
+    "compare": "(trials, laws=None, *, progress=None, of='peak', touching_turns=None, columns=None)",
     "design": "(fit, *, lift_N, solve_for='wrap', wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, "
     "rope_radius_m=None, probability=0.95)",
     "diagnose": "(trials, comparison=None, *, touching_turns=None, columns=None)",

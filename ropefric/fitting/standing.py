@@ -16,6 +16,7 @@ import numpy.typing as npt
 from scipy.special import stdtr
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.errors import InputError
 from ropefric.fitting.levenberg import batched_fit
 from ropefric.fitting.problem import FitProblem, typical_mu
 from ropefric.fitting.result import RIVAL
@@ -338,6 +339,9 @@ def lead_by_chance(
 def beyond_first_turn(conditions: Conditions, touching_turns: float | None = None) -> FloatArray:
     """Return the wrap of turns that touch the one beside them [rad]: all beyond the first, or at most so many."""
     turns = math.inf if touching_turns is None else touching_turns
+    if not turns >= 0.0:
+        message = f"touching_turns is {turns:g}"
+        raise InputError(message, fix="say how many turns touch the one beside them, 0 or more")
     return np.clip(conditions.wrap_angle_rad - _TURN_RAD, 0.0, _TURN_RAD * turns)
 
 

@@ -101,8 +101,8 @@ class Breakaway(Shown):
     peak_time_s : float
         When [s].
     peak_std_N : float
-        Standard uncertainty [N] of picking: noise left after smoothing, the window's bias, and what a gap in the
-        samples next to the peak may hide.
+        Standard uncertainty [N] of picking: noise left after smoothing, the window's bias, what a gap in the
+        samples next to the peak may hide, and a zero that drifts or is not quite known.
     two_line_N : float
         F_A from lines fitted to both sides of the peak, free of the window's bias [N].
     bias_N : float

@@ -68,8 +68,6 @@ from ropefric.traces.zero import with_its_zero
 FLAT_BLOCKS = 8
 LEAST_SHARE = 0.55
 """Part of the peak that the force keeps where nothing but the fall speaks for a slip."""
-MOST = 0.75
-"""A load that is let down is not let down by a little, to stand there."""
 STEPS = 3
 """A fall of fewer steps of the converter has no shape."""
 LASTS = 0.25
@@ -324,7 +322,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         return _doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
     brief = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
-    sharp = (flat == "sharp" and (brief or bends or share >= MOST)) or (flat == "unclear" and bends)
+    sharp = (flat == "sharp" and (brief or bends)) or (flat == "unclear" and bends)
     creeps = not brief and drop_N < 2.0 * LEAST_DROP * candidate.height_N
     if share < LEAST_SHARE or creeps or not (sharp or flat == "rounded"):
         why = f"{seen}, without roughness: sliding, or a load that was let down"

@@ -20,8 +20,8 @@ RESOLVED_SIGMAS = 4.0
 QUIET_SIGMAS = 1.5
 SWING, DAMPED, HALF_PERIODS = 2.0, 0.2, 5.0
 """A swing passes its level as fast up as down, falls below it, and follows a load that comes on within few periods."""
-WAVES_ON, DIES = (0.1, 0.9), 0.25
-"""What swings on is this part of the first swing high between these quantiles; slow waves are smooth, but no noise."""
+DIES = 0.25
+"""What swings on falls by this part of the first swing again; slow waves are smooth, but no noise."""
 WAVES, LARGE_WAVES, SLOWEST, FASTEST = (0.1, 0.05, 0.02), 0.06, 0.4, 1.25
 """One wave, two or more that are slips are this part of the force at least, and rise as fast as the machine loads."""
 GENTLE, SLOWER_THAN_LOADED, ALIKE = 0.25, 0.75, 0.18
@@ -137,10 +137,14 @@ def swings(prepared: Prepared, fall: Fall, sliding: Sliding) -> bool:
     after = force_N[fall.top + 3 * (bottom - fall.top) : sliding.stop]
     quiet = after.size < PIECE_BLOCKS or (
         roughness_N(after[: 2 * PIECE_BLOCKS]) <= quiet_N(prepared, fall.start, fall.top)
-        and float(np.ptp(np.quantile(after[: 6 * (bottom - fall.top)], WAVES_ON)))
-        < DIES * (fall.top_N - bottom_N)
+        and _largest_fall_N(after[: 6 * (bottom - fall.top)])
+        < DIES * (fall.top_N - bottom_N) + RESOLVED_SIGMAS * prepared.blocks.noise_N
     )
     return quiet and rising <= SWING * falling and lasts <= HALF_PERIODS * (rising + falling)
+
+
+def _largest_fall_N(force_N: FloatArray) -> float:
+    return float((np.maximum.accumulate(force_N) - force_N).max())
 
 
 def fall_blocks(force_N: FloatArray, fall: Fall) -> float:

@@ -67,7 +67,9 @@ def with_its_zero(
             '[protocol] rest = "zero") or a pretension (rest = "pretension")'
         )
     if not why:
-        return result
+        # A small level may be either.
+        small_N = zero_N if abs(zero_N) <= SMALL_ZERO * result.peak_N else 0.0
+        return replace(result, peak_std_N=float(np.hypot(result.peak_std_N, small_N / np.sqrt(3.0))))
     return Breakaway(
         status=Status.DOUBTFUL,
         detail=f"{' or '.join(f'{event.force_N:.4g} N' for event in events)}: {why}",

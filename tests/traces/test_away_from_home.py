@@ -104,6 +104,14 @@ def test_slack_taken_up_while_at_rest_is_no_drift_of_the_zero():
     assert stepped.peak_std_N < 1.5 * plain.peak_std_N
 
 
+def test_a_small_level_at_rest_is_in_the_uncertainty_unless_it_is_said_what_it_is():
+    """A level of 1 N may be an error of the zero or a pretension: equally likely up to that."""
+    said = {rest: picked(drawn(*PULL) + 1.0, PickSettings(rest=rest)) for rest in ("unknown", "pretension")}
+    assert all(found.status is Status.OK for found in said.values())
+    unknown, known = (said[rest].peak_std_N for rest in ("unknown", "pretension"))
+    assert np.hypot(known, 1.0 / np.sqrt(3.0)) == pytest.approx(unknown, rel=0.02)
+
+
 @pytest.mark.parametrize("snag_N", [0.0, 40.0])
 def test_a_drift_of_the_zero_is_seen_through_a_snag(snag_N):
     """By 4 N until the peak; a step in between, of weights hung on there, hides none of it."""

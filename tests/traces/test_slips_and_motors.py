@@ -68,13 +68,6 @@ def test_a_fall_that_bends_to_a_level_has_shown_it_however_briefly():
     assert found.peak_N == pytest.approx(100.0, rel=0.01)
 
 
-def test_a_smooth_fall_by_a_little_is_no_load_that_is_let_down():
-    part = np.clip((TIME_S - 2.5) / 0.45, 0.0, 1.0)
-    found = picked(np.where(SLIDES, 100.0 - 16.0 * part**1.2, climb()), noise_N=0.4)
-    assert found.status is Status.OK, found.detail
-    assert found.peak_N == pytest.approx(100.0, rel=0.01)
-
-
 @pytest.mark.parametrize(("rate_Hz", "swings_1_s", "damped_1_s"), [(410, 250, 60), (205, 400, 25)])
 def test_a_motor_that_stops_lets_the_masses_swing(rate_Hz, swings_1_s, damped_1_s):
     """A spring that is loaded at a rate r and stopped swings by r/ω, no faster than it was loaded."""

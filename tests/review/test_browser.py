@@ -91,12 +91,12 @@ def test_a_person_decides_and_the_list_and_the_next_extraction_follow(page, camp
     first, second = (
         row.get_attribute("data-trial") for row in driver.find_elements(By.CSS_SELECTOR, ".row")[:2]
     )
-    assert (first, second) == ("c07-r03", "c08-r06")
-    assert (text(driver, "trial"), text(driver, "status")) == ("c07-r03", "doubtful: to decide")
+    assert (first, second) == ("c28-r03", "c35-r02")
+    assert (text(driver, "trial"), text(driver, "status")) == ("c28-r03", "doubtful: to decide")
 
     # Its candidate is chosen, seen, accepted.
     press(driver, "1")
-    wait(driver, lambda: "it would be F_A = 96.4" in text(driver, "said"))
+    wait(driver, lambda: "it would be F_A = 79.1" in text(driver, "said"))
     press(driver, "a")
     wait(driver, lambda: text(driver, "status") == "counts")
     assert "1 to decide" in text(driver, "counts")
@@ -104,8 +104,8 @@ def test_a_person_decides_and_the_list_and_the_next_extraction_follow(page, camp
     change = {cells[0].text: [cell.text for cell in cells[1:]] for cells in (
         row.find_elements(By.TAG_NAME, "td") for row in driver.find_elements(By.CSS_SELECTOR, "#change tbody tr")
     )}  # fmt: skip
-    assert change["F_A of c07-r03"][0] == "–"
-    assert change["F_A of c07-r03"][1].startswith("96.4")
+    assert change["F_A of c28-r03"][0] == "–"
+    assert change["F_A of c28-r03"][1].startswith("79.1")
     assert change["counting"] == ["5 of 6", "6 of 6"]
     for name in ("Its condition: mean", "s", "Lift force, 95 % interval"):
         was, now = change[name]
@@ -129,7 +129,7 @@ def test_a_person_decides_and_the_list_and_the_next_extraction_follow(page, camp
     wait(driver, lambda: text(driver, "status") == "counts")
 
     # Another one is excluded with its reason; a comment on a third is undone.
-    Select(driver.find_element(By.ID, "by-condition")).select_by_index(3)
+    Select(driver.find_element(By.ID, "by-condition")).select_by_index(1)
     field = driver.find_element(By.ID, "by-text")
     field.send_keys("r02")
     assert text(driver, "n-shown") == "1 of 18 shown"
@@ -152,17 +152,17 @@ def test_a_person_decides_and_the_list_and_the_next_extraction_follow(page, camp
 
     after = written(path)
     decided = ("pick_s", "exclude", "why", "by", "when")
-    assert [after["c07-r03"][name] for name in decided[:4]] == [
-        "1.928",
+    assert [after["c28-r03"][name] for name in decided[:4]] == [
+        "2.19833",
         "",
         "review: candidate 1 of 1 accepted",
         "A. Meier",
     ]
-    assert float(after["c08-r06"]["pick_s"]) == pytest.approx(moved, abs=1e-4)
+    assert float(after["c35-r02"]["pick_s"]) == pytest.approx(moved, abs=1e-4)
     assert moved == pytest.approx(candidate, abs=0.05)
-    assert after["c08-r06"]["why"] == "review: set by hand"
+    assert after["c35-r02"]["why"] == "review: set by hand"
     assert [after["c11-r02"][name] for name in decided[1:4]] == ["torn, by hand", "", "A. Meier"]
-    touched = {"c07-r03", "c08-r06", "c11-r02"}
+    touched = {"c28-r03", "c35-r02", "c11-r02"}
     for name, row in after.items():
         assert {key: row[key] for key in row if key not in decided} == {
             key: before[name][key] for key in before[name] if key not in decided
@@ -224,7 +224,7 @@ def test_a_list_changed_by_somebody_else_is_told_and_read_again(page, campaign):
     wait(driver, lambda: "read again" in text(driver, "said"))
     press(driver, "a")
     wait(driver, lambda: text(driver, "status") == "counts")
-    assert path.read_bytes().count(b"# taken in autumn") == path.read_bytes().count(b"1.928") == 1
+    assert path.read_bytes().count(b"# taken in autumn") == path.read_bytes().count(b"2.19833") == 1
 
 
 @pytest.mark.slow

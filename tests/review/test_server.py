@@ -84,7 +84,7 @@ def test_another_name_for_this_address_is_refused(ask, served, host):
 def test_another_page_cannot_write(ask, served, headers, status):
     path = served.review.trial_list
     before = path.read_bytes()
-    body = {"trial": "c08-r01", "action": "exclude", "text": "torn"}
+    body = {"trial": "c35-r01", "action": "exclude", "text": "torn"}
     assert (
         ask("/api/decide", body, **{name.replace("-", "_"): value for name, value in headers.items()})[0]
         == status
@@ -92,7 +92,7 @@ def test_another_page_cannot_write(ask, served, headers, status):
     assert path.read_bytes() == before
     assert ask("/api/decide", method="GET")[0] == 404
     done, tree, _ = ask("/api/decide", body)
-    assert (done, tree["rows"]["c08-r01"]["excluded"]) == (200, "torn")
+    assert (done, tree["rows"]["c35-r01"]["excluded"]) == (200, "torn")
     assert ask("/api/undo", {})[0] == 200
     assert path.read_bytes() == before
 
@@ -100,13 +100,13 @@ def test_another_page_cannot_write(ask, served, headers, status):
 def test_requests_that_make_no_sense_are_answered_in_words(ask):
     for path in (
         "/api/trial",
-        "/api/curve?trial=c08-r01&columns=x",
-        "/api/preview?trial=c08-r01&pick_s=soon",
+        "/api/curve?trial=c35-r01&columns=x",
+        "/api/preview?trial=c35-r01&pick_s=soon",
     ):
         assert ask(path)[0] == 400
     for path in ("/x", "/api/", "/api/../page.html", "/page.html"):
         assert ask(path)[0] == 404
-    for raw in ("", "{", "[]", "7", '{"trial": "c08-r01"}', '{"trial": [], "action": "clear"}'):
+    for raw in ("", "{", "[]", "7", '{"trial": "c35-r01"}', '{"trial": [], "action": "clear"}'):
         status, tree, _ = ask("/api/decide", {}, raw=raw)
         assert status in {400, 409}, raw
         assert tree["error"]["message"]
@@ -124,12 +124,12 @@ def test_a_fault_of_ours_is_told_in_words(ask, served, monkeypatch):
 
 
 def test_data_come_as_json_and_are_kept_nowhere(ask):
-    status, tree, headers = ask("/api/curve?trial=c08-r01&start_s=&stop_s=&columns=200")
+    status, tree, headers = ask("/api/curve?trial=c35-r01&start_s=&stop_s=&columns=200")
     assert status == 200
     assert headers["Cache-Control"] == "no-store"
     assert len(tree["time_s"]) == len(tree["low_N"]) == len(tree["high_N"]) <= 400
-    assert ask("/api/trial?trial=c07-r03")[1]["candidates"][0]["time_s"] == 1.928
-    assert ask("/api/preview?trial=c07-r03&pick_s=1.928")[1]["picked"][0] == pytest.approx(96.41, abs=0.01)
+    assert ask("/api/trial?trial=c28-r03")[1]["candidates"][0]["time_s"] == 2.198333
+    assert ask("/api/preview?trial=c28-r03&pick_s=2.198333")[1]["picked"][0] == pytest.approx(79.12, abs=0.01)
 
 
 def test_a_port_that_is_taken_is_told(served):
@@ -157,7 +157,7 @@ def test_the_command_serves_until_it_is_interrupted(campaign):
         port, token = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=(\S+)\n", address).groups()
         line = http.client.HTTPConnection("127.0.0.1", int(port), timeout=60)
         headers = {"Origin": f"http://127.0.0.1:{port}", "Content-Type": "application/json"}
-        body = json.dumps({"trial": "c08-r01", "action": "exclude", "text": "torn"})
+        body = json.dumps({"trial": "c35-r01", "action": "exclude", "text": "torn"})
         line.request("POST", f"/api/decide?token={token}", body, headers)
         assert line.getresponse().status == 200
         line.close()

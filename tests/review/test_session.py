@@ -15,7 +15,7 @@ from ropefric.errors import DataError, InputError
 from ropefric.review import session
 from ropefric.review.session import decimated
 
-DOUBTFUL = ("c07-r03", "c08-r06")
+DOUBTFUL = ("c28-r03", "c35-r02")
 
 
 def rows_of(path):
@@ -29,19 +29,19 @@ def accept(review, trial):
 def test_an_accepted_candidate_counts_and_everything_else_stays(begin, campaign):
     review, path = begin(), campaign / "trials.csv"
     before = path.read_text().splitlines()
-    changed = accept(review, "c07-r03")
+    changed = accept(review, "c28-r03")
     was, now = (changed["change"][key] for key in ("was", "is"))
     assert (was["outcome"], was["force_N"], now["outcome"]) == ("without a force", None, "kept")
-    assert now["force_N"] == pytest.approx(96.41, abs=0.01)
+    assert now["force_N"] == pytest.approx(79.12, abs=0.01)
     assert now["condition_is"]["n_kept"] == was["condition_was"]["n_kept"] + 1
     assert now["condition_is"]["mean_N"] != was["condition_was"]["mean_N"]
-    assert set(changed["rows"]) == {"c07-r03"}
+    assert set(changed["rows"]) == {"c28-r03"}
     after = path.read_text().splitlines()
     assert after[0] == before[0] + ",pick_s,why,by,when"
     assert after[1] == before[1] == "# taken in spring"
-    signed = ",1.928,review: candidate 1 of 1 accepted,A. Meier,2026-11-22T14:30:00+00:00"
+    signed = ",2.19833,review: candidate 1 of 1 accepted,A. Meier,2026-11-22T14:30:00+00:00"
     assert [new for old, new in zip(before, after, strict=True) if new not in {old, f"{old},,,,"}] == [
-        after[0], next(row for row in before if row.startswith("c07-r03")) + signed,
+        after[0], next(row for row in before if row.startswith("c28-r03")) + signed,
     ]  # fmt: skip
 
 
@@ -60,25 +60,25 @@ def test_what_the_page_says_is_what_run_says(begin, settled, campaign, capfd):
     found = told["prediction"]
     assert said["lift"]["force_N"] == pytest.approx(found["lift_force_N"], rel=1e-6)
     assert [said["lift"]["low_N"], said["lift"]["high_N"]] == pytest.approx(found["interval_N"], rel=1e-6)
-    row = rows_of(out / "trials.csv")["c07-r03"]
+    row = rows_of(out / "trials.csv")["c28-r03"]
     assert (row["status"], row["kept"], row["decided_by"]) == ("ok", "true", "A. Meier")
-    force_N = review.overview()["rows"]["c07-r03"]["force_N"]
+    force_N = review.overview()["rows"]["c28-r03"]["force_N"]
     assert float(row["peak_N"]) == pytest.approx(force_N, rel=1e-7)
 
 
 def test_exclude_comment_take_back_and_undo(begin, campaign):
     review, path = begin(), campaign / "trials.csv"
     contents = [path.read_bytes()]
-    review.decide("c08-r01", "exclude", text="rope, torn")
-    assert review.overview()["rows"]["c08-r01"]["excluded"] == "rope, torn"
+    review.decide("c35-r01", "exclude", text="rope, torn")
+    assert review.overview()["rows"]["c35-r01"]["excluded"] == "rope, torn"
     contents.append(path.read_bytes())
-    review.decide("c08-r02", "comment", text="loud")
-    assert review.overview()["rows"]["c08-r02"]["why"] == "loud"
+    review.decide("c35-r03", "comment", text="loud")
+    assert review.overview()["rows"]["c35-r03"]["why"] == "loud"
     contents.append(path.read_bytes())
-    accept(review, "c08-r06")
+    accept(review, "c35-r02")
     contents.append(path.read_bytes())
-    changed = review.decide("c08-r06", "clear")
-    assert changed["rows"]["c08-r06"]["outcome"] == "without a force"
+    changed = review.decide("c35-r02", "clear")
+    assert changed["rows"]["c35-r02"]["outcome"] == "without a force"
     for content in reversed(contents):
         review.undo()
         assert path.read_bytes() == content
@@ -89,18 +89,18 @@ def test_exclude_comment_take_back_and_undo(begin, campaign):
 
 def test_a_moved_pick_is_where_the_person_put_it(begin, campaign):
     review = begin()
-    was = review.trial("c08-r01")["picked"]
-    shown = review.preview("c08-r01", was[2] + 0.0123456789)["picked"]
+    was = review.trial("c35-r01")["picked"]
+    shown = review.preview("c35-r01", was[2] + 0.0123456789)["picked"]
     assert (campaign / "trials.csv").read_text().count("pick_s") == 0
-    changed = review.decide("c08-r01", "pick", pick_s=was[2] + 0.0123456789, text="the later one")
-    row = changed["rows"]["c08-r01"]
+    changed = review.decide("c35-r01", "pick", pick_s=was[2] + 0.0123456789, text="the later one")
+    row = changed["rows"]["c35-r01"]
     assert [row["force_N"], row["std_N"]] == pytest.approx(shown[:2], rel=1e-9)
     assert row["why"] == "the later one"
     assert row["decision"] == f"pick_s = {was[2] + 0.0123456789:.6g} s"
     # Where the force only rises there is no peak, and nothing is written.
     content = (campaign / "trials.csv").read_bytes()
     with pytest.raises(DataError, match="no peak to measure") as refused:
-        review.decide("c08-r01", "pick", pick_s=was[2] - 0.3)
+        review.decide("c35-r01", "pick", pick_s=was[2] - 0.3)
     assert refused.value.code == "RF244"
     assert (campaign / "trials.csv").read_bytes() == content
 
@@ -110,12 +110,12 @@ def test_a_list_that_somebody_else_changed_is_not_written(begin, campaign):
     theirs = path.read_bytes().replace(b"# taken in spring", b"# taken in autumn")
     path.write_bytes(theirs)
     with pytest.raises(DataError, match="somebody else") as refused:
-        review.decide("c08-r01", "exclude", text="torn")
+        review.decide("c35-r01", "exclude", text="torn")
     assert refused.value.code == "RF153"
     assert path.read_bytes() == theirs
-    assert review.overview()["rows"]["c08-r01"]["excluded"] == ""
+    assert review.overview()["rows"]["c35-r01"]["excluded"] == ""
     review.reload()
-    review.decide("c08-r01", "exclude", text="torn")
+    review.decide("c35-r01", "exclude", text="torn")
     assert b"\n# taken in autumn\n" in path.read_bytes()
     # An undo would take their change along.
     theirs = path.read_bytes() + b"# and more\n"
@@ -136,9 +136,9 @@ def test_only_what_changed_is_extracted_again(begin, campaign, monkeypatch):
     monkeypatch.setattr(session, "extract_rows", extract_rows)
     path.write_bytes(path.read_bytes().replace(b"W30,900,60", b"W30,900,61"))
     review.reload()
-    review.decide("c08-r01", "exclude", text="torn")
+    review.decide("c35-r01", "exclude", text="torn")
     review.undo()
-    assert asked == [[f"c11-r0{i}" for i in range(1, 7)], ["c08-r01"], ["c08-r01"]]
+    assert asked == [[f"c11-r0{i}" for i in range(1, 7)], ["c35-r01"], ["c35-r01"]]
 
 
 @pytest.mark.parametrize("what", ["disk", "campaign"])
@@ -155,7 +155,7 @@ def test_a_decision_that_cannot_be_kept_leaves_the_list_as_it_was(begin, campaig
         toml = campaign / "campaign.toml"
         toml.write_text(toml.read_text().replace('name = "breakaway"', 'name = "stick-slip"'))
     with pytest.raises(DataError, match=r"no space|several trials"):
-        accept(review, "c07-r03")
+        accept(review, "c28-r03")
     assert path.read_bytes() == before
     assert review.overview()["rows"] == overview
 
@@ -171,7 +171,7 @@ def test_decisions_that_say_nothing_are_refused(begin, campaign):
         ("delete", {}, "no action"),
     ):
         with pytest.raises(InputError, match=why):
-            review.decide("c08-r01", action, **options)
+            review.decide("c35-r01", action, **options)
     with pytest.raises(InputError, match="no trial"):
         review.decide("c99", "clear")
     assert (campaign / "trials.csv").read_bytes() == before
@@ -209,10 +209,10 @@ def test_a_recording_that_is_not_there_is_told_and_can_be_excluded(begin, campai
 
 def test_a_curve_of_the_whole_and_of_a_stretch(begin):
     review = begin()
-    whole = review.curve("c08-r01", np.nan, np.nan, 300)
-    peak = review.trial("c08-r01")
+    whole = review.curve("c35-r01", np.nan, np.nan, 300)
+    peak = review.trial("c35-r01")
     at_s = peak["picked"][2]
-    near = review.curve("c08-r01", at_s - 0.05, at_s + 0.05, 1000)
+    near = review.curve("c35-r01", at_s - 0.05, at_s + 0.05, 1000)
     assert max(whole["high_N"]) == pytest.approx(max(near["high_N"]), rel=1e-6)
     assert len(whole["time_s"]) <= 300 < len(near["time_s"]) + 100
     smoothed = np.interp(at_s, near["time_s"], near["smoothed_N"])

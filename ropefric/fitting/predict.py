@@ -343,11 +343,13 @@ def half_width(fit: FitResult, model: LiftModel, conditions: Conditions, probabi
     freedom of the law's own errors, and what single pulls scatter beyond it, with those of the repeats (Welch and
     Satterthwaite).
     """
-    (variance, dof), found, new2 = _law_spread(fit, model, conditions), fit.statistics, new_rope_std(fit) ** 2
-    pulls = float(np.nan_to_num(found.scatter_within)) ** 2 * (1.0 - found.n_conditions / found.n)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    (variance, dof), found, new = _law_spread(fit, model, conditions), fit.statistics, new_rope_std(fit)
+    within = float(np.nan_to_num(found.scatter_within))
+    # A product may be infinite; a power of a Python float raises.
+    new2, pulls = new * new, within * within * (1.0 - found.n_conditions / found.n)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         shared = variance / np.sqrt(dof) + (new2 - pulls) / math.sqrt(degrees_of_freedom(fit))
-        spread = shared**2 + pulls**2 / max(found.n - found.n_conditions, 1)
+        spread = shared**2 + pulls * pulls / max(found.n - found.n_conditions, 1)
         dof = np.where(spread > 0.0, (variance + new2) ** 2 / spread, np.inf)
     return np.asarray(_quantiles(probability, dof) * np.sqrt(variance + new2))
 

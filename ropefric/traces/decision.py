@@ -297,10 +297,13 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     )
     flat = flat_top(force_N, fall, blocks.noise_N)
     bends = bends_to_its_level(force_N, fall, blocks.noise_N)
-    # A force that bends to its level has shown it; a held one that is let down may do so as well.
+    # A force that bends to its level has shown it; a held one that is let down may do so as well, and so may
+    # one that slipped before at much the same force.
+    slips = [g for g in pull.falls if g.slips and (1.0 + GROWTH) * g.top_N > fall.top_N]
+    slipped = any(LEAST_DROP * candidate.height_N <= g.drop_N < fall.drop_N for g in slips)
     short = sliding.stop - sliding.first < (
         BENT * (fall.settled - fall.top)
-        if bends and flat != "held"
+        if bends and flat != "held" and not slipped
         else max(LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top))
     )
     quiet = is_quiet(prepared, candidate, sliding)

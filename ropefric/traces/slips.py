@@ -95,8 +95,9 @@ def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Cand
         if height_N < TALL * (pull.top_N - pull.base_N):
             continue
         # Weights hung on at first are loaded faster than by the motor.
-        own = loading_rate(force_N, fall.start, fall.top)
-        rate = min(whole, own) if fall.top_N - float(force_N[fall.start]) > LITTLE * height_N else whole
+        start = _start_of_climb(force_N, falls[: i + 1], LITTLE * height_N)
+        own = loading_rate(force_N, start, fall.top)
+        rate = min(whole, own) if start == fall.start else whole
         rivals = _rivals(force_N, pull, fall, falls[i + 1 :], (rate, own))
         if rivals is None:
             passed += [fall]
@@ -107,6 +108,13 @@ def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Cand
             return [Candidate(pull, earlier[0], rate, falls[falls.index(earlier[0]) + 1 :]), first]
         return [first, Candidate(pull, rivals[0], rate, rivals[1:])] if rivals else [first]
     return []
+
+
+def _start_of_climb(force_N: FloatArray, falls: list[Fall], little_N: float) -> int:
+    """Return where the force began to rise to the last of some falls; it rose by more than little from there."""
+    last = falls[-1]
+    rising = (fall.start for fall in reversed(falls) if last.top_N - float(force_N[fall.start]) > little_N)
+    return next(rising, last.start)
 
 
 def _is_contested(force_N: FloatArray, pull: Pull, fall: Fall, first: Fall) -> bool:

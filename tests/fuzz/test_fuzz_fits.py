@@ -195,6 +195,7 @@ test_stored, test_stored_long = fuzzed(
         _edit(0, "statistics", "chi2", value=math.nan),
         _edit(0, "statistics", "interval_dof", value=2**70),
         _edit(0, "statistics", "scatter_within", value=10**400),
+        _edit(0, "statistics", "scatter_between", value=1e300),
         _edit(0, "provenance", "input", value=["a", "b"]),
         _edit(0, "identifiability", "ratio", value=10**400),
         _edit(1, "covariance", 1, 0, value=-1e300),

@@ -97,3 +97,26 @@ def test_a_fall_that_settles_little_by_little_is_not_the_creep_of_a_held_rope(la
     found = picked(force, time_s, noise_N=0.6)
     assert found.status is Status.OK, found.detail
     assert found.peak_N == pytest.approx(100.0, rel=0.015)
+
+
+def test_an_obstacle_with_a_small_fall_before_its_end_is_no_breakaway():
+    """It is loaded six times as fast as the motor loads then, to a force that the rope holds by far."""
+    time_s = np.arange(0.0, 3.3, 1e-3)
+    at_s = [0.0, 0.3, 0.45, 0.548, 0.555, 0.612, 0.636, 0.95, 2.24, 2.246, 3.0, 3.3]
+    force = np.interp(
+        time_s, at_s, [0.0, 0.0, 45.0, 170.0, 166.0, 169.0, 54.0, 54.0, 283.0, 215.0, 215.0, 215.0]
+    )
+    found = picked(force, time_s, noise_N=0.3)
+    assert found.status is not Status.OK or found.peak_N == pytest.approx(283.0, rel=0.01), found.detail
+
+
+def test_a_slip_and_a_load_let_down_at_the_end_are_not_clear():
+    """What slipped suddenly once does not slip little by little later: that may be the motor."""
+    slip = np.maximum(RATE_N_S * (TIME_S - 1.0) - slipped(80.0, 7.0), 0.0)
+    slow = np.where(slip > 80.0, 80.0 + 0.9 * (slip - 80.0), slip)
+    until_s = 2.45
+    top_N = float(np.interp(until_s, TIME_S, slow))
+    let_down = 0.78 * top_N + 0.22 * top_N * np.exp(-(TIME_S - until_s) / 0.04)
+    force = np.where(until_s <= TIME_S, let_down, slow)[until_s + 0.2 > TIME_S]
+    found = picked(force, TIME_S[: force.size])
+    assert found.status is not Status.OK or found.peak_N == pytest.approx(80.0, rel=0.01), found.detail

@@ -12,7 +12,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
 from ropefric.papers.paper import Given, Item, Paper, Row, Shown, shown
 from ropefric.scenes.kind import Line
-from ropefric.systems.effect import assemble
+from ropefric.systems.effect import applicable, assemble
 from ropefric.systems.press.answer import PressAnswer, PressProblem, solve_press
 from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import Press, Roller
@@ -86,8 +86,7 @@ def _machine(given: Given) -> Machine:
 
 def _start_up(problem: PressProblem) -> StartUp | None:
     """Return the start-up of a scene that has one, with all effects that can be simulated."""
-    known = [name for name, one in SYSTEM.effects.items() if not one.needs(problem)]
-    return solve_press(assemble(SYSTEM, problem, known)).start_up
+    return solve_press(assemble(SYSTEM, problem, applicable(SYSTEM.effects, problem))).start_up
 
 
 def _each(

@@ -18,7 +18,7 @@ from ropefric.friction.condition import SETTINGS, Conditions, condition_groups, 
 from ropefric.friction.law import FrictionLaw
 from ropefric.papers.paper import Given, Item, Paper, Row, Shown, part_of, shown
 from ropefric.scenes.kind import Line, Part
-from ropefric.systems.effect import assemble
+from ropefric.systems.effect import applicable, assemble
 from ropefric.systems.hoist.contact import Lift, solve_lift, tension_along_N
 from ropefric.systems.hoist.effects import SYSTEM
 from ropefric.trials.outliers import RULES, scaled
@@ -164,9 +164,7 @@ class Machine(NamedTuple):
 def _machine(given: Given) -> Machine:
     scene = given.scene
     problem, source = scene.problem, scene.source
-    model = assemble(
-        SYSTEM, problem, [name for name, one in SYSTEM.effects.items() if not one.needs(problem)]
-    )
+    model = assemble(SYSTEM, problem, applicable(SYSTEM.effects, problem))
     lift = solve_lift(model)
     assert source is not None  # noqa: S101  (a hoist's schema asks for friction)
     trials = given.trials

@@ -23,7 +23,7 @@ from ropefric.scenes.plan import make_plan, room_for_effects, solve_planned, wor
 from ropefric.scenes.scene import Scene, replaced, source_of
 from ropefric.shown import Shown
 from ropefric.systems.checks import rules_of
-from ropefric.systems.effect import assemble
+from ropefric.systems.effect import applicable, assemble
 
 BLOCK = 50_000
 _ONE_BY_ONE = 20
@@ -239,8 +239,7 @@ class _Run:
         self.scene, self.points, self.kind = scene, points, scene.kind
         self.fields = [self.kind.sweep_fields.get(key) for key in points.keys]
         self.by_array = None not in self.fields and self.kind.in_one_call(scene.problem)
-        effects = self.kind.system.effects.values()
-        cost_s = sum(one.cost for one in effects if not one.needs(scene.problem))
+        cost_s = sum(one.cost for one in applicable(self.kind.system.effects, scene.problem).values())
         # Of a dear machine few at once, so that people see how far it is.
         self.size = min(BLOCK, max(1, int(_SEEN_S / max(cost_s, 1e-9)))) if self.by_array else 1
         self.room = room_for_effects(scene.accuracy)
@@ -279,10 +278,10 @@ class _Run:
         if not possible.any():
             return frozenset()
         box = self.build([value[possible] for value in values])
-        applicable = [one for one in self.kind.system.effects.values() if not one.needs(box)]
-        tried = [one for one in worth_asking(applicable, total) if one.each is not None]
+        known = applicable(self.kind.system.effects, box)
+        tried = [one for one in worth_asking([*known.values()], total) if one.each is not None]
         while tried:
-            names = frozenset(one.name for one in applicable) - {one.name for one in tried}
+            names = frozenset(known) - {one.name for one in tried}
             answer = self._answer(box, names)[0]
             bounds = [one.each(box, answer) for one in tried if one.each]
             if (sum(bounds, np.zeros(box.n)) <= self.room).any():
@@ -373,7 +372,7 @@ class _Run:
             if not some.any():
                 return None
             less = problem if some.all() else self.build([value[some] for value in values])
-            names = frozenset(one.name for one in self.kind.system.effects.values() if not one.needs(less))
+            names = frozenset(applicable(self.kind.system.effects, less))
             found, answer = self._solved(less, names - self.gone)
             bounds = self._bounds(less, answer)
             error = np.expm1(np.minimum(bounds, 1.0))
@@ -421,7 +420,7 @@ class _Run:
             make_plan(
                 self.kind.system, problem, accuracy=self.scene.accuracy, effects=tuple(names)
             )  # refuses
-        missing = [one for one in effects.values() if one.name not in names and not one.needs(problem)]
+        missing = [one for name, one in applicable(effects, problem).items() if name not in names]
         (found, answer), off = self._solved(problem, names), 0.0
         try:
             dear = {one.name for one in missing if one.each is not None and one.cost >= _DEAR_S}

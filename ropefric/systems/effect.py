@@ -123,6 +123,11 @@ def missing(keys: Mapping[str, str]) -> Callable[[Any], tuple[str, ...]]:
     return lambda problem: tuple(key for name, key in keys.items() if getattr(problem, name) is None)
 
 
+def applicable(effects: Mapping[str, Effect[P]], problem: P) -> dict[str, Effect[P]]:
+    """Return the effects for which a problem says all they need, by name and in their order."""
+    return {name: one for name, one in effects.items() if not one.needs(problem)}
+
+
 def rounded_up(bound: float, rounding: float) -> float:
     """Return a bound with what rounding may have taken off it; inf where it is no number."""
     if math.isnan(bound):
@@ -130,11 +135,8 @@ def rounded_up(bound: float, rounding: float) -> float:
     return bound * (1.0 + rounding) + rounding * (bound > 0.0)
 
 
-_ROUNDING = 1e-12
-
-
 def largest_changes(
-    names: Iterable[str], logs: Callable[[frozenset[str]], FloatArray], *, rounding: float = _ROUNDING
+    names: Iterable[str], logs: Callable[[frozenset[str]], FloatArray], *, rounding: float = 1e-12
 ) -> dict[str, float]:
     """Return how much each effect changes any of the numbers at most, whatever others are simulated.
 
@@ -149,9 +151,8 @@ def largest_changes(
             found = {some: logs(some) for some in subsets}
     except RopefricError:
         return dict.fromkeys(worst, math.inf)
-    for subset in subsets:
-        for one in subset:
-            worst[one] = max(worst[one], log_change(found[subset], found[subset - {one}]))
+    for subset, one in ((some, one) for some in subsets for one in some):
+        worst[one] = max(worst[one], log_change(found[subset], found[subset - {one}]))
     return {one: rounded_up(most, rounding) for one, most in worst.items()}
 
 
@@ -173,8 +174,8 @@ def closed_form_system(
 
     @lru_cache(maxsize=2)
     def changes(problem: Any) -> dict[str, float]:
-        names = [name for name, one in effects.items() if not one.needs(problem)]
-        return largest_changes(names, lambda some: solve(Model(problem=problem, effects=some)).logs)
+        known = applicable(effects, problem)
+        return largest_changes(known, lambda some: solve(Model(problem=problem, effects=some)).logs)
 
     def bounded(one: Effect[Any]) -> Effect[Any]:
         own = one.influence is unknown

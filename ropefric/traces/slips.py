@@ -181,7 +181,7 @@ def _rivals(
     if not slid and _is_passed(force_N, place):
         return None
     # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
-    passed = came - int(np.flatnonzero(force_N[fall.top : came + 1] <= fall.top_N)[-1]) - fall.top
+    passed = came - _passes(force_N[: came + 1], fall)
     hardens = passed > FEW_BLOCKS and above_N < SLIDES * rate * passed
     # It slips again before it is loaded as high, or has slipped by far more than partially: that has weakened it.
     alike = [g for g in between if _is_alike(fall, g, pull)]
@@ -213,12 +213,17 @@ def _wears_in(force_N: FloatArray, place: _Place) -> bool:
     """Return whether a rope slides on after a fall though the force grows: it does so more slowly than it was loaded."""
     pull, fall, top = place.pull, place.fall, place.top
     again = any(g.drop_N >= SAME_KIND * fall.drop_N and _slides_or_reloads(pull, g) for g in place.later)
-    passed = fall.top + int(np.flatnonzero(force_N[fall.top : top + 1] <= fall.top_N)[-1])
+    passed = _passes(force_N[: top + 1], fall)
     if again or fall.drop_N < WORN * (fall.top_N - pull.base_N) or top - passed < LONG_ENOUGH:
         return False
     # A bump, or weights hung on, rise faster than the motor loads, which takes longer to come to the same force.
-    back = place.own_rate * (passed - fall.bottom - 1) / max(fall.top_N - fall.bottom_N, TINY)
+    back = _turned_on(force_N[: top + 1], fall, place.own_rate)
     return back < COMES_BACK and loading_rate(force_N, passed, top) < GIVES * place.own_rate
+
+
+def _passes(force_N: FloatArray, fall: Fall) -> int:
+    """Return where the force is last no higher than the top of a fall."""
+    return int(np.flatnonzero(force_N <= fall.top_N)[-1])
 
 
 def _turned_on(force_N: FloatArray, fall: Fall, rate: float | None = None) -> float:
@@ -227,8 +232,7 @@ def _turned_on(force_N: FloatArray, fall: Fall, rate: float | None = None) -> fl
     A partial slip is loaded again along the machine's line, so that it is one.
     """
     rate = loading_rate(force_N, fall.start, fall.top) if rate is None else rate
-    passed = int(np.flatnonzero(force_N <= fall.top_N)[-1]) - fall.bottom
-    return rate * (passed - 1) / max(fall.top_N - fall.bottom_N, TINY)
+    return rate * (_passes(force_N, fall) - fall.bottom - 1) / max(fall.top_N - fall.bottom_N, TINY)
 
 
 def _is_alike(fall: Fall, other: Fall, pull: Pull, apart: float = AGAIN) -> bool:
@@ -332,8 +336,7 @@ def _goes_on(force_N: FloatArray, fall: Fall, base_N: float, rate: float) -> boo
     far = np.flatnonzero(force_N > fall.top_N + FAR * (fall.top_N - base_N))
     if not far.size:
         return False
-    passed = int(far[0]) - int(np.flatnonzero(force_N[: far[0]] <= fall.top_N)[-1])
-    return FAR * (fall.top_N - base_N) >= STICKS * rate * (passed - 1)
+    return FAR * (fall.top_N - base_N) >= STICKS * rate * (int(far[0]) - _passes(force_N[: far[0]], fall) - 1)
 
 
 def _slides_or_reloads(pull: Pull, fall: Fall) -> bool:

@@ -10,7 +10,8 @@ import pytest
 
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.next_tests import MeanScatter, plan_tests, planned_fit, planned_guess
+from ropefric.fitting.next_tests import plan_tests, planned_fit, planned_guess
+from ropefric.fitting.resolution import MeanScatter
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS

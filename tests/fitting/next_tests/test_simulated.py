@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.next_tests import Exchange, MeanScatter, allowed_conditions, best_plan, plan_tests
+from ropefric.fitting.next_tests import Exchange, allowed_conditions, best_plan, plan_tests
 from ropefric.fitting.predict import predict
+from ropefric.fitting.resolution import MeanScatter
 from ropefric.trials.table import TrialTable
 
 # What a plan must be better by in the width of the interval of the wanted lift force.

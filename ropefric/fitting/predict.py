@@ -302,7 +302,7 @@ def predict(
             validity=fit.validity,
             draws=draws,
             seed=seed,
-            judged=fit.verdict,
+            judged=fit.verdict_on(conditions),
             of=fit.of,
         )
 

@@ -17,6 +17,8 @@ undecided
     scatter counts as scatter, which the clustered errors and the prediction interval hold. Another law: one that
     stands more than 2 in AICc before it (an evidence ratio of e), or one within 2 that gives another lift force.
     The interval: the linear one and the one drawn from the parameters' covariance differ by more than a half width.
+    The design: the law depends on a setting that all trials have alike, and is asked about others. They may show that
+    μ is not constant, but another form that follows them as well may say something else of that setting.
 supported
     Otherwise. A law within 2 that gives the same lift force is no contradiction. Two laws of which neither is a
     special case of the other do where the root mean square of ln F_A between them lies within the half width of the
@@ -43,7 +45,7 @@ from ropefric.files.disk import hash_file, kind_of_file
 from ropefric.files.plain_text import GIVEN_DIGITS, STD_DIGITS, significant, to_share
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
-from ropefric.friction.condition import SETTINGS, distinct
+from ropefric.friction.condition import SETTINGS, Conditions, distinct
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import AdvisedStatus, counted
@@ -95,6 +97,13 @@ SPARE = 3
 _MANY_SPARE = 10
 _SCATTER_RATIO = 2.0
 _LACK_OF_FIT_P = 1e-3
+# What shows an effect. Levels within a tenth are one, such as those of a weight with its pan and without.
+_SHOWN_BY = {
+    "size": ("size_ratio", "size ratio"),
+    "wrap-dependence": ("wrap_angle_rad", "wrap"),
+    "end-tension": ("end_tension_N", "end tension"),
+}
+_ALIKE = 1.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -278,10 +287,30 @@ class FitResult(Shown):
                 doubts.append(("undecided", text))
         return tuple(doubts)
 
+    def untested(self, asked: Conditions | None = None) -> tuple[Doubt, ...]:
+        """Return whether the law depends on a setting that all trials have alike, and what is asked for has not."""
+        alone = []
+        for effect, (name, title) in _SHOWN_BY.items():
+            low, high = self.validity.get(name, (0.0, inf))
+            values = np.array(inf) if asked is None else getattr(asked, name)
+            elsewhere = ((values * _ALIKE < low) | (values > _ALIKE * high)).any()
+            if effect in self.friction_law.effects and high < _ALIKE * low and elsewhere:
+                alone.append(f"one {title}")
+        text = (
+            f"the trials have {' and '.join(alone)} only: what {self.law} says of others is not tested, "
+            "and another form of law may follow the trials as well"
+        )
+        return (("undecided", text),) if alone else ()
+
+    def verdict_on(self, asked: Conditions | None) -> Verdict:
+        """Return the verdict by its own fit on what the law says of conditions; on the whole law for None."""
+        doubts = self.doubts or self.untested(asked)
+        return verdict_of(doubts, f"nothing in its own fit speaks against {self.law}")
+
     @property
     def verdict(self) -> Verdict:
         """Return the verdict on the law by its own fit; a comparison knows what other laws say."""
-        return verdict_of(self.doubts, f"nothing in its own fit speaks against {self.law}")
+        return self.verdict_on(None)
 
     @property
     def of(self) -> str:

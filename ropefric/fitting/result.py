@@ -97,12 +97,7 @@ SPARE = 3
 _MANY_SPARE = 10
 _SCATTER_RATIO = 2.0
 _LACK_OF_FIT_P = 1e-3
-# What shows an effect. Levels within a tenth are one, such as those of a weight with its pan and without.
-_SHOWN_BY = {
-    "size": ("size_ratio", "size ratio"),
-    "wrap-dependence": ("wrap_angle_rad", "wrap"),
-    "end-tension": ("end_tension_N", "end tension"),
-}
+# Levels within a tenth are one, such as those of a weight with its pan and without.
 _ALIKE = 1.1
 
 
@@ -290,11 +285,11 @@ class FitResult(Shown):
     def untested(self, asked: Conditions | None = None) -> tuple[Doubt, ...]:
         """Return whether the law depends on a setting that all trials have alike, and what is asked for has not."""
         alone = []
-        for effect, (name, title) in _SHOWN_BY.items():
+        for title, (name, effects, *_) in _EXPERIMENTS.items():
             low, high = self.validity.get(name, (0.0, inf))
             values = np.array(inf) if asked is None else getattr(asked, name)
             elsewhere = ((values * _ALIKE < low) | (values > _ALIKE * high)).any()
-            if effect in self.friction_law.effects and high < _ALIKE * low and elsewhere:
+            if effects & self.friction_law.effects and high < _ALIKE * low and elsewhere:
                 alone.append(f"one {title}")
         text = (
             f"the trials have {' and '.join(alone)} only: what {self.law} says of others is not tested, "
@@ -336,21 +331,18 @@ class FitResult(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.fit/1`; a number that is not there or infinite is None."""
-        left_out = {"problem", "draws"}
+        left_out = {"problem", "draws", "parameters", "common_errors"}
         tree = {item.name: getattr(self, item.name) for item in fields(self) if item.name not in left_out} | {
             "schema": SCHEMA,
             "status": self.status.value,
             "trustworthy": self.trustworthy,
-            "parameters": {item.name: asdict(item) for item in self.parameters},
+            "parameters": {one.pop("name"): one for one in map(asdict, self.parameters)},
             "parameter_order": [item.name for item in self.parameters],
             "statistics": asdict(self.statistics),
             "identifiability": asdict(self.identifiability),
-            "common_errors": [item._asdict() for item in self.common_errors],
         }
-        if not self.common_errors:
-            del tree["common_errors"]
-        for item in tree["parameters"].values():
-            del item["name"]
+        if self.common_errors:
+            tree["common_errors"] = [item._asdict() for item in self.common_errors]
         return dict(_plain(tree))
 
     @classmethod
@@ -451,13 +443,13 @@ _REMEDY = {
 # Of a regressor with so few values or fewer: the effects that need more, how they are shown, and what to measure.
 _FEW = 3
 _EXPERIMENTS = {
-    "size ratio": ({"size"}, "R_w/R_r = {}", (
+    "size ratio": ("size_ratio", {"size"}, "R_w/R_r = {}", (
         "measure wheels from less than 3 to more than 15 times the rope radius, the small ones above all."
     )),
-    "wrap angle": ({"wrap-dependence", "offset", "bending-stiffness"}, "{} deg", (
+    "wrap angle": ("wrap_angle_rad", {"wrap-dependence", "offset", "bending-stiffness"}, "{} deg", (
         "measure more, from half a turn to several turns."
     )),
-    "end tension": ({"end-tension", "bending-stiffness"}, "F_B = {} N", (
+    "end tension": ("end_tension_N", {"end-tension", "bending-stiffness"}, "F_B = {} N", (
         "a wrap series at one load cannot fix the law; repeat it at loads from a few newtons to a hundred times that."
     )),
 }  # fmt: skip
@@ -682,7 +674,9 @@ def _of_search(found: Found) -> Iterator[Finding]:
 def _of_design(found: Found, seen: stats.Identifiability, std: FloatArray) -> Iterator[Finding]:
     lost, law, at, experiments = list(seen.unseen), found.problem.law, found.problem.conditions, []
     levels = (at.size_ratio, np.degrees(at.wrap_angle_rad), at.end_tension_N)
-    for (what, (effects, shown, do)), values in zip(_EXPERIMENTS.items(), map(distinct, levels), strict=True):
+    for (what, (_, effects, shown, do)), values in zip(
+        _EXPERIMENTS.items(), map(distinct, levels), strict=True
+    ):
         if effects & law.effects and values.size <= _FEW:
             there = f"is only one {what}" if values.size == 1 else f"are only {values.size} {what}s"
             given = shown.format(", ".join(f"{value:.4g}" for value in values))

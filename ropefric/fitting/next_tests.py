@@ -283,7 +283,9 @@ class Exchange:
         chosen = self.rows[plan], self.own[plan], self.shares[plan]
         rows, own, shares = (np.concatenate(parts) for parts in zip(self.known, chosen, strict=True))
         ridge, moved, own_rows = _RIDGE * np.eye(rows.shape[1]), shares.T @ rows, rows * own[:, None]
-        return rows.T @ rows + ridge, own_rows.T @ own_rows + moved.T @ moved + ridge, moved
+        # Of shared errors that outweigh all else B keeps one direction only, up to rounding of its size.
+        B = own_rows.T @ own_rows + moved.T @ moved + max(1.0, float((moved**2).sum())) * ridge
+        return rows.T @ rows + ridge, B, moved
 
     def _criterion(self, log_det: npt.ArrayLike, variance: npt.ArrayLike) -> FloatArray:
         """Return what is to be small, from ln det V and the sum of the targets' variances."""
@@ -306,17 +308,21 @@ class Exchange:
         squares of its own part and its shares sum to one.
         """
         (A, B, moved), rows = self._sums(rest), self.rows
-        y, by_A, by_B = self.shares @ moved, rows @ np.linalg.inv(A), np.linalg.inv(B)
-        more = 1.0 + np.maximum(np.einsum("ni,ni->n", by_A, rows), 0.0)
-        p, r, z = (np.einsum("ni,ij,nj->n", a, by_B, b) for a, b in ((rows, rows), (rows, y), (y, y)))
+
+        def dots(a: FloatArray, b: FloatArray) -> FloatArray:
+            return np.asarray(np.einsum("ni,ni->n", a, b))
+
+        y, by_A, by_B = self.shares @ moved, rows @ np.linalg.inv(A), rows @ np.linalg.inv(B)
+        more = 1.0 + np.maximum(dots(by_A, rows), 0.0)
+        p, r, z = dots(by_B, rows), dots(by_B, y), dots(y @ np.linalg.inv(B), y)
         log_det = np.linalg.slogdet(B)[1] - 2.0 * np.linalg.slogdet(A)[1]
         log_det = log_det + np.log(np.maximum((1.0 + r) ** 2 + p * (1.0 - z), _TINY)) - 2.0 * np.log(more)
-        # The solutions A⁻¹ t with a candidate added, shape (N, t, q).
-        before = np.linalg.solve(A, self.targets.T).T
-        along = before - ((rows @ before.T) / more[:, None])[:, :, None] * by_A[:, None, :]
-        seen = np.einsum("ntq,nq->nt", along, rows)
-        variance = np.einsum("ntq,ntq->n", along @ B, along)
-        variance += (seen * (seen + 2.0 * np.einsum("ntq,nq->nt", along, y))).sum(axis=1)
+        # With a candidate added A⁻¹ t is less by `less` A⁻¹ g, and its product with g is `less`.
+        before, seen = np.linalg.solve(A, self.targets.T), by_A @ B
+        less = rows @ before / more[:, None]
+        square = dots(seen - 2.0 * y, by_A) + 1.0
+        variance = dots(less, 2.0 * (y - seen) @ before + less * square[:, None])
+        variance += float(np.einsum("it,ij,jt->", before, B, before))
         return self._criterion(log_det, variance)
 
     def improved(self, plan: IntArray) -> IntArray:

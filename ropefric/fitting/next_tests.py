@@ -9,6 +9,7 @@ compare with varies one factor at a time about a centre, as such campaigns are u
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -241,8 +242,8 @@ def allowed_conditions(
         f"{law.name} has no answer there": np.isnan(log_lift),
         f"F_A would exceed the {most_N:.4g} N of the cell": log_lift > math.log(most_N),
     }
-    left_out = ((out.sum(), why) for why, out in reasons.items() if out.any())
-    notes = [f"{n} of {len(grid)} settings are left out: {why}" for n, why in left_out]
+    text = f"of {len(grid)} settings are left out"
+    notes = [f"{out.sum()} {text}: {why}" for why, out in reasons.items() if out.any()]
     return log_lift <= math.log(most_N), notes
 
 
@@ -307,11 +308,7 @@ class Exchange:
         A candidate g that shares y = Σ_e share_e m_e with the plan adds g gᵀ to A and g gᵀ + y gᵀ + g yᵀ to B, for the
         squares of its own part and its shares sum to one.
         """
-        (A, B, moved), rows = self._sums(rest), self.rows
-
-        def dots(a: FloatArray, b: FloatArray) -> FloatArray:
-            return np.asarray(np.einsum("ni,ni->n", a, b))
-
+        (A, B, moved), rows, dots = self._sums(rest), self.rows, partial(np.einsum, "ni,ni->n")
         y, by_A, by_B = self.shares @ moved, rows @ np.linalg.inv(A), rows @ np.linalg.inv(B)
         more = 1.0 + np.maximum(dots(by_A, rows), 0.0)
         p, r, z = dots(by_B, rows), dots(by_B, y), dots(y @ np.linalg.inv(B), y)
@@ -361,9 +358,8 @@ def best_plan(exchange: Exchange, n: int, *, starts: int = 10, seed: int = 0) ->
     same plan.
     """
     rng = np.random.default_rng(seed)
-    first = [exchange.greedy(n)]
-    first += [rng.choice(len(exchange.rows), size=n, replace=False) for _ in range(max(starts - 1, 0))]
-    found = [exchange.improved(plan) for plan in first]
+    drawn = (rng.choice(len(exchange.rows), size=n, replace=False) for _ in range(starts - 1))
+    found = [exchange.improved(plan) for plan in (exchange.greedy(n), *drawn)]
     values = np.array([exchange.value(plan) for plan in found])
     best = int(np.argmin(values))
     return found[best], int(np.count_nonzero(values <= values[best] + _AS_GOOD))
@@ -541,8 +537,7 @@ class LabPlan(Shown):
 
 def _ratio(other: Outlook, own: Outlook) -> float:
     """Return the ratio of root-mean-square half widths; NaN where neither is finite."""
-    wide = math.sqrt(float(np.mean(other.half_width_log**2)))
-    narrow = math.sqrt(float(np.mean(own.half_width_log**2)))
+    wide, narrow = (math.sqrt(float(np.mean(one.half_width_log**2))) for one in (other, own))
     return math.nan if math.isinf(narrow) else wide / narrow
 
 

@@ -292,9 +292,10 @@ class _Run:
             answer = self._answer(box, names)[0]
             bounds = [one.each(box, answer) for one in tried if one.each]
             if (sum(bounds, np.zeros(box.n)) <= self.room).any():
-                break
+                # Where none changes anything a law looks at none, and none takes time.
+                return frozenset(one.name for one in tried if any(bound.any() for bound in bounds))
             tried.pop(int(np.argmax([one.min() for one in bounds])))
-        return frozenset(one.name for one in tried)
+        return frozenset()
 
     def _bounds(self, problem: Any, answer: Any = None) -> FloatArray:
         """Return what leaving out all that may go changes at most, shape (n,); without an answer no more than that."""
@@ -385,8 +386,9 @@ class _Run:
             sure = (bounds <= self.room) & _is_settled(found, error, self.scene.accuracy)
             if sure.any():
                 most = float(error[sure].max())
-                some[np.flatnonzero(some)[~sure]] = False
-                found = found if sure.all() else found.at(sure)
+                if not sure.all():
+                    some[np.flatnonzero(some)[~sure]] = False
+                    found = found.at(sure)
                 return some, found._replace(
                     left_out=self.gone, error_bound=most + found.error_bound * (1.0 + most)
                 )

@@ -1,7 +1,7 @@
 """The rope-wheel friction of a portable rope track hoist (PRTH): the paper's equations, and its reduction of trials."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -14,7 +14,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import SETTINGS, Conditions, condition_groups, levels
+from ropefric.friction.condition import SETTINGS, Conditions, along_one
 from ropefric.friction.law import FrictionLaw
 from ropefric.papers.paper import Given, Item, Paper, Row, Shown, part_of, shown
 from ropefric.scenes.kind import Line, Part
@@ -72,13 +72,9 @@ class Reduction(NamedTuple):
     wraps: tuple[FitResult, ...]
     both: tuple[FitResult, ...]
 
-    def laws_over(self, setting: str) -> tuple[FitResult, ...]:
-        """Return the two laws that the paper puts beside a series."""
-        return self.sizes if setting == "wheel_radius_m" else self.wraps
 
-
-def reduce_trials(trials: TrialTable) -> Reduction:
-    """Return what the paper's own reduction makes of trials."""
+def reduce_trials(trials: TrialTable, fits: Sequence[FitResult] = ()) -> Reduction:
+    """Return what the paper's own reduction makes of trials, of all of which some laws may have their fits."""
     found = {over: one for over in _OVER if (one := _series(trials, over)) is not None}
     sizes: tuple[FitResult, ...] = ()
     wraps: tuple[FitResult, ...] = ()
@@ -89,7 +85,8 @@ def reduce_trials(trials: TrialTable) -> Reduction:
         wheel = np.isclose(trials.wheel_radius_m, own.wheel_radius_m[0], rtol=1e-6)
         rope = np.isclose(trials.rope_radius_m, own.rope_radius_m[0], rtol=1e-6)
         wraps = _fitted(replace(trials, kept=trials.kept & wheel & rope), "wrap-exponential", "wrap-power")
-    return Reduction(found, sizes, wraps, _fitted(trials, "coupled"))
+    both = tuple(fit for fit in fits if fit.law == "coupled") or _fitted(trials, "coupled")
+    return Reduction(found, sizes, wraps, both)
 
 
 def _fitted(trials: TrialTable, *names: str) -> tuple[FitResult, ...]:
@@ -106,13 +103,10 @@ def _series(trials: TrialTable, over: str) -> Series | None:
     at, log_lift, used = trials.conditions(), trials.log_lift(), np.flatnonzero(trials.used)
     if not len(at):
         return None
-    others = condition_groups(*(getattr(at, name) for name in SETTINGS if name != over))
-    along = levels(getattr(at, over))
-    counts = [np.unique(along[others == group]).size for group in range(int(others.max()) + 1)]
-    if max(counts) < 3:
-        return None
-    chosen = np.flatnonzero(others == int(np.argmax(counts)))
+    chosen, along = along_one(at, over)
     places = [chosen[along[chosen] == level] for level in np.unique(along[chosen])]
+    if len(places) < 3:
+        return None
     kept = np.zeros(len(trials), dtype=np.bool_)
     kept[used[chosen]] = True
     n = np.array([rows.size for rows in places])
@@ -171,15 +165,9 @@ def _machine(given: Given) -> Machine:
     if trials is None and source.fit is not None:
         trials = _means(source.fit)
     if trials is not None and given.reference_N != 1.0:
-        forces = (
-            "end_tension_N",
-            "end_tension_std_N",
-            "end_tension_set_N",
-            "peak_N",
-            "peak_std_N",
-            "cell_std_N",
-        )
-        trials = replace(trials, **{name: getattr(trials, name) / given.reference_N for name in forces})
+        names = ("end_tension", "end_tension_std", "end_tension_set", "peak", "peak_std", "cell_std")
+        forces = {f"{name}_N": getattr(trials, f"{name}_N") / given.reference_N for name in names}
+        trials = replace(trials, **forces)
     law, theta = source.friction.law, source.friction.theta
     at = Conditions(**{name: getattr(problem, name)[:1] for name in SETTINGS})
     reduction = None if trials is None else reduce_trials(trials)
@@ -307,7 +295,7 @@ def _points(series: Series, _: Reduction) -> Iterator[Row]:
 
 def _misses(series: Series, found: Reduction) -> Iterator[Row]:
     """Give the root mean square of ln F_A by which both laws of a figure miss its points."""
-    for fit in found.laws_over(series.over):
+    for fit in found.sizes if series.over == "wheel_radius_m" else found.wraps:
         off = fit.friction_law.log_lift(fit.theta, series.at) - series.log_lift
         yield Row(f"rms miss of ln F_A by {_NAMES[fit.law]}", float(np.sqrt(np.mean(off**2))))
 
@@ -441,12 +429,12 @@ PAPER = Paper(
 )  # fmt: skip
 
 
-def reduction_of(trials: TrialTable) -> tuple[list[Part], list[Shown]]:
+def reduction_of(trials: TrialTable, fits: Sequence[FitResult] = ()) -> tuple[list[Part], list[Shown]]:
     """Return the paper's reduction of trials by itself, for a report: in words and tables, and as figures.
 
-    Nothing where no setting was varied by itself.
+    Nothing where no setting was varied by itself. `fits` are of laws that were fitted to all of them already.
     """
-    found = Trials(reduce_trials(trials))
+    found = Trials(reduce_trials(trials, fits))
     if not found.reduction.series:
         return [], []
     rows = {item: tuple(item.rows(found)) for item in PAPER.items[3:-1]}

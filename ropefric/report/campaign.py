@@ -105,7 +105,7 @@ def _write(
     progress: Progress | None,
 ) -> tuple[Path, ...]:
     pictures: Pictures = {}
-    reduced, of_paper = reduction_of(subject.answer.table)
+    reduced, of_paper = reduction_of(subject.answer.table, subject.answer.fits)
     if subject.wish.figures:
         from ropefric.report.pictures import draw_pictures  # noqa: PLC0415  (matplotlib takes half a second)
 

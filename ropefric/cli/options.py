@@ -14,10 +14,9 @@ from ropefric.cli.output import Output
 from ropefric.errors import InputError, RopefricError
 
 with on_first_use():
-    from ropefric import executors, quantities
+    from ropefric import executors, quantities, section
     from ropefric.files import folder as folders
     from ropefric.fitting import result, store
-    from ropefric.report import section
     from ropefric.trials import table
 
 T = TypeVar("T")

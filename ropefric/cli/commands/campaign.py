@@ -20,12 +20,12 @@ from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.glossary import counted
 
 with on_first_use():
-    from ropefric import executors, pipeline, plugins
+    from ropefric import executors, pipeline, plugins, section
     from ropefric.files import folder as folders
     from ropefric.files import plain_text
     from ropefric.friction import laws
     from ropefric.report import campaign as pages
-    from ropefric.report import page, parts, section
+    from ropefric.report import page, parts
     from ropefric.review import server, session
     from ropefric.traces import breakaway
     from ropefric.trials import campaign as campaigns

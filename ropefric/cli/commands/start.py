@@ -22,11 +22,10 @@ from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 
 with on_first_use():
-    from ropefric import contracts
+    from ropefric import contracts, section
     from ropefric.files import toml
     from ropefric.fitting import resolution
     from ropefric.friction import condition as conditions
-    from ropefric.report import section
     from ropefric.rig import bench as rig_bench
     from ropefric.rig import campaign as rigs
     from ropefric.rig import recording

@@ -13,14 +13,14 @@ from ropefric.errors import InputError
 from ropefric.files.disk import refuse_input, refuse_special, write_file, write_files
 
 with on_first_use():
-    from ropefric import pipeline
+    from ropefric import pipeline, section
     from ropefric.fitting import budgets, next_tests, resolution
     from ropefric.fitting import design as designs
     from ropefric.fitting import export as exporting
     from ropefric.fitting import predict as predicting
     from ropefric.friction import condition as conditions
     from ropefric.friction import laws
-    from ropefric.report import parts, section
+    from ropefric.report import parts
     from ropefric.scenes import sweep_table
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import extract as extracting

@@ -51,7 +51,7 @@ def fit_section(fit: FitResult, title: str = "", *, short: bool = False) -> Sect
 
 def notes_sections(fit: FitResult) -> tuple[Section, Section]:
     """Return what is doubtful about a fit, and how it was made."""
-    doubts = tuple(dict.fromkeys((*(text for _, text in fit.doubts), *fit.advice)))
+    doubts = tuple(dict.fromkeys((*(text for _, text in fit.doubts or fit.untested()), *fit.advice)))
     doubtful = Section("Doubts", notes=doubts or ("nothing was found",))
     return doubtful, Section("How it was made", notes=fit.notes)
 

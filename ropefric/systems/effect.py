@@ -39,8 +39,8 @@ class Effect(Generic[P]):
         Its name in scenes.
     adds : str
         What it brings into the model, in words.
-    instead : str
-        What stands in its place when it is left out.
+    instead : str or callable
+        What stands in its place when it is left out, or `instead(problem)` where that depends.
     needs : callable
         `needs(problem)` returns the scene keys that are missing for it; empty where it can be simulated.
     influence : callable
@@ -62,7 +62,7 @@ class Effect(Generic[P]):
 
     name: str
     adds: str
-    instead: str
+    instead: str | Callable[[P], str]
     influence: Callable[[P], float] = unknown
     each: Callable[[P, Any], FloatArray] | None = None
     cost: float = 0.0

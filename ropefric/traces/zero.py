@@ -3,22 +3,27 @@
 from dataclasses import replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
 from ropefric.traces.events import half_climb
 from ropefric.traces.noise import runs_of
-from ropefric.traces.segments import AT_REST, Blocks, Prepared
+from ropefric.traces.segments import Blocks, Prepared
 from ropefric.traces.trace import ForceTrace
 
-SMALL_ZERO, UNKNOWN, LARGE_ZERO = 0.02, 0.08, 0.12
-"""Parts of F_A: a level at rest that matters, a drift that must be excluded, and what can only be a pretension."""
+SMALL_ZERO, LARGE_ZERO = 0.02, 0.12
+"""Parts of F_A: a level at rest that matters, and what can only be a pretension."""
+JUMP_BLOCKS, JUMP_SIGMAS, SWINGS_BY = 6, 5.0, 0.1
+"""A rope swings by more than the last part of a load that comes on at once."""
 STANDS, SLOPE_SIGMAS = 0.3, 7.0
 """A rope at rest is loaded at less than this part of the machine's rate, which is so many times its uncertainty."""
 PIECES, LEAST = 8, 8
 """A stretch at rest is looked at in so many pieces, of so many samples at least."""
 FEWEST, CLIMB_SIGMAS = 3, 2.0
-DRIFT_SIGMAS = 4.0
+DRIFT_SIGMAS = 3.0
+SLOW_NOISE = 1.7
+"""What 1/f noise adds to a slope through six means, against what they leave of it."""
 WALK_SIGMAS = 4.0
 STEP, BUMP, AGREE = 0.8, 3.0, 3.0
 """A step leaves less than this part of what a line leaves; a bump is so many times higher than the levels differ."""
@@ -41,6 +46,13 @@ def with_its_zero(
     rest_N = prepared.force_N[: min([n, *(stop * blocks.size for _, stop in rests[:1])])]
     zero_N = 0.0 if is_tared or not n else float(rest_N.mean())
     result, why = _with_drift(blocks, rests, result, zero_N)
+    step_N = (
+        0.0
+        if settings.rest == "pretension"
+        else _jump_N(prepared, int(np.searchsorted(blocks.time_s, result.peak_time_s)))
+    )
+    if settings.rest == "zero" and not is_tared:
+        zero_N, step_N = zero_N + step_N, 0.0
     if not why and settings.rest == "zero" and not is_tared and n:
         said = f"{zero_N:.4g} N at rest were taken off as the error of the zero"
         return replace(
@@ -65,6 +77,14 @@ def with_its_zero(
         why = (
             f"the rope at rest reads {zero_N:.3g} N: say whether that is an error of the zero (a [tare] interval, or "
             '[protocol] rest = "zero") or a pretension (rest = "pretension")'
+        )
+    if not why and SMALL_ZERO * result.peak_N < abs(step_N) < LARGE_ZERO * result.peak_N:
+        events.append(
+            replace(as_read, force_N=result.peak_N - step_N, evidence="from the level before a jump")
+        )
+        why = (
+            f"the rope at rest jumps by {step_N:.3g} N at once: say whether the zero did ([protocol] "
+            'rest = "zero") or a load came on (rest = "pretension")'
         )
     if not why:
         # A small level may be either.
@@ -93,10 +113,33 @@ def _with_drift(
         wrong_N = max(wrong_N, abs(drift_N + zero_N))
     why = ""
     if is_seen and wrong_N + std_N > SMALL_ZERO * result.peak_N:
-        why = f"the zero drifts by about {abs(drift_N):.2g} N between the rope at rest and the peak"
-    elif wrong_N + 2.0 * std_N > UNKNOWN * result.peak_N:
-        why = f"the rope rests too briefly to exclude a drift of the zero of {wrong_N + 2.0 * std_N:.2g} N"
+        why = f"the zero drifts by {abs(drift_N):.2g} ± {std_N:.2g} N between the rope at rest and the peak"
     return replace(result, peak_std_N=peak_std_N), why
+
+
+def _jump_N(prepared: Prepared, top: int) -> float:
+    """Return by how much the level of a rope at rest jumps before it is loaded to a top; 0 where it does not.
+
+    From one sample to the next and without a swing no load comes on: a rope with some mass carries it.
+    """
+    blocks, n = prepared.blocks, JUMP_BLOCKS
+    half, top_N = half_climb(blocks.force_N, 0, top), float(blocks.force_N[top])
+    if half < 2 * n + 1:
+        return 0.0
+    means = sliding_window_view(blocks.force_N[:half], n).mean(axis=1)
+    jumps_N = means[n + 1 :] - means[: -n - 1]
+    rests = np.abs(means[: -n - 1] - means[0]) < LARGE_ZERO * top_N
+    at = int(np.argmax(np.abs(jumps_N) * rests))
+    jump_N, rate = float(jumps_N[at]), (top_N - float(blocks.force_N[half])) / max(1, top - half)
+    part = prepared.force_N[at * blocks.size : (at + 2 * n + 1) * blocks.size]
+    steps = np.diff(part) * np.sign(jump_N)
+    k = int(np.argmax(steps)) + 1
+    beside = np.minimum(np.arange(part.size) // k, 1)
+    left_N = np.abs(part - np.where(beside, means[at + n + 1], means[at]))
+    least_N = max(2.0 * (n + 1) * rate, JUMP_SIGMAS * prepared.noise_N)
+    sudden = steps[k - 1] > (1.0 - SWINGS_BY) * abs(jump_N) - 3.0 * prepared.noise_N
+    stays = np.count_nonzero(left_N > SWINGS_BY * abs(jump_N) + 3.0 * prepared.noise_N) <= 0.02 * part.size
+    return jump_N if sudden and stays and abs(jump_N) > least_N else 0.0
 
 
 def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
@@ -105,7 +148,7 @@ def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
     A slack that is taken up, weights that are hung on and a snag part them.
     """
     force_N = blocks.force_N
-    half, low_N = half_climb(force_N, 0, top), float(force_N[: top + 1].min())
+    half = half_climb(force_N, 0, top)
     rate = (float(force_N[top]) - float(force_N[half])) / max(1, top - half)
     if half < 2 * LEAST or rate <= 0.0:
         return []
@@ -116,8 +159,7 @@ def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
     w = max(1, int(np.ceil(wide)))
     sums = np.concatenate([[0.0], np.cumsum(force_N[:half] - force_N[0])])
     slope = np.abs(sums[2 * w :] - 2.0 * sums[w:-w] + sums[: -2 * w]) / w**2
-    low = force_N[w : half - w + 1] < low_N + AT_REST * (float(force_N[top]) - low_N)
-    flat = runs_of((slope < STANDS * rate) & low) + w
+    flat = runs_of(slope < STANDS * rate) + w
     flat[flat == w] = 0  # from the beginning on
     return [part for start, stop in flat.tolist() for part in _parted(force_N, start, stop)]
 
@@ -146,7 +188,7 @@ def drift(blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway) -> tu
     them. The force of a sliding rope drifts with it: where that agrees it counts, and one that stays says there is none.
     """
     n = max((stop - start for start, stop in rests), default=0) // PIECES
-    if n * blocks.size < LEAST:
+    if not n:
         return 0.0, 0.0, 0.0
     means, at, bumps = _pieces(blocks, rests, n)
     if not means:
@@ -251,4 +293,6 @@ def _common_slope(x: FloatArray, y: FloatArray, group: IntArray, white_N: float)
     x, y = (some - (np.bincount(group, some) / np.bincount(group))[group] for some in (x, y))
     slope = float(x @ y) / float(x @ x)
     left_N = float(np.sqrt(((y - slope * x) ** 2).sum() / max(1, x.size - int(group[-1]) - 2)))
+    # Noise that is slow bends by less than it slopes.
+    left_N *= SLOW_NOISE if left_N > 1.5 * white_N else 1.0
     return slope, float(max(white_N, left_N) / np.sqrt(x @ x))

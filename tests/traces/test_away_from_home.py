@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ropefric.rig.strangers import recordings
-from ropefric.traces.breakaway import PickSettings, Status
+from ropefric.traces.breakaway import RESTS, PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.protocols import pick_teeth
 from ropefric.traces.trace import ForceTrace
@@ -119,8 +119,18 @@ def test_a_drift_of_the_zero_is_seen_through_a_snag(snag_N):
     hung = 8.0 * (TIME_S > 0.45) if snag_N == 0.0 else 0.0
     found = picked(drawn(*PULL) + 1.6 * TIME_S + snag + hung)
     assert found.status is Status.DOUBTFUL
-    drift_N = float(found.detail.split("by about ")[1].split(" N")[0])
+    drift_N = float(found.detail.split("drifts by ")[1].split(" ±")[0])
     assert drift_N == pytest.approx(1.6 * 2.3, rel=0.25)
+
+
+@pytest.mark.parametrize("rise_s", [0.0, 0.05])
+def test_a_level_at_rest_that_jumps_at_once_is_a_zero_that_did_or_a_load_nobody_can_say(rise_s):
+    """A load that comes on takes its time."""
+    level = 5.0 * np.clip((TIME_S - 0.3) / max(rise_s, 1e-9), 0.0, 1.0)
+    found = {rest: picked(drawn(*PULL) + level, PickSettings(rest=rest)) for rest in RESTS}
+    assert found["unknown"].status is (Status.OK if rise_s else Status.DOUBTFUL), found["unknown"].detail
+    assert found["pretension"].peak_N == pytest.approx(105.0, rel=2e-3)
+    assert found["zero"].peak_N == pytest.approx(105.0 if rise_s else 100.0, rel=2e-3)
 
 
 def test_a_rope_that_stands_where_it_slides_later_slid_in_the_first_fall():

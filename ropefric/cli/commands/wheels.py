@@ -205,7 +205,7 @@ def plan_tests(
         if scatter_within is None:
             text = 'how far do repeats scatter? Write it like "1.7 %"'
             raise BadParameter(text, param_hint="--scatter-within")
-        repeats_scatter = next_tests.MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
+        repeats_scatter = resolution.MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
         at = options.parse_assignments(guess or [], option="--guess")
         planned = next_tests.planned_guess(laws.ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold or ()))
     if rope_m is None:

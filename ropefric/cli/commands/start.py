@@ -213,7 +213,7 @@ def check(
     Of a campaign and a table, with or without forces, it is said what laws and parameters the list can tell apart.
     Nothing is extracted, fitted, solved or written. Exit code 3 if there are errors; warnings alone leave it at 0.
     """
-    file = options.campaign_file(campaign)
+    file = options.campaign_file(campaign, or_table=True)
     kind = "table" if file.suffix not in {"", ".toml"} else "scene" if _is_scene(file) else "campaign"
     content: dict[str, Any] = {}
     problems: tuple[Problem, ...]

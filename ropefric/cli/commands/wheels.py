@@ -330,7 +330,7 @@ def budget(
 def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budgets.MeasuredCondition, ...]":
     """Return the conditions of a campaign, whose recordings are extracted, or of a trial table."""
     limit = budgets.GRAVITY_LIMIT if gravity is None else gravity
-    file = options.campaign_file(path)
+    file = options.campaign_file(path, or_table=True)
     if file.suffix != ".toml":
         return budgets.conditions_of_table(options.read_table(path, out), gravity_limit=limit)
     campaign = campaigns.load_campaign(file, missing_recordings="flag")

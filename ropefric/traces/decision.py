@@ -51,7 +51,6 @@ from ropefric.traces.segments import (
 )
 from ropefric.traces.slips import (
     FEW_BLOCKS,
-    FULL,
     LEAST_DROP,
     TALL,
     Candidate,
@@ -207,12 +206,6 @@ def _of_pull(
     if unseen := hidden(trace, prepared, first.top if first else None, first.settled if first else 0):
         return without_force(*unseen, prepared)
     if first is None:
-        full = [f for f in falls if f.drop_N > FULL * (f.top_N - pull.base_N) > TALL * height_N]
-        if full:
-            slip = Candidate(pull, full[0], 0.0, [])
-            return _doubtful(
-                prepared, [slip], "a full slip, or a partial one of a rope that is held later on"
-            )
         return _levels_off(prepared, force_N[pull.start : pull.stop])
     events = [
         _event(prepared, fall, "bump", "the force comes back to the line of its loading")

@@ -320,9 +320,8 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         return _doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
     brief = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
-    sharp = (flat == "sharp" and (brief or bends)) or (flat == "unclear" and bends)
-    creeps = not brief and drop_N < 2.0 * LEAST_DROP * candidate.height_N
-    if share < LEAST_SHARE or creeps or not (sharp or flat == "rounded"):
+    sharp = flat == "sharp" and (brief or bends)
+    if share < LEAST_SHARE or not (sharp or flat == "rounded"):
         why = f"{seen}, without roughness: sliding, or a load that was let down"
         return _doubtful(prepared, [candidate], why)
     note = f"{seen}: a break-away, unless the motor was let back at that moment"

@@ -51,7 +51,6 @@ from ropefric.traces.segments import (
 )
 from ropefric.traces.slips import (
     FEW_BLOCKS,
-    FULL,
     LEAST_DROP,
     TALL,
     Candidate,
@@ -207,12 +206,6 @@ def _of_pull(
     if unseen := hidden(trace, prepared, first.top if first else None, first.settled if first else 0):
         return without_force(*unseen, prepared)
     if first is None:
-        full = [f for f in falls if f.drop_N > FULL * (f.top_N - pull.base_N) > TALL * height_N]
-        if full:
-            slip = Candidate(pull, full[0], 0.0, [])
-            return _doubtful(
-                prepared, [slip], "a full slip, or a partial one of a rope that is held later on"
-            )
         return _levels_off(prepared, force_N[pull.start : pull.stop])
     events = [
         _event(prepared, fall, "bump", "the force comes back to the line of its loading")
@@ -327,9 +320,8 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         return _doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
     brief = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
-    sharp = (flat == "sharp" and (brief or bends)) or (flat == "unclear" and bends)
-    creeps = not brief and drop_N < 2.0 * LEAST_DROP * candidate.height_N
-    if share < LEAST_SHARE or creeps or not (sharp or flat == "rounded"):
+    sharp = flat == "sharp" and (brief or bends)
+    if share < LEAST_SHARE or not (sharp or flat == "rounded"):
         why = f"{seen}, without roughness: sliding, or a load that was let down"
         return _doubtful(prepared, [candidate], why)
     note = f"{seen}: a break-away, unless the motor was let back at that moment"

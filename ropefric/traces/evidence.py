@@ -9,7 +9,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, median
 from ropefric.traces.breakaway import Status
-from ropefric.traces.events import SAME_KIND, Fall, as_loaded, half_climb, loading_rate
+from ropefric.traces.events import Fall, as_loaded, half_climb, loading_rate
 from ropefric.traces.noise import noise_std, runs_of
 from ropefric.traces.peak import WIDE_GAP
 from ropefric.traces.segments import PIECE_BLOCKS, Prepared, Sliding, roughness_N, sliding_after
@@ -54,8 +54,6 @@ def stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidin
         or (fall.drop_N > CLEAR * height_N and loads_again(force_N, candidate))
     ):
         return True
-    if fall.drop_N <= SAME_KIND * median(np.array([g.drop_N for g in (*teeth, *before)] or [0.0])):
-        return False
     if fall.drop_N > LEAST_DROP * height_N and len(teeth) >= LONG_TRAIN and _is_regular(teeth):
         return True
     waves = [g for g in candidate.later if g.top < sliding.stop]

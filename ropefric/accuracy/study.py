@@ -193,7 +193,7 @@ def against(
 def over_seeds(errors: Sequence[float] | FloatArray, evaluations: float) -> Outcome:
     """Return the outcome of repetitions: root mean square, mean and standard deviation of their relative errors."""
     found = np.asarray(errors, dtype=np.float64)
-    if not np.isfinite(found).all():
+    if not (found.size and np.isfinite(found).all()):
         return Outcome(error=float("inf"), evaluations=evaluations)
     return Outcome(
         error=float(np.sqrt(np.mean(found**2))),

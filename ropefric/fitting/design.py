@@ -34,8 +34,6 @@ QUANTITIES: dict[str, tuple[str, str, tuple[float, float]]] = {
 """The name and unit of each quantity a design can look for, and where unless told otherwise."""
 
 _FORCES = ("required_N", "lift_force_N", "lower_bound_N")
-# Designs worked on at a time: their temporaries stay in the processor's cache.
-_CHUNK = 16384
 # A wrap of zero has no slope in some laws; this much wrap lifts nothing.
 _LEAST_WRAP_RAD = 1e-9
 _SCAN = 24
@@ -171,10 +169,9 @@ class LiftBound:
     def evaluate(self, conditions: Conditions) -> tuple[FloatArray, FloatArray]:
         """Return ln F_A of the mean law and of the bound, shape (n,); NaN where the law has no answer."""
         eta, bound = np.full((2, len(conditions)), np.nan)
-        rows = np.flatnonzero(self.law.answers(self.theta, conditions))
-        for first in range(0, rows.size, _CHUNK):
-            some = rows[first : first + _CHUNK]
-            chosen = conditions if some.size == len(conditions) else conditions.select(some)
+        some = self.law.answers(self.theta, conditions)
+        if some.any():
+            chosen = conditions if some.all() else conditions.select(some)
             eta[some] = bound[some] = self.law.log_lift(self.theta, chosen)
             if self.probability is not None:
                 model = LiftModel(law=self.law)
@@ -204,12 +201,8 @@ def design(
         lift_N=lift_N, rope_radius_m=rope_radius_m, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad,
         end_tension_N=end_tension_N,
     )  # fmt: skip
-    n, bounds, log_load = load_N.size, (LiftBound(fit, None), LiftBound(fit, probability)), np.log(load_N)
-    parts = []
-    for part in (slice(first, first + _CHUNK) for first in range(0, n, _CHUNK)):
-        some = {name: values[part] for name, values in given.items()}
-        parts.append(_search(bounds, solve_for, (low, high), some, log_load[part]))
-    x, status = map(np.concatenate, zip(*parts, strict=True))
+    bounds, log_load = (LiftBound(fit, None), LiftBound(fit, probability)), np.log(load_N)
+    x, status = _search(bounds, solve_for, (low, high), given, log_load)
     reached, target = status <= DesignStatus.LOWER_LIMIT, QUANTITIES[solve_for][0]
     # The designs, and the upper limit where there is none.
     at = Conditions(**given, **{target: np.where(reached, x, high)})

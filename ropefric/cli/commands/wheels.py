@@ -179,7 +179,8 @@ def plan_tests(
     """Plan the conditions to test next, within what the rig can do, for one wanted lift force.
 
     Starts from a stored fit, or from a law with guessed parameters, and shows the plan's worth beside that of an
-    equal number of tests that vary one factor at a time. Exits with 4 unless the fit supports its law.
+    equal number of tests that vary one factor at a time. The search knows which errors tests share (a cell, a wheel, a
+    weight), and says where more conditions help before repeats. Exits with 4 unless the fit supports its law.
     """
     if (fit is None) == (not law):
         raise BadParameter("give a fit, or a law with --guess, and not both", param_hint="--fit")

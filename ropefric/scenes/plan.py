@@ -96,7 +96,8 @@ def make_plan(
         for effect in applicable
         if all_bounds or effect in spare or effect.name not in simulated
     }
-    simulated -= _left_out(spare, bounds, accuracy)
+    if spare:
+        simulated -= _left_out(spare, bounds, accuracy)
     total = sum(bound for name, bound in bounds.items() if name not in simulated)
     model = assemble(system, problem, simulated)
     left_out_error = _relative(total)

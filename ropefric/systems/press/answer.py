@@ -23,7 +23,7 @@ from ropefric.systems.press.statics import (
     steady_state,
 )
 from ropefric.systems.press.transient.modes import SwingingStartUp
-from ropefric.systems.press.transient.start_up import StartUp, start_up, swinging_start_up
+from ropefric.systems.press.transient.start_up import ON_TENSION, StartUp, start_up, swinging_start_up
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -150,9 +150,15 @@ FAST_ERROR = 1e-3
 """What the swings of fast modes may be worth in any tension."""
 
 
-@lru_cache(maxsize=4)
 def swinging_of(problem: PressProblem, effects: frozenset[str]) -> SwingingStartUp | None:
     """Return the start-up of a press mode by mode, where its belts stick for sure."""
+    # Friction that looks at no tension follows none: with the effect and without it is the same.
+    idle = set() if ON_TENSION & set(problem.friction.law.effects) else {"transient-friction"}
+    return _swinging(problem, effects - QUICKER - idle)
+
+
+@lru_cache(maxsize=4)
+def _swinging(problem: PressProblem, effects: frozenset[str]) -> SwingingStartUp | None:
     model = PressModel(problem=problem, effects=effects)
     return swinging_start_up(model.as_operated, **model.asked, **problem.start_up or {})
 
@@ -190,7 +196,7 @@ def solve_press(model: PressModel) -> PressAnswer:
     moved = None
     if task is not None:
         exact = "exact-switching" in model.effects  # a closed form has no moments at which anything changes
-        swinging = None if exact else swinging_of(problem, model.effects - QUICKER)
+        swinging = None if exact else swinging_of(problem, model.effects)
         moved = start_up(
             model.as_operated,
             exact_switching=exact,

@@ -20,7 +20,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError, SolverError
 from ropefric.registry import Registry
-from ropefric.systems.effect import Effect, Method, System, rounded_up, unknown
+from ropefric.systems.effect import Effect, Method, System, applicable, rounded_up, unknown
 from ropefric.systems.friction import TOLD, share_of_law, told_by
 from ropefric.systems.press.answer import (
     FAST_ERROR,
@@ -216,8 +216,7 @@ def _on_tension(problem: PressProblem) -> bool:
 
 
 def _swinging(problem: PressProblem) -> SwingingStartUp | None:
-    known = frozenset(name for name, one in EFFECTS.items() if not one.needs(problem))
-    return swinging_of(problem, known - QUICKER)
+    return swinging_of(problem, frozenset(applicable(EFFECTS, problem)))
 
 
 def _swings_left_out(problem: PressProblem, *names: str) -> float:

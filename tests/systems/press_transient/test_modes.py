@@ -9,7 +9,7 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.answer import FAST_ERROR, QUICKER, PressProblem, swinging_of
+from ropefric.systems.press.answer import FAST_ERROR, PressProblem, swinging_of
 from ropefric.systems.press.effects import EFFECTS, SYSTEM
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, final_value, press_inputs
 from ropefric.systems.press.transient.start_up import start_up, swinging_start_up
@@ -32,7 +32,7 @@ def wide_start(kit, seed, *, slip=True):
         drive = kit.run_up(law, speed_m_s, duration_s)
     return press, {
         "speed": drive,
-        "time_s": np.linspace(0.0, 1.3 * duration_s, 301),
+        "time_s": np.linspace(0.0, 1.3 * duration_s, 301 if slip else 1501),
         "friction": 10 ** rng.uniform(-0.7, 0.3),
         "slip": slip,
     }
@@ -53,7 +53,7 @@ def problem_of(press, question):
 def checked(press, question, accuracies):
     """Return how often something was left out, after each plan's answer was held against the whole one."""
     problem, left = problem_of(press, question), 0
-    if swinging_of(problem, frozenset(EFFECTS) - QUICKER) is None:
+    if swinging_of(problem, frozenset(EFFECTS)) is None:
         return 0
     _, full = make_plan(SYSTEM, problem, accuracy=1.0, effects="all")
     whole = SYSTEM.solve(full, SYSTEM.method(full, 1.0))
@@ -71,8 +71,8 @@ ACCURACIES = (0.2, 0.05, 0.02, 0.005)
 
 def test_what_swings_of_random_presses_are_worth_is_below_its_bound(kit):
     """Without slip; in some half of the start-ups modes are left out."""
-    left = [checked(*wide_start(kit, seed, slip=False), ACCURACIES) for seed in range(12)]
-    assert sum(one > 0 for one in left) >= 5
+    left = [checked(*wide_start(kit, seed, slip=False), ACCURACIES) for seed in range(8)]
+    assert sum(one > 0 for one in left) >= 4
 
 
 @pytest.mark.parametrize("seed", [7, pytest.param(27, marks=pytest.mark.slow)])

@@ -151,7 +151,7 @@ class SwingingStartUp:
         energy_J, lows, loads = 0.0, [], []
         for piece, places_s in enumerate(self._tau_s):
             tau_s = places_s
-            low, load = self._lowest_speeds(piece, tau_s, np.zeros(len(self.rates), dtype=np.bool_))
+            low, load = self._lowest_speeds(piece, tau_s, np.zeros_like(self.rates, dtype=np.bool_))
             unsure = np.flatnonzero((low <= 0.0).any(axis=1))
             if unsure.size:
                 # Where swings may turn a rim back those are looked at themselves that take few steps.
@@ -267,17 +267,14 @@ class SwingingStartUp:
         model, chosen = self.model, modes[self._mode]
         drivers, ahead = model.drivers, 1.0 + float(model.overspeed.max(initial=0.0))
         late_N = float((off.friction_N - self._swinging(modes).friction_N)[0, drivers].sum())
-        pulls = slice(self._ends[2], self._ends[3])
-        off_J = 0.0
+        off_J, pulls = 0.0, self._ends[2] + drivers
         for w, tau_s, reach in zip(self._w, self._tau_s, self._reach, strict=True):
             speed_m_s = ahead * w[:, self._n + SPEED]
             way_m = float(np.abs(speed_m_s).max() * tau_s[-1])
             varies = float(np.abs(speed_m_s[[0, -1]]).sum() + np.abs(np.diff(speed_m_s)).sum())
-            pull_N = reach[pulls][drivers].sum(axis=0)[chosen]
-            off_J += (
-                float((pull_N * np.minimum(way_m, varies / np.abs(self.rates[chosen]))).sum())
-                + late_N * way_m
-            )
+            pull_N = reach[pulls].sum(axis=0)[chosen]
+            swing_J = pull_N @ np.minimum(way_m, varies / np.abs(self.rates[chosen]))
+            off_J += float(swing_J) + late_N * way_m
         certain_J = self._certain_J - off_J
         return off_J / certain_J if certain_J > 0.0 else math.inf
 
@@ -307,20 +304,16 @@ class SwingingStartUp:
         moved_N = np.max([np.add.reduceat(reach[pulls], first, axis=1) for reach in self._reach], axis=0)
         return np.asarray(moved_N / peak_N[:, np.newaxis])
 
-    def panels(self, modes: BoolArray) -> int:
-        """Return into how many parts a start-up is cut, to integrate the powers."""
-        rates = self.rates[modes[self._mode]]
-        return sum(len(_edges(rates, float(length_s))) - 1 for length_s in self._lengths_s)
-
     def run(self, times_s: FloatArray, modes: BoolArray) -> tuple[FloatArray, FloatArray] | None:
         """Return states and works at sorted times with the swings of these modes; None where that takes very long."""
         chosen, n, rows = modes[self._mode], self._n, self._power_rows
         rates, vectors = self.rates[chosen], self._vectors[:, chosen]
-        if self.panels(modes) > _MOST_PANELS:
+        edges = [_edges(rates, float(length_s)) for length_s in self._lengths_s]
+        if sum(map(len, edges)) > _MOST_PANELS:
             return None
         states, works, done_J = np.zeros((len(times_s), n)), np.zeros((len(times_s), 6)), np.zeros(6)
         which = np.searchsorted(self._starts_s, times_s, side="right") - 1
-        for piece, (path, length_s) in enumerate(zip(self._paths, self._lengths_s, strict=True)):
+        for piece, (path, edges_s) in enumerate(zip(self._paths, edges, strict=True)):
             begins, powers = self._swings[piece][chosen], path.shape[1]
 
             def at(tau_s: FloatArray, path: FloatArray = path, begins: FloatArray = begins) -> FloatArray:
@@ -328,7 +321,6 @@ class SwingingStartUp:
                 w[:, :n] += ((begins * np.exp(np.outer(tau_s, rates))) @ vectors.T).real
                 return np.asarray(w)
 
-            edges_s = _edges(rates, length_s)
             half_s, middles_s = 0.5 * np.diff(edges_s), 0.5 * (edges_s[1:] + edges_s[:-1])
             order = 2 * powers + _MORE_ORDERS * bool(len(rates))
             nodes = chebyshev.chebpts1(order)

@@ -243,17 +243,20 @@ def swinging_start_up(
     follows: bool = False,
     **_: float | None,
 ) -> SwingingStartUp | None:
-    """Return a start-up mode by mode; None where its belts may slip, or drags hold it so long that no bound is small."""
+    """Return a start-up mode by mode; None where its belts may slip, or drags hold it so long that no bound is small.
+
+    None, too, where it is solved without slip at so few times that it costs no more than to look at it.
+    """
+    times = _checked(time_s)
+    if integrator != "exact" or not (slip or len(times) >= _MANY_TIMES):
+        return None
     model = ElasticPress(press, effects=effects)
     following = _following(model, friction, told) if follows else None
-    if integrator != "exact" or (
-        following and isinstance(friction, WrapFriction) and not friction.law.weakens
-    ):
+    if following and isinstance(friction, WrapFriction) and not friction.law.weakens:
         return None
     inputs, limit = press_inputs(model.overspeed, speed, loads), friction_limit(model, friction, told)
-    end_s = float(_checked(time_s)[-1])
     with suppress(np.linalg.LinAlgError):
-        found = SwingingStartUp(model, inputs, limit, end_s, slips=slip, following=following)
+        found = SwingingStartUp(model, inputs, limit, float(times[-1]), slips=slip, following=following)
         return found if found.sticks and found.bound(~found.every) <= GRID_ERROR else None
     return None
 
@@ -284,6 +287,7 @@ ON_TENSION = {"wrap-dependence", "end-tension", "offset"}
 GRID_ERROR = 5e-3
 """What changes of contacts that are caught on a grid may be worth."""
 _LONGEST_STEP_S = 5e-3
+_MANY_TIMES = 1_500
 _DOUBLINGS = 5
 
 

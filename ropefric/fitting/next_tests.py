@@ -9,6 +9,7 @@ compare with varies one factor at a time about a centre, as such campaigns are u
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -241,8 +242,8 @@ def allowed_conditions(
         f"{law.name} has no answer there": np.isnan(log_lift),
         f"F_A would exceed the {most_N:.4g} N of the cell": log_lift > math.log(most_N),
     }
-    left_out = ((out.sum(), why) for why, out in reasons.items() if out.any())
-    notes = [f"{n} of {len(grid)} settings are left out: {why}" for n, why in left_out]
+    text = f"of {len(grid)} settings are left out"
+    notes = [f"{out.sum()} {text}: {why}" for why, out in reasons.items() if out.any()]
     return log_lift <= math.log(most_N), notes
 
 
@@ -283,7 +284,9 @@ class Exchange:
         chosen = self.rows[plan], self.own[plan], self.shares[plan]
         rows, own, shares = (np.concatenate(parts) for parts in zip(self.known, chosen, strict=True))
         ridge, moved, own_rows = _RIDGE * np.eye(rows.shape[1]), shares.T @ rows, rows * own[:, None]
-        return rows.T @ rows + ridge, own_rows.T @ own_rows + moved.T @ moved + ridge, moved
+        # Of shared errors that outweigh all else B keeps one direction only, up to rounding of its size.
+        B = own_rows.T @ own_rows + moved.T @ moved + max(1.0, float((moved**2).sum())) * ridge
+        return rows.T @ rows + ridge, B, moved
 
     def _criterion(self, log_det: npt.ArrayLike, variance: npt.ArrayLike) -> FloatArray:
         """Return what is to be small, from ln det V and the sum of the targets' variances."""
@@ -305,18 +308,18 @@ class Exchange:
         A candidate g that shares y = Σ_e share_e m_e with the plan adds g gᵀ to A and g gᵀ + y gᵀ + g yᵀ to B, for the
         squares of its own part and its shares sum to one.
         """
-        (A, B, moved), rows = self._sums(rest), self.rows
-        y, by_A, by_B = self.shares @ moved, rows @ np.linalg.inv(A), np.linalg.inv(B)
-        more = 1.0 + np.maximum(np.einsum("ni,ni->n", by_A, rows), 0.0)
-        p, r, z = (np.einsum("ni,ij,nj->n", a, by_B, b) for a, b in ((rows, rows), (rows, y), (y, y)))
+        (A, B, moved), rows, dots = self._sums(rest), self.rows, partial(np.einsum, "ni,ni->n")
+        y, by_A, by_B = self.shares @ moved, rows @ np.linalg.inv(A), rows @ np.linalg.inv(B)
+        more = 1.0 + np.maximum(dots(by_A, rows), 0.0)
+        p, r, z = dots(by_B, rows), dots(by_B, y), dots(y @ np.linalg.inv(B), y)
         log_det = np.linalg.slogdet(B)[1] - 2.0 * np.linalg.slogdet(A)[1]
         log_det = log_det + np.log(np.maximum((1.0 + r) ** 2 + p * (1.0 - z), _TINY)) - 2.0 * np.log(more)
-        # The solutions A⁻¹ t with a candidate added, shape (N, t, q).
-        before = np.linalg.solve(A, self.targets.T).T
-        along = before - ((rows @ before.T) / more[:, None])[:, :, None] * by_A[:, None, :]
-        seen = np.einsum("ntq,nq->nt", along, rows)
-        variance = np.einsum("ntq,ntq->n", along @ B, along)
-        variance += (seen * (seen + 2.0 * np.einsum("ntq,nq->nt", along, y))).sum(axis=1)
+        # With a candidate added A⁻¹ t is less by `less` A⁻¹ g, and its product with g is `less`.
+        before, seen = np.linalg.solve(A, self.targets.T), by_A @ B
+        less = rows @ before / more[:, None]
+        square = dots(seen - 2.0 * y, by_A) + 1.0
+        variance = dots(less, 2.0 * (y - seen) @ before + less * square[:, None])
+        variance += float(np.einsum("it,ij,jt->", before, B, before))
         return self._criterion(log_det, variance)
 
     def improved(self, plan: IntArray) -> IntArray:
@@ -355,9 +358,8 @@ def best_plan(exchange: Exchange, n: int, *, starts: int = 10, seed: int = 0) ->
     same plan.
     """
     rng = np.random.default_rng(seed)
-    first = [exchange.greedy(n)]
-    first += [rng.choice(len(exchange.rows), size=n, replace=False) for _ in range(max(starts - 1, 0))]
-    found = [exchange.improved(plan) for plan in first]
+    drawn = (rng.choice(len(exchange.rows), size=n, replace=False) for _ in range(starts - 1))
+    found = [exchange.improved(plan) for plan in (exchange.greedy(n), *drawn)]
     values = np.array([exchange.value(plan) for plan in found])
     best = int(np.argmin(values))
     return found[best], int(np.count_nonzero(values <= values[best] + _AS_GOOD))
@@ -535,8 +537,7 @@ class LabPlan(Shown):
 
 def _ratio(other: Outlook, own: Outlook) -> float:
     """Return the ratio of root-mean-square half widths; NaN where neither is finite."""
-    wide = math.sqrt(float(np.mean(other.half_width_log**2)))
-    narrow = math.sqrt(float(np.mean(own.half_width_log**2)))
+    wide, narrow = (math.sqrt(float(np.mean(one.half_width_log**2))) for one in (other, own))
     return math.nan if math.isinf(narrow) else wide / narrow
 
 

@@ -63,9 +63,9 @@ class MeanScatter:
 
     def __post_init__(self) -> None:
         within, between, instrument_N = numbers = (self.within, self.between, self.instrument_N)
-        if not all(math.isfinite(x) and x >= 0.0 for x in numbers) or not any(numbers):
+        if not all(math.isfinite(x) and x >= 0.0 for x in numbers) or not within + between > 0.0:
             text = f"scatter within {within:g}, between {between:g}, instrument {instrument_N:g} N"
-            fix = "give standard deviations of ln F from 0, one above it: 0.017 is 1.7 % between repeats"
+            fix = "give standard deviations of ln F from 0, within or between above it: 0.017 is 1.7 % between repeats"
             raise InputError(text, key="scatter", fix=fix)
 
     def variance(self, repeats: npt.ArrayLike) -> FloatArray:

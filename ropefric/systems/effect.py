@@ -47,7 +47,7 @@ class Effect(Generic[P]):
         `influence(problem)` returns an upper bound of |ln(with it / without it)| of every number of the answer,
         whatever other effects are simulated; `inf` where none is known. Called only where nothing is missing.
     each : callable or None
-        `each(problem, answer)` returns such a bound for each of many cases, shape (n,), in a fraction of the time of
+        `each(problem, answer)` returns such a bound for each of many cases, shape (n,) or (1,), in a fraction of the time of
         solving them, from the answer to them without it; without an answer what is known before, which is no more than
         that. An effect that has none is simulated in every sweep.
     cost : float

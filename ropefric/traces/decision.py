@@ -79,6 +79,8 @@ BRIEF = 0.25
 MUCH = 1.5
 LEVEL = 0.3
 """Part of a pull during which a force that slides without a peak stays near its largest."""
+BEGINS = 0.8
+"""A recording that begins above this part of its largest force, and not at rest, shows no loading."""
 EQUAL = 0.01
 """Two candidates that differ by less are no doubt about the force."""
 
@@ -191,10 +193,10 @@ def _of_pull(
     bumps = [f for f in pull.falls[:-1] if is_bump(force_N, f, loading_rate(force_N, pull.start, f.top))]
     falls = [fall for fall in pull.falls if fall not in bumps]
     height_N = pull.top_N - pull.base_N
-    if (
-        least_fall_N(prepared, settings) < pull.base_N - float(force_N.min()) > height_N
-        and pull.start < FEW_BLOCKS
-    ):
+    loaded = least_fall_N(prepared, settings) < pull.base_N - float(force_N.min()) > height_N
+    # One that slides wanders; it is loaded from far below.
+    wanders = not prepared.blocks.n_rest and float(force_N[: pull.start + 1].min()) > BEGINS * pull.top_N
+    if (loaded and pull.start < FEW_BLOCKS) or wanders:
         detail = f"the recording begins at {force_N[0]:.4g} N, loaded or sliding already: it shows no loading"
         return without_force(Status.NO_PEAK, detail, prepared)
     candidates = macroscopic(force_N, pull, falls)
@@ -275,8 +277,8 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     )
     if fall.sudden and not stops:
         return measured(prepared, settings, candidate, sliding)
-    if much and swings(prepared, fall, sliding):
-        why = f"the force swings to {from_N:.4g} N and dies away: a load that comes on, or a slip"
+    if much and swings(prepared, fall, sliding, candidate.rate):
+        why = f"the force swings to {from_N:.4g} N and dies away: a load that comes on or stops, or a slip"
         return _doubtful(prepared, [candidate], why)
     if much and not stops and loads_again(force_N, candidate):
         return measured(prepared, settings, candidate, sliding)

@@ -31,6 +31,7 @@ SUDDEN = 0.65
 REST, SHORTEST_REST = 0.15, 8
 """A rest stays within this part of the rise that follows, for so many blocks at least."""
 BENDS = 0.04
+ON_THE_LINE = 0.2
 SLIP_SIGMAS = 8.0
 """A fall of fewer noise standard deviations cannot be timed."""
 FLAT = 0.75
@@ -239,6 +240,8 @@ def is_bump(force_N: FloatArray, fall: Fall, rate: float) -> bool:
     back_N = float(force_N[fall.settled]) - (float(force_N[k]) + rate * (fall.settled - k))
     if rise_N >= 0.5 * fall.drop_N and abs(back_N) < 0.3 * fall.drop_N:
         return True
+    if _is_on_the_same_line(force_N, fall):
+        return True
     # Or it was loaded from a rest, by a jog of the motor or a snag, and let down to that rest again.
     rest_N = fall.level_N
     rise_N = fall.top_N - rest_N
@@ -255,6 +258,28 @@ def is_bump(force_N: FloatArray, fall: Fall, rate: float) -> bool:
         rest.size >= SHORTEST_REST and float(np.abs(rest - rest_N).max()) < REST * rise_N
         for rest in (before, after)
     )
+
+
+def _is_on_the_same_line(force_N: FloatArray, fall: Fall) -> bool:
+    """Return whether a climb goes on after a fall along the line of before it: nothing was taken off the spring."""
+    for wide in (8, 16, 32, 64, 128):
+        after = force_N[fall.settled : fall.settled + wide]
+        if after.size < wide or fall.settled - 4 * wide < 0:
+            return False
+        x = np.arange(wide) - 0.5 * (wide - 1)
+        slope = float(x @ after) / float(x @ x)
+        before = np.arange(fall.settled - 4 * wide, fall.top + 1)
+        if before.size <= wide:
+            continue
+        above_N = force_N[before] - (float(after.mean()) + slope * (before - fall.settled + x[0]))
+        on = np.flatnonzero(above_N[:-1] <= 0.0)
+        if slope * wide < 0.2 * fall.drop_N or above_N[-1] < 0.5 * fall.drop_N:
+            continue
+        if on.size and on[-1] >= wide and fall.settled - before[on[-1]] <= 2 * wide:
+            return float(np.abs(above_N[on[-1] - wide : on[-1]]).max()) < ON_THE_LINE * min(
+                float(above_N[-1]), slope * wide
+            )
+    return False
 
 
 def _is_sudden(force_N: FloatArray, fall: Fall, noise_N: float) -> bool:

@@ -116,10 +116,11 @@ def comes_on(prepared: Prepared, candidate: Candidate) -> bool:
     return sliding is not None and swings(prepared, fall, sliding)
 
 
-def swings(prepared: Prepared, fall: Fall, sliding: Sliding) -> bool:
+def swings(prepared: Prepared, fall: Fall, sliding: Sliding, rate: float = 0.0) -> bool:
     """Return whether a force swings around a level, passing it as fast up as down, until it is quiet or the end.
 
-    A load that comes on does, but only if it comes on within a few periods of the swing.
+    A load that comes on does, but only if it comes on within a few periods of the swing; and the masses of a machine
+    that stops, which fall no faster than it loaded them.
     """
     force_N, level_N = prepared.blocks.force_N, sliding.level_N
     last = fall.bottom if fall.reloads else min(fall.bottom, 2 * fall.settled - fall.top)
@@ -136,11 +137,14 @@ def swings(prepared: Prepared, fall: Fall, sliding: Sliding) -> bool:
     lasts = int(np.argmax(climb >= fall.top_N - tenth_N)) - int(np.argmax(climb >= float(climb[0]) + tenth_N))
     after = force_N[fall.top + 3 * (bottom - fall.top) : sliding.stop]
     quiet = after.size < PIECE_BLOCKS or (
-        roughness_N(after[: 2 * PIECE_BLOCKS]) <= quiet_N(prepared, fall.start, fall.top)
+        min(roughness_N(part) for part in (after[: 2 * PIECE_BLOCKS], after[after.size // 2 :]))
+        <= quiet_N(prepared, fall.start, fall.top)
         and _largest_fall_N(after[: 6 * (bottom - fall.top)])
         < DIES * (fall.top_N - bottom_N) + RESOLVED_SIGMAS * prepared.blocks.noise_N
     )
-    return quiet and rising <= SWING * falling and lasts <= HALF_PERIODS * (rising + falling)
+    # What swings freely comes down no further than it went up.
+    stops = fall.drop_N < min(rate * fall_blocks(force_N, fall), 2.1 * (fall.top_N - level_N))
+    return quiet and rising <= SWING * falling and (stops or lasts <= HALF_PERIODS * (rising + falling))
 
 
 def _largest_fall_N(force_N: FloatArray) -> float:

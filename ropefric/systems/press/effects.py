@@ -170,14 +170,14 @@ def _steady(
 
 
 def _law_bound(name: str, problem: PressProblem, answer: PressAnswer | None) -> FloatArray:
-    """Return an upper bound of what an effect of the law changes in any number, shape (n,).
+    """Return an upper bound of what an effect of the law changes in any number.
 
     The tensions know nothing of it. A coefficient that changes by the factor e^d makes M another by M (e^d − 1) on each
     roller, and e^M − 1 by d more than that in its logarithm: what any measure of slip is inverse to, or less.
     """
     share = 0.0 if answer is None else share_of_law(name, problem.friction.law, TOLD, answer.model.effects)
     if answer is None or not share:
-        return np.zeros(problem.n)
+        return np.zeros(1)
     contacts, most = answer.slip.contacts, answer.slip.exponent
     slack_N = np.maximum(contacts.slack_N, LEAST_SLACK_N)
     fixed = {"wheel_radius_m": contacts.radius_m, "rope_radius_m": contacts.half_thickness_m}
@@ -188,7 +188,7 @@ def _law_bound(name: str, problem: PressProblem, answer: PressAnswer | None) -> 
     )
     with np.errstate(invalid="ignore", over="ignore"):
         change = off + np.exp(off) * most * np.expm1(off)
-    bound = np.broadcast_to(change, (problem.n, most.shape[-1])).max(axis=-1)
+    bound = change.max(axis=-1)
     return np.where(np.isnan(bound), np.inf, share * bound)
 
 

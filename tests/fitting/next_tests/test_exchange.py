@@ -172,3 +172,13 @@ def test_one_factor_at_a_time_keeps_to_what_is_allowed():
     plan = one_factor_plan(allowed, nearest_to(allowed, (1.0, 3.0, 2.0)), 20)
     assert allowed.ravel()[plan].all()
     assert len(plan) < 20
+
+
+@pytest.mark.parametrize("criterion", ["v", "d"])
+def test_an_error_beside_which_nothing_else_counts_leaves_a_plan(criterion):
+    rng = np.random.default_rng(4)
+    candidates = told(1e3 * rng.standard_normal((12, 3)), {"chain": np.ones(12)})
+    search = Exchange(candidates, told(np.zeros((0, 3))), rng.standard_normal((1, 3)), criterion=criterion)
+    plan, _ = best_plan(search, 5)
+    assert len(set(plan.tolist())) == 5
+    assert np.isfinite(search.value(plan))

@@ -291,7 +291,7 @@ def test_what_cannot_be_planned_is_told(bench, guessed, wanted):
     with pytest.raises(InputError, match="nothing to determine"):
         planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02), fixed=("mu",))
     with pytest.raises(InputError, match="give standard deviations"):
-        MeanScatter(within=0.0)
+        MeanScatter(within=0.0, instrument_N=5.0)
     with pytest.raises(InputError, match="are no settings"):
         dataclasses.replace(bench, wheel_radius_m=(0.0, 0.03))
 

@@ -28,9 +28,10 @@ from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.problem import Loss
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
-from ropefric.friction.condition import Conditions, one_condition
+from ropefric.friction.condition import SETTINGS, Conditions, one_condition
 from ropefric.given import Columns, as_table, as_trace, number, settings, wheels_of
 from ropefric.pipeline import CampaignRun, campaign_folder, run_campaign
+from ropefric.quantities import split_unit_suffix
 from ropefric.scenes.draws import Draws, draw_scene
 from ropefric.scenes.plan import Explanation, explain_scene
 from ropefric.scenes.scene import Scene, load_scene
@@ -112,13 +113,9 @@ def read_trace(
     raws = read_recordings(Path(path), used)
     named = [raw for raw in raws if raw.sample == sample] if sample else list(raws)
     if len(named) != 1:
-        names = ", ".join(raw.sample for raw in raws)
-        raise DataError(
-            f"the file holds {len(raws)} recordings, and sample = {sample!r} names {len(named)} of them",
-            code="RF123",
-            path=str(path),
-            fix=f"name one of: {names}",
-        )
+        fix = f"name one of: {', '.join(raw.sample for raw in raws)}"
+        text = f"the file holds {len(raws)} recordings, and sample = {sample!r} names {len(named)} of them"
+        raise DataError(text, code="RF123", path=str(path), fix=fix)
     return assemble_trace(named[0], used, calibration=calibration)
 
 
@@ -179,11 +176,8 @@ def smooth(
         found = find_breakaway(recorded)
         window_s = found.window_s
         if np.isnan(window_s):
-            raise InputError(
-                f"no window can be chosen: {found.status}, {found.detail}",
-                key="window_s",
-                fix="give window_s",
-            )
+            text = f"no window can be chosen: {found.status}, {found.detail}"
+            raise InputError(text, key="window_s", fix="give window_s")
     return average(recorded, window_s)
 
 
@@ -317,17 +311,11 @@ def trial_table(trials: Trials, *, columns: Columns = None) -> TrialTable:
             text = f"the columns of a {type(trials).__name__} have their names"
             raise InputError(text, key="columns", fix="leave columns out")
         return trials if isinstance(trials, TrialTable) else table_of_extraction(trials)
-    if (
-        isinstance(trials, str | os.PathLike | Mapping)
-        or hasattr(trials, "columns")
-        or hasattr(trials, "dtype")
-    ):
+    is_named = isinstance(trials, str | os.PathLike | Mapping)
+    if is_named or hasattr(trials, "columns") or hasattr(trials, "dtype"):
         return as_table(trials, columns)
-    raise InputError(
-        f"{type(trials).__name__} is no trial table",
-        key="trials",
-        fix="give a DataFrame, a mapping of columns, or the path of a CSV file",
-    )
+    fix = "give a DataFrame, a mapping of columns, or the path of a CSV file"
+    raise InputError(f"{type(trials).__name__} is no trial table", key="trials", fix=fix)
 
 
 def fit(
@@ -479,17 +467,13 @@ def predict(
     """
     stored = as_fit(fit)
     given = {} if wheels is None else wheels_of(wheels, columns)
-    asked = {
-        "wheel_radius_m": wheel_radius_m,
-        "wrap_angle_rad": wrap_angle_rad,
-        "end_tension_N": end_tension_N,
-    }
-    given |= settings(**asked)
-    missing = [name for name in asked if name not in given]
+    given |= settings(
+        wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N
+    )
+    missing = [name for name in SETTINGS if name not in {*given, "rope_radius_m"}]
     if missing:
-        raise InputError(
-            f"no value for {', '.join(missing)}", key=missing[0], fix="give it by name or as a column"
-        )
+        text, fix = f"no value for {', '.join(missing)}", "give it by name or as a column"
+        raise InputError(text, key=missing[0], fix=fix)
     if rope_radius_m is not None or "rope_radius_m" not in given:
         given["rope_radius_m"] = _rope(stored, rope_radius_m)
     moving: dict[str, Any] = {"linear_density_kg_m": linear_density_kg_m, "speed_m_s": speed_m_s}
@@ -522,12 +506,12 @@ def design(
         R_r [m]; that of the trials where they had one rope only.
     """
     stored = as_fit(fit)
-    given: dict[str, Any] = settings(
-        lift_N=lift_N,
-        wheel_radius_m=wheel_radius_m,
-        wrap_angle_rad=wrap_angle_rad,
-        end_tension_N=end_tension_N,
-    )
+    asked = {
+        "wheel_radius_m": wheel_radius_m,
+        "wrap_angle_rad": wrap_angle_rad,
+        "end_tension_N": end_tension_N,
+    }
+    given: dict[str, Any] = settings(lift_N=lift_N, **asked)
     rope_m = _rope(stored, rope_radius_m)
     return find_design(stored, rope_radius_m=rope_m, solve_for=solve_for, probability=probability, **given)
 
@@ -679,12 +663,8 @@ def budget(
     """
     stored = as_fit(fit)
     at = _wheel(wheel_radius_m, _rope(stored, rope_radius_m), wrap_angle_rad, end_tension_N)
-    wheel_std = {
-        "wheel_radius_m": number(u_wheel_radius_m, "m", "u_wheel_radius_m"),
-        "rope_radius_m": number(u_rope_radius_m, "m", "u_rope_radius_m"),
-        "wrap_angle_rad": number(u_wrap_angle_rad, "rad", "u_wrap_angle_rad"),
-        "end_tension_N": number(u_end_tension_N, "N", "u_end_tension_N"),
-    }
+    stds = zip(SETTINGS, (u_wheel_radius_m, u_rope_radius_m, u_wrap_angle_rad, u_end_tension_N), strict=True)
+    wheel_std = {name: number(std, split_unit_suffix(name)[1], f"u_{name}") for name, std in stds}
     return budgets.state_lift(stored, at, wheel_std, one_pull=one_pull, level=level, draws=draws, seed=seed)
 
 
@@ -801,9 +781,8 @@ def plan_tests(
     if isinstance(known, next_tests.PlannedLaw):
         planned = known
         if rope_m is None:
-            raise InputError(
-                "a guessed law does not know its rope", key="rope_radius_m", fix="give the rope's radius [m]"
-            )
+            text = "a guessed law does not know its rope"
+            raise InputError(text, key="rope_radius_m", fix="give the rope's radius [m]")
     else:
         stored = as_fit(known)
         planned = next_tests.planned_fit(stored)
@@ -865,16 +844,8 @@ def accuracy_table(
         points = [one for one in measured.points if method in {"", one.method}]
     else:
         points = [one for each in cases for one in error_table(study, each.name, method=method)]
-    columns = (
-        "case",
-        "method",
-        "setting",
-        "error",
-        "evaluations",
-        "bias",
-        "noise",
-        *(("seconds",) if timed else ()),
-    )
+    columns = ["case", "method", "setting", "error", "evaluations", "bias", "noise"]
+    columns += ["seconds"] if timed else []
     return pd.DataFrame([[getattr(one, name) for name in columns] for one in points], columns=columns)
 
 

@@ -60,17 +60,10 @@ class Finding:
 
 def bench() -> Conditions:
     """Return 6 wheels, 6 wraps and 6 loads, as on a bench."""
-    wheel, wrap, load = np.meshgrid(
-        [0.02, 0.03, 0.04, 0.06, 0.08, 0.12],
-        np.pi * np.array([0.5, 1, 2, 3, 4, 6]),
-        [2.0, 5.0, 10.0, 20.0, 80.0, 200.0],
-    )
-    return Conditions(
-        wheel_radius_m=wheel.ravel(),
-        rope_radius_m=np.array(0.0049),
-        wrap_angle_rad=wrap.ravel(),
-        end_tension_N=load.ravel(),
-    )
+    wheels_m, loads_N = [0.02, 0.03, 0.04, 0.06, 0.08, 0.12], [2.0, 5.0, 10.0, 20.0, 80.0, 200.0]
+    wheel, wrap, load = np.meshgrid(wheels_m, np.pi * np.array([0.5, 1, 2, 3, 4, 6]), loads_N)
+    columns = zip(SETTINGS, (wheel, np.array(0.0049), wrap, load), strict=True)
+    return Conditions(**{name: values.ravel() for name, values in columns})
 
 
 def _must(holds: Any, what: str) -> None:
@@ -125,22 +118,15 @@ def law_is_declared_whole(law: FrictionLaw) -> None:
     _must(law.coefficient in {"local", "average"}, f"coefficient is {law.coefficient!r}")
     strange = sorted(law.effects - _EFFECTS)
     _must(not strange, f"unknown effects {', '.join(strange)}; known: {', '.join(sorted(_EFFECTS))}")
-    _must(
-        len(set(law.parameter_names)) == len(law.parameters) > 0,
-        "parameters are missing, or two have one name",
-    )
+    named = len(set(law.parameter_names)) == len(law.parameters) > 0
+    _must(named, "parameters are missing, or two have one name")
     for one in law.parameters:
-        _must(
-            one.lower <= one.start <= one.upper,
-            f"the start {one.start:g} of {one.name} is outside its bounds",
-        )
-        _must(
-            one.meaning and one.unit and one.name.isidentifier(), f"{one.name} lacks its meaning, or its unit"
-        )
-    _must(
-        law.theta_from(law.as_mapping(typical(law))) == typical(law),
-        "parameters by name are not the parameters",
-    )
+        inside = one.lower <= one.start <= one.upper
+        _must(inside, f"the start {one.start:g} of {one.name} is outside its bounds")
+        told = one.meaning and one.unit and one.name.isidentifier()
+        _must(told, f"{one.name} lacks its meaning, or its unit")
+    again = law.theta_from(law.as_mapping(typical(law)))
+    _must(again == typical(law), "parameters by name are not the parameters")
     counts = "end-tension" not in law.effects or law.coefficient == "local"
     _must(counts, "a law that counts end tension as wrap has a local coefficient")
 
@@ -217,14 +203,10 @@ def law_needs_wrap_to_hold(law: FrictionLaw) -> None:
     if law.effects & {"offset", "bending-stiffness"}:
         return
     theta = typical(law)
-    little, less = (
-        law.log_lift(theta, at) - at.log_end_tension
-        for at in (varied(bench(), wrap_angle_rad=w) for w in (1e-4, 1e-6))
-    )
-    _must(
-        (less <= little) & (little < 0.2) & (less < 0.05),
-        f"a wrap of 1e-6 rad still lifts e^{less.max():.3g} F_B",
-    )
+    short = (varied(bench(), wrap_angle_rad=wrap_rad) for wrap_rad in (1e-4, 1e-6))
+    little, less = (law.log_lift(theta, at) - at.log_end_tension for at in short)
+    holds_not = (less <= little) & (little < 0.2) & (less < 0.05)
+    _must(holds_not, f"a wrap of 1e-6 rad still lifts e^{less.max():.3g} F_B")
 
 
 def law_local_and_average_belong_together(law: FrictionLaw) -> None:
@@ -257,12 +239,8 @@ def law_guess_finds_clean_truth(law: FrictionLaw) -> None:
 def law_guess_survives_poor_data(law: FrictionLaw) -> None:
     """One pull, or four alike, of whatever force, give start values within the bounds."""
     for wraps in ([3.0], [3.0] * 4):
-        pulls = Conditions(
-            wheel_radius_m=np.array(0.04),
-            rope_radius_m=np.array(0.005),
-            wrap_angle_rad=np.array(wraps),
-            end_tension_N=np.array(20.0),
-        )
+        settings = zip(SETTINGS, (0.04, 0.005, wraps, 20.0), strict=True)
+        pulls = Conditions(**{name: np.array(value) for name, value in settings})
         for rise in (0.5, 0.0, -0.5, 40.0):
             found = guess(law, pulls, pulls.log_end_tension + rise)
             _must(np.isfinite(found) & (law.lower <= found) & (found <= law.upper), f"the guess is {found}")
@@ -357,15 +335,12 @@ def rule_says_when_it_can_reject(rule: OutlierRule) -> None:
     for n in (3, 4, 5, 6, 10, 20):
         lost = [int(rule.flag(series).sum()) for series in rng.normal(size=(400, n))]
         if not rule.can_reject(n):
-            _must(
-                not rule.flag([*range(n - 1), 1e6]).any() and not any(lost), f"n = {n}: a value is rejected"
-            )
+            none = not rule.flag([*range(n - 1), 1e6]).any() and not any(lost)
+            _must(none, f"n = {n}: a value is rejected")
         stated, spread = rule.good_lost(n), max(float(np.std(lost)), 0.02) / 20.0
         if np.isfinite(stated):
-            _must(
-                abs(np.mean(lost) - stated) < 5.0 * spread,
-                f"n = {n}: {np.mean(lost):.3g} lost, {stated:.3g} stated",
-            )
+            near = abs(np.mean(lost) - stated) < 5.0 * spread
+            _must(near, f"n = {n}: {np.mean(lost):.3g} lost, {stated:.3g} stated")
 
 
 # ---- protocols ----
@@ -407,10 +382,8 @@ def protocol_knows_no_clock_and_no_unit(protocol: Protocol) -> None:
     later = [one.peak_N for one in protocol.pick(_ramp(start_s=3600.0), PickSettings())]
     double = [one.peak_N for one in protocol.pick(_ramp(scale=2.0), PickSettings())]
     _must(np.allclose(first, later, rtol=1e-9, equal_nan=True), f"{first} N becomes {later} N an hour later")
-    _must(
-        np.allclose(2.0 * np.array(first), double, rtol=1e-9, equal_nan=True),
-        f"{first} N doubled is {double} N",
-    )
+    twice = np.allclose(2.0 * np.array(first), double, rtol=1e-9, equal_nan=True)
+    _must(twice, f"{first} N doubled is {double} N")
 
 
 # ---- readers and machines: with a file of their own ----
@@ -419,19 +392,14 @@ def protocol_knows_no_clock_and_no_unit(protocol: Protocol) -> None:
 def reader_refuses_garbage(reader: Reader) -> None:
     """What is no recording is refused in ropefric's words, never read and never a crash."""
     _must(reader.description, "there is no description")
-    _must(
-        all(one.startswith(".") and one == one.lower() for one in reader.suffixes),
-        f"suffixes {reader.suffixes}",
-    )
+    written = all(one.startswith(".") and one == one.lower() for one in reader.suffixes)
+    _must(written, f"suffixes {reader.suffixes}")
     with TemporaryDirectory() as folder:
         for what, content in _GARBAGE.items():
             path = Path(folder, f"garbage{(*reader.suffixes, '.dat')[0]}")
             path.write_bytes(content)
-            _refused(
-                lambda path=path: read_recordings(path, ImportProfile(format=reader.name)),  # type: ignore[misc]
-                RopefricError,
-                what,
-            )
+            profile = ImportProfile(format=reader.name)
+            _refused(lambda path=path, profile=profile: read_recordings(path, profile), RopefricError, what)  # type: ignore[misc]
 
 
 def reader_reads(reader: Reader, path: Path) -> None:
@@ -451,10 +419,8 @@ def kind_is_declared_whole(kind: Kind) -> None:
     """Schema and system belong to it, and its effects have words."""
     _must(kind.system.effects.kind, "the registry of its effects has no kind")
     for effect in kind.system.effects.values():
-        _must(
-            effect.adds and effect.instead,
-            f"the effect {effect.name} does not say what it adds, or what instead",
-        )
+        told = effect.adds and effect.instead
+        _must(told, f"the effect {effect.name} does not say what it adds, or what instead")
 
 
 def kind_answers(kind: Kind, path: Path) -> None:

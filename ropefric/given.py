@@ -139,11 +139,8 @@ def settings(**given: Any) -> dict[str, FloatArray]:
 def warn_of_odd(values: Mapping[str, FloatArray]) -> None:
     """Warn where a wrap was probably meant in degrees, or a size in millimetres."""
     for name, (most, what, factor, unit) in _ODD.items():
-        largest = (
-            float(np.max(values[name], initial=0.0, where=np.isfinite(values[name])))
-            if name in values
-            else 0.0
-        )
+        some = values.get(name, np.zeros(0))
+        largest = float(np.max(some, initial=0.0, where=np.isfinite(some)))
         if largest > most:
             said = what.format(largest, factor * largest)
             text = f'{name}: {said}. Fix: if {unit} was meant, write it with its unit, "{largest:g} {unit}"'
@@ -182,14 +179,11 @@ def as_frame(table: Any, columns: Columns = None) -> "pd.DataFrame":
                 header, values = f"{stem} [{meant[1]}]", in_si(values, meant[1], str(name))  # noqa: PLW2901
             plain[header] = values if np.ndim(values) else [values]
         longest = max((len(values) for values in plain.values()), default=0)
-        spread = {
-            name: np.repeat(values, longest) if len(values) == 1 else values for name, values in plain.items()
-        }
-        return _whole(pd.DataFrame, spread)
+        whole = {k: np.repeat(values, longest) if len(values) == 1 else values for k, values in plain.items()}
+        return _whole(pd.DataFrame, whole)
     frame: pd.DataFrame = table.rename(columns=renamed)
-    if any(
-        not pd.api.types.is_numeric_dtype(frame[name]) and _has_units(frame[name]) for name in frame.columns
-    ):
+    texts = [name for name in frame.columns if not pd.api.types.is_numeric_dtype(frame[name])]
+    if any(_has_units(frame[name]) for name in texts):
         return as_frame({name: frame[name].tolist() for name in frame.columns})
     return frame
 
@@ -198,9 +192,8 @@ def _whole(make: Any, table: Any, **options: Any) -> "pd.DataFrame":
     try:
         frame: pd.DataFrame = make(table, **options)
     except ValueError as error:
-        raise InputError(
-            f"this is no table: {error}", key="columns", fix="give columns of one length"
-        ) from None
+        text = f"this is no table: {error}"
+        raise InputError(text, key="columns", fix="give columns of one length") from None
     return frame
 
 
@@ -235,10 +228,8 @@ def wheels_of(table: Any, columns: Columns = None) -> dict[str, FloatArray]:
         stem, unit = split_unit_suffix(str(header))
         field, si_unit, factor = cells.SETTINGS.get(cells.word_of(stem), ("", "", 0.0))
         if field and not unit:
-            text = f"the column {header!r} does not say its unit"
-            raise InputError(
-                text, key=str(header), fix=f"call it {stem}_{si_unit}, or rename it with columns="
-            )
+            text, fix = f"the column {header!r} does not say its unit", "or rename it with columns="
+            raise InputError(text, key=str(header), fix=f"call it {stem}_{si_unit}, {fix}")
         if field:
             found[field] = in_si(frame[header].to_numpy(), "", header) * unit_factor(unit, si_unit) * factor
     return settings(**found)
@@ -251,22 +242,14 @@ def as_trace(trace: Any, force_N: Any = None, columns: Columns = None) -> ForceT
     if force_N is not None:
         return ForceTrace(time_s=in_si(trace, "s", "time_s"), force_N=in_si(force_N, "N", "force_N"))
     if not (isinstance(trace, Mapping) or hasattr(trace, "columns") or hasattr(trace, "dtype")):
-        text = f"{type(trace).__name__} is no recording"
-        raise InputError(
-            text, key="trace", fix="give a ForceTrace, a table, or times and forces; read_trace reads files"
-        )
+        fix = "give a ForceTrace, a table, or times and forces; read_trace reads files"
+        raise InputError(f"{type(trace).__name__} is no recording", key="trace", fix=fix)
     frame = as_frame(trace, columns)
-    arrays = []
+    arrays, headers = [], [str(name) for name in frame.columns]
     for channel, unit in (("time", "s"), ("force", "N")):
-        names = [
-            name
-            for name in map(str, frame.columns)
-            if split_unit_suffix(name)[0].lower() in SAFE_NAMES[channel]
-        ]
+        names = [name for name in headers if split_unit_suffix(name)[0].lower() in SAFE_NAMES[channel]]
         if len(names) != 1 or not split_unit_suffix(names[0])[1]:
-            text = (
-                f"{len(names)} columns are a {channel} with its unit, of {', '.join(map(str, frame.columns))}"
-            )
+            text = f"{len(names)} columns are a {channel} with its unit, of {', '.join(headers)}"
             fix = f'name the one that is meant: columns={{"…": "{channel}_{unit}"}}'
             raise InputError(text, key="columns", fix=fix)
         factor = unit_factor(split_unit_suffix(names[0])[1], unit)

@@ -53,7 +53,7 @@ class TomlDocument:
 
 def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocument:
     r"""Return a TOML file's tree with the line of every key."""
-    name = _shown(path)
+    name = Path(path).as_posix()
     try:
         content = read_file(path, what, shown=name, limit=MOST_BYTES)
     except DataError:
@@ -87,15 +87,11 @@ def _file_in(folder: Path, what: str) -> str:
     """Return which TOML file of a folder may be meant."""
     names = sorted(path.name for path in folder.glob("*.toml"))
     if "campaign.toml" in names and what != "campaign file":
-        return f"it holds a campaign: `ropefric run {_shown(folder)}`"
+        return f"it holds a campaign: `ropefric run {folder.as_posix()}`"
     more = f" and {len(names) - 3} more" if len(names) > 3 else ""
     if not names:
         return "name a file; this folder holds no *.toml"
     return f"name a file of it: {', '.join(names[:3])}{more}"
-
-
-def _shown(path: str | os.PathLike[str]) -> str:
-    return Path(path).as_posix()
 
 
 _IN_ONE_PLACE, _IN_QUOTES = "join both in one place", 'put text and quantities in quotes: "40 mm"'
@@ -225,9 +221,6 @@ class _Locator:
                 self.at += 1
         return self.lines
 
-    def _note(self, path: KeyPath, line: int) -> None:
-        self.lines.setdefault(path, line)
-
     def _names(self) -> list[_Token]:
         """Read `a."b".c` and return its names."""
         names: list[_Token] = []
@@ -245,7 +238,7 @@ class _Locator:
         path = base
         for token in self._names():
             path = (*path, _key_name(token))
-            self._note(path, token.line)
+            self.lines.setdefault(path, token.line)
         return path
 
     def _header(self) -> KeyPath:
@@ -257,12 +250,12 @@ class _Locator:
         path: KeyPath = ()
         for place, token in enumerate(parts):
             path = (*path, _key_name(token))
-            self._note(path, token.line)
+            self.lines.setdefault(path, token.line)
             if is_array and place == len(parts) - 1:
                 self.repeats[path] = self.repeats.get(path, 0) + 1
             if path in self.repeats:
                 path = (*path, self.repeats[path] - 1)
-                self._note(path, token.line)
+                self.lines.setdefault(path, token.line)
         while self.at < len(self.tokens) and self.tokens[self.at].kind != "newline":
             self.at += 1
         return path
@@ -277,7 +270,7 @@ class _Locator:
                 return
             self.at += 1
             if token.kind in ("string", "bare", "other", "[", "{"):
-                self._note(slot, token.line)
+                self.lines.setdefault(slot, token.line)
             if token.kind == "[":
                 stack.append((slot, 0))
                 slot = (*slot, 0)

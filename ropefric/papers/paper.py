@@ -154,18 +154,13 @@ def part_of(item: Item, rows: Iterable[Row]) -> Section:
 
 def _tree(row: Row) -> dict[str, Any]:
     def plain(one: Any) -> Any:
-        if one is None or isinstance(one, bool) or not math.isfinite(one):
-            return one if isinstance(one, bool) else None
-        return significant(one)
+        if isinstance(one, bool):
+            return one
+        return None if one is None or not math.isfinite(one) else significant(one)
 
     numbers = {"value": plain(row.value), "deviation": plain(row.deviation)}
-    return {
-        "of": row.of,
-        **numbers,
-        "printed": row.printed or None,
-        "agrees": row.agrees,
-        "remark": row.remark,
-    }
+    said = {"of": row.of, "printed": row.printed or None, "agrees": row.agrees, "remark": row.remark}
+    return said | numbers
 
 
 def _table(rows: tuple[Row, ...]) -> dict[str, Any]:

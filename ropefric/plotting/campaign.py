@@ -97,9 +97,8 @@ def draw_overview(extraction: Extraction) -> FigureWithData:
         check for _, *said in rows for check, one in zip(CHECKS, said, strict=True) if one in {FLAG, FAIL}
     )
     if told:
-        alt += (
-            f" By check: {', '.join(f'{told[check]} {CHECKS[check][0]}' for check in CHECKS if told[check])}."
-        )
+        marked = (f"{told[check]} {opposite}" for check, (opposite, _) in CHECKS.items() if told[check])
+        alt += f" By check: {', '.join(marked)}."
     return FigureWithData(figure=figure, tables=(DataTable.of_rows(("trial", *CHECKS), rows),), alt=alt)
 
 

@@ -292,12 +292,7 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad", narrow: bool 
         rows: dict[str, Any] = {"nrows": 1} if narrow else {"nrows": 2, "height_ratios": (3, 2)}
         panels = figure.subplots(**rows, sharex=True, squeeze=False)[:, 0]
         axes, last = panels[0], panels[-1]
-        hatch: dict[str, Any] = {
-            "hatch": "///",
-            "facecolor": "none",
-            "edgecolor": "#9A9A9A",
-            "linewidth": 0.0,
-        }
+        hatch: dict[str, Any] = {"hatch": "///", "facecolor": "none", "edgecolor": "#9A9A9A", "linewidth": 0}
         for panel in panels:
             off = panel is not axes
             _draw_band(panel, factor * x, 100.0 * (columns / columns[0] - 1.0) if off else columns, fit.law)

@@ -39,9 +39,8 @@ def scene_figures(solution: Solution) -> Iterator[tuple[str, FigureWithData]]:
 def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
     """Return the figure of one number of a sweep over one or two axes: lines for few values of the first, else a map."""
     if len(sweep.axes) > 2:
-        raise InputError(
-            f"a figure shows one or two axes, this sweep has {len(sweep.axes)}", fix="use its CSV file"
-        )
+        text = f"a figure shows one or two axes, this sweep has {len(sweep.axes)}"
+        raise InputError(text, fix="use its CSV file")
     name = quantity or next(iter(sweep.columns))
     if name not in sweep.columns:
         raise InputError(f"the sweep has no {name!r}", fix=f"it has {', '.join(sweep.columns)}")
@@ -216,12 +215,8 @@ def name_lines(axes: Axes, ends: Iterable[tuple[str, float]], *, gap: float = 0.
     spread = [place for block in blocks for place in _spread(block, gap)]
     arrow = {"arrowstyle": "-", "color": style.GREY, "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
     for (true, name), place in zip(wanted, spread, strict=True):
-        look: dict[str, Any] = {
-            "va": "center",
-            "fontsize": 9.0,
-            "arrowprops": arrow,
-            "annotation_clip": False,
-        }
+        look: dict[str, Any] = {"va": "center", "fontsize": 9.0, "arrowprops": arrow}
+        look["annotation_clip"] = False
         axes.annotate(style.typeset(name), (1.0, true), (1.03, place), xycoords="axes fraction", **look)
 
 

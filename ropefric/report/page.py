@@ -298,15 +298,13 @@ _SPACE = '<mspace width="0.17em"/>'
 
 def formulas(law: FrictionLaw) -> tuple[str, ...]:
     """Return the statements of a law's equation as MathML elements; what is not in our notation stays plain text."""
-    statements = [text for part in law.equation.split(";") for text in _split(part.strip())]
-    return tuple(f'<math display="block">{_typeset(text)}</math>' for text in statements)
-
-
-def _typeset(text: str) -> str:
-    try:
-        return _Statement(text).typeset()
-    except ValueError:  # a law of somebody's own may be written in any way
-        return f"<mtext>{escape(text)}</mtext>"
+    found = []
+    for text in (text for part in law.equation.split(";") for text in _split(part.strip())):
+        try:
+            found.append(_Statement(text).typeset())
+        except ValueError:  # a law of somebody's own may be written in any way
+            found.append(f"<mtext>{escape(text)}</mtext>")
+    return tuple(f'<math display="block">{one}</math>' for one in found)
 
 
 def symbol(name: str) -> str:

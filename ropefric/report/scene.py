@@ -39,11 +39,8 @@ def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Sec
         *(f"bound of {name}: {to_error(one, 0.0)}" for name, one in solution.own_bounds.items()),
         *([f"not bounded, but of the effects simulated: {beyond}"] if beyond else []),
     ]
-    return [
-        Section(title, lines, headings, rows, notes=solution.warnings),
-        *scene.kind.sections(tree),
-        Section("Simulated", simulated),
-    ]
+    whole_machine = Section(title, lines, headings, rows, notes=solution.warnings)
+    return [whole_machine, *scene.kind.sections(tree), Section("Simulated", simulated)]
 
 
 def _quantities(

@@ -215,29 +215,28 @@ def run(
     there and no longer fits is removed. Exits with 4 unless the law and its lift force are supported: when the data
     leave two of them undecided, or judge none.
     """
-    loaded = campaigns.load_campaign(options.campaign_file(campaign))
-    drawing = frozenset({"conditions", "report"} if figures else ())
+    loaded, wish = campaigns.load_campaign(options.campaign_file(campaign)), page.Wish(figures=figures)
     how: dict[str, Any] = {"law": law, "cluster": cluster, "parquet": parquet, "cache": cache, "force": force}
-    return work_through(out, loaded, folder, jobs=jobs, drawing=drawing, **how)
+    return work_through(out, loaded, folder, wish, jobs=jobs, of_conditions=figures, **how)
 
 
 def work_through(
     out: Output,
     campaign: "campaign_model.Campaign",
     folder: Path,
+    wish: "page.Wish",
     *,
     law: str = "",
     jobs: str,
     cluster: str = "",
     parquet: bool = False,
     cache: bool = True,
-    drawing: frozenset[str],
-    wish: "page.Wish | None" = None,
+    of_conditions: bool = False,
     force: bool = False,
 ) -> Answer:
-    """Return the answer to a campaign, and write everything into a folder.
+    """Return the answer to a campaign, and write everything into a folder; figures `of_conditions`, too.
 
-    `law` is the one to use, "" for the best; `drawing` names the figures: those of the "report", those of "conditions".
+    `law` is the one to use, "" for the best.
     """
     # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.
     if law:
@@ -251,7 +250,7 @@ def work_through(
 
     def draw(extraction: "result.Extraction") -> None:
         say_problems(extraction, folder, out)
-        if "conditions" in drawing:
+        if of_conditions:
             # Other processes draw while this one fits; what is published is one part at a time.
             pool[0] = drawing_pool(extraction, n_jobs, stack)
             to_finish.append(start_figures(extraction, campaign.report.language, target, out, pool[0]))
@@ -271,8 +270,7 @@ def work_through(
                 finish()
             raise
         with Progress(out, "report") as reporting:
-            wanted = wish or page.Wish(figures="report" in drawing)
-            written = pages.write_report(done, target, wanted, executor=pool[0], progress=reporting.update)
+            written = pages.write_report(done, target, wish, executor=pool[0], progress=reporting.update)
         target.publish("answer")
         for finish in to_finish:
             finish()
@@ -335,8 +333,7 @@ def report(
             before, law_before = pipeline.recorded_run(folder)
             law = law_before if before.resolve() == campaign.resolve() else ""
     loaded = campaigns.load_campaign(campaign)
-    drawing = frozenset({"report"} if figures else ())
-    return work_through(out, loaded, folder, law=law, jobs=jobs, drawing=drawing, wish=wish, force=force)
+    return work_through(out, loaded, folder, wish, law=law, jobs=jobs, force=force)
 
 
 def _report_table(

@@ -14,7 +14,6 @@ from ropefric.traces.trace import ForceTrace
 
 SMALL_ZERO, LARGE_ZERO = 0.02, 0.12
 """Parts of F_A: a level at rest that matters, and what can only be a pretension."""
-UNSURE = 0.03
 JUMP_BLOCKS, JUMP_SIGMAS, SWINGS_BY = 6, 5.0, 0.1
 """A rope swings by more than the last part of a load that comes on at once."""
 STANDS, SLOPE_SIGMAS = 0.3, 7.0
@@ -87,8 +86,6 @@ def with_its_zero(
             f"the rope at rest jumps by {step_N:.3g} N at once: say whether the zero did ([protocol] "
             'rest = "zero") or a load came on (rest = "pretension")'
         )
-    if not why and result.peak_std_N > UNSURE * result.peak_N:
-        why = f"± {result.peak_std_N:.2g} N, by noise or by a climb of too few samples"
     if not why:
         # A small level may be either.
         small_N = zero_N if abs(zero_N) <= SMALL_ZERO * result.peak_N else 0.0

@@ -19,12 +19,12 @@ from ropefric.cli.app import build_app, find_commands
 from ropefric.errors import RopefricError
 from ropefric.files.toml_model import StrictTable
 from ropefric.friction.laws import LAWS
-from ropefric.papers.paper import PAPERS, read_paper
+from ropefric.papers.reading import PAPERS, read_paper
 from ropefric.plotting import style
 from ropefric.plotting.campaign import conditions_of, draw_condition
-from ropefric.plotting.figure import FigureWithData, drawing, svg_text
+from ropefric.plotting.figure import FigureWithData, draw_chart, drawing, svg_text
 from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets
-from ropefric.plotting.machines import draw_chart, draw_sweep, scene_figures
+from ropefric.plotting.machines import draw_sweep, scene_figures
 from ropefric.rig.recording import FAULTS
 from ropefric.rig.strangers import FAMILIES
 from ropefric.scenes.kind import Key, Kind

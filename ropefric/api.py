@@ -787,7 +787,8 @@ def plan_tests(
 
     Examples
     --------
-    >>> from ropefric.fitting.next_tests import MeanScatter, planned_guess
+    >>> from ropefric.fitting.next_tests import planned_guess
+    >>> from ropefric.fitting.resolution import MeanScatter
     >>> from ropefric.friction.laws import LAWS
     >>> law = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))
     >>> plan = plan_tests(law, wheels_m=[0.03, 0.04], wraps_rad=[3.0, 6.0, 9.0, 12.0], end_tensions_N=[20.0, 40.0],

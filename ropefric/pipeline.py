@@ -208,15 +208,12 @@ def write_answer(answer: CampaignAnswer, folder: Folder | str | os.PathLike[str]
     """Write fits/LAW.json for every law, comparison.csv and, if there is one, prediction.json; return their paths."""
     target = as_folder(folder)
     texts = {f"fits/{fit.law}.json": fit_text(fit, target.path / "fits") for fit in answer.fits}
-    texts["comparison.csv"] = _ranking_text(answer.comparison)
+    rows = [entry.to_dict() for entry in answer.comparison.ranking]
+    cells = [[csv_cell(row[name]) for name in _RANKING] for row in rows]
+    texts["comparison.csv"] = csv_text([_RANKING, *cells])
     if answer.prediction is not None:
         texts["prediction.json"] = json_document(answer.prediction.to_dict())
     return target.write(texts)
-
-
-def _ranking_text(comparison: Comparison) -> str:
-    rows = (entry.to_dict() for entry in comparison.ranking)
-    return csv_text([_RANKING, *([csv_cell(row[name]) for name in _RANKING] for row in rows)])
 
 
 def campaign_folder(
@@ -360,23 +357,21 @@ def state_design(fit: FitResult, wheel: Conditions) -> Statement:
     return budgets.state_lift(fit, wheel, {}, one_pull=math.isfinite(new_rope_std(fit)))
 
 
-def swings_of_design(
-    fit: FitResult, prediction: Prediction, index: int = 0
-) -> tuple[tuple[str, float, float, float], ...]:
-    """Return the lift force of one wheel when one input changes: name, low, high, as designed [N].
+def swings_of_design(fit: FitResult, prediction: Prediction) -> tuple[tuple[str, float, float, float], ...]:
+    """Return the lift force of the first wheel when one input changes: name, low, high, as designed [N].
 
     Each setting goes `STEP` down and up; the law and the rope go from end to end of the intervals of the prediction.
     NaN stands where the law has no answer, or the fit knows no scatter.
     """
-    at = prediction.conditions.select([index])
+    at = prediction.conditions.select([0])
     base_N = _lift_N(fit, at, "wrap_angle_rad", 1.0)  # of this law, where the prediction averages several
     rows = []
     for name, (title, _unit, _factor) in REGRESSORS.items():
         low_N, high_N = (_lift_N(fit, at, name, 1.0 + step) for step in (-STEP, STEP))
         rows.append((f"{title} ± {100 * STEP:g} %", low_N, high_N, base_N))
     for words, ends in (
-        ("mean law: confidence interval", prediction.interval_N[index]),
-        ("new rope: prediction interval", prediction.prediction_interval_N[index]),
+        ("mean law: confidence interval", prediction.interval_N[0]),
+        ("new rope: prediction interval", prediction.prediction_interval_N[0]),
     ):
         low_N, high_N = (float(end) if math.isfinite(end) else math.nan for end in ends)
         rows.append((f"{words} {100 * prediction.level:g} %", low_N, high_N, base_N))

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,10 @@ from hypothesis import HealthCheck, settings
 # Two workers on two cores: linear algebra with threads of its own gets in their way. Set before numpy loads.
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
+
+# Commands read recordings in processes forked for that, each of which would load these anew: here once.
+for _name in ("pandas", "pint"):
+    import_module(_name)
 
 # What the tests of several folders share, `promise`.
 sys.path.insert(0, str(Path(__file__).parent / "systems"))

@@ -251,7 +251,8 @@ def test_tests_are_planned_from_a_fit():
     plan = rf.plan_tests(COUPLED, **rig, **wanted, largest_force_N=800.0, n_conditions=4, repeats=6)
     assert len(plan) == 4
     assert plan.after.std_log[0] < plan.before.std_log[0]
-    from ropefric.fitting.next_tests import MeanScatter, planned_guess
+    from ropefric.fitting.next_tests import planned_guess
+    from ropefric.fitting.resolution import MeanScatter
     from ropefric.friction.laws import LAWS
 
     guessed = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))

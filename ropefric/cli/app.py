@@ -26,8 +26,7 @@ from ropefric.files.plain_text import visible
 from ropefric.registry import Registry, did_you_mean
 
 with on_first_use():
-    from ropefric import plugins
-    from ropefric.report import section
+    from ropefric import plugins, section
 
 INTERNAL, USAGE, INTERRUPTED = 1, 2, 130
 EXIT_CODES = (

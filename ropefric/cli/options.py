@@ -11,13 +11,12 @@ import typer
 
 from ropefric.cli import on_first_use
 from ropefric.cli.output import Output
-from ropefric.errors import InputError, RopefricError
+from ropefric.errors import DataError, InputError, RopefricError
 
 with on_first_use():
-    from ropefric import executors, quantities
+    from ropefric import executors, quantities, section
     from ropefric.files import folder as folders
     from ropefric.fitting import result, store
-    from ropefric.report import section
     from ropefric.trials import table
 
 T = TypeVar("T")
@@ -103,8 +102,14 @@ Parquet = Annotated[
 Level = Annotated[float, typer.Option(help="Level of the intervals, between 0 and 1.")]
 
 
-def campaign_file(path: Path) -> Path:
-    """Return the campaign file that `path` names, which need not exist."""
+TABLES = (".csv", ".tsv", ".txt", ".xlsx", ".xls", ".ods")
+
+
+def campaign_file(path: Path, *, or_table: bool = False) -> Path:
+    """Return the campaign file that `path` names, which need not exist; or the table, where one will do."""
+    if not or_table and path.suffix.lower() in TABLES and path.is_file():
+        fix = "name the campaign.toml, or its folder; `ropefric report` answers a table of forces"
+        raise DataError("this is a table, not a campaign", path=path, fix=fix)
     return path / "campaign.toml" if path.is_dir() else path
 
 

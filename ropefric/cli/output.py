@@ -17,7 +17,7 @@ from ropefric.files.disk import cannot_write
 from ropefric.files.plain_text import visible
 
 with on_first_use():
-    from ropefric.report import section
+    from ropefric import section
 
 if TYPE_CHECKING:
     from rich.console import Console

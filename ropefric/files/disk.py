@@ -194,9 +194,9 @@ def use_file(
     raise _changed(shown or Path(path).as_posix())
 
 
-def hash_file(path: str | os.PathLike[str], what: str = "file", *, shown: str = "") -> str:
+def hash_file(path: str | os.PathLike[str]) -> str:
     """Return the SHA-256 of a file's content, which need not fit into memory."""
-    return use_file(path, lambda file: file.sha256, what, shown=shown)
+    return use_file(path, lambda file: file.sha256)
 
 
 PART = ".part"

@@ -16,6 +16,7 @@ from ropefric.files.disk import BLOCK_BYTES, InputFile
 
 GZIP_MAGIC = b"\x1f\x8b"
 _GZIP = 31  # as zlib calls it
+_SEEN = 40  # lines by which a format is recognised
 
 MOST_UNPACKED_BYTES = 4 * 2**30
 """Text that gzip may unpack to; a few megabytes can be made to unpack to terabytes."""
@@ -242,14 +243,14 @@ def start_of_line(block: bytes, line: int) -> int:
     return start
 
 
-def first_lines(source: Source, most: int = 40) -> list[str]:
+def first_lines(source: Source) -> list[str]:
     """Return the first lines of a text, as far as they can be read without knowing its encoding."""
     head = next(source.file.blocks(HEAD_BYTES), b"")[:HEAD_BYTES]
     if head.startswith(GZIP_MAGIC):
         with suppress(zlib.error):  # which is told when the file is read
             head = zlib.decompressobj(_GZIP).decompress(head, HEAD_BYTES // 8)
     encoding = next((name for mark, name in _MARKS if head.startswith(mark)), "utf-8")
-    return head[: HEAD_BYTES // 8].decode(encoding, errors="replace").split("\n", most)[:most]
+    return head[: HEAD_BYTES // 8].decode(encoding, errors="replace").split("\n", _SEEN)[:_SEEN]
 
 
 def load_text(source: Source, encoding: str = "") -> Text:

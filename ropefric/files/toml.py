@@ -68,7 +68,7 @@ def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocu
         fix = "save the file as UTF-8; TOML knows no other encoding"
         raise DataError(f"the {what} is not in UTF-8", path=name, line=line, fix=fix) from None
     text = text.replace("\r\n", "\n")
-    if (endless := endless_key(text, _MAX_PARTS)) is not None:
+    if (endless := endless_key(text)) is not None:
         message = f"a key has more than {_MAX_PARTS} parts"
         raise DataError(message, path=name, line=endless, fix="shorten the key")
     try:
@@ -151,13 +151,13 @@ def toml_lines(text: str) -> dict[KeyPath, int]:
     return _Locator([token for token in _tokens(text) if token.kind not in ("comment", "space")]).run()
 
 
-def endless_key(text: str, most: int) -> int | None:
-    r"""Return the line of the first key with more than `most` dotted parts, whose cost grows with their square."""
+def endless_key(text: str) -> int | None:
+    r"""Return the line of the first key with too many dotted parts, whose cost grows with their square."""
     dots = 0
     for token in _tokens(text):
         if token.kind == ".":
             dots += 1
-            if dots >= most:
+            if dots >= _MAX_PARTS:
                 return token.line
         elif token.kind not in ("bare", "string", "space"):
             dots = 0

@@ -413,6 +413,6 @@ def state_lift(
     fit: FitResult, at: Conditions, wheel_std: Mapping[str, float], *, one_pull: bool = False, **check: Any
 ) -> Statement:
     """Return the uncertainty of the lift force that a fit predicts for a wheel known only so well."""
-    status = BudgetStatus.OK if fit.trustworthy else BudgetStatus.FIT_NOT_TRUSTED
+    status = BudgetStatus.OK if fit.verdict_on(at).supported else BudgetStatus.FIT_NOT_TRUSTED
     model, notes = lift_model(fit, at, wheel_std, one_pull=one_pull), outside_words(fit.validity, at)
     return state_uncertainty(model, status=status, notes=notes, **check)

@@ -213,7 +213,7 @@ def _contests(
 ) -> tuple[Contest, ...]:
     """Return the best law against others, and a simpler law that chance leaves beside it against simpler ones still."""
     entries = {entry.law: entry for entry in ranking if entry.counted and not math.isnan(entry.weight)}
-    trusted = [name for name, entry in entries.items() if entry.fit is not None and entry.fit.trustworthy]
+    trusted = [name for name, entry in entries.items() if entry.fit is not None and not entry.fit.doubts]
     held: list[Contest] = []
     waiting = (trusted or list(entries))[:1]
     for name in waiting:
@@ -433,7 +433,7 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
     That is the best one whose fit may be used as it stands, or a simpler one that chance alone leaves behind it.
     """
     fitted = [(entry, entry.fit) for entry in comparison.ranking if entry.fit is not None]
-    good = [(entry, fit) for entry, fit in fitted if entry.counted and fit.trustworthy]
+    good = [(entry, fit) for entry, fit in fitted if entry.counted and not fit.doubts]
     contests = comparison.contests if comparison.conclusive else ()
     chosen, fit = (good or fitted)[0]
     if law:
@@ -467,7 +467,8 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
                 or (entry.counted and entry.delta_aicc <= RIVAL and entry.law not in beaten)
             )
         )
-    doubts = [*_of_place(comparison, chosen, fitted[0][0], forced=bool(law)), *fit.doubts]
+    doubts = [*_of_place(comparison, chosen, fitted[0][0], forced=bool(law))]
+    doubts += fit.doubts or fit.untested(wheel)
     doubts += [("undecided", contest.text) for contest in open_.values()]
     text = "lies far off what all the others agree on: look at it, and set it aside if it is bad"
     doubts += [("undecided", f"trial {name} {text}") for name in comparison.wild]
@@ -484,6 +485,9 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
     names = " and ".join(rival.law for rival in rivals)
     alike = f"; {names} answer{'s' * (len(rivals) == 1)} alike" if rivals else ""
     place = "has the lowest AICc" if chosen.delta_aicc <= 0.0 else f"is within {RIVAL:g} of the lowest AICc"
+    plainer = any(comparison[rival.law].k < chosen.k for rival in rivals)
+    alike += ": an effect is there, its form is not known" if rivals and not plainer else ""
+    alike += "".join(f"; {text}" for _, text in fit.untested())
     text = f"{chosen.law} {place}{weight}, and its fit follows the data within their scatter{alike}"
     return Choice(
         fit=fit,

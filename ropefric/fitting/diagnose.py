@@ -279,6 +279,12 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     line = trends.line(title)
     numbers, parts = _of_line(title, line, ranked)
     limits, room = _limits(title, line, trends) if line is not None else ({}, "")
+
+    def found(supported: Supported) -> Cause:
+        """Return the verdict with the evidence so far and, unless the effect is there, what it leaves room for."""
+        said, more = (parts, {}) if supported == "yes" else ([*parts, room], limits)
+        return Cause(title, supported, "; ".join(filter(None, said)), experiment, numbers | more)
+
     laws = {entry.law: entry.aicc for entry in ranked.ranking if entry.counted}
     having = {law: value for law, value in laws.items() if effect in ALL_LAWS[law].effects}
     lacking = {law: value for law, value in laws.items() if law not in having}
@@ -287,11 +293,11 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     best = min(trends.least(title, there=True), by_having)
     other = min(trends.least(title, there=False), by_lacking)
     if title == "coil contact" and math.isfinite(plain) and best == math.inf and ranked.n > 4:
-        parts += ["contact cannot make μ smaller, and no description with it finds a larger one", room]
-        return Cause(title, "no", "; ".join(filter(None, parts)), experiment, numbers | limits)
+        parts.append("contact cannot make μ smaller, and no description with it finds a larger one")
+        return found("no")
     if not (math.isfinite(plain) and math.isfinite(best)):
-        parts += [f"{ranked.n} conditions are too few for any law with it", room]
-        return Cause(title, "cannot-tell", "; ".join(filter(None, parts)), experiment, numbers | limits)
+        parts.append(f"{ranked.n} conditions are too few for any law with it")
+        return found("cannot-tell")
     gain, lead = plain - best, other - best
     numbers |= {"gain_on_constant": gain, "lead_on_others": lead}
     first = min(having, key=having.__getitem__, default="")
@@ -319,15 +325,14 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
         text = "a constant μ with a constant offset in ln F looks exactly like a wrap effect"
         parts.append(f"{text}, and here both fit")
     if yes:
-        return Cause(title, "yes", "; ".join(parts), experiment, numbers)
+        return found("yes")
     # Another effect could stand in its place: it is as good without what the best description has.
     replaced = title not in trends.best and any(
         trends.least(title, there=True, without=o) < other + STRONG for o in trends.best
     )
     needless = gain < _WEAK or (lead < 0.0 and not replaced)
     clear = line is not None and line.p_value < _SIGNIFICANT
-    supported: Supported = "no" if needless and not clear and not looks_like_offset else "cannot-tell"
-    return Cause(title, supported, "; ".join(filter(None, [*parts, room])), experiment, numbers | limits)
+    return found("no" if needless and not clear and not looks_like_offset else "cannot-tell")
 
 
 def _against(difference: float) -> str:

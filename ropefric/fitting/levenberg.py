@@ -88,12 +88,18 @@ class BatchFit:
     def run(self, tolerance: float, max_iterations: int) -> int:
         """Step until no data set is left; return the number of steps."""
         signal = np.broadcast_to(self.data.signal, self.chi2.shape)
-        for steps in range(max_iterations):
+        for count in range(max_iterations):
             # Cheaper calls than the plain ones throughout: in a single fit they weigh as much as the law.
             rows = self.alive.nonzero()[0]
             if not rows.size:
-                return steps
-            step, length2 = self._propose(rows, np.zeros(rows.size))
+                return count
+            n, damping = rows.size, self.damping[rows]
+            damped = damping.nonzero()[0]
+            # The plain steps, which tell whether a search is done, and in the same call those that are damped.
+            steps, lengths2 = self._propose(
+                np.append(rows, rows[damped]), np.append(np.zeros(n), damping[damped])
+            )
+            step, length2 = steps[:n], lengths2[:n]
             chi2, loudness, last2 = self.chi2[rows], signal[rows], self.last_length2[rows]
             slow = self.slow[rows]
             enough2 = tolerance**2 * chi2 / self.problem.n_points + _MODEL_ROUNDING**2 * loudness
@@ -107,10 +113,9 @@ class BatchFit:
             final = ~slow & (rate > 0.0) & (rate < _SLOW) & (_CAUTION * rate * length2 <= enough2)
             self.slow[rows] = slow | (rate > _SLOW)
             self.last_length2[rows] = length2
-            damped = ((self.damping[rows] > 0.0) & ~blind & ~done).nonzero()[0]
-            if damped.size:
-                step[damped], length2[damped] = self._propose(rows[damped], self.damping[rows[damped]])
-                final[damped] = False
+            use = (~blind & ~done)[damped]
+            step[damped[use]], length2[damped[use]] = steps[n:][use], lengths2[n:][use]
+            final[damped[use]] = False
             slack = np.where(blind, 4.0 * blur, 0.0)
             if np.count_nonzero(done):
                 self.converged[rows[done]] = True
@@ -123,15 +128,14 @@ class BatchFit:
         return max_iterations
 
     def _propose(self, rows: Rows, damping: FloatArray) -> tuple[FloatArray, FloatArray]:
-        at = slice(None) if rows.size == len(self.theta) else rows
-        theta = self.theta[at]
+        theta = self.theta[rows]
         return bounded_steps(
-            self.normal[at],
-            self.downhill[at],
-            curvature=self.curvature[at],
+            self.normal[rows],
+            self.downhill[rows],
+            curvature=self.curvature[rows],
             low=np.minimum(self.problem.lower - theta, 0.0),
             high=np.maximum(self.problem.upper - theta, 0.0),
-            vary=self.vary[at],
+            vary=self.vary[rows],
             damping=damping,
         )
 

@@ -9,6 +9,7 @@ compare with varies one factor at a time about a centre, as such campaigns are u
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -20,7 +21,16 @@ from ropefric.files.plain_text import csv_text
 from ropefric.fitting.fit import COMMON, rope_slopes
 from ropefric.fitting.predict import REGRESSORS, outside_words
 from ropefric.fitting.problem import FitSettings, check_settings
-from ropefric.fitting.resolution import FACTORS, MOST, SCALE, RigLimits, law_outlook
+from ropefric.fitting.resolution import (
+    FACTORS,
+    MOST,
+    SCALE,
+    MeanScatter,
+    RigLimits,
+    law_outlook,
+    nearest_to,
+    one_factor_plan,
+)
 from ropefric.fitting.result import CommonError, FitResult
 from ropefric.fitting.statistics import combined_dof, decomposed
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
@@ -43,6 +53,8 @@ _WORTHWHILE = 1e-9
 _MAX_PASSES = 100
 # Half a per cent of a standard error.
 _AS_GOOD = 0.01
+# Of an interval: what twice the conditions must make of it to be worth a word.
+_NARROWER = 0.9
 # Share of the variance from which on more pulls hardly help.
 _MOSTLY = 0.5
 _CHAIN = "measuring chain"
@@ -50,26 +62,6 @@ _UNTESTED = Conditions(**dict.fromkeys(SETTINGS, np.zeros(0)))
 
 
 # ---- what is known of a law ----
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MeanScatter:
-    """How the mean of a condition's repeats scatters, and the error that the measuring chain brings to all forces."""
-
-    within: float
-    between: float = 0.0
-    instrument_N: float = 0.0
-
-    def __post_init__(self) -> None:
-        within, between, instrument_N = numbers = (self.within, self.between, self.instrument_N)
-        if not all(math.isfinite(x) and x >= 0.0 for x in numbers) or not any(numbers):
-            text = f"scatter within {within:g}, between {between:g}, instrument {instrument_N:g} N"
-            fix = "give standard deviations of ln F from 0, one above it: 0.017 is 1.7 % between repeats"
-            raise InputError(text, key="scatter", fix=fix)
-
-    def variance(self, repeats: npt.ArrayLike) -> FloatArray:
-        """Return the variance of the means of repeats about what they share, s_b² + s_w²/m."""
-        return np.asarray(self.between**2 + self.within**2 / np.asarray(repeats, dtype=np.float64))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -105,10 +97,9 @@ class PlannedLaw:
     def known(self) -> "Evidence":
         """Return what was tested before; of common errors, by what they did to the fit."""
         found = self.evidence(self.tested, self.tested_repeats)
-        information = found.rows.T @ found.rows
-        chain = {name: moved for name, moved in found.shared.items() if name == _CHAIN}
-        moved = {item.name: information @ np.array(item.change)[self.free] for item in self.common}
-        return found._replace(shared=chain | moved)
+        chain = {name: share for name, share in found.shares.items() if name == _CHAIN}
+        moved = {item.name: found.rows @ np.array(item.change)[self.free] for item in self.common}
+        return found._replace(shares=chain | moved)
 
     def gradients(self, conditions: Conditions) -> FloatArray:
         """Return ∂ ln F_A/∂θ by the free parameters, shape (n, q)."""
@@ -121,7 +112,7 @@ class PlannedLaw:
         own2 = self.scatter.variance(repeats) + np.zeros(len(conditions))
         std = np.sqrt(sum((effect**2 for effect in effects.values()), own2))
         rows = slopes[:, self.free] / std[:, None]
-        return Evidence(rows, np.sqrt(own2) / std, {name: rows.T @ (e / std) for name, e in effects.items()})
+        return Evidence(rows, np.sqrt(own2) / std, {name: effect / std for name, effect in effects.items()})
 
     def _effects(self, at: Conditions, log_lift: FloatArray) -> dict[str, FloatArray]:
         """Return how one standard uncertainty of each error that conditions share moves their ln F_A, shape (n,).
@@ -151,19 +142,27 @@ class PlannedLaw:
 class Evidence(NamedTuple):
     """What the means of conditions tell of the free parameters.
 
-    Gradients over the standard deviation that a mean is weighed by (n, q), the part of that which is a mean's own
-    scatter (n,), and by how much one standard uncertainty of each shared error moves the sum Σ rows · mean/std (q,).
+    Gradients over the standard deviation that a mean is weighed by (n, q), and of that standard deviation the part that
+    is a mean's own scatter (n,) and those of errors that conditions share, by name (n,).
     """
 
     rows: FloatArray
     own: FloatArray
-    shared: dict[str, FloatArray]
+    shares: dict[str, FloatArray]
 
     def joined(self, other: "Evidence") -> "Evidence":
         """Return both together: an error of the same name is the same one."""
-        shared = {name: other.shared.get(name, 0.0) + moved for name, moved in self.shared.items()}
-        shared |= {name: moved for name, moved in other.shared.items() if name not in shared}
-        return Evidence(np.vstack([self.rows, other.rows]), np.append(self.own, other.own), shared)
+        none, no_other = np.zeros(len(self.rows)), np.zeros(len(other.rows))
+        names = self.shares | other.shares
+        shares = {
+            name: np.append(self.shares.get(name, none), other.shares.get(name, no_other)) for name in names
+        }
+        return Evidence(np.vstack([self.rows, other.rows]), np.append(self.own, other.own), shares)
+
+    @property
+    def table(self) -> FloatArray:
+        """Return the parts of shared errors as columns, shape (n, b)."""
+        return np.array([*self.shares.values()]).reshape(len(self.shares), len(self.rows)).T
 
     def errors(self, gradients: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the standard errors of weighted least squares along gradients (t, q), and their shared parts.
@@ -175,7 +174,7 @@ class Evidence(NamedTuple):
         turned = (gradients / svd.length) @ svd.rows.T
         needed = np.abs(turned[:, svd.lost]) > 1e-6 * np.linalg.norm(turned, axis=1)[:, None]
         along = gradients @ half
-        moved = np.array([*self.shared.values()]).reshape(-1, half.shape[0]) @ half
+        moved = self.table.T @ self.rows @ half
         own, shared = np.linalg.norm((along @ left.T) * self.own, axis=1), along @ moved.T
         total = np.hypot(own, np.linalg.norm(shared, axis=1))
         return np.where(needed.any(axis=1), np.inf, total), shared
@@ -243,8 +242,8 @@ def allowed_conditions(
         f"{law.name} has no answer there": np.isnan(log_lift),
         f"F_A would exceed the {most_N:.4g} N of the cell": log_lift > math.log(most_N),
     }
-    left_out = ((out.sum(), why) for why, out in reasons.items() if out.any())
-    notes = [f"{n} of {len(grid)} settings are left out: {why}" for n, why in left_out]
+    text = f"of {len(grid)} settings are left out"
+    notes = [f"{out.sum()} {text}: {why}" for why, out in reasons.items() if out.any()]
     return log_lift <= math.log(most_N), notes
 
 
@@ -252,12 +251,16 @@ def allowed_conditions(
 
 
 class Exchange:
-    """A criterion on a choice of rows: values of plans, and of all exchanges of one condition."""
+    """A criterion on a choice of candidates: values of plans, and of all exchanges of one condition.
+
+    It is made of the covariance of weighted least squares V = A⁻¹ B A⁻¹, as a fit has it: A = Σ g gᵀ is the information
+    if all means were independent, and B that with what they share, Σ own² g gᵀ + Σ_e m_e m_eᵀ with m_e = Σ share_e g.
+    """
 
     def __init__(
         self,
-        rows: FloatArray,
-        known: FloatArray,
+        candidates: Evidence,
+        known: Evidence,
         targets: FloatArray,
         *,
         criterion: Criterion,
@@ -267,41 +270,57 @@ class Exchange:
 
         Both criteria keep their order in them.
         """
-        length = np.linalg.norm(np.vstack([rows, known]), axis=0)
-        triangle = np.linalg.qr(np.vstack([rows, known]) / length, mode="r") / np.sqrt(len(rows))
+        both = known.joined(candidates)
+        n_known, length = len(known.rows), np.linalg.norm(both.rows, axis=0)
+        triangle = np.linalg.qr(both.rows / length, mode="r") / np.sqrt(len(candidates.rows))
         turn = np.linalg.inv(triangle) / length[:, None]
-        old = known @ turn
-        self.rows, self.known, self.targets = rows @ turn, old.T @ old, targets @ turn
+        rows, self.targets = both.rows @ turn, targets @ turn
+        self.known = rows[:n_known], both.own[:n_known], both.table[:n_known]
+        self.rows, self.own, self.shares = rows[n_known:], both.own[n_known:], both.table[n_known:]
         self.criterion, self.balance = criterion, balance
 
-    def information(self, plan: IntArray) -> FloatArray:
-        """Return the information matrix of a plan with what is known, shape (q, q)."""
-        rows = self.rows[plan]
-        return np.asarray(rows.T @ rows + self.known + _RIDGE * np.eye(rows.shape[1]))
+    def _sums(self, plan: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return A, B and the m_e of a plan with what is known, shapes (q, q) and (b, q)."""
+        chosen = self.rows[plan], self.own[plan], self.shares[plan]
+        rows, own, shares = (np.concatenate(parts) for parts in zip(self.known, chosen, strict=True))
+        ridge, moved, own_rows = _RIDGE * np.eye(rows.shape[1]), shares.T @ rows, rows * own[:, None]
+        # Of shared errors that outweigh all else B keeps one direction only, up to rounding of its size.
+        B = own_rows.T @ own_rows + moved.T @ moved + max(1.0, float((moved**2).sum())) * ridge
+        return rows.T @ rows + ridge, B, moved
+
+    def _criterion(self, log_det: npt.ArrayLike, variance: npt.ArrayLike) -> FloatArray:
+        """Return what is to be small, from ln det V and the sum of the targets' variances."""
+        if self.criterion == "d":
+            return np.asarray(log_det)
+        mean = np.maximum(variance, _TINY) / len(self.targets)
+        return np.asarray(np.log(mean) + self.balance * np.asarray(log_det) / self.rows.shape[1])
 
     def value(self, plan: IntArray) -> float:
         """Return the criterion of a plan."""
-        information = self.information(plan)
-        log_det = float(np.linalg.slogdet(information)[1])
-        if self.criterion == "d":
-            return -log_det
-        targets = self.targets
-        variance = np.einsum("ti,it->", targets, np.linalg.solve(information, targets.T)) / len(targets)
-        return float(np.log(max(variance, _TINY))) - self.balance * log_det / len(information)
+        A, B, _ = self._sums(plan)
+        along = np.linalg.solve(A, self.targets.T)
+        log_det = np.linalg.slogdet(B)[1] - 2.0 * np.linalg.slogdet(A)[1]
+        return float(self._criterion(log_det, np.einsum("it,ij,jt->", along, B, along)))
 
     def with_each(self, rest: IntArray) -> FloatArray:
-        """Return the criterion of a plan with each candidate added in turn, shape (N,)."""
-        information = self.information(rest)
-        inverse, rows = np.linalg.inv(information), self.rows
-        leverage = np.maximum(np.einsum("ni,ij,nj->n", rows, inverse, rows), 0.0)
-        log_det = float(np.linalg.slogdet(information)[1]) + np.log1p(leverage)
-        if self.criterion == "d":
-            return np.asarray(-log_det)
-        targets = self.targets
-        gained = ((rows @ inverse @ targets.T) ** 2).sum(axis=1) / (1.0 + leverage)
-        left = np.einsum("ti,ij,tj->", targets, inverse, targets) - gained
-        variance = np.log(np.maximum(left, _TINY) / len(targets))
-        return np.asarray(variance - self.balance * log_det / len(information))
+        """Return the criterion of a plan with each candidate added in turn, shape (N,).
+
+        A candidate g that shares y = Σ_e share_e m_e with the plan adds g gᵀ to A and g gᵀ + y gᵀ + g yᵀ to B, for the
+        squares of its own part and its shares sum to one.
+        """
+        (A, B, moved), rows, dots = self._sums(rest), self.rows, partial(np.einsum, "ni,ni->n")
+        y, by_A, by_B = self.shares @ moved, rows @ np.linalg.inv(A), rows @ np.linalg.inv(B)
+        more = 1.0 + np.maximum(dots(by_A, rows), 0.0)
+        p, r, z = dots(by_B, rows), dots(by_B, y), dots(y @ np.linalg.inv(B), y)
+        log_det = np.linalg.slogdet(B)[1] - 2.0 * np.linalg.slogdet(A)[1]
+        log_det = log_det + np.log(np.maximum((1.0 + r) ** 2 + p * (1.0 - z), _TINY)) - 2.0 * np.log(more)
+        # With a candidate added A⁻¹ t is less by `less` A⁻¹ g, and its product with g is `less`.
+        before, seen = np.linalg.solve(A, self.targets.T), by_A @ B
+        less = rows @ before / more[:, None]
+        square = dots(seen - 2.0 * y, by_A) + 1.0
+        variance = dots(less, 2.0 * (y - seen) @ before + less * square[:, None])
+        variance += float(np.einsum("it,ij,jt->", before, B, before))
+        return self._criterion(log_det, variance)
 
     def improved(self, plan: IntArray) -> IntArray:
         """Return a plan that no exchange of a single condition improves, sorted."""
@@ -339,42 +358,11 @@ def best_plan(exchange: Exchange, n: int, *, starts: int = 10, seed: int = 0) ->
     same plan.
     """
     rng = np.random.default_rng(seed)
-    first = [exchange.greedy(n)]
-    first += [rng.choice(len(exchange.rows), size=n, replace=False) for _ in range(max(starts - 1, 0))]
-    found = [exchange.improved(plan) for plan in first]
+    drawn = (rng.choice(len(exchange.rows), size=n, replace=False) for _ in range(starts - 1))
+    found = [exchange.improved(plan) for plan in (exchange.greedy(n), *drawn)]
     values = np.array([exchange.value(plan) for plan in found])
     best = int(np.argmin(values))
     return found[best], int(np.count_nonzero(values <= values[best] + _AS_GOOD))
-
-
-def nearest_to(allowed: BoolArray, place: tuple[float, ...] | None = None) -> tuple[int, ...]:
-    """Return the allowed combination nearest to a place counted in settings, or to the middle, the first of equals."""
-    last = np.array(allowed.shape) - 1.0
-    spots, about = np.argwhere(allowed), 0.5 * last if place is None else np.array(place)
-    gap = (((spots - about) / np.maximum(last, 1.0)) ** 2).sum(axis=1)
-    return tuple(int(i) for i in spots[int(np.argmin(np.round(gap, 12)))])
-
-
-def one_factor_plan(allowed: BoolArray, centre: tuple[int, ...], n: int) -> IntArray:
-    """Return the combinations of a one-factor-at-a-time plan: the centre, then each factor varied alone.
-
-    The n − 1 conditions beside the centre are dealt evenly to the factors that can vary, and spread evenly over the
-    settings of each, its ends first.
-    """
-    others = []
-    for axis, at in enumerate(centre):
-        spots = np.flatnonzero(np.moveaxis(allowed, axis, 0)[:, *np.delete(centre, axis)])
-        others.append(spots[spots != at])
-    shares = [0] * len(others)
-    for _ in range(min(n - 1, sum(spots.size for spots in others))):
-        still = [axis for axis, spots in enumerate(others) if shares[axis] < spots.size]
-        shares[min(still, key=shares.__getitem__)] += 1
-    found = [centre]
-    for axis, (spots, share) in enumerate(zip(others, shares, strict=True)):
-        # A single one is the strongest setting.
-        even = np.linspace(0, spots.size - 1, share).round().astype(int) if share > 1 else np.full(share, -1)
-        found += [(*centre[:axis], int(spot), *centre[axis + 1 :]) for spot in spots[even]]
-    return np.sort(np.ravel_multi_index(tuple(np.array(found).T), allowed.shape).astype(np.int64))
 
 
 # ---- what comes out ----
@@ -549,8 +537,7 @@ class LabPlan(Shown):
 
 def _ratio(other: Outlook, own: Outlook) -> float:
     """Return the ratio of root-mean-square half widths; NaN where neither is finite."""
-    wide = math.sqrt(float(np.mean(other.half_width_log**2)))
-    narrow = math.sqrt(float(np.mean(own.half_width_log**2)))
+    wide, narrow = (math.sqrt(float(np.mean(one.half_width_log**2))) for one in (other, own))
     return math.nan if math.isinf(narrow) else wide / narrow
 
 
@@ -576,9 +563,9 @@ def plan_tests(
 ) -> LabPlan:
     """Return the conditions to test next.
 
-    A condition adds g gᵀ/(s_b² + s_w²/m + Σ e²) to the information, g = ∂ ln F_A/∂θ: the scatter between conditions
-    is not averaged out by its m repeats, nor by any number of tests the errors e that they share. A law that bends
-    makes the plan depend on the parameters it is made for; it is the best for those given.
+    A mean of m repeats is weighed by 1/(s_b² + s_w²/m + Σ e²): the scatter between conditions is not averaged out by
+    repeats, nor by any number of tests the errors e that they share, and the search knows both as the fit does. A law
+    that bends makes the plan depend on the parameters it is made for; it is the best for those given.
     """
     if n_conditions < 1 or repeats < 1 or not 0.0 < level < 1.0 or criterion not in {"v", "d"}:
         text = f"{n_conditions} conditions of {repeats} repeats by criterion {criterion!r} at level {level:g}"
@@ -598,20 +585,30 @@ def plan_tests(
         text = f"the rig's settings leave {places.size} conditions to choose from, and {n_conditions} are to be planned"
         fix = "give more wheels, wraps or end tensions, a larger cell, or plan fewer conditions"
         raise InputError(text, key="limits", fix=fix)
-    rows, old = planned.evidence(grid.select(places), repeats).rows, known.rows
-    _check_determined(planned, np.vstack([rows, old]), planned.n_free + 1 - len(old), n_conditions)
-    along = planned.gradients(wanted)
-    chosen, agreeing = best_plan(
-        Exchange(rows, old, along, criterion=criterion), n_conditions, starts=starts, seed=seed
-    )
+    candidates, along = planned.evidence(grid.select(places), repeats), planned.gradients(wanted)
+    least = planned.n_free + 1 - len(known.rows)
+    _check_determined(planned, np.vstack([candidates.rows, known.rows]), least, n_conditions)
+    exchange = Exchange(candidates, known, along, criterion=criterion)
+    chosen, agreeing = best_plan(exchange, n_conditions, starts=starts, seed=seed)
     plan = grid.select(places[chosen])
     both = known.joined(planned.evidence(plan, repeats))
 
-    def outlook(at: Conditions) -> Outlook:
-        found = known.joined(planned.evidence(at, repeats))
+    def outlook(at: Conditions, often: int = repeats) -> Outlook:
+        found = known.joined(planned.evidence(at, often))
         (std, shared), dof = found.errors(along), max(len(found.rows) - planned.n_free, 0)
         return Outlook(std_log=std, shared_log=np.linalg.norm(shared, axis=1), dof=dof, level=level)
 
+    spread = []
+    if repeats > 1 and 2 * n_conditions <= places.size:
+        # No more pulls, over twice the conditions.
+        more, fewer = 2 * n_conditions, repeats // 2
+        candidates = planned.evidence(grid.select(places), fewer)
+        wider = Exchange(candidates, known, along, criterion=criterion).greedy(more)
+        ratio = _ratio(outlook(grid.select(places[wider]), fewer), outlook(plan))
+        if ratio < _NARROWER:
+            text = f"{more} conditions of {fewer} instead of {n_conditions} of {repeats} would make the interval "
+            text += f"{ratio:.2f} times as wide: repeats do not average out what new conditions scatter by"
+            spread.append(text)
     # The usual plans: about the middle of the settings, and about the first wanted condition.
     spots = (
         np.interp(getattr(wanted, name)[0], getattr(limits, name), range(size))
@@ -644,6 +641,7 @@ def plan_tests(
         notes=(
             *planned.notes,
             *notes,
+            *spread,
             *_told(planned, plan, repeats),
             *_on_trust(planned, limits, wanted, plan),
             *_of_shared(both, along),
@@ -658,7 +656,7 @@ def _of_shared(found: Evidence, along: FloatArray) -> list[str]:
     worst = int(np.argmax(part))
     if not part[worst] > _MOSTLY:
         return []
-    name = [*found.shared][int(np.argmax(shared[worst] ** 2))]
+    name = [*found.shares][int(np.argmax(shared[worst] ** 2))]
     text = (
         f"{part[worst]:.0%} of the variance to expect is of errors that all tests share, above all the {name}"
     )

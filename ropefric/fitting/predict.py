@@ -244,8 +244,7 @@ def predict(
     if not 100 <= n <= _MOST_DRAWS:
         few = "few" if n < 100 else "many"
         raise InputError(f"{n} draws are too {few}", key="n", fix=f"draw 100 to {_MOST_DRAWS}")
-    theta, covariance = fit.theta, fit.covariance
-    log_lift = model.log_lift(theta, conditions)
+    log_lift = model.log_lift(fit.theta, conditions)
     if (log_lift > _LARGEST).any():
         worst = int(np.argmax(log_lift))
         text = f"ln F_A = {log_lift[worst]:.6g} at {conditions.describe(worst)}: the force overflows"
@@ -261,13 +260,10 @@ def predict(
         check = len(conditions) <= _CHECKED_CONDITIONS
     drawing = method == "monte-carlo" and told
     agrees, draws, drawn = None, 0, None
-    if drawing or (check and told and np.isfinite(covariance).all()):
+    if drawing or (check and told and np.isfinite(fit.covariance).all()):
         draws = n if drawing else _CHECKING_DRAWS
         try:
-            drawn = drawn_range(
-                model, theta, covariance, conditions, dof=degrees_of_freedom(fit), level=level, n=draws,
-                rng=np.random.default_rng(seed), common=fit.common_changes,
-            )  # fmt: skip
+            half_68, drawn = drawn_range(model, parameter_draws(fit, draws, seed), conditions, level)
         except InputError:
             if drawing:
                 raise
@@ -275,9 +271,11 @@ def predict(
         else:
             # The 97.5 % point of N draws scatters by about 2.7 σ/√N; three times that is no disagreement.
             room = _DISAGREEMENT + 3.0 * 2.7 / 1.96 / math.sqrt(draws)
-            apart = np.abs(drawn[1] - ends)
-            agrees = np.asarray((apart <= 0.5 * room * np.diff(ends, axis=1) + 1e-12).all(axis=1))
-            std, ends = drawn if drawing else (std, ends)
+            agrees = np.asarray(
+                (np.abs(drawn - ends) <= 0.5 * room * np.diff(ends, axis=1) + 1e-12).all(axis=1)
+            )
+            # A standard deviation is half the central 68.27 % less the t's heavier tails.
+            std, ends = (half_68 / _quantiles(_ONE_SIGMA, dof), drawn) if drawing else (std, ends)
     # About the middle of the law's own interval, which is not quite log_lift where draws are skew; as much wider.
     middle, drawn_half = ends.mean(axis=1), 0.5 * np.diff(ends, axis=1)[:, 0]
     wide = half_width(fit, model, conditions, probability) if told else half
@@ -297,12 +295,12 @@ def predict(
             dof=dof,
             method=method,
             linear_agrees=agrees,
-            drawn_interval_N=None if drawn is None else np.exp(drawn[1]),
+            drawn_interval_N=None if drawn is None else np.exp(drawn),
             outside=outside_range(fit.validity, conditions),
             validity=fit.validity,
             draws=draws,
             seed=seed,
-            judged=fit.verdict,
+            judged=fit.verdict_on(conditions),
             of=fit.of,
         )
 
@@ -430,34 +428,28 @@ def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftMo
     return LiftModel(law=fit.friction_law, linear_density_kg_m=density or 0.0, speed_m_s=speed or 0.0)
 
 
-def drawn_range(
-    model: LiftModel,
-    theta: FloatArray,
-    covariance: FloatArray,
-    conditions: Conditions,
-    *,
-    dof: float,
-    level: float,
-    n: int,
-    rng: np.random.Generator,
-    common: FloatArray | None = None,
-) -> tuple[FloatArray, FloatArray]:
-    """Return the standard deviation (c,) and the interval (c, 2) of ln F_A for c conditions, from n draws.
+def parameter_draws(fit: FitResult, n: int, seed: int) -> FloatArray:
+    """Return n draws of the parameters, shape (n, p), moved onto the law's bounds where they cross them.
 
-    The parameters are drawn from the multivariate t of their covariance, the part of it that is `common` error
-    (p, b) from the normal, and moved onto the law's bounds where they cross them; the standard deviation is half the
-    central 68.27 % of the draws, less the t's heavier tails.
+    From the multivariate t of their covariance, the part of it that common errors make from the normal.
     """
-    if not np.isfinite(covariance).all():
+    if not np.isfinite(fit.covariance).all():
         text = "the covariance of the parameters is not finite, so nothing can be drawn from it"
         fix = "use method='linear', or a fit whose parameters are all seen by the data"
         raise InputError(text, key="covariance", fix=fix)
-    known = np.zeros((theta.size, 0)) if common is None else common
-    draws = joint_draws(theta, symmetric_root(covariance - known @ known.T), dof=dof, n=n, rng=rng)
+    rng, known, theta, law = np.random.default_rng(seed), fit.common_changes, fit.theta, fit.friction_law
+    root = symmetric_root(fit.covariance - known @ known.T)
+    draws = joint_draws(theta, root, dof=degrees_of_freedom(fit), n=n, rng=rng)
     if known.size:
         draws = draws + rng.standard_normal((n, known.shape[1])) @ known.T
-    draws = np.clip(draws, np.minimum(model.law.lower, theta), np.maximum(model.law.upper, theta))
-    tail = 50.0 * (1.0 - level)
+    return np.clip(draws, np.minimum(law.lower, theta), np.maximum(law.upper, theta))
+
+
+def drawn_range(
+    model: LiftModel, draws: FloatArray, conditions: Conditions, level: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return half the central 68.27 % (c,) and the interval (c, 2) of ln F_A for c conditions, from n draws."""
+    n, tail = len(draws), 50.0 * (1.0 - level)
     at = [tail, 100.0 - tail, 100.0 * (1.0 - _ONE_SIGMA), 100.0 * _ONE_SIGMA]
     found = np.empty((4, len(conditions)))
     step = max(1, _BLOCK // n)
@@ -473,7 +465,4 @@ def drawn_range(
                 fix="the fit is too uncertain for this method; measure more conditions",
             )
         found[:, rows] = np.percentile(model.log_lift(usable, part), at, axis=0)
-    of_all = linear_std(model, theta, covariance, conditions) ** 2
-    of_answer = combined_dof(of_all, linear_std(model, theta, known @ known.T, conditions) ** 2, dof)
-    std = 0.5 * (found[3] - found[2]) / _quantiles(_ONE_SIGMA, of_answer)
-    return std, found[:2].T.copy()
+    return 0.5 * (found[3] - found[2]), found[:2].T.copy()

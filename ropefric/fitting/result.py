@@ -17,6 +17,8 @@ undecided
     scatter counts as scatter, which the clustered errors and the prediction interval hold. Another law: one that
     stands more than 2 in AICc before it (an evidence ratio of e), or one within 2 that gives another lift force.
     The interval: the linear one and the one drawn from the parameters' covariance differ by more than a half width.
+    The design: the law depends on a setting that all trials have alike, and is asked about others. They may show that
+    μ is not constant, but another form that follows them as well may say something else of that setting.
 supported
     Otherwise. A law within 2 that gives the same lift force is no contradiction. Two laws of which neither is a
     special case of the other do where the root mean square of ln F_A between them lies within the half width of the
@@ -43,7 +45,7 @@ from ropefric.files.disk import hash_file, kind_of_file
 from ropefric.files.plain_text import GIVEN_DIGITS, STD_DIGITS, significant, to_share
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
-from ropefric.friction.condition import SETTINGS, distinct
+from ropefric.friction.condition import SETTINGS, Conditions, distinct
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import AdvisedStatus, counted
@@ -95,6 +97,8 @@ SPARE = 3
 _MANY_SPARE = 10
 _SCATTER_RATIO = 2.0
 _LACK_OF_FIT_P = 1e-3
+# Levels within a tenth are one, such as those of a weight with its pan and without.
+_ALIKE = 1.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -278,10 +282,30 @@ class FitResult(Shown):
                 doubts.append(("undecided", text))
         return tuple(doubts)
 
+    def untested(self, asked: Conditions | None = None) -> tuple[Doubt, ...]:
+        """Return whether the law depends on a setting that all trials have alike, and what is asked for has not."""
+        alone = []
+        for title, (name, effects, *_) in _EXPERIMENTS.items():
+            low, high = self.validity.get(name, (0.0, inf))
+            values = np.array(inf) if asked is None else getattr(asked, name)
+            elsewhere = ((values * _ALIKE < low) | (values > _ALIKE * high)).any()
+            if effects & self.friction_law.effects and high < _ALIKE * low and elsewhere:
+                alone.append(f"one {title}")
+        text = (
+            f"the trials have {' and '.join(alone)} only: what {self.law} says of others is not tested, "
+            "and another form of law may follow the trials as well"
+        )
+        return (("undecided", text),) if alone else ()
+
+    def verdict_on(self, asked: Conditions | None) -> Verdict:
+        """Return the verdict by its own fit on what the law says of conditions; on the whole law for None."""
+        doubts = self.doubts or self.untested(asked)
+        return verdict_of(doubts, f"nothing in its own fit speaks against {self.law}")
+
     @property
     def verdict(self) -> Verdict:
         """Return the verdict on the law by its own fit; a comparison knows what other laws say."""
-        return verdict_of(self.doubts, f"nothing in its own fit speaks against {self.law}")
+        return self.verdict_on(None)
 
     @property
     def of(self) -> str:
@@ -307,21 +331,18 @@ class FitResult(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.fit/1`; a number that is not there or infinite is None."""
-        left_out = {"problem", "draws"}
+        left_out = {"problem", "draws", "parameters", "common_errors"}
         tree = {item.name: getattr(self, item.name) for item in fields(self) if item.name not in left_out} | {
             "schema": SCHEMA,
             "status": self.status.value,
             "trustworthy": self.trustworthy,
-            "parameters": {item.name: asdict(item) for item in self.parameters},
+            "parameters": {one.pop("name"): one for one in map(asdict, self.parameters)},
             "parameter_order": [item.name for item in self.parameters],
             "statistics": asdict(self.statistics),
             "identifiability": asdict(self.identifiability),
-            "common_errors": [item._asdict() for item in self.common_errors],
         }
-        if not self.common_errors:
-            del tree["common_errors"]
-        for item in tree["parameters"].values():
-            del item["name"]
+        if self.common_errors:
+            tree["common_errors"] = [item._asdict() for item in self.common_errors]
         return dict(_plain(tree))
 
     @classmethod
@@ -333,6 +354,10 @@ class FitResult(Shown):
         KeyError, TypeError, ValueError
             If it is no such tree.
         """
+        seen: dict[str, Any] = {
+            key: tuple(x) if isinstance(x, list) else x for key, x in tree["identifiability"].items()
+        }
+        seen |= {"ratio": _number(seen["ratio"], inf), "correlation": _number(seen["correlation"])}
         return cls(
             law=ALL_LAWS[tree["law"]].name,
             parameters=tuple(_parameter(name, tree["parameters"][name]) for name in tree["parameter_order"]),
@@ -342,7 +367,7 @@ class FitResult(Shown):
             status=FitStatus(tree["status"]),
             advice=tuple(tree["advice"]),
             notes=tuple(tree["notes"]),
-            identifiability=stats.Identifiability.from_dict(tree["identifiability"]),
+            identifiability=stats.Identifiability(**seen),
             validity={name: (float(low), float(high)) for name, (low, high) in tree["validity"].items()},
             provenance=dict(tree["provenance"]),
             trials={name: [_number(cell) for cell in column] for name, column in tree["trials"].items()},
@@ -418,13 +443,13 @@ _REMEDY = {
 # Of a regressor with so few values or fewer: the effects that need more, how they are shown, and what to measure.
 _FEW = 3
 _EXPERIMENTS = {
-    "size ratio": ({"size"}, "R_w/R_r = {}", (
+    "size ratio": ("size_ratio", {"size"}, "R_w/R_r = {}", (
         "measure wheels from less than 3 to more than 15 times the rope radius, the small ones above all."
     )),
-    "wrap angle": ({"wrap-dependence", "offset", "bending-stiffness"}, "{} deg", (
+    "wrap angle": ("wrap_angle_rad", {"wrap-dependence", "offset", "bending-stiffness"}, "{} deg", (
         "measure more, from half a turn to several turns."
     )),
-    "end tension": ({"end-tension", "bending-stiffness"}, "F_B = {} N", (
+    "end tension": ("end_tension_N", {"end-tension", "bending-stiffness"}, "F_B = {} N", (
         "a wrap series at one load cannot fix the law; repeat it at loads from a few newtons to a hundred times that."
     )),
 }  # fmt: skip
@@ -649,7 +674,9 @@ def _of_search(found: Found) -> Iterator[Finding]:
 def _of_design(found: Found, seen: stats.Identifiability, std: FloatArray) -> Iterator[Finding]:
     lost, law, at, experiments = list(seen.unseen), found.problem.law, found.problem.conditions, []
     levels = (at.size_ratio, np.degrees(at.wrap_angle_rad), at.end_tension_N)
-    for (what, (effects, shown, do)), values in zip(_EXPERIMENTS.items(), map(distinct, levels), strict=True):
+    for (what, (_, effects, shown, do)), values in zip(
+        _EXPERIMENTS.items(), map(distinct, levels), strict=True
+    ):
         if effects & law.effects and values.size <= _FEW:
             there = f"is only one {what}" if values.size == 1 else f"are only {values.size} {what}s"
             given = shown.format(", ".join(f"{value:.4g}" for value in values))

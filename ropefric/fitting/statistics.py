@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite, nan, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -279,14 +279,6 @@ class Identifiability:
     weak: tuple[str, ...]
     weak_direction: str
     unseen: tuple[str, ...]
-
-    @classmethod
-    def from_dict(cls, tree: Mapping[str, Any]) -> "Identifiability":
-        """Return the same from a JSON tree, where None stands for an infinite ratio."""
-        lists = {key: tuple(tree[key]) for key in ("singular_values", "worst_pair", "weak", "unseen")}
-        ratio = inf if tree["ratio"] is None else float(tree["ratio"])
-        correlation = float(tree["correlation"])
-        return cls(ratio=ratio, correlation=correlation, weak_direction=tree["weak_direction"], **lists)
 
 
 def identify(jacobian: FloatArray, names: Sequence[str]) -> Identifiability:

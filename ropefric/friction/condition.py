@@ -138,6 +138,14 @@ def condition_groups(*settings: npt.ArrayLike) -> IntArray:
     return np.asarray(rank[group])
 
 
+def along_one(conditions: Conditions, over: str) -> tuple[IntArray, IntArray]:
+    """Return where most conditions stand that differ in one setting alone, and the level of each in that."""
+    others = condition_groups(*(getattr(conditions, name) for name in SETTINGS if name != over))
+    along = levels(getattr(conditions, over))
+    counts = [np.unique(along[others == group]).size for group in range(int(others.max()) + 1)]
+    return np.flatnonzero(others == int(np.argmax(counts))), along  # the first of equals
+
+
 def same_setting(values: npt.ArrayLike, value: float) -> BoolArray:
     """Return which settings are a given one, as near as those of one of the `levels`, shape (n,)."""
     array = np.asarray(values, dtype=np.float64)

@@ -1,25 +1,12 @@
 """What a paper prints, item by item, beside the numbers of a machine; the same as data and in words."""
 
-import tomllib
+import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 from decimal import Decimal
-from importlib import import_module
-from pathlib import Path
 from typing import Any, NamedTuple
 
-from ropefric import scenes
-from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import significant
-from ropefric.files.toml import TomlDocument
-from ropefric.registry import did_you_mean
-from ropefric.scenes.kind import Chart, FrictionTable, Line, Part, finite, in_words
-from ropefric.scenes.scene import Scene, load_scene, read_scene, source_of
-from ropefric.scenes.scene_templates import scene_text
-from ropefric.systems.checks import checked
-from ropefric.trials.table import TrialTable
-
-PAPERS = ("prth", "press", "saw")
+from ropefric.section import Chart, Line, Section, in_words
 
 
 class Row(NamedTuple):
@@ -96,15 +83,6 @@ class Item(NamedTuple):
     given: bool = False
 
 
-class Given(NamedTuple):
-    """What a paper is read for: a scene, and whether it is the published one; trials where given; F_0 [N]."""
-
-    scene: Scene
-    published: bool
-    trials: TrialTable | None
-    reference_N: float
-
-
 class Paper(NamedTuple):
     """A paper: what it is, the scene of its machine in words, what that is made into, its items, and what to know."""
 
@@ -112,7 +90,7 @@ class Paper(NamedTuple):
     source: str
     system: str
     scene: str
-    machine: Callable[[Given], Any]
+    machine: Callable[[Any], Any]
     items: tuple[Item, ...]
     of: str = "the published machine"
     beside: str = ""
@@ -151,7 +129,7 @@ class Reading(NamedTuple):
         counts = {"printed": len(self.printed), "agree": agree}
         return {**about, **counts, "items": items, "notes": list(paper.notes)}
 
-    def parts(self) -> Iterator[Part]:
+    def parts(self) -> Iterator[Section]:
         """Yield the reading in words: what agrees, then item by item."""
         agree = sum(bool(row.agrees) for _, row in self.printed)
         said = f"{agree} of {len(self.printed)} printed numbers and statements come out to the last digit printed"
@@ -160,23 +138,25 @@ class Reading(NamedTuple):
             f"for {self.of}",
             *([said + "; the others have a remark" * (agree < len(self.printed))] if self.printed else []),
         )
-        yield Part(self.paper.title, lines=lines, notes=self.paper.notes)
+        yield Section(self.paper.title, lines=lines, notes=self.paper.notes)
         for item, rows in self.rows:
             yield part_of(item, rows)
 
 
-def part_of(item: Item, rows: Iterable[Row]) -> Part:
+def part_of(item: Item, rows: Iterable[Row]) -> Section:
     """Return an item and its rows in words."""
     title = f"{item.number}  {item.says}" + (f" [{item.unit}]" if item.unit else "")
     where, table = f"section {item.where} of the paper", _table(tuple(rows))
     if not table and item.rows is not nothing:
         where += "; no number of it follows from what is given"
-    return Part(title, lines=(where,), notes=(item.remark,) if item.remark else (), **table)
+    return Section(title, lines=(where,), notes=(item.remark,) if item.remark else (), **table)
 
 
 def _tree(row: Row) -> dict[str, Any]:
     def plain(one: Any) -> Any:
-        return one if one is None or isinstance(one, bool) else finite(significant(one))
+        if one is None or isinstance(one, bool) or not math.isfinite(one):
+            return one if isinstance(one, bool) else None
+        return significant(one)
 
     numbers = {"value": plain(row.value), "deviation": plain(row.deviation)}
     return {
@@ -208,56 +188,3 @@ def _shown(row: Row) -> str:
     if row.value is None or isinstance(row.value, bool) or not row.printed:
         return in_words(row.value, ".6g")
     return in_words(row.value, f".{max(0, 2 - int(Decimal(row.printed).as_tuple().exponent))}f")
-
-
-def read_paper(
-    name: str,
-    *,
-    scene: Path | None = None,
-    trials: TrialTable | None = None,
-    fit: Path | None = None,
-    reference_N: float | None = None,
-) -> Reading:
-    """Return a paper with its numbers for a scene, a fit or trials; for the machine that it publishes by default."""
-    if name not in PAPERS:
-        raise UnknownNameError(f"unknown paper {name!r}", key="PAPER", fix=did_you_mean(name, PAPERS))
-    paper: Paper = import_module(f"ropefric.papers.{name}").PAPER
-    of_prth = (
-        (trials, "--trials", "reduces trials"),
-        (reference_N, "--reference-tension", "has a reference tension"),
-    )
-    for given, key, what in of_prth:
-        if given is not None and name != "prth":
-            raise InputError(f"only prth {what}", key=key, fix=f"leave {key} out")
-    F_0 = 1.0 if reference_N is None else float(checked("reference_tension", reference_N))
-    if scene is None:
-        document = TomlDocument(path=paper.scene, data=tomllib.loads(scene_text(paper.scene)), lines={})
-        loaded = read_scene(document, Path(str(scenes.__file__)).parent)
-    else:
-        loaded = load_scene(scene)
-    if loaded.kind.name != paper.system:
-        why = f"the scene is one of a {loaded.kind.name}, the paper of a {paper.system}"
-        fix = f'give one with system = "{paper.system}"'
-        raise InputError(why, key="--scene", path=str(scene), fix=fix)
-    if fit is not None:
-        table = loaded.table.model_copy(update={"friction": FrictionTable(fit=fit.name)})
-        source = source_of(loaded.kind, table, fit.parent)
-        problem = loaded.kind.problem(table, None if source is None else source.friction)
-        loaded = replace(loaded, table=table, source=source, problem=problem)
-    case = Given(loaded, scene is None and fit is None, trials, F_0)
-    machine = paper.machine(case)
-    rows = tuple((item, tuple(_of(case, item.rows(machine)))) for item in paper.items)
-    whose = paper.of if scene is None else str(scene)
-    with_fit, beside = (f"the fit {fit}" if fit else ""), (trials.source if trials is not None else "")
-    own = paper.beside if scene is None and not with_fit and not beside else ""
-    of = "; ".join(filter(None, (whose, with_fit, beside, own)))
-    return Reading(name=name, paper=paper, of=of, machine=machine, rows=rows)
-
-
-def _of(given: Given, rows: Iterable[Row]) -> Iterator[Row]:
-    """Yield rows; what is printed belongs to the published machine alone, a word on it to where the two differ."""
-    for row in rows:
-        if row.printed and not given.published:
-            yield row._replace(printed="", remark="")
-        else:
-            yield row._replace(remark="") if row.agrees else row

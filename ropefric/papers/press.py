@@ -10,10 +10,11 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
-from ropefric.papers.paper import Given, Item, Paper, Row, Shown, shown
-from ropefric.scenes.kind import Line
+from ropefric.papers.paper import Item, Paper, Row, Shown, shown
+from ropefric.papers.reading import Given
+from ropefric.section import Line
 from ropefric.systems.effect import applicable, assemble
-from ropefric.systems.press.answer import PressAnswer, PressProblem, solve_press
+from ropefric.systems.press.answer import PressAnswer, solve_press
 from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import Press, Roller
 from ropefric.systems.press.slip import PressSweep, critical
@@ -80,13 +81,10 @@ def _machine(given: Given) -> Machine:
 
     over = swept(speed_m_s=speeds_m_s), swept(preload_N=preloads_N)
     both = swept(preload_N=few_N, speed_m_s=speeds_m_s)
-    moved = None if problem.start_up is None else _start_up(problem)
+    moved = None
+    if problem.start_up is not None:  # with all effects that can be simulated
+        moved = solve_press(assemble(SYSTEM, problem, applicable(SYSTEM.effects, problem))).start_up
     return Machine(answer, press, *over, both, ends, moved, given.published)
-
-
-def _start_up(problem: PressProblem) -> StartUp | None:
-    """Return the start-up of a scene that has one, with all effects that can be simulated."""
-    return solve_press(assemble(SYSTEM, problem, applicable(SYSTEM.effects, problem))).start_up
 
 
 def _each(

@@ -8,8 +8,9 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.papers.paper import Given, Item, Paper, Row, Shown, shown
-from ropefric.scenes.kind import Line
+from ropefric.papers.paper import Item, Paper, Row, Shown, shown
+from ropefric.papers.reading import Given
+from ropefric.section import Line
 from ropefric.systems.bandsaw.answer import SawProblem, feed_limit_N, torsion_frequencies_Hz
 from ropefric.systems.bandsaw.measured import deviation, explain_mounting
 from ropefric.systems.bandsaw.saw import MODELS, Saw, Side, span_of

@@ -343,10 +343,10 @@ def _draw_strip(
     usable = [one for one in numbered if _is_usable(one[1])]
     _draw_values(axes, usable)
     for order, trial, _ in usable:
-        rule = RULES[trial.rejected_by].label if trial.rejected_by in RULES else trial.rejected_by
-        reason = shorten(trial.excluded or rule, _LONGEST_REASON, placeholder=" …")
-        if trial.kept or not reason:
+        if trial.kept:
             continue
+        why = trial.excluded or RULES[trial.rejected_by].label
+        reason = shorten(why, _LONGEST_REASON, placeholder=" …")
         point = (order, trial.measured_N)
         if len(trials) > _CROWDED:
             style.note_at(axes, reason, point, 9.0, va="center", color=style.GREY, rotation=90, zorder=6)
@@ -420,7 +420,9 @@ def draw_recording(trial: TrialResult) -> FigureWithData:
         if outline is None:
             style.say_instead(axes, "the recording could not be read")
         else:
-            _draw_trace(axes, outline)
+            band: dict[str, Any] = {"label": "recorded, min to max", "color": style.BLUE, "alpha": 0.25}
+            axes.fill_between(outline.time_s, outline.low_N, outline.high_N, linewidth=0, **band)
+            axes.plot(outline.time_s, outline.smoothed_N, color=style.BLUE, linewidth=1.0, label="its mean")
         if math.isfinite(found.kinetic_N):
             text = f"sliding force F_k = {found.kinetic_N:.4g} N"
             look: dict[str, Any] = {"color": style.DARK_ORANGE, "linestyle": "--", "linewidth": 1.2}
@@ -439,12 +441,6 @@ def draw_recording(trial: TrialResult) -> FigureWithData:
         f"{style.shown(found.peak_time_s, 's')}, sliding at {style.shown(found.kinetic_N, 'N')}."
     )
     return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
-
-
-def _draw_trace(axes: Axes, outline: Outline) -> None:
-    label: dict[str, Any] = {"label": "recorded, min to max", "color": style.BLUE, "alpha": 0.25}
-    axes.fill_between(outline.time_s, outline.low_N, outline.high_N, linewidth=0, **label)
-    axes.plot(outline.time_s, outline.smoothed_N, color=style.BLUE, linewidth=1.0, label="its mean")
 
 
 def pages_of_recordings(trials: Sequence[TrialResult]) -> Iterator[tuple[TrialResult, ...]]:
@@ -468,7 +464,10 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
     down = max(math.ceil(len(trials) / ACROSS), 1)
     lines: dict[str, list[FloatArray]] = {fate: [] for fate in _FATES}
     picks: dict[str, list[tuple[float, float]]] = {fate: [] for fate in _FATES}
-    with drawing(10.0, 0.42 + 0.92 * down, margins=_margins(down)) as figure:
+    high_inch = 0.42 + 0.92 * down
+    # Room for a row of legend, whatever the height.
+    margins = {"left": 0.005, "right": 0.995, "top": 1.0, "bottom": 0.4 / high_inch}
+    with drawing(10.0, high_inch, margins=margins) as figure:
         axes = figure.subplots()
         axes.set(xlim=(0.0, ACROSS), ylim=(down, 0.0))
         axes.set_axis_off()
@@ -504,11 +503,6 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
     first, last = (trials[0].trial, trials[-1].trial) if trials else ("", "")
     alt = f"{counted(len(trials), 'recording')}, {first} to {last}, each with its pick; {without} without a force."
     return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
-
-
-def _margins(down: int) -> dict[str, float]:
-    """Return margins with room for a row of legend, whatever the height."""
-    return {"left": 0.005, "right": 0.995, "top": 1.0, "bottom": 0.4 / (0.42 + 0.92 * down)}
 
 
 def _write(axes: Axes, x: float, y: float, text: str, **look: Any) -> None:

@@ -32,7 +32,16 @@ from matplotlib.text import Text
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import csv_cell, csv_text, localized, visible
 from ropefric.glossary import counted
-from ropefric.plotting.style import TYPESET, figure_text, house_style, plain_text
+from ropefric.plotting.style import (
+    GREY,
+    LINE_STYLES,
+    TYPESET,
+    figure_text,
+    house_style,
+    legend_below,
+    plain_text,
+)
+from ropefric.section import Chart
 
 T = TypeVar("T")
 
@@ -190,6 +199,32 @@ def drawing(
     """Give an empty figure to draw on, in the house's style."""
     with house_style():
         yield new_figure(width_inch, height_inch, margins=margins)
+
+
+def draw_chart(chart: Chart) -> FigureWithData:
+    """Return the figure of a chart: its lines, thin grey ones for limits, a point where a line has one value."""
+    with drawing(9.0, 6.0) as figure:
+        axes = figure.subplots()
+        drawn = 0
+        for line in chart.lines:
+            if line.limit:
+                axes.plot(line.x, line.y, color=GREY, linewidth=1.0, label=line.name)
+                continue
+            dot: dict[str, Any] = {"marker": "os^Dv*"[drawn % 6], "linestyle": "none"}
+            look = dot if line.points or line.x.size == 1 else {"linestyle": LINE_STYLES[drawn % 4]}
+            axes.plot(line.x, line.y, label=line.name, **look)
+            drawn += 1
+        axes.set(xlabel=chart.x_label, ylabel=chart.y_label)
+        axes.set_title(chart.title)
+        legend_below(axes)
+    names = [line.name for line in chart.lines]
+    columns = {
+        "line": np.repeat(names, [line.x.size for line in chart.lines]),
+        chart.x_column: np.concatenate([line.x for line in chart.lines], dtype=np.float64),
+        chart.y_column: np.concatenate([line.y for line in chart.lines], dtype=np.float64),
+    }
+    alt = f"{chart.title}: {chart.y_label} over {chart.x_label} of {', '.join(names)}."
+    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
 
 
 def save_figure(

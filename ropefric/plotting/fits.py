@@ -15,7 +15,7 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.fitting.predict import REGRESSORS, degrees_of_freedom, predict
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import SETTINGS, Conditions, condition_groups, levels, same_setting
+from ropefric.friction.condition import SETTINGS, Conditions, along_one, levels, same_setting
 from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
@@ -83,11 +83,8 @@ def _settings_of(fit: FitResult, over: str) -> dict[str, float]:
     known = {name: math.sqrt(max(low, 0.0) * high) for name, (low, high) in fit.validity.items()}
     conditions = condition_points(fit).conditions
     if len(conditions):
-        held = [getattr(conditions, name) for name in others]
-        group, along = condition_groups(*held), levels(getattr(conditions, over))
-        sizes = [np.unique(along[group == number]).size for number in range(int(group.max()) + 1)]
-        first = int(np.argmax(group == int(np.argmax(sizes))))  # the first of equals
-        known |= {name: float(values[first]) for name, values in zip(others, held, strict=True)}
+        first = along_one(conditions, over)[0][0]
+        known |= {name: float(getattr(conditions, name)[first]) for name in others}
     return {name: known[name] for name in others}
 
 

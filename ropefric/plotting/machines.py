@@ -1,7 +1,7 @@
 """The figures of scenes: charts, sweeps as lines or a map, a press's start-up, a saw's Campbell chart."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import cycle
 from typing import Any
 
@@ -12,8 +12,8 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.glossary import GLOSSARY
 from ropefric.plotting import style
-from ropefric.plotting.figure import DataTable, FigureWithData, drawing
-from ropefric.scenes.kind import Chart, Wheel
+from ropefric.plotting.figure import DataTable, FigureWithData, draw_chart, drawing
+from ropefric.scenes.kind import Wheel
 from ropefric.scenes.plan import Explanation
 from ropefric.scenes.scene import Scene
 from ropefric.scenes.solve import Solution
@@ -22,7 +22,6 @@ from ropefric.systems.bandsaw.resonance import Excitation, SawChart
 from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.press.transient.start_up import StartUp
 
-_MARKERS = "os^Dv*"
 _MOST_LINES = 6
 _DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
 _DRAWN_POINTS, _DRAWN_CELLS = 2000, 250
@@ -34,33 +33,7 @@ def scene_figures(solution: Solution) -> Iterator[tuple[str, FigureWithData]]:
     for stem, figure in solution.scene.kind.figures.items():
         data = figure.data(solution.answer, solution.scene.problem)
         if data is not None:
-            yield stem, globals()[figure.drawn_by](data)
-
-
-def draw_chart(chart: Chart) -> FigureWithData:
-    """Return the figure of a chart: its lines, thin grey ones for limits, a point where a line has one value."""
-    with drawing(9.0, 6.0) as figure:
-        axes = figure.subplots()
-        drawn = 0
-        for line in chart.lines:
-            if line.limit:
-                axes.plot(line.x, line.y, color=style.GREY, linewidth=1.0, label=line.name)
-                continue
-            dot: dict[str, Any] = {"marker": _MARKERS[drawn % 6], "linestyle": "none"}
-            look = dot if line.points or line.x.size == 1 else {"linestyle": style.LINE_STYLES[drawn % 4]}
-            axes.plot(line.x, line.y, label=line.name, **look)
-            drawn += 1
-        axes.set(xlabel=chart.x_label, ylabel=chart.y_label)
-        axes.set_title(chart.title)
-        style.legend_below(axes)
-    names = [line.name for line in chart.lines]
-    columns = {
-        "line": np.repeat(names, [line.x.size for line in chart.lines]),
-        chart.x_column: np.concatenate([line.x for line in chart.lines], dtype=np.float64),
-        chart.y_column: np.concatenate([line.y for line in chart.lines], dtype=np.float64),
-    }
-    alt = f"{chart.title}: {chart.y_label} over {chart.x_label} of {', '.join(names)}."
-    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
+            yield stem, _DRAWN[figure.drawn_by](data)
 
 
 def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
@@ -214,14 +187,14 @@ _LEFT_BEHIND = 0.02
 _FLOOR = 1e-16
 
 
-def _same_lines(names: Iterable[str], lines: FloatArray, prefix: str) -> dict[str, FloatArray]:
+def _same_tensions(names: Iterable[str], lines: FloatArray) -> dict[str, FloatArray]:
     """Return each different line once, under all its names."""
     groups: list[tuple[list[str], FloatArray]] = []
     for name, line in zip(names, lines.T, strict=True):
         alike = (members for members, other in groups if np.allclose(line, other, rtol=1e-9, atol=1e-12))
         if (members := next(alike, None)) is None:
             groups.append((members := [], line))
-        members.append(f"{prefix}_{name}")
+        members.append(f"T_{name}")
     return {", ".join(members): line for members, line in groups}
 
 
@@ -272,7 +245,7 @@ def draw_press_start_up(found: StartUp) -> FigureWithData:
         tension, speed, slip, energy = panels
         tension.set_xlim(found.time_s[0], found.time_s[-1])
         tension.set(title="Start-up: tension of every span, all its belts together", ylabel="Tension T [N]")
-        lines = _same_lines(spans, found.tension_N, "T")
+        lines = _same_tensions(spans, found.tension_N)
         for i, (line, color) in enumerate(zip(lines.values(), style.shades(len(lines)), strict=True)):
             tension.plot(found.time_s, line, color=color, linestyle=style.LINE_STYLES[i % 4], linewidth=1.3)
         tension.set_ylim(bottom=0.0)
@@ -443,3 +416,9 @@ def _draw_crossings(axes: Axes, chart: SawChart, top_Hz: float) -> None:
             words = f"{100.0 * crossing.speed_margin:+.0f} %".replace("-", "\N{MINUS SIGN}")
             look: dict[str, Any] = {"va": "bottom" if up > 0.0 else "top", "bbox": _BACKGROUND, "zorder": 5}
             style.note_at(axes, words, point, up=6.0 * up, color=color, **look)
+
+
+_DRAWN: dict[str, Callable[[Any], FigureWithData]] = {
+    draw.__name__: draw for draw in (draw_chart, draw_press_start_up, draw_saw_chart)
+}
+"""What a kind of scene may name to draw its figures."""

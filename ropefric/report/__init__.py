@@ -1,7 +1,6 @@
 """Results as text and HTML for people; nothing is computed here.
 
 In come the results of the rooms below; out go sections for the terminal, summary.txt, report.html and cost.html.
-- `section`: what is told, as data (tables, sections, numbers as people read them), and its text
 - `parts`: a section for each kind of result: fit, comparison, diagnosis, prediction, plan of tests, uncertainty
 - `scene`: the same for what a scene's solution, plan and sweep say
 - `page`: a whole report as data, the one HTML page that shows any report, its equations, the same printed as PDF; the

@@ -11,12 +11,11 @@ from ropefric import pipeline
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import json_document
 from ropefric.glossary import counted
-from ropefric.papers.prth import reduction_of
+from ropefric.papers.reduction import reduction_of
 from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
 from ropefric.report import page, parts
 from ropefric.report.page import USUAL, Alert, Block, Chapter, Fold, Picture, Report, Subject, Wish
-from ropefric.report.section import Section, as_text, percent, plain
-from ropefric.scenes.kind import Part
+from ropefric.section import Section, as_text, percent, plain
 from ropefric.traces.breakaway import ADVICE, Status
 from ropefric.trials import result
 from ropefric.trials.campaign_model import ReportWords
@@ -87,7 +86,9 @@ def write_table_report(
 
     The inputs are the table and, where there is one, the file that says more about it, from where `words` are.
     """
-    evidence, tally, table = pipeline.gather_evidence(answer), table_tally(answer), inputs[0]
+    evidence, table, found = pipeline.gather_evidence(answer), inputs[0], answer.fit.statistics
+    trials = counted(len(answer.table.trial), "trial")
+    tally = f"{trials} of {counted(found.n_conditions, 'condition')}: {found.n} fitted"
     provenance = pipeline.trace_table(answer, evidence, inputs)
     measured = [("Trial table", table.name)]
     subject = Subject(table.stem, tally, answer, evidence, provenance, words, measured, wish=wish)
@@ -105,7 +106,7 @@ def _write(
     progress: Progress | None,
 ) -> tuple[Path, ...]:
     pictures: Pictures = {}
-    reduced, of_paper = reduction_of(subject.answer.table)
+    reduced, of_paper = reduction_of(subject.answer.table, subject.answer.fits)
     if subject.wish.figures:
         from ropefric.report.pictures import draw_pictures  # noqa: PLC0415  (matplotlib takes half a second)
 
@@ -150,20 +151,13 @@ def answer_sections(answer: CampaignAnswer) -> tuple[Section, ...]:
     return sections if lift is None else (*sections, parts.prediction_section(lift))
 
 
-def table_tally(answer: CampaignAnswer) -> str:
-    """Return how many trials of a table count."""
-    found = answer.fit.statistics
-    trials, used = counted(len(answer.table.trial), "trial"), found.n
-    return f"{trials} of {counted(found.n_conditions, 'condition')}: {used} fitted"
-
-
 def _tally(extraction: result.Extraction) -> str:
     counts = result.count_trials(extraction)
     trials, conditions = counted(counts["n_trials"], "trial"), counted(counts["n_conditions"], "condition")
     return f"{trials} of {conditions}: {result.outcome_words(counts)}"
 
 
-def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Part]) -> Report:
+def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Section]) -> Report:
     """Return a report: the result on the first pages, then what to know, the evidence, settings and provenance."""
     answer, evidence, run = subject.answer, subject.evidence, subject.run
     by_hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
@@ -192,7 +186,7 @@ def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Part]) -> Re
             *(drawn for key in _OF_LAW for drawn in pictures.get(key, ())),
             *parts.notes_sections(answer.fit),
         ],
-        "paper": [*(Section(**part._asdict()) for part in reduced), *pictures.get("paper", ())],
+        "paper": [*reduced, *pictures.get("paper", ())],
         "uncertainty": _uncertainty(evidence, pictures),
         "design": [*pictures.get("design", ()), *([by_hand] if evidence.hand else [])],
         "next": [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)] if evidence.plan else (),
@@ -224,7 +218,9 @@ def _alerts_of_answer(answer: CampaignAnswer, evidence: Evidence, *, asked: bool
     """Give what stands against a law and its lift force, or ought to be kept in mind; whether one was `asked` for."""
     verdict, prediction = answer.verdict, answer.prediction
     if not verdict.supported:
-        yield Alert("stop", f"The law {answer.fit.law} is {verdict.word}", verdict.reason)
+        of_lift = answer.winner.verdict.supported
+        what = f"The lift force by {answer.fit.law}" if of_lift else f"The law {answer.fit.law}"
+        yield Alert("stop", f"{what} is {verdict.word}", verdict.reason)
     for doubt in answer.doubts:
         if doubt not in verdict.reasons:
             yield Alert("doubt", "About the law", doubt)
@@ -257,13 +253,9 @@ def _alerts_of_trials(extraction: result.Extraction) -> Iterator[Alert]:
             yield Alert("doubt", f"{what}: {why}", f"{names}. {_advice(Status(why), alike)}")
         elif grave == 1:
             text = f"{names}. They take no part in the law; look for a physical reason."
-            yield Alert("note", f"{what} by the rule {why} ({_rule_label(why)})", text)
+            yield Alert("note", f"{what} by the rule {why} ({RULES[why].label})", text)
         else:
             yield Alert("note", f"{what}: {why}", f"{names}.")
-
-
-def _rule_label(rule: str) -> str:
-    return RULES[rule].label if rule in RULES else rule
 
 
 def _advice(status: Status, flagged: Sequence[result.TrialResult]) -> str:
@@ -375,7 +367,7 @@ def _why(trial: result.TrialResult, summary: result.ConditionSummary | None) -> 
         return trial.excluded
     if trial.breakaway.status is not Status.OK:
         return trial.why_no_force
-    rule = _rule_label(trial.rejected_by)
+    rule = RULES[trial.rejected_by].label
     if summary is None:
         return rule
     return f"{rule}; mean of all {plain(summary.mean_all_N)} N, s = {plain(summary.std_all_N, '.2g')} N"

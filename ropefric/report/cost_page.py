@@ -12,7 +12,7 @@ from ropefric.files.folder import Folder, as_folder
 from ropefric.plotting.figure import save_figure, svg_text
 from ropefric.plotting.work_precision import draw_work_precision
 from ropefric.report.page import Chapter, Picture, Report, as_html
-from ropefric.report.section import Section, plain
+from ropefric.section import Section, plain
 
 TITLE = "What accuracy costs in time"
 

@@ -26,7 +26,7 @@ from ropefric.friction.law import FrictionLaw
 from ropefric.glossary import counted
 from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
 from ropefric.report import parts
-from ropefric.report.section import Section, interval, percent, plain
+from ropefric.section import Section, interval, percent, plain
 from ropefric.trials.campaign_model import ReportWords
 
 _INDEXED = re.compile(r"\b([RFuUkνμδ]|mu)_(w|r|A|B|R|c|eff|tr|lin|hys|sm|q|inf|rope)\b")

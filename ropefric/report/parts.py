@@ -8,11 +8,11 @@ import numpy as np
 from ropefric.fitting.compare import Comparison
 from ropefric.fitting.diagnose import WORDS, Diagnosis
 from ropefric.fitting.next_tests import LabPlan
-from ropefric.fitting.predict import REGRESSORS, Candidate, Prediction
+from ropefric.fitting.predict import REGRESSORS, Prediction
 from ropefric.fitting.result import FitResult, Verdict
 from ropefric.friction.condition import Conditions
 from ropefric.glossary import counted
-from ropefric.report.section import Section, interval, percent, plain, shorthand
+from ropefric.section import Section, interval, percent, plain, shorthand
 from ropefric.trials.result import ConditionSummary
 from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Statement, numerical_tolerance
 from ropefric.uncertainty.quantity import Quantity
@@ -51,7 +51,7 @@ def fit_section(fit: FitResult, title: str = "", *, short: bool = False) -> Sect
 
 def notes_sections(fit: FitResult) -> tuple[Section, Section]:
     """Return what is doubtful about a fit, and how it was made."""
-    doubts = tuple(dict.fromkeys((*(text for _, text in fit.doubts), *fit.advice)))
+    doubts = tuple(dict.fromkeys((*(text for _, text in fit.doubts or fit.untested()), *fit.advice)))
     doubtful = Section("Doubts", notes=doubts or ("nothing was found",))
     return doubtful, Section("How it was made", notes=fit.notes)
 
@@ -96,28 +96,30 @@ def diagnosis_section(diagnosis: Diagnosis, *, full: bool = False) -> Section:
     return Section("Does it obey the capstan equation?", (diagnosis.summary,), notes=notes)
 
 
-def prediction_section(prediction: Prediction, index: int = 0) -> Section:
-    """Return the lift force of one condition with both its intervals."""
+def prediction_section(prediction: Prediction) -> Section:
+    """Return the lift force of the first condition with both its intervals."""
     level = f"{100 * prediction.level:g} %"
-    lift, std = plain(prediction.lift_force_N[index], ".5g"), _newtons(prediction.std_N[index])
+    lift, std = plain(prediction.lift_force_N[0], ".5g"), _newtons(prediction.std_N[0])
     is_kinetic = prediction.of == "kinetic"
     title, symbol = ("Kinetic force", "F_A while sliding") if is_kinetic else ("Lift force", "F_A")
     by = f"{' and '.join(prediction.averaged)}, averaged" if prediction.averaged else prediction.law
     lines = [
-        f"{_where(prediction.conditions, index, rope=True)}:",
+        f"{_where(prediction.conditions, 0, rope=True)}:",
         f"{symbol} = {lift} N by {by}, standard error {std}",
-        f"{level} confidence interval of the mean: {_span(prediction.interval_N[index])}",
+        f"{level} confidence interval of the mean: {_span(prediction.interval_N[0])}",
     ]
-    wide = prediction.prediction_interval_N[index]
+    wide = prediction.prediction_interval_N[0]
     if not math.isnan(float(wide[0])):
         lines.append(f"{level} prediction interval of one pull with a new rope: {interval(wide)} N")
-    verdict = prediction.verdict(index)
+    verdict = prediction.verdict()
     lines.append(f"{verdict.word}: {verdict.reason}")
-    notes = [note for note in prediction.notes(index) if note not in verdict.reasons]
+    notes = [note for note in prediction.notes() if note not in verdict.reasons]
     if not verdict.supported and prediction.spread_N is not None:
         low, high = prediction.spread_N
         lines.append(f"laws that the data do not tell apart answer {plain(low)} … {plain(high)} N:")
-        notes[:0] = [_candidate(item) for item in prediction.candidates]
+        for one in reversed(prediction.candidates):
+            error = f"standard error {_newtons(one.std_N)}, interval {_span(one.interval_N)}"
+            notes.insert(0, f"{one.law}: {plain(one.lift_force_N, '.5g')} N, {error}")
     return Section(title, lines, notes=notes)
 
 
@@ -137,11 +139,6 @@ def _where(at: Conditions, i: int, *, rope: bool = False) -> str:
     of_rope = f"rope of {plain(2e3 * at.rope_radius_m[i])} mm, " if rope else ""
     wheel, wrap = plain(1e3 * at.wheel_radius_m[i]), plain(math.degrees(at.wrap_angle_rad[i]))
     return f"R_w = {wheel} mm, {of_rope}wrap {wrap} deg, F_B = {plain(at.end_tension_N[i])} N"
-
-
-def _candidate(item: Candidate) -> str:
-    error = f"standard error {_newtons(item.std_N)}, interval {_span(item.interval_N)}"
-    return f"{item.law}: {plain(item.lift_force_N, '.5g')} N, {error}"
 
 
 def _newtons(value: float) -> str:

@@ -12,10 +12,8 @@ from ropefric.pipeline import CampaignAnswer, Evidence
 from ropefric.plotting import campaign as of_trials
 from ropefric.plotting import fits as of_laws
 from ropefric.plotting.design import draw_budget, draw_design_chart, draw_ladder, draw_tornado
-from ropefric.plotting.figure import FigureWithData, begin, figure_files, localize, svg_text
-from ropefric.plotting.machines import draw_chart
+from ropefric.plotting.figure import FigureWithData, begin, draw_chart, figure_files, localize, svg_text
 from ropefric.report.page import Picture, Subject
-from ropefric.traces.breakaway import Breakaway
 from ropefric.trials.result import Extraction, TrialResult
 
 FOLDER = "figures"
@@ -92,12 +90,9 @@ def typical_trial(extraction: Extraction, number: int) -> TrialResult | None:
     for item in (*extraction.conditions[max(number - 1, 0) : number], *extraction.conditions):
         kept = [by_name[name] for name in item.trials if by_name[name].kept and by_name[name].outline]
         if kept:
-            return min(kept, key=lambda t: (_has_more(t.breakaway), abs(t.measured_N - item.mean_kept_N)))
+            more = {t.trial: bool(t.breakaway.events or t.breakaway.notes) for t in kept}
+            return min(kept, key=lambda t: (more[t.trial], abs(t.measured_N - item.mean_kept_N)))
     return None
-
-
-def _has_more(found: Breakaway) -> bool:
-    return bool(found.events or found.notes)
 
 
 def _swept(answer: CampaignAnswer) -> list[str]:

@@ -6,7 +6,7 @@ from itertools import accumulate, product
 from typing import TYPE_CHECKING, Any
 
 from ropefric.glossary import GLOSSARY, counted
-from ropefric.report.section import Section, plain, to_error
+from ropefric.section import Section, plain, to_error
 
 if TYPE_CHECKING:
     from ropefric.scenes.draws import Draws
@@ -41,7 +41,7 @@ def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Sec
     ]
     return [
         Section(title, lines, headings, rows, notes=solution.warnings),
-        *(Section(**part._asdict()) for part in scene.kind.sections(tree)),
+        *scene.kind.sections(tree),
         Section("Simulated", simulated),
     ]
 
@@ -89,7 +89,10 @@ def _method(plan: "Plan") -> str:
 def explanation_sections(told: "Explanation") -> list[Section]:
     """Return the table of effects and the method, with what was measured if anything was."""
     plan = told.plan
-    rows = [[one.name, one.fate, _bound(one)] for one in plan.decisions]
+    rows = []
+    for one in plan.decisions:
+        known = "not known" if math.isinf(one.bound) else f"{one.bound:.2g}"
+        rows.append([one.name, one.fate, "–" if one.fate == "not applicable" else known])
     bound = "not known" if math.isinf(plan.error_bound) else f"{plan.error_bound:.2g}"
     lines = [
         f"accuracy wanted {plan.accuracy:g}; difference to simulating everything at most {bound}",
@@ -114,12 +117,6 @@ def _why(decision: "Decision") -> str:
     if len(missing) <= _NAMED:
         return decision.why
     return f"the scene does not give {', '.join(missing[:_NAMED])} and {len(missing) - _NAMED} more"
-
-
-def _bound(decision: "Decision") -> str:
-    if decision.fate == "not applicable":
-        return "–"
-    return "not known" if math.isinf(decision.bound) else f"{decision.bound:.2g}"
 
 
 def _time(seconds: float) -> str:

@@ -14,6 +14,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.files.toml_model import StrictTable, choice, got, quantity, reject, text
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.quantities import LARGEST, SMALLEST, in_range
+from ropefric.section import Section, in_words
 from ropefric.systems.effect import System
 
 
@@ -297,38 +298,6 @@ class Failure(NamedTuple):
         return np.asarray(np.abs(self.value - self.limit) <= error * np.abs(self.value))
 
 
-class Part(NamedTuple):
-    """A part of an answer in words: a heading, lines, and at most one table; its first `left` columns are words."""
-
-    title: str
-    lines: tuple[str, ...] = ()
-    headings: tuple[str, ...] = ()
-    rows: tuple[tuple[str, ...], ...] = ()
-    left: int = 1
-    notes: tuple[str, ...] = ()
-
-
-class Line(NamedTuple):
-    """A line of a chart; a point where it has one value, or `points`; a limit drawn thin where `limit` says so."""
-
-    name: str
-    x: FloatArray
-    y: FloatArray
-    limit: bool = False
-    points: bool = False
-
-
-class Chart(NamedTuple):
-    """A figure as data: lines over one axis, whose columns are named as in a table."""
-
-    title: str
-    x_column: str
-    x_label: str
-    y_column: str
-    y_label: str
-    lines: tuple[Line, ...]
-
-
 class Wheel(NamedTuple):
     """A wheel of a machine's layout: what part it plays, how far what runs over it lies on it, and what pulls there.
 
@@ -432,7 +401,7 @@ class Kind:
     kept: Callable[[Any], Mapping[str, str]] = lambda problem: {}  # noqa: ARG005  (none)
     in_one_call: Callable[[Any], bool] = lambda problem: True  # noqa: ARG005  (every problem)
     keys: Mapping[str, str] = field(default_factory=dict)
-    sections: Callable[[Mapping[str, Any]], tuple[Part, ...]] = lambda tree: ()  # noqa: ARG005  (no more to say)
+    sections: Callable[[Mapping[str, Any]], tuple[Section, ...]] = lambda tree: ()  # noqa: ARG005  (no more to say)
     histories: Mapping[str, Callable[[Any], Mapping[str, FloatArray] | None]] = field(default_factory=dict)
     figures: Mapping[str, Figure] = field(default_factory=dict)
     beyond: Mapping[str, str] = field(default_factory=dict)
@@ -502,16 +471,7 @@ def cells(one: Mapping[str, Any], columns: Iterable[tuple[Any, ...]]) -> tuple[s
     return tuple(in_words(one.get(name), *form) for name, *form in columns)
 
 
-def by_rows(title: str, what: str, rows: Mapping[str, Any], columns: Columns, **more: Any) -> Part:
+def by_rows(title: str, what: str, rows: Mapping[str, Any], columns: Columns, **more: Any) -> Section:
     """Return a part with a table of rows by name, and the lines or notes that come with it."""
     found = tuple((name, *cells(one, columns.values())) for name, one in rows.items())
-    return Part(title, headings=(what, *columns), rows=found, **more)
-
-
-def in_words(value: float | None, form: str = ".4g", factor: float = 1.0) -> str:
-    """Return a number as a table shows it: a dash where there is none, 0 for what only rounding left; yes or no."""
-    if value is None or not math.isfinite(value):
-        return "–"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return format(0.0 if abs(value) < 1e-12 else factor * value, form)
+    return Section(title, headings=(what, *columns), rows=found, **more)

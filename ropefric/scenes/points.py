@@ -120,10 +120,14 @@ def solve_points(
                 failed += places.size
                 first_failure = first_failure or found.problem.message
                 continue
+            whole = places.size == stop - start
             for quantity in found.quantities:
-                block.setdefault(quantity.name, np.full(stop - start, np.nan))[places - start] = (
-                    quantity.value
-                )
+                if whole:
+                    block[quantity.name] = np.broadcast_to(quantity.value, places.shape)
+                    continue
+                if quantity.name not in block:
+                    block[quantity.name] = np.full(stop - start, np.nan)
+                block[quantity.name][places - start] = quantity.value
             simulated |= found.simulated
             error_bound = max(error_bound, found.error_bound)
             left_out.update(dict.fromkeys(found.left_out, places.size))
@@ -177,13 +181,16 @@ class Kept:
             thinned = [one[chosen] // step for one, step in zip(grid, self.steps, strict=True)]
             places = np.ravel_multi_index(thinned, self._thinned)
         for name, values in block.items():
-            self.columns.setdefault(name, np.full(prod(self._thinned), np.nan))[places] = values[chosen]
+            if name not in self.columns:
+                self.columns[name] = np.full(prod(self._thinned), np.nan)
+            self.columns[name][places] = values[chosen]
+            unknown = np.isnan(values)
+            known = values[~unknown] if unknown.any() else values
             low, high = self.ranges.get(name, (math.nan, math.nan))
-            self.ranges[name] = (
-                float(np.fmin(low, np.fmin.reduce(values))),
-                float(np.fmax(high, np.fmax.reduce(values))),
-            )
-            self._sums[name] = _joined(self._sums.get(name, (0, 0.0, 0.0)), values[~np.isnan(values)])
+            if known.size:
+                low, high = float(np.fmin(low, known.min())), float(np.fmax(high, known.max()))
+            self.ranges[name] = low, high
+            self._sums[name] = _joined(self._sums.get(name, (0, 0.0, 0.0)), known)
 
     def moments(self, name: str) -> tuple[int, float, float]:
         """Return how many points have a number, and the mean and standard deviation of all of these."""
@@ -285,16 +292,16 @@ class _Run:
             answer = self._answer(box, names)[0]
             bounds = [one.each(box, answer) for one in tried if one.each]
             if (sum(bounds, np.zeros(box.n)) <= self.room).any():
-                break
+                # Where none changes anything a law looks at none, and none takes time.
+                return frozenset(one.name for one in tried if any(bound.any() for bound in bounds))
             tried.pop(int(np.argmax([one.min() for one in bounds])))
-        return frozenset(one.name for one in tried)
+        return frozenset()
 
     def _bounds(self, problem: Any, answer: Any = None) -> FloatArray:
         """Return what leaving out all that may go changes at most, shape (n,); without an answer no more than that."""
         effects = (self.kind.system.effects[name] for name in self.gone)
-        return np.asarray(
-            sum((one.each(problem, answer) for one in effects if one.each), np.zeros(problem.n))
-        )
+        bounds = sum(one.each(problem, answer) for one in effects if one.each)
+        return np.broadcast_to(np.asarray(bounds), (problem.n,))
 
     def _answer(self, problem: Any, simulated: frozenset[str]) -> tuple[Any, float]:
         """Return what a problem gives with some effects, and how far the method may be off."""
@@ -379,8 +386,9 @@ class _Run:
             sure = (bounds <= self.room) & _is_settled(found, error, self.scene.accuracy)
             if sure.any():
                 most = float(error[sure].max())
-                some[np.flatnonzero(some)[~sure]] = False
-                found = found if sure.all() else found.at(sure)
+                if not sure.all():
+                    some[np.flatnonzero(some)[~sure]] = False
+                    found = found.at(sure)
                 return some, found._replace(
                     left_out=self.gone, error_bound=most + found.error_bound * (1.0 + most)
                 )

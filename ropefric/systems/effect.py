@@ -39,15 +39,15 @@ class Effect(Generic[P]):
         Its name in scenes.
     adds : str
         What it brings into the model, in words.
-    instead : str
-        What stands in its place when it is left out.
+    instead : str or callable
+        What stands in its place when it is left out, or `instead(problem)` where that depends.
     needs : callable
         `needs(problem)` returns the scene keys that are missing for it; empty where it can be simulated.
     influence : callable
         `influence(problem)` returns an upper bound of |ln(with it / without it)| of every number of the answer,
         whatever other effects are simulated; `inf` where none is known. Called only where nothing is missing.
     each : callable or None
-        `each(problem, answer)` returns such a bound for each of many cases, shape (n,), in a fraction of the time of
+        `each(problem, answer)` returns such a bound for each of many cases, shape (n,) or (1,), in a fraction of the time of
         solving them, from the answer to them without it; without an answer what is known before, which is no more than
         that. An effect that has none is simulated in every sweep.
     cost : float
@@ -62,7 +62,7 @@ class Effect(Generic[P]):
 
     name: str
     adds: str
-    instead: str
+    instead: str | Callable[[P], str]
     influence: Callable[[P], float] = unknown
     each: Callable[[P, Any], FloatArray] | None = None
     cost: float = 0.0

@@ -32,7 +32,7 @@ EFFECTS = {
         *("gravity-load", "squeeze-load", "belt-inertia", "tensioner-spring", "belt-elasticity"),
         "elastic-creep",
         *("wrap-dependence", "size", "belt-damping", "tensioner-damping", "arc-inertia"),
-        *("transient-friction", "exact-switching", "transient"),
+        *("transient-friction", "exact-switching", "fast-modes", "slow-modes", "transient"),
     ],
     "fast-band-saw": ["tension-difference", "wheel-inertia-tension", "travel", "bending", "torsion"],
 }

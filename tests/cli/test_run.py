@@ -125,6 +125,15 @@ def test_a_campaign_that_is_not_there_is_3(call, tmp_path):
     assert call("run", tmp_path / "nowhere.toml", "--out", tmp_path / "out").code == 3
 
 
+@pytest.mark.parametrize("command", ["run", "extract"])
+def test_a_table_in_place_of_a_campaign_is_3_and_told_what_takes_it(call, tmp_path, command):
+    (tmp_path / "trials.csv").write_text("trial,file\n", encoding="utf-8")
+    done = call(command, tmp_path / "trials.csv", "--out", tmp_path / "out")
+    assert done.code == 3
+    assert "this is a table, not a campaign" in done.err
+    assert "`ropefric report` answers a table of forces" in done.err
+
+
 def test_one_count_is_said_everywhere_and_adds_up(call, bench, tmp_path):
     """Kept, rejected, excluded and without a force: each trial is one of these, wherever it is counted."""
     folder = tmp_path / "campaign"

@@ -9,7 +9,7 @@ import pytest
 
 from ropefric.cli import app
 from ropefric.cli.app import find_commands, main
-from ropefric.report.section import Section, as_text, fold, folded, shorthand, to_error
+from ropefric.section import Section, as_text, fold, folded, shorthand, to_error
 
 ROOT = Path(__file__).parents[2]
 FIT = f"--fit {ROOT}/fits/prth-coupled.json --wheel-radius '35 mm' --wrap '400 deg' --end-tension '60 N'"

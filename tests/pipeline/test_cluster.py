@@ -9,7 +9,6 @@ from concurrent.futures import Executor
 from dataclasses import fields, replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from distributed import Client, LocalCluster
 
@@ -193,7 +192,8 @@ def test_a_recording_that_kills_its_reader_costs_that_recording(client, bench, t
 
 @pytest.mark.slow
 def test_twenty_thousand_recordings_and_a_worker_killed_in_the_middle(client, tmp_path):
-    lab = many_pulls(tmp_path / "lab", 20_000)
+    scale = runpy.run_path(str(ROOT / "docs" / "scale" / "measure.py"))
+    lab = scale["campaign"](tmp_path / "lab", 20_000)
 
     def progress(done, _total, _said):
         if done == 10_000:
@@ -205,28 +205,3 @@ def test_twenty_thousand_recordings_and_a_worker_killed_in_the_middle(client, tm
     assert len(found.conditions) == 2_000
     alone = rf.extract(campaign)
     assert written(found, tmp_path / "two") == written(alone, tmp_path / "one")
-
-
-def many_pulls(folder, n):
-    """A campaign of `n` recordings of 400 samples, ten a condition; a hundred different ones, and links to them."""
-    time_s = np.arange(400) / 200.0
-    (folder / "traces").mkdir(parents=True)
-    rows = []
-    for i in range(n):
-        path = folder / "traces" / f"{i:05}.csv"
-        if i < 100:
-            rng = np.random.default_rng(i)
-            force_N = (60.0 + 0.4 * i) * np.interp(time_s, [0.3, 1.3, 1.32], [0.0, 1.0, 0.8])
-            force_N += rng.normal(0.0, 0.05, time_s.size)
-            lines = [f"{t:.3f},{f:.4f}" for t, f in zip(time_s, force_N, strict=True)]
-            path.write_text("\n".join(["time_s,force_N", *lines, ""]), encoding="utf-8")
-        else:
-            os.link(folder / "traces" / f"{i % 100:05}.csv", path)
-        rows.append(f"traces/{path.name},40,{90 + i // 10 % 40},{10 + i // 400 * 0.5}")
-    header = "file,wheel_radius_mm,wrap_angle_deg,end_tension_N"
-    (folder / "trials.csv").write_text("\n".join([header, *rows, ""]), encoding="utf-8")
-    settings = (
-        'schema = "ropefric.campaign/1"\nname = "many"\ntrials = "trials.csv"\n[rope]\ndiameter = "9.8 mm"\n'
-    )
-    (folder / "campaign.toml").write_text(settings, encoding="utf-8")
-    return folder / "campaign.toml"

@@ -10,6 +10,7 @@ from ropefric.cli.app import main
 from ropefric.files.folder import OutputFolder
 from ropefric.fitting.compare import choose_law
 from ropefric.fitting.predict import predict
+from ropefric.fitting.result import Verdict
 from ropefric.friction.condition import one_condition
 from ropefric.pipeline import run_campaign
 from ropefric.report.campaign import write_report
@@ -88,8 +89,17 @@ def test_a_law_not_to_be_trusted_is_the_first_thing_to_be_read(run, tmp_path):
     assert 'class="stop"' in first
     assert "Do not use" in first
     assert "coupled" in first
+    assert f"The law coupled is {winner.verdict.word}" in first
     assert f"coupled, {winner.verdict.word}" in page
     assert "--law coupled" in page
+
+
+def test_an_undecided_lift_force_is_not_called_an_undecided_law(run, tmp_path):
+    assert run.answer.winner.verdict.supported
+    doubted = replace(run.answer.prediction, judged=Verdict(word="undecided", reasons=("it is far off",)))
+    page = without_figures(with_prediction(run, doubted), tmp_path)
+    first = page[page.index('<ul class="alerts">') :].split("</li>")[0]
+    assert f"The lift force by {run.answer.fit.law} is undecided" in first
 
 
 def test_a_design_beyond_what_was_tested_is_doubted(run, tmp_path):

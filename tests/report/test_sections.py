@@ -5,7 +5,7 @@ import math
 import pytest
 
 from ropefric.report.page import Chapter, Report, as_html
-from ropefric.report.section import WIDTH, Section, as_text, interval, plain
+from ropefric.section import WIDTH, Section, as_text, interval, plain
 
 TABLE = Section(
     headings=("law", "ΔAICc", "why "), rows=(("constant", "0.0", "won"), ("coupled", "1234.5", ""))

@@ -6,6 +6,7 @@ import pytest
 
 from ropefric.scenes.plan import explain_scene
 from ropefric.systems.hoist.effects import SYSTEM
+from ropefric.systems.press.answer import FAST_ERROR
 
 
 def test_every_effect_is_told_of(loaded):
@@ -48,3 +49,24 @@ def test_without_measuring_nothing_is_timed(hoist_of):
         raise AssertionError
 
     assert explain_scene(hoist_of(), clock=never).planned_s != pytest.approx(0.0)
+
+
+def test_of_a_start_up_it_is_said_which_modes_swing(loaded, scene_of):
+    """Slow enough it is quasi-static, of hard belts only slow modes swing, and where belts slip nothing is known."""
+    tree = loaded("press-start-up").document.data | {"friction": {"mu": 0.9}, "accuracy": 0.02}
+    tree["press"] = tree["press"] | {"preload": "4000 N"}
+    tree["start_up"] = {"law": "s-curve", "duration": "12 s", "simulate": "14 s", "points": 101}
+    quick = tree | {"start_up": tree["start_up"] | {"duration": "1 s"}}
+    slow, quick, slips = (
+        {one.name: one for one in explain_scene(scene).plan.decisions}
+        for scene in (scene_of(**tree), scene_of(**quick), loaded("press-start-up"))
+    )
+    assert slow["slow-modes"].fate == slow["fast-modes"].fate == "left out"
+    assert slow["slow-modes"].why.endswith("no swings at all: a start-up that is quasi-static")
+    assert slow["slow-modes"].bound <= FAST_ERROR < slow["fast-modes"].bound + FAST_ERROR
+    assert slow["fast-modes"].why.partition("; ")[2].startswith("0 of 13 modes swing")
+    assert "upper and lower as good as rigid" in slow["fast-modes"].why
+    assert quick["slow-modes"].fate == "simulated"
+    assert quick["fast-modes"].fate == "left out"
+    assert " of 13 modes swing" in quick["fast-modes"].why
+    assert slips["fast-modes"].why.startswith("no bound is known")

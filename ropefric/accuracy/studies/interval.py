@@ -19,6 +19,7 @@ from ropefric.fitting.statistics import plain_covariance
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import LAWS
+from ropefric.uncertainty.quantity import joint_draws
 
 SIZE_SHARE = 0.25
 """A = R_r/(R_w + R_r) of the wheel of both cases."""
@@ -92,13 +93,14 @@ def _settings(law: str) -> tuple[Setting, ...]:
         scatter = (_SCATTER[law], 0.0)
         return arms(bootstrap(problem, theta, n=n, seed=seed, scatter=scatter).interval(LEVEL)[0])
 
-    covariance = plain_covariance(problem.jacobian(theta))
+    root = np.sqrt(plain_covariance(problem.jacobian(theta)))
     pull = problem.conditions.select(np.array([2]))
     wrap, log_end = float(pull.wrap_angle_rad[0]), float(np.log(pull.end_tension_N[0]))
 
     def by_draws(n: int, seed: int) -> FloatArray:
-        _, ends = drawn_range(LiftModel(law=problem.law), theta, covariance, pull, dof=np.inf, level=LEVEL, n=n,
-                              rng=np.random.default_rng(seed))  # fmt: skip
+        draws = joint_draws(theta, root, dof=np.inf, n=n, rng=np.random.default_rng(seed))
+        draws = np.clip(draws, problem.lower, problem.upper)
+        _, ends = drawn_range(LiftModel(law=problem.law), draws, pull, LEVEL)
         return arms(mu_of_exponent(law, (ends[0] - log_end) / wrap))
 
     def drawn(method: str, solve: Callable[[int, int], FloatArray], n: int) -> Setting:

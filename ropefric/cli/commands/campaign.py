@@ -20,12 +20,12 @@ from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.glossary import counted
 
 with on_first_use():
-    from ropefric import executors, pipeline, plugins
+    from ropefric import executors, pipeline, plugins, section
     from ropefric.files import folder as folders
     from ropefric.files import plain_text
     from ropefric.friction import laws
     from ropefric.report import campaign as pages
-    from ropefric.report import page, parts, section
+    from ropefric.report import page, parts
     from ropefric.review import server, session
     from ropefric.traces import breakaway
     from ropefric.trials import campaign as campaigns
@@ -317,7 +317,7 @@ def report(
     wish = page.Wish(locale, pdf, figures, formats)
     if pdf:
         page.find_browser()  # before the work
-    if source.suffix.lower() in _TABLES and not source.is_dir():
+    if source.suffix.lower() in options.TABLES and not source.is_dir():
         inputs = [source, about] if about else [source]
         target = pipeline.table_folder(inputs, folder or Path("out"), force=force)
         return _report_table(out, inputs, target, law, wish)
@@ -337,9 +337,6 @@ def report(
     loaded = campaigns.load_campaign(campaign)
     drawing = frozenset({"report"} if figures else ())
     return work_through(out, loaded, folder, law=law, jobs=jobs, drawing=drawing, wish=wish, force=force)
-
-
-_TABLES = (".csv", ".tsv", ".txt", ".xlsx", ".xls", ".ods")
 
 
 def _report_table(
@@ -388,8 +385,13 @@ def review(
     if not folder.is_dir():
         raise DataError("there is no such folder", path=folder, fix="give a folder that `ropefric run` wrote")
     if campaign is None and not (folder / pipeline.MANIFEST).is_file():
-        why = "the folder does not say which campaign it is of: only `run` writes that down"
-        raise DataError(why, path=folder, fix="name the campaign: --campaign CAMPAIGN.toml")
+        why, fix = "the folder does not say which campaign it is of: only `run` writes that down", ""
+        if (folder / "campaign.toml").is_file():
+            why, fix = (
+                "this is a campaign, and its picks stand in a folder of results",
+                "name that folder, or ",
+            )
+        raise DataError(why, path=folder, fix=f"{fix}name the campaign: --campaign CAMPAIGN.toml")
     path, law = (campaign, "") if campaign is not None else pipeline.recorded_run(folder)
     path = options.campaign_file(path)
     n_jobs = options.parse_jobs(jobs, len(campaigns.load_campaign(path, missing_recordings="flag").trials))

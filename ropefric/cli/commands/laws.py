@@ -12,12 +12,13 @@ from ropefric.cli.options import Answer, Words, command, exit_code_of, flag, lis
 from ropefric.cli.output import Output, Progress
 
 with on_first_use():
+    from ropefric import section
     from ropefric.fitting import compare as comparing
     from ropefric.fitting import diagnose as diagnosing
     from ropefric.fitting import fit as fitting
     from ropefric.fitting import intervals as confidence
     from ropefric.fitting import store
-    from ropefric.report import parts, section
+    from ropefric.report import parts
 
 
 _LARGE = 5_000_000

@@ -21,8 +21,8 @@ with on_first_use():
     from ropefric.accuracy import measure
     from ropefric.accuracy import studies as all_studies
     from ropefric.files import folder as folders
-    from ropefric.papers import paper as reading
-    from ropefric.report import cost_page, section
+    from ropefric.papers import reading
+    from ropefric.report import cost_page
     from ropefric.report import scene as pages
     from ropefric.scenes import draws as drawing
     from ropefric.scenes import kinds, plan, sweep_table
@@ -241,14 +241,13 @@ def paper(
         found = reading.read_paper(name, scene=scene, trials=table, fit=fit, reference_N=reference_tension)
         tree, files = found.to_dict(), list[Path]()
         if target is not None:
-            from ropefric.plotting import figure, machines  # noqa: PLC0415  (its package loads matplotlib)
+            from ropefric.plotting import figure  # noqa: PLC0415  (its package loads matplotlib)
 
             files += target.write({"paper.json": json_text(tree)})
             for stem, chart in found.charts():
-                files += figure.save_figure(machines.draw_chart(chart), target, stem)
+                files += figure.save_figure(figure.draw_chart(chart), target, stem)
             options.publish(out, target, "paper", files)
-        shown = [section.Section(**part._asdict()) for part in found.parts()]
-        return Answer(tree | {"files": files}, shown)
+        return Answer(tree | {"files": files}, [*found.parts()])
 
 
 @command("ropefric cost integral --out cost --quick", order=180)

@@ -22,11 +22,10 @@ from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 
 with on_first_use():
-    from ropefric import contracts
+    from ropefric import contracts, section
     from ropefric.files import toml
     from ropefric.fitting import resolution
     from ropefric.friction import condition as conditions
-    from ropefric.report import section
     from ropefric.rig import bench as rig_bench
     from ropefric.rig import campaign as rigs
     from ropefric.rig import recording
@@ -214,7 +213,7 @@ def check(
     Of a campaign and a table, with or without forces, it is said what laws and parameters the list can tell apart.
     Nothing is extracted, fitted, solved or written. Exit code 3 if there are errors; warnings alone leave it at 0.
     """
-    file = options.campaign_file(campaign)
+    file = options.campaign_file(campaign, or_table=True)
     kind = "table" if file.suffix not in {"", ".toml"} else "scene" if _is_scene(file) else "campaign"
     content: dict[str, Any] = {}
     problems: tuple[Problem, ...]

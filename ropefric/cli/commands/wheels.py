@@ -13,14 +13,14 @@ from ropefric.errors import InputError
 from ropefric.files.disk import refuse_input, refuse_special, write_file, write_files
 
 with on_first_use():
-    from ropefric import pipeline
+    from ropefric import pipeline, section
     from ropefric.fitting import budgets, next_tests, resolution
     from ropefric.fitting import design as designs
     from ropefric.fitting import export as exporting
     from ropefric.fitting import predict as predicting
     from ropefric.friction import condition as conditions
     from ropefric.friction import laws
-    from ropefric.report import parts, section
+    from ropefric.report import parts
     from ropefric.scenes import sweep_table
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import extract as extracting
@@ -205,7 +205,7 @@ def plan_tests(
         if scatter_within is None:
             text = 'how far do repeats scatter? Write it like "1.7 %"'
             raise BadParameter(text, param_hint="--scatter-within")
-        repeats_scatter = next_tests.MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
+        repeats_scatter = resolution.MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
         at = options.parse_assignments(guess or [], option="--guess")
         planned = next_tests.planned_guess(laws.ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold or ()))
     if rope_m is None:
@@ -330,7 +330,7 @@ def budget(
 def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budgets.MeasuredCondition, ...]":
     """Return the conditions of a campaign, whose recordings are extracted, or of a trial table."""
     limit = budgets.GRAVITY_LIMIT if gravity is None else gravity
-    file = options.campaign_file(path)
+    file = options.campaign_file(path, or_table=True)
     if file.suffix != ".toml":
         return budgets.conditions_of_table(options.read_table(path, out), gravity_limit=limit)
     campaign = campaigns.load_campaign(file, missing_recordings="flag")

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, PlainValidator
 
+from ropefric import section
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
 from ropefric.files.plain_text import significant
@@ -481,7 +482,7 @@ def _comparison(whole: Saw, planned: Saw, points: tuple[Measurement, ...]) -> di
     }
 
 
-def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
+def _sections(tree: Mapping[str, Any]) -> tuple[section.Section, ...]:
     sides = [side for side in ("tight", "slack", "rest") if side in tree]
     modes = range(len(tree["rest"]["frequencies_Hz"]))
     shown = {"": "frequencies_Hz"} | ({"torsion ": "torsion_Hz"} if "torsion_Hz" in tree["rest"] else {})
@@ -499,12 +500,12 @@ def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
     if "feed" in tree:
         bears = ", ".join(f"{tree[side]['feed_limit_N']:.4g} N on the {side} side" for side in sides[:2])
         lines.append(f"feed {tree['feed']['force_N']:.4g} N; the blade buckles sideways at {bears}")
-    frequencies = kind.Part(
+    frequencies = section.Section(
         "Natural frequencies",
         lines=tuple(lines),
         headings=("mode", *(f"{side} [Hz]" for side in sides)),
         rows=tuple(
-            (f"{word}{mode + 1}", *(kind.in_words(tree[side][name][mode], ".3f") for side in sides))
+            (f"{word}{mode + 1}", *(section.in_words(tree[side][name][mode], ".3f") for side in sides))
             for word, name in shown.items()
             for mode in modes
         ),
@@ -513,14 +514,14 @@ def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
     return (frequencies, *(part(tree[name]) for name, part in further.items() if name in tree))
 
 
-def _resonance_part(found: Mapping[str, Any]) -> kind.Part:
+def _resonance_part(found: Mapping[str, Any]) -> section.Section:
     advice = found["recommended_preload"]
     lines: tuple[str, ...] = ()
     if advice is not None:
         preload = f"preload {advice['preload_N']:.4g} N: " if "preload_N" in advice else ""
         lines = (preload + advice["advice"],)
     nearest = sorted(found["crossings"], key=lambda one: significant(abs(one["speed_margin"] or 0.0)))[:5]
-    return kind.Part(
+    return section.Section(
         "What may resonate, the nearest first",
         lines=lines,
         headings=("side", "mode", "excitation ", "mode [Hz]", "excitation [Hz]", "margin"),
@@ -550,12 +551,12 @@ def _identified_lines(found: Mapping[str, Any] | None) -> tuple[str, ...]:
     return (f"the measurements ask for {what}. {found['advice']}",)
 
 
-def _comparison_part(found: Mapping[str, Any]) -> kind.Part:
-    return kind.Part(
+def _comparison_part(found: Mapping[str, Any]) -> section.Section:
+    return section.Section(
         "Against measurement",
         lines=tuple(
             f"{one['side']} mode {one['mode']}: {one['measured_Hz']:g} Hz would need a mounting factor of "
-            f"{kind.in_words(one['mounting_factor'], '.2f')}. {one['advice']}"
+            f"{section.in_words(one['mounting_factor'], '.2f')}. {one['advice']}"
             for one in found["mounting"]
         )
         + _identified_lines(found.get("identified")),

@@ -9,6 +9,7 @@ from pydantic import PlainValidator
 
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
+from ropefric.section import Chart, Line, Section
 from ropefric.systems.beltdrive.drive import CLOSURES, DriveAnswer, DriveProblem, answerable, best_speed_m_s
 from ropefric.systems.beltdrive.effects import SYSTEM
 from ropefric.systems.friction import WrapFriction
@@ -197,7 +198,7 @@ def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
     return tree
 
 
-def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
+def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
     work, best = tree["at_work"], tree.get("best")
     lines = [
         (
@@ -231,7 +232,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
     return (kind.by_rows("Belt and pulleys", "pulley", tree["pulleys"], columns, lines=tuple(lines)),)
 
 
-def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> kind.Chart | None:
+def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
     best = best_speed_m_s(problem)
     if best is None or problem.linear_density_kg_m is None:
         return None
@@ -241,13 +242,13 @@ def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> kind.Chart | Non
     power_kW = 1e-3 * share * speeds * (problem.tension_N[0] - problem.linear_density_kg_m[0] * speeds**2)
     at_best = np.full(2, best[0]), np.array([0.0, power_kW.max()])
     lines = [
-        kind.Line("at most", speeds, power_kW),
-        kind.Line(f"best speed {best[0]:.4g} m/s", *at_best, limit=True),
+        Line("at most", speeds, power_kW),
+        Line(f"best speed {best[0]:.4g} m/s", *at_best, limit=True),
     ]
     if problem.speed_rad_s is not None:
         work_W = answer.pull_N * problem.belt_speed_m_s
-        lines.append(kind.Line("at work", problem.belt_speed_m_s[:1], 1e-3 * work_W[:1]))
-    return kind.Chart(
+        lines.append(Line("at work", problem.belt_speed_m_s[:1], 1e-3 * work_W[:1]))
+    return Chart(
         title="Power of all belts over their speed",
         x_column="belt_speed_m_s",
         x_label="Belt speed v [m/s]",
@@ -257,7 +258,7 @@ def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> kind.Chart | Non
     )
 
 
-def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> kind.Chart | None:
+def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
     """Return the tension round each pulley: constant where the belt adheres, then changing until it leaves."""
     wraps = [problem.wrap_angle_rad[0]]
     wraps += [] if problem.driven_wrap_rad is None else [problem.driven_wrap_rad[0]]
@@ -270,8 +271,8 @@ def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> kind.Chart | None
         angle = np.linspace(0.0, wrap, 201)
         grown = answer.coefficients[place, 0] * np.maximum(angle - (wrap - slips[place]), 0.0)
         tension_N = circling_N + enters[place] * np.exp(-grown if place == 0 else grown)
-        lines.append(kind.Line(name, np.degrees(angle), tension_N))
-    return kind.Chart(
+        lines.append(Line(name, np.degrees(angle), tension_N))
+    return Chart(
         title="Tension of a belt round its pulleys: it adheres first, and slips where it leaves",
         x_column="angle_deg",
         x_label="Angle from where the belt arrives [deg]",

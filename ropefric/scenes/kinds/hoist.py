@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from ropefric.arrays import FloatArray
 from ropefric.files.toml_model import reject
 from ropefric.scenes import kind
+from ropefric.section import Section
 from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem, Lift, answerable
 from ropefric.systems.hoist.effects import SYSTEM
 
@@ -110,13 +111,13 @@ def _tree(lift: Lift, problem: HoistProblem) -> dict[str, Any]:
     return tree
 
 
-def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
+def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
     """Return over which part of its contact the rope slips under the payload."""
     if tree.get("slip_arc_rad") is None:
         return ()
     slip_deg, stick_deg = (math.degrees(tree[f"{name}_arc_rad"]) for name in ("slip", "stick"))
     line = f"under the payload the rope slips over {slip_deg:.4g} deg of the wheel and sticks over {stick_deg:.4g} deg"
-    return (kind.Part("Slip and stick", lines=(line,)),)
+    return (Section("Slip and stick", lines=(line,)),)
 
 
 KIND = kind.Kind(

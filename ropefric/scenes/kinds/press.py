@@ -13,6 +13,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import RopefricError
 from ropefric.files.toml_model import choice, got, quantity, reject, whole_number
 from ropefric.scenes import kind
+from ropefric.section import Section, in_words
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.answer import PressAnswer, PressProblem, settles, slip_margins
 from ropefric.systems.press.effects import SYSTEM
@@ -505,7 +506,7 @@ _NEVER = {
 """What leads to the first slip or ends the last one, and what to say where nothing of the kind does."""
 
 
-def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
+def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
     uncertain = any("utilisation_std" in one for one in tree["slip"].values())
     columns = {"utilisation": ("utilisation", ".4g")} | (
         {"± std": ("utilisation_std", ".2g")} if uncertain else {}
@@ -513,16 +514,16 @@ def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
     columns |= {
         one.replace("_", " "): (one, ".4g") for one in ("log", "mu_required", "as_printed", "as_plotted")
     }
-    spans = kind.Part(
+    spans = Section(
         "Tensions",
         headings=("span", "T at rest [N]", "T' at speed [N]"),
         rows=tuple(
-            (name, kind.in_words(tension, ".1f"), kind.in_words(tree["effective_tension_N"][name], ".1f"))
+            (name, in_words(tension, ".1f"), in_words(tree["effective_tension_N"][name], ".1f"))
             for name, tension in tree["tension_N"].items()
         ),
         notes=tuple(tree["undetermined"]),
     )
-    slip = kind.Part(
+    slip = Section(
         "Slip",
         lines=_slip_lines(tree),
         headings=("roller", *columns),
@@ -532,14 +533,14 @@ def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
     return (spans, slip, *creep, *([_start_up(tree)] if "start_up" in tree else []))
 
 
-def _creep(tree: Mapping[str, Any]) -> kind.Part:
+def _creep(tree: Mapping[str, Any]) -> Section:
     rim_m_s, lost_W = tree["creep"]["rim_speed_m_s"], tree["creep"]["power_lost_W"]
-    return kind.Part(
+    return Section(
         "Creep",
         lines=(f"the belts' stretch takes {lost_W:.4g} W of the drivers' power",),
         headings=("roller", "rim [m/s]", "slower by [%]"),
         rows=tuple(
-            (name, kind.in_words(one, ".6g"), kind.in_words(100.0 * (1.0 - one / tree["speed_m_s"]), ".3g"))
+            (name, in_words(one, ".6g"), in_words(100.0 * (1.0 - one / tree["speed_m_s"]), ".3g"))
             for name, one in rim_m_s.items()
         ),
     )
@@ -583,12 +584,12 @@ def _settling(found: Mapping[str, Any]) -> str:
     )
 
 
-def _start_up(tree: Mapping[str, Any]) -> kind.Part:
+def _start_up(tree: Mapping[str, Any]) -> Section:
     found = tree["start_up"]
     highest_N, lowest_N = found["peak_tension_N"], min(found["lowest_tension_N"].values())
     peak = max(highest_N, key=highest_N.__getitem__)
     columns = ("peak_utilisation", "first_slip_s", "slipping_s")
-    return kind.Part(
+    return Section(
         "Start-up",
         lines=(
             f"highest tension: {highest_N[peak]:.1f} N in span {peak}; lowest anywhere: {lowest_N:.1f} N",
@@ -597,9 +598,7 @@ def _start_up(tree: Mapping[str, Any]) -> kind.Part:
             _settling(found),
         ),
         headings=("roller", "peak utilisation", "first slip [s]", "slips for [s]"),
-        rows=tuple(
-            (name, *(kind.in_words(found[one].get(name)) for one in columns)) for name in tree["slip"]
-        ),
+        rows=tuple((name, *(in_words(found[one].get(name)) for one in columns)) for name in tree["slip"]),
     )
 
 

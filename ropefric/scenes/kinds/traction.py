@@ -10,6 +10,7 @@ from pydantic import Field, PlainValidator
 from ropefric.arrays import FloatArray
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
+from ropefric.section import Chart, Line, Section
 from ropefric.systems.traction.effects import SYSTEM
 from ropefric.systems.traction.sheave import CASES, GROOVES, TractionAnswer, TractionProblem, answerable
 
@@ -153,7 +154,7 @@ def _tree(answer: TractionAnswer, problem: TractionProblem) -> dict[str, Any]:
     return {"cases": cases, "groove": problem.groove, "friction_is": own, "note": _NO_CERTIFICATE}
 
 
-def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
+def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
     columns: kind.Columns = {
         "T1 [N]": ("tight_N", ".0f"),
         "T2 [N]": ("slack_N", ".0f"),
@@ -182,7 +183,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[kind.Part, ...]:
     return (kind.by_rows("Traction", "load case", cases, columns, **more),)
 
 
-def _chart(answer: TractionAnswer, problem: TractionProblem) -> kind.Chart:
+def _chart(answer: TractionAnswer, problem: TractionProblem) -> Chart:
     # What stalled ropes must slip at is often ten times what the others must hold: it would hide them.
     wraps = np.linspace(0.75, 1.25, 101) * problem.wrap_angle_rad[0]
     here = np.degrees(problem.wrap_angle_rad[:1])
@@ -190,14 +191,14 @@ def _chart(answer: TractionAnswer, problem: TractionProblem) -> kind.Chart:
     for case, factor in zip(CASES[:-1], answer.friction_factor[:, 0], strict=False):
         held.setdefault(float(factor), []).append(case)
     lines = [
-        kind.Line(f"holds ({', '.join(names)})", np.degrees(wraps), np.exp(factor * wraps))
+        Line(f"holds ({', '.join(names)})", np.degrees(wraps), np.exp(factor * wraps))
         for factor, names in held.items()
     ]
     lines += [
-        kind.Line(f"asked by {case}", here, answer.tight_N[i, :1] / answer.slack_N[i, :1])
+        Line(f"asked by {case}", here, answer.tight_N[i, :1] / answer.slack_N[i, :1])
         for i, case in enumerate(CASES[:-1])
     ]
-    return kind.Chart(
+    return Chart(
         title="What the sheave's friction holds, and what the load cases ask",
         x_column="wrap_angle_deg",
         x_label="Wrap angle α [deg]",

@@ -16,7 +16,7 @@ _ROOM = 0.5
 
 
 def _law_bound(name: str, problem: DriveProblem, answer: DriveAnswer | None) -> FloatArray:
-    """Return an upper bound of what an effect of the law changes in any number, shape (n,).
+    """Return an upper bound of what an effect of the law changes in any number.
 
     A coefficient that changes by the factor e^d makes M of the pulley that slips first another by D = M (e^d − 1): no
     tension changes by more, no pull by more than D + d, no arc and no ratio of speeds by more than twice that. What
@@ -24,7 +24,7 @@ def _law_bound(name: str, problem: DriveProblem, answer: DriveAnswer | None) -> 
     """
     share = 0.0 if answer is None else share_of_law(name, problem.friction.law, TOLD, answer.effects)
     if answer is None or not share:
-        return np.zeros(problem.n)
+        return np.zeros(1)
     pressing_N, slack_N = problem.tension_N - answer.circling_N, answer.full_slack_N - answer.circling_N
     pulleys = [(problem.wheel_radius_m, problem.wrap_angle_rad)]
     if problem.driven_radius_m is not None and problem.driven_wrap_rad is not None:
@@ -42,7 +42,7 @@ def _law_bound(name: str, problem: DriveProblem, answer: DriveAnswer | None) -> 
         for radius_m, wrap in pulleys
     )
     change = math.exp(off) * math.expm1(off) * np.nanmin(answer.exponents, axis=0) if off < _ROOM else np.inf
-    return np.broadcast_to(np.where(change < _ROOM, share * 2.0 * (change + off), np.inf), (problem.n,))
+    return np.where(change < _ROOM, share * 2.0 * (change + off), np.inf)
 
 
 EFFECTS: Registry[Effect[Any]] = Registry(

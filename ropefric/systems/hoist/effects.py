@@ -52,7 +52,7 @@ def _spread(problem: HoistProblem) -> float:
 
 
 def stiffness_bound(problem: HoistProblem, answer: Lift | None = None) -> FloatArray:
-    """Return an upper bound of what the stiffness changes in any number, shape (n,): no law is solved for it.
+    """Return an upper bound of what the stiffness changes in any number: no law is solved for it.
 
     With E/P of what presses gone and the share s of the wrap, M of a law that weakens loses at most s M, as it is
     concave, and gains ln(P/(P − E)) at most; so |Δ ln F_A| ≤ ln(P/(P − E)) + s M, and M over the contact grows by the
@@ -74,11 +74,11 @@ def stiffness_bound(problem: HoistProblem, answer: Lift | None = None) -> FloatA
                 np.maximum(pressing + off * share * M, gain), shorter + np.log1p(off * gain / M)
             )
             bound = np.where(np.all(sound, axis=-1), bound, np.inf)
-    return np.broadcast_to(np.where(np.isnan(bound), np.inf, bound), (problem.n,))
+    return np.where(np.isnan(bound), np.inf, bound)
 
 
 def _law_bound(name: str, problem: HoistProblem, answer: Lift | None) -> FloatArray:
-    """Return an upper bound of what an effect of the law changes in any number, shape (n,).
+    """Return an upper bound of what an effect of the law changes in any number.
 
     A coefficient that changes by the factor e^d makes M another by M (e^d − 1), and as much ln F_A; of a stiff rope the
     contact changes too, but by no more than the arcs that it stands off.
@@ -86,7 +86,7 @@ def _law_bound(name: str, problem: HoistProblem, answer: Lift | None) -> FloatAr
     simulated = frozenset() if answer is None else answer.model.effects
     share = share_of_law(name, problem.friction.law, TOLD, simulated)
     off = _spread(problem) if share else 0.0
-    bound = np.full(problem.n, off)
+    bound = np.array([off])
     if answer is not None and off > 0.0:
         lost = _stiff(problem).share if "bending-stiffness" in answer.model.effects else 0.0
         with np.errstate(invalid="ignore", over="ignore"):

@@ -2,12 +2,12 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Literal
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.checks import Cases, ZeroOrMore
 from ropefric.systems.effect import Model
@@ -22,7 +22,8 @@ from ropefric.systems.press.statics import (
     solve_statics,
     steady_state,
 )
-from ropefric.systems.press.transient.start_up import StartUp, start_up
+from ropefric.systems.press.transient.modes import SwingingStartUp
+from ropefric.systems.press.transient.start_up import StartUp, start_up, swinging_start_up
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,6 +91,17 @@ class PressModel(Model[PressProblem]):
         return told_by(self.effects)
 
     @property
+    def asked(self) -> dict[str, Any]:
+        """Return what a start-up is told of the effects and of friction."""
+        follows = "transient-friction" in self.effects
+        return {
+            "friction": self.problem.friction,
+            "effects": self.effects,
+            "told": self.told,
+            "follows": follows,
+        }
+
+    @property
     def start_up(self) -> Mapping[str, Any] | None:
         """Return the start-up to be simulated, where it is."""
         return self.problem.start_up if "transient" in self.effects else None
@@ -132,6 +144,25 @@ def take_up(effects: Collection[str]) -> TakeUp:
     return "elastic" if springs else "locked"
 
 
+QUICKER = frozenset({"exact-switching", "fast-modes", "slow-modes"})
+"""Without the first of these a start-up whose belts stick is a closed form, without the others with fewer swings."""
+FAST_ERROR = 1e-3
+"""What the swings of fast modes may be worth in any tension."""
+
+
+@lru_cache(maxsize=4)
+def swinging_of(problem: PressProblem, effects: frozenset[str]) -> SwingingStartUp | None:
+    """Return the start-up of a press mode by mode, where its belts stick for sure."""
+    model = PressModel(problem=problem, effects=effects)
+    return swinging_start_up(model.as_operated, **model.asked, **problem.start_up or {})
+
+
+def swings(swinging: SwingingStartUp, effects: Collection[str]) -> BoolArray:
+    """Return which modes swing with these effects in."""
+    slow = swinging.slowest(swinging.fewest(FAST_ERROR))
+    return np.where(slow, "slow-modes" in effects, "fast-modes" in effects)
+
+
 def solve_press(model: PressModel) -> PressAnswer:
     """Return tensions and slip of a model, and its start-up where it has one."""
     problem, task = model.problem, model.start_up
@@ -158,13 +189,13 @@ def solve_press(model: PressModel) -> PressAnswer:
     )
     moved = None
     if task is not None:
+        exact = "exact-switching" in model.effects  # a closed form has no moments at which anything changes
+        swinging = None if exact else swinging_of(problem, model.effects - QUICKER)
         moved = start_up(
             model.as_operated,
-            friction=problem.friction,
-            effects=model.effects,
-            told=model.told,
-            follows="transient-friction" in model.effects,
-            exact_switching="exact-switching" in model.effects,
+            exact_switching=exact,
+            modes=None if swinging is None else (swinging, swings(swinging, model.effects)),
+            **model.asked,
             **task,
         )
     return PressAnswer(

@@ -23,15 +23,20 @@ from ropefric.registry import Registry
 from ropefric.systems.effect import Effect, Method, System, rounded_up, unknown
 from ropefric.systems.friction import TOLD, share_of_law, told_by
 from ropefric.systems.press.answer import (
+    FAST_ERROR,
+    QUICKER,
     PressAnswer,
     PressModel,
     PressProblem,
     operated,
     solve_press,
+    swinging_of,
+    swings,
     take_up,
 )
 from ropefric.systems.press.slip import LEAST_SLACK_N, MEASURES, SlipTable
 from ropefric.systems.press.statics import rim_speed_ratios, solve_statics, speed_shift_kg_m
+from ropefric.systems.press.transient.modes import SwingingStartUp
 from ropefric.systems.press.transient.start_up import GRID_ERROR, ON_TENSION, largest_difference
 
 _ROUNDING = 1e-9
@@ -165,14 +170,14 @@ def _steady(
 
 
 def _law_bound(name: str, problem: PressProblem, answer: PressAnswer | None) -> FloatArray:
-    """Return an upper bound of what an effect of the law changes in any number, shape (n,).
+    """Return an upper bound of what an effect of the law changes in any number.
 
     The tensions know nothing of it. A coefficient that changes by the factor e^d makes M another by M (e^d − 1) on each
     roller, and e^M − 1 by d more than that in its logarithm: what any measure of slip is inverse to, or less.
     """
     share = 0.0 if answer is None else share_of_law(name, problem.friction.law, TOLD, answer.model.effects)
     if answer is None or not share:
-        return np.zeros(problem.n)
+        return np.zeros(1)
     contacts, most = answer.slip.contacts, answer.slip.exponent
     slack_N = np.maximum(contacts.slack_N, LEAST_SLACK_N)
     fixed = {"wheel_radius_m": contacts.radius_m, "rope_radius_m": contacts.half_thickness_m}
@@ -183,24 +188,19 @@ def _law_bound(name: str, problem: PressProblem, answer: PressAnswer | None) -> 
     )
     with np.errstate(invalid="ignore", over="ignore"):
         change = off + np.exp(off) * most * np.expm1(off)
-    bound = np.broadcast_to(change, (problem.n, most.shape[-1])).max(axis=-1)
+    bound = change.max(axis=-1)
     return np.where(np.isnan(bound), np.inf, share * bound)
 
 
 def _moving(
     name: str,
     adds: str,
-    instead: str,
+    instead: str | Callable[[PressProblem], str],
     *,
     bound: Callable[[PressProblem], float] = unknown,
     cost: float = 0.1,
 ) -> Effect[PressProblem]:
-    """Return an effect that only a start-up has; of most no bound is known where there is one.
-
-    Stiff belts, fast oscillations and slow ramps take no steps of their own, as an exponential carries any of them over
-    any step: to leave them out would save next to nothing. Of 30 random presses 11 follow their ramp to 2 % as if at
-    rest, but to know that takes the linear response itself, and all steps together are 40 % of what a start-up takes.
-    """
+    """Return an effect that only a start-up has; of most no bound is known where there is one."""
     return Effect(
         name=name,
         adds=adds,
@@ -213,6 +213,36 @@ def _moving(
 
 def _on_tension(problem: PressProblem) -> bool:
     return bool(ON_TENSION & set(problem.friction.law.effects))
+
+
+def _swinging(problem: PressProblem) -> SwingingStartUp | None:
+    known = frozenset(name for name, one in EFFECTS.items() if not one.needs(problem))
+    return swinging_of(problem, known - QUICKER)
+
+
+def _swings_left_out(problem: PressProblem, *names: str) -> float:
+    """Return what a start-up whose belts stick is off by at most with the swings of these modes left out."""
+    swinging = _swinging(problem)
+    return math.inf if swinging is None else swinging.bound(~swings(swinging, QUICKER - {*names}))
+
+
+def _without_fast(problem: PressProblem) -> float:
+    # Where nothing is said of swings, neither is there a difference of two of them.
+    return _swings_left_out(problem, "fast-modes") - min(_swings_left_out(problem), 1.0)
+
+
+def _without_slow(problem: PressProblem) -> float:
+    without_fast = min(_swings_left_out(problem, "fast-modes"), 1.0)
+    return _swings_left_out(problem, "fast-modes", "slow-modes") - without_fast
+
+
+def _instead_of_fast(problem: PressProblem) -> str:
+    swinging = None if _needs_of_start_up(problem) else _swinging(problem)
+    if swinging is None:
+        return "fast modes that follow the drive as if at rest, where no belt may slip"
+    slow, belts = swinging.fewest(FAST_ERROR), swinging.rigid_belts(FAST_ERROR)
+    told = f"{slow} of {swinging.n_modes} modes swing, the others follow the drive as if at rest"
+    return told + (f"; {' and '.join(belts)} as good as rigid" if belts else "")
 
 
 _UNIT = re.compile("_(?:N|m|kg|kg_m2)$")
@@ -284,8 +314,20 @@ EFFECTS: Registry[Effect[PressProblem]] = Registry(
             "exact-switching",
             "belts that stick, slip and go slack, and drags that hold, at their exact moments",
             "these moments on a grid, made finer until halving it changes nothing more",
-            bound=lambda problem: GRID_ERROR,  # noqa: ARG005
+            bound=lambda problem: min(GRID_ERROR, _swings_left_out(problem)),
             cost=10.0,
+        ),
+        _moving(
+            "fast-modes",
+            f"swings of the fastest modes, worth no more than {FAST_ERROR:g} in any tension together",
+            _instead_of_fast,
+            bound=_without_fast,
+        ),
+        _moving(
+            "slow-modes",
+            "swings of all other modes",
+            "no swings at all: a start-up that is quasi-static",
+            bound=_without_slow,
         ),
         _moving("transient", "the start-up, with its swings and slips", "the steady run alone", cost=100.0),
     ),

@@ -152,6 +152,43 @@ def test_laws_that_answer_alike_are_no_contradiction(one_wheel):
     assert found.candidates
 
 
+def test_what_a_law_says_of_a_setting_that_all_trials_have_alike_is_not_supported():
+    """A tenth less friction over six wraps at one end tension: Howell's law wins, and nothing shows its load effect."""
+    wraps, loads, asked = (
+        np.linspace(1.6, 12.6, 6),
+        (10.0, 40.0, 160.0),
+        one_condition(0.04, 0.005, 7.0, 40.0),
+    )
+    theta = (0.3, 0.95)
+    one_load = pulls("howell", theta, wraps=wraps, loads=(40.0,), repeats=5, within=0.005)
+    comparison = compare_laws(one_load, ["howell", "wrap-power"])
+    untested = (
+        "the trials have one size ratio and one end tension only: what howell says of others is not tested"
+    )
+    assert comparison.best.law == "howell"
+    elsewhere = {
+        "end tension": one_condition(0.04, 0.005, 7.0, 60.0),
+        "size": one_condition(0.08, 0.005, 7.0, 40.0),
+    }
+    for named, wheel in {untested: None, **elsewhere}.items():
+        verdict = choose_law(comparison, "", wheel).verdict
+        assert verdict.word == "undecided"
+        assert named in verdict.reason
+        assert "what howell says of others is not tested" in verdict.reason
+    fit = comparison.best.fit
+    assert not fit.trustworthy
+    assert untested in fit.verdict.reason
+    # Asked about what was tested, it interpolates: that stands, and so does what is not known.
+    here = choose_law(comparison, "", asked).verdict
+    assert here.supported
+    assert untested in here.reason
+    assert predict(fit, asked).verdict().supported
+    assert not predict(fit, elsewhere["size"]).verdict().supported
+    # The same law on wheels and end tensions that differ is shown by them.
+    varied = pulls("howell", theta, (0.02, 0.08), wraps[::2], loads, repeats=5, within=0.005)
+    assert choose_law(compare_laws(varied, ["howell"]), "howell").verdict.supported
+
+
 def test_a_law_asked_for_against_the_data_is_not_supported(one_wheel):
     choice = choose_law(compare_laws(one_wheel), "constant")
     assert choice.verdict.word != "supported"

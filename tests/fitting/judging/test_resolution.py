@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from ropefric.fitting.next_tests import MeanScatter, plan_tests, planned_guess
-from ropefric.fitting.resolution import SCALE, LawOutlook, RigLimits, law_outlook
+from ropefric.fitting.next_tests import plan_tests, planned_guess
+from ropefric.fitting.resolution import SCALE, LawOutlook, MeanScatter, RigLimits, law_outlook
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
 

@@ -8,15 +8,9 @@ import numpy as np
 import pytest
 
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.next_tests import (
-    MeanScatter,
-    allowed_conditions,
-    nearest_to,
-    one_factor_plan,
-    planned_guess,
-)
+from ropefric.fitting.next_tests import allowed_conditions, planned_guess
 from ropefric.fitting.predict import predict
-from ropefric.fitting.resolution import RigLimits, levels
+from ropefric.fitting.resolution import MeanScatter, RigLimits, levels, nearest_to, one_factor_plan
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.trials.table import TrialTable

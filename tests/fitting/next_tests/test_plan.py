@@ -10,7 +10,8 @@ import pytest
 
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.next_tests import MeanScatter, plan_tests, planned_fit, planned_guess
+from ropefric.fitting.next_tests import plan_tests, planned_fit, planned_guess
+from ropefric.fitting.resolution import MeanScatter
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
@@ -80,7 +81,7 @@ def test_errors_that_a_fit_shares_reach_the_plan_as_in_its_prediction(bench, roo
     left = np.linalg.norm(found.errors(along)[1])
     assert most < many < before[0]
     assert most == pytest.approx(left, rel=0.05)
-    name = [*found.shared][int(np.argmax(np.abs(found.errors(along)[1])))]
+    name = [*found.shares][int(np.argmax(np.abs(found.errors(along)[1])))]
     assert name.startswith("calibration of cell")
 
 
@@ -200,6 +201,24 @@ def test_more_conditions_help_more_than_more_repeats(bench, guessed, wanted):
     assert std(24, 6) < std(12, 12) < std(12, 6)
 
 
+@pytest.mark.parametrize(("between", "said"), [(0.02, True), (0.0, False)])
+def test_new_conditions_are_recommended_before_repeats_where_conditions_scatter(
+    bench, guessed, wanted, between, said
+):
+    scatter = MeanScatter(within=0.017, between=between)
+    how = {"starts": 1, "n_conditions": 10}
+    plan = plan_tests(guessed("howell", scatter), bench, wanted("inside"), repeats=6, **how)
+    (note,) = [text for text in plan.notes if "instead of" in text] or [""]
+    assert note.startswith("20 conditions of 3 instead of 10 of 6 would make the interval 0.") == said
+    if said:
+        ratio = float(note.split("interval ")[1].split()[0])
+        wider = plan_tests(
+            guessed("howell", scatter), bench, wanted("inside"), repeats=3, starts=1, n_conditions=20
+        )
+        widths = [outlook.half_width_log[0] for outlook in (wider.after, plan.after)]
+        assert ratio == pytest.approx(widths[0] / widths[1], rel=0.03)
+
+
 def test_tests_that_add_to_a_fit_know_what_it_knows(bench, root):
     fit = load_fit(root / "fits" / "prth-coupled.json")
     planned = planned_fit(fit)
@@ -272,7 +291,7 @@ def test_what_cannot_be_planned_is_told(bench, guessed, wanted):
     with pytest.raises(InputError, match="nothing to determine"):
         planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02), fixed=("mu",))
     with pytest.raises(InputError, match="give standard deviations"):
-        MeanScatter(within=0.0)
+        MeanScatter(within=0.0, instrument_N=5.0)
     with pytest.raises(InputError, match="are no settings"):
         dataclasses.replace(bench, wheel_radius_m=(0.0, 0.03))
 

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.next_tests import MeanScatter, plan_tests
+from ropefric.fitting.next_tests import Exchange, allowed_conditions, best_plan, plan_tests
 from ropefric.fitting.predict import predict
+from ropefric.fitting.resolution import MeanScatter
+from ropefric.trials.table import TrialTable
 
 # What a plan must be better by in the width of the interval of the wanted lift force.
 WORTHWHILE = 1.5
@@ -40,6 +42,35 @@ def test_the_promised_error_is_the_error_found(bench, guessed, wanted, campaigns
 def test_a_plan_carried_out_beats_one_factor_at_a_time(compared, name, where):
     ours, theirs = compared(name, where, n=8)
     assert np.median(theirs.widths) > WORTHWHILE * np.median(ours.widths)
+
+
+def test_a_plan_knows_which_error_all_its_tests_share(bench, guessed, wanted):
+    """A cell that reads 5 N too much: searched as if each test had its own 5 N, a plan errs several times as far."""
+    planned, target = (
+        guessed("wrap-power", MeanScatter(within=0.017, between=0.01, instrument_N=5.0)),
+        wanted("strong"),
+    )
+    grid = bench.conditions()
+    places = np.flatnonzero(allowed_conditions(planned, bench, grid)[0])
+    alone = planned.evidence(grid.select(places), 4)
+    alone = alone._replace(own=np.ones(places.size), shares={})
+    search = Exchange(alone, planned.known, planned.gradients(target), criterion="v")
+    plan = plan_tests(planned, bench, target, repeats=4, starts=2)
+    errors = []
+    for at in (plan.conditions, grid.select(places[best_plan(search, 12, starts=2)[0]])):
+        pulls = at.select(np.repeat(np.arange(12), 4))
+        read_N = np.exp(planned.law.log_lift(planned.theta, pulls)) + 5.0
+        names = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
+        table = TrialTable(
+            trial=tuple(map(str, range(48))), peak_N=read_N * np.exp(np.tile([0.02, -0.02, 0.01, -0.01], 12)),
+            peak_std_N=5.0, **{name: getattr(pulls, name) for name in names},
+        )  # fmt: skip
+        truth = planned.law.log_lift(planned.theta, target)
+        errors.append(
+            float(abs(predict(fit_law(table, planned.law), target, check=False).log_lift - truth)[0])
+        )
+    assert errors[0] < 0.25 * errors[1]
+    assert errors[0] < 2.0 * plan.after.std_log[0]
 
 
 @pytest.mark.slow

@@ -71,8 +71,12 @@ def test_every_closure_slips_by_eytelwein_and_keeps_what_is_given(closure):
     found = solved(problem_of(0.3, closure=closure, **CLOSED))
     tight_N, slack_N, circling_N = found.full_tight_N[0], found.full_slack_N[0], 0.5 * 15.0**2
     assert (tight_N - circling_N) / (slack_N - circling_N) == pytest.approx(math.exp(0.9), rel=1e-12)
-    given_N = {"limit": tight_N, "tensioner": slack_N, "fixed": 0.5 * (tight_N + slack_N)}[closure]
-    assert given_N == pytest.approx(1000.0, rel=1e-12)
+    assert given_N(found.full_tight_N, found.full_slack_N, closure) == pytest.approx(1000.0, rel=1e-12)
+
+
+def given_N(tight_N, slack_N, closure):
+    """Return what a closure keeps, whatever is carried: the mean where the length of an elastic belt does not change."""
+    return {"limit": tight_N, "tensioner": slack_N, "fixed": 0.5 * (tight_N + slack_N)}[closure][0]
 
 
 @pytest.mark.parametrize("closure", ["limit", "tensioner", "fixed"])
@@ -81,6 +85,8 @@ def test_the_power_is_carried_and_uses_its_share(closure):
     half = solved(problem_of(0.3, closure=closure, **CLOSED, power_W=0.5 * full.full_power_W))
     assert half.pull_N == pytest.approx(0.5 * full.full_pull_N, rel=1e-12)
     assert half.utilisation[0] == pytest.approx(0.5, rel=1e-12)
+    assert half.tight_N - half.slack_N == pytest.approx(half.pull_N, rel=1e-12)
+    assert given_N(half.tight_N, half.slack_N, closure) == pytest.approx(1000.0, rel=1e-12)
     assert 0.0 < half.slip_arc_rad[0, 0] < 3.0
     assert full.slip_arc_rad[0, 0] == pytest.approx(3.0, rel=1e-9), "at the largest pull it slips all round"
     beyond = solved(problem_of(0.3, closure=closure, **CLOSED, power_W=1.1 * full.full_power_W))

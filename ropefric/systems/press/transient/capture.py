@@ -16,7 +16,7 @@ from ropefric.errors import SolverError
 from ropefric.systems.press.transient.drives import LOAD
 from ropefric.systems.press.transient.exact import Guard, HybridSolver, Phase, lowest_between
 from ropefric.systems.press.transient.integrators import rk4_limit_s
-from ropefric.systems.press.transient.motion import FORWARD, Mode, Motion, power_pairs
+from ropefric.systems.press.transient.motion import FORWARD, Mode, Motion, PowerRows, power_rows, powers_W
 
 _LEVELS = 6
 _PARTS = 2**_LEVELS
@@ -66,16 +66,13 @@ class _GridPhase(Phase):
 
     def powers(self, z: FloatArray) -> FloatArray:
         """Return all powers at states z of shape (n, n_z), shape (n, 6)."""
-        forces, speeds, starts = self.pairs
-        return np.asarray(np.add.reduceat((z @ forces.T) * (z @ speeds.T), starts, axis=1))
+        return powers_W(self.rows, z)
 
     @cached_property
-    def pairs(self) -> tuple[FloatArray, FloatArray, list[int]]:
-        """Return forces and speeds whose products are the powers, as rows over z, and where each power's begin."""
-        pairs = power_pairs(self.motion)
-        starts = np.cumsum([0, *(len(force) for force, _ in pairs[:-1])]).tolist()
-        forces, speeds = (np.vstack(rows) @ self.read for rows in zip(*pairs, strict=True))
-        return forces, speeds, starts
+    def rows(self) -> PowerRows:
+        """Return the rows of the powers over z."""
+        forces, speeds, starts = power_rows(self.motion)
+        return forces @ self.read, speeds @ self.read, starts
 
 
 class _RK4Phase(_GridPhase):
@@ -179,9 +176,7 @@ class GridSolver(HybridSolver):
     @property
     def late_tension_N(self) -> float:
         """Return what `late` can be worth in any tension at most: k e of a spring and η k de/dt of its damping."""
-        model = self.model
-        lightness = np.abs(model.press.incidence.T) @ (1.0 / (model.roller_mass_kg + model.arc_mass_kg))
-        return self.late * float(np.sqrt(model.stiffness_N_m + model.damping_N_s_m**2 * lightness).max())
+        return self.late * float(self.model.tension_per_root_energy.max())
 
     def _until_change(
         self, phase: _GridPhase, z: FloatArray, place: int, end: int

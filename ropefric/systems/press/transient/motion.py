@@ -17,7 +17,7 @@ for constant μ κ = M/(e^M − 1); where it slips backward, with the sides exch
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -70,6 +70,17 @@ class ElasticPress:
         self.tensioner_mass_kg = np.array([one.mass_kg or 0.0 for one in carriers])
         dampers = np.array([one.damping_N_s_m for one in carriers])
         self.tensioner_damping_N_s_m = dampers * ("tensioner-damping" in effects)
+
+    @property
+    def tension_per_root_energy(self) -> FloatArray:
+        """Return what a motion's √(2 energy) is worth in each tension at most, √(k + η²k² Σ 1/m) [N/√J].
+
+        By Cauchy and Schwarz, of k e and η k de/dt: 2 energy is k e² and m v² of all rims and tensioners at least.
+        """
+        press = self.press
+        lightness = (press.incidence**2).T @ (1.0 / (self.roller_mass_kg + self.arc_mass_kg))
+        lightness += (press.pull**2).T @ (1.0 / self.tensioner_mass_kg)
+        return np.sqrt(self.stiffness_N_m + self.damping_N_s_m**2 * lightness)
 
 
 def standstill_tension_N(press: Press) -> FloatArray:
@@ -426,6 +437,24 @@ def power_pairs(motion: Motion) -> list[tuple[FloatArray, FloatArray]]:
         (motion.friction_N, motion.slip_speed_m_s),
         (momentum, motion.travel_speed_m_s),
     ]
+
+
+PowerRows: TypeAlias = tuple[FloatArray, FloatArray, list[int]]
+"""Forces and speeds whose products are the powers, as rows, and where each power's begin."""
+
+
+def power_rows(motion: Motion) -> PowerRows:
+    """Return the rows over w of all forces and speeds that have a power."""
+    pairs = power_pairs(motion)
+    starts = np.cumsum([0, *(len(force) for force, _ in pairs[:-1])]).tolist()
+    forces, speeds = (np.vstack(rows) for rows in zip(*pairs, strict=True))
+    return forces, speeds, starts
+
+
+def powers_W(rows: PowerRows, w: FloatArray) -> FloatArray:
+    """Return all powers at states w of shape (n, n_w), shape (n, 6)."""
+    forces, speeds, starts = rows
+    return np.asarray(np.add.reduceat((w @ forces.T) * (w @ speeds.T), starts, axis=1))
 
 
 def power_forms(motion: Motion) -> FloatArray:

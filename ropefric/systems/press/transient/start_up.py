@@ -5,13 +5,14 @@ from collections import defaultdict
 from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import PPoly
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.checks import checked
 from ropefric.systems.friction import EVERYTHING, WrapFriction
@@ -21,6 +22,7 @@ from ropefric.systems.press.transient.capture import GridSolver, RK4Solver
 from ropefric.systems.press.transient.drives import SPEED, Inputs, Loads, press_inputs
 from ropefric.systems.press.transient.exact import Guard, HybridSolver, check_steps
 from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
+from ropefric.systems.press.transient.modes import Following, SwingingStartUp
 from ropefric.systems.press.transient.motion import (
     MOVING,
     STICK,
@@ -33,6 +35,7 @@ from ropefric.systems.press.transient.motion import (
     friction_utilisation,
     kinetic_energy_J,
     settled,
+    sticking,
 )
 
 
@@ -162,6 +165,7 @@ def start_up(
     exact_switching: bool = True,
     told: frozenset[str] = EVERYTHING,
     follows: bool = False,
+    modes: tuple[SwingingStartUp, BoolArray] | None = None,
     **settings: float | None,
 ) -> StartUp:
     """Return the start-up of a press from rest, eqs. (10)-(22) closed by elastic belts.
@@ -171,7 +175,8 @@ def start_up(
     friction and `slip` a belt does not push, a roller takes no more than T'_tight = T'_slack e^M with what accelerating
     the belt adds, and drag opposes the motion and holds at rest; between two changes of these the solution is exact.
     Without slip that is so where the linear model would let its loads drive the press by a thousandth of the energy. A
-    start-up in which something that only takes energy drives the press is refused.
+    start-up in which something that only takes energy drives the press is refused. With `modes` of it that swing it is
+    solved in closed form, unless that takes longer than steps.
     """
     times = _checked(time_s)
     model = ElasticPress(press, effects=effects)
@@ -185,21 +190,21 @@ def start_up(
             fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
         )
 
-    follows = follows and isinstance(friction, WrapFriction) and bool(ON_TENSION & set(friction.law.effects))
-
-    def follow(slack_N: FloatArray) -> FrictionLimit:
-        return friction_limit(model, friction or 0.0, told, slack_N)
-
-    def exponents(slack_N: FloatArray) -> FloatArray:
-        contacts = contacts_of(press, model.preload_N)._replace(upstream_N=slack_N, downstream_N=slack_N)
-        return contacts.exponent(friction or 0.0, told)
+    following = _following(model, friction, told) if follows else None
+    exponents, follow = following or (None, None)
 
     def made(solution: Solved, share: float) -> StartUp:
-        found = _histories(model, inputs, limit, times, solution, exponents=exponents if follows else None)
+        found = _histories(model, inputs, limit, times, solution, exponents=exponents)
         found.energy.check(times, share, loads_take=bool((press.rim_load_N[model.driven] >= 0.0).all()))
         return found
 
-    following = follow if follows and slips else None
+    if modes is not None:
+        # Its bounds are closer than those of a grid: where it is not to be had, neither is that.
+        solution, exact_switching = modes[0].run(times, modes[1]), True
+        if solution is not None:
+            motion = Motion(model, sticking(model), limit if slips else None)
+            with suppress(SolverError):
+                return made(([motion] * len(times), *solution, []), GRID_ERROR)
     if not slips and integrator != "exact":
         problem = LinearStartUp(model=model, inputs=inputs)
         states, works = np.split(
@@ -207,12 +212,12 @@ def start_up(
         )
         return made(([problem.motion] * len(times), states, works, []), _LINEAR_CLOSES)
     if slips and integrator == "rk4":
-        stepped = RK4Solver(model, inputs, limit, follow=following)
+        stepped = RK4Solver(model, inputs, limit, follow=follow)
         stepped.steps = _rk4_steps(times, settings.get("step_s"))
         return made(_solved(stepped, times), GRID_ERROR)
     if slips and not exact_switching and _even(times):
         on_grid = _on_grid(
-            GridSolver(model, inputs, limit, follow=following), times, lambda found: made(found, GRID_ERROR)
+            GridSolver(model, inputs, limit, follow=follow), times, lambda found: made(found, GRID_ERROR)
         )
         if on_grid is not None:
             return on_grid
@@ -220,8 +225,51 @@ def start_up(
         # The linear model, as long as no load drives it.
         with suppress(SolverError):
             return made(_solved(HybridSolver(model, inputs, None, drags=False), times), _LINEAR_CLOSES)
-    solver = HybridSolver(model, inputs, limit if slips else None, follow=following)
+    solver = HybridSolver(model, inputs, limit if slips else None, follow=follow)
     return made(_solved(solver, times), _CLOSES)
+
+
+def swinging_start_up(
+    press: Press,
+    *,
+    speed: PPoly,
+    time_s: npt.ArrayLike,
+    friction: float | WrapFriction,
+    slip: bool = True,
+    loads: Loads = "with-speed",
+    effects: Collection[str] = MOVING,
+    integrator: str = "exact",
+    told: frozenset[str] = EVERYTHING,
+    follows: bool = False,
+    **_: float | None,
+) -> SwingingStartUp | None:
+    """Return a start-up mode by mode; None where its belts may slip, or drags hold it so long that no bound is small."""
+    model = ElasticPress(press, effects=effects)
+    following = _following(model, friction, told) if follows else None
+    if integrator != "exact" or (
+        following and isinstance(friction, WrapFriction) and not friction.law.weakens
+    ):
+        return None
+    inputs, limit = press_inputs(model.overspeed, speed, loads), friction_limit(model, friction, told)
+    end_s = float(_checked(time_s)[-1])
+    with suppress(np.linalg.LinAlgError):
+        found = SwingingStartUp(model, inputs, limit, end_s, slips=slip, following=following)
+        return found if found.sticks and found.bound(~found.every) <= GRID_ERROR else None
+    return None
+
+
+def _following(
+    model: ElasticPress, friction: float | WrapFriction | None, told: frozenset[str]
+) -> Following | None:
+    """Return M and the limit of slip at slack sides, where friction follows the tensions; None where it cannot."""
+    if not (isinstance(friction, WrapFriction) and ON_TENSION & set(friction.law.effects)):
+        return None
+    contacts = contacts_of(model.press, model.preload_N)
+
+    def exponents(slack_N: FloatArray) -> FloatArray:
+        return contacts._replace(upstream_N=slack_N, downstream_N=slack_N).exponent(friction, told)
+
+    return exponents, partial(friction_limit, model, friction, told)
 
 
 Solved: TypeAlias = tuple[list[Motion], FloatArray, FloatArray, Sequence[tuple[float, Guard]]]
@@ -347,6 +395,8 @@ def _histories(
     """Return what states and modes at the times asked for mean for the press; `exponents` where friction follows."""
     press, (motions, states, works, changes) = model.press, solution
     slips = motions[0].limit is not None
+    if slips and states.shape[1] < 2 * motions[0].n_coordinates:  # of belts that stick nothing is kept
+        states = np.hstack([np.pad(half, ((0, 0), (0, len(press.rollers)))) for half in np.hsplit(states, 2)])
     w = np.hstack([states, inputs.at(times)])
     chosen: dict[Motion, list[int]] = defaultdict(list)
     for i, motion in enumerate(motions):

@@ -1,4 +1,4 @@
-"""What is told to people: numbers as they read them, sections with tables, and both as plain text.
+"""What is told to people: numbers as they read them, sections with tables, charts as data, and text of it all.
 
 The terminal and summary.txt show sections by `as_text`; `ropefric.report.page` shows the same as HTML and Markdown.
 """
@@ -7,7 +7,10 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import zip_longest
 from textwrap import wrap
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from ropefric.arrays import FloatArray
 
 WIDTH = 110
 """Columns that sentences are folded to."""
@@ -30,6 +33,36 @@ class Section(NamedTuple):
     def is_words(self, column: int) -> bool:
         """Return whether a column holds words and not numbers."""
         return column < self.left or self.headings[column].endswith(" ")
+
+
+class Line(NamedTuple):
+    """A line of a chart; a point where it has one value, or `points`; a limit drawn thin where `limit` says so."""
+
+    name: str
+    x: "FloatArray"
+    y: "FloatArray"
+    limit: bool = False
+    points: bool = False
+
+
+class Chart(NamedTuple):
+    """A figure as data: lines over one axis, whose columns are named as in a table."""
+
+    title: str
+    x_column: str
+    x_label: str
+    y_column: str
+    y_label: str
+    lines: tuple[Line, ...]
+
+
+def in_words(value: float | None, form: str = ".4g", factor: float = 1.0) -> str:
+    """Return a number as a table shows it: a dash where there is none, 0 for what only rounding left; yes or no."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return format(0.0 if abs(value) < 1e-12 else factor * value, form)
 
 
 def plain(value: float | None, form: str = ".4g") -> str:

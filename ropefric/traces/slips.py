@@ -34,8 +34,8 @@ FULL = 0.16
 """A slip by which the force falls by more than this part of itself is no partial one."""
 AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
 SWINGS = 4
-WORN, GIVES, LONG_ENOUGH, COMES_BACK = 0.03, 0.8, 16, 3.0
-"""A rope that slides and wears in gives way: beyond a fall of this part at least, the force grows that much slower."""
+GIVES, COMES_BACK = 0.8, 3.0
+"""A rope that slides and wears in gives way: the force grows that much slower."""
 ARRIVED = 0.9
 """A force that comes to a rest is there, when it has come so far."""
 BACK, ABOUT, FAR_FASTER = 0.6, 0.8, 5.0
@@ -208,7 +208,7 @@ def _wears_in(force_N: FloatArray, place: _Place) -> bool:
     pull, fall, top = place.pull, place.fall, place.top
     again = any(g.drop_N >= SAME_KIND * fall.drop_N and _slides_or_reloads(pull, g) for g in place.later)
     passed = _passes(force_N[: top + 1], fall)
-    if again or fall.drop_N < WORN * (fall.top_N - pull.base_N) or top - passed < LONG_ENOUGH:
+    if again or top <= passed:
         return False
     # A bump, or weights hung on, rise faster than the motor loads, which takes longer to come to the same force.
     back = _turned_on(force_N[: top + 1], fall, place.own_rate)

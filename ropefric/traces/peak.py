@@ -26,8 +26,6 @@ TOP_SIGMAS = 10.0
 """The slope at a top is read where the climb rises by so many standard deviations of the noise."""
 
 STEPS_LOOKED_AT = 500
-LONG_CLIMB = 200
-JUMP = 0.05
 NOISE_ABOVE_MEAN = 4.0
 """The highest of a few noisy samples is seldom more standard deviations above their mean."""
 WIDE_GAP = 5.0
@@ -133,7 +131,6 @@ def measure_peak(
     around = time_s[max(where.loading, where.stop - STEPS_LOOKED_AT) : where.stop + 1]
     around = time_s if around.size < 2 else around
     step_s = float(np.median(np.diff(around))) if around.size > 1 else 1.0
-    force_N = _without_outliers_at_the_top(time_s, force_N, where, noise_std_N)
     top = where.first + int(np.argmax(force_N[where.first : where.stop]))
     # The slope of the last half of the climb; the first half may still bend.
     first = min((where.loading + top) // 2, top - 1)
@@ -203,34 +200,6 @@ def _std_of_a_maximum_N(rise_N: float, noise_N: float, n_window: int) -> float:
     above_N = noise_N * float(np.interp(apart, _APART, _MEAN_OF_MAXIMUM))
     std_N = noise_N * float(np.interp(apart, _APART, _STD_OF_MAXIMUM))
     return math.hypot(std_N, above_N - 0.5 * n_window * rise_N, rise_N / math.sqrt(12.0))
-
-
-def _without_outliers_at_the_top(
-    time_s: FloatArray, force_N: FloatArray, where: Neighbourhood, noise_std_N: float
-) -> FloatArray:
-    """Return the force with samples cut down that a well-sampled climb cannot have reached.
-
-    Several spikes in the very moment of the slip look like no spike; but a rope that was loaded over hundreds of
-    samples does not jump above the line of its loading.
-    """
-    if where.first - where.loading < LONG_CLIMB:
-        return force_N
-    # A rest on the way is no part of the line that leads to the top.
-    loading_N = force_N[where.loading : where.first]
-    low = np.flatnonzero(loading_N <= 0.5 * (float(loading_N[0]) + float(loading_N[-1])))
-    begin = where.loading + (int(low[-1]) if low.size else 0)
-    climb = slice(max((where.loading + where.first) // 2, min(begin, where.first - 2)), where.first)
-    t0, f0, slope = _line(time_s[climb], force_N[climb])
-    near = slice(where.first, where.stop)
-    line_N = f0 + max(slope, 0.0) * (time_s[near] - t0)
-    height_N = float(line_N[-1]) - float(force_N[where.loading])
-    above = force_N[near] > line_N + max(10.0 * noise_std_N, JUMP * abs(height_N))
-    if not above.any() or above.all():
-        return force_N
-    places = np.arange(where.first, where.stop)
-    mended = force_N.copy()
-    mended[places[above]] = np.interp(places[above], places[~above], force_N[near][~above])
-    return mended
 
 
 def _smoothed_top(force_N: FloatArray, where: Neighbourhood, n_window: int) -> tuple[int, float]:

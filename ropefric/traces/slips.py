@@ -16,7 +16,6 @@ from ropefric.traces.events import (
     UNLOADED,
     Fall,
     Pull,
-    as_loaded,
     loading_rate,
     pulls_of,
 )
@@ -28,15 +27,15 @@ TALL = 0.1
 """What is lower, of a pull or of the highest pull, is a wiggle of the unloaded rope."""
 FAR = 0.95
 """A force that is loaded to about the double has not slipped before."""
-CREEPS, OBSTACLE, SWUNG, SLOWER = 0.3, 0.2, 0.55, 1.25
+OBSTACLE, SWUNG, SLOWER = 0.2, 0.55, 1.25
 """An obstacle lifts the force by this part of it at least; a slip swings as far below the force of sliding as it began
 above it; a partial one is loaded again at the rate of before."""
 FULL = 0.16
 """A slip by which the force falls by more than this part of itself is no partial one."""
 AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
 SWINGS = 4
-WORN, GIVES, LONG_ENOUGH, COMES_BACK = 0.03, 0.8, 16, 3.0
-"""A rope that slides and wears in gives way: beyond a fall of this part at least, the force grows that much slower."""
+GIVES, COMES_BACK = 0.8, 3.0
+"""A rope that slides and wears in gives way: the force grows that much slower."""
 ARRIVED = 0.9
 """A force that comes to a rest is there, when it has come so far."""
 BACK, ABOUT, FAR_FASTER = 0.6, 0.8, 5.0
@@ -131,15 +130,10 @@ def _is_contested(force_N: FloatArray, pull: Pull, fall: Fall, first: Fall) -> b
         return True
     if not LITTLE <= growth < FAR or fall.drop_N < 0.5 * FULL * height_N:
         return False
-    if _turned_on(force_N[: first.top + 1], fall) > SLOWER:
-        return True
     over = (median(force_N[first.settled : pull.stop]) - fall.bottom_N) / max(
         fall.top_N - fall.bottom_N, TINY
     )
-    again_N = max(
-        (g.top_N for g in pull.falls if g.top > first.top and g.drop_N > CREEPS * fall.drop_N), default=0.0
-    )
-    return growth > OBSTACLE and (0.0 < over < SWUNG or abs(again_N - fall.top_N) < ALIKE * height_N)
+    return growth > OBSTACLE and 0.0 < over < SWUNG
 
 
 class _Place(NamedTuple):
@@ -169,7 +163,7 @@ def _rivals(
     top = higher[0].top if higher else last + int(np.argmax(force_N[last : pull.stop]))
     above_N = float(force_N[top]) - fall.top_N
     if above_N <= 0.0:
-        return None if later and _is_partial(pull, fall, later[0], rate) else []
+        return []
     growth = above_N / max(height_N, 1e-12 * above_N, TINY)
     # What is held or slides afterwards is highest anywhere.
     came = fall.bottom + int(np.argmax(force_N[fall.bottom : top + 1] >= fall.top_N + ARRIVED * above_N))
@@ -214,7 +208,7 @@ def _wears_in(force_N: FloatArray, place: _Place) -> bool:
     pull, fall, top = place.pull, place.fall, place.top
     again = any(g.drop_N >= SAME_KIND * fall.drop_N and _slides_or_reloads(pull, g) for g in place.later)
     passed = _passes(force_N[: top + 1], fall)
-    if again or fall.drop_N < WORN * (fall.top_N - pull.base_N) or top - passed < LONG_ENOUGH:
+    if again or top <= passed:
         return False
     # A bump, or weights hung on, rise faster than the motor loads, which takes longer to come to the same force.
     back = _turned_on(force_N[: top + 1], fall, place.own_rate)
@@ -343,16 +337,6 @@ def _slides_or_reloads(pull: Pull, fall: Fall) -> bool:
     """Return whether the force stands on a level after a fall, or is loaded again: it was not unloaded."""
     return fall.reloads or (
         fall.has_settled and fall.level_N - pull.base_N > UNLOADED * (fall.top_N - pull.base_N)
-    )
-
-
-def _is_partial(pull: Pull, fall: Fall, after: Fall, rate: float) -> bool:
-    """Return whether a fall is small against the one that follows at nearly the same force."""
-    return (
-        fall.drop_N < SAME_KIND * after.drop_N
-        and after.top_N - pull.base_N > 0.9 * (fall.top_N - pull.base_N)
-        and _slides_or_reloads(pull, after)
-        and as_loaded(after.top_N - fall.bottom_N, rate, after.top - fall.bottom)
     )
 
 

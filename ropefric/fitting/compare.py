@@ -77,8 +77,8 @@ class ComparisonEntry:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON object of the entry; None where there is no number."""
-        names = (item.name for item in fields(self) if item.name != "fit")
-        return dict(rounded_tree({name: getattr(self, name) for name in names}, _DIGITS))
+        tree = {item.name: getattr(self, item.name) for item in fields(self) if item.name != "fit"}
+        return dict(rounded_tree(tree, _DIGITS))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -131,11 +131,10 @@ class Comparison(Shown):
         return self.best.counted and not math.isnan(self.best.weight)
 
     def __getitem__(self, law: str) -> ComparisonEntry:
-        for entry in self.ranking:
-            if entry.law == law:
-                return entry
-        known = [entry.law for entry in self.ranking]
-        raise UnknownNameError(f"{law!r} is not in this comparison", fix=did_you_mean(law, known))
+        known = {entry.law: entry for entry in self.ranking}
+        if law not in known:
+            raise UnknownNameError(f"{law!r} is not in this comparison", fix=did_you_mean(law, known))
+        return known[law]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape: `ranking` best first, F-tests and notes; weights are null if not `conclusive`."""
@@ -419,9 +418,8 @@ class Choice:
                 std_N=float(item.std_N[0]),
                 interval_N=(float(item.interval_N[0, 0]), float(item.interval_N[0, 1])),
             )
-            for item in answers
+            for item in (answers if len(answers) > 1 else ())
         )
-        candidates = candidates if len(candidates) > 1 else ()
         judged = replace(prediction, judged=self.verdict, candidates=candidates)
         open_ = [answer for answer in answers if answer.law in self.undecided]
         return judged if len(open_) < 2 else averaged(judged, open_, [self.undecided[x.law] for x in open_])

@@ -36,8 +36,7 @@ from ropefric.scenes.draws import Draws, draw_scene
 from ropefric.scenes.plan import Explanation, explain_scene
 from ropefric.scenes.scene import Scene, load_scene
 from ropefric.scenes.solve import Solution, solve_scene
-from ropefric.scenes.sweep import KEPT_POINTS, Axis, Sweep, parse_axis, sweep_scene
-from ropefric.scenes.sweep_table import sweep_table
+from ropefric.scenes.sweep import KEPT_POINTS, Axis, Sweep, parse_axis, sweep_scene, sweep_table
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings
 from ropefric.traces.calibration import Calibration

@@ -47,6 +47,7 @@ class _Draws(Points):
     """The cases of a scene that are drawn; see `points.Points`."""
 
     option = "--draws"
+    summed = True
     what = "draw"
     fix = "check the tolerances and the covariance of the fit"
 

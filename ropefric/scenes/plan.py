@@ -113,17 +113,17 @@ def make_plan(
     for one in every:
         bound = _relative(bounds.get(one.name, math.nan))
         is_in, keys = one.name in simulated, missing[one.name]
-        instead = one.instead if isinstance(one.instead, str) else one.instead(problem)
         why = "" if math.isnan(bound) else _worth("up to" if is_in else "at most", bound)
         if keys:
             why = f"the scene does not give {' and '.join(keys)}"
         elif asked and is_in:
             why = asked
         elif not is_in or not bound > accuracy:
-            reason = spared.get(one.name, "leaving it out would save no time") if is_in else instead
-            why = "; ".join(part for part in (why, reason) if part)
+            reason = spared.get(one.name, "leaving it out would save no time") if is_in else one.instead
+            detail = "" if is_in or one.detail is None else one.detail(problem)
+            why = "; ".join(part for part in (why, reason, detail) if part)
         fate: Fate = "not applicable" if keys else "simulated" if is_in else "left out"
-        decisions.append(Decision(one.name, fate, bound, why, keys, one.adds, instead))
+        decisions.append(Decision(one.name, fate, bound, why, keys, one.adds, one.instead))
     return Plan(decisions=tuple(decisions), method=method, accuracy=accuracy, error_bound=error_bound), model
 
 

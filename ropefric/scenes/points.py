@@ -49,6 +49,9 @@ class Points(Protocol):
     fix: str
     """What to do where none of them has an answer."""
 
+    summed: bool = False
+    """Whether means and standard deviations are asked for."""
+
     keys: tuple[str, ...]
     """Of the scene, that change."""
     shape: tuple[int, ...]
@@ -106,7 +109,7 @@ def solve_points(
     executor: Any,
 ) -> tuple[dict[str, Any], "Kept"]:
     """Return the fields of `Answers` to many cases, and what was kept of their numbers: at most some `keep` of each."""
-    total, kept = prod(points.shape), Kept(points.shape, keep)
+    total, kept = prod(points.shape), Kept(points.shape, keep, summed=points.summed)
     failed, first_failure, error_bound = 0, "", 0.0
     simulated: set[str] = set()
     failures, left_out = Counter[str](), Counter[str]()
@@ -161,7 +164,7 @@ def solve_points(
 class Kept:
     """What stays of the numbers: those of points spread evenly, and of all the range, mean and standard deviation."""
 
-    def __init__(self, shape: tuple[int, ...], most: int) -> None:
+    def __init__(self, shape: tuple[int, ...], most: int, *, summed: bool = True) -> None:
         steps = np.ones(len(shape), dtype=np.int64)
         while prod(-(-np.array(shape) // steps)) > most:
             steps[np.argmax(shape // steps)] *= 2
@@ -169,6 +172,7 @@ class Kept:
         self.columns: dict[str, FloatArray] = {}
         self.ranges: dict[str, tuple[float, float]] = {}
         self._sums: dict[str, tuple[int, float, float]] = {}
+        self._summed = summed
         self._shape, self._thinned = shape, tuple((-(-np.array(shape) // steps)).tolist())
 
     def add(self, block: Mapping[str, FloatArray], start: int, stop: int) -> None:
@@ -190,7 +194,8 @@ class Kept:
             if known.size:
                 low, high = float(np.fmin(low, known.min())), float(np.fmax(high, known.max()))
             self.ranges[name] = low, high
-            self._sums[name] = _joined(self._sums.get(name, (0, 0.0, 0.0)), known)
+            if self._summed:
+                self._sums[name] = _joined(self._sums.get(name, (0, 0.0, 0.0)), known)
 
     def moments(self, name: str) -> tuple[int, float, float]:
         """Return how many points have a number, and the mean and standard deviation of all of these."""

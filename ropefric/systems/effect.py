@@ -39,8 +39,10 @@ class Effect(Generic[P]):
         Its name in scenes.
     adds : str
         What it brings into the model, in words.
-    instead : str or callable
-        What stands in its place when it is left out, or `instead(problem)` where that depends.
+    instead : str
+        What stands in its place when it is left out.
+    detail : callable or None
+        `detail(problem)` returns what more is to be said of that, in words, where it is left out.
     needs : callable
         `needs(problem)` returns the scene keys that are missing for it; empty where it can be simulated.
     influence : callable
@@ -62,7 +64,8 @@ class Effect(Generic[P]):
 
     name: str
     adds: str
-    instead: str | Callable[[P], str]
+    instead: str
+    detail: Callable[[P], str] | None = None
     influence: Callable[[P], float] = unknown
     each: Callable[[P, Any], FloatArray] | None = None
     cost: float = 0.0

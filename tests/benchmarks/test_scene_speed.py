@@ -12,8 +12,7 @@ from ropefric.files.folder import Folder
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene import load_scene
 from ropefric.scenes.solve import solve_scene
-from ropefric.scenes.sweep import parse_axis, sweep_scene
-from ropefric.scenes.sweep_table import sweep_table
+from ropefric.scenes.sweep import parse_axis, sweep_scene, sweep_table
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
 GRID = ("wheel.wrap=90deg:1440deg:1000", "load.end_tension=10N:500N:1000")

@@ -18,8 +18,7 @@ from ropefric.accuracy.studies.uncertainty import KINDS, Design
 from ropefric.accuracy.studies.uncertainty import STUDY as UNCERTAINTY
 from ropefric.cli.app import main
 from ropefric.errors import DataError
-from ropefric.scenes.sweep import parse_axis, sweep_scene
-from ropefric.scenes.sweep_table import SweepTable
+from ropefric.scenes.sweep import SweepTable, parse_axis, sweep_scene
 from ropefric.trials import extract as extracting
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.result import write_tables

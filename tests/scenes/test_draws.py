@@ -22,8 +22,7 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.draws import draw_scene
 from ropefric.scenes.scene import number_keys, value_at
 from ropefric.scenes.solve import solve_scene
-from ropefric.scenes.sweep import parse_axis
-from ropefric.scenes.sweep_table import sweep_table
+from ropefric.scenes.sweep import parse_axis, sweep_table
 from ropefric.systems.friction import ScaleTo, WrapFriction
 from ropefric.uncertainty.quantity import directions
 
@@ -351,7 +350,7 @@ class Elsewhere:
 @pytest.fixture
 def blocks_of_100(monkeypatch):
     """Small blocks; a seed of their own keeps their draws apart from those of usual blocks."""
-    for module in ("points", "draws", "sweep_table"):
+    for module in ("points", "draws", "sweep"):
         monkeypatch.setattr(f"ropefric.scenes.{module}.BLOCK", 100)
     return 77
 

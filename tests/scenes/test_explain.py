@@ -4,7 +4,9 @@ from itertools import count
 
 import pytest
 
-from ropefric.scenes.plan import explain_scene
+from ropefric.errors import RopefricError
+from ropefric.scenes.plan import explain_scene, make_plan
+from ropefric.scenes.solve import solve_scene
 from ropefric.systems.hoist.effects import SYSTEM
 from ropefric.systems.press.answer import FAST_ERROR
 
@@ -64,9 +66,25 @@ def test_of_a_start_up_it_is_said_which_modes_swing(loaded, scene_of):
     assert slow["slow-modes"].fate == slow["fast-modes"].fate == "left out"
     assert slow["slow-modes"].why.endswith("no swings at all: a start-up that is quasi-static")
     assert slow["slow-modes"].bound <= FAST_ERROR < slow["fast-modes"].bound + FAST_ERROR
-    assert slow["fast-modes"].why.partition("; ")[2].startswith("0 of 13 modes swing")
-    assert "upper and lower as good as rigid" in slow["fast-modes"].why
+    assert slow["fast-modes"].why.endswith("0 of 13 modes swing, belt upper and lower as good as rigid")
     assert quick["slow-modes"].fate == "simulated"
     assert quick["fast-modes"].fate == "left out"
-    assert " of 13 modes swing" in quick["fast-modes"].why
+    assert quick["fast-modes"].why.endswith("as if at rest; 3 of 13 modes swing")
     assert slips["fast-modes"].why.startswith("no bound is known")
+
+
+def test_a_start_up_that_has_no_answer_is_explained(loaded, scene_of):
+    tree = loaded("press-start-up").document.data
+    tree["rollers"]["3"]["tensioner"] = tree["rollers"]["3"]["tensioner"] | {"travel": "-500 mm"}
+    scene = scene_of(**tree)
+    words = {one.name: one for one in explain_scene(scene).plan.decisions}
+    assert words["fast-modes"].fate == "simulated"
+    with pytest.raises(RopefricError, match="slack at rest"):
+        solve_scene(scene)
+
+
+def test_with_all_effects_nothing_is_asked_of_modes(loaded, monkeypatch):
+    monkeypatch.delattr("ropefric.systems.press.effects.swinging_of")
+    scene = loaded("press-start-up")
+    plan, _ = make_plan(scene.kind.system, scene.problem, accuracy=0.02, effects="all")
+    assert {"fast-modes", "slow-modes"} <= set(plan.simulated)

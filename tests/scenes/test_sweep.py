@@ -10,8 +10,7 @@ from ropefric.errors import DataError, InputError, UnknownNameError
 from ropefric.files.folder import Folder
 from ropefric.scenes.scene import load_scene, number_keys
 from ropefric.scenes.solve import solve_scene
-from ropefric.scenes.sweep import parse_axis, sweep_scene
-from ropefric.scenes.sweep_table import columns_text, sweep_table
+from ropefric.scenes.sweep import columns_text, parse_axis, sweep_scene, sweep_table
 
 
 def test_ranges_and_lists_in_any_unit(hoist_of):
@@ -102,7 +101,7 @@ def test_the_table_has_the_last_axis_fastest_whatever_is_written_at_once(
     hoist_of, tmp_path, monkeypatch, block
 ):
     monkeypatch.setattr("ropefric.scenes.points.BLOCK", block)
-    monkeypatch.setattr("ropefric.scenes.sweep_table.BLOCK", block)
+    monkeypatch.setattr("ropefric.scenes.sweep.BLOCK", block)
     scene = hoist_of(effects="all")
     axes = tuple(parse_axis(scene, text) for text in ("wheel.wrap=1turn,2turn", "load.end_tension=10N:50N:5"))
     with sweep_table(axes, Folder(tmp_path), "sweep.csv") as written:

@@ -13,9 +13,8 @@ from ropefric.errors import InputError
 from ropefric.files import plain_text
 from ropefric.files.folder import Folder
 from ropefric.scenes import points as solving
-from ropefric.scenes import sweep_table as tables
-from ropefric.scenes.sweep import parse_axis, sweep_scene
-from ropefric.scenes.sweep_table import sweep_table
+from ropefric.scenes import sweep as tables
+from ropefric.scenes.sweep import parse_axis, sweep_scene, sweep_table
 from ropefric.systems.effect import Model
 from ropefric.systems.hoist.contact import solve_lift
 from ropefric.systems.hoist.effects import SYSTEM, stiffness_bound

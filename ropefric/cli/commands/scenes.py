@@ -25,7 +25,7 @@ with on_first_use():
     from ropefric.report import cost_page
     from ropefric.report import scene as pages
     from ropefric.scenes import draws as drawing
-    from ropefric.scenes import kinds, plan, sweep_table
+    from ropefric.scenes import kinds, plan
     from ropefric.scenes import scene as scenes
     from ropefric.scenes import solve as solving
     from ropefric.scenes import sweep as sweeping
@@ -106,7 +106,7 @@ def solve(
         with Progress(out, "solve") as progress, ExitStack() as stack:
             write = None
             if target is not None:
-                write = stack.enter_context(sweep_table.sweep_table(axes, target, f"sweep.{table}")).add
+                write = stack.enter_context(sweeping.sweep_table(axes, target, f"sweep.{table}")).add
             executor = stack.enter_context(executors.cluster(cluster))
             how: dict[str, Any] = {"write": write, "keep": sweeping.KEPT_POINTS, "executor": executor}
             found = sweeping.sweep_scene(loaded, axes, progress=progress.update, **how)
@@ -130,7 +130,7 @@ def _drawn(  # noqa: PLR0917  (as the command has them)
     with Progress(out, "solve") as progress, ExitStack() as stack:
         write = None
         if folder is not None:
-            write = stack.enter_context(sweep_table.sweep_table((), folder, name)).add
+            write = stack.enter_context(sweeping.sweep_table((), folder, name)).add
         executor = stack.enter_context(executors.cluster(cluster))
         how |= {"progress": progress.update, "write": write, "executor": executor}
         found = drawing.draw_scene(scene, count, **how)
@@ -161,7 +161,7 @@ def _write(
     for name, history in solution.scene.kind.histories.items():
         columns = history(solution.answer)
         if columns is not None:
-            files += folder.write({name: sweep_table.columns_text(columns)})
+            files += folder.write({name: sweeping.columns_text(columns)})
     return options.publish(out, folder, "answer", files)
 
 

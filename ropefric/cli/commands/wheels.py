@@ -21,7 +21,7 @@ with on_first_use():
     from ropefric.friction import condition as conditions
     from ropefric.friction import laws
     from ropefric.report import parts
-    from ropefric.scenes import sweep_table
+    from ropefric.scenes import sweep
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import extract as extracting
 
@@ -404,7 +404,7 @@ def export(
         "files": [],
     }
     if file is not None:
-        content = {file.name: sweep_table.columns_text(columns).encode()}
+        content = {file.name: sweep.columns_text(columns).encode()}
         data["files"] = [*map(str, write_files(file.parent, content, overwrite=force))]
         out.note(f"wrote {file}")
     percent = f"{100 * found.constant_error:.3g} %"

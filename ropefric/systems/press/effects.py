@@ -11,6 +11,7 @@ up at most.
 import math
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache, partial
 from itertools import product
@@ -195,9 +196,10 @@ def _law_bound(name: str, problem: PressProblem, answer: PressAnswer | None) -> 
 def _moving(
     name: str,
     adds: str,
-    instead: str | Callable[[PressProblem], str],
+    instead: str,
     *,
     bound: Callable[[PressProblem], float] = unknown,
+    detail: Callable[[PressProblem], str] | None = None,
     cost: float = 0.1,
 ) -> Effect[PressProblem]:
     """Return an effect that only a start-up has; of most no bound is known where there is one."""
@@ -207,6 +209,7 @@ def _moving(
         instead=instead,
         needs=_needs_of_start_up,
         influence=lambda problem: 0.0 if problem.start_up is None else bound(problem),
+        detail=detail,
         cost=cost,
     )
 
@@ -216,7 +219,9 @@ def _on_tension(problem: PressProblem) -> bool:
 
 
 def _swinging(problem: PressProblem) -> SwingingStartUp | None:
-    return swinging_of(problem, frozenset(applicable(EFFECTS, problem)))
+    with suppress(RopefricError):  # a start-up that has no answer says so where it is solved
+        return swinging_of(problem, frozenset(applicable(EFFECTS, problem)))
+    return None
 
 
 def _swings_left_out(problem: PressProblem, *names: str) -> float:
@@ -235,13 +240,13 @@ def _without_slow(problem: PressProblem) -> float:
     return _swings_left_out(problem, "fast-modes", "slow-modes") - without_fast
 
 
-def _instead_of_fast(problem: PressProblem) -> str:
-    swinging = None if _needs_of_start_up(problem) else _swinging(problem)
+def _which_swing(problem: PressProblem) -> str:
+    swinging = _swinging(problem)
     if swinging is None:
-        return "fast modes that follow the drive as if at rest, where no belt may slip"
-    slow, belts = swinging.fewest(FAST_ERROR), swinging.rigid_belts(FAST_ERROR)
-    told = f"{slow} of {swinging.n_modes} modes swing, the others follow the drive as if at rest"
-    return told + (f"; {' and '.join(belts)} as good as rigid" if belts else "")
+        return ""
+    belts = swinging.rigid_belts(FAST_ERROR)
+    told = f"{swinging.fewest(FAST_ERROR)} of {swinging.n_modes} modes swing"
+    return told + (f", belt {' and '.join(belts)} as good as rigid" if belts else "")
 
 
 _UNIT = re.compile("_(?:N|m|kg|kg_m2)$")
@@ -319,8 +324,9 @@ EFFECTS: Registry[Effect[PressProblem]] = Registry(
         _moving(
             "fast-modes",
             f"swings of the fastest modes, worth no more than {FAST_ERROR:g} in any tension together",
-            _instead_of_fast,
+            "modes that follow the drive as if at rest",
             bound=_without_fast,
+            detail=_which_swing,
         ),
         _moving(
             "slow-modes",

@@ -5,7 +5,7 @@ import math
 import os
 import sys
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from shutil import get_terminal_size
@@ -85,6 +85,23 @@ class Output:
         with suppress(OSError):
             sys.stderr.write(text)
             sys.stderr.flush()
+
+
+def few_of_each(problems: Sequence[Problem], most: int) -> Sequence[Problem]:
+    """Return problems as they are, or, of many of one code, some and how many more; then those alike stand together."""
+    by_code: dict[str, list[Problem]] = {}
+    for problem in problems:
+        by_code.setdefault(problem.code, []).append(problem)
+    if all(len(alike) <= most for alike in by_code.values()):
+        return problems
+    few: list[Problem] = []
+    for alike in by_code.values():
+        few += alike[:most]
+        if rest := alike[most:]:
+            worst = next((problem for problem in rest if problem.severity == "error"), rest[0])
+            text = f"{len(rest)} more like these"
+            few.append(Problem(code=worst.code, message=text, severity=worst.severity))
+    return few
 
 
 def width_of(stream: TextIO) -> int | None:

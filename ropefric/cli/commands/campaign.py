@@ -15,8 +15,8 @@ from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, option, out_folder
-from ropefric.cli.output import Output, Progress
-from ropefric.errors import DataError, InputError, Problem, RopefricError
+from ropefric.cli.output import Output, Progress, few_of_each
+from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.glossary import counted
 
 with on_first_use():
@@ -133,12 +133,7 @@ def say_problems(extraction: "result.Extraction", folder: Path, out: Output) -> 
     Many problems of one kind are said a few times and then counted.
     """
     for alike in result.problems_by_code(extraction, said_of=_without_force(extraction)).values():
-        out.problems(alike[:MAX_ALIKE])
-        rest = alike[MAX_ALIKE:]
-        if rest:
-            worst = next((problem for problem in rest if problem.severity == "error"), rest[0])
-            text = f"{len(rest)} more like these"
-            out.problems([Problem(code=worst.code, message=text, severity=worst.severity)])
+        out.problems(few_of_each(alike, MAX_ALIKE))
     trials = extraction.trials
     n_recordings = len({(trial.file, trial.sample) for trial in trials})
     what = counted(len(trials), "trial")

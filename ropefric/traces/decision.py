@@ -80,6 +80,8 @@ LEVEL = 0.3
 """Part of a pull during which a force that slides without a peak stays near its largest."""
 BEGINS = 0.8
 """A recording that begins above this part of its largest force, and not at rest, shows no loading."""
+WANDERS = 2.0
+"""Of all that a sliding rope wanders: a fall that is so much larger is no wander."""
 EQUAL = 0.01
 """Two candidates that differ by less are no doubt about the force."""
 
@@ -193,8 +195,9 @@ def _of_pull(
     falls = [fall for fall in pull.falls if fall not in bumps]
     height_N = pull.top_N - pull.base_N
     loaded = least_fall_N(prepared, settings) < pull.base_N - float(force_N.min()) > height_N
-    # One that slides wanders; it is loaded from far below.
+    # One that slides wanders, and falls no further than it wanders later on; it is loaded from far below.
     wanders = not prepared.blocks.n_rest and float(force_N[: pull.start + 1].min()) > BEGINS * pull.top_N
+    wanders = wanders and all(f.drop_N < WANDERS * np.ptp(force_N[f.settled :]) for f in falls)
     if (loaded and pull.start < FEW_BLOCKS) or wanders:
         detail = f"the recording begins at {force_N[0]:.4g} N, loaded or sliding already: it shows no loading"
         return without_force(Status.NO_PEAK, detail, prepared)

@@ -120,3 +120,12 @@ def test_a_slip_and_a_load_let_down_at_the_end_are_not_clear():
     force = np.where(until_s <= TIME_S, let_down, slow)[until_s + 0.2 > TIME_S]
     found = picked(force, TIME_S[: force.size])
     assert found.status is not Status.OK or found.peak_N == pytest.approx(80.0, rel=0.01), found.detail
+
+
+@pytest.mark.parametrize(("wander_N", "status"), [(0.2, Status.OK), (5.0, Status.NO_PEAK)])
+def test_a_fall_on_a_high_level_is_a_breakaway_if_it_is_no_wander_of_sliding(wander_N, status):
+    """A sensor may stand at an offset; a rope that slides from the beginning on falls as far again later."""
+    wander = wander_N * np.sin(2.0 * np.pi * TIME_S / 0.9)
+    climb_N = np.interp(TIME_S, (0.0, 0.3, 0.31), (150.0, 165.0, 157.0))
+    found = picked(climb_N + np.where(TIME_S > 0.31, wander, 0.0), noise_N=0.02)
+    assert found.status is status, found.detail

@@ -12,14 +12,8 @@ from ropefric.traces.noise import runs_of
 from ropefric.traces.segments import Blocks, Prepared
 from ropefric.traces.trace import ForceTrace
 
-<<<<<<< HEAD
-SMALL_ZERO, LARGE_ZERO = 0.02, 0.12
-"""Parts of F_A: a level at rest that matters, and what can only be a pretension."""
-=======
 SMALL_ZERO, UNKNOWN, LARGE_ZERO = 0.02, 0.08, 0.12
 """Parts of F_A: a level at rest that matters, a drift that must be excluded, and what can only be a pretension."""
-UNSURE = 0.03
->>>>>>> hP
 JUMP_BLOCKS, JUMP_SIGMAS, SWINGS_BY = 6, 5.0, 0.1
 """A rope swings by more than the last part of a load that comes on at once."""
 STANDS, SLOPE_SIGMAS = 0.3, 7.0
@@ -27,7 +21,8 @@ STANDS, SLOPE_SIGMAS = 0.3, 7.0
 PIECES, LEAST = 8, 8
 """A stretch at rest is looked at in so many pieces, of so many samples at least."""
 FEWEST, CLIMB_SIGMAS = 3, 2.0
-DRIFT_SIGMAS = 3.0
+DRIFT_SIGMAS, TELLS = 3.0, 2.5
+"""Standard deviations at which a drift is seen, and at which one must have shown for a rest to tell of it at all."""
 SLOW_NOISE = 1.7
 """What 1/f noise adds to a slope through six means, against what they leave of it."""
 WALK_SIGMAS = 4.0
@@ -120,7 +115,7 @@ def _with_drift(
     why = ""
     if is_seen and wrong_N + std_N > SMALL_ZERO * result.peak_N:
         why = f"the zero drifts by {abs(drift_N):.2g} ± {std_N:.2g} N between the rope at rest and the peak"
-    elif 2.5 * std_N < UNKNOWN * result.peak_N < wrong_N + 2.0 * std_N:  # a briefer rest says nothing
+    elif TELLS * std_N < UNKNOWN * result.peak_N < wrong_N + 2.0 * std_N:
         why = f"the rope rests too briefly to exclude a drift of the zero of {wrong_N + 2.0 * std_N:.2g} N"
     return replace(result, peak_std_N=peak_std_N), why
 

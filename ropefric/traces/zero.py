@@ -9,7 +9,7 @@ from ropefric.arrays import FloatArray, IntArray
 from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
 from ropefric.traces.events import half_climb
 from ropefric.traces.noise import runs_of
-from ropefric.traces.segments import Blocks, Prepared
+from ropefric.traces.segments import AT_REST, Blocks, Prepared
 from ropefric.traces.trace import ForceTrace
 
 SMALL_ZERO, UNKNOWN, LARGE_ZERO = 0.02, 0.08, 0.12
@@ -21,10 +21,7 @@ STANDS, SLOPE_SIGMAS = 0.3, 7.0
 PIECES, LEAST = 8, 8
 """A stretch at rest is looked at in so many pieces, of so many samples at least."""
 FEWEST, CLIMB_SIGMAS = 3, 2.0
-DRIFT_SIGMAS, TELLS = 3.0, 2.5
-"""Standard deviations at which a drift is seen, and at which one must have shown for a rest to tell of it at all."""
-SLOW_NOISE = 1.7
-"""What 1/f noise adds to a slope through six means, against what they leave of it."""
+DRIFT_SIGMAS = 4.0
 WALK_SIGMAS = 4.0
 STEP, BUMP, AGREE = 0.8, 3.0, 3.0
 """A step leaves less than this part of what a line leaves; a bump is so many times higher than the levels differ."""
@@ -114,8 +111,8 @@ def _with_drift(
         wrong_N = max(wrong_N, abs(drift_N + zero_N))
     why = ""
     if is_seen and wrong_N + std_N > SMALL_ZERO * result.peak_N:
-        why = f"the zero drifts by {abs(drift_N):.2g} ± {std_N:.2g} N between the rope at rest and the peak"
-    elif TELLS * std_N < UNKNOWN * result.peak_N < wrong_N + 2.0 * std_N:
+        why = f"the zero drifts by about {abs(drift_N):.2g} N between the rope at rest and the peak"
+    elif wrong_N + 2.0 * std_N > UNKNOWN * result.peak_N:
         why = f"the rope rests too briefly to exclude a drift of the zero of {wrong_N + 2.0 * std_N:.2g} N"
     return replace(result, peak_std_N=peak_std_N), why
 
@@ -151,7 +148,7 @@ def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
     A slack that is taken up, weights that are hung on and a snag part them.
     """
     force_N = blocks.force_N
-    half = half_climb(force_N, 0, top)
+    half, low_N = half_climb(force_N, 0, top), float(force_N[: top + 1].min())
     rate = (float(force_N[top]) - float(force_N[half])) / max(1, top - half)
     if half < 2 * LEAST or rate <= 0.0:
         return []
@@ -162,7 +159,8 @@ def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
     w = max(1, int(np.ceil(wide)))
     sums = np.concatenate([[0.0], np.cumsum(force_N[:half] - force_N[0])])
     slope = np.abs(sums[2 * w :] - 2.0 * sums[w:-w] + sums[: -2 * w]) / w**2
-    flat = runs_of(slope < STANDS * rate) + w
+    low = force_N[w : half - w + 1] < low_N + AT_REST * (float(force_N[top]) - low_N)
+    flat = runs_of((slope < STANDS * rate) & low) + w
     flat[flat == w] = 0  # from the beginning on
     return [part for start, stop in flat.tolist() for part in _parted(force_N, start, stop)]
 
@@ -191,7 +189,7 @@ def drift(blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway) -> tu
     them. The force of a sliding rope drifts with it: where that agrees it counts, and one that stays says there is none.
     """
     n = max((stop - start for start, stop in rests), default=0) // PIECES
-    if not n:
+    if n * blocks.size < LEAST:
         return 0.0, 0.0, 0.0
     means, at, bumps = _pieces(blocks, rests, n)
     if not means:
@@ -296,6 +294,4 @@ def _common_slope(x: FloatArray, y: FloatArray, group: IntArray, white_N: float)
     x, y = (some - (np.bincount(group, some) / np.bincount(group))[group] for some in (x, y))
     slope = float(x @ y) / float(x @ x)
     left_N = float(np.sqrt(((y - slope * x) ** 2).sum() / max(1, x.size - int(group[-1]) - 2)))
-    # Noise that is slow bends by less than it slopes.
-    left_N *= SLOW_NOISE if left_N > 1.5 * white_N else 1.0
     return slope, float(max(white_N, left_N) / np.sqrt(x @ x))

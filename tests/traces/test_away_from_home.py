@@ -119,7 +119,7 @@ def test_a_drift_of_the_zero_is_seen_through_a_snag(snag_N):
     hung = 8.0 * (TIME_S > 0.45) if snag_N == 0.0 else 0.0
     found = picked(drawn(*PULL) + 1.6 * TIME_S + snag + hung)
     assert found.status is Status.DOUBTFUL
-    drift_N = float(found.detail.split("drifts by ")[1].split(" ±")[0])
+    drift_N = float(found.detail.split("by about ")[1].split(" N")[0])
     assert drift_N == pytest.approx(1.6 * 2.3, rel=0.25)
 
 

@@ -129,3 +129,12 @@ def test_a_fall_on_a_high_level_is_a_breakaway_if_it_is_no_wander_of_sliding(wan
     climb_N = np.interp(TIME_S, (0.0, 0.3, 0.31), (150.0, 165.0, 157.0))
     found = picked(climb_N + np.where(TIME_S > 0.31, wander, 0.0), noise_N=0.02)
     assert found.status is status, found.detail
+
+
+@pytest.mark.parametrize(("rise_s", "height_N"), [(0.1, 20.0), (0.2, 20.0), (0.3, 20.0), (0.3, 30.0)])
+def test_a_snag_after_which_the_climb_goes_on_along_its_line_is_no_slip(rise_s, height_N):
+    """A slip takes its length off the spring for good; what only pushed leaves the line as it was."""
+    snag = np.interp(TIME_S, (1.4, 1.4 + rise_s, 1.45 + rise_s), (0.0, height_N, 0.0))
+    found = picked(np.where(SLIDES, 85.0, climb()) + snag)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.005)

@@ -94,20 +94,14 @@ def assemble_trace(
     try:
         if end_N is None and "end_tension_counts" in channels and end_calibration is not None:
             end_N, _ = end_calibration.apply(end_calibration.checked(channels["end_tension_counts"][keep]))
+        counts, saturation = None, None
         if "force" in channels or calibration is None:
-            force_N = channels["force"][keep]
-            return ForceTrace(
-                time_s=time_s,
-                force_N=force_N,
-                name=raw.name,
-                source=raw.source,
-                end_tension_N=end_N,
-                notes=notes,
-            )
-        counts = calibration.checked(channels["counts"][keep])
-        if tared is not None:
-            calibration = tared(time_s, counts, calibration)
-        force_N, saturation = calibration.apply(counts)
+            force_N, calibration = channels["force"][keep], None
+        else:
+            counts = calibration.checked(channels["counts"][keep])
+            if tared is not None:
+                calibration = tared(time_s, counts, calibration)
+            force_N, saturation = calibration.apply(counts)
     except RopefricError as error:
         problem = error.problem
         raise refuse(problem.message, problem.code, problem.key or "counts", problem.fix) from None

@@ -97,6 +97,9 @@ class SwingingStartUp:
         self.every, self._power_rows = np.ones(self.n_modes, dtype=np.bool_), power_rows(self.motion)
         inverse = np.linalg.inv(self._vectors)
         off = np.abs((self._vectors * self.rates) @ inverse - state).max(axis=1)
+        self.sticks = bool((off <= _RESOLVED * np.abs(state).max(axis=1)).all())
+        if not self.sticks:
+            return
         self._starts_s = inputs.starts_s[inputs.starts_s < end_s]
         self._lengths_s = np.diff(np.append(self._starts_s, end_s))
         # w = (y, u) on the path by its Taylor coefficients, and how the modes begin to swing, on each piece.
@@ -107,10 +110,8 @@ class SwingingStartUp:
             self._swings.append(inverse @ (y - path[:n, 0]))
             y = path[:n] @ _powers(length_s, path.shape[1])
             y = y + (self._vectors @ (np.exp(self.rates * length_s) * self._swings[-1])).real
-        self.sticks = bool((off <= _RESOLVED * np.abs(state).max(axis=1)).all())
-        if self.sticks:
-            self._look()
-            self.sticks = not slips or self._holds()
+        self._look()
+        self.sticks = not slips or self._holds()
 
     def _look(self) -> None:
         """Look at the path, and how far modes may swing from it, at places so near that little lies between."""

@@ -255,7 +255,8 @@ def swinging_start_up(
     if following and isinstance(friction, WrapFriction) and not friction.law.weakens:
         return None
     inputs, limit = press_inputs(model.overspeed, speed, loads), friction_limit(model, friction, told)
-    with suppress(np.linalg.LinAlgError):
+    # Of numbers that no float holds nothing is known.
+    with suppress(np.linalg.LinAlgError), np.errstate(over="ignore", invalid="ignore"):
         found = SwingingStartUp(model, inputs, limit, float(times[-1]), slips=slip, following=following)
         return found if found.sticks and found.bound(~found.every) <= GRID_ERROR else None
     return None

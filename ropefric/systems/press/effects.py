@@ -316,8 +316,8 @@ EFFECTS: Registry[Effect[PressProblem]] = Registry(
         ),
         _moving(
             "exact-switching",
-            "belts that stick, slip and go slack, and drags that hold, at their exact moments",
-            "these moments on a grid, made finer until halving it changes nothing more",
+            "belts that stick, slip and go slack, and drags that hold, each moment searched for with steps of its own",
+            "the same moments met inside the steps of a grid",
             bound=lambda problem: min(GRID_ERROR, _swings_left_out(problem)),
             cost=10.0,
         ),

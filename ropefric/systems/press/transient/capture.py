@@ -1,82 +1,121 @@
-"""A start-up whose contacts change their state on a grid: exact steps between, no search for the moment.
+"""A start-up whose contacts change their state, on a grid: what carries a step is known, and changes are met inside it.
 
-A step that ends with a guard below zero is tried again in halves, down to a part of it, where the change is made. All
-steps are dyadic parts of one, so that a mode costs one exponential and its squarings, and a mode that comes again
-nothing. The works are trapezoids of the powers.
+All steps are dyadic parts of one, so that a mode costs one exponential and its squarings, and a mode that comes again
+nothing. Guards are looked at as often as in the search for exact moments; a change is met by halves of a step, and in
+the shortest part along the Taylor series of the solution. The works are trapezoids of the powers and their slopes.
 """
 
 import math
 from functools import cached_property, lru_cache
+from itertools import pairwise
 
 import numpy as np
 from scipy.linalg import eigvals
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import SolverError
-from ropefric.systems.press.transient.drives import LOAD
-from ropefric.systems.press.transient.exact import Guard, HybridSolver, Phase, lowest_between
+from ropefric.systems.press.transient.exact import (
+    TAYLOR_TERMS,
+    Along,
+    Guard,
+    HybridSolver,
+    Phase,
+    check_steps,
+    first_dip,
+    first_to_fall,
+    lowest_between,
+    near_zero,
+)
 from ropefric.systems.press.transient.integrators import rk4_limit_s
-from ropefric.systems.press.transient.motion import FORWARD, Mode, Motion, PowerRows, power_rows, powers_W
+from ropefric.systems.press.transient.motion import Mode, Motion, power_rows
 
+_UNITS = 2**42
+"""Places of the grid in a step: so near that a moment is one of them."""
 _LEVELS = 6
-_PARTS = 2**_LEVELS
-"""A change of a contact is met to this part of a step."""
-_SAME_PLACE = 1e-6
-"""Of a part: a piece of the drive that begins so near to a place of the grid begins there."""
-_BLOCK = 64
-"""Steps that are looked at together, at most."""
+"""After a change the first step is so many halvings of the longest, or shorter."""
+_TURNED = 2.0
+"""‖hG‖ of the shortest part at most, whose Taylor series needs no more terms than there are."""
+_LONGER = 2.0
+"""Than in the search for exact moments: 12 steps in a period."""
+_BLOCK, _KEPT = 64, 4096
+"""Steps that are looked at together, and whose works are taken together, at most."""
 
 
 class _GridPhase(Phase):
     """One mode during one piece of the drive, with its steps of a grid."""
 
-    _made: tuple[float, list[FloatArray]] = 0.0, []
+    terms = TAYLOR_TERMS
 
-    def flows(self, step_s: float) -> list[FloatArray]:
-        """Return the matrices that carry z over a step, half of it, and so on; those of the last grid are known."""
-        known_s, flows = self._made
-        if known_s != step_s:
-            smallest = self.step(step_s / _PARTS)
-            flows = [*flows[1:], smallest] if known_s == 2.0 * step_s else [smallest]
-            while len(flows) <= _LEVELS:
-                flows.insert(0, flows[0] @ flows[0])
-            self._made = step_s, flows
+    @lru_cache(maxsize=1)  # noqa: B019  (a phase lives as long as its start-up)
+    def flows(self, step_s: float, longest_s: float) -> tuple[int, list[FloatArray]]:
+        """Return how often the step is halved first, and the matrices of that part, half of it, and so on."""
+        first = math.ceil(math.log2(max(step_s / longest_s, 1.0)))
+        turned = float(np.linalg.norm(self._balanced[0], 1)) * step_s
+        last = max(first + _LEVELS, math.ceil(math.log2(max(turned, _TURNED) / _TURNED)))
+        if 2**last > _UNITS:
+            raise SolverError("no grid is fine enough for the fastest motion", code="RF524")
+        return first, self._halvings(step_s, first, last)
+
+    def _halvings(self, step_s: float, first: int, last: int) -> list[FloatArray]:
+        flows = [self.step(step_s / 2**last)]
+        while len(flows) <= last - first:
+            flows.insert(0, flows[0] @ flows[0])
         return flows
+
+    def along(self, z: FloatArray, within_s: float) -> Along:
+        """Return z as a function of the time from now on, within a part so short that its Taylor series is exact."""
+        generator, weights = self._balanced
+        rows = [z / weights]
+        for order in range(1, self.terms):
+            rows.append((within_s / order) * (generator @ rows[-1]))
+        series, orders = weights[:, np.newaxis] * np.transpose(rows), np.arange(self.terms)
+        return lambda tau_s: np.asarray(series @ (tau_s / within_s) ** orders)
 
     @cached_property
     def firing(self) -> FloatArray:
-        """Return the guards over their tolerances, as rows over z."""
-        return np.asarray(self.watch[: len(self.guards)] / self.tolerances[:, np.newaxis])
+        """Return the guards and their rates over the guards' tolerances, as columns over z."""
+        return np.asarray((self.watch / np.tile(self.tolerances, 2)[:, np.newaxis]).T)
 
-    def lowest(self, states: FloatArray, margins: FloatArray, step_s: float) -> FloatArray:
-        """Return how low the guards are in steps from the first state on, and between their ends; margins at these."""
-        rates = states @ (self.watch[len(self.guards) :] * (step_s / self.tolerances[:, np.newaxis])).T
-        before = np.vstack([self.firing @ states[0], margins[:-1]])
-        turning = (rates[:-1] < 0.0) & (rates[1:] > 0.0)
-        found = np.minimum(before, margins)
-        pieces = before[turning], margins[turning], rates[:-1][turning], rates[1:][turning]
-        found[turning] = lowest_between(*pieces)[1]
-        return np.asarray(found)
+    def suspects(self, states: FloatArray, length_s: float) -> BoolArray:
+        """Return in which of equal steps a guard ends below zero, or may have been there between."""
+        n = len(self.guards)
+        watched = states @ self.firing
+        margins, rates = watched[:, :n], length_s * watched[:, n:]
+        low, falling, rising = margins[1:].copy(), rates[:-1], rates[1:]
+        turning = (falling < 0.0) & (rising > 0.0)
+        if turning.any():
+            falling, rising = falling[turning], rising[turning]
+            lowest = lowest_between(margins[:-1][turning], low[turning], falling, rising)[1]
+            low[turning] = np.minimum(low[turning], lowest - near_zero(falling, rising))
+        return np.asarray((low < -1.0).any(axis=1))
+
+    def works(self, states: FloatArray, lengths_s: FloatArray, asked: IntArray) -> FloatArray:
+        """Return the works up to some of these states, shape (n, 6): by trapezoids and the slopes at their ends."""
+        (forces, speeds), (harder, faster), starts = self._rows
+        powers = np.add.reduceat((states @ forces.T) * (states @ speeds.T), starts, axis=1)
+        half_s = 0.5 * lengths_s[:, np.newaxis]
+        made = np.cumsum(half_s * (powers[:-1] + powers[1:]), axis=0)[asked - 1]
+        # Σ h²/12 (p'_i − p'_(i+1)): among equal steps all but the ends cancel.
+        squares = np.diff(lengths_s**2, prepend=0.0) / 12.0
+        corners = np.flatnonzero(squares)
+        some = states[np.concatenate([corners, asked])]
+        slopes = (some @ harder.T) * (some @ speeds.T) + (some @ forces.T) * (some @ faster.T)
+        ahead, here = np.split(np.add.reduceat(slopes, starts, axis=1), [len(corners)])
+        gained = np.vstack([np.zeros(6), np.cumsum(squares[corners, np.newaxis] * ahead, axis=0)])
+        gained = gained[np.searchsorted(corners, asked)] - lengths_s[asked - 1, np.newaxis] ** 2 / 12.0 * here
+        return np.asarray(made + gained)
 
     @cached_property
-    def sticking(self) -> tuple[list[int], list[int]]:
-        """Return the first of both guards of every contact that sticks, and its roller."""
-        firsts = [i for i, one in enumerate(self.guards) if one.what == "slip" and one.direction == FORWARD]
-        return firsts, [self.guards[i].place for i in firsts]
-
-    def powers(self, z: FloatArray) -> FloatArray:
-        """Return all powers at states z of shape (n, n_z), shape (n, 6)."""
-        return powers_W(self.rows, z)
-
-    @cached_property
-    def rows(self) -> PowerRows:
-        """Return the rows of the powers over z."""
+    def _rows(self) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray], list[int]]:
         forces, speeds, starts = power_rows(self.motion)
-        return forces @ self.read, speeds @ self.read, starts
+        forces, speeds = forces @ self.read, speeds @ self.read
+        return (forces, speeds), (forces @ self.rate, speeds @ self.rate), starts
 
 
 class _RK4Phase(_GridPhase):
     """One mode whose steps are those of the classical Runge-Kutta method, each part of a step by a step of its own."""
+
+    terms = 5
 
     def step(self, length_s: float) -> FloatArray:
         """Return the matrix of one step, 1 + hG + … + (hG)⁴/24; a step that amplifies is refused."""
@@ -93,149 +132,145 @@ class _RK4Phase(_GridPhase):
             )
         generator, weights = self._balanced
         flow = term = np.eye(len(generator))
-        for order in range(1, 5):
+        for order in range(1, self.terms):
             term = (length_s / order) * term @ generator
             flow = flow + term
         return np.asarray(weights[:, None] * flow / weights)
 
-    @lru_cache(maxsize=4)  # noqa: B019  (a phase lives as long as its start-up)
-    def flows(self, step_s: float) -> list[FloatArray]:
-        """Return the matrices of a step, of half of it, and so on."""
-        return [self.step(step_s / 2**level) for level in range(_LEVELS + 1)]
+    def _halvings(self, step_s: float, first: int, last: int) -> list[FloatArray]:
+        return [self.step(step_s / 2**level) for level in range(first, last + 1)]
 
 
 class GridSolver(HybridSolver):
-    """A start-up at evenly spaced times, in so many `steps` from one to the next; it may be run again with others."""
+    """A start-up at evenly spaced times."""
 
     phase_type: type[_GridPhase] = _GridPhase
-    steps = 1
-    looks_between = False
-    """Whether a guard that is below zero between steps is a change that is not a drag's."""
+    steps: int | None = None
+    """From one time to the next, where that is asked for."""
 
     def run(self, times_s: FloatArray) -> tuple[list[Motion], FloatArray, FloatArray]:
         """Return motions, states and works at evenly spaced times from 0 on."""
-        self.changes, self.works, self.late, self.only_drags = [], np.zeros(6), 0.0, True
-        self.spare = np.ones(len(self.model.press.rollers))
-        self._step_s = float(times_s[-1]) / ((len(times_s) - 1) * self.steps)
-        part_s, last = self._step_s / _PARTS, (len(times_s) - 1) * self.steps * _PARTS
         mode, y = self.begin()
-        mode, y = self.settle(mode, y, 0, 0.0)
+        self._longest_s: dict[Mode, float] = {}
+        gaps = len(times_s) - 1
+        steps = self.steps or math.ceil(float(times_s[-1]) / gaps / self._longest(self.phase(mode, 0))) or 1
+        check_steps(float(gaps * steps))
+        self._step_s = float(times_s[-1]) / (gaps * steps)
+        self._unit_s, self._each = self._step_s / _UNITS, steps * _UNITS
+        end, starts_s = gaps * self._each, self.inputs.starts_s
+        starts = [round(start_s / self._unit_s) for start_s in starts_s[starts_s < times_s[-1]].tolist()]
         self._kept: list[tuple[Motion, FloatArray, FloatArray]] = [(self.motion(mode), y, self.works)]
-        place, past_s, each, last_s = 0, 0.0, self.steps * _PARTS, last * part_s
-        for piece, next_s in enumerate([*self.inputs.starts_s[1:].tolist(), last_s]):
-            start_s, ends_s = float(self.inputs.starts_s[piece]), min(next_s, last_s)
-            if past_s:  # the piece begins between two places of the grid
-                length_s = min(ends_s - place * part_s, part_s) - past_s
-                y = self._between(piece, mode, y, place * part_s + past_s - start_s, length_s)
-                past_s += length_s
-                if past_s > (1.0 - _SAME_PLACE) * part_s:
-                    place, past_s = place + 1, 0.0
-                    self._kept += [(self.motion(mode), y, self.works)] * (place % each == 0)
-            end = int(ends_s / part_s + _SAME_PLACE)
-            while place < end:
-                mode, y = self.settle(mode, y, piece, place * part_s)
-                if place % each == 0:  # what is asked for is what holds after the change
-                    self._kept[-1] = (self.motion(mode), y, self.works)
+        place = piece = 0
+        for piece, (begin, stop) in enumerate(pairwise([*starts, end])):
+            place = begin
+            while place < stop:
+                mode, y = self._settled(mode, y, piece, place)
                 phase = self.phase(mode, piece)
-                z = phase.lift(y, place * part_s - start_s)
-                guard, place, z = self._until_change(phase, z, place, end)
+                z = phase.lift(y, place * self._unit_s - float(starts_s[piece]))
+                guard, place, z = self._until_change(phase, z, place, stop)
                 y = z[: len(y)]
                 if guard is not None:
-                    mode, y = self.change(phase, guard, z, place * part_s)
-            rest_s = ends_s - place * part_s - past_s
-            if rest_s > _SAME_PLACE * part_s:
-                y = self._between(piece, mode, y, place * part_s + past_s - start_s, rest_s)
-                past_s += rest_s
+                    mode, y = self.change(phase, guard, z, place * self._unit_s)
+        self._settled(mode, y, piece, place)
         motions, states, works = zip(*self._kept, strict=True)
         return list(motions), np.array(states), np.array(works)
 
-    def _between(self, piece: int, mode: Mode, y: FloatArray, since_s: float, length_s: float) -> FloatArray:
-        """Return the state after less than a part of a step, where a piece of the drive begins or ends."""
-        phase = self.phase(mode, piece)
-        z = phase.lift(y, since_s)
-        after = phase.step(length_s) @ z
-        self.works = self.works + 0.5 * length_s * phase.powers(np.array([z, after])).sum(axis=0)
-        return np.asarray(after[: len(y)])
+    def _settled(self, mode: Mode, y: FloatArray, piece: int, place: int) -> tuple[Mode, FloatArray]:
+        """Return mode and state after all changes of one moment: what is asked for is what holds then."""
+        mode, y = self.settle(mode, y, piece, place * self._unit_s)
+        if place % self._each == 0:
+            self._kept[-1] = (self.motion(mode), y, self.works)
+        return mode, y
 
-    def change(self, phase: Phase, guard: Guard, z: FloatArray, now: float) -> tuple[Mode, FloatArray]:
-        """Return the mode and the state after a guard has fired, and note what its being late can do at most.
-
-        As √(2 energy): a drag that lets go or takes hold too late is a wrong force for a part of a step, and its work is
-        all that an error lives of, as drags, springs and dampers give no energy to a difference of two motions.
-        """
-        motion, place = phase.motion, guard.place
-        if guard.what in {"hold", "release"}:
-            w, drag_N = phase.read @ z, self.model.drag_N[place]
-            force_N = -guard.row @ w if guard.what == "release" else 2.0 * drag_N * (motion.inputs[LOAD] @ w)
-            mass_kg = self.model.roller_mass_kg[place] + self.model.arc_mass_kg[place]
-            self.late += max(float(force_N), 0.0) * self._step_s / _PARTS / math.sqrt(mass_kg)
-        else:
-            self.only_drags &= guard.what == "friction"
-        return super().change(phase, guard, z, now)
-
-    @property
-    def late_tension_N(self) -> float:
-        """Return what `late` can be worth in any tension at most: k e of a spring and η k de/dt of its damping."""
-        return self.late * float(self.model.tension_per_root_energy.max())
+    def _longest(self, phase: _GridPhase) -> float:
+        """Return the longest step of a mode; tangents of its friction do not change that."""
+        mode = phase.motion.mode
+        if mode not in self._longest_s:
+            self._longest_s[mode] = np.inf if self.steps else _LONGER * phase.step_s
+        return self._longest_s[mode]
 
     def _until_change(
         self, phase: _GridPhase, z: FloatArray, place: int, end: int
     ) -> tuple[Guard | None, int, FloatArray]:
         """Return the guard that ends the mode, or None; the place that was reached, and z there."""
-        flows, block = phase.flows(self._step_s), 4
-        while place < end:
-            if place % _PARTS == 0 and end - place >= _PARTS:
-                count, flow = min(block, (end - place) // _PARTS), flows[0]
-                states = np.empty((count + 1, len(z)))
+        first, flows = phase.flows(self._step_s, self._longest(phase))
+        longest, shortest = _UNITS >> first, _UNITS >> (first + len(flows) - 1)
+        begun, block, guard = place, 1, None
+        self._path, self._places = [z[np.newaxis]], [place]
+        while place < end and guard is None:
+            # As long as what has passed since the change, from one of its own multiples to the next.
+            length = min(longest, end - place, max(place - begun, shortest), (place & -place) or longest)
+            if length < shortest:
+                length = min(shortest - place % shortest, end - place)
+                states = np.array([z, self._along(phase, z, shortest)(length * self._unit_s)])
+            else:
+                length = 1 << (length.bit_length() - 1)
+                count = min(block, (end - place) // length) if length == longest else 1
+                flow, states = flows[(longest // length).bit_length() - 1], np.empty((count + 1, len(z)))
                 states[0] = z
                 for i in range(count):
                     np.dot(flow, states[i], out=states[i + 1])
-                margins = states[1:] @ phase.firing.T
-                fired = (margins < -1.0).any(axis=1)
-                good = int(np.argmax(fired)) if fired.any() else count
-                if good:
-                    low = phase.lowest(states[: good + 1], margins[:good], self._step_s)
-                    self.only_drags &= not self.looks_between or bool(low.min() >= -1.0)
-                    self._note_spare(phase, low)
-                self._keep(phase, states[: good + 1], place, _PARTS)
-                place, z, block = place + good * _PARTS, states[good], min(2 * block, _BLOCK)
-                if good == count:
-                    continue
-            stop, part = min(place - place % _PARTS + _PARTS, end), _PARTS
-            while place < stop:
-                while part > stop - place:
-                    part //= 2
-                after = flows[_LEVELS + 1 - part.bit_length()] @ z
-                margins = phase.firing @ after
-                if margins.min() < -1.0 and part > 1:
-                    part //= 2
-                    continue
-                both = np.array([z, after])
-                self._keep(phase, both, place, part)
-                self._note_spare(phase, phase.lowest(both, margins[np.newaxis], part / _PARTS * self._step_s))
-                place, z = place + part, after
-                if margins.min() < -1.0:
-                    return phase.guards[int(np.argmin(margins))], place, z
-        return None, place, z
+            self._steps += len(states) - 1
+            check_steps(self._steps)
+            suspects = phase.suspects(states, length * self._unit_s)
+            good = int(np.argmax(suspects)) if suspects.any() else len(suspects)
+            self._walk(states[: good + 1], length)
+            if good < len(suspects):
+                guard, block = self._meet(phase, states[good : good + 2], length, longest, flows), 1
+            else:
+                block = min(2 * block, _BLOCK)
+            place, z = self._places[-1], self._path[-1][-1]
+            if len(self._places) > _KEPT:
+                self._keep(phase)
+        self._keep(phase)
+        return guard, place, z
 
-    def _note_spare(self, phase: _GridPhase, margins: FloatArray) -> None:
-        """Note the least share of its friction that each roller has left: the guards are limit − F and limit + F."""
-        firsts, rollers = phase.sticking
-        one, other = margins[:, firsts], margins[:, [i + 1 for i in firsts]]
-        limit = 0.5 * (one + other)
-        share = np.divide(np.minimum(one, other), limit, out=np.ones_like(limit), where=limit > 1.0)
-        self.spare[rollers] = np.minimum(self.spare[rollers], share.min(axis=0, initial=1.0))
+    def _along(self, phase: _GridPhase, z: FloatArray, shortest: int) -> Along:
+        return phase.along(z, shortest * self._unit_s)
 
-    def _keep(self, phase: _GridPhase, states: FloatArray, place: int, part: int) -> None:
-        """Add the works of equal steps, and keep what is asked for of where they end."""
-        powers = phase.powers(states)
-        made = np.cumsum(powers[:-1] + powers[1:], axis=0) * (0.5 * part / _PARTS * self._step_s)
-        n_y, each = len(phase.state), self.steps * _PARTS
-        for i in range(1, len(states)):
-            if (place + i * part) % each == 0:
-                self._kept.append((phase.motion, states[i, :n_y], self.works + made[i - 1]))
-        if len(made):
-            self.works = self.works + made[-1]
+    def _meet(
+        self, phase: _GridPhase, ends: FloatArray, length: int, longest: int, flows: list[FloatArray]
+    ) -> Guard | None:
+        """Return the first guard that falls below zero in a step, gone up to there; None where none does after all."""
+        z, after = ends
+        shortest = longest >> (len(flows) - 1)
+        while length > shortest:
+            length //= 2
+            halved = np.array([z, flows[(longest // length).bit_length() - 1] @ z])
+            if phase.suspects(halved, length * self._unit_s)[0]:
+                after = halved[1]
+            else:
+                self._walk(halved, length)
+                z = halved[1]
+        along, guard = self._along(phase, z, shortest), None
+        fired, bound_s = first_dip(phase, along, z, after, length * self._unit_s)
+        if fired.any():
+            guard, passed_s = first_to_fall(phase, along, fired, bound_s)
+            # Not before the moment: a guard that has not quite fallen would send the mode back at once.
+            length = min(math.ceil(passed_s / self._unit_s), length)
+            after = along(length * self._unit_s)
+        if length:
+            self._walk(np.array([z, after]), length)
+        return guard
+
+    def _walk(self, states: FloatArray, length: int) -> None:
+        """Go along equal steps, the first of which begins where the last one ended."""
+        begin = self._places[-1]
+        if len(states) > 1:
+            self._path.append(states[1:])
+        self._places.extend(range(begin + length, begin + length * len(states), length))
+
+    def _keep(self, phase: _GridPhase) -> None:
+        """Add the works along the path, and keep of its states those that are asked for."""
+        states, places = np.concatenate(self._path), np.array(self._places)
+        if len(states) > 1:
+            asked = np.append(np.flatnonzero(places[1:-1] % self._each == 0), len(places) - 2) + 1
+            works = self.works + phase.works(states, np.diff(places) * self._unit_s, asked)
+            for i, work in zip(asked.tolist(), works, strict=True):
+                if places[i] % self._each == 0:
+                    self._kept.append((phase.motion, states[i, : len(phase.state)], work))
+            self.works = works[-1]
+        self._path, self._places = [states[-1:]], self._places[-1:]
 
 
 class RK4Solver(GridSolver):

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.linalg import eigvals, expm, matrix_balance
@@ -33,7 +33,7 @@ from ropefric.systems.press.transient.motion import (
     sticking,
 )
 
-_TAYLOR_TERMS = 24
+TAYLOR_TERMS = 24
 
 
 class Propagator:
@@ -83,7 +83,7 @@ class Propagator:
         h = length_s / 2.0**doublings
         term = h * (reading.T @ forms @ reading)
         total = term.copy()
-        for order in range(2, _TAYLOR_TERMS):
+        for order in range(2, TAYLOR_TERMS):
             product = term @ generator
             term = (h / order) * (product + product.transpose(0, 2, 1))
             total += term
@@ -214,7 +214,7 @@ class Phase(Propagator):
         n_w, n_z = self.read.shape
         rate = np.vstack([rows @ self.read, np.eye(n_z - n, n_z, k=n + 1)])
         watched = np.vstack([np.empty((0, n_w)), *(guard.row for guard in self.guards)]) @ self.read
-        self.watch = np.vstack([watched, watched @ rate])
+        self.rate, self.watch = rate, np.vstack([watched, watched @ rate])
         self._known: dict[float, tuple[FloatArray, FloatArray]] = {}
 
     @cached_property
@@ -261,22 +261,42 @@ def lowest_between(
     return x, first + x * (falling + x * (0.5 * b + x * a / 3.0))
 
 
-def _first_dip(phase: Phase, z: FloatArray, after: FloatArray, length: float) -> tuple[BoolArray, float]:
+_CUBIC_ERROR = 3e-3
+"""Of a guard's slope over a step: twice what the cubic is off by at most with 12 steps in a period."""
+
+
+def near_zero(falling: FloatArray, rising: FloatArray) -> FloatArray:
+    """Return how far a cubic through values and slopes may be from what it stands for, by its slopes over a step."""
+    return np.asarray(_CUBIC_ERROR * np.maximum(-falling, rising))
+
+
+Along: TypeAlias = Callable[[float], FloatArray]
+"""z as a function of the time from now on."""
+
+
+def first_dip(
+    phase: Phase, along: Along, z: FloatArray, after: FloatArray, length: float
+) -> tuple[BoolArray, float]:
     """Return which guards dip below zero inside a step that they begin and end above it, and where the first does."""
     n, begun, ended = len(phase.guards), phase.watch @ z, phase.watch @ after
     g0, s0, g1, s1 = begun[:n], begun[n:], ended[:n], ended[n:]
     turning = np.flatnonzero((s0 < 0.0) & (s1 > 0.0))
-    if not turning.size:
-        return g1 < -phase.tolerances, length
-    x, lowest = lowest_between(g0[turning], g1[turning], length * s0[turning], length * s1[turning])
-    for k in np.argsort(x):
-        i, place = turning[k], float(x[k]) * length
-        if lowest[k] < -phase.tolerances[i] and phase.watch[i] @ phase.step(place) @ z < -phase.tolerances[i]:
-            return np.arange(n) == i, place
+    if turning.size:
+        falling, rising = length * s0[turning], length * s1[turning]
+        x, lowest = lowest_between(g0[turning], g1[turning], falling, rising)
+        low = lowest - near_zero(falling, rising) < -phase.tolerances[turning]
+        for k in np.argsort(x)[low[np.argsort(x)]]:
+            i, place = turning[k], float(x[k]) * length
+            slope = float(
+                phase.watch[n + i] @ along(place)
+            )  # the cubic's lowest place is not quite the guard's
+            place = min(max(place - slope * length / (s1[i] - s0[i]), 0.0), length)
+            if phase.watch[i] @ along(place) < -phase.tolerances[i]:
+                return np.arange(n) == i, place
     return g1 < -phase.tolerances, length
 
 
-def _first_to_fall(phase: Phase, z: FloatArray, fired: BoolArray, bound: float) -> tuple[Guard, float]:
+def first_to_fall(phase: Phase, along: Along, fired: BoolArray, bound: float) -> tuple[Guard, float]:
     """Return the guard that is the first to fall below zero, given some that have by `bound`, and when."""
     rows = phase.watch[: len(phase.guards)] / phase.tolerances[:, None]
     passed = bound
@@ -284,13 +304,13 @@ def _first_to_fall(phase: Phase, z: FloatArray, fired: BoolArray, bound: float) 
         chosen = rows[fired]
 
         def margin(tau: float, chosen: FloatArray = chosen) -> float:
-            return float((chosen @ phase.step(tau) @ z).min()) + 1.0
+            return float((chosen @ along(tau)).min()) + 1.0
 
         if margin(0.0) <= 0.0:
             passed = 0.0
         else:
             passed = float(brentq(margin, 0.0, passed, xtol=1e-15 + 1e-12 * passed, rtol=1e-13))
-        margins = rows @ (phase.step(passed) @ z)
+        margins = rows @ along(passed)
         # One that falls and rises again before the others fall is met here.
         earlier = (margins < -2.0) & ~fired
         if passed == 0.0 or not earlier.any():
@@ -405,15 +425,34 @@ class HybridSolver:
         self._steps += 1
         check_steps(self._steps)
         flow, integrals = phase.over(length, comes_again=True)
-        fired, passed = _first_dip(phase, z, flow @ z, length)
+
+        def along(tau: float) -> FloatArray:
+            return phase.step(tau) @ z
+
+        fired, passed = first_dip(phase, along, z, flow @ z, length)
         guard = None
         if fired.any():
-            guard, passed = _first_to_fall(phase, z, fired, passed)
+            guard, passed = first_to_fall(phase, along, fired, passed)
             if passed == 0.0:
                 return guard, passed, z
             flow, integrals = phase.over(passed)
-        self.works = self.works + (integrals @ z) @ z
+        strained = z.copy()
+        strained[: len(self._unmoved)] = self._unmoved @ z[: len(self._unmoved)]
+        self.works = self.works + (integrals @ strained) @ strained
         return guard, passed, flow @ z
+
+    @cached_property
+    def _unmoved(self) -> FloatArray:
+        """Return what takes off the ways that strain nothing: of rims that have turned and belts that have slipped.
+
+        Squares of these times stiffnesses, which cancel, would drown the works in their rounding.
+        """
+        motion = self.motion(sticking(self.model))
+        n_q = motion.n_coordinates
+        strains = np.vstack([motion.spring_N / self.model.stiffness_N_m[:, np.newaxis], motion.travel_m])[
+            :, :n_q
+        ]
+        return np.asarray(np.linalg.pinv(strains) @ strains)
 
     def settle(self, mode: Mode, y: FloatArray, piece: int, now: float) -> tuple[Mode, FloatArray]:
         """Switch until no guard is below zero."""

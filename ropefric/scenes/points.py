@@ -291,7 +291,9 @@ class _Run:
             return frozenset()
         box = self.build([value[possible] for value in values])
         known = applicable(self.kind.system.effects, box)
-        tried = [one for one in worth_asking([*known.values()], total) if one.each is not None]
+        asked = [one for one in worth_asking([*known.values()], total) if one.each is not None]
+        # Of some it is known before anything is solved that they stay.
+        tried = [one for one in asked if one.each and (one.each(box, None) <= self.room).any()]
         while tried:
             names = frozenset(known) - {one.name for one in tried}
             answer = self._answer(box, names)[0]

@@ -171,26 +171,33 @@ def _steady(
 
 
 def _law_bound(name: str, problem: PressProblem, answer: PressAnswer | None) -> FloatArray:
-    """Return an upper bound of what an effect of the law changes in any number.
+    """Return an upper bound of what an effect of the law changes in any number."""
+    law, several = problem.friction.law, problem.friction.theta.ndim > 1
+    share = share_of_law(name, law, TOLD, () if answer is None else answer.model.effects)
+    if answer is None or not share:
+        return np.array([np.inf if share and several else 0.0])
+    return share * _law_change(answer)
+
+
+@lru_cache(maxsize=1)
+def _law_change(answer: PressAnswer) -> FloatArray:
+    """Return what all that a law is not told changes in any number at most.
 
     The tensions know nothing of it. A coefficient that changes by the factor e^d makes M another by M (e^d − 1) on each
     roller, and e^M − 1 by d more than that in its logarithm: what any measure of slip is inverse to, or less.
     """
-    share = 0.0 if answer is None else share_of_law(name, problem.friction.law, TOLD, answer.model.effects)
-    if answer is None or not share:
-        return np.zeros(1)
     contacts, most = answer.slip.contacts, answer.slip.exponent
     slack_N = np.maximum(contacts.slack_N, LEAST_SLACK_N)
     fixed = {"wheel_radius_m": contacts.radius_m, "rope_radius_m": contacts.half_thickness_m}
     fixed["wrap_angle_rad"] = contacts.wrap_angle_rad
-    off = problem.friction.spread(
+    off = answer.model.problem.friction.spread(
         **{what: (one, one) for what, one in fixed.items()},
         slack_tension_N=(slack_N.min(axis=0), slack_N.max(axis=0)),
     )
     with np.errstate(invalid="ignore", over="ignore"):
         change = off + np.exp(off) * most * np.expm1(off)
     bound = change.max(axis=-1)
-    return np.where(np.isnan(bound), np.inf, share * bound)
+    return np.where(np.isnan(bound), np.inf, bound)
 
 
 def _moving(

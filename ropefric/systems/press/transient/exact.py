@@ -308,7 +308,7 @@ def first_to_fall(phase: Phase, along: Along, fired: BoolArray, bound: float) ->
 
         if margin(0.0) <= 0.0:
             passed = 0.0
-        else:
+        elif margin(passed) < 0.0:  # by rounding it may not quite be
             passed = float(brentq(margin, 0.0, passed, xtol=1e-15 + 1e-12 * passed, rtol=1e-13))
         margins = rows @ along(passed)
         # One that falls and rises again before the others fall is met here.

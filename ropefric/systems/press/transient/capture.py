@@ -37,8 +37,8 @@ _TURNED = 2.0
 """‖hG‖ of the shortest part at most, whose Taylor series needs no more terms than there are."""
 _LONGER = 2.0
 """Than in the search for exact moments: 12 steps in a period."""
-_BLOCK, _KEPT = 64, 4096
-"""Steps that are looked at together, and whose works are taken together, at most."""
+_BLOCK, _KEPT = 32, 64
+"""Steps looked at together at most, and works taken together: products that BLAS does not share among threads."""
 
 
 class _GridPhase(Phase):
@@ -72,15 +72,15 @@ class _GridPhase(Phase):
         return lambda tau_s: np.asarray(series @ (tau_s / within_s) ** orders)
 
     @cached_property
-    def firing(self) -> FloatArray:
-        """Return the guards and their rates over the guards' tolerances, as columns over z."""
-        return np.asarray((self.watch / np.tile(self.tolerances, 2)[:, np.newaxis]).T)
+    def firing(self) -> tuple[FloatArray, FloatArray]:
+        """Return the guards, and their rates, over the guards' tolerances, as columns over z."""
+        margins, rates = np.split(self.watch, 2)
+        return (margins / self.tolerances[:, np.newaxis]).T, (rates / self.tolerances[:, np.newaxis]).T
 
     def suspects(self, states: FloatArray, length_s: float) -> BoolArray:
         """Return in which of equal steps a guard ends below zero, or may have been there between."""
-        n = len(self.guards)
-        watched = states @ self.firing
-        margins, rates = watched[:, :n], length_s * watched[:, n:]
+        margins, rates = (states @ rows for rows in self.firing)
+        rates *= length_s
         low, falling, rising = margins[1:].copy(), rates[:-1], rates[1:]
         turning = (falling < 0.0) & (rising > 0.0)
         if turning.any():
@@ -246,7 +246,6 @@ class GridSolver(HybridSolver):
         fired, bound_s = first_dip(phase, along, z, after, length * self._unit_s)
         if fired.any():
             guard, passed_s = first_to_fall(phase, along, fired, bound_s)
-            # Not before the moment: a guard that has not quite fallen would send the mode back at once.
             length = min(math.ceil(passed_s / self._unit_s), length)
             after = along(length * self._unit_s)
         if length:

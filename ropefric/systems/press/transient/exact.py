@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 from scipy.linalg import eigvals, expm, matrix_balance
 from scipy.optimize import brentq
 
@@ -198,8 +199,8 @@ def switched(motion: Motion, guard: Guard, w: FloatArray) -> tuple[Mode, FloatAr
 _STEPS_PER_PERIOD = 24
 """Guards are looked at this often in a period of the fastest oscillation; extremes between are interpolated."""
 
-_FIRST_STEPS = (64.0, 64.0, 32.0, 16.0, 8.0, 4.0, 2.0)
-"""What the longest step is divided by after a change of mode."""
+_FIRST_HALVINGS = 6
+"""Of the longest step after a change of mode; more where a motion that only dies does so in less than that."""
 
 
 class Phase(Propagator):
@@ -225,14 +226,23 @@ class Phase(Propagator):
     @cached_property
     def step_s(self) -> float:
         """Return the longest step at which no oscillation is overlooked [s]; any, where nothing is watched."""
-        eigenvalues = eigvals(self.state) if self.guards else np.empty(0)
-        fastest = float(np.abs(eigenvalues[eigenvalues.imag != 0.0]).max(initial=0.0))
+        swinging = self._rates[self._rates.imag != 0.0]
+        fastest = float(np.abs(swinging).max(initial=0.0))
         return 2.0 * np.pi / (fastest * _STEPS_PER_PERIOD) if fastest else np.inf
 
-    def lengths(self, whole_s: float, *, fresh: bool) -> list[float]:
-        """Return steps that cover a time; where the mode is fresh, short ones first, since fast motions die early."""
-        longest = min(self.step_s, whole_s)
-        first = [longest / part for part in _FIRST_STEPS] if fresh and self.guards else []
+    @cached_property
+    def _rates(self) -> npt.NDArray[np.complex128]:
+        return np.asarray(eigvals(self.state), np.complex128) if self.guards else np.zeros(0, np.complex128)
+
+    def lengths(self, whole_s: float, since_s: float) -> list[float]:
+        """Return steps that cover a time; short ones soon after a change, since fast motions die early."""
+        longest, halvings = min(self.step_s, whole_s), 0
+        if self.guards:
+            dies = float(np.abs(self._rates).max(initial=0.0)) * longest
+            halvings = max(_FIRST_HALVINGS, math.ceil(math.log2(max(dies, 1.0))))
+            if since_s > 0.0:
+                halvings = min(halvings, math.ceil(math.log2(max(longest / since_s, 1.0))))
+        first = [longest / 2**k for k in (halvings, *range(halvings, 0, -1))] if halvings else []
         left = whole_s - sum(first)
         check_steps(left / longest)
         count = max(1, int(np.ceil(left / longest)))
@@ -296,6 +306,9 @@ def first_dip(
     return g1 < -phase.tolerances, length
 
 
+_SAME = 1e-15
+
+
 def first_to_fall(phase: Phase, along: Along, fired: BoolArray, bound: float) -> tuple[Guard, float]:
     """Return the guard that is the first to fall below zero, given some that have by `bound`, and when."""
     rows = phase.watch[: len(phase.guards)] / phase.tolerances[:, None]
@@ -309,7 +322,9 @@ def first_to_fall(phase: Phase, along: Along, fired: BoolArray, bound: float) ->
         if margin(0.0) <= 0.0:
             passed = 0.0
         elif margin(passed) < 0.0:  # by rounding it may not quite be
-            passed = float(brentq(margin, 0.0, passed, xtol=1e-15 + 1e-12 * passed, rtol=1e-13))
+            # Not before the moment: a guard that has not quite fallen would send the mode back at once.
+            root = float(brentq(margin, 0.0, passed, xtol=_SAME * passed, rtol=_SAME))
+            passed = min(root + 4.0 * _SAME * passed, passed)
         margins = rows @ along(passed)
         # One that falls and rises again before the others fall is met here.
         earlier = (margins < -2.0) & ~fired
@@ -348,6 +363,7 @@ class HybridSolver:
         self._phases: dict[tuple[Mode, int], Phase] = {}
         self._motions: dict[Mode, Motion] = {}
         self.works = np.zeros(6)
+        self._changed_s = 0.0
         self._steps = 0
 
     def run(self, times_s: FloatArray) -> tuple[list[Motion], FloatArray, FloatArray]:
@@ -404,17 +420,19 @@ class HybridSolver:
     def _advance(self, mode: Mode, y: FloatArray, now: float, stop: float) -> tuple[Mode, FloatArray]:
         piece, n = self._piece(now), len(y)
         start = float(self.inputs.starts_s[piece])
-        remaining, fresh = stop - now, now == start
+        remaining = stop - now
+        if now == start:
+            self._changed_s = now
         while remaining > 0.0:
             mode, y = self.settle(mode, y, piece, stop - remaining)
             phase = self.phase(mode, piece)
             z = phase.lift(y, stop - remaining - start)
-            for length in phase.lengths(remaining, fresh=fresh):
+            for length in phase.lengths(remaining, stop - remaining - self._changed_s):
                 ended, passed, z = self._try(phase, z, length)
                 remaining -= passed
                 if ended is not None:
-                    mode, y = self.change(phase, ended, z, stop - max(remaining, 0.0))
-                    fresh = True
+                    self._changed_s = stop - max(remaining, 0.0)
+                    mode, y = self.change(phase, ended, z, self._changed_s)
                     break
             else:
                 y, remaining = z[:n], 0.0

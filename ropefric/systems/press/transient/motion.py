@@ -75,10 +75,13 @@ class ElasticPress:
     def tension_per_root_energy(self) -> FloatArray:
         """Return what a motion's √(2 energy) is worth in each tension at most, √(k + η²k² Σ 1/m) [N/√J].
 
-        By Cauchy and Schwarz, of k e and η k de/dt: 2 energy is k e² and m v² of all rims and tensioners at least.
+        By Cauchy and Schwarz, of k e and η k de/dt: 2 energy is k e² and m v² of rims and tensioners at least; drivers
+        move as they are told.
         """
         press = self.press
-        lightness = (press.incidence**2).T @ (1.0 / (self.roller_mass_kg + self.arc_mass_kg))
+        lightness = (press.incidence**2).T[:, self.driven] @ (
+            1.0 / (self.roller_mass_kg + self.arc_mass_kg)[self.driven]
+        )
         lightness += (press.pull**2).T @ (1.0 / self.tensioner_mass_kg)
         return np.sqrt(self.stiffness_N_m + self.damping_N_s_m**2 * lightness)
 

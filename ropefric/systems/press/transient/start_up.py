@@ -257,7 +257,7 @@ def swinging_start_up(
         return None
     inputs, limit = press_inputs(model.overspeed, speed, loads), friction_limit(model, friction, told)
     # Of numbers that no float holds nothing is known.
-    with suppress(np.linalg.LinAlgError), np.errstate(over="ignore", invalid="ignore"):
+    with suppress(np.linalg.LinAlgError), np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         found = SwingingStartUp(model, inputs, limit, float(times[-1]), slips=slip, following=following)
         return found if found.sticks and found.bound(~found.every) <= GRID_ERROR else None
     return None

@@ -128,16 +128,19 @@ def to_share(value: float, std: float) -> float:
     return round(value, -max(place, math.floor(math.log10(abs(value))) - GIVEN_DIGITS + 1)) + 0.0
 
 
-def rounded_tree(tree: Any, digits: int = MEASURED_DIGITS) -> Any:
+def rounded_tree(tree: Any, digits: int | None = MEASURED_DIGITS) -> Any:
     """Return a JSON tree with its numbers to so many significant digits, standard errors (`std`, `std_*`) to four.
 
-    A number that is not there or infinite is None.
+    A number that is not there or infinite is None; None for the digits leaves the others as they are.
     """
+    tree = tree.tolist() if hasattr(tree, "tolist") else tree
     if isinstance(tree, float):
-        return significant(tree, digits) if math.isfinite(tree) else None
+        return None if not math.isfinite(tree) else tree if digits is None else significant(tree, digits)
     if isinstance(tree, Mapping):
-        kept = {key: min(digits, STD_DIGITS) if f"{key}_".startswith("std_") else digits for key in tree}
-        return {key: rounded_tree(item, kept[key]) for key, item in tree.items()}
+        few = digits and min(digits, STD_DIGITS)
+        return {
+            k: rounded_tree(item, few if f"{k}_".startswith("std_") else digits) for k, item in tree.items()
+        }
     return [rounded_tree(item, digits) for item in tree] if isinstance(tree, list | tuple) else tree
 
 

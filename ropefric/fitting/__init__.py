@@ -1,7 +1,7 @@
 """Trial tables and friction laws -> fitted parameters with honest uncertainty, a verdict, lift forces, the next tests.
 
-The fit: `problem` makes a trial table a least-squares problem, `levenberg` solves thousands of those at once, `fit`
-searches with it from a few good starts; `statistics` knows scatter, covariance, identifiability and criteria,
+The fit: `problem` is the least-squares problem and solves thousands of those at once, `fit` makes it of a trial table
+and searches from a few good starts; `statistics` knows scatter, covariance, identifiability and criteria,
 `result` is what a fit hands on, made of what was found, with the words and rules of the verdict. `intervals` finds
 other intervals, by profile or bootstrap. `store` writes, loads and verifies fits.
 What it is worth: `compare` weighs laws against each other and picks one by how each `standing` on condition means is,

@@ -6,8 +6,8 @@ fuller law is preferred to a simpler one takes AICc, the error at conditions lef
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
-from typing import Any
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -141,8 +141,8 @@ class Comparison(Shown):
         names = ("unit", "n", "n_trials", "scatter_within", "conclusive", "notes", "wild", "contact")
         tree = {name: getattr(self, name) for name in names} | {
             "ranking": [entry.to_dict() for entry in self.ranking],
-            "f_tests": [asdict(test) for test in self.tests],
-            "contests": [asdict(item) | {"preferred": item.preferred} for item in self.contests],
+            "f_tests": [test._asdict() for test in self.tests],
+            "contests": [item._asdict() | {"preferred": item.preferred} for item in self.contests],
         }
         return dict(rounded_tree(tree, _DIGITS))
 
@@ -266,19 +266,19 @@ def _ranking(
     weight_of, best = dict(zip(ranked, weights, strict=True)), min(criteria, default=math.nan)
     entries = []
     for name, note in notes.items():
-        entry = ComparisonEntry(law=name, n=n, note=note, counted=not note, weight=weight_of.get(name, 0.0))
+        known: dict[str, Any] = {}
         if name in fits:
             stands, fit = standings[name], fits[name]
-            entry = replace(
-                entry,
-                **{key: getattr(stands, key) for key in ("k", "chi2", "aicc", "bic")},
-                # Two laws that follow the data exactly both stand at −inf, no distance apart.
-                delta_aicc=0.0 if stands.aicc == best else stands.aicc - best,
-                loco_error=math.nan if note else leave_one_out(stands),
-                status=fit.status.value,
-                fit=fit,
-            )
-        entries.append(entry)
+            known = {key: getattr(stands, key) for key in ("k", "chi2", "aicc", "bic")}
+            # Two laws that follow the data exactly both stand at −inf, no distance apart.
+            known["delta_aicc"] = 0.0 if stands.aicc == best else stands.aicc - best
+            known |= {
+                "loco_error": math.nan if note else leave_one_out(stands),
+                "status": fit.status.value,
+                "fit": fit,
+            }
+        weight = weight_of.get(name, 0.0)
+        entries.append(ComparisonEntry(law=name, n=n, note=note, counted=not note, weight=weight, **known))
     return tuple(sorted(entries, key=lambda e: (not e.counted, math.inf if math.isnan(e.aicc) else e.aicc)))
 
 
@@ -373,8 +373,7 @@ def _contact_words(lead: float, law: str) -> str:
 _ANSWERING = frozenset({FitStatus.OK, FitStatus.AT_BOUND, FitStatus.UNIDENTIFIABLE})
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Choice:
+class Choice(NamedTuple):
     """The law that is used."""
 
     fit: FitResult
@@ -413,12 +412,9 @@ class Choice:
                 answers.append(new)
         candidates = tuple(
             Candidate(
-                law=item.law,
-                lift_force_N=float(item.lift_force_N[0]),
-                std_N=float(item.std_N[0]),
-                interval_N=(float(item.interval_N[0, 0]), float(item.interval_N[0, 1])),
+                one.law, float(one.lift_force_N[0]), float(one.std_N[0]), tuple(one.interval_N[0].tolist())
             )
-            for item in (answers if len(answers) > 1 else ())
+            for one in (answers if len(answers) > 1 else ())
         )
         judged = replace(prediction, judged=self.verdict, candidates=candidates)
         open_ = [answer for answer in answers if answer.law in self.undecided]
@@ -454,17 +450,14 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
     }
     # The laws that the data do not tell from the one used: all that fit, where none could be weighed.
     others = [(entry, other) for entry, other in fitted if entry is not chosen]
-    rivals = tuple(other for _, other in others if other.status is FitStatus.OK)
-    if comparison.conclusive:
-        rivals = tuple(
-            other
-            for entry, other in others
-            if other.status in _ANSWERING
-            and (
-                entry.law in open_
-                or (entry.counted and entry.delta_aicc <= RIVAL and entry.law not in beaten)
-            )
-        )
+
+    def is_rival(entry: ComparisonEntry, other: FitResult) -> bool:
+        if not comparison.conclusive:
+            return other.status is FitStatus.OK
+        near = entry.counted and entry.delta_aicc <= RIVAL and entry.law not in beaten
+        return other.status in _ANSWERING and (entry.law in open_ or near)
+
+    rivals = tuple(other for entry, other in others if is_rival(entry, other))
     doubts = [*_of_place(comparison, chosen, fitted[0][0], forced=bool(law))]
     doubts += fit.doubts or fit.untested(wheel)
     doubts += [("undecided", contest.text) for contest in open_.values()]

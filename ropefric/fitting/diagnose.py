@@ -7,9 +7,10 @@ operator, order, dwell) are judged by what they explain beside all settings.
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
+from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -78,15 +79,14 @@ _GROUPS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Cause:
+class Cause(NamedTuple):
     """A reason why a rope may not obey the capstan equation."""
 
     cause: str
     supported: Supported
     evidence: str
     experiment: str
-    numbers: dict[str, float] = field(default_factory=dict)
+    numbers: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,7 +125,7 @@ class Diagnosis(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON tree."""
-        causes = [asdict(item) for item in self.causes]
+        causes = [item._asdict() | {"numbers": dict(item.numbers)} for item in self.causes]
         return {"summary": self.summary, "verdict": self.verdict.to_dict(), "causes": causes}
 
 
@@ -427,7 +427,7 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
     else:
         x = np.stack([np.array([v == word for v in values], float) for word in found[1:]], axis=-1)
     rise = problem.log_lift - problem.conditions.log_end_tension
-    group = np.unique(problem.group, return_inverse=True)[1]
+    group = problem.group
     mean = np.stack([stats.group_means(column, group) for column in x.T], axis=-1)
     about = rise - stats.group_means(rise, group)[group]
     tests = [_explained(np.zeros((rise.size, 0)), x - mean[group], about, rise.size - len(mean))]

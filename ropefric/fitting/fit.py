@@ -15,8 +15,16 @@ import numpy.typing as npt
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.files.plain_text import significant, to_share
-from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings, Loss, check_settings, law_named, reduced
+from ropefric.fitting.problem import (
+    LOSSES,
+    FitProblem,
+    FitSettings,
+    Loss,
+    batched_fit,
+    check_settings,
+    law_named,
+    reduced,
+)
 from ropefric.fitting.result import CommonError, FitResult, Found, assemble
 from ropefric.fitting.statistics import RANK_RATIO, Scatter, decomposed, pooled_scatter
 from ropefric.friction.condition import Conditions, levels

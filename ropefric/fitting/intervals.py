@@ -4,10 +4,10 @@ A profile asks how far a parameter can go while the others make up for it; all e
 once: along a grid, further where needed, then to the root. A bootstrap refits thousands of resamples in one batch.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from math import inf, isfinite
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,8 +17,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import FitError, InputError, UnknownNameError
 from ropefric.executors import spread
 from ropefric.files.plain_text import to_share
-from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import MANY, FitProblem, Rows, pooled, reduced
+from ropefric.fitting.problem import MANY, FitProblem, Rows, batched_fit, pooled, reduced
 from ropefric.fitting.result import FitResult, FitStatus
 from ropefric.fitting.statistics import decomposed, plain_covariance, two_level_scatter
 from ropefric.friction.condition import Conditions
@@ -65,8 +64,7 @@ _BLOCK = 500
 _ENOUGH_TO_DRAW = 20
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ProfileResult:
+class ProfileResult(NamedTuple):
     """Profile-likelihood intervals of a fit, the Δχ² at their ends, and how many fits it took to find them."""
 
     theta: FloatArray
@@ -232,8 +230,7 @@ class _Walk:
         return list(zip(np.where(endless, self.bound, ends).tolist(), kinds, strict=True))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BootstrapResult:
+class BootstrapResult(NamedTuple):
     """Parameters of the resamples that could be refitted, shape (m, p), and what they say of the fit."""
 
     theta: FloatArray
@@ -267,8 +264,7 @@ def bootstrap(
     share: float | FloatArray = 1.0
     if problem.n_points >= MANY:
         problem, share = pooled(problem)
-    group = np.unique(problem.group, return_inverse=True)[1]
-    k = int(group.max()) + 1
+    group, k = problem.group, problem.n_conditions
     if kind == "parametric":
         lift = law.log_lift(best, problem.conditions)
         shared = rng.standard_normal((n, k))[:, group]

@@ -5,8 +5,8 @@ The covariance of the parameters becomes the uncertainty of ln F_A by J C Jᵀ, 
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from scipy.special import ndtri, stdtr, stdtrit
@@ -72,14 +72,13 @@ def outside_words(validity: Validity, conditions: Conditions, index: int = 0) ->
     return tuple(words)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Candidate:
+class Candidate(NamedTuple):
     """What one of several laws that are not told apart answers: lift force, its standard deviation and interval."""
 
     law: str
     lift_force_N: float
     std_N: float
-    interval_N: tuple[float, float]
+    interval_N: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -210,18 +209,16 @@ class Prediction(Shown):
         return rows[0] if len(rows) == 1 else {"predictions": rows}
 
     def _row(self, i: int) -> dict[str, Any]:
-        given = {name: float(getattr(self.conditions, name)[i]) for name in REGRESSORS}
         arrays = ("lift_force_N", "std_N", *_ENDS_N, "extrapolated", "dof")
-        found = {name: getattr(self, name)[i].tolist() for name in arrays}
-        found |= {name: getattr(self, name) for name in ("level", "method", "spread_N", "of")}
-        found |= {
-            "linear_agrees": None if self.linear_agrees is None else bool(self.linear_agrees[i]),
-            "notes": list(self.notes(i)),
+        found = {name: getattr(self, name)[i] for name in arrays}
+        found |= {name: getattr(self, name) for name in ("level", "method", "spread_N", "of")} | {
+            "linear_agrees": None if self.linear_agrees is None else self.linear_agrees[i],
+            "notes": self.notes(i),
             "verdict": self.verdict(i).to_dict(),
-            "candidates": [asdict(item) for item in self.candidates],
-            "averaged": list(self.averaged),
+            "candidates": [item._asdict() for item in self.candidates],
+            "averaged": self.averaged,
         }
-        return {"law": self.law, **given, **rounded_tree(found)}
+        return {"law": self.law, **self.conditions.row(i), **rounded_tree(found)}
 
 
 def predict(

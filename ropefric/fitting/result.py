@@ -42,7 +42,7 @@ from ropefric import plugins
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.disk import hash_file, kind_of_file
-from ropefric.files.plain_text import GIVEN_DIGITS, STD_DIGITS, significant, to_share
+from ropefric.files.plain_text import GIVEN_DIGITS, STD_DIGITS, rounded_tree, significant, to_share
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
 from ropefric.friction.condition import SETTINGS, Conditions, distinct
@@ -339,11 +339,11 @@ class FitResult(Shown):
             "parameters": {one.pop("name"): one for one in map(asdict, self.parameters)},
             "parameter_order": [item.name for item in self.parameters],
             "statistics": asdict(self.statistics),
-            "identifiability": asdict(self.identifiability),
+            "identifiability": self.identifiability._asdict(),
         }
         if self.common_errors:
             tree["common_errors"] = [item._asdict() for item in self.common_errors]
-        return dict(_plain(tree))
+        return dict(rounded_tree(tree, None))
 
     @classmethod
     def from_dict(cls, tree: Mapping[str, Any]) -> "FitResult":
@@ -398,17 +398,6 @@ def _number(value: Any, gone: float = nan) -> Any:
     if not isfinite(float(value)):
         raise TypeError(f"{value!r:.40} is no number that a fit can hold")
     return value
-
-
-def _plain(value: Any) -> Any:
-    """Return a tree of dict, list, str, int, float, bool and None only."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.generic | np.ndarray):
-        return _plain(value.tolist())
-    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 # ---- from the minimum a search found to a result ----

@@ -10,8 +10,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
-from ropefric.papers.paper import Item, Paper, Row, Shown, shown
-from ropefric.papers.reading import Given
+from ropefric.papers.paper import Given, Item, Paper, Row, Shown, shown
 from ropefric.section import Line
 from ropefric.systems.effect import applicable, assemble
 from ropefric.systems.press.answer import PressAnswer, solve_press

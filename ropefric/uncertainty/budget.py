@@ -6,8 +6,8 @@ uncertainty; its check by draws (JCGM 101); and what would make it smaller.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -68,8 +68,7 @@ class MeasurementModel:
         return self.evaluate(np.hstack(columns))
 
 
-@dataclass(frozen=True, slots=True)
-class BudgetLine:
+class BudgetLine(NamedTuple):
     """One source of uncertainty."""
 
     source: quantity.Quantity | quantity.Block
@@ -109,12 +108,13 @@ class BudgetLine:
             "share": self.share,
             "dof": self.dof if math.isfinite(self.dof) else None,
             "correlated": list(self.correlated),
+            "standard_uncertainty": getattr(item, "std", None),
+            "sensitivity": self.sensitivity if math.isfinite(self.sensitivity) else None,
         }
         if isinstance(item, quantity.Block):
-            row |= {"symbol": ", ".join(item.symbols), "standard_uncertainty": None, "sensitivity": None}
-            return row | {"distribution": family}
-        row |= {"symbol": item.symbol, "standard_uncertainty": item.std, "sensitivity": self.sensitivity}
-        return row | {"distribution": item.distribution, "assumed": item.assumed or None}
+            return row | {"symbol": ", ".join(item.symbols), "distribution": family}
+        own = {"symbol": item.symbol, "distribution": item.distribution, "assumed": item.assumed or None}
+        return row | own
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,8 +187,7 @@ def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudg
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DrawnAnswer:
+class DrawnAnswer(NamedTuple):
     """What draws of the inputs say about the answer."""
 
     draws: int
@@ -268,8 +267,7 @@ class BudgetStatus(AdvisedStatus):
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Improvement:
+class Improvement(NamedTuple):
     """What one change would do to the expanded uncertainty."""
 
     source: str
@@ -328,8 +326,8 @@ class Statement(Shown):
             "unit": model.unit,
             "lines": [line.to_dict() for line in found.lines],
             "effective_dof": found.effective_dof if math.isfinite(found.effective_dof) else None,
-            "monte_carlo": asdict(self.drawn),
-            "improvements": [asdict(item) for item in self.improvements],
+            "monte_carlo": self.drawn._asdict(),
+            "improvements": [item._asdict() for item in self.improvements],
             "status": self.status.value,
             "trustworthy": self.trustworthy,
             "advice": self.status.advice,

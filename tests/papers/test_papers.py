@@ -14,8 +14,7 @@ from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.papers import press as press_paper
 from ropefric.papers import prth, reduction, saw
-from ropefric.papers.paper import Row
-from ropefric.papers.reading import PAPERS, read_paper
+from ropefric.papers.paper import PAPERS, Row, read_paper
 from ropefric.trials.table import TrialTable, read_trial_table
 
 ROOT = Path(__file__).parents[2]

@@ -21,7 +21,7 @@ with on_first_use():
     from ropefric.accuracy import measure
     from ropefric.accuracy import studies as all_studies
     from ropefric.files import folder as folders
-    from ropefric.papers import reading
+    from ropefric.papers import paper as papers
     from ropefric.report import cost_page
     from ropefric.report import scene as pages
     from ropefric.scenes import draws as drawing
@@ -238,7 +238,7 @@ def paper(
     names = ("paper.json", *options.figure_names("figure_*", "rest_*", "running_*"))
     with options.open_folder(folder, family="paper", names=names, inputs=inputs, force=force) as target:
         table = None if trials is None else options.read_table(trials, out)
-        found = reading.read_paper(name, scene=scene, trials=table, fit=fit, reference_N=reference_tension)
+        found = papers.read_paper(name, scene=scene, trials=table, fit=fit, reference_N=reference_tension)
         tree, files = found.to_dict(), list[Path]()
         if target is not None:
             from ropefric.plotting import figure  # noqa: PLC0415  (its package loads matplotlib)

@@ -7,8 +7,8 @@ and the parameters of a fitted law with their covariance, leave open of the lift
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, replace
-from typing import Any, Literal
+from dataclasses import replace
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -23,13 +23,17 @@ from ropefric.trials.outliers import trimming_bias
 from ropefric.trials.result import Extraction, TrialResult
 from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import (
+    RECTANGULAR,
+    Block,
     BudgetStatus,
     MeasurementModel,
+    Quantity,
     Statement,
     effective_dof,
+    limit_of_error,
+    repeats,
     state_uncertainty,
 )
-from ropefric.uncertainty.quantity import RECTANGULAR, Block, Quantity, limit_of_error, repeats
 
 MeasuredQuantity = Literal["force", "mu"]
 """The force that was measured, or μ̄ = ln(F_A/F_B)/φ."""
@@ -50,8 +54,7 @@ _SETTINGS = {
 # ---- of a measured condition ----
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ForceSide:
+class ForceSide(NamedTuple):
     """One of the two forces on a rope, and what it is made up of."""
 
     symbol: str
@@ -126,8 +129,7 @@ def coefficient_model(
     return MeasurementModel("average coefficient of friction", "μ̄", "-", quantities, evaluate, slopes)
 
 
-@dataclass(frozen=True, slots=True)
-class MeasuredCondition:
+class MeasuredCondition(NamedTuple):
     """One condition with both its forces and what is known of them."""
 
     number: int
@@ -136,7 +138,6 @@ class MeasuredCondition:
     measures_slack: bool
     n: int
     notes: tuple[str, ...]
-    _: KW_ONLY
     wheel_radius_m: float
     rope_radius_m: float
     wrap_angle_rad: float
@@ -181,7 +182,7 @@ def with_measured_end(condition: MeasuredCondition, std_N: float | None = None) 
         text = "nothing is known of how well the slack side is measured"
         raise InputError(text, key="u_end_tension", fix='give it, such as --u-end-tension "0.3 N"')
     reading = Quantity("reading of the slack side", "F̂_B", "N", std_N, estimate=known_N)
-    return replace(condition, known=ForceSide(symbol="F_B", quantities=(reading,)))
+    return condition._replace(known=ForceSide(symbol="F_B", quantities=(reading,)))
 
 
 def conditions_of_extraction(
@@ -270,8 +271,8 @@ def _with_scatter_of_others(conditions: Sequence[MeasuredCondition]) -> tuple[Me
             found.append(item)
             continue
         known = replace(mean, stated=scatter * mean.estimate, dof=dof if square else math.inf)
-        side = replace(item.measured, quantities=(known, *item.measured.quantities[1:]))
-        found.append(replace(item, measured=side, notes=(note, *item.notes)))
+        side = item.measured._replace(quantities=(known, *item.measured.quantities[1:]))
+        found.append(item._replace(measured=side, notes=(note, *item.notes)))
     return tuple(found)
 
 

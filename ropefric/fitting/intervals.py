@@ -22,7 +22,7 @@ from ropefric.fitting.result import FitResult, FitStatus
 from ropefric.fitting.statistics import decomposed, plain_covariance, two_level_scatter
 from ropefric.friction.condition import Conditions
 from ropefric.registry import did_you_mean
-from ropefric.uncertainty.quantity import quantile
+from ropefric.uncertainty.budget import quantile
 
 EndKind = Literal["crossing", "bound", "open", "edge"]
 

@@ -36,7 +36,7 @@ from ropefric.fitting.statistics import combined_dof, decomposed
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
 from ropefric.shown import Shown
-from ropefric.uncertainty.quantity import quantile
+from ropefric.uncertainty.budget import quantile
 
 SCHEMA = "ropefric.test-plan/1"
 
@@ -368,8 +368,7 @@ def best_plan(exchange: Exchange, n: int, *, starts: int = 10, seed: int = 0) ->
 # ---- what comes out ----
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Outlook:
+class Outlook(NamedTuple):
     """How certain predictions are expected to be."""
 
     std_log: FloatArray
@@ -509,7 +508,7 @@ class LabPlan(Shown):
         """Return the JSON tree of schema `ropefric.test-plan/1`; what is infinite is None."""
         law, lift_N, at = self.planned.law, np.exp(self.wanted_log_lift), self.wanted
         outlooks = ("before", "after", "one_factor", "one_factor_at_target")
-        plain = ("criterion", "level", "n_candidates", "starts", "agreeing_starts", "seed")
+        plain: tuple[str, ...] = ("criterion", "level", "n_candidates", "starts", "agreeing_starts", "seed")
         plain += ("gain", "gain_at_target", "improvement", "notes")
         tree: dict[str, Any] = {name: getattr(self, name).to_dict(lift_N) for name in outlooks}
         tree |= {name: getattr(self, name) for name in plain} | {

@@ -19,7 +19,7 @@ from ropefric.fitting.statistics import combined_dof
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.shown import Shown
-from ropefric.uncertainty.quantity import check_level, joint_draws, symmetric_root
+from ropefric.uncertainty.budget import check_level, joint_draws, symmetric_root
 
 Method = Literal["linear", "monte-carlo"]
 Validity = Mapping[str, tuple[float, float]]

@@ -52,7 +52,7 @@ from ropefric.glossary import AdvisedStatus, counted
 from ropefric.registry import Registry
 from ropefric.shown import Shown, in_words
 from ropefric.trials.table import TrialTable
-from ropefric.uncertainty.quantity import quantile
+from ropefric.uncertainty.budget import quantile
 
 
 class FitStatus(AdvisedStatus):

@@ -50,7 +50,7 @@ class Row(NamedTuple):
         if isinstance(self.value, bool):
             return self.value == (self.printed == "yes")
         half = 0.5 * 10.0 ** int(Decimal(self.printed).as_tuple().exponent)
-        return abs(self.value - float(self.printed)) <= half * (1.0 + 1e-9)
+        return bool(abs(self.value - float(self.printed)) <= half * (1.0 + 1e-9))
 
 
 class Shown(NamedTuple):

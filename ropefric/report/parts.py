@@ -14,8 +14,7 @@ from ropefric.friction.condition import Conditions
 from ropefric.glossary import counted
 from ropefric.section import Section, interval, percent, plain, shorthand
 from ropefric.trials.result import ConditionSummary
-from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Statement, numerical_tolerance
-from ropefric.uncertainty.quantity import Quantity
+from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Quantity, Statement, numerical_tolerance
 
 _GOALS = {"v": "the wanted prediction", "d": "the parameters"}
 

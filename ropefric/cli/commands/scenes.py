@@ -3,7 +3,6 @@
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import asdict
 from enum import StrEnum
 from math import prod
 from pathlib import Path
@@ -300,6 +299,6 @@ def cost(
         # A whole measurement is made anew, one that was interrupted goes on.
         kept.unlink(missing_ok=True)
     studied = [result.to_dict() for result in results]
-    data = {"machine": asdict(machine), "quick": quick, "studies": studied, "written": list(written)}
+    data = {"machine": machine._asdict(), "quick": quick, "studies": studied, "written": list(written)}
     said = options.written_to(folder, "cost.html, cost.md, …")
     return Answer(data, [*cost_page.cost_sections(results, machine), said])

@@ -17,7 +17,8 @@ from ropefric.errors import InputError
 from ropefric.fitting.fit import rope_slopes
 from ropefric.fitting.predict import degrees_of_freedom, new_rope_std, outside_words
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import SETTINGS, Conditions
+from ropefric.glossary import GLOSSARY
 from ropefric.traces.calibration import chain_quantities
 from ropefric.trials.outliers import trimming_bias
 from ropefric.trials.result import Extraction, TrialResult
@@ -44,10 +45,8 @@ GRAVITY_LIMIT = 0.0027
 _STANDARD_GRAVITY_M_S2 = 9.80665
 _PLACE = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")
 _SETTINGS = {
-    "wheel_radius_m": ("wheel radius", "R_w", "m"),
-    "rope_radius_m": ("rope radius", "R_r", "m"),
-    "wrap_angle_rad": ("wrap angle", "φ", "rad"),
-    "end_tension_N": ("end tension", "F_B", "N"),
+    term.name: (term.meaning.partition(";")[0].lower(), term.symbol, term.unit)
+    for term in map(GLOSSARY.__getitem__, SETTINGS)
 }
 
 

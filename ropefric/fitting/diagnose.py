@@ -352,15 +352,13 @@ def _of_line(title: str, line: _Line | None, ranked: Comparison) -> tuple[dict[s
         return numbers, [text]
     if line is None:
         return {}, []
-    if title == "coil contact":
-        slope, std, key = line.slope, line.std, "slope"
-        words = f"beyond the first turn μ is larger by {slope:+.2g} ± {std:.1g}"
-    else:
-        slope, std, key = line.slope * math.log(2.0), line.std * math.log(2.0), "slope_per_doubling"
-        what = f"changes by {slope:+.2g} ± {std:.1g} per doubling of the"
-        words = f"average μ {what} {_EFFECTS[title].quantity}"
+    key, factor, words = "slope", 1.0, "beyond the first turn μ is larger by {}"
+    if title != "coil contact":
+        key, factor = "slope_per_doubling", math.log(2.0)
+        words = f"average μ changes by {{}} per doubling of the {_EFFECTS[title].quantity}"
+    slope, std = line.slope * factor, line.std * factor
     numbers = {key: slope, "slope_std": std, "p_value": line.p_value}
-    return numbers, [f"{words} (p = {line.p_value:.2g})"]
+    return numbers, [f"{words.format(f'{slope:+.2g} ± {std:.1g}')} (p = {line.p_value:.2g})"]
 
 
 def _limits(title: str, line: _Line, trends: _Trends) -> tuple[dict[str, float], str]:
@@ -527,20 +525,18 @@ def _summary(ranked: Comparison, causes: Sequence[Cause]) -> str:
     law = "the capstan equation"
     if plain.fit is not None:
         law += f" with μ = {_with_error(plain.fit, 'mu', '.3g')}"
-    named = f"the data support: {', '.join(found)}"
     if effects:
-        text = f"{law} does not describe the trials; {named}"
+        text = f"{law} does not describe the trials"
     elif not ranked.conclusive:
-        text = f"{counted(ranked.n, ranked.unit[:-1])} cannot test {law}" + (f"; {named}" if found else "")
+        text = f"{counted(ranked.n, ranked.unit[:-1])} cannot test {law}"
     elif ranked.best.law == "constant" or plain.delta_aicc <= _WEAK:
         text = f"{law} describes the trials; no cause to leave it is supported"
         hidden = [item for item in causes if item.cause == "wrap effect" and "bound_low" in item.numbers]
         text += "".join(f", but {item.evidence.rsplit('; ', 1)[-1]}" for item in hidden)
-        text += f"; {named}" if found else ""
     else:
         text = f"{law} is not the best description ({ranked.best.law} is), but the data do not show why"
-        text += f"; {named}" if found else ""
-    return text + (f"; cannot be told: {', '.join(open_)}" if open_ else "")
+    lists = {"the data support": found, "cannot be told": open_}
+    return "; ".join([text, *(f"{words}: {', '.join(names)}" for words, names in lists.items() if names)])
 
 
 def _with_error(fit: FitResult, name: str, form: str) -> str:

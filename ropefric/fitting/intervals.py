@@ -371,34 +371,32 @@ def with_intervals(
         text = f"unknown way to intervals {method!r}"
         raise UnknownNameError(text, key="intervals", fix=did_you_mean(str(method), INTERVALS))
     linear = fit.provenance.get("settings", {}).get("loss", "linear") == "linear"
+    on_bound = any(item.at_bound for item in fit.parameters)
     if method == "auto":
-        bound = any(item.at_bound for item in fit.parameters)
         known = all(isfinite(item.std) or item.at_bound for item in fit.parameters)
         told = linear and known and fit.statistics.interval_dof > 0.0
         told = told and fit.status is not FitStatus.NOT_CONVERGED
-        method = "profile" if told and (bound or not is_straight(fit)) else "covariance"
+        method = "profile" if told and (on_bound or not is_straight(fit)) else "covariance"
     if method == "covariance":
         return fit
     problem = fit.data
     if not linear:
         text = f"{method} intervals are those of least squares, not of a robust loss"
         raise InputError(text, key="intervals", fix="use loss = 'linear', or intervals = 'covariance'")
-    how: dict[str, str | int] = {"method": method}
+    how: dict[str, Any] = {"n": n, "seed": seed}
+    notes: tuple[str, ...] = ()
     draws: FloatArray | None = None
     if method == "profile":
-        found = profile_of(fit)
-        on_bound = any(item.at_bound for item in fit.parameters)
+        found, how = profile_of(fit), {}
         ends, notes = found.ci, (*found.notes, *((_BESIDE_A_BOUND,) if on_bound else ()))
+    elif method == "bootstrap-t":
+        ends = bootstrap_t(problem, fit.theta, executor=executor, **how)
     else:
-        how |= {"n": n, "seed": seed}
-        draw: dict[str, Any] = {"n": n, "seed": seed, "executor": executor}
-        if method == "bootstrap-t":
-            ends, notes = bootstrap_t(problem, fit.theta, **draw), ()
-        else:
-            enough = max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
-            whole = enough <= fit.statistics.n_conditions < fit.statistics.n
-            drawn = bootstrap(problem, fit.theta, kind="clustered" if whole else "parametric", **draw)
-            ends, notes, draws = drawn.interval(), drawn.notes, drawn.theta
+        enough = max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
+        whole = enough <= fit.statistics.n_conditions < fit.statistics.n
+        kind: BootstrapKind = "clustered" if whole else "parametric"
+        drawn = bootstrap(problem, fit.theta, kind=kind, executor=executor, **how)
+        ends, notes, draws = drawn.interval(), drawn.notes, drawn.theta
     parameters = tuple(
         replace(item, ci95=(to_share(low, item.std), to_share(high, item.std))) if item.vary else item
         for item, (low, high) in zip(fit.parameters, ends.tolist(), strict=True)
@@ -408,7 +406,7 @@ def with_intervals(
         parameters=parameters,
         notes=(*fit.notes, f"95 % intervals by {method}", *notes),
         draws=draws,
-        provenance=dict(fit.provenance) | {"intervals": how},
+        provenance=dict(fit.provenance) | {"intervals": {"method": method} | how},
     )
 
 

@@ -41,7 +41,6 @@ _ENDS_N = ("interval_N", "prediction_interval_N")
 _SAME = 1e-6
 # The check of the linear interval by draws is made unasked only where it is quick.
 _CHECKED_CONDITIONS = 100
-_MOST_DRAWS = 10_000_000
 _CHECKING_DRAWS = 2000
 # Draws times conditions held in memory at once.
 _BLOCK = 1_000_000
@@ -238,9 +237,6 @@ def predict(
     check_level(level)
     if method not in ("linear", "monte-carlo"):
         raise InputError(f"unknown method {method!r}", key="method", fix="use 'linear' or 'monte-carlo'")
-    if not 100 <= n <= _MOST_DRAWS:
-        few = "few" if n < 100 else "many"
-        raise InputError(f"{n} draws are too {few}", key="n", fix=f"draw 100 to {_MOST_DRAWS}")
     log_lift = model.log_lift(fit.theta, conditions)
     if (log_lift > _LARGEST).any():
         worst = int(np.argmax(log_lift))

@@ -446,8 +446,7 @@ _EXPERIMENTS = {
 Finding = tuple[FitStatus, str]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Found:
+class Found(NamedTuple):
     """What a search found."""
 
     problem: FitProblem

@@ -252,8 +252,12 @@ def rounded_covariance(covariance: FloatArray, *, lost: int = 0) -> FloatArray:
     combinations, which change nothing, have no part in it.
     """
     size = np.sqrt(np.diag(covariance))
-    if not (np.isfinite(covariance).all() and (size > 0.0).all()):
+    if not np.isfinite(covariance).all():
         return covariance
+    if (gone := size == 0.0).any():
+        rounded, shown = covariance.copy(), np.ix_(~gone, ~gone)
+        rounded[shown] = rounded_covariance(covariance[shown], lost=max(lost - int(gone.sum()), 0))
+        return rounded
     correlation = covariance / size[:, None] / size
     correlation = 0.5 * (correlation + correlation.T)
     smallest = float(np.linalg.eigvalsh(correlation)[min(lost, size.size - 1)]) if size.size else 1.0

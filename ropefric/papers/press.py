@@ -177,19 +177,12 @@ def _critical(it: Machine) -> Iterator[Row]:
             yield Row(f"{words} at which roller {found.roller} slips first", found.value)
 
 
-def _steps(values: FloatArray) -> tuple[FloatArray, float]:
-    """Return by how much values change from one to the next, and what is no change."""
-    return np.diff(np.ravel(values)), 1e-12 * float(np.abs(values).max())
-
-
 def _falls(values: FloatArray) -> bool:
-    steps, least = _steps(values)
-    return bool((steps < -least).all())
+    return bool((np.diff(np.ravel(values)) < -1e-12 * np.abs(values).max()).all())
 
 
 def _constant(values: FloatArray) -> bool:
-    steps, least = _steps(values)
-    return bool((np.abs(steps) <= 1e3 * least).all())
+    return bool((np.abs(np.diff(np.ravel(values))) <= 1e-9 * np.abs(values).max()).all())
 
 
 def _figure_4(it: Machine) -> Iterator[Row]:

@@ -77,17 +77,15 @@ class Reduction(NamedTuple):
 def reduce_trials(trials: TrialTable, fits: Sequence[FitResult] = ()) -> Reduction:
     """Return what the paper's own reduction makes of trials, of all of which some laws may have their fits."""
     found = {over: one for over in _OVER if (one := _series(trials, over)) is not None}
-    sizes: tuple[FitResult, ...] = ()
-    wraps: tuple[FitResult, ...] = ()
-    if "wheel_radius_m" in found:
-        sizes = _fitted(found["wheel_radius_m"].trials, "size-power", "size-exponential")
-    if "wrap_angle_rad" in found:
-        own = found["wrap_angle_rad"].at
-        wheel = np.isclose(trials.wheel_radius_m, own.wheel_radius_m[0], rtol=1e-6)
-        rope = np.isclose(trials.rope_radius_m, own.rope_radius_m[0], rtol=1e-6)
-        wraps = _fitted(replace(trials, kept=trials.kept & wheel & rope), "wrap-exponential", "wrap-power")
+    sizes, wraps = (found.get(over) for over in ("wheel_radius_m", "wrap_angle_rad"))
+    by_size = () if sizes is None else _fitted(sizes.trials, "size-power", "size-exponential")
+    by_wrap: tuple[FitResult, ...] = ()
+    if wraps is not None:
+        wheel = np.isclose(trials.wheel_radius_m, wraps.at.wheel_radius_m[0], rtol=1e-6)
+        rope = np.isclose(trials.rope_radius_m, wraps.at.rope_radius_m[0], rtol=1e-6)
+        by_wrap = _fitted(replace(trials, kept=trials.kept & wheel & rope), "wrap-exponential", "wrap-power")
     both = tuple(fit for fit in fits if fit.law == "coupled") or _fitted(trials, "coupled")
-    return Reduction(found, sizes, wraps, both)
+    return Reduction(found, by_size, by_wrap, both)
 
 
 def _fitted(trials: TrialTable, *names: str) -> tuple[FitResult, ...]:

@@ -229,24 +229,14 @@ class BudgetLine(NamedTuple):
         assumed = isinstance(self.source, Quantity) and self.source.assumed
         return f"{self.name} (assumed)" if assumed else self.name
 
-    @property
-    def type(self) -> Evaluation:
-        """Return how it was evaluated, "A" or "B"."""
-        return self.source.type
-
-    @property
-    def dof(self) -> float:
-        """Return its degrees of freedom."""
-        return self.source.dof
-
     def to_dict(self) -> dict[str, Any]:
         """Return the line as JSON-able values; what a block has none of is None."""
-        item, family = self.source, "multivariate normal" if math.isinf(self.dof) else "multivariate t"
+        item, family = self.source, "multivariate normal" if math.isinf(self.source.dof) else "multivariate t"
         names = ("name", "type", "unit", "estimate", "stated", "divisor")
         row = {name: getattr(item, name, None) for name in names} | {
             "contribution": self.contribution,
             "share": self.share,
-            "dof": self.dof if math.isfinite(self.dof) else None,
+            "dof": item.dof if math.isfinite(item.dof) else None,
             "correlated": list(self.correlated),
             "standard_uncertainty": getattr(item, "std", None),
             "sensitivity": self.sensitivity if math.isfinite(self.sensitivity) else None,
@@ -315,7 +305,7 @@ def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudg
         BudgetLine(source, slope, size, (size / combined) ** 2, tuple(parts) if source is block else ())
         for source, slope, size in zip(sources, slopes, sizes, strict=True)
     ]
-    dof = effective_dof([line.contribution for line in lines], [line.dof for line in lines])
+    dof = effective_dof(sizes, [source.dof for source in sources])
     return LinearBudget(
         estimate=model.estimate,
         lines=tuple(sorted(lines, key=lambda line: -line.contribution)),
@@ -507,7 +497,8 @@ def improvements(budget: LinearBudget) -> tuple[Improvement, ...]:
     for place, line in enumerate(budget.lines):
         if line.share < _WORTH_A_WORD:
             continue
-        contributions, dof = ([getattr(one, key) for one in budget.lines] for key in ("contribution", "dof"))
+        contributions = [one.contribution for one in budget.lines]
+        dof = [one.source.dof for one in budget.lines]
         factor = math.sqrt(0.5)
         if isinstance(line.source, Block):
             # k − q degrees of freedom become 2k − q.

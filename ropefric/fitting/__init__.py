@@ -5,8 +5,8 @@ and searches from a few good starts; `statistics` knows scatter, covariance, ide
 `result` is what a fit hands on, made of what was found, with the words and rules of the verdict. `intervals` finds
 other intervals, by profile or bootstrap. `store` writes, loads and verifies fits.
 What it is worth: `compare` weighs laws against each other and picks one by how each `standing` on condition means is,
-`diagnose` says why a rope does not obey the capstan equation. What it is for: `predict` carries it to a wheel and
-`design` back, `export` to a simulator (and a law to lmfit); `budgets` states uncertainty after the GUM, of what was
-measured and of a predicted lift force; `next_tests` plans what to measure next, and `resolution` says what a list of
-conditions can tell at all.
+`diagnose` says why a rope does not obey the capstan equation. What it is for: `predict` carries it to a wheel, and
+to simulators and lmfit, `design` back; `budgets` states uncertainty after the GUM, of what was measured and of a
+predicted lift force; `next_tests` plans what to measure next, and `resolution` says what a list of conditions can tell
+at all.
 """

@@ -79,8 +79,6 @@ def weights(
     symbol: str, force_N: float, *, tolerance: float = 0.0005, gravity_limit: float = GRAVITY_LIMIT
 ) -> ForceSide:
     """Return the force of dead weights, m g: its uncertainty is that of mass and gravity, not of a converter."""
-    if not (math.isfinite(force_N) and force_N > 0.0):
-        raise InputError(f"{symbol} = {force_N:g} N is not positive", key=symbol)
     g, mass_kg = _STANDARD_GRAVITY_M_S2, force_N / _STANDARD_GRAVITY_M_S2
     why = "" if gravity_limit != GRAVITY_LIMIT else "how well the local g is known (--gravity, gravity_limit)"
     factors = (

@@ -213,41 +213,34 @@ def _contests(
     """Return the best law against others, and a simpler law that chance leaves beside it against simpler ones still."""
     entries = {entry.law: entry for entry in ranking if entry.counted and not math.isnan(entry.weight)}
     trusted = [name for name, entry in entries.items() if entry.fit is not None and not entry.fit.doubts]
-    held: list[Contest] = []
+    p_values = {(test.simpler, test.fuller): test.p_value for test in tests}
+    contained = {law: [case.name for case in ALL_LAWS[law].special_cases] for law in entries}
+    held: dict[tuple[str, str], Contest] = {}
     waiting = (trusted or list(entries))[:1]
     for name in waiting:
-        simpler = [case.name for case in ALL_LAWS[name].special_cases if case.name in entries]
+        simpler = [law for law in contained[name] if law in entries]
         # Every law is tried against the constant one, whether it contains it or not.
         simpler = simpler or [law for law in entries if law == "constant" != name]
-        against = [test for test in tests if test.simpler == name and test.fuller in entries]
-        likely = min(against, key=lambda test: test.p_value, default=None)
+        against = {high: p for (low, high), p in p_values.items() if low == name and high in entries}
+        likely = min(against, key=against.__getitem__, default=name)
         pairs = [(law, name) for law in simpler]
-        pairs += [(name, likely.fuller)] if likely is not None and likely.p_value <= CHANCE else []
+        pairs += [(name, likely)] if against.get(likely, 1.0) <= CHANCE else []
         for low, high in pairs:
-            if (low, high) in {(contest.simpler, contest.fuller) for contest in held}:
+            if (low, high) in held:
                 continue
-            family = [
-                standings[law]
-                for law in entries
-                if law != low and (low == "constant" or ALL_LAWS[low] in ALL_LAWS[law].special_cases)
-            ]
-            tested = [test.p_value for test in tests if (test.simpler, test.fuller) == (low, high)]
-            # So clear that no simulated campaign would lead as far.
-            clear = bool(tested) and tested[0] < _CLEAR
+            p_value = p_values.get((low, high), math.nan)
+            # Some are so clear that no simulated campaign would lead as far.
+            if not p_value < _CLEAR:
+                fuller = [law for law in entries if law != low and low in {"constant", *contained[law]}]
+                family = [standings[law] for law in fuller]
+                p_value = lead_by_chance(standings[low], standings[high], family, means)
             below, above = entries[low].loco_error, entries[high].loco_error
-            contest = Contest(
-                simpler=low,
-                fuller=high,
-                lead=standings[low].aicc - standings[high].aicc,
-                p_value=tested[0]
-                if clear
-                else lead_by_chance(standings[low], standings[high], family, means),
-                loco_ratio=above / below if below > 0.0 else math.nan,
-            )
-            held.append(contest)
+            lead = standings[low].aicc - standings[high].aicc
+            contest = Contest(low, high, lead, p_value, above / below if below > 0.0 else math.nan)
+            held[low, high] = contest
             if contest.preferred == "simpler" and low not in waiting:
                 waiting.append(low)
-    return tuple(held)
+    return tuple(held.values())
 
 
 def _ranking(
@@ -527,9 +520,7 @@ def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
     By root mean squares of ln F_A over them; the rules stand in `ropefric.fitting.result`.
     """
     if wheel is None:
-        if fit.problem is None:
-            return True
-        wheel = fit.problem.conditions.select(np.unique(fit.problem.group, return_index=True)[1])
+        wheel = fit.data.conditions.select(np.unique(fit.data.group, return_index=True)[1])
     try:
         own, other = (predict(one, wheel, check=False) for one in (fit, rival))
     except RopefricError:

@@ -424,20 +424,19 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
         x = (number / np.ptp(number))[:, None]
     else:
         x = np.stack([np.array([v == word for v in values], float) for word in found[1:]], axis=-1)
-    rise = problem.log_lift - problem.conditions.log_end_tension
-    group = problem.group
+    rise, group = problem.log_lift - problem.conditions.log_end_tension, problem.group
     mean = np.stack([stats.group_means(column, group) for column in x.T], axis=-1)
     about = rise - stats.group_means(rise, group)[group]
-    tests = [_explained(np.zeros((rise.size, 0)), x - mean[group], about, rise.size - len(mean))]
     weight = (trends.means.std.mean() / trends.means.std)[:, None]
     full = trends.matrix(trends.columns) * weight
-    tests.append(_explained(full, mean * weight, trends.rise * weight[:, 0], len(mean)))
-    told = {where: test for where, test in zip(("within", "between"), tests, strict=True) if test is not None}
+    tests = {
+        "within": _explained(np.zeros((rise.size, 0)), x - mean[group], about, rise.size - len(mean)),
+        "between": _explained(full, mean * weight, trends.rise * weight[:, 0], len(mean)),
+    }
+    told = {where: test for where, test in tests.items() if test is not None}
     if not told:
-        return untold(
-            f"its {counted(len(found), 'value')} go with the settings or with single trials, or too few trials are "
-            "left to judge by"
-        )
+        why = "go with the settings or with single trials, or too few trials are left to judge by"
+        return untold(f"its {counted(len(found), 'value')} {why}")
     clear = min(test[0] for test in told.values()) * len(told) < _SIGNIFICANT
     # The one that sees it, or else the one that leaves least room.
     where, (p_value, low, high) = min(told.items(), key=lambda x: x[1][0] if clear else x[1][2] - x[1][1])

@@ -223,12 +223,10 @@ def leave_one_out(law: Standing) -> float:
     """Return the leave-one-condition-out error: RMS of the ln F predicted by a fit to all other means, less measured.
 
     This is the relative error of the force at conditions the law has not seen. NaN where the other means cannot fix
-    the parameters (K ≤ number of parameters) or a refit fails. K refits of K means grow as K²; of many, each is one
+    the parameters or a refit fails. K refits of K means grow as K²; of many, each is one
     step from the common fit, residual/(1 − leverage), which errs by the square of a leverage.
     """
     problem, K = law.problem, law.problem.n_points
-    if problem.n_varying >= K:
-        return math.nan
     if K > _MANY:
         inside = problem.vary & (law.theta > problem.lower) & (law.theta < problem.upper)
         left = decomposed(problem.jacobian(law.theta)[:, inside]).root()[1]

@@ -7,7 +7,7 @@ fuller law is preferred to a simpler one takes AICc, the error at conditions lef
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -366,7 +366,8 @@ def _contact_words(lead: float, law: str) -> str:
 _ANSWERING = frozenset({FitStatus.OK, FitStatus.AT_BOUND, FitStatus.UNIDENTIFIABLE})
 
 
-class Choice(NamedTuple):
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Choice:
     """The law that is used."""
 
     fit: FitResult

@@ -254,7 +254,7 @@ def _mean_force(symbol: str, values_N: FloatArray, chain: list[Quantity], ratio:
 
 def _with_scatter_of_others(conditions: Sequence[MeasuredCondition]) -> tuple[MeasuredCondition, ...]:
     """Return conditions of which those with a single trial have the pooled relative scatter of the others."""
-    means = [item.measured.quantities[0] for item in conditions]
+    means = (item.measured.quantities[0] for item in conditions)
     several = [mean for mean in means if mean.repeats > 1]
     dof = math.fsum(mean.dof for mean in several)
     square = math.fsum(mean.dof * (mean.stated / mean.estimate) ** 2 for mean in several)
@@ -262,15 +262,16 @@ def _with_scatter_of_others(conditions: Sequence[MeasuredCondition]) -> tuple[Me
     if square:
         scatter = math.sqrt(square / dof)
         note = f"one trial: its scatter is that of the other conditions, {100 * scatter:.2g} % of the force"
-    found = []
-    for item, mean in zip(conditions, means, strict=True):
+
+    def told(item: MeasuredCondition) -> MeasuredCondition:
+        mean, *others = item.measured.quantities
         if mean.repeats > 1:
-            found.append(item)
-            continue
+            return item
         known = replace(mean, stated=scatter * mean.estimate, dof=dof if square else math.inf)
-        side = item.measured._replace(quantities=(known, *item.measured.quantities[1:]))
-        found.append(item._replace(measured=side, notes=(note, *item.notes)))
-    return tuple(found)
+        side = item.measured._replace(quantities=(known, *others))
+        return item._replace(measured=side, notes=(note, *item.notes))
+
+    return tuple(map(told, conditions))
 
 
 def state_condition(

@@ -376,10 +376,14 @@ def first_crossing(function: Rising, low: FloatArray, high: FloatArray) -> tuple
     For functions that rise at first but may fall later, such as a bound that widens with extrapolation: they are
     looked at in 24 steps that grow from `low`, so a crossing and return within one step goes unseen.
     """
-    everything = np.arange(low.size)
-    at = low[:, None] + (high - low)[:, None] * (np.arange(_SCAN + 1) / _SCAN) ** 4
-    rows = np.repeat(everything, _SCAN)
-    reached = (function(at[:, 1:].ravel(), rows) >= 0.0).reshape(low.size, _SCAN)
-    first = reached.argmax(axis=1)
-    right = np.where(reached.any(axis=1), at[everything, first + 1], np.nan)
-    return at[everything, first], right
+    left, right = low.astype(np.float64), np.full(low.size, np.nan)
+    rows = np.arange(low.size)
+    for step in range(1, _SCAN + 1):
+        at = low[rows] + (high[rows] - low[rows]) * (step / _SCAN) ** 4
+        found = function(at, rows) >= 0.0
+        right[rows[found]] = at[found]
+        left[rows[~found]] = at[~found]
+        rows = rows[~found]
+        if not rows.size:
+            break
+    return left, right

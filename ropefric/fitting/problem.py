@@ -11,7 +11,7 @@ of a law from several starts, of resamples, of profiles, of laws on condition me
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from numbers import Integral
-from typing import Any, Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -89,12 +89,19 @@ def law_named(law: object) -> FrictionLaw:
 def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
     """Refuse settings that no fit of this law can follow; return quietly otherwise."""
     for key in ("fixed", "start", "bounds"):
-        _check_values(key, getattr(settings, key), law)
-    for name, (low, high) in settings.bounds.items():
-        if not low < high:
-            text = f"the bounds of {name}, {low:g} … {high:g}, leave nothing between them"
-            fix = "give (lower, upper), or fix the parameter"
-            raise InputError(text, code="RF402", key="bounds", fix=fix)
+        for name, value in getattr(settings, key).items():
+            if name not in law.parameter_names:
+                fix = did_you_mean(str(name), law.parameter_names)
+                raise UnknownNameError(f"{law.name} has no parameter {name!r}", key=key, fix=fix)
+            if key == "bounds" and np.shape(value) != (2,):
+                what = "(lower, upper)"
+                raise InputError(
+                    f"{name} is given as {value!r:.40}, not as {what}", key=key, fix=f"give {what}"
+                )
+            if key == "bounds" and not value[0] < value[1]:
+                text = f"the bounds of {name}, {value[0]:g} … {value[1]:g}, leave nothing between them"
+                fix = "give (lower, upper), or fix the parameter"
+                raise InputError(text, code="RF402", key="bounds", fix=fix)
     if settings.loss not in tuple(LOSSES):
         fix = did_you_mean(str(settings.loss), LOSSES)
         raise UnknownNameError(f"unknown loss {settings.loss!r}", key="loss", fix=fix)
@@ -108,16 +115,6 @@ def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
         value = getattr(settings, key)
         if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most:
             raise InputError(f"{key} is {value!r:.40}; {why} and at most {most}", key=key)
-
-
-def _check_values(key: str, given: Mapping[str, Any], law: FrictionLaw) -> None:
-    for name, value in given.items():
-        if name not in law.parameter_names:
-            fix = did_you_mean(str(name), law.parameter_names)
-            raise UnknownNameError(f"{law.name} has no parameter {name!r}", key=key, fix=fix)
-        if key == "bounds" and np.shape(value) != (2,):
-            what = "(lower, upper)"
-            raise InputError(f"{name} is given as {value!r:.40}, not as {what}", key=key, fix=f"give {what}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -184,8 +181,7 @@ class FitProblem:
         return (log_lift - self.log_lift) / self.std, slopes / self.std[:, None]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Reduced:
+class Reduced(NamedTuple):
     """Data sets of one plan of conditions, seen through a law."""
 
     law: FrictionLaw

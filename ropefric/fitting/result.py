@@ -101,8 +101,7 @@ _LACK_OF_FIT_P = 1e-3
 _ALIKE = 1.1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class Verdict(NamedTuple):
     """What is to be thought of a law, or of a lift force."""
 
     word: Word
@@ -393,9 +392,7 @@ def _parameter(name: str, item: Mapping[str, Any]) -> FittedParameter:
 def _number(value: Any, gone: float = nan) -> Any:
     if value is None:
         return gone
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError(f"{value!r:.40} is no number")
-    if not isfinite(float(value)):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(float(value)):
         raise TypeError(f"{value!r:.40} is no number that a fit can hold")
     return value
 

@@ -151,8 +151,7 @@ class _SetLoads(Conditions):
     log_lift: FloatArray
 
 
-@dataclass(frozen=True, slots=True)
-class _EndTension:
+class _EndTension(NamedTuple):
     """The physics of a law seen from the end tension, to first order.
 
     Its ln F_A is as far off the one that was set as the law's ln F_B is off the measured one, the other way:

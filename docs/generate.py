@@ -19,7 +19,7 @@ from ropefric.cli.app import build_app, find_commands
 from ropefric.errors import RopefricError
 from ropefric.files.toml_model import StrictTable
 from ropefric.friction.laws import LAWS
-from ropefric.papers.reading import PAPERS, read_paper
+from ropefric.papers.paper import PAPERS, read_paper
 from ropefric.plotting import style
 from ropefric.plotting.campaign import conditions_of, draw_condition
 from ropefric.plotting.figure import FigureWithData, draw_chart, drawing, svg_text

@@ -14,7 +14,7 @@ _NAMES = {
     "api": "accuracy_table budget compare design diagnose explain extract find_breakaway fit friction_table "
     "measured_budgets monte_carlo plan_tests predict read_trace read_trial reject run smooth solve sweep trial_table",
     "errors": "RopefricError RopefricWarning",
-    "fitting.export": "lmfit_model",
+    "fitting.predict": "lmfit_model",
     "fitting.store": "load_fit save_fit",
     "plugins": "load_plugin",
     "scenes.scene": "load_scene",

@@ -22,7 +22,7 @@ from ropefric.api import sweep as sweep
 from ropefric.api import trial_table as trial_table
 from ropefric.errors import RopefricError as RopefricError
 from ropefric.errors import RopefricWarning as RopefricWarning
-from ropefric.fitting.export import lmfit_model as lmfit_model
+from ropefric.fitting.predict import lmfit_model as lmfit_model
 from ropefric.fitting.store import load_fit as load_fit
 from ropefric.fitting.store import save_fit as save_fit
 from ropefric.plugins import load_plugin as load_plugin

@@ -19,11 +19,10 @@ from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
 from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.diagnose import diagnose as find_causes
-from ropefric.fitting.export import FrictionTable
-from ropefric.fitting.export import friction_table as tabulate
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.intervals import with_intervals
-from ropefric.fitting.predict import Method, Prediction
+from ropefric.fitting.predict import FrictionTable, Method, Prediction
+from ropefric.fitting.predict import friction_table as tabulate
 from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.problem import Loss
 from ropefric.fitting.result import FitResult

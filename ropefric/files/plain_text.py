@@ -13,7 +13,6 @@ import math
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from importlib import import_module
-from math import isnan
 from typing import Any
 
 from ropefric.errors import DataError, InputError
@@ -128,15 +127,17 @@ def to_share(value: float, std: float) -> float:
     return round(value, -max(place, math.floor(math.log10(abs(value))) - GIVEN_DIGITS + 1)) + 0.0
 
 
-def rounded_tree(tree: Any, digits: int = MEASURED_DIGITS) -> Any:
+def rounded_tree(tree: Any, digits: int | None = MEASURED_DIGITS) -> Any:
     """Return a JSON tree with its numbers to so many significant digits, standard errors (`std`, `std_*`) to four.
 
-    A number that is not there or infinite is None.
+    A number that is not there or infinite is None; None for the digits leaves the others as they are.
     """
+    tree = tree.tolist() if hasattr(tree, "tolist") else tree
     if isinstance(tree, float):
-        return significant(tree, digits) if math.isfinite(tree) else None
+        return None if not math.isfinite(tree) else tree if digits is None else significant(tree, digits)
     if isinstance(tree, Mapping):
-        kept = {key: min(digits, STD_DIGITS) if f"{key}_".startswith("std_") else digits for key in tree}
+        few = digits and min(digits, STD_DIGITS)
+        kept = {key: few if f"{key}_".startswith("std_") else digits for key in tree}
         return {key: rounded_tree(item, kept[key]) for key, item in tree.items()}
     return [rounded_tree(item, digits) for item in tree] if isinstance(tree, list | tuple) else tree
 
@@ -162,8 +163,7 @@ def parquet_bytes(rows: Sequence[Mapping[str, Any]], *, key: str) -> bytes:
     columns = {name: pyarrow.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
     empty = pyarrow.null()
     typed = {name: one.cast("float64") if one.type == empty else one for name, one in columns.items()}
-    stream = io.BytesIO()
-    parquet.write_table(pyarrow.table(typed), stream)
+    parquet.write_table(pyarrow.table(typed), stream := io.BytesIO())
     return stream.getvalue()
 
 
@@ -188,6 +188,6 @@ def parquet_as_csv(content: bytes, shown: str) -> str:
 
 
 def _cell(value: Any) -> Any:
-    if value is None or (isinstance(value, float) and isnan(value)):
+    if value is None or (isinstance(value, float) and math.isnan(value)):
         return ""
     return csv_cell(value if isinstance(value, bool | int | float) else " ".join(str(value).split()))

@@ -1,12 +1,12 @@
 """Trial tables and friction laws -> fitted parameters with honest uncertainty, a verdict, lift forces, the next tests.
 
-The fit: `problem` makes a trial table a least-squares problem, `levenberg` solves thousands of those at once, `fit`
-searches with it from a few good starts; `statistics` knows scatter, covariance, identifiability and criteria,
+The fit: `problem` is the least-squares problem and solves thousands of those at once, `fit` makes it of a trial table
+and searches from a few good starts; `statistics` knows scatter, covariance, identifiability and criteria,
 `result` is what a fit hands on, made of what was found, with the words and rules of the verdict. `intervals` finds
 other intervals, by profile or bootstrap. `store` writes, loads and verifies fits.
 What it is worth: `compare` weighs laws against each other and picks one by how each `standing` on condition means is,
-`diagnose` says why a rope does not obey the capstan equation. What it is for: `predict` carries it to a wheel and
-`design` back, `export` to a simulator (and a law to lmfit); `budgets` states uncertainty after the GUM, of what was
-measured and of a predicted lift force; `next_tests` plans what to measure next, and `resolution` says what a list of
-conditions can tell at all.
+`diagnose` says why a rope does not obey the capstan equation. What it is for: `predict` carries it to a wheel, and
+to simulators and lmfit, `design` back; `budgets` states uncertainty after the GUM, of what was measured and of a
+predicted lift force; `next_tests` plans what to measure next, and `resolution` says what a list of conditions can tell
+at all.
 """

@@ -7,8 +7,8 @@ and the parameters of a fitted law with their covariance, leave open of the lift
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, replace
-from typing import Any, Literal
+from dataclasses import replace
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -17,19 +17,24 @@ from ropefric.errors import InputError
 from ropefric.fitting.fit import rope_slopes
 from ropefric.fitting.predict import degrees_of_freedom, new_rope_std, outside_words
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import Conditions
+from ropefric.friction.condition import SETTINGS, Conditions
+from ropefric.glossary import GLOSSARY
 from ropefric.traces.calibration import chain_quantities
 from ropefric.trials.outliers import trimming_bias
 from ropefric.trials.result import Extraction, TrialResult
 from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import (
+    RECTANGULAR,
+    Block,
     BudgetStatus,
     MeasurementModel,
+    Quantity,
     Statement,
     effective_dof,
+    limit_of_error,
+    repeats,
     state_uncertainty,
 )
-from ropefric.uncertainty.quantity import RECTANGULAR, Block, Quantity, limit_of_error, repeats
 
 MeasuredQuantity = Literal["force", "mu"]
 """The force that was measured, or μ̄ = ln(F_A/F_B)/φ."""
@@ -40,18 +45,15 @@ GRAVITY_LIMIT = 0.0027
 _STANDARD_GRAVITY_M_S2 = 9.80665
 _PLACE = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")
 _SETTINGS = {
-    "wheel_radius_m": ("wheel radius", "R_w", "m"),
-    "rope_radius_m": ("rope radius", "R_r", "m"),
-    "wrap_angle_rad": ("wrap angle", "φ", "rad"),
-    "end_tension_N": ("end tension", "F_B", "N"),
+    term.name: (term.meaning.partition(";")[0].lower(), term.symbol, term.unit)
+    for term in map(GLOSSARY.__getitem__, SETTINGS)
 }
 
 
 # ---- of a measured condition ----
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ForceSide:
+class ForceSide(NamedTuple):
     """One of the two forces on a rope, and what it is made up of."""
 
     symbol: str
@@ -77,8 +79,6 @@ def weights(
     symbol: str, force_N: float, *, tolerance: float = 0.0005, gravity_limit: float = GRAVITY_LIMIT
 ) -> ForceSide:
     """Return the force of dead weights, m g: its uncertainty is that of mass and gravity, not of a converter."""
-    if not (math.isfinite(force_N) and force_N > 0.0):
-        raise InputError(f"{symbol} = {force_N:g} N is not positive", key=symbol)
     g, mass_kg = _STANDARD_GRAVITY_M_S2, force_N / _STANDARD_GRAVITY_M_S2
     why = "" if gravity_limit != GRAVITY_LIMIT else "how well the local g is known (--gravity, gravity_limit)"
     factors = (
@@ -126,8 +126,7 @@ def coefficient_model(
     return MeasurementModel("average coefficient of friction", "μ̄", "-", quantities, evaluate, slopes)
 
 
-@dataclass(frozen=True, slots=True)
-class MeasuredCondition:
+class MeasuredCondition(NamedTuple):
     """One condition with both its forces and what is known of them."""
 
     number: int
@@ -136,7 +135,6 @@ class MeasuredCondition:
     measures_slack: bool
     n: int
     notes: tuple[str, ...]
-    _: KW_ONLY
     wheel_radius_m: float
     rope_radius_m: float
     wrap_angle_rad: float
@@ -181,7 +179,7 @@ def with_measured_end(condition: MeasuredCondition, std_N: float | None = None) 
         text = "nothing is known of how well the slack side is measured"
         raise InputError(text, key="u_end_tension", fix='give it, such as --u-end-tension "0.3 N"')
     reading = Quantity("reading of the slack side", "F̂_B", "N", std_N, estimate=known_N)
-    return replace(condition, known=ForceSide(symbol="F_B", quantities=(reading,)))
+    return condition._replace(known=ForceSide(symbol="F_B", quantities=(reading,)))
 
 
 def conditions_of_extraction(
@@ -256,7 +254,7 @@ def _mean_force(symbol: str, values_N: FloatArray, chain: list[Quantity], ratio:
 
 def _with_scatter_of_others(conditions: Sequence[MeasuredCondition]) -> tuple[MeasuredCondition, ...]:
     """Return conditions of which those with a single trial have the pooled relative scatter of the others."""
-    means = [item.measured.quantities[0] for item in conditions]
+    means = (item.measured.quantities[0] for item in conditions)
     several = [mean for mean in means if mean.repeats > 1]
     dof = math.fsum(mean.dof for mean in several)
     square = math.fsum(mean.dof * (mean.stated / mean.estimate) ** 2 for mean in several)
@@ -264,15 +262,16 @@ def _with_scatter_of_others(conditions: Sequence[MeasuredCondition]) -> tuple[Me
     if square:
         scatter = math.sqrt(square / dof)
         note = f"one trial: its scatter is that of the other conditions, {100 * scatter:.2g} % of the force"
-    found = []
-    for item, mean in zip(conditions, means, strict=True):
+
+    def told(item: MeasuredCondition) -> MeasuredCondition:
+        mean, *others = item.measured.quantities
         if mean.repeats > 1:
-            found.append(item)
-            continue
+            return item
         known = replace(mean, stated=scatter * mean.estimate, dof=dof if square else math.inf)
-        side = replace(item.measured, quantities=(known, *item.measured.quantities[1:]))
-        found.append(replace(item, measured=side, notes=(note, *item.notes)))
-    return tuple(found)
+        side = item.measured._replace(quantities=(known, *others))
+        return item._replace(measured=side, notes=(note, *item.notes))
+
+    return tuple(map(told, conditions))
 
 
 def state_condition(

@@ -6,7 +6,7 @@ fuller law is preferred to a simpler one takes AICc, the error at conditions lef
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -141,8 +141,8 @@ class Comparison(Shown):
         names = ("unit", "n", "n_trials", "scatter_within", "conclusive", "notes", "wild", "contact")
         tree = {name: getattr(self, name) for name in names} | {
             "ranking": [entry.to_dict() for entry in self.ranking],
-            "f_tests": [asdict(test) for test in self.tests],
-            "contests": [asdict(item) | {"preferred": item.preferred} for item in self.contests],
+            "f_tests": [test._asdict() for test in self.tests],
+            "contests": [item._asdict() | {"preferred": item.preferred} for item in self.contests],
         }
         return dict(rounded_tree(tree, _DIGITS))
 
@@ -213,41 +213,34 @@ def _contests(
     """Return the best law against others, and a simpler law that chance leaves beside it against simpler ones still."""
     entries = {entry.law: entry for entry in ranking if entry.counted and not math.isnan(entry.weight)}
     trusted = [name for name, entry in entries.items() if entry.fit is not None and not entry.fit.doubts]
-    held: list[Contest] = []
+    p_values = {(test.simpler, test.fuller): test.p_value for test in tests}
+    contained = {law: [case.name for case in ALL_LAWS[law].special_cases] for law in entries}
+    held: dict[tuple[str, str], Contest] = {}
     waiting = (trusted or list(entries))[:1]
     for name in waiting:
-        simpler = [case.name for case in ALL_LAWS[name].special_cases if case.name in entries]
+        simpler = [law for law in contained[name] if law in entries]
         # Every law is tried against the constant one, whether it contains it or not.
         simpler = simpler or [law for law in entries if law == "constant" != name]
-        against = [test for test in tests if test.simpler == name and test.fuller in entries]
-        likely = min(against, key=lambda test: test.p_value, default=None)
+        against = {high: p for (low, high), p in p_values.items() if low == name and high in entries}
+        likely = min(against, key=against.__getitem__, default=name)
         pairs = [(law, name) for law in simpler]
-        pairs += [(name, likely.fuller)] if likely is not None and likely.p_value <= CHANCE else []
+        pairs += [(name, likely)] if against.get(likely, 1.0) <= CHANCE else []
         for low, high in pairs:
-            if (low, high) in {(contest.simpler, contest.fuller) for contest in held}:
+            if (low, high) in held:
                 continue
-            family = [
-                standings[law]
-                for law in entries
-                if law != low and (low == "constant" or ALL_LAWS[low] in ALL_LAWS[law].special_cases)
-            ]
-            tested = [test.p_value for test in tests if (test.simpler, test.fuller) == (low, high)]
-            # So clear that no simulated campaign would lead as far.
-            clear = bool(tested) and tested[0] < _CLEAR
+            p_value = p_values.get((low, high), math.nan)
+            # Some are so clear that no simulated campaign would lead as far.
+            if not p_value < _CLEAR:
+                fuller = [law for law in entries if law != low and low in {"constant", *contained[law]}]
+                family = [standings[law] for law in fuller]
+                p_value = lead_by_chance(standings[low], standings[high], family, means)
             below, above = entries[low].loco_error, entries[high].loco_error
-            contest = Contest(
-                simpler=low,
-                fuller=high,
-                lead=standings[low].aicc - standings[high].aicc,
-                p_value=tested[0]
-                if clear
-                else lead_by_chance(standings[low], standings[high], family, means),
-                loco_ratio=above / below if below > 0.0 else math.nan,
-            )
-            held.append(contest)
+            lead = standings[low].aicc - standings[high].aicc
+            contest = Contest(low, high, lead, p_value, above / below if below > 0.0 else math.nan)
+            held[low, high] = contest
             if contest.preferred == "simpler" and low not in waiting:
                 waiting.append(low)
-    return tuple(held)
+    return tuple(held.values())
 
 
 def _ranking(
@@ -266,19 +259,19 @@ def _ranking(
     weight_of, best = dict(zip(ranked, weights, strict=True)), min(criteria, default=math.nan)
     entries = []
     for name, note in notes.items():
-        entry = ComparisonEntry(law=name, n=n, note=note, counted=not note, weight=weight_of.get(name, 0.0))
+        known: dict[str, Any] = {}
         if name in fits:
             stands, fit = standings[name], fits[name]
-            entry = replace(
-                entry,
-                **{key: getattr(stands, key) for key in ("k", "chi2", "aicc", "bic")},
-                # Two laws that follow the data exactly both stand at −inf, no distance apart.
-                delta_aicc=0.0 if stands.aicc == best else stands.aicc - best,
-                loco_error=math.nan if note else leave_one_out(stands),
-                status=fit.status.value,
-                fit=fit,
-            )
-        entries.append(entry)
+            known = {key: getattr(stands, key) for key in ("k", "chi2", "aicc", "bic")}
+            # Two laws that follow the data exactly both stand at −inf, no distance apart.
+            known["delta_aicc"] = 0.0 if stands.aicc == best else stands.aicc - best
+            known |= {
+                "loco_error": math.nan if note else leave_one_out(stands),
+                "status": fit.status.value,
+                "fit": fit,
+            }
+        weight = weight_of.get(name, 0.0)
+        entries.append(ComparisonEntry(law=name, n=n, note=note, counted=not note, weight=weight, **known))
     return tuple(sorted(entries, key=lambda e: (not e.counted, math.inf if math.isnan(e.aicc) else e.aicc)))
 
 
@@ -413,12 +406,9 @@ class Choice:
                 answers.append(new)
         candidates = tuple(
             Candidate(
-                law=item.law,
-                lift_force_N=float(item.lift_force_N[0]),
-                std_N=float(item.std_N[0]),
-                interval_N=(float(item.interval_N[0, 0]), float(item.interval_N[0, 1])),
+                one.law, float(one.lift_force_N[0]), float(one.std_N[0]), tuple(one.interval_N[0].tolist())
             )
-            for item in (answers if len(answers) > 1 else ())
+            for one in (answers if len(answers) > 1 else ())
         )
         judged = replace(prediction, judged=self.verdict, candidates=candidates)
         open_ = [answer for answer in answers if answer.law in self.undecided]
@@ -454,17 +444,14 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
     }
     # The laws that the data do not tell from the one used: all that fit, where none could be weighed.
     others = [(entry, other) for entry, other in fitted if entry is not chosen]
-    rivals = tuple(other for _, other in others if other.status is FitStatus.OK)
-    if comparison.conclusive:
-        rivals = tuple(
-            other
-            for entry, other in others
-            if other.status in _ANSWERING
-            and (
-                entry.law in open_
-                or (entry.counted and entry.delta_aicc <= RIVAL and entry.law not in beaten)
-            )
-        )
+
+    def is_rival(entry: ComparisonEntry, other: FitResult) -> bool:
+        if not comparison.conclusive:
+            return other.status is FitStatus.OK
+        near = entry.counted and entry.delta_aicc <= RIVAL and entry.law not in beaten
+        return other.status in _ANSWERING and (entry.law in open_ or near)
+
+    rivals = tuple(other for entry, other in others if is_rival(entry, other))
     doubts = [*_of_place(comparison, chosen, fitted[0][0], forced=bool(law))]
     doubts += fit.doubts or fit.untested(wheel)
     doubts += [("undecided", contest.text) for contest in open_.values()]
@@ -534,9 +521,7 @@ def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
     By root mean squares of ln F_A over them; the rules stand in `ropefric.fitting.result`.
     """
     if wheel is None:
-        if fit.problem is None:
-            return True
-        wheel = fit.problem.conditions.select(np.unique(fit.problem.group, return_index=True)[1])
+        wheel = fit.data.conditions.select(np.unique(fit.data.group, return_index=True)[1])
     try:
         own, other = (predict(one, wheel, check=False) for one in (fit, rival))
     except RopefricError:

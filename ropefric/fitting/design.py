@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,7 @@ from scipy.optimize.elementwise import find_root
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
+from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.predict import half_width, new_rope_std, outside_range
 from ropefric.fitting.problem import Rows
 from ropefric.fitting.result import FitResult
@@ -138,16 +139,15 @@ class Design(Shown):
         return rows[0] if len(rows) == 1 else {"designs": rows}
 
     def _row(self, i: int) -> dict[str, Any]:
-        names = (*SETTINGS, *_FORCES, "limit_lift_N", "limit_bound_N")
-        numbers = {name: float(getattr(self, name)[i]) for name in names}
-        return {name: value if math.isfinite(value) else None for name, value in numbers.items()} | {
+        names = (*SETTINGS, *_FORCES, "limit_lift_N", "limit_bound_N", "extrapolated")
+        tree = {name: getattr(self, name)[i] for name in names} | {
             "solve_for": self.solve_for,
             "probability": self.probability,
             "status": DesignStatus(int(self.status[i])).name.lower().replace("_", "-"),
             "explanation": self.explain(i),
-            "extrapolated": bool(self.extrapolated[i]),
-            "limits": list(self.limits),
+            "limits": self.limits,
         }
+        return dict(rounded_tree(tree, None))
 
 
 class LiftBound:
@@ -315,8 +315,7 @@ def _search(
     return np.where(x <= _LEAST_WRAP_RAD, limits[0], x) if wrap else np.exp(x), status
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class DesignChart:
+class DesignChart(NamedTuple):
     """Lift forces over wheel radius and wrap at one end tension."""
 
     wheel_radius_m: FloatArray

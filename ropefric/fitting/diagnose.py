@@ -7,9 +7,10 @@ operator, order, dwell) are judged by what they explain beside all settings.
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
+from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -78,15 +79,14 @@ _GROUPS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Cause:
+class Cause(NamedTuple):
     """A reason why a rope may not obey the capstan equation."""
 
     cause: str
     supported: Supported
     evidence: str
     experiment: str
-    numbers: dict[str, float] = field(default_factory=dict)
+    numbers: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,7 +125,7 @@ class Diagnosis(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON tree."""
-        causes = [asdict(item) for item in self.causes]
+        causes = [item._asdict() | {"numbers": dict(item.numbers)} for item in self.causes]
         return {"summary": self.summary, "verdict": self.verdict.to_dict(), "causes": causes}
 
 
@@ -352,15 +352,13 @@ def _of_line(title: str, line: _Line | None, ranked: Comparison) -> tuple[dict[s
         return numbers, [text]
     if line is None:
         return {}, []
-    if title == "coil contact":
-        slope, std, key = line.slope, line.std, "slope"
-        words = f"beyond the first turn μ is larger by {slope:+.2g} ± {std:.1g}"
-    else:
-        slope, std, key = line.slope * math.log(2.0), line.std * math.log(2.0), "slope_per_doubling"
-        what = f"changes by {slope:+.2g} ± {std:.1g} per doubling of the"
-        words = f"average μ {what} {_EFFECTS[title].quantity}"
+    key, factor, words = "slope", 1.0, "beyond the first turn μ is larger by {}"
+    if title != "coil contact":
+        key, factor = "slope_per_doubling", math.log(2.0)
+        words = f"average μ changes by {{}} per doubling of the {_EFFECTS[title].quantity}"
+    slope, std = line.slope * factor, line.std * factor
     numbers = {key: slope, "slope_std": std, "p_value": line.p_value}
-    return numbers, [f"{words} (p = {line.p_value:.2g})"]
+    return numbers, [f"{words.format(f'{slope:+.2g} ± {std:.1g}')} (p = {line.p_value:.2g})"]
 
 
 def _limits(title: str, line: _Line, trends: _Trends) -> tuple[dict[str, float], str]:
@@ -426,20 +424,19 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
         x = (number / np.ptp(number))[:, None]
     else:
         x = np.stack([np.array([v == word for v in values], float) for word in found[1:]], axis=-1)
-    rise = problem.log_lift - problem.conditions.log_end_tension
-    group = np.unique(problem.group, return_inverse=True)[1]
+    rise, group = problem.log_lift - problem.conditions.log_end_tension, problem.group
     mean = np.stack([stats.group_means(column, group) for column in x.T], axis=-1)
     about = rise - stats.group_means(rise, group)[group]
-    tests = [_explained(np.zeros((rise.size, 0)), x - mean[group], about, rise.size - len(mean))]
     weight = (trends.means.std.mean() / trends.means.std)[:, None]
     full = trends.matrix(trends.columns) * weight
-    tests.append(_explained(full, mean * weight, trends.rise * weight[:, 0], len(mean)))
-    told = {where: test for where, test in zip(("within", "between"), tests, strict=True) if test is not None}
+    tests = {
+        "within": _explained(np.zeros((rise.size, 0)), x - mean[group], about, rise.size - len(mean)),
+        "between": _explained(full, mean * weight, trends.rise * weight[:, 0], len(mean)),
+    }
+    told = {where: test for where, test in tests.items() if test is not None}
     if not told:
-        return untold(
-            f"its {counted(len(found), 'value')} go with the settings or with single trials, or too few trials are "
-            "left to judge by"
-        )
+        why = "go with the settings or with single trials, or too few trials are left to judge by"
+        return untold(f"its {counted(len(found), 'value')} {why}")
     clear = min(test[0] for test in told.values()) * len(told) < _SIGNIFICANT
     # The one that sees it, or else the one that leaves least room.
     where, (p_value, low, high) = min(told.items(), key=lambda x: x[1][0] if clear else x[1][2] - x[1][1])
@@ -527,20 +524,18 @@ def _summary(ranked: Comparison, causes: Sequence[Cause]) -> str:
     law = "the capstan equation"
     if plain.fit is not None:
         law += f" with μ = {_with_error(plain.fit, 'mu', '.3g')}"
-    named = f"the data support: {', '.join(found)}"
     if effects:
-        text = f"{law} does not describe the trials; {named}"
+        text = f"{law} does not describe the trials"
     elif not ranked.conclusive:
-        text = f"{counted(ranked.n, ranked.unit[:-1])} cannot test {law}" + (f"; {named}" if found else "")
+        text = f"{counted(ranked.n, ranked.unit[:-1])} cannot test {law}"
     elif ranked.best.law == "constant" or plain.delta_aicc <= _WEAK:
         text = f"{law} describes the trials; no cause to leave it is supported"
         hidden = [item for item in causes if item.cause == "wrap effect" and "bound_low" in item.numbers]
         text += "".join(f", but {item.evidence.rsplit('; ', 1)[-1]}" for item in hidden)
-        text += f"; {named}" if found else ""
     else:
         text = f"{law} is not the best description ({ranked.best.law} is), but the data do not show why"
-        text += f"; {named}" if found else ""
-    return text + (f"; cannot be told: {', '.join(open_)}" if open_ else "")
+    lists = {"the data support": found, "cannot be told": open_}
+    return "; ".join([text, *(f"{words}: {', '.join(names)}" for words, names in lists.items() if names)])
 
 
 def _with_error(fit: FitResult, name: str, form: str) -> str:

@@ -15,8 +15,16 @@ import numpy.typing as npt
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.files.plain_text import significant, to_share
-from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings, Loss, check_settings, law_named, reduced
+from ropefric.fitting.problem import (
+    LOSSES,
+    FitProblem,
+    FitSettings,
+    Loss,
+    batched_fit,
+    check_settings,
+    law_named,
+    reduced,
+)
 from ropefric.fitting.result import CommonError, FitResult, Found, assemble
 from ropefric.fitting.statistics import RANK_RATIO, Scatter, decomposed, pooled_scatter
 from ropefric.friction.condition import Conditions, levels
@@ -82,9 +90,8 @@ def _problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> F
         raise InputError("no trial of the table can be used", code="RF410", fix=fix)
     conditions, log_lift = table.conditions(), table.log_lift()
     for name in ("size_ratio", "wrap_angle_rad"):
-        values = getattr(conditions, name)
-        if (values > _LARGEST).any():
-            at = conditions.describe(int(np.argmax(values > _LARGEST)))
+        if (beyond := getattr(conditions, name) > _LARGEST).any():
+            at = conditions.describe(int(np.argmax(beyond)))
             text = f"{name} is above {_LARGEST:g} at {at}: no sum of squares holds it"
             raise InputError(text, code="RF410", fix="correct the trial or its units, or leave it out")
     spans = [settings.bounds.get(item.name, (item.lower, item.upper)) for item in law.parameters]
@@ -93,11 +100,8 @@ def _problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> F
     given |= {**settings.start, **settings.fixed}
     found = np.clip(guess(law, conditions, log_lift), lower, upper)
     start = np.array([given.get(n, g) for n, g in zip(law.parameter_names, found, strict=True)], np.float64)
-    vary = [
-        item.name not in settings.fixed
-        and (not item.fixed or item.name in settings.start or item.name in settings.bounds)
-        for item in law.parameters
-    ]
+    held = {item.name for item in law.parameters if item.fixed} - {*settings.start, *settings.bounds}
+    vary = [name not in held | {*settings.fixed} for name in law.parameter_names]
     for name, value, low, high in zip(law.parameter_names, start, lower, upper, strict=True):
         if not low <= value <= high:
             text = f"the start value {name} = {value:g} lies outside its bounds {low:g} … {high:g}"

@@ -4,10 +4,10 @@ A profile asks how far a parameter can go while the others make up for it; all e
 once: along a grid, further where needed, then to the root. A bootstrap refits thousands of resamples in one batch.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from math import inf, isfinite
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,13 +17,12 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import FitError, InputError, UnknownNameError
 from ropefric.executors import spread
 from ropefric.files.plain_text import to_share
-from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import MANY, FitProblem, Rows, pooled, reduced
+from ropefric.fitting.problem import MANY, FitProblem, Rows, batched_fit, pooled, reduced
 from ropefric.fitting.result import FitResult, FitStatus
 from ropefric.fitting.statistics import decomposed, plain_covariance, two_level_scatter
 from ropefric.friction.condition import Conditions
 from ropefric.registry import did_you_mean
-from ropefric.uncertainty.quantity import quantile
+from ropefric.uncertainty.budget import quantile
 
 EndKind = Literal["crossing", "bound", "open", "edge"]
 
@@ -65,8 +64,7 @@ _BLOCK = 500
 _ENOUGH_TO_DRAW = 20
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ProfileResult:
+class ProfileResult(NamedTuple):
     """Profile-likelihood intervals of a fit, the Δχ² at their ends, and how many fits it took to find them."""
 
     theta: FloatArray
@@ -232,8 +230,7 @@ class _Walk:
         return list(zip(np.where(endless, self.bound, ends).tolist(), kinds, strict=True))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BootstrapResult:
+class BootstrapResult(NamedTuple):
     """Parameters of the resamples that could be refitted, shape (m, p), and what they say of the fit."""
 
     theta: FloatArray
@@ -267,8 +264,7 @@ def bootstrap(
     share: float | FloatArray = 1.0
     if problem.n_points >= MANY:
         problem, share = pooled(problem)
-    group = np.unique(problem.group, return_inverse=True)[1]
-    k = int(group.max()) + 1
+    group, k = problem.group, problem.n_conditions
     if kind == "parametric":
         lift = law.log_lift(best, problem.conditions)
         shared = rng.standard_normal((n, k))[:, group]
@@ -375,34 +371,32 @@ def with_intervals(
         text = f"unknown way to intervals {method!r}"
         raise UnknownNameError(text, key="intervals", fix=did_you_mean(str(method), INTERVALS))
     linear = fit.provenance.get("settings", {}).get("loss", "linear") == "linear"
+    on_bound = any(item.at_bound for item in fit.parameters)
     if method == "auto":
-        bound = any(item.at_bound for item in fit.parameters)
         known = all(isfinite(item.std) or item.at_bound for item in fit.parameters)
         told = linear and known and fit.statistics.interval_dof > 0.0
         told = told and fit.status is not FitStatus.NOT_CONVERGED
-        method = "profile" if told and (bound or not is_straight(fit)) else "covariance"
+        method = "profile" if told and (on_bound or not is_straight(fit)) else "covariance"
     if method == "covariance":
         return fit
     problem = fit.data
     if not linear:
         text = f"{method} intervals are those of least squares, not of a robust loss"
         raise InputError(text, key="intervals", fix="use loss = 'linear', or intervals = 'covariance'")
-    how: dict[str, str | int] = {"method": method}
+    how: dict[str, Any] = {"n": n, "seed": seed}
+    notes: tuple[str, ...] = ()
     draws: FloatArray | None = None
     if method == "profile":
-        found = profile_of(fit)
-        on_bound = any(item.at_bound for item in fit.parameters)
+        found, how = profile_of(fit), {}
         ends, notes = found.ci, (*found.notes, *((_BESIDE_A_BOUND,) if on_bound else ()))
+    elif method == "bootstrap-t":
+        ends = bootstrap_t(problem, fit.theta, executor=executor, **how)
     else:
-        how |= {"n": n, "seed": seed}
-        draw: dict[str, Any] = {"n": n, "seed": seed, "executor": executor}
-        if method == "bootstrap-t":
-            ends, notes = bootstrap_t(problem, fit.theta, **draw), ()
-        else:
-            enough = max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
-            whole = enough <= fit.statistics.n_conditions < fit.statistics.n
-            drawn = bootstrap(problem, fit.theta, kind="clustered" if whole else "parametric", **draw)
-            ends, notes, draws = drawn.interval(), drawn.notes, drawn.theta
+        enough = max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
+        whole = enough <= fit.statistics.n_conditions < fit.statistics.n
+        kind: BootstrapKind = "clustered" if whole else "parametric"
+        drawn = bootstrap(problem, fit.theta, kind=kind, executor=executor, **how)
+        ends, notes, draws = drawn.interval(), drawn.notes, drawn.theta
     parameters = tuple(
         replace(item, ci95=(to_share(low, item.std), to_share(high, item.std))) if item.vary else item
         for item, (low, high) in zip(fit.parameters, ends.tolist(), strict=True)
@@ -412,7 +406,7 @@ def with_intervals(
         parameters=parameters,
         notes=(*fit.notes, f"95 % intervals by {method}", *notes),
         draws=draws,
-        provenance=dict(fit.provenance) | {"intervals": how},
+        provenance=dict(fit.provenance) | {"intervals": {"method": method} | how},
     )
 
 

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
-from ropefric.files.plain_text import csv_text
+from ropefric.files.plain_text import csv_text, rounded_tree
 from ropefric.fitting.fit import COMMON, rope_slopes
 from ropefric.fitting.predict import REGRESSORS, outside_words
 from ropefric.fitting.problem import FitSettings, check_settings
@@ -36,7 +36,7 @@ from ropefric.fitting.statistics import combined_dof, decomposed
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
 from ropefric.shown import Shown
-from ropefric.uncertainty.quantity import quantile
+from ropefric.uncertainty.budget import quantile
 
 SCHEMA = "ropefric.test-plan/1"
 
@@ -368,8 +368,7 @@ def best_plan(exchange: Exchange, n: int, *, starts: int = 10, seed: int = 0) ->
 # ---- what comes out ----
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Outlook:
+class Outlook(NamedTuple):
     """How certain predictions are expected to be."""
 
     std_log: FloatArray
@@ -389,20 +388,12 @@ class Outlook:
         return self.std_log * [quantile(0.5 + 0.5 * self.level, nu) for nu in dof.tolist()]
 
     def to_dict(self, lift_N: FloatArray) -> list[dict[str, Any]]:
-        """Return standard error and interval [N] about lift forces; None where infinite."""
+        """Return standard error and interval [N] about lift forces."""
         half = self.half_width_log
         ends_N = lift_N * np.exp(np.minimum([-half, half], 700.0))
         ends_N[:, np.isinf(half)] = np.inf
-        columns = self.std_log, self.std_log * lift_N, ends_N.T
-        return [
-            {
-                "std_log": _number(std),
-                "std_N": _number(std_N),
-                "interval_N": [*map(_number, ends)],
-                "dof": self.dof,
-            }
-            for std, std_N, ends in zip(*columns, strict=True)
-        ]
+        names, columns = ("std_log", "std_N", "interval_N"), (self.std_log, self.std_log * lift_N, ends_N.T)
+        return [dict(zip(names, row, strict=True)) | {"dof": self.dof} for row in zip(*columns, strict=True)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -495,7 +486,7 @@ class LabPlan(Shown):
         return [
             {
                 "condition": i + 1,
-                **_settings(at, i),
+                **at.row(i),
                 "repeats": self.repeats,
                 "expected_lift_force_N": float(lift_N[i]),
                 "cell_use": float(lift_N[i] / self.largest_force_N),
@@ -517,11 +508,10 @@ class LabPlan(Shown):
         """Return the JSON tree of schema `ropefric.test-plan/1`; what is infinite is None."""
         law, lift_N, at = self.planned.law, np.exp(self.wanted_log_lift), self.wanted
         outlooks = ("before", "after", "one_factor", "one_factor_at_target")
-        plain = ("criterion", "level", "n_candidates", "starts", "agreeing_starts", "seed")
+        plain: tuple[str, ...] = ("criterion", "level", "n_candidates", "starts", "agreeing_starts", "seed")
+        plain += ("gain", "gain_at_target", "improvement", "notes")
         tree: dict[str, Any] = {name: getattr(self, name).to_dict(lift_N) for name in outlooks}
-        tree |= {name: getattr(self, name) for name in plain}
-        tree |= {name: _number(getattr(self, name)) for name in ("gain", "gain_at_target", "improvement")}
-        return tree | {
+        tree |= {name: getattr(self, name) for name in plain} | {
             "schema": SCHEMA,
             "law": law.name,
             "parameters": law.as_mapping(self.planned.theta),
@@ -529,24 +519,16 @@ class LabPlan(Shown):
             "scatter": asdict(self.planned.scatter),
             "conditions": self.rows(),
             "n_tests": len(self) * self.repeats,
-            "shared_log": self.after.shared_log.tolist(),
-            "wanted": [_settings(at, i) | {"lift_force_N": float(lift_N[i])} for i in range(len(at))],
-            "notes": list(self.notes),
+            "shared_log": self.after.shared_log,
+            "wanted": [at.row(i) | {"lift_force_N": lift_N[i]} for i in range(len(at))],
         }
+        return dict(rounded_tree(tree, None))
 
 
 def _ratio(other: Outlook, own: Outlook) -> float:
     """Return the ratio of root-mean-square half widths; NaN where neither is finite."""
     wide, narrow = (math.sqrt(float(np.mean(one.half_width_log**2))) for one in (other, own))
     return math.nan if math.isinf(narrow) else wide / narrow
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
-
-
-def _settings(conditions: Conditions, index: int) -> dict[str, float]:
-    return {name: float(getattr(conditions, name)[index]) for name in SETTINGS}
 
 
 def plan_tests(
@@ -577,8 +559,8 @@ def plan_tests(
     law, theta, grid = planned.law, planned.theta, limits.conditions()
     allowed, notes = allowed_conditions(planned, limits, grid)
     # A condition set up again is no new one.
-    both_at = (np.append(getattr(planned.tested, name), getattr(grid, name)) for name in SETTINGS)
-    group, n_tested = condition_groups(*both_at), len(planned.tested)
+    both_at, n_tested = planned.tested.joined(grid), len(planned.tested)
+    group = condition_groups(*(getattr(both_at, name) for name in SETTINGS))
     free = allowed & ~np.isin(group[n_tested:], group[:n_tested])
     places, known = np.flatnonzero(free), planned.known
     if places.size < n_conditions:
@@ -666,7 +648,7 @@ def _of_shared(found: Evidence, along: FloatArray) -> list[str]:
 def _told(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:
     """Return what the conditions tested so far can tell of the law and its parameters, and what with the plan."""
     tested, before = planned.tested, np.broadcast_to(planned.tested_repeats, len(planned.tested))
-    both = Conditions(**{name: np.append(getattr(tested, name), getattr(plan, name)) for name in SETTINGS})
+    both = tested.joined(plan)
     often, words, scale = np.append(before, np.full(len(plan), repeats)), [], []
     for name, at in (("what was tested", tested), ("with this plan", both)):
         if len(at):

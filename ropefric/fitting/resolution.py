@@ -6,9 +6,9 @@ Of laws, of their parameters, and of laws from simpler ones.
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +16,8 @@ from scipy.special import fdtri, ncfdtr
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, raise_problems
-from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import FitProblem
+from ropefric.files.plain_text import rounded_tree
+from ropefric.fitting.problem import FitProblem, batched_fit
 from ropefric.fitting.result import SPARE
 from ropefric.fitting.statistics import decomposed, pooled_scatter
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
@@ -157,8 +157,7 @@ def one_factor_plan(allowed: BoolArray, centre: tuple[int, ...], n: int) -> IntA
     return np.sort(np.ravel_multi_index(tuple(np.array(found).T), allowed.shape).astype(np.int64))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LawOutlook:
+class LawOutlook(NamedTuple):
     """What conditions can tell of a law, if it is true with typical parameters.
 
     Attributes
@@ -176,10 +175,10 @@ class LawOutlook:
     """
 
     law: str
-    reason: str = ""
     expected_std: dict[str, float]
     untold: tuple[str, ...]
     power: dict[str, float]
+    reason: str = ""
 
     @property
     def text(self) -> str:
@@ -197,8 +196,7 @@ class LawOutlook:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON object; an infinite standard error is None."""
-        stds = {name: std if math.isfinite(std) else None for name, std in self.expected_std.items()}
-        return asdict(self) | {"expected_std": stds, "text": self.text}
+        return dict(rounded_tree(self._asdict() | {"text": self.text}, None))
 
 
 def outlook_of_campaign(campaign: Campaign) -> tuple[LawOutlook, ...]:
@@ -295,7 +293,7 @@ def law_outlook(
     if not reasons and n < q + SPARE:
         reasons = (f"{counted(n, 'condition')} for {counted(q, 'parameter')}, and {q + SPARE} are needed",)
     if reasons:
-        return LawOutlook(law=law.name, reason=reasons[0], expected_std={}, untold=tuple(names), power={})
+        return LawOutlook(law.name, {}, tuple(names), {}, reasons[0])
     svd = decomposed(law.jacobian(truth, at)[:, free] / np.sqrt(variance)[:, None])
     half, _ = svd.root()
     std = np.where(svd.unseen, np.inf, np.linalg.norm(half, axis=1))
@@ -304,7 +302,7 @@ def law_outlook(
     # An offset of zero is as good as told where it is known to a few per cent.
     untold = tuple(name for name, bad in zip(names, weak & (truth[free] != 0.0), strict=True) if bad)
     power = {case.name: _power(law, truth, case, at, variance) for case in law.special_cases}
-    return LawOutlook(law=law.name, expected_std=found, untold=untold, power=power)
+    return LawOutlook(law.name, found, untold, power)
 
 
 def _power(

@@ -42,7 +42,7 @@ from ropefric import plugins
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.disk import hash_file, kind_of_file
-from ropefric.files.plain_text import GIVEN_DIGITS, STD_DIGITS, significant, to_share
+from ropefric.files.plain_text import GIVEN_DIGITS, STD_DIGITS, rounded_tree, significant, to_share
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
 from ropefric.friction.condition import SETTINGS, Conditions, distinct
@@ -52,7 +52,7 @@ from ropefric.glossary import AdvisedStatus, counted
 from ropefric.registry import Registry
 from ropefric.shown import Shown, in_words
 from ropefric.trials.table import TrialTable
-from ropefric.uncertainty.quantity import quantile
+from ropefric.uncertainty.budget import quantile
 
 
 class FitStatus(AdvisedStatus):
@@ -101,8 +101,7 @@ _LACK_OF_FIT_P = 1e-3
 _ALIKE = 1.1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class Verdict(NamedTuple):
     """What is to be thought of a law, or of a lift force."""
 
     word: Word
@@ -339,11 +338,11 @@ class FitResult(Shown):
             "parameters": {one.pop("name"): one for one in map(asdict, self.parameters)},
             "parameter_order": [item.name for item in self.parameters],
             "statistics": asdict(self.statistics),
-            "identifiability": asdict(self.identifiability),
+            "identifiability": self.identifiability._asdict(),
         }
         if self.common_errors:
             tree["common_errors"] = [item._asdict() for item in self.common_errors]
-        return dict(_plain(tree))
+        return dict(rounded_tree(tree, None))
 
     @classmethod
     def from_dict(cls, tree: Mapping[str, Any]) -> "FitResult":
@@ -393,22 +392,9 @@ def _parameter(name: str, item: Mapping[str, Any]) -> FittedParameter:
 def _number(value: Any, gone: float = nan) -> Any:
     if value is None:
         return gone
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError(f"{value!r:.40} is no number")
-    if not isfinite(float(value)):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(float(value)):
         raise TypeError(f"{value!r:.40} is no number that a fit can hold")
     return value
-
-
-def _plain(value: Any) -> Any:
-    """Return a tree of dict, list, str, int, float, bool and None only."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.generic | np.ndarray):
-        return _plain(value.tolist())
-    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 # ---- from the minimum a search found to a result ----
@@ -457,8 +443,7 @@ _EXPERIMENTS = {
 Finding = tuple[FitStatus, str]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Found:
+class Found(NamedTuple):
     """What a search found."""
 
     problem: FitProblem

@@ -9,7 +9,7 @@ whatever the end tension would seem perfect. Such a law says nothing of the forc
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,8 +17,7 @@ from scipy.special import stdtr
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
-from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import FitProblem, typical_mu
+from ropefric.fitting.problem import FitProblem, batched_fit, typical_mu
 from ropefric.fitting.result import RIVAL
 from ropefric.fitting.statistics import ConditionMeans, ScatterFit, aicc, bic, decomposed, f_test, scatter_fit
 from ropefric.friction.condition import SETTINGS, Conditions
@@ -54,8 +53,7 @@ _TURN_RAD = 2.0 * math.pi
 _LEAST_DOF, _UNJUDGED, _EXACT = 5, 1e-3, 1e-6
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FTest:
+class FTest(NamedTuple):
     """Whether a law's extra parameters explain more than chance."""
 
     simpler: str
@@ -68,8 +66,7 @@ class FTest:
 Preferred = Literal["simpler", "fuller", "undecided"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Contest:
+class Contest(NamedTuple):
     """Whether conditions prefer a fuller law to a simpler one, by three criteria that need not agree.
 
     Attributes
@@ -110,8 +107,7 @@ class Contest:
         return text
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Standing:
+class Standing(NamedTuple):
     """A law fitted to condition means, in the lift force or in the end tension."""
 
     problem: FitProblem
@@ -155,8 +151,7 @@ class _SetLoads(Conditions):
     log_lift: FloatArray
 
 
-@dataclass(frozen=True, slots=True)
-class _EndTension:
+class _EndTension(NamedTuple):
     """The physics of a law seen from the end tension, to first order.
 
     Its ln F_A is as far off the one that was set as the law's ln F_B is off the measured one, the other way:
@@ -227,12 +222,10 @@ def leave_one_out(law: Standing) -> float:
     """Return the leave-one-condition-out error: RMS of the ln F predicted by a fit to all other means, less measured.
 
     This is the relative error of the force at conditions the law has not seen. NaN where the other means cannot fix
-    the parameters (K ≤ number of parameters) or a refit fails. K refits of K means grow as K²; of many, each is one
+    the parameters or a refit fails. K refits of K means grow as K²; of many, each is one
     step from the common fit, residual/(1 − leverage), which errs by the square of a leverage.
     """
     problem, K = law.problem, law.problem.n_points
-    if problem.n_varying >= K:
-        return math.nan
     if K > _MANY:
         inside = problem.vary & (law.theta > problem.lower) & (law.theta < problem.upper)
         left = decomposed(problem.jacobian(law.theta)[:, inside]).root()[1]
@@ -380,6 +373,5 @@ def nested_test(simpler: Standing, fuller: Standing) -> FTest | None:
         return None
     weighted = replace(simpler.problem, std=fuller.problem.std)
     chi2 = float((weighted.residuals(refit(weighted, simpler.theta[np.newaxis])) ** 2).sum())
-    F, dof, p_value = f_test(chi2, fuller.chi2, n=n, p_simpler=p_simpler, p_fuller=p_fuller)
-    names = {"simpler": simpler.problem.law.name, "fuller": fuller.problem.law.name}
-    return FTest(**names, f=F, dof=dof, p_value=p_value)
+    found = f_test(chi2, fuller.chi2, n=n, p_simpler=p_simpler, p_fuller=p_fuller)
+    return FTest(simpler.problem.law.name, fuller.problem.law.name, *found)

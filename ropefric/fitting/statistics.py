@@ -48,8 +48,7 @@ _HALVINGS = 72
 # ---- scatter of ln F_A about a law ----
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Scatter:
+class Scatter(NamedTuple):
     """How far repeats of one condition lie apart."""
 
     within: float
@@ -81,14 +80,13 @@ def pooled_scatter(residuals: FloatArray, group: IntArray) -> Scatter:
 def two_level_scatter(problem: FitProblem, theta: FloatArray) -> tuple[float, float]:
     """Return the scatter of the residuals in ln F_A within and between conditions; all of it within without repeats."""
     residual = problem.log_lift - problem.law.log_lift(theta, problem.conditions)
-    group = np.unique(problem.group, return_inverse=True)[1]
-    n, k, p = residual.size, int(group.max(initial=-1)) + 1, problem.n_varying
+    n, k, p = residual.size, problem.n_conditions, problem.n_varying
     if n == k or k <= max(p, 1):
         return sqrt(float((residual**2).sum()) / max(n - p, 1)), 0.0
-    scatter = pooled_scatter(residual, group)
+    scatter = pooled_scatter(residual, problem.group)
     jacobian = problem.jacobian(theta)[:, problem.vary]
-    found = two_levels(jacobian, residual, problem.std, group, scatter)
-    return scatter.within, found.between if isfinite(found.between) else 0.0
+    between = two_levels(jacobian, residual, problem.std, problem.group, scatter).between
+    return scatter.within, between if isfinite(between) else 0.0
 
 
 # ---- what a Jacobian knows of its parameters ----
@@ -254,8 +252,12 @@ def rounded_covariance(covariance: FloatArray, *, lost: int = 0) -> FloatArray:
     combinations, which change nothing, have no part in it.
     """
     size = np.sqrt(np.diag(covariance))
-    if not (np.isfinite(covariance).all() and (size > 0.0).all()):
+    if not np.isfinite(covariance).all():
         return covariance
+    if (gone := size == 0.0).any():
+        rounded, shown = covariance.copy(), np.ix_(~gone, ~gone)
+        rounded[shown] = rounded_covariance(covariance[shown], lost=max(lost - int(gone.sum()), 0))
+        return rounded
     correlation = covariance / size[:, None] / size
     correlation = 0.5 * (correlation + correlation.T)
     smallest = float(np.linalg.eigvalsh(correlation)[min(lost, size.size - 1)]) if size.size else 1.0
@@ -268,8 +270,7 @@ def rounded_covariance(covariance: FloatArray, *, lost: int = 0) -> FloatArray:
     return np.array(cells).reshape(product.shape)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Identifiability:
+class Identifiability(NamedTuple):
     """How well data tell parameters apart."""
 
     ratio: float
@@ -285,7 +286,7 @@ def identify(jacobian: FloatArray, names: Sequence[str]) -> Identifiability:
     """Return how well a Jacobian tells its parameters apart (Belsley's condition number without centring)."""
     q = len(names)
     _, _, values, rows, lost = decomposed(jacobian)
-    ratio = inf if q == 0 or lost.any() else float(values[0] / values[-1])
+    ratio = inf if lost.any() else float(values[0] / values[-1]) if q else 1.0
     weakest = dict(zip(names, rows[-1].tolist() if q else (), strict=True))
     unseen = np.abs(rows[lost]).max(axis=0, initial=0.0) > _TAKES_PART
     # Two parameters take part in equal shares: the last bits may not say which comes first.
@@ -294,7 +295,7 @@ def identify(jacobian: FloatArray, names: Sequence[str]) -> Identifiability:
     pair, correlation = _worst_pair(values, rows, lost, names)
     digits = [significant(value, _RATIO_DECIMALS, smallest=_RESIDUE) for value in values.tolist()]
     return Identifiability(
-        ratio=significant(ratio, _RATIO_DECIMALS) if q else 1.0,
+        ratio=significant(ratio, _RATIO_DECIMALS),
         singular_values=tuple(digits),
         worst_pair=pair,
         correlation=correlation,
@@ -464,7 +465,6 @@ def f_test(
 ) -> tuple[float, tuple[int, int], float]:
     """Return F, its degrees of freedom and the p-value of two nested least-squares fits with the same weights."""
     extra, left = p_fuller - p_simpler, n - p_fuller
-
     F = max(chi2_simpler - chi2_fuller, 0.0) / extra / max(chi2_fuller / left, 1e-300)
     return F, (extra, left), float(fdtrc(extra, left, F))
 
@@ -497,18 +497,16 @@ def condition_means(problem: FitProblem) -> ConditionMeans:
 
     Conditions of one group are averaged like their forces, since settings repeat only nearly.
     """
-    group = np.unique(problem.group, return_inverse=True)[1]
-    K, weight = int(group.max()) + 1, problem.std**-2.0
-    total = np.bincount(group, weight, K)
+    group, weight, at = problem.group, problem.std**-2.0, problem.conditions
+    total = np.bincount(group, weight)
 
     def mean(values: FloatArray) -> FloatArray:
-        return np.asarray(np.bincount(group, weight * values, K) / total)
+        return np.asarray(np.bincount(group, weight * values) / total)
 
-    at = problem.conditions
     # Of the rise, since a test that hangs the load on the tight side scatters in F_B instead.
     rise = problem.log_lift - at.log_end_tension
     about2 = (rise - mean(rise)[group]) ** 2
-    spare = problem.n_points - K
+    spare = problem.n_points - problem.n_conditions
     within, std = nan, np.asarray(total**-0.5, dtype=np.float64)
     if spare > 0:
         within = sqrt(float(about2.sum()) / spare)
@@ -516,8 +514,7 @@ def condition_means(problem: FitProblem) -> ConditionMeans:
         std = np.maximum(std * sqrt(float((weight * about2).sum()) / spare), _RESOLVED)
     settings = {name: mean(getattr(at, name)) for name in SETTINGS[:3]}
     conditions = Conditions(**settings, end_tension_N=np.exp(mean(at.log_end_tension)))
-    size = np.bincount(group, minlength=K).astype(np.int64)
-    return ConditionMeans(conditions, mean(problem.log_lift), std, size, within)
+    return ConditionMeans(conditions, mean(problem.log_lift), std, np.bincount(group), within)
 
 
 class ScatterFit(NamedTuple):

@@ -64,6 +64,15 @@ class Conditions:
         chosen = np.asarray(index)
         return type(self)(**{item.name: getattr(self, item.name)[chosen] for item in fields(self)})
 
+    def joined(self, other: "Conditions") -> "Conditions":
+        """Return these and then others."""
+        both = {name: np.append(getattr(self, name), getattr(other, name)) for name in SETTINGS}
+        return Conditions(**both)
+
+    def row(self, index: int) -> dict[str, float]:
+        """Return the settings of one condition by name."""
+        return {name: float(getattr(self, name)[index]) for name in SETTINGS}
+
     def describe(self, index: int) -> str:
         """Return one condition in words, for messages."""
         return (

@@ -5,6 +5,8 @@ Local coefficients μ(φ) = a φ^b + c and a e^{bφ} + c over [p, p + δ], and t
 a physical reference, not a free scale, and F_B < F_0 has no φ0.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 from scipy.special import exprel, wrightomega
@@ -29,11 +31,7 @@ _MAX_STEPS = 80
 
 def exprel_slope(z: npt.ArrayLike) -> FloatArray:
     """Return ψ(z) = ∫₀¹ t e^{zt} dt = (z e^z − expm1 z)/z², the derivative of exprel(z) = expm1(z)/z."""
-    z = np.asarray(z, dtype=np.float64)
-    small = np.abs(z) < _SERIES_BELOW
-    safe = np.where(small, 1.0, z)
-    direct = (np.exp(safe) - exprel(safe)) / safe
-    return np.where(small, _horner(_EXPREL_SLOPE_SERIES, np.where(small, z, 0.0)), direct)
+    return _with_series(z, _EXPREL_SLOPE_SERIES, lambda z: (np.exp(z) - exprel(z)) / z)
 
 
 def log1prel(z: npt.ArrayLike) -> FloatArray:
@@ -45,18 +43,17 @@ def log1prel(z: npt.ArrayLike) -> FloatArray:
 
 def log1prel_slope(z: npt.ArrayLike) -> FloatArray:
     """Return the derivative of log1p(z)/z, that is (z/(1 + z) − log1p z)/z²; −1/2 at z = 0."""
+    return _with_series(z, _LOG1PREL_SLOPE_SERIES, lambda z: (1.0 / (1.0 + z) - np.log1p(z) / z) / z)
+
+
+def _with_series(
+    z: npt.ArrayLike, series: list[float], direct: Callable[[FloatArray], FloatArray]
+) -> FloatArray:
+    """Return a function by its power series near zero, and directly elsewhere."""
     z = np.asarray(z, dtype=np.float64)
     small = np.abs(z) < _SERIES_BELOW
-    safe = np.where(small, 1.0, z)
-    direct = (1.0 / (1.0 + safe) - np.log1p(safe) / safe) / safe
-    return np.where(small, _horner(_LOG1PREL_SLOPE_SERIES, np.where(small, z, 0.0)), direct)
-
-
-def _horner(coefficients: list[float], z: FloatArray) -> FloatArray:
-    total = np.full_like(z, coefficients[-1])
-    for coefficient in coefficients[-2::-1]:
-        total = total * z + coefficient
-    return total
+    near = np.polyval(series[::-1], np.where(small, z, 0.0))
+    return np.where(small, near, direct(np.where(small, 1.0, z)))
 
 
 class PowerSpan:

@@ -10,8 +10,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
-from ropefric.papers.paper import Item, Paper, Row, Shown, shown
-from ropefric.papers.reading import Given
+from ropefric.papers.paper import Given, Item, Paper, Row, Shown, shown
 from ropefric.section import Line
 from ropefric.systems.effect import applicable, assemble
 from ropefric.systems.press.answer import PressAnswer, solve_press
@@ -178,19 +177,12 @@ def _critical(it: Machine) -> Iterator[Row]:
             yield Row(f"{words} at which roller {found.roller} slips first", found.value)
 
 
-def _steps(values: FloatArray) -> tuple[FloatArray, float]:
-    """Return by how much values change from one to the next, and what is no change."""
-    return np.diff(np.ravel(values)), 1e-12 * float(np.abs(values).max())
-
-
 def _falls(values: FloatArray) -> bool:
-    steps, least = _steps(values)
-    return bool((steps < -least).all())
+    return bool((np.diff(np.ravel(values)) < -1e-12 * np.abs(values).max()).all())
 
 
 def _constant(values: FloatArray) -> bool:
-    steps, least = _steps(values)
-    return bool((np.abs(steps) <= 1e3 * least).all())
+    return bool((np.abs(np.diff(np.ravel(values))) <= 1e-9 * np.abs(values).max()).all())
 
 
 def _figure_4(it: Machine) -> Iterator[Row]:

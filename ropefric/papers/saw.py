@@ -8,8 +8,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
-from ropefric.papers.paper import Item, Paper, Row, Shown, shown
-from ropefric.papers.reading import Given
+from ropefric.papers.paper import Given, Item, Paper, Row, Shown, shown
 from ropefric.section import Line
 from ropefric.systems.bandsaw.answer import SawProblem, feed_limit_N, torsion_frequencies_Hz
 from ropefric.systems.bandsaw.measured import deviation, explain_mounting
@@ -74,10 +73,6 @@ def _machine(given: Given) -> Machine:
     return Machine(problem, {"1": string, "2": fixed, "3": free})
 
 
-def _one(of: str, value: float, printed: str = "", remark: str = "") -> Row:
-    return Row(of, float(value), printed, remark)
-
-
 def _both_sides(
     what: str, table: str, printed: tuple[str, str], remarks: tuple[str, str] = ("", "")
 ) -> Callable[[Machine], Iterator[Row]]:
@@ -86,7 +81,7 @@ def _both_sides(
     def rows(it: Machine) -> Iterator[Row]:
         for side, text, remark in zip(_RUNNING, printed, remarks, strict=True):
             value = it.span(side, table).wave_speed_m_s[0] if what == "c" else it.modes_Hz(side, table)[0]
-            yield _one(f"{what}, {side} side", value, text, remark)
+            yield Row(f"{what}, {side} side", value, text, remark)
 
     return rows
 
@@ -102,7 +97,7 @@ def _table(table: str) -> Callable[[Machine], Iterator[Row]]:
                         remark = "with the printed 761 N" if table == "3" else _CUT
                     remark = _MISPRINTS.get((table, side, state, mode), remark)
                     name = "at rest" if side is Side.REST else f"{side}, {state}"
-                    yield _one(f"{name}, mode {mode}", value, shown, remark)
+                    yield Row(f"{name}, mode {mode}", value, shown, remark)
 
     return rows
 
@@ -110,8 +105,8 @@ def _table(table: str) -> Callable[[Machine], Iterator[Row]]:
 def _ends(it: Machine) -> Iterator[Row]:
     _, waves = it.waves(Side.REST, 1, np.linspace(0.0, 1.0, 8))
     for end, name in ((0, "x = 0"), (-1, "x = l")):
-        yield _one(f"largest |f1 + f2| at {name}", abs(waves.mode[:, end]).max())
-    yield _one("largest |f1 + f2| anywhere", abs(waves.mode).max())
+        yield Row(f"largest |f1 + f2| at {name}", abs(waves.mode[:, end]).max())
+    yield Row("largest |f1 + f2| anywhere", abs(waves.mode).max())
 
 
 def _period(it: Machine) -> Iterator[Row]:
@@ -121,16 +116,16 @@ def _period(it: Machine) -> Iterator[Row]:
         travelling_waves(span, 1, np.array([0.1, 0.7]) + far_m, np.array([0.003]))
         for far_m in (0.0, length_m)
     )
-    yield _one("2l [m]", length_m)
-    yield _one("largest change of f1 over 2l", abs(there.forward - here.forward).max())
+    yield Row("2l [m]", length_m)
+    yield Row("largest change of f1 over 2l", abs(there.forward - here.forward).max())
 
 
 def _times(it: Machine) -> Iterator[Row]:
     for side in _RUNNING:
         _, waves = it.waves(side, 1, np.zeros(1))
-        yield _one(f"t_1 = l/(c + v), {side} side", waves.forward_s)
-        yield _one(f"t_2 = l/(c - v), {side} side", waves.backward_s)
-        yield _one(f"T = 1/f_1, {side} side", waves.forward_s + waves.backward_s)
+        yield Row(f"t_1 = l/(c + v), {side} side", waves.forward_s)
+        yield Row(f"t_2 = l/(c - v), {side} side", waves.backward_s)
+        yield Row(f"T = 1/f_1, {side} side", waves.forward_s + waves.backward_s)
 
 
 def _feed(it: Machine) -> Iterator[Row]:
@@ -138,12 +133,12 @@ def _feed(it: Machine) -> Iterator[Row]:
     if section is None:
         return
     torsion_Hz = torsion_frequencies_Hz(it.span(Side.REST), section, 1)[0, 0]
-    yield _one("first frequency of torsion at rest [Hz]", torsion_Hz)
+    yield Row("first frequency of torsion at rest [Hz]", torsion_Hz)
     length_m = float((problem.free_span_m if problem.guided_m is None else problem.guided_m)[0])
     for side in _RUNNING:
         net_N = it.span(side, "3").net_tension_N
         limit_N = feed_limit_N(net_N, section, problem.ends, length_m)[0]
-        yield _one(f"limit under feed force, {side} side [N]", limit_N)
+        yield Row(f"limit under feed force, {side} side [N]", limit_N)
 
 
 def _measured(it: Machine) -> Iterator[Row]:
@@ -152,11 +147,11 @@ def _measured(it: Machine) -> Iterator[Row]:
         name = f"{point.side} measured {point.frequency_Hz:g} Hz"
         if point.side is Side.REST:
             ratio = it.modes_Hz(Side.REST)[0] / point.frequency_Hz
-            yield _one(f"{name}, string at rest off by [%]", 100.0 * (ratio - 1))
+            yield Row(f"{name}, string at rest off by [%]", 100.0 * (ratio - 1))
             continue
         for model in ("string-fixed-axles", "string-constant-force"):
-            yield _one(f"{name}, {MODELS[model].name} off by [%]", 100.0 * deviation(saw, point, model)[1])
-        yield _one(f"{name} would need the mounting factor", explain_mounting(saw, point).mounting_factor)
+            yield Row(f"{name}, {MODELS[model].name} off by [%]", 100.0 * deviation(saw, point, model)[1])
+        yield Row(f"{name} would need the mounting factor", explain_mounting(saw, point).mounting_factor)
 
 
 _PHASES = np.arange(4) / 8.0
@@ -186,23 +181,23 @@ PAPER = Paper(
     machine=_machine,
     items=(
         Item(number="(1)", says="y_tt = c² y_xx, c = √(F/ρA)", where="1.1", unit="m/s",
-            rows=lambda it: [_one("c at rest", it.span(Side.REST).wave_speed_m_s[0])]),
+            rows=lambda it: [Row("c at rest", it.span(Side.REST).wave_speed_m_s[0])]),
         Item(number="(2)-(4), Figs 1-3", says="y = f1(ct - x) + f2(ct + x), y = 0 at both ends", where="1.1",
             rows=_ends, charts=_pictures(Side.REST, 2, runs=False)),
         Item(number="(5), (6)", says="f1(ct + l) = f1(ct - l): period 2l in space", where="1.1", rows=_period),
         Item(number="(7)", says="f_n = n/(2l) √(F/ρA)", where="1.1", unit="Hz",
-            rows=lambda it: [_one("f_1 at rest", it.modes_Hz(Side.REST)[0])]),
+            rows=lambda it: [Row("f_1 at rest", it.modes_Hz(Side.REST)[0])]),
         Item(number="Figs 4, 5", says="waves with and against the blade, t_1 = l/(c + v), t_2 = l/(c - v)", where="1.2",
             unit="s", rows=_times, charts=_pictures(Side.TIGHT, 2, runs=True)),
         Item(number="(8)", says="f_n = n (c² - v²)/(2lc)", where="1.2", unit="Hz",
-            rows=lambda it: [_one(f"f_{n + 1}, tight side, κ = 0", f) for n, f in enumerate(it.modes_Hz(Side.TIGHT))]),
+            rows=lambda it: [Row(f"f_{n + 1}, tight side, κ = 0", f) for n, f in enumerate(it.modes_Hz(Side.TIGHT))]),
         Item(number="(9), Table 1", says="f_n at rest under F_0", where="3", unit="Hz", rows=_table("1")),
         Item(number="(16)", says="M = 9549 P/n", where="3", unit="N m",
-            rows=lambda it: [_one("M", 2.0 * it.problem.pull_N[0] * it.by_table["2"].wheel_radius_m)]),
+            rows=lambda it: [Row("M", 2.0 * it.problem.pull_N[0] * it.by_table["2"].wheel_radius_m)]),
         Item(number="(17)", says="ΔF = F_1 - F_2 = 2·9549 P/(D n)", where="3", unit="N",
-            rows=lambda it: [_one("ΔF", 2.0 * it.problem.pull_N[0], "211")]),
+            rows=lambda it: [Row("ΔF", 2.0 * it.problem.pull_N[0], "211")]),
         Item(number="v", says="v = πDn/60", where="3", unit="m/s",
-            rows=lambda it: [_one("v", it.by_table["2"].speed_m_s, "35.5", _CUT)]),
+            rows=lambda it: [Row("v", it.by_table["2"].speed_m_s, "35.5", _CUT)]),
         Item(number="(10), (11)", says="c = √((F_0 ± ΔF/2)/ρA)", where="2, 3", unit="m/s",
             rows=_both_sides("c", "2", ("76.8", "74.4"))),
         Item(number="(12)", says="f_1 = c/(2l) (1 - v²/c²)", where="2, 3", unit="Hz",
@@ -210,8 +205,8 @@ PAPER = Paper(
         Item(number="Table 2", says="under F_0 ± ΔF/2 (κ = 0)", where="3", unit="Hz", rows=_table("2")),
         Item(number="ρA, F_c", says="F_c = ∫½ρAR²ω² sin α dα = ρA R²ω²", where="2, 3",
             rows=lambda it: [
-                _one("ρA [kg/m]", it.problem.linear_density_kg_m[0], "0.60"),
-                _one("F_c [N]", it.problem.inertia_N[0], "761", "from 0.6 kg/m and 16.2 1/s, both rounded"),
+                Row("ρA [kg/m]", it.problem.linear_density_kg_m[0], "0.60"),
+                Row("F_c [N]", it.problem.inertia_N[0], "761", "from 0.6 kg/m and 16.2 1/s, both rounded"),
             ]),
         Item(number="(13), (14)", says="c = √((F_0 ± ΔF/2 + F_c)/ρA)", where="2, 3", unit="m/s",
             rows=_both_sides("c", "3", ("84.7", "82.6"), ("with the printed 761 N",) * 2)),

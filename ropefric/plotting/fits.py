@@ -19,7 +19,7 @@ from ropefric.friction.condition import SETTINGS, Conditions, along_one, levels,
 from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
-from ropefric.uncertainty.quantity import joint_draws, symmetric_root
+from ropefric.uncertainty.budget import joint_draws, symmetric_root
 
 FACETS = ("end_tension_N", "wrap_angle_rad", "wheel_radius_m")
 """What the average coefficient is drawn against."""

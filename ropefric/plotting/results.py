@@ -14,9 +14,8 @@ from ropefric.errors import InputError
 from ropefric.fitting.compare import Comparison
 from ropefric.fitting.design import Design
 from ropefric.fitting.diagnose import Diagnosis
-from ropefric.fitting.export import FrictionTable
 from ropefric.fitting.next_tests import LabPlan
-from ropefric.fitting.predict import REGRESSORS, Prediction
+from ropefric.fitting.predict import REGRESSORS, FrictionTable, Prediction
 from ropefric.fitting.result import FitResult
 from ropefric.given import as_trace
 from ropefric.glossary import GLOSSARY, counted

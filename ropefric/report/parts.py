@@ -14,8 +14,7 @@ from ropefric.friction.condition import Conditions
 from ropefric.glossary import counted
 from ropefric.section import Section, interval, percent, plain, shorthand
 from ropefric.trials.result import ConditionSummary
-from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Statement, numerical_tolerance
-from ropefric.uncertainty.quantity import Quantity
+from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Quantity, Statement, numerical_tolerance
 
 _GOALS = {"v": "the wanted prediction", "d": "the parameters"}
 
@@ -257,9 +256,9 @@ def budgets_section(stated: Sequence[tuple[int, str, Statement]], title: str) ->
 
 
 def _budget_row(line: BudgetLine) -> tuple[str, ...]:
-    of_answer = plain(line.contribution, ".2g"), f"{100 * line.share:.1f} %", plain(line.dof, ".3g")
+    of_answer = plain(line.contribution, ".2g"), f"{100 * line.share:.1f} %", plain(line.source.dof, ".3g")
     if not isinstance(item := line.source, Quantity):
-        return (line.name, "θ", *["–"] * 4, "", line.type, "joint, with covariance", "–", *of_answer)
+        return (line.name, "θ", *["–"] * 4, "", line.source.type, "joint, with covariance", "–", *of_answer)
     divisor = next((text for value, text in _DIVISORS.items() if math.isclose(value, item.divisor)), "")
     divisor = divisor or (f"√{item.repeats}" if item.repeats else plain(item.divisor, ".3g"))
     numbers = plain(item.estimate, ".5g"), plain(item.stated, ".2g"), divisor, plain(item.std, ".2g")

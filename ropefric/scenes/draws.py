@@ -21,7 +21,7 @@ from ropefric.scenes.plan import solve_planned
 from ropefric.scenes.points import BLOCK, Answers, Points, Progress, Write, solve_points
 from ropefric.scenes.scene import Scene, placed, unit_of, value_at
 from ropefric.scenes.sweep import Axis, parse_axis
-from ropefric.uncertainty.quantity import check_level, joint_draws, quantile, symmetric_root
+from ropefric.uncertainty.budget import check_level, joint_draws, quantile, symmetric_root
 
 MOST_DRAWS = 10_000_000
 FEWEST_DRAWS = 10

@@ -17,7 +17,7 @@ import numpy as np
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import DataError, InputError, Problem
 from ropefric.traces.noise import MAX_SPIKE_SAMPLES, noise_std, remove_spikes, runs_of
-from ropefric.uncertainty.quantity import Quantity, limit_of_error
+from ropefric.uncertainty.budget import Quantity, limit_of_error
 
 SCHEMA = "ropefric.calibration/1"
 

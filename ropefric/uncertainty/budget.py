@@ -1,21 +1,161 @@
-"""From a measurement equation to the statement of its uncertainty.
+"""What goes into a budget, and from a measurement equation to the statement of its uncertainty.
 
-A budget by the law of propagation of uncertainty (JCGM 100): one line a source, their sum, and the expanded
-uncertainty; its check by draws (JCGM 101); and what would make it smaller.
+In go single quantities, and quantities known together with their covariance. A budget by the law of propagation of
+uncertainty (JCGM 100): one line a source, their sum, and the expanded uncertainty; its check by draws (JCGM 101); and
+what would make it smaller.
 """
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import KW_ONLY, dataclass
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from scipy.special import ndtri, stdtrit
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.glossary import AdvisedStatus
 from ropefric.shown import Shown, in_words
-from ropefric.uncertainty import quantity
+
+Evaluation = Literal["A", "B"]
+Distribution = Literal["normal", "rectangular"]
+
+RECTANGULAR = math.sqrt(3.0)
+"""Half the width of a flat distribution over its standard deviation."""
+
+
+def quantile(probability: float, dof: float) -> float:
+    """Return Student's t quantile; the normal one for infinitely many degrees of freedom."""
+    return float(ndtri(probability)) if math.isinf(dof) else float(stdtrit(dof, probability))
+
+
+def check_level(level: float) -> None:
+    """Refuse a level that is none."""
+    if not 0.0 < level < 1.0:
+        fix = "give a level between 0 and 1, such as 0.95"
+        raise InputError(f"the level is {level:g}", key="level", fix=fix)
+
+
+def _turned(covariance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return sizes (q,), and eigenvectors (q, q) with roots of eigenvalues (q,) of the correlation matrix.
+
+    Of the correlation matrix, so that they do not depend on units; a covariance may be singular.
+    """
+    size = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    scale = np.where(size > 0.0, size, 1.0)
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return scale, vectors, np.sqrt(np.maximum(values, 0.0))
+
+
+def directions(covariance: FloatArray) -> FloatArray:
+    """Return the independent directions of a covariance, each one standard uncertainty long, shape (q, q).
+
+    Column i is a change of all quantities together, Σ eᵢ eᵢᵀ = covariance; largest first.
+    """
+    scale, vectors, roots = _turned(covariance)
+    # A direction and its opposite are the same; the sign that eigh returns depends on the library.
+    strongest = np.abs(vectors).argmax(axis=0)
+    signs = np.where(np.take_along_axis(vectors, strongest[None, :], axis=0)[0] < 0.0, -1.0, 1.0)
+    return np.asarray((vectors * roots * scale[:, None] * signs)[:, ::-1])
+
+
+def symmetric_root(covariance: FloatArray) -> FloatArray:
+    """Return a root of a covariance that no library's choice of signs and order of eigenvectors changes."""
+    scale, vectors, roots = _turned(covariance)
+    return np.asarray(scale[:, None] * ((vectors * roots) @ vectors.T))
+
+
+def joint_draws(
+    estimates: FloatArray, root: FloatArray, *, dof: float, n: int, rng: np.random.Generator
+) -> FloatArray:
+    """Return n draws from the multivariate normal, or t for finite degrees of freedom, shape (n, q)."""
+    changes = rng.standard_normal((n, estimates.size)) @ root.T
+    if math.isfinite(dof):
+        changes *= np.sqrt(dof / rng.chisquare(dof, n))[:, np.newaxis]
+    return np.asarray(estimates + changes)
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """An input quantity, independent of all others; unless told otherwise normal, type B, a correction of zero."""
+
+    name: str
+    symbol: str
+    unit: str
+    stated: float
+    _: KW_ONLY
+    estimate: float = 0.0
+    divisor: float = 1.0
+    distribution: Distribution = "normal"
+    type: Evaluation = "B"
+    dof: float = math.inf
+    repeats: int = 0
+    assumed: str = ""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.estimate) and math.isfinite(self.stated) and self.stated >= 0.0):
+            text = f"{self.name}: {self.estimate:g} with {self.stated:g}/{self.divisor:g} is no standard uncertainty"
+            raise InputError(text, key=self.name, fix="give a finite number from 0")
+
+    @property
+    def std(self) -> float:
+        """Return the standard uncertainty, in the unit of the estimate."""
+        return self.stated / self.divisor
+
+    def draw(self, rng: np.random.Generator, n: int) -> FloatArray:
+        """Return n draws from its distribution, shape (n,)."""
+        if self.std == 0.0:
+            return np.full(n, self.estimate)
+        if self.distribution == "rectangular":
+            half = RECTANGULAR * self.std
+            return np.asarray(rng.uniform(self.estimate - half, self.estimate + half, n))
+        shape = rng.standard_normal(n) if math.isinf(self.dof) else rng.standard_t(self.dof, n)
+        return np.asarray(self.estimate + self.std * shape)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Block:
+    """Quantities known together, with their covariance: the parameters of a fitted law."""
+
+    name: str
+    symbols: tuple[str, ...]
+    estimates: FloatArray
+    covariance: FloatArray
+    dof: float = math.inf
+    type: Evaluation = "A"
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.estimates).all() and np.isfinite(self.covariance).all()):
+            text = f"{self.name}: the covariance is not finite, so the data do not show all of {self.symbols}"
+            fix = "measure the conditions that would show it, or fit a simpler law"
+            raise InputError(text, key=self.name, fix=fix)
+
+    def draw(self, rng: np.random.Generator, n: int) -> FloatArray:
+        """Return n draws, shape (n, q); see `joint_draws`."""
+        return joint_draws(self.estimates, directions(self.covariance), dof=self.dof, n=n, rng=rng)
+
+
+def limit_of_error(
+    name: str, symbol: str, unit: str, half_width: float, *, estimate: float = 0.0, assumed: str = ""
+) -> Quantity:
+    """Return a quantity that lies anywhere within ± a limit of error: rectangular, divisor √3, type B."""
+    flat: dict[str, Any] = {"divisor": RECTANGULAR, "distribution": "rectangular"}
+    return Quantity(name, symbol, unit, half_width, estimate=estimate, assumed=assumed, **flat)
+
+
+def repeats(
+    name: str, symbol: str, unit: str, *, mean: float, std: float, n: int, dof: float | None = None
+) -> Quantity:
+    """Return the mean of n readings with their sample standard deviation s: s/√n, type A, n − 1 degrees of freedom.
+
+    With `dof`, s is a pooled one with that many degrees of freedom (GUM 4.2.4).
+    """
+    known: dict[str, Any] = {"divisor": math.sqrt(n), "type": "A", "repeats": n}
+    return Quantity(name, symbol, unit, std, estimate=mean, dof=n - 1.0 if dof is None else dof, **known)
+
+
+# ---- the statement ----
 
 SCHEMA = "ropefric.uncertainty/1"
 
@@ -40,10 +180,10 @@ class MeasurementModel:
     name: str
     symbol: str
     unit: str
-    quantities: tuple[quantity.Quantity, ...]
+    quantities: tuple[Quantity, ...]
     evaluate: Callable[[FloatArray], FloatArray]
     sensitivities: FloatArray
-    block: quantity.Block | None = None
+    block: Block | None = None
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.estimate) and np.isfinite(self.sensitivities).all()):
@@ -68,11 +208,10 @@ class MeasurementModel:
         return self.evaluate(np.hstack(columns))
 
 
-@dataclass(frozen=True, slots=True)
-class BudgetLine:
+class BudgetLine(NamedTuple):
     """One source of uncertainty."""
 
-    source: quantity.Quantity | quantity.Block
+    source: Quantity | Block
     sensitivity: float
     contribution: float
     share: float
@@ -87,38 +226,28 @@ class BudgetLine:
     @property
     def label(self) -> str:
         """Return its name, with the word where its uncertainty is assumed and nobody stated it."""
-        assumed = isinstance(self.source, quantity.Quantity) and self.source.assumed
+        assumed = isinstance(self.source, Quantity) and self.source.assumed
         return f"{self.name} (assumed)" if assumed else self.name
-
-    @property
-    def type(self) -> quantity.Evaluation:
-        """Return how it was evaluated, "A" or "B"."""
-        return self.source.type
-
-    @property
-    def dof(self) -> float:
-        """Return its degrees of freedom."""
-        return self.source.dof
 
     def to_dict(self) -> dict[str, Any]:
         """Return the line as JSON-able values; what a block has none of is None."""
-        item, family = self.source, "multivariate normal" if math.isinf(self.dof) else "multivariate t"
+        item, family = self.source, "multivariate normal" if math.isinf(self.source.dof) else "multivariate t"
         names = ("name", "type", "unit", "estimate", "stated", "divisor")
         row = {name: getattr(item, name, None) for name in names} | {
             "contribution": self.contribution,
             "share": self.share,
-            "dof": self.dof if math.isfinite(self.dof) else None,
+            "dof": item.dof if math.isfinite(item.dof) else None,
             "correlated": list(self.correlated),
+            "standard_uncertainty": getattr(item, "std", None),
+            "sensitivity": self.sensitivity if math.isfinite(self.sensitivity) else None,
         }
-        if isinstance(item, quantity.Block):
-            row |= {"symbol": ", ".join(item.symbols), "standard_uncertainty": None, "sensitivity": None}
-            return row | {"distribution": family}
-        row |= {"symbol": item.symbol, "standard_uncertainty": item.std, "sensitivity": self.sensitivity}
-        return row | {"distribution": item.distribution, "assumed": item.assumed or None}
+        if isinstance(item, Block):
+            return row | {"symbol": ", ".join(item.symbols), "distribution": family}
+        own = {"symbol": item.symbol, "distribution": item.distribution, "assumed": item.assumed or None}
+        return row | own
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LinearBudget:
+class LinearBudget(NamedTuple):
     """Lines of a budget with their sum."""
 
     estimate: float
@@ -156,13 +285,13 @@ def effective_dof(contributions: Sequence[float], dof: Sequence[float]) -> float
 
 def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudget:
     """Return the budget of a measurement equation by the law of propagation of uncertainty, eq. (10) of JCGM 100."""
-    quantity.check_level(level)
+    check_level(level)
     k, block, parts = len(model.quantities), model.block, []
-    sources: list[quantity.Quantity | quantity.Block] = [*model.quantities]
+    sources: list[Quantity | Block] = [*model.quantities]
     slopes = model.sensitivities[:k].tolist()
     sizes = [abs(c) * item.std for item, c in zip(model.quantities, slopes, strict=True)]
     if block is not None:
-        columns = quantity.directions(block.covariance)
+        columns = directions(block.covariance)
         worth = (model.sensitivities[k:] @ columns).tolist()
         for i in np.argsort(-np.abs(worth), kind="stable"):
             changes = dict(zip(block.symbols, columns[:, i].tolist(), strict=True))
@@ -176,19 +305,18 @@ def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudg
         BudgetLine(source, slope, size, (size / combined) ** 2, tuple(parts) if source is block else ())
         for source, slope, size in zip(sources, slopes, sizes, strict=True)
     ]
-    dof = effective_dof([line.contribution for line in lines], [line.dof for line in lines])
+    dof = effective_dof(sizes, [source.dof for source in sources])
     return LinearBudget(
         estimate=model.estimate,
         lines=tuple(sorted(lines, key=lambda line: -line.contribution)),
         combined=combined,
         effective_dof=dof,
         level=level,
-        coverage_factor=quantity.quantile(0.5 + 0.5 * level, dof),
+        coverage_factor=quantile(0.5 + 0.5 * level, dof),
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DrawnAnswer:
+class DrawnAnswer(NamedTuple):
     """What draws of the inputs say about the answer."""
 
     draws: int
@@ -268,8 +396,7 @@ class BudgetStatus(AdvisedStatus):
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Improvement:
+class Improvement(NamedTuple):
     """What one change would do to the expanded uncertainty."""
 
     source: str
@@ -328,8 +455,8 @@ class Statement(Shown):
             "unit": model.unit,
             "lines": [line.to_dict() for line in found.lines],
             "effective_dof": found.effective_dof if math.isfinite(found.effective_dof) else None,
-            "monte_carlo": asdict(self.drawn),
-            "improvements": [asdict(item) for item in self.improvements],
+            "monte_carlo": self.drawn._asdict(),
+            "improvements": [item._asdict() for item in self.improvements],
             "status": self.status.value,
             "trustworthy": self.trustworthy,
             "advice": self.status.advice,
@@ -370,9 +497,10 @@ def improvements(budget: LinearBudget) -> tuple[Improvement, ...]:
     for place, line in enumerate(budget.lines):
         if line.share < _WORTH_A_WORD:
             continue
-        contributions, dof = ([getattr(one, key) for one in budget.lines] for key in ("contribution", "dof"))
+        contributions = [one.contribution for one in budget.lines]
+        dof = [one.source.dof for one in budget.lines]
         factor = math.sqrt(0.5)
-        if isinstance(line.source, quantity.Block):
+        if isinstance(line.source, Block):
             # k − q degrees of freedom become 2k − q.
             action = f"twice the conditions behind the {line.name}"
             dof[place] += dof[place] + len(line.source.symbols)
@@ -382,7 +510,7 @@ def improvements(budget: LinearBudget) -> tuple[Improvement, ...]:
         else:
             action, factor = f"halve the uncertainty of {line.name}", 0.5
         contributions[place] *= factor
-        coverage = quantity.quantile(0.5 + 0.5 * budget.level, effective_dof(contributions, dof))
+        coverage = quantile(0.5 + 0.5 * budget.level, effective_dof(contributions, dof))
         expanded = coverage * math.hypot(*contributions)
         saving = 1.0 - expanded / budget.expanded
         if saving >= _NOTICED:

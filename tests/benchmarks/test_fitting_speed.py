@@ -14,8 +14,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from ropefric.fitting.intervals import bootstrap
-from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.problem import FitProblem, batched_fit
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
 

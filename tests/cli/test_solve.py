@@ -12,7 +12,7 @@ import pytest
 from ropefric.fitting.predict import predict
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import one_condition
-from ropefric.uncertainty.quantity import quantile
+from ropefric.uncertainty.budget import quantile
 
 ROOT = Path(__file__).parents[2]
 SCENES = ROOT / "data" / "scenes"

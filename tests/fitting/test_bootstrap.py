@@ -5,7 +5,7 @@ import pytest
 
 from ropefric.errors import FitError, InputError
 from ropefric.fitting.intervals import bootstrap
-from ropefric.fitting.levenberg import batched_fit
+from ropefric.fitting.problem import batched_fit
 from ropefric.fitting.statistics import two_level_scatter
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS

@@ -7,7 +7,7 @@ import pytest
 
 import ropefric as rf
 from ropefric.cli.app import main
-from ropefric.fitting.export import best_constant
+from ropefric.fitting.predict import best_constant
 
 COUPLED, WRAPS = "fits/prth-coupled.json", np.radians([90.0, 360.0, 1080.0])
 

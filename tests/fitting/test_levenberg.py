@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
 from ropefric.fitting.fit import guess
-from ropefric.fitting.levenberg import batched_fit, bounded_steps
-from ropefric.fitting.problem import reduced
+from ropefric.fitting.problem import batched_fit, bounded_steps, reduced
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 

@@ -5,7 +5,7 @@ import pytest
 
 import ropefric as rf
 from ropefric.errors import UnknownNameError
-from ropefric.fitting.levenberg import batched_fit
+from ropefric.fitting.problem import batched_fit
 from ropefric.friction.laws import ALL_LAWS
 
 EVERY_LAW = pytest.mark.parametrize("law", list(ALL_LAWS.values()), ids=lambda law: law.name)

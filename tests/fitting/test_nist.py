@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.problem import FitProblem, batched_fit
 from ropefric.fitting.statistics import plain_covariance
 from ropefric.friction.condition import Conditions
 

@@ -9,7 +9,7 @@ from scipy.stats import f as f_distribution
 from scipy.stats import t as t_distribution
 
 from ropefric.fitting.intervals import profile_intervals
-from ropefric.fitting.levenberg import batched_fit
+from ropefric.fitting.problem import batched_fit
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 

@@ -88,6 +88,16 @@ def test_numbers_json_cannot_hold_come_back(campaign):
     assert load_fit(save_fit(flat, campaign / "flat.json"))["mu"].std == 0.0
 
 
+def test_a_parameter_the_data_do_not_show_comes_back_beside_those_they_do(campaign):
+    """With a = 0 no force depends on b: it has no variance, and c one to as many digits as its standard error."""
+    table = read_trial_table(campaign / "data" / "trials.csv")
+    fit = fit_law(table, "wrap-power", fixed={"a": 0.0})
+    assert (fit["b"].std, fit.covariance[1, 1]) == (np.inf, 0.0)
+    loaded = load_fit(save_fit(fit, campaign / "fits" / "wrap.json"))
+    assert loaded["c"] == fit["c"]
+    assert np.array_equal(loaded.covariance, fit.covariance)
+
+
 def test_clean_process_predicts_the_same_to_the_last_digit(campaign, fit):
     path = save_fit(fit, campaign / "wrap.json")
     pull = {"wheel_radius_m": 0.05, "rope_radius_m": 0.0049, "wrap_angle_rad": 8.25, "end_tension_N": 77.7}

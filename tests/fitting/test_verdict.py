@@ -11,7 +11,7 @@ import pytest
 
 from ropefric.fitting import fit as fitting
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.levenberg import batched_fit
+from ropefric.fitting.problem import batched_fit
 from ropefric.fitting.result import FitStatus
 from ropefric.fitting.statistics import find_trends, identify
 from ropefric.friction.condition import Conditions

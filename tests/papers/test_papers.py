@@ -13,9 +13,8 @@ from ropefric.errors import InputError, UnknownNameError
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.papers import press as press_paper
-from ropefric.papers import prth, reduction, saw
-from ropefric.papers.paper import Row
-from ropefric.papers.reading import PAPERS, read_paper
+from ropefric.papers import prth, saw
+from ropefric.papers.paper import PAPERS, Row, read_paper
 from ropefric.trials.table import TrialTable, read_trial_table
 
 ROOT = Path(__file__).parents[2]
@@ -207,7 +206,7 @@ def exact():
 
 
 def test_the_reduction_finds_the_series_and_the_laws(exact):
-    found = reduction.reduce_trials(exact)
+    found = prth.reduce_trials(exact)
     assert {over: one.x.size for over, one in found.series.items()} == {
         "end_tension_N": 4, "wrap_angle_rad": 7, "wheel_radius_m": 5,
     }  # fmt: skip
@@ -221,8 +220,8 @@ def test_the_reduction_finds_the_series_and_the_laws(exact):
 
 
 def test_segments_are_the_laws_own_integrals(exact):
-    wraps = reduction.reduce_trials(exact).series["wrap_angle_rad"]
-    cut = reduction.segments(wraps)
+    wraps = prth.reduce_trials(exact).series["wrap_angle_rad"]
+    cut = prth.segments(wraps)
     at = wraps.at
     steps = np.concatenate([[0.0], LAWS["coupled"].log_lift(COUPLED, at) - at.log_end_tension])
     np.testing.assert_allclose(cut.mu, np.diff(steps) / np.diff(cut.ends_rad), rtol=1e-9)
@@ -242,11 +241,9 @@ def test_repeats_give_a_piece_its_standard_error():
     )  # fmt: skip
     clean = trials_of("constant", (0.2,), at)
     noise = np.random.default_rng(5).normal(0.0, 0.02, 300)
-    wraps = reduction.reduce_trials(replace(clean, peak_N=clean.peak_N * np.exp(noise))).series[
-        "wrap_angle_rad"
-    ]
+    wraps = prth.reduce_trials(replace(clean, peak_N=clean.peak_N * np.exp(noise))).series["wrap_angle_rad"]
     assert wraps.std == pytest.approx([0.002] * 3, rel=0.1)
-    cut = reduction.segments(wraps)
+    cut = prth.segments(wraps)
     assert cut.std == pytest.approx(np.array([1.0, math.sqrt(2.0), math.sqrt(0.5)]) * wraps.std[0], rel=1e-12)
     assert (np.abs(cut.mu - 0.2) < 4.0 * cut.std).all()
 
@@ -263,7 +260,7 @@ def test_what_F_0_changes():
 
 
 def test_the_bracket_of_16_is_the_same_family():
-    mu_inf, b = reduction.bracket_of_16(np.array(COUPLED))
+    mu_inf, b = prth.bracket_of_16(np.array(COUPLED))
     ratio = np.linspace(0.0, 20.0, 9)
     printed = mu_inf * -np.expm1(COUPLED[1] * ratio) + b
     np.testing.assert_allclose(printed, COUPLED[0] * -np.expm1(COUPLED[1] * ratio + COUPLED[2]), rtol=1e-13)

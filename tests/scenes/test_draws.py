@@ -24,7 +24,7 @@ from ropefric.scenes.scene import number_keys, value_at
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep import parse_axis, sweep_table
 from ropefric.systems.friction import ScaleTo, WrapFriction
-from ropefric.uncertainty.quantity import directions
+from ropefric.uncertainty.budget import directions
 
 N = 20_000
 SMALL = {"wheel": {"wrap": "0.5 deg"}, "load": {"end_tension": "0.1 %"}}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ropefric.uncertainty.quantity import directions, joint_draws, symmetric_root
+from ropefric.uncertainty.budget import directions, joint_draws, symmetric_root
 
 CORRELATION = np.array([[1.0, 0.9, 0.0], [0.9, 1.0, -0.3], [0.0, -0.3, 1.0]])
 UNITS = np.array([1e-9, 1.0, 1e7])

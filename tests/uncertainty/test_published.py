@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 
 from ropefric.uncertainty.budget import (
+    Block,
     MeasurementModel,
+    Quantity,
     effective_dof,
+    limit_of_error,
     linear_budget,
     numerical_tolerance,
     propagate,
+    quantile,
 )
-from ropefric.uncertainty.quantity import Block, Quantity, limit_of_error, quantile
 
 
 def test_effective_degrees_of_freedom_of_g_4():

@@ -8,8 +8,7 @@ from scipy.optimize import least_squares
 
 from ropefric.accuracy.study import Case, Setting, Study, against, largest_error
 from ropefric.arrays import FloatArray
-from ropefric.fitting.levenberg import batched_fit
-from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.problem import FitProblem, batched_fit
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS
 

@@ -19,7 +19,7 @@ from ropefric.fitting.statistics import plain_covariance
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import LAWS
-from ropefric.uncertainty.quantity import joint_draws
+from ropefric.uncertainty.budget import joint_draws
 
 SIZE_SHARE = 0.25
 """A = R_r/(R_w + R_r) of the wheel of both cases."""

@@ -26,7 +26,7 @@ from ropefric.fitting.statistics import clustered_covariance
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.laws import LAWS
 from ropefric.trials.table import TrialTable
-from ropefric.uncertainty.quantity import quantile
+from ropefric.uncertainty.budget import quantile
 
 WITHIN, GAIN, OUTLIER = 0.02, 0.03, 0.15
 TRUTH = {

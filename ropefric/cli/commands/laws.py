@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict
 from pathlib import Path
 
 from typer import Argument, Option
@@ -163,4 +162,4 @@ def verify(
     rows = [(Path(i.path).name, words[i.ok], section.plain(i.difference, ".1g"), i.message) for i in found]
     headings = ("fit", "", "change [standard errors]", "found ")
     shown = section.Section(headings=headings, rows=rows, left=2)
-    return Answer({"ok": good, "fits": [asdict(item) for item in found]}, [shown], exit_code_of(good))
+    return Answer({"ok": good, "fits": [item._asdict() for item in found]}, [shown], exit_code_of(good))

@@ -3,7 +3,6 @@
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import asdict
 from enum import StrEnum
 from math import prod
 from pathlib import Path
@@ -21,7 +20,7 @@ with on_first_use():
     from ropefric.accuracy import measure
     from ropefric.accuracy import studies as all_studies
     from ropefric.files import folder as folders
-    from ropefric.papers import reading
+    from ropefric.papers import paper as papers
     from ropefric.report import cost_page
     from ropefric.report import scene as pages
     from ropefric.scenes import draws as drawing
@@ -238,7 +237,7 @@ def paper(
     names = ("paper.json", *options.figure_names("figure_*", "rest_*", "running_*"))
     with options.open_folder(folder, family="paper", names=names, inputs=inputs, force=force) as target:
         table = None if trials is None else options.read_table(trials, out)
-        found = reading.read_paper(name, scene=scene, trials=table, fit=fit, reference_N=reference_tension)
+        found = papers.read_paper(name, scene=scene, trials=table, fit=fit, reference_N=reference_tension)
         tree, files = found.to_dict(), list[Path]()
         if target is not None:
             from ropefric.plotting import figure  # noqa: PLC0415  (its package loads matplotlib)
@@ -300,6 +299,6 @@ def cost(
         # A whole measurement is made anew, one that was interrupted goes on.
         kept.unlink(missing_ok=True)
     studied = [result.to_dict() for result in results]
-    data = {"machine": asdict(machine), "quick": quick, "studies": studied, "written": list(written)}
+    data = {"machine": machine._asdict(), "quick": quick, "studies": studied, "written": list(written)}
     said = options.written_to(folder, "cost.html, cost.md, …")
     return Answer(data, [*cost_page.cost_sections(results, machine), said])

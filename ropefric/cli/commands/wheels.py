@@ -16,7 +16,6 @@ with on_first_use():
     from ropefric import pipeline, section
     from ropefric.fitting import budgets, next_tests, resolution
     from ropefric.fitting import design as designs
-    from ropefric.fitting import export as exporting
     from ropefric.fitting import predict as predicting
     from ropefric.friction import condition as conditions
     from ropefric.friction import laws
@@ -394,7 +393,7 @@ def export(
     }
     given = {name: read_levels(*words, levels) for name, words in asked.items() if words[0]}
     rope_m = options.rope_radius(stored, rope_diameter)
-    found = exporting.friction_table(stored, rope_radius_m=rope_m, **given)
+    found = predicting.friction_table(stored, rope_radius_m=rope_m, **given)
     columns = {name: getattr(found, name) for name in found._framed}  # noqa: SLF001  (what its frame holds)
     names = ("law", "constant_mu", "constant_error")
     data = {name: getattr(found, name) for name in names} | {

@@ -13,8 +13,7 @@ from ropefric.fitting.predict import predict
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.trials.table import TrialTable
-from ropefric.uncertainty.budget import linear_budget, propagate, state_uncertainty
-from ropefric.uncertainty.quantity import directions
+from ropefric.uncertainty.budget import directions, linear_budget, propagate, state_uncertainty
 
 WHEEL = one_condition(0.04, 0.005, 8.0, 60.0)
 UNSURE = {"wheel_radius_m": 2e-4, "rope_radius_m": 5e-5, "wrap_angle_rad": 0.03, "end_tension_N": 0.5}

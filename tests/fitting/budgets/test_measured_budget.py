@@ -20,12 +20,14 @@ from ropefric.traces.calibration import ForceCell
 from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import (
     BudgetStatus,
+    Quantity,
     improvements,
+    limit_of_error,
     linear_budget,
     propagate,
+    repeats,
     state_uncertainty,
 )
-from ropefric.uncertainty.quantity import Quantity, limit_of_error, repeats
 
 FORCES = (318.0, 322.0, 325.0, 317.0, 321.0)
 WRAP = Quantity("wrap angle", "φ", "rad", 0.03, estimate=7.0)

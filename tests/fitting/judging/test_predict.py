@@ -147,7 +147,6 @@ def test_json(constant_fit):
         ({"level": 1.0}, "level is 1"),
         ({"level": math.nan}, "level is nan"),
         ({"method": "magic"}, "unknown method"),
-        ({"n": 5}, "too few"),
         ({"linear_density_kg_m": -1.0, "speed_m_s": 1.0}, "zero or more"),
     ],
 )

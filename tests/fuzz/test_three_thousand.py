@@ -25,7 +25,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from fuzz_kit import answered, limit
 
-from ropefric.cli.commands.wheels import read_levels
+from ropefric.cli.commands.laws import read_levels
 from ropefric.cli.options import parse_assignments
 from ropefric.errors import RopefricError
 from ropefric.fitting.fit import fit_law

@@ -314,7 +314,7 @@ def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Sec
     whole = [quantity for quantity in solution.quantities if "." not in quantity.name]
     headings, rows = _quantities(whole, solution.level, scene.kind.words) if whole else ((), ())
     title = f"{scene.kind.name}: {scene.document.path}"
-    bound = "not known" if math.isinf(plan.error_bound) else f"at most {plan.error_bound:.2g}"
+    bound = _bound(plan.error_bound, "at most ")
     beyond = "; ".join(scene.kind.beyond[name] for name in solution.beyond_bound)
     simulated = [
         f"effects: {', '.join(plan.simulated) or 'none'}",
@@ -363,6 +363,10 @@ def _in_units(label: str) -> tuple[str, float]:
     return f"{head}{bracket}{shown}", factor
 
 
+def _bound(value: float, words: str = "") -> str:
+    return "not known" if math.isinf(value) else f"{words}{value:.2g}"
+
+
 def _method(plan: "Plan") -> str:
     settings = ", ".join(f"{name} {value:g}" for name, value in plan.method.settings.items())
     return f"{plan.method.name} ({settings})" if settings else plan.method.name
@@ -371,11 +375,9 @@ def _method(plan: "Plan") -> str:
 def explanation_sections(told: "Explanation") -> list[Section]:
     """Return the table of effects and the method, with what was measured if anything was."""
     plan = told.plan
-    rows = []
-    for one in plan.decisions:
-        known = "not known" if math.isinf(one.bound) else f"{one.bound:.2g}"
-        rows.append([one.name, one.fate, "–" if one.fate == "not applicable" else known])
-    bound = "not known" if math.isinf(plan.error_bound) else f"{plan.error_bound:.2g}"
+    known = (("–" if one.fate == "not applicable" else _bound(one.bound)) for one in plan.decisions)
+    rows = [[one.name, one.fate, bound] for one, bound in zip(plan.decisions, known, strict=True)]
+    bound = _bound(plan.error_bound)
     lines = [
         f"accuracy wanted {plan.accuracy:g}; difference to simulating everything at most {bound}",
         f"method: {_method(plan)}: {plan.method.why}",

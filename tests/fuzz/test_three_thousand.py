@@ -35,7 +35,7 @@ from ropefric.scenes.scene import load_scene
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep import parse_axis
 from ropefric.trials.campaign import check_campaign, load_campaign
-from ropefric.trials.recording import extract_recording
+from ropefric.trials.extract import extract_recording
 from ropefric.trials.table import read_trial_table
 
 ROOT = Path(__file__).parents[2]

@@ -16,7 +16,7 @@ from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Number, Words, command, exit_code_of, flag, listed, option, quantity
 from ropefric.cli.output import Output, Progress
 from ropefric.errors import InputError
-from ropefric.files.disk import refuse_input, refuse_special, write_file, write_files
+from ropefric.files.disk import write_file, write_files
 
 with on_first_use():
     from ropefric import pipeline, section
@@ -340,9 +340,8 @@ def plan_tests(
     if (fit is None) == (not law):
         raise BadParameter("give a fit, or a law with --guess, and not both", param_hint="--fit")
     before = None
+    options.refuse_file(file, fit)
     if file is not None:  # before the work, as far as it can be known
-        refuse_special(file)
-        refuse_input(file, fit)
         before = file.read_bytes() if file.is_file() and not force else None
         if before is not None and not before.startswith(b"condition,wheel_radius_mm"):
             raise _taken(file)
@@ -540,9 +539,7 @@ def export(
     error of the lift force over the table is smallest; that error is said. Exits with 4 when the law is not supported by
     its fit.
     """
-    if file is not None:  # before the work
-        refuse_special(file)
-        refuse_input(file, fit_file)
+    options.refuse_file(file, fit_file)
     stored = options.read_fit(fit_file, out)
     asked = {
         "wrap_angle_rad": (wrap, "rad", "--wrap"),

@@ -48,9 +48,8 @@ from ropefric.traces.smoothing import smooth as average
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import Campaign
-from ropefric.trials.extract import extract_campaign
+from ropefric.trials.extract import blocks_of, extract_campaign, tared_trace
 from ropefric.trials.outliers import Repeatability, summarise
-from ropefric.trials.recording import blocks_of, tared_trace
 from ropefric.trials.result import Extraction
 from ropefric.trials.table import TrialTable, table_of_extraction
 from ropefric.uncertainty.budget import Statement

@@ -5,10 +5,9 @@ A check raises `PromiseError` where its member does not keep what the first line
 
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -49,8 +48,7 @@ class PromiseError(AssertionError):
     """What a member does that it must not, or does not that it must."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class Finding(NamedTuple):
     """One promise of one member: kept where `broken` is empty."""
 
     member: str

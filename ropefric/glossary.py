@@ -1,8 +1,7 @@
 """The field's words: name, symbol, unit and meaning of the quantities that figures and answers show; statuses."""
 
-from dataclasses import dataclass
 from enum import StrEnum
-from typing import Self
+from typing import NamedTuple, Self
 
 from ropefric.registry import Registry
 
@@ -20,8 +19,7 @@ class AdvisedStatus(StrEnum):
         return member
 
 
-@dataclass(frozen=True, slots=True)
-class Term:
+class Term(NamedTuple):
     """One quantity of the field."""
 
     name: str

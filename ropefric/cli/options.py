@@ -12,6 +12,7 @@ import typer
 from ropefric.cli import on_first_use
 from ropefric.cli.output import Output
 from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.files.disk import refuse_input, refuse_special
 
 with on_first_use():
     from ropefric import executors, quantities, section
@@ -128,6 +129,13 @@ def read_fit(path: Path, out: Output) -> "result.FitResult":
     if fit.of == "kinetic":
         out.note(f"{path}: a law of the kinetic force, so F_A is what keeps the rope sliding")
     return fit
+
+
+def refuse_file(path: Path | None, source: Path | None) -> None:
+    """Refuse, before the work, to write to what is no plain file, or is read by the same command."""
+    if path is not None:
+        refuse_special(path)
+        refuse_input(path, source)
 
 
 def rope_radius(fit: "result.FitResult", given_m: float | None) -> float:

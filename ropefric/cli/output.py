@@ -7,9 +7,8 @@ import sys
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from shutil import get_terminal_size
-from typing import TYPE_CHECKING, Any, Self, TextIO
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, TextIO
 
 from ropefric.cli import on_first_use
 from ropefric.errors import Problem
@@ -29,8 +28,7 @@ PIPE_WIDTH = 200
 REDRAW_S = 0.1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Output:
+class Output(NamedTuple):
     """What the user wants to see."""
 
     json: bool = False

@@ -163,26 +163,22 @@ def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Di
 
 
 def _check(layout: TableLayout) -> None:
-    def refuse(key: str, fix: str) -> None:
-        value = getattr(layout, key)
-        raise InputError(f"[import] {key} = {value!r} cannot be used", key=f"[import] {key}", fix=fix)
-
-    mark = layout.separator
-    if mark and (len(mark) != 1 or mark in _NO_SEPARATOR):
-        refuse("separator", 'use one character such as ";", "," or "\\t"; " " is any blanks')
-    if mark and not mark.isascii():
-        refuse("separator", 'use an ASCII character such as ";"')
-    if layout.decimal not in ("", ".", ","):
-        refuse("decimal", 'use "." or ","')
-    if layout.date_order not in ("", *ORDERS):
-        refuse("date_order", 'use "dmy", "mdy" or "ymd"')
-    if layout.header_row < -1:
-        refuse("header_row", "give a line number from 1, 0 for none, or leave it out")
-    for key in ("units_row", "data_row", "block_names_row", "block_columns", "skip_footer"):
-        if getattr(layout, key) < 0:
-            refuse(key, "give a number from 1, or leave it out")
-    if 0 < layout.data_row <= layout.last_head_row:
-        refuse("data_row", f"the data start after line {layout.last_head_row}, the last head line")
+    mark, after = layout.separator, layout.last_head_row
+    counts = ("units_row", "data_row", "block_names_row", "block_columns", "skip_footer")
+    odd_mark = bool(mark) and (len(mark) != 1 or mark in _NO_SEPARATOR)
+    refusals = (
+        ("separator", odd_mark, 'use one character such as ";", "," or "\\t"; " " is any blanks'),
+        ("separator", not mark.isascii(), 'use an ASCII character such as ";"'),
+        ("decimal", layout.decimal not in ("", ".", ","), 'use "." or ","'),
+        ("date_order", layout.date_order not in ("", *ORDERS), 'use "dmy", "mdy" or "ymd"'),
+        ("header_row", layout.header_row < -1, "give a line number from 1, 0 for none, or leave it out"),
+        *((key, getattr(layout, key) < 0, "give a number from 1, or leave it out") for key in counts),
+        ("data_row", 0 < layout.data_row <= after, f"the data start after line {after}, the last head line"),
+    )
+    for key, is_wrong, fix in refusals:
+        if is_wrong:
+            what = f"[import] {key} = {getattr(layout, key)!r} cannot be used"
+            raise InputError(what, key=f"[import] {key}", fix=fix)
 
 
 def _typical_row(rows: Sequence[Sequence[str]]) -> Sequence[str]:

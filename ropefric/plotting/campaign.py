@@ -476,8 +476,8 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
             usable = fate != "without a force"
             head = f"{trial.measured_N:.4g} N" if usable else str(trial.breakaway.status)
             ink = _FATES[fate]["color"] if fate != "kept" else style.INK
-            _write(axes, column, row + 0.13, trial.trial[:16], color=style.INK, fontsize=6.5)
-            _write(axes, column + _WIDE, row + 0.27, head, color=ink, fontsize=6.5, ha="right", weight="bold")
+            axes.text(column, row + 0.13, trial.trial[:16], color=style.INK, fontsize=6.5)
+            axes.text(column + _WIDE, row + 0.27, head, color=ink, fontsize=6.5, ha="right", weight="bold")
             if trial.outline is None:
                 continue
             curve, pick, numbers = _in_cell(trial, trial.outline)
@@ -485,7 +485,7 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
             if usable and pick is not None:
                 picks[fate].append((pick[0] + column, pick[1] + row))
             for x, y, text, ha in numbers:
-                _write(axes, column + x, row + y, text, ha=ha, color=style.GREY, fontsize=5.5)
+                axes.text(column + x, row + y, text, ha=ha, color=style.GREY, fontsize=5.5)
         for fate, look in _FATES.items():
             # A label of its own for each, also where nothing has a mark.
             axes.add_collection(LineCollection(lines[fate], colors=look["color"], linewidths=0.7))
@@ -502,10 +502,6 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
     first, last = (trials[0].trial, trials[-1].trial) if trials else ("", "")
     alt = f"{counted(len(trials), 'recording')}, {first} to {last}, each with its pick; {without} without a force."
     return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
-
-
-def _write(axes: Axes, x: float, y: float, text: str, **look: Any) -> None:
-    axes.text(x, y, text, **{"va": "baseline"} | look)
 
 
 def _in_cell(

@@ -20,7 +20,7 @@ from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.files.disk import read_file, write_file
 from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree, to_spreadsheet
 from ropefric.files.text import GZIP_MAGIC
-from ropefric.pipeline import CampaignAnswer, answer_trials
+from ropefric.pipeline import answer_trials
 from ropefric.quantities import unit_factor
 from ropefric.traces.breakaway import Status
 from ropefric.traces.readers import read_recordings
@@ -30,8 +30,7 @@ from ropefric.trials import result as results
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import Campaign, TrialSpec
 from ropefric.trials.cells import CellTable, is_row, separator_of, stem_of, word_of
-from ropefric.trials.extract import ByRow, Progress, extract_rows, in_list_order
-from ropefric.trials.recording import blocks_of, tared_trace
+from ropefric.trials.extract import ByRow, Progress, blocks_of, extract_rows, in_list_order, tared_trace
 from ropefric.trials.result import TrialResult
 from ropefric.trials.table import table_of_extraction
 from ropefric.trials.trial_list import DECIDED, QUANTITIES, TEXTS
@@ -116,17 +115,6 @@ def decimated(curves: Curves, start_s: float, stop_s: float, columns: int) -> di
     names = ("time_s", "low_N", "high_N", "smoothed_N")
     tree = {name: _plain(values.tolist()) for name, values in zip(names, drawn, strict=False)}
     return {"start_s": start_s, "stop_s": stop_s, "begin_s": begin_s, "end_s": end_s} | tree
-
-
-def answer_of(answer: CampaignAnswer) -> dict[str, Any]:
-    """Return what all trials say, as few numbers as tell one answer from another."""
-    parameters = [[one.name, one.value, one.std] for one in answer.fit.parameters if one.vary]
-    lift, found = None, answer.prediction
-    if found is not None:
-        ends = dict(zip(("low_N", "high_N"), found.interval_N[0].tolist(), strict=True))
-        lift = _plain({"force_N": float(found.lift_force_N[0]), **ends, "level": found.level})
-    said = {"law": answer.fit.law, "verdict": answer.verdict.word, "reason": answer.verdict.reason}
-    return {**said, "parameters": _plain(parameters), "lift": lift}
 
 
 OWN_WORDS = "review: "
@@ -359,7 +347,9 @@ class Review:
             names = {*state.bare, *new.bare}
             changed = {name for name in names if state.bare.get(name) != new.bare.get(name)}
             if not changed <= {state.specs[trial].trial}:
-                raise _not_alone(changed, path)  # noqa: TRY301  (whatever is wrong, the list becomes what it was)
+                why = f"the decision would change other trials too: {', '.join(sorted(changed))}"
+                # Whatever is wrong, the list becomes what it was.
+                raise DataError(why, path=path, fix="write it into the list by hand")  # noqa: TRY301
         except BaseException:
             if read_file(path) == content:
                 write_file(path, state.content)
@@ -503,7 +493,13 @@ def _said(state: _State, law: str, progress: Callable[[str, int, int], None]) ->
         raise without
     rope_m, table = campaign.rope.radius_m, table_of_extraction(state.extraction)
     answer = answer_trials(table, design=campaign.design, rope_radius_m=rope_m, law=law, progress=progress)
-    return answer_of(answer)
+    parameters = [[one.name, one.value, one.std] for one in answer.fit.parameters if one.vary]
+    lift, found = None, answer.prediction
+    if found is not None:
+        ends = dict(zip(("low_N", "high_N"), found.interval_N[0].tolist(), strict=True))
+        lift = _plain({"force_N": float(found.lift_force_N[0]), **ends, "level": found.level})
+    said = {"law": answer.fit.law, "verdict": answer.verdict.word, "reason": answer.verdict.reason}
+    return {**said, "parameters": _plain(parameters), "lift": lift}
 
 
 def _is_readable(result: results.TrialResult) -> bool:
@@ -523,11 +519,6 @@ def _content_of(path: Path) -> bytes:
         fix = 'save it as a CSV file, and name that in the campaign file: trials = "trials.csv"'
         raise DataError(why, code="RF154", path=path, fix=fix)
     return content
-
-
-def _not_alone(changed: set[str], path: Path) -> DataError:
-    why = f"the decision would change other trials too: {', '.join(sorted(changed))}"
-    return DataError(why, path=path, fix="write it into the list by hand")
 
 
 def _changed(path: Path) -> DataError:

@@ -1,9 +1,9 @@
 """From a measuring campaign to its trial table.
 
 In: campaign.toml, the trial list trials.csv, recordings. `campaign` reads and checks the two files, whose keys and rows
-are `campaign_model` and `trial_list`, which also makes a list from the names of recordings. `extract` takes each
-recording through `recording`, in the processes of `workers`, or from its cache; `result` groups the results by condition
-and sets outliers aside by a rule of `outliers`.
+are `campaign_model` and `trial_list`, which also makes a list from the names of recordings. `extract` reads each
+recording in the processes of `workers`, or takes its results from the cache; `result` groups them by condition and sets
+outliers aside by a rule of `outliers`.
 Out: an Extraction (`result`, also as CSV files), and from it, or from a CSV file or frame, the TrialTable (`table`) that
 every fit starts from. `cells` is the reader of both tables, CSV or sheets.
 """

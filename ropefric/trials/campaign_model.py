@@ -97,10 +97,6 @@ def _point(value: object) -> tuple[float, float]:
 _POINT_N = read.quantity("N", "500 N")
 
 
-def _named(cells: dict[str, ForceCell]) -> dict[str, ForceCell]:
-    return {name: replace(cell, name=name) for name, cell in cells.items()}
-
-
 def protocol_names() -> Collection[str]:
     """Return the names of all protocols."""
     from ropefric.traces.protocols import PROTOCOLS  # noqa: PLC0415  (brings the pickers, which nothing here runs)
@@ -317,9 +313,10 @@ class CampaignFile(StrictTable):
     data: Text = "."
     plugins: tuple[Text, ...] = ()
     wheels: dict[str, Round] = Field(default_factory=dict)
-    cells: Annotated[dict[str, Annotated[ForceCell, _CELL]], AfterValidator(_named)] = Field(
-        default_factory=dict
-    )
+    cells: Annotated[
+        dict[str, Annotated[ForceCell, _CELL]],
+        AfterValidator(lambda cells: {name: replace(cell, name=name) for name, cell in cells.items()}),
+    ] = Field(default_factory=dict)
     adc: Annotated[Adc | None, _ADC] = None
     protocol: Protocol = Protocol()
     sampling_rate_Hz: Annotated[float | None, _of_one_key("rate", _RATE), Field(alias="sampling")] = None

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from statistics import NormalDist
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -90,8 +91,7 @@ class OutlierRule:
         return f"n = {n}, {self.label} cannot reject anything{reach}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Scaled:
+class Scaled(NamedTuple):
     """Values as `shift` + `scale`·`deviations`, with deviations of order 1."""
 
     shift: float
@@ -291,8 +291,7 @@ RULES: Registry[OutlierRule] = Registry(
 """Every rule: two-sigma (the paper's, the default), grubbs, chauvenet, mad (outliers cannot hide one another), none."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Trimming:
+class Trimming(NamedTuple):
     """What a rule does to clean normal series of n values."""
 
     ratio: float

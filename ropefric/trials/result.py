@@ -20,6 +20,7 @@ from ropefric.friction.condition import condition_groups
 from ropefric.shown import Shown
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
+from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign_model import Campaign, TrialRow
 from ropefric.trials.cells import QUANTITIES, stem_of
 from ropefric.trials.outliers import scaled, summarise
@@ -68,6 +69,39 @@ class Outline:
     def __post_init__(self) -> None:
         if len({curve.shape for curve in (self.time_s, self.low_N, self.high_N, self.smoothed_N)}) > 1:
             raise ValueError("the curves differ in length")
+
+
+BINS, DIGITS = 300, 6
+"""Of an outline, and of its numbers."""
+
+
+def draw_outline(trace: ForceTrace) -> Outline | None:
+    """Return the min-max envelope and the means of about 300 bins; None where no sample is there.
+
+    Numbers are rounded to six digits: no eye sees more, and a stored outline is a third as long.
+    """
+    time_s, force_N = trace.time_s, trace.force_N
+    present = np.isfinite(force_N)
+    if not present.all():
+        time_s, force_N = time_s[present], force_N[present]
+    if force_N.size == 0:
+        return None
+    n_bins = min(BINS, force_N.size)
+    starts = np.arange(n_bins) * force_N.size // n_bins
+    counts = np.diff(np.append(starts, force_N.size))
+    return Outline(
+        time_s=_to_digits(0.5 * (time_s[starts] + time_s[starts + counts - 1])),
+        low_N=_to_digits(np.minimum.reduceat(force_N, starts)),
+        high_N=_to_digits(np.maximum.reduceat(force_N, starts)),
+        smoothed_N=_to_digits(np.add.reduceat(force_N, starts) / counts),
+    )
+
+
+def _to_digits(values: FloatArray) -> FloatArray:
+    largest = float(np.abs(values).max())
+    if largest == 0.0:
+        return values + 0.0  # no negative zeros in stored files
+    return np.round(values, DIGITS - 1 - int(np.floor(np.log10(largest)))) + 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -452,8 +486,7 @@ def _rounded(row: Mapping[str, Any], *, known: str = "") -> dict[str, Any]:
 
 def _text(rows: Sequence[Mapping[str, Any]], columns: Sequence[str] = ()) -> str:
     heads = columns or list(rows[0] if rows else ())
-    return csv_text([heads, *([_cell(row[head]) for head in heads] for row in rows)])
-
-
-def _cell(value: Any) -> Any:
-    return csv_cell(_NAME_SEPARATOR.join(value) if isinstance(value, list) else value)
+    cells = (
+        [_NAME_SEPARATOR.join(row[h]) if isinstance(row[h], list) else row[h] for h in heads] for row in rows
+    )
+    return csv_text([heads, *(map(csv_cell, row) for row in cells)])

@@ -4,12 +4,13 @@ import glob
 import math
 import os
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
+from functools import partial
 from itertools import chain, count
 from pathlib import Path, PurePath, PurePosixPath
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -51,8 +52,7 @@ _MEANINGS = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TrialContext:
+class TrialContext(NamedTuple):
     """What the campaign file says that rows depend on; as far as it could be read.
 
     `needed` are the columns that must be there beside file, wheel and wrap: a tension, and force cells.
@@ -68,8 +68,7 @@ class TrialContext:
     protocol: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Row:
+class _Row(NamedTuple):
     """One row of the trial list as far as it can be read."""
 
     line: int
@@ -147,8 +146,7 @@ def _unnamed_columns(table: cells.CellTable) -> Iterator[Problem]:
             yield table.problem(held[0], "", "RF120", message, fix)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Reader:
+class _Reader(NamedTuple):
     """What the header and the campaign file say of every row."""
 
     table: cells.CellTable
@@ -351,28 +349,25 @@ def radius_doubt(radius_m: float) -> str:
 def advise(trials: Sequence[TrialSpec], path: str, *, rule: str, one_trial_each: bool) -> tuple[Problem, ...]:
     """Return warnings about a trial list without errors."""
     used = [trial for trial in trials if not trial.exclude]
-    doubts = [*_doubts(trials), *_unseen_effects(used)]
+    warn = partial(Problem, path=path, severity="warning")
+    doubts = [*_doubts(trials, warn), *_unseen_effects(used, warn)]
     if used and rule == "two-sigma" and one_trial_each and all(trial.sample != "*" for trial in used):
-        doubts += _few_repeats(used)
-    doubts.sort(key=lambda doubt: (doubt[0] or 0, doubt[2], doubt[1]))
-    return tuple(
-        Problem(code=code, message=message, path=path, line=line, key=key, fix=fix, severity="warning")
-        for line, key, code, message, fix in doubts
-    )
+        doubts += _few_repeats(used, warn)
+    return tuple(sorted(doubts, key=lambda doubt: (doubt.line or 0, doubt.code, doubt.key)))
 
 
-_Doubt = tuple[int | None, str, str, str, str]
-"""Line, key, code, message, remedy."""
+_Warn = Callable[..., Problem]
 
 
-def _doubts(trials: Sequence[TrialSpec]) -> Iterator[_Doubt]:
+def _doubts(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
     found: dict[tuple[str, str], list[tuple[str, int]]] = {}
     for trial in trials:
         for key, message, fix in _doubts_of(trial):
             found.setdefault((key, fix), []).append((message, trial.line))
     for (key, fix), hits in found.items():
         more = f" (and {len(hits) - 1} more rows)" if len(hits) > 1 else ""
-        yield hits[0][1], key, "RF140", hits[0][0] + more, fix
+        message, line = hits[0]
+        yield warn(code="RF140", message=message + more, line=line, key=key, fix=fix)
 
 
 def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:
@@ -398,7 +393,7 @@ def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:
         yield "rope_diameter", said, "check both, and whether a diameter stands for a radius"
 
 
-def _few_repeats(trials: Sequence[TrialSpec]) -> Iterator[_Doubt]:
+def _few_repeats(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
     group = condition_groups(*_settings(trials))
     counts = np.bincount(group)
     few, least = int(np.count_nonzero(counts < FEWEST_REPEATS)), int(counts.min())
@@ -409,7 +404,8 @@ def _few_repeats(trials: Sequence[TrialSpec]) -> Iterator[_Doubt]:
             "(largest possible |z| = (n-1)/sqrt(n))"
         )
         fix = f'plan {FEWEST_REPEATS} repeats or more, or choose [rejection] rule = "none" on purpose'
-        yield trials[int(np.argmax(counts[group] == least))].line, "", "RF310", message, fix
+        line = trials[int(np.argmax(counts[group] == least))].line
+        yield warn(code="RF310", message=message, line=line, fix=fix)
 
 
 def _settings(trials: Sequence[TrialSpec]) -> tuple[FloatArray, ...]:
@@ -420,7 +416,7 @@ def _settings(trials: Sequence[TrialSpec]) -> tuple[FloatArray, ...]:
     return tuple(np.array(column) for column in columns)
 
 
-def _unseen_effects(trials: Sequence[TrialSpec]) -> Iterator[_Doubt]:
+def _unseen_effects(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
     names = (
         ("wheel_radius", "ratio of wheel and rope radius", "size"),
         ("wrap_angle", "wrap angle", "wrap angle"),
@@ -430,7 +426,7 @@ def _unseen_effects(trials: Sequence[TrialSpec]) -> Iterator[_Doubt]:
         if len(trials) > 1 and distinct(values).size == 1:
             message = f"all trials have one {name}, so the effect of the {effect} cannot be seen"
             fix = f"measure at two or more values, or fit laws without an effect of the {effect}"
-            yield None, key, "RF311", message, fix
+            yield warn(code="RF311", message=message, key=key, fix=fix)
 
 
 # --- a list of trials from the names of the recordings ---

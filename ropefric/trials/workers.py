@@ -13,10 +13,9 @@ import warnings
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager, nullcontext, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 from ropefric.errors import RopefricError
 from ropefric.executors import carried, usable_cores
@@ -47,8 +46,7 @@ _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
 _READY, _DONE, _RAISED, _NO_MEMORY = range(4)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Limits:
+class Limits(NamedTuple):
     """What one recording may take."""
 
     memory_bytes: float = 2e9
@@ -61,8 +59,7 @@ class Limits:
         return f"{self.memory_bytes / scale:.4g} {unit}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Lost:
+class Lost(NamedTuple):
     """A piece of work that gave nothing, and why."""
 
     reason: str

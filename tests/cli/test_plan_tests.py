@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from ropefric.cli.app import find_commands
-from ropefric.cli.commands.wheels import read_levels
+from ropefric.cli.commands.laws import read_levels
 
 ROOT = Path(__file__).parents[2]
 COUPLED = ROOT / "fits" / "prth-coupled.json"

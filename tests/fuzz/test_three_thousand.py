@@ -25,7 +25,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from fuzz_kit import answered, limit
 
-from ropefric.cli.commands.wheels import read_levels
+from ropefric.cli.commands.laws import read_levels
 from ropefric.cli.options import parse_assignments
 from ropefric.errors import RopefricError
 from ropefric.fitting.fit import fit_law
@@ -35,7 +35,7 @@ from ropefric.scenes.scene import load_scene
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep import parse_axis
 from ropefric.trials.campaign import check_campaign, load_campaign
-from ropefric.trials.recording import extract_recording
+from ropefric.trials.extract import extract_recording
 from ropefric.trials.table import read_trial_table
 
 ROOT = Path(__file__).parents[2]

@@ -13,7 +13,7 @@ from ropefric.plotting.campaign import draw_condition
 from ropefric.plotting.figure import DataTable, FigureWithData, new_figure, short_path, svg_text
 from ropefric.plotting.style import LINE_STYLES, MARKERS, house_style, line_look
 from ropefric.traces.trace import ForceTrace
-from ropefric.trials.recording import draw_outline
+from ropefric.trials.result import draw_outline
 
 
 @pytest.fixture

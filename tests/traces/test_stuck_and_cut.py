@@ -16,7 +16,7 @@ from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign import load_campaign
-from ropefric.trials.recording import extract_recording
+from ropefric.trials.extract import extract_recording
 
 BENCH = Path(__file__).parents[2] / "data" / "prth-bench" / "campaign.toml"
 RATE_HZ = 3000.0

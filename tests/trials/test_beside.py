@@ -103,7 +103,7 @@ def doubtful_last(lab, in_process, monkeypatch):
         def __getitem__(self, _name):
             return type("Protocol", (), {"pick": staticmethod(pick)})
 
-    monkeypatch.setattr("ropefric.trials.recording.PROTOCOLS", Doubting())
+    monkeypatch.setattr("ropefric.trials.extract.PROTOCOLS", Doubting())
     lab.pulls(a=100, b=101, c=100.5, d=99)
     with in_process():
         yield lab

@@ -8,8 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ropefric.traces.breakaway import Status
-from ropefric.trials.extract import extract_campaign
-from ropefric.trials.recording import extract_recording
+from ropefric.trials.extract import extract_campaign, extract_recording
 
 HEAD = "time_s,force_N\n"
 FUZZ = settings(deadline=None, max_examples=80, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -15,7 +15,8 @@ import pytest
 
 from ropefric.cli.app import main
 from ropefric.files import disk
-from ropefric.trials import recording, workers
+from ropefric.trials import extract as recording
+from ropefric.trials import workers
 from ropefric.trials.extract import extract_campaign
 from ropefric.trials.result import write_tables
 

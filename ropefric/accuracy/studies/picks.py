@@ -19,7 +19,7 @@ from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign import load_campaign
-from ropefric.trials.recording import blocks_of, tared_trace
+from ropefric.trials.extract import blocks_of, tared_trace
 
 SEED, PER_FAMILY = 2027, 4
 RIGHT = 0.02

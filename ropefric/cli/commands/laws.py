@@ -1,23 +1,37 @@
-"""The commands of friction laws: fitted to a trial table, compared, and stored fits shown or made again."""
+"""The commands of friction laws: fitted and compared; stored fits shown, made again, and asked of wheels.
 
+A wheel's lift force, its uncertainty, the smallest wheel, the next tests, a table for a simulator.
+"""
+
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
-from typer import Argument, Option
+from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Words, command, exit_code_of, flag, listed, option
+from ropefric.cli.options import Answer, Number, Words, command, exit_code_of, flag, listed, option, quantity
 from ropefric.cli.output import Output, Progress
+from ropefric.errors import InputError
+from ropefric.files.disk import write_file, write_files
 
 with on_first_use():
-    from ropefric import section
+    from ropefric import pipeline, section
+    from ropefric.fitting import budgets, next_tests, resolution, store
     from ropefric.fitting import compare as comparing
+    from ropefric.fitting import design as designs
     from ropefric.fitting import diagnose as diagnosing
     from ropefric.fitting import fit as fitting
     from ropefric.fitting import intervals as confidence
-    from ropefric.fitting import store
+    from ropefric.fitting import predict as predicting
+    from ropefric.friction import condition as conditions
+    from ropefric.friction import laws as friction_laws
     from ropefric.report import parts
+    from ropefric.scenes import sweep
+    from ropefric.trials import campaign as campaigns
+    from ropefric.trials import extract as extracting
 
 
 _LARGE = 5_000_000
@@ -163,3 +177,392 @@ def verify(
     headings = ("fit", "", "change [standard errors]", "found ")
     shown = section.Section(headings=headings, rows=rows, left=2)
     return Answer({"ok": good, "fits": [item._asdict() for item in found]}, [shown], exit_code_of(good))
+
+
+@command(
+    'ropefric predict --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
+    '--end-tension "60 N"',
+    order=120,
+)
+def predict(
+    out: Output,
+    *,
+    fit: options.FitOption,
+    wheel_radius: float = quantity("--wheel-radius", "m", 'R_w, such as "35 mm".', needed=True),
+    wrap: float = quantity("--wrap", "rad", 'φ, such as "400 deg" or "1.5 turn".', needed=True),
+    end_tension: float = quantity("--end-tension", "N", 'F_B, such as "60 N".', needed=True),
+    rope_diameter: float | None = options.ROPE_DIAMETER,
+    speed: Number = quantity("--speed", "m/s", 'Of a running rope, such as "0.3 m/s".'),
+    linear_density: Number = quantity("--linear-density", "kg/m", 'Of a running rope, such as "62 g/m".'),
+    level: options.Level = 0.95,
+    method: str = Option("linear", metavar="linear|monte-carlo", help="How the uncertainty is carried over."),
+    hand: bool = flag("--hand", "Print the calculation, to be checked by hand."),
+) -> Answer:
+    """Predict the lift force of a wheel from a stored fit, with confidence and prediction interval.
+
+    Exits with 4 when the lift force is not supported: undecided, or not judged.
+    """
+    stored = options.read_fit(fit, out)
+    rope_m = options.rope_radius(stored, rope_diameter)
+    wheel = conditions.one_condition(wheel_radius, rope_m, wrap, end_tension)
+    running_rope = {"speed_m_s": speed, "linear_density_kg_m": linear_density}
+    # The library says what the method may be.
+    found = predicting.predict(stored, wheel, level=level, method=method, **running_rope)  # type: ignore[arg-type]
+    data = found.to_dict() | {"fit": fit, "fit_status": stored.status.value}
+    sections = [parts.prediction_section(found)]
+    if hand:
+        running = ("for the rope at rest, without the centrifugal term:",) if speed is not None else ()
+        lines = (*running, *stored.friction_law.calculation(stored.theta, wheel))
+        data["hand"] = list(lines)
+        sections.append(section.Section(title="By hand", lines=lines, verbatim=True))
+    return Answer(data, sections, exit_code_of(found.verdict()))
+
+
+_SHOWN = {"wrap": ("wrap", math.degrees(1.0), "deg"), "radius": ("wheel radius", 1e3, "mm"),
+          "end_tension": ("end tension", 1.0, "N")}  # fmt: skip
+
+
+@command(
+    'ropefric design --fit fits/prth-coupled.json --lift "900 N" --solve-for wrap --wheel-radius "40 mm" '
+    '--end-tension "80 N"',
+    order=140,
+)
+def design(
+    out: Output,
+    *,
+    fit: options.FitOption,
+    lift: float = quantity("--lift", "N", 'The load, such as "900 N".', needed=True),
+    solve_for: str = Option("wrap", metavar="wrap|radius|end-tension", help="What is looked for."),
+    wheel_radius: Number = quantity("--wheel-radius", "m", "R_w, unless looked for."),
+    wrap: Number = quantity("--wrap", "rad", "φ, unless looked for."),
+    end_tension: Number = quantity("--end-tension", "N", "F_B, unless looked for."),
+    rope_diameter: float | None = options.ROPE_DIAMETER,
+    probability: float = Option(
+        0.95, help="Probability, 0.5 or more, that one pull with a new rope lifts the load."
+    ),
+    on_average: bool = flag("--on-average", "Ask only that the mean law lifts the load."),
+    chart: Path | None = options.out_folder(
+        "Draw the lift force over wheel radius and wrap at this end tension there.", names=("--chart",)
+    ),
+    force: options.Force = False,
+) -> Answer:
+    """Find the smallest wrap, wheel radius or end tension that lifts a load with a probability.
+
+    Exits with 4 when there is none, or the law is not supported by its fit.
+    """
+    stored = options.read_fit(fit, out)
+    names = options.figure_names("design_chart")
+    # Before the work, so that a folder that cannot be used costs nothing.
+    with options.open_folder(chart, family="chart", names=names, inputs=[fit], force=force) as target:
+        asked: dict[str, Any] = {"lift_N": lift, "rope_radius_m": options.rope_radius(stored, rope_diameter)}
+        asked |= {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
+        asked["solve_for"] = solve_for.replace("-", "_")  # the library says what it may be
+        found = designs.design(stored, **asked, probability=None if on_average else probability)
+        reached = bool(found.reached[0])
+        files: tuple[Path, ...] = ()
+        if target is not None and reached:
+            from ropefric.plotting import design as charts  # noqa: PLC0415  (its package loads matplotlib)
+            from ropefric.plotting import figure  # noqa: PLC0415
+
+            # At the design's end tension.
+            at = conditions.one_condition(*(float(getattr(found, name)[0]) for name in conditions.SETTINGS))
+            chart_of_it = pipeline.chart_of_design(stored, at, probability)
+            drawn = charts.draw_design_chart(chart_of_it, required_N=float(found.required_N[0]))
+            files = figure.save_figure(drawn, target, "design_chart")
+            options.publish(out, target, "chart", files)
+    about = {"fit": fit, "law": stored.law, "fit_status": stored.status.value, "files": list(files)}
+    code = exit_code_of(reached and stored.verdict.supported)
+    return Answer(found.to_dict() | about, [_section(found)], code)
+
+
+def _section(found: "designs.Design") -> "section.Section":
+    title = f"A design for {found.required_N[0]:.4g} N"
+    if not found.reached[0]:
+        return section.Section(title=title, lines=(found.explain(),))
+    name, factor, unit = _SHOWN[found.solve_for]
+    wrap_deg, average_N = math.degrees(found.wrap_angle_rad[0]), found.lift_force_N[0]
+    where = f"R_w = {1e3 * found.wheel_radius_m[0]:.4g} mm, wrap {wrap_deg:.4g} deg"
+    lines = [
+        f"{name} = {found.value[0] * factor:.4g} {unit}",
+        f"{where}, F_B = {found.end_tension_N[0]:.4g} N: F_A = {average_N:.4g} N on average",
+    ]
+    if found.probability is not None:
+        share, bound_N = 100 * found.probability, found.lower_bound_N[0]
+        lines.append(f"{share:g} % of pulls with a new rope lift more than {bound_N:.4g} N")
+    if found.status[0] != 0:
+        lines.append(found.explain())
+    notes = ("the design lies outside what was tested",) if found.extrapolated[0] else ()
+    return section.Section(title=title, lines=tuple(lines), notes=notes)
+
+
+@command(
+    'ropefric plan-tests --fit fits/prth-coupled.json --wheels "15 mm, 30 mm, 60 mm" '
+    '--wraps "90 deg .. 1080 deg" --end-tensions "5 N .. 200 N" --max-force "800 N" --wheel-radius "100 mm" '
+    '--wrap "720 deg" --end-tension "80 N"',
+    order=150,
+)
+def plan_tests(
+    out: Output,
+    *,
+    wheels: str = Option(..., metavar="LENGTHS", help='The wheels there are: "15 mm, 20 mm, 40 mm".'),
+    wraps: str = Option(..., metavar="ANGLES", help='A list, or a range: "90 deg .. 1080 deg".'),
+    end_tensions: str = Option(..., metavar="FORCES", help='A list, or a range: "5 N .. 200 N".'),
+    max_force: float = quantity("--max-force", "N", "The largest F_A the cell takes.", needed=True),
+    wheel_radius: float = quantity("--wheel-radius", "m", "R_w of the wanted wheel.", needed=True),
+    wrap: float = quantity("--wrap", "rad", "φ of the wanted wheel.", needed=True),
+    end_tension: float = quantity("--end-tension", "N", "F_B of the wanted wheel.", needed=True),
+    fit: Path | None = Option(None, metavar="FIT.json", help="What is known already."),
+    law: str = Option("", help="Without a fit: the law."),
+    guess: options.Words = listed("NAME=VALUE", "Its parameters, guessed"),
+    hold: options.Words = listed("NAME", "A guessed parameter taken as known"),
+    rope_diameter: Number = options.diameter("--rope-diameter", "Needed with --law."),
+    n_conditions: int = Option(12, "--conditions", min=1, help="Conditions to plan."),
+    repeats: int = Option(12, min=1, help="Pulls of each."),
+    criterion: str = option("v|d", "The best for the wanted force (v), or the parameters (d).", default="v"),
+    scatter_within: Number = quantity("--scatter-within", "", 'Between repeats, such as "1.7 %".'),
+    scatter_between: Number = quantity("--scatter-between", "", "Between conditions."),
+    u_force: Number = quantity("--u-force", "N", "Of a force, by the measuring chain."),
+    levels: int = Option(12, min=2, help="Settings a range is divided into."),
+    level: options.Level = 0.95,
+    starts: int = Option(10, min=1, help="Starts of the search."),
+    seed: int = Option(0, min=0, help="Of those drawn at random."),
+    file: Path | None = Option(None, "--out", "-o", metavar="PLAN.csv", help="Write the plan there."),
+    force: bool = flag("--force", "Write over a file that holds anything else than this plan."),
+) -> Answer:
+    """Plan the conditions to test next, within what the rig can do, for one wanted lift force.
+
+    Starts from a stored fit, or from a law with guessed parameters, and shows the plan's worth beside that of an
+    equal number of tests that vary one factor at a time. The search knows which errors tests share (a cell, a wheel, a
+    weight), and says where more conditions help before repeats. Exits with 4 unless the fit supports its law.
+    """
+    if (fit is None) == (not law):
+        raise BadParameter("give a fit, or a law with --guess, and not both", param_hint="--fit")
+    before = None
+    options.refuse_file(file, fit)
+    if file is not None:  # before the work, as far as it can be known
+        before = file.read_bytes() if file.is_file() and not force else None
+        if before is not None and not before.startswith(b"condition,wheel_radius_mm"):
+            raise _taken(file)
+    radii_m = read_levels(wheels, "m", "--wheels", levels)
+    wraps_rad = read_levels(wraps, "rad", "--wraps", levels)
+    loads_N = read_levels(end_tensions, "N", "--end-tensions", levels)
+    exit_code, rope_m = 0, rope_diameter
+    known: dict[str, object] = {}
+    scatter = {"within": scatter_within, "between": scatter_between, "instrument_N": u_force}
+    if fit is not None:
+        stored = options.read_fit(fit, out)
+        rope_m, exit_code = options.rope_radius(stored, rope_diameter), exit_code_of(stored.verdict)
+        planned = next_tests.planned_fit(stored, **scatter)
+        known = {"fit": fit, "fit_status": stored.status.value}
+    else:
+        if scatter_within is None:
+            text = 'how far do repeats scatter? Write it like "1.7 %"'
+            raise BadParameter(text, param_hint="--scatter-within")
+        repeats_scatter = resolution.MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
+        at = options.parse_assignments(guess or [], option="--guess")
+        planned = next_tests.planned_guess(
+            friction_laws.ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold or ())
+        )
+    if rope_m is None:
+        raise BadParameter("a guessed law does not know its rope", param_hint="--rope-diameter")
+    can: dict[str, Any] = {"wheel_radius_m": radii_m, "wrap_angle_rad": wraps_rad, "end_tension_N": loads_N}
+    limits = resolution.RigLimits(**can, rope_radius_m=rope_m, largest_force_N=max_force)
+    wanted = conditions.one_condition(wheel_radius, rope_m, wrap, end_tension)
+    # The library says what the criterion may be.
+    how: dict[str, Any] = {"criterion": criterion, "level": level, "starts": starts, "seed": seed}
+    found = next_tests.plan_tests(planned, limits, wanted, n_conditions=n_conditions, repeats=repeats, **how)
+    if file is not None:
+        if before is not None and before != found.to_csv().encode():
+            raise _taken(file)
+        write_file(file, found.to_csv())
+        out.note(f"wrote {file}")
+    return Answer(found.to_dict() | known | {"written": file}, parts.plan_sections(found), exit_code)
+
+
+def _taken(path: Path) -> InputError:
+    # A lab writes into its plans, and nothing tells such a one from one as it was written.
+    why, fix = "the file is there already, with other content than this plan", "or replace it with --force"
+    return InputError(why, code="RF150", path=path.as_posix(), fix=f"choose another name, {fix}")
+
+
+def read_levels(text: str, unit: str, option: str, n: int) -> tuple[float, ...]:
+    """Return the settings of an option, in SI: a list of quantities, or a range divided into about n.
+
+    Wraps are divided evenly, in whole degrees; lengths and forces in even ratios.
+
+    Examples
+    --------
+    >>> read_levels("15 mm, 40 mm", "m", "--wheels", 12), read_levels("5 N .. 80 N", "N", "--end-tensions", 3)
+    ((0.015, 0.04), (5.0, 20.0, 80.0))
+    """
+    if ".." not in text:
+        parts = [part.strip() for part in text.replace(";", ",").split(",")]
+        return tuple(options.read_quantity(part, unit, option) for part in parts if part)
+    low, _, high = text.partition("..")
+    ends = [options.read_quantity(end.strip(" ."), unit, option) for end in (low, high)]
+    if unit != "rad":
+        return resolution.levels(ends[0], ends[1], n)
+    first, last = (float(f"{math.degrees(end):.12g}") for end in ends)
+    step = next((s for s in (45.0, 15.0, 5.0) if (n - 1) * s <= last - first), 1.0)
+    return tuple(math.radians(degrees) for degrees in resolution.levels(first, last, n, step=step))
+
+
+@command(
+    'ropefric budget --fit fits/prth-coupled.json --wheel-radius "35 mm" --wrap "400 deg" '
+    '--end-tension "60 N" --u-wrap "2 deg" --u-end-tension "0.5 N"',
+    order=130,
+)
+def budget(
+    out: Output,
+    source: Path | None = Argument(
+        None, metavar="[CAMPAIGN.toml|TRIALS.csv]", help="A campaign, or a trial table; or use --fit."
+    ),
+    *,
+    fit: Path | None = Option(None, metavar="FIT.json", help="Of a lift force by this fit."),
+    of: str = Option("force", "--quantity", metavar="force|mu", help="F_A, or μ̄ = ln(F_A/F_B)/φ."),
+    condition: int | None = Option(None, min=1, help="Only this condition, in full."),
+    wheel_radius: Number = quantity("--wheel-radius", "m", "R_w, with --fit."),
+    wrap: Number = quantity("--wrap", "rad", "φ, with --fit."),
+    end_tension: Number = quantity("--end-tension", "N", "F_B, with --fit."),
+    rope_diameter: Number = options.diameter("--rope-diameter", "Of another rope."),
+    u_wheel_radius: Number = quantity("--u-wheel-radius", "m", "Standard uncertainty of R_w."),
+    u_rope_diameter: Number = options.diameter("--u-rope-diameter", "Of the rope's diameter."),
+    u_wrap: Number = quantity("--u-wrap", "rad", 'Of the wrap, such as "2 deg".'),
+    u_end_tension: Number = quantity("--u-end-tension", "N", 'Of F_B, such as "0.5 N".'),
+    end_tension_measured: bool = flag(
+        "--end-tension-measured", "F_B is read by a second channel, no weights hang there."
+    ),
+    gain: Number = quantity(
+        "--gain", "", 'Limit of error of the gain, such as "0.1 %"; common to both channels.'
+    ),
+    gravity: Number = quantity(
+        "--gravity", "", 'Limit of error of g of the weights, such as "0 %" where it is known.'
+    ),
+    one_pull: bool = flag("--one-pull", "Of one pull with a new rope, not of the mean law."),
+    level: float = Option(0.95, help="Coverage probability, between 0 and 1."),
+    draws: int = Option(200_000, help="Draws that check the budget."),
+    seed: int = Option(0, min=0, help="Of the draws."),
+) -> Answer:
+    """State an uncertainty after the GUM: a budget line by line, checked by draws, and what would shrink it.
+
+    Of the conditions of a campaign or trial table, or, with --fit, of the lift force of a wheel that is known only so
+    well. Exits with 4 when a statement is not to be trusted.
+    """
+    check: dict[str, Any] = {"level": level, "draws": draws, "seed": seed}
+    if (source is None) == (fit is None):
+        raise BadParameter("give a campaign or trial table, or --fit, and not both", param_hint="--fit")
+    if fit is not None:
+        wheel = {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
+        values = (u_wheel_radius, u_rope_diameter, u_wrap, u_end_tension)
+        uncertainty = {name: u or 0.0 for name, u in zip(conditions.SETTINGS, values, strict=True)}
+        return _of_fit(out, fit, wheel, rope_diameter, uncertainty, check=check | {"one_pull": one_pull})
+    if of not in {"force", "mu"}:
+        raise BadParameter(f"{of!r} is neither force nor mu", param_hint="--quantity")
+    found = _conditions(out, Path(str(source)), gravity)
+    if condition is not None:
+        found = (budgets.condition_numbered(found, condition),)
+    if end_tension_measured:
+        found = tuple(budgets.with_measured_end(item, u_end_tension) for item in found)
+    check |= {"quantity": of, "u_wrap_angle_rad": u_wrap, "gain_limit": gain or 0.0}
+    stated = [(item, budgets.state_condition(item, **check)) for item in found]
+    if len(stated) == 1:
+        title = f"Uncertainty budget, {found[0].describe()}"
+        sections = parts.uncertainty_sections(stated[0][1], title)
+    else:
+        rows = [(item.number, item.describe().partition(": ")[2], each) for item, each in stated]
+        title = f"Uncertainty of {stated[0][1].model.symbol}; --condition N shows one in full"
+        sections = (parts.budgets_section(rows, title),)
+    trees = [
+        each.to_dict()
+        | {"condition": item.number, "lift_force_N": item.lift.force_N, "end_tension_N": item.end.force_N}
+        | {key: getattr(item, key) for key in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "n")}
+        for item, each in stated
+    ]
+    good = all(each.trustworthy for _, each in stated)
+    return Answer({"source": str(source), "budgets": trees}, sections, exit_code_of(good))
+
+
+def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budgets.MeasuredCondition, ...]":
+    """Return the conditions of a campaign, whose recordings are extracted, or of a trial table."""
+    limit = budgets.GRAVITY_LIMIT if gravity is None else gravity
+    file = options.campaign_file(path, or_table=True)
+    if file.suffix != ".toml":
+        return budgets.conditions_of_table(options.read_table(path, out), gravity_limit=limit)
+    campaign = campaigns.load_campaign(file, missing_recordings="flag")
+    with Progress(out, "extract") as progress:
+        extraction = extracting.extract_campaign(campaign, progress=progress.update)
+    tolerance = campaign.weights_tolerance
+    found = budgets.conditions_of_extraction(extraction, weights_tolerance=tolerance, gravity_limit=limit)
+    if not found:
+        fix = "`ropefric extract` says why for each"
+        raise InputError("no recording gave a usable force", code="RF301", path=file, fix=fix)
+    return found
+
+
+def _of_fit(
+    out: Output, path: Path, wheel: dict[str, float | None], rope_m: float | None,
+    uncertainty: dict[str, float], *, check: dict[str, Any],
+) -> Answer:  # fmt: skip
+    names = ("--wheel-radius", "--wrap", "--end-tension")
+    missing = [name for name, value in zip(names, wheel.values(), strict=True) if value is None]
+    if missing:
+        text = f"a budget of a fit is of one wheel: {' and '.join(missing)} missing"
+        raise BadParameter(text, param_hint=missing[0])
+    known = {name: float(value or 0.0) for name, value in wheel.items()}
+    stored = options.read_fit(path, out)
+    at = conditions.one_condition(rope_radius_m=options.rope_radius(stored, rope_m), **known)
+    stated = budgets.state_lift(stored, at, uncertainty, **check)
+    more = {"rope_radius_m": float(at.rope_radius_m[0]), "fit": path, "fit_status": stored.status.value}
+    title = f"Uncertainty budget of the {stated.model.name} by {stored.law}"
+    shown = parts.uncertainty_sections(stated, title)
+    return Answer(stated.to_dict() | known | more, shown, exit_code_of(stated.trustworthy))
+
+
+@command('ropefric export fits/prth-coupled.json --wrap "90 deg .. 1080 deg" --out mu.csv', order=155)
+def export(
+    out: Output,
+    fit_file: Path = Argument(metavar="FIT.json", help="A stored fit."),
+    *,
+    wrap: str = Option("", metavar="ANGLES", help='φ, a list, or a range: "90 deg .. 1080 deg".'),
+    end_tension: str = Option("", metavar="FORCES", help='F_B: "20 N, 80 N".'),
+    wheel_radius: str = Option("", metavar="LENGTHS", help='R_w: "20 mm .. 60 mm".'),
+    levels: int = Option(12, min=2, help="Settings a range is divided into."),
+    rope_diameter: float | None = options.ROPE_DIAMETER,
+    file: Path | None = Option(None, "--out", "-o", metavar="TABLE.csv", help="Write the table there."),
+    force: options.Force = False,
+) -> Answer:
+    """Hand a fit on to a simulator: a table μ(φ, F_B, R_w), and the constant that stands for it best over that range.
+
+    Of settings that are not given the table covers what was tested. The constant is the one whose largest relative
+    error of the lift force over the table is smallest; that error is said. Exits with 4 when the law is not supported by
+    its fit.
+    """
+    options.refuse_file(file, fit_file)
+    stored = options.read_fit(fit_file, out)
+    asked = {
+        "wrap_angle_rad": (wrap, "rad", "--wrap"),
+        "end_tension_N": (end_tension, "N", "--end-tension"),
+        "wheel_radius_m": (wheel_radius, "m", "--wheel-radius"),
+    }
+    given = {name: read_levels(*words, levels) for name, words in asked.items() if words[0]}
+    rope_m = options.rope_radius(stored, rope_diameter)
+    found = predicting.friction_table(stored, rope_radius_m=rope_m, **given)
+    columns = {name: getattr(found, name) for name in found._framed}  # noqa: SLF001  (what its frame holds)
+    names = ("law", "constant_mu", "constant_error")
+    data = {name: getattr(found, name) for name in names} | {
+        "rows": found.mu_average.size,
+        "extrapolated": int(found.extrapolated.sum()),
+        "unanswered": int((found.mu_average != found.mu_average).sum()),
+        "files": [],
+    }
+    if file is not None:
+        content = {file.name: sweep.columns_text(columns).encode()}
+        data["files"] = [*map(str, write_files(file.parent, content, overwrite=force))]
+        out.note(f"wrote {file}")
+    percent = f"{100 * found.constant_error:.3g} %"
+    lines = (
+        f"{found.mu_average.size} points of law {found.law}, {data['extrapolated']} outside what was tested",
+        f"the constant μ = {found.constant_mu:.4g} is off by {percent} of the lift force at most",
+    )
+    shown = [section.Section("A law for a simulator", lines)]
+    return Answer(data, shown, exit_code_of(stored.verdict))

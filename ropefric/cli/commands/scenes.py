@@ -22,7 +22,7 @@ with on_first_use():
     from ropefric.files import folder as folders
     from ropefric.papers import paper as papers
     from ropefric.report import cost_page
-    from ropefric.report import scene as pages
+    from ropefric.report import parts as pages
     from ropefric.scenes import draws as drawing
     from ropefric.scenes import kinds, plan
     from ropefric.scenes import scene as scenes

@@ -4,7 +4,7 @@ import math
 import sys
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
 from itertools import accumulate
 from pathlib import Path
@@ -17,7 +17,7 @@ from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Number, Words, command, exit_code_of, flag, listed, option, quantity
 from ropefric.cli.output import PIPE_WIDTH, Output, Progress, width_of
 from ropefric.errors import DataError, InputError, Problem, UnknownNameError, raise_problems
-from ropefric.files.disk import refuse_input, refuse_special, write_file
+from ropefric.files.disk import write_file
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 
@@ -110,8 +110,7 @@ def inspect(
     if file.is_dir():
         raise DataError("this is a folder, not a recording", path=file, fix=_fix_of_folder(file))
     if write_profile is not None:  # before the work
-        refuse_special(write_profile)
-        refuse_input(write_profile, file)
+        options.refuse_file(write_profile, file)
         if write_profile.exists() and not force:
             fix = "choose another name, or add --force"
             raise InputError("the file is there already", code="RF150", path=write_profile, fix=fix)
@@ -424,5 +423,5 @@ def check_plugin(
     )  # fmt: skip
     lines = tuple(f"{one.member}: {one.broken}" for one in broken)
     shown = [table, *([section.Section(title="What is broken", lines=lines)] if lines else [])]
-    data = {"plugin": plugin.to_dict(), "ok": not broken, "promises": [asdict(one) for one in findings]}
+    data = {"plugin": plugin.to_dict(), "ok": not broken, "promises": [one._asdict() for one in findings]}
     return Answer(data, shown, exit_code_of(not broken))

@@ -84,11 +84,10 @@ def draw_overview(extraction: Extraction) -> FigureWithData:
     longest = max((len(name) for name, *_ in rows), default=0)
     counts = f"{counted(n, 'trial')}: {result.outcome_words(result.count_trials(extraction))}"
     band_inch = 0.19 * len(CHECKS) + 0.25 + 0.065 * min(longest, 20)
-    with drawing(10.0, 1.1 + band_inch * len(bands)) as figure:
-        panels = figure.subplots(len(bands), 1, squeeze=False)[:, 0]
+    with drawing(10.0, 1.1 + band_inch * len(bands), nrows=len(bands), squeeze=False) as (figure, panels):
         if not rows:
-            style.say_instead(panels[0], "there is no trial")
-        for axes, band in zip(panels, bands if rows else (), strict=False):
+            style.say_instead(panels[0, 0], "there is no trial")
+        for axes, band in zip(panels[:, 0], bands if rows else (), strict=False):
             _draw_band(axes, band, width)
         figure.suptitle(f"{extraction.name}, {counts}")
         style.legend_of_figure(figure)
@@ -208,8 +207,9 @@ def draw_condition(
         f"R_w = {wheel_mm} mm,  R_r = {rope_mm} mm,  φ = {wrap_deg}°,  {symbol} = {tension_N} N"
     )
     colors = style.shades(len(trials))
-    with drawing(margins=_MARGINS) as figure:
-        panels = figure.subplots(1, 2, width_ratios=(3, 2)) if traces else [figure.subplots()]
+    sides: dict[str, Any] = {"ncols": 2, "width_ratios": (3, 2)} if traces else {}
+    with drawing(10.0, 5.0, margins=_MARGINS, squeeze=False, **sides) as (figure, rows):
+        panels = rows[0]
         for axes, left in zip(panels, (-0.1, -0.16) if traces else (-0.065,), strict=True):
             # Where they have room in any case: to look for it, matplotlib sets the numbers at the axes thrice.
             axes.xaxis.set_label_coords(0.5, -0.09)
@@ -413,8 +413,7 @@ _FATES: dict[str, Any] = {
 def draw_recording(trial: TrialResult) -> FigureWithData:
     """Return one recording: what was recorded, its mean, the break-away force picked from it, the force of sliding."""
     outline, found = trial.outline, trial.breakaway
-    with drawing(5.2, 4.3) as figure:
-        axes = figure.subplots()
+    with drawing(5.2, 4.3) as (figure, axes):
         axes.set(xlabel=style.figure_label("time_s"), ylabel=style.figure_label("force_N"))
         if outline is None:
             style.say_instead(axes, "the recording could not be read")
@@ -439,7 +438,7 @@ def draw_recording(trial: TrialResult) -> FigureWithData:
         f"The recording {trial.trial}: picked {style.shown(found.peak_N, 'N')} at "
         f"{style.shown(found.peak_time_s, 's')}, sliding at {style.shown(found.kinetic_N, 'N')}."
     )
-    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
+    return FigureWithData(figure, (DataTable(columns),), alt)
 
 
 def pages_of_recordings(trials: Sequence[TrialResult]) -> Iterator[tuple[TrialResult, ...]]:
@@ -466,8 +465,7 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
     high_inch = 0.42 + 0.92 * down
     # Room for a row of legend, whatever the height.
     margins = {"left": 0.005, "right": 0.995, "top": 1.0, "bottom": 0.4 / high_inch}
-    with drawing(10.0, high_inch, margins=margins) as figure:
-        axes = figure.subplots()
+    with drawing(10.0, high_inch, margins=margins) as (figure, axes):
         axes.set(xlim=(0.0, ACROSS), ylim=(down, 0.0))
         axes.set_axis_off()
         for place, trial in enumerate(trials):
@@ -501,7 +499,7 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
     without = sum(trial.outcome == "without a force" for trial in trials)
     first, last = (trials[0].trial, trials[-1].trial) if trials else ("", "")
     alt = f"{counted(len(trials), 'recording')}, {first} to {last}, each with its pick; {without} without a force."
-    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
+    return FigureWithData(figure, (DataTable(columns),), alt)
 
 
 def _write(axes: Axes, x: float, y: float, text: str, **look: Any) -> None:

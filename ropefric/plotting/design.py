@@ -28,8 +28,7 @@ def draw_ladder(comparison: Comparison) -> FigureWithData:
     entries = comparison.ranking
     conditions = counted(comparison.n, comparison.unit.removesuffix("s"))
     laws = f"{counted(len(entries), 'law')} on {counted(comparison.n_trials, 'trial')}"
-    with drawing(10.0, 1.7 + 0.36 * max(len(entries), 2)) as figure:
-        axes = figure.subplots()
+    with drawing(10.0, 1.7 + 0.36 * max(len(entries), 2)) as (figure, axes):
         axes.axvspan(-0.4, _EVEN, color=style.BLUE, alpha=0.12, linewidth=0)
         axes.axvline(_CLEAR, color=style.GREY, linewidth=1.0, linestyle=":")
         largest = max([entry.delta_aicc for entry in entries if _is_ranked(entry)], default=_CLEAR)
@@ -109,8 +108,7 @@ def draw_budget(
         parts[1] = [value**2 / total for value in parts[0].tolist()]
         parts[2] = np.cumsum(parts[1])
     columns = dict(zip(("contribution", "share", "cumulative_share"), parts, strict=True))
-    with drawing(10.0, 1.9 + 0.38 * max(len(names), 2)) as figure:
-        axes = figure.subplots()
+    with drawing(10.0, 1.9 + 0.38 * max(len(names), 2)) as (figure, axes):
         axes.set_xlabel(f"Contribution to the standard uncertainty [{unit or '-'}]")
         if total > 0.0:
             _draw_contributions(axes, names, parts)
@@ -155,8 +153,7 @@ def draw_tornado(rows: Sequence[tuple[str, float, float, float]]) -> FigureWithD
         ((*row, float(width)) for row, width in zip(rows, widths, strict=True)), key=lambda row: -row[4]
     )
     base_N = rows[0][3]
-    with drawing(10.0, 1.7 + 0.42 * max(len(ranked), 2)) as figure:
-        axes = figure.subplots()
+    with drawing(10.0, 1.7 + 0.42 * max(len(ranked), 2)) as (figure, axes):
         axes.set_xlabel(style.figure_label("lift_force_N"))
         _draw_swings(axes, ranked, base_N)
         style.legend_of_figure(figure)
@@ -200,8 +197,7 @@ def draw_design_chart(chart: DesignChart, *, required_N: float | None = None) ->
     n_wheels, n_wraps = chart.wheel_radius_m.size, chart.wrap_angle_rad.size
     radii_mm = [f"{1e3 * radius_m:.4g} mm" for radius_m in chart.wheel_radius_m.tolist()]
     wraps_rad: list[float] = []
-    with drawing(9.0, 6.0) as figure:
-        axes = figure.subplots()
+    with drawing(9.0, 6.0) as (figure, axes):
         for row, color in enumerate(style.shades(n_wheels)):
             _draw_wheel(axes, chart, row, color, style.typeset(f"R_w = {radii_mm[row]}"))
         if required_N is not None:

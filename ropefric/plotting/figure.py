@@ -109,7 +109,7 @@ def _listed(column: Iterable[object]) -> list[object]:
     return column.tolist() if isinstance(column, np.ndarray) else list(column)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class FigureWithData:
     """A figure and the tables of what it shows."""
 
@@ -194,17 +194,17 @@ def new_figure(
 
 @contextmanager
 def drawing(
-    width_inch: float = 10.0, height_inch: float = 5.0, *, margins: Mapping[str, float] | None = None
-) -> Iterator[Figure]:
-    """Give an empty figure to draw on, in the house's style."""
+    width_inch: float, height_inch: float, *, margins: Mapping[str, float] | None = None, **panels: Any
+) -> Iterator[tuple[Figure, Any]]:
+    """Give an empty figure to draw on, in the house's style, and its axes, an array of them where they are several."""
     with house_style():
-        yield new_figure(width_inch, height_inch, margins=margins)
+        figure = new_figure(width_inch, height_inch, margins=margins)
+        yield figure, figure.subplots(**panels)
 
 
 def draw_chart(chart: Chart) -> FigureWithData:
     """Return the figure of a chart: its lines, thin grey ones for limits, a point where a line has one value."""
-    with drawing(9.0, 6.0) as figure:
-        axes = figure.subplots()
+    with drawing(9.0, 6.0) as (figure, axes):
         drawn = 0
         for line in chart.lines:
             if line.limit:

@@ -54,8 +54,7 @@ def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
     places = [axis.values[::step] / axis.factor for axis, step in zip(kept, steps, strict=True)]
     path, _, last = name.rpartition(".")
     label = (f"{path}: " if path else "") + (style.figure_label(last) if last in GLOSSARY else last)
-    with drawing(9.0, 6.0) as figure:
-        axes = figure.subplots()
+    with drawing(9.0, 6.0) as (figure, axes):
         axes.set_xlabel(across.label)
         if not outer:
             axes.plot(places[0], grid, color="black")
@@ -84,8 +83,8 @@ def draw_explanation(told: Explanation) -> FigureWithData:
     rows, inside = np.arange(len(shown)), np.array([one.fate == "simulated" for one in shown])
     columns = {name: np.array([getattr(one, name) for one in shown]) for name in ("bound", "worth", "time_s")}
     least = 1e-3 * min([told.plan.accuracy, *columns["bound"][columns["bound"] > 0.0]])
-    with drawing(9.0, 1.6 + 0.35 * len(shown)) as figure:
-        worth, takes = figure.subplots(1, 2, sharey=True, width_ratios=(3, 1 + told.is_measured))
+    side: dict[str, Any] = {"ncols": 2, "sharey": True, "width_ratios": (3, 1 + told.is_measured)}
+    with drawing(9.0, 1.6 + 0.35 * len(shown), **side) as (figure, (worth, takes)):
         # A worth without a bound reaches to the edge.
         most = 3.0 * max([1.0, *columns["bound"][np.isfinite(columns["bound"])]])
         bars = np.clip(np.nan_to_num(columns["bound"], nan=0.0, posinf=most), least, most)
@@ -119,8 +118,7 @@ def draw_layout(scene: Scene) -> FigureWithData:
     if not belts:
         raise InputError(f"there is no figure of this {scene.kind.name} scene", fix="use to_frame()")
     largest_mm = 1e3 * max(wheel.radius_m for wheels in belts.values() for wheel in wheels)
-    with drawing(9.0, 1.8 + 2.2 * len(belts)) as figure:
-        axes = figure.subplots()
+    with drawing(9.0, 1.8 + 2.2 * len(belts)) as (figure, axes):
         for row, (belt, wheels) in enumerate(belts.items()):
             place, ends, before = np.array([0.0, -4.2 * largest_mm * row]), [], wheels[0]
             for i, wheel in enumerate(wheels):
@@ -235,9 +233,8 @@ def draw_press_start_up(found: StartUp) -> FigureWithData:
     spans, rollers = ([part.name for part in parts] for parts in (found.press.spans, found.press.rollers))
     rims_m_s = found.roller_speed_rad_s * [roller.radius_m for roller in found.press.rollers]
     margins = {"left": 0.13, "right": 0.84, "top": 0.96, "bottom": 0.05, "hspace": 0.16}
-    with drawing(9.0, 11.0, margins=margins) as figure:
-        panels = figure.subplots(4, 1, sharex=True, height_ratios=[3.2, 2.0, 1.2, 1.0])
-        tension, speed, slip, energy = panels
+    rows: dict[str, Any] = {"nrows": 4, "sharex": True, "height_ratios": [3.2, 2.0, 1.2, 1.0]}
+    with drawing(9.0, 11.0, margins=margins, **rows) as (figure, (tension, speed, slip, energy)):
         tension.set_xlim(found.time_s[0], found.time_s[-1])
         tension.set(title="Start-up: tension of every span, all its belts together", ylabel="Tension T [N]")
         lines = _same_tensions(spans, found.tension_N)
@@ -263,7 +260,7 @@ def draw_press_start_up(found: StartUp) -> FigureWithData:
         f"the belt slips on {ones}." if ones else "no belt slips."
     )
     tables = histories, DataTable.of_rows(header, slips, "slips")
-    return FigureWithData(figure=figure, tables=tables, alt=alt)
+    return FigureWithData(figure, tables, alt)
 
 
 def _slipped(found: StartUp) -> list[str]:
@@ -326,8 +323,7 @@ def draw_saw_chart(chart: SawChart) -> FigureWithData:
     """
     top_Hz = 1.08 * max(float(found.max()) for found in chart.mode_Hz.values())
     fastest_m_s = float(chart.speed_m_s[-1])
-    with drawing(9.0, 6.5) as figure:
-        axes = figure.subplots()
+    with drawing(9.0, 6.5) as (figure, axes):
         axes.set(xlim=(float(chart.speed_m_s[0]), fastest_m_s), ylim=(0.0, top_Hz))
         axes.set(xlabel="Blade speed v [m/s]", ylabel="Frequency f [Hz]")
         axes.set_title(

@@ -68,8 +68,7 @@ def draw(result: Any, *args: Any, **options: Any) -> Figure:
     if isinstance(result, Solution):
         for _, made in scene_figures(result):
             return made.figure
-    with drawing(8.0, 4.5) as figure:
-        axes = figure.subplots()
+    with drawing(8.0, 4.5) as (figure, axes):
         paint(result, axes, *args, **options)
         if axes.get_legend() is None and axes.get_legend_handles_labels()[0]:
             axes.legend()

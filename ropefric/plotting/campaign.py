@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 from textwrap import shorten
 from typing import Any
@@ -20,7 +21,7 @@ from ropefric.arrays import FloatArray
 from ropefric.files.folder import Folder, as_folder
 from ropefric.glossary import counted
 from ropefric.plotting import style
-from ropefric.plotting.figure import DataTable, FigureWithData, begin, drawing, figure_files, localize
+from ropefric.plotting.figure import DataTable, FigureWithData, Progress, drawing, start_drawing
 from ropefric.traces.breakaway import Status
 from ropefric.trials import result
 from ropefric.trials.outliers import RULES
@@ -38,8 +39,8 @@ _LOOKS: dict[str, Any] = {
 _ONE_BAND, _BAND, _MANY = 40, 100, 600
 
 
-def _status(*failing: Status) -> Callable[[TrialResult], str]:
-    return lambda trial: FAIL if trial.breakaway.status in failing else OK
+def _status(failing: Status) -> Callable[[TrialResult], str]:
+    return lambda trial: FAIL if trial.breakaway.status is failing else OK
 
 
 def _saturation(trial: TrialResult) -> str:
@@ -131,10 +132,12 @@ _MARGINS = {"left": 0.09, "right": 0.985, "top": 0.86, "bottom": 0.27, "wspace":
 _LONGEST_REASON = 24
 _CROWDED = 6
 """Trials above which a reason is written upright, so that it does not run into its neighbours."""
-_OWN = ("trial", "file", "peak_N", "peak_std_N", "end_tension_N")
-_FATE = ("kept", "rejected_by", "excluded")
-
-Progress = Callable[[int, int, str], None]
+_OF_TRIAL = (
+    *("trial", "file", "peak_N", "peak_std_N", "end_tension_N"),
+    *("breakaway.peak_time_s", "breakaway.kinetic_N", "breakaway.status"),
+    *("kept", "rejected_by", "excluded"),
+)
+_OF_TRACE = {"time_s": "time_s", "low_N": "low_N", "high_N": "high_N", "mean_N": "smoothed_N"}
 
 
 def conditions_of(extraction: Extraction) -> dict[str, tuple[ConditionSummary, list[TrialResult]]]:
@@ -170,29 +173,9 @@ def start_condition_figures(
     executor: Executor | None = None,
 ) -> Callable[[Progress | None], tuple[Path, ...]]:
     """Begin to draw each condition of an extraction, if there is an executor; return what writes the figures."""
-    target = as_folder(folder)
-    conditions = conditions_of(extraction)
-    jobs = {stem: partial(_files, *item, f"{under}{stem}", language) for stem, item in conditions.items()}
-    drawn = begin(jobs, executor)
-
-    def write(progress: Progress | None = None) -> tuple[Path, ...]:
-        written: dict[str, tuple[Path, ...]] = dict.fromkeys(conditions, ())
-        for done, (stem, files) in enumerate(drawn(), start=1):
-            # Workers draw, and this process alone writes.
-            written[stem] = target.write(files)
-            if progress is not None:
-                progress(done, len(conditions), stem)
-        return tuple(path for paths in written.values() for path in paths)
-
-    return write
-
-
-def _files(
-    summary: ConditionSummary, trials: Sequence[TrialResult], stem: str, language: str
-) -> dict[str, bytes]:
-    drawn = draw_condition(summary, trials)
-    localize(drawn.figure, language)
-    return figure_files(drawn, stem)
+    drawings = {stem: partial(draw_condition, *item) for stem, item in conditions_of(extraction).items()}
+    write = start_drawing(drawings, as_folder(folder), executor, under=under, language=language)
+    return lambda progress=None: tuple(path for _, paths in write(progress).values() for path in paths)
 
 
 def draw_condition(
@@ -220,9 +203,7 @@ def draw_condition(
         _draw_strip(panels[-1], summary, trials, colors)
         figure.suptitle(f"{title}   —   {summary.n_kept} of {summary.n_recorded} trials kept")
     tables = (_trial_table(trials), *([_trace_table(trials)] if traces else []))
-    return FigureWithData(
-        figure=figure, tables=tables, alt=_in_words(summary, style.plain_text(title), trials)
-    )
+    return FigureWithData(figure, tables, _in_words(summary, style.plain_text(title), trials))
 
 
 def _in_words(summary: ConditionSummary, title: str, trials: Sequence[TrialResult]) -> str:
@@ -244,21 +225,14 @@ def _measures_slack(trials: Iterable[TrialResult]) -> bool:
 
 
 def _trial_table(trials: Sequence[TrialResult]) -> DataTable:
-    picked = ("peak_time_s", "kinetic_N", "status")
-    columns = {name: [getattr(trial, name) for trial in trials] for name in _OWN}
-    columns |= {name: [getattr(trial.breakaway, name) for trial in trials] for name in picked}
-    columns |= {name: [getattr(trial, name) for trial in trials] for name in _FATE}
-    return DataTable(columns)
+    return DataTable({path.rpartition(".")[2]: [*map(attrgetter(path), trials)] for path in _OF_TRIAL})
 
 
 def _trace_table(trials: Sequence[TrialResult]) -> DataTable:
-    columns: dict[str, list[object]] = {name: [] for name in ("trial", "time_s", "low_N", "high_N", "mean_N")}
-    for trial in _recordings_of(trials):
-        found = trial.outline
-        curves = (found.time_s, found.low_N, found.high_N, found.smoothed_N)
-        parts = ([trial.trial] * found.time_s.size, *(curve.tolist() for curve in curves))
-        for column, part in zip(columns.values(), parts, strict=True):
-            column.extend(part)
+    shown = _recordings_of(trials)
+    columns = {"trial": [trial.trial for trial in shown for _ in trial.outline.time_s]}
+    for heading, name in _OF_TRACE.items():
+        columns[heading] = [value for trial in shown for value in getattr(trial.outline, name).tolist()]
     return DataTable(columns, "traces")
 
 

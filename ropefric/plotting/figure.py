@@ -44,23 +44,14 @@ from ropefric.plotting.style import (
 from ropefric.section import Chart
 
 T = TypeVar("T")
+Draw = Callable[[], "FigureWithData"]
+Progress = Callable[[int, int, str], None]
 
 # Without date and matplotlib's version, which would change an unchanged figure.
 FORMATS = {"png": ("Software",), "svg": ("Date", "Creator"), "pdf": ("CreationDate", "Creator", "Producer")}
 """What a figure can be written as, and what is not to be said in it."""
 
 _PARSERS: dict[str, Any] = {}
-
-
-def begin(
-    jobs: Mapping[str, Callable[[], T]], executor: Executor | None
-) -> Callable[[], Iterable[tuple[str, T]]]:
-    """Begin to draw, if there is an executor; return what gives the name and the outcome of each job as it is done."""
-    if executor is None:
-        return lambda: ((name, _done(job)) for name, job in jobs.items())
-    forget_fonts()  # the executor may fork here, and this process goes on drawing
-    names = {executor.submit(_done, job): name for name, job in jobs.items()}
-    return lambda: ((names[future], future.result()) for future in as_completed(names))
 
 
 def _done(job: Callable[[], T]) -> T:
@@ -232,6 +223,55 @@ def save_figure(
 ) -> tuple[Path, ...]:
     """Write a figure as PNG and the CSV of its data; return the paths, the picture first."""
     return as_folder(folder).write(figure_files(figure, stem))
+
+
+def start_drawing(
+    drawings: Mapping[str, Draw],
+    folder: Folder,
+    executor: Executor | None,
+    **how: Any,
+) -> Callable[[Progress | None], dict[str, tuple[str, tuple[Path, ...]]]]:
+    """Begin to draw figures, if there is an executor; return what writes their files.
+
+    That returns for each figure its SVG, where it is to stand on a page, and the paths of its files.
+    """
+    jobs = {stem: partial(_drawn, draw, stem, **how) for stem, draw in drawings.items()}
+    if executor is not None:
+        forget_fonts()  # the executor may fork here, and this process goes on drawing
+        futures = {executor.submit(_done, job): stem for stem, job in jobs.items()}
+
+    def write(progress: Progress | None = None) -> dict[str, tuple[str, tuple[Path, ...]]]:
+        drawn: Iterable[tuple[str, tuple[str, dict[str, bytes]]]]
+        if executor is None:
+            drawn = ((stem, _done(job)) for stem, job in jobs.items())
+        else:
+            drawn = ((futures[one], one.result()) for one in as_completed(futures))
+        made: dict[str, tuple[str, tuple[Path, ...]]] = dict.fromkeys(jobs, ("", ()))
+        for done, (stem, (svg, files)) in enumerate(drawn, start=1):
+            # Workers draw, and this process alone writes.
+            made[stem] = svg, folder.write(files)
+            if progress is not None:
+                progress(done, len(jobs), stem)
+        return made
+
+    return write
+
+
+def _drawn(
+    draw: Draw,
+    stem: str,
+    *,
+    under: str = "",
+    on_page: bool = False,
+    language: str = "en",
+    names: Collection[str] = (),
+    formats: Collection[str] = ("png",),
+) -> tuple[str, dict[str, bytes]]:
+    """Draw a figure; return it as SVG for a page, if it stands `on_page`, and its files, those `under` a folder."""
+    figure = draw()
+    localize(figure.figure, language, names)
+    files = figure_files(figure, f"{under}{stem}", formats=formats)
+    return svg_text(figure, stem=stem) if on_page else "", files
 
 
 def figure_files(figure: FigureWithData, stem: str, *, formats: Iterable[str] = ("png",)) -> dict[str, bytes]:

@@ -1,12 +1,13 @@
 """The figures of scenes: charts, sweeps as lines or a map, a press's start-up, a saw's Campbell chart."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from itertools import cycle
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from scipy.optimize import isotonic_regression
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
@@ -200,27 +201,14 @@ def name_lines(axes: Axes, ends: Iterable[tuple[str, float]], *, gap: float = 0.
     to_axes = axes.transData + axes.transAxes.inverted()
     right = axes.get_xlim()[1]
     wanted = sorted((float(to_axes.transform((right, value))[1]), name) for name, value in ends)
-    # Names in order that are too close form a block about its mean; blocks that meet join.
-    blocks = [[place] for place, _ in wanted]
-    i = 0
-    while i < len(blocks) - 1:
-        low, high = _spread(blocks[i], gap), _spread(blocks[i + 1], gap)
-        if high[0] - low[-1] < gap - 1e-9:
-            blocks[i : i + 2] = [blocks[i] + blocks[i + 1]]
-            i = max(i - 1, 0)
-        else:
-            i += 1
-    spread = [place for block in blocks for place in _spread(block, gap)]
+    # As near to their lines as a gap between them lets them, by least squares.
+    steps = gap * np.arange(len(wanted))
+    spread = isotonic_regression([place for place, _ in wanted] - steps).x + steps
     arrow = {"arrowstyle": "-", "color": style.GREY, "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
     for (true, name), place in zip(wanted, spread, strict=True):
         look: dict[str, Any] = {"va": "center", "fontsize": 9.0, "arrowprops": arrow}
         look["annotation_clip"] = False
         axes.annotate(style.typeset(name), (1.0, true), (1.03, place), xycoords="axes fraction", **look)
-
-
-def _spread(block: Sequence[float], gap: float) -> list[float]:
-    middle = sum(block) / len(block)
-    return [middle + gap * (i - 0.5 * (len(block) - 1)) for i in range(len(block))]
 
 
 def draw_press_start_up(found: StartUp) -> FigureWithData:

@@ -9,7 +9,7 @@ from promise import check_promise, costly
 
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.report.scene import solution_sections
+from ropefric.report.parts import solution_sections
 from ropefric.scenes.plan import explain_scene, make_plan
 from ropefric.scenes.solve import solve_scene
 from ropefric.section import as_text

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from itertools import groupby
-from operator import attrgetter
 from pathlib import Path
 from textwrap import shorten
 from typing import Any
@@ -175,7 +174,11 @@ def start_condition_figures(
     """Begin to draw each condition of an extraction, if there is an executor; return what writes the figures."""
     drawings = {stem: partial(draw_condition, *item) for stem, item in conditions_of(extraction).items()}
     write = start_drawing(drawings, as_folder(folder), executor, under=under, language=language)
-    return lambda progress=None: tuple(path for _, paths in write(progress).values() for path in paths)
+
+    def write_all(progress: Progress | None = None) -> tuple[Path, ...]:
+        return tuple(path for _, paths in write(progress).values() for path in paths)
+
+    return write_all
 
 
 def draw_condition(
@@ -202,7 +205,7 @@ def draw_condition(
             _draw_traces(panels[0], trials, colors)
         _draw_strip(panels[-1], summary, trials, colors)
         figure.suptitle(f"{title}   —   {summary.n_kept} of {summary.n_recorded} trials kept")
-    tables = (_trial_table(trials), *([_trace_table(trials)] if traces else []))
+    tables = (DataTable.of(trials, _OF_TRIAL), *([_trace_table(trials)] if traces else []))
     return FigureWithData(figure, tables, _in_words(summary, style.plain_text(title), trials))
 
 
@@ -222,10 +225,6 @@ def _in_words(summary: ConditionSummary, title: str, trials: Sequence[TrialResul
 
 def _measures_slack(trials: Iterable[TrialResult]) -> bool:
     return any(trial.measures_slack for trial in trials)
-
-
-def _trial_table(trials: Sequence[TrialResult]) -> DataTable:
-    return DataTable({path.rpartition(".")[2]: [*map(attrgetter(path), trials)] for path in _OF_TRIAL})
 
 
 def _trace_table(trials: Sequence[TrialResult]) -> DataTable:
@@ -256,9 +255,8 @@ def _draw_traces(axes: Axes, trials: Sequence[TrialResult], colors: Sequence[Any
     color_of = {trial.trial: color for trial, color in zip(trials, colors, strict=True)}
     looks = [color_of[trial.trial] if _is_usable(trial) else style.GREY for trial in recordings]
     outlines = [trial.outline for trial in recordings]
-    envelopes = [
-        np.column_stack([np.r_[o.time_s, o.time_s[::-1]], np.r_[o.low_N, o.high_N[::-1]]]) for o in outlines
-    ]
+    around = [(np.r_[o.time_s, o.time_s[::-1]], np.r_[o.low_N, o.high_N[::-1]]) for o in outlines]
+    envelopes = [np.column_stack(one) for one in around]
     means = [np.column_stack([o.time_s, o.smoothed_N]) for o in outlines]
     label = "recorded, min to max"
     axes.add_collection(PolyCollection(envelopes, facecolors=looks, alpha=0.25, linewidths=0, label=label))
@@ -321,10 +319,9 @@ def _draw_strip(
         why = trial.excluded or RULES[trial.rejected_by].label
         reason = shorten(why, _LONGEST_REASON, placeholder=" …")
         point = (order, trial.measured_N)
-        if len(trials) > _CROWDED:
-            style.note_at(axes, reason, point, 9.0, va="center", color=style.GREY, rotation=90, zorder=6)
-        else:
-            style.note_at(axes, reason, point, 0.0, 10.0, color=style.GREY, zorder=6)
+        upright: dict[str, Any] = {"right": 9.0, "va": "center", "rotation": 90}
+        where = upright if len(trials) > _CROWDED else {"up": 10.0}
+        style.note_at(axes, reason, point, color=style.GREY, zorder=6, **where)
     _draw_flags(axes, {order: trial for order, trial, _ in numbered if not _is_usable(trial)})
     if not usable:
         axes.text(0.5, 0.5, "no usable force", transform=axes.transAxes, ha="center", color=style.GREY)
@@ -448,8 +445,8 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
             usable = fate != "without a force"
             head = f"{trial.measured_N:.4g} N" if usable else str(trial.breakaway.status)
             ink = _FATES[fate]["color"] if fate != "kept" else style.INK
-            _write(axes, column, row + 0.13, trial.trial[:16], color=style.INK, fontsize=6.5)
-            _write(axes, column + _WIDE, row + 0.27, head, color=ink, fontsize=6.5, ha="right", weight="bold")
+            axes.text(column, row + 0.13, trial.trial[:16], color=style.INK, fontsize=6.5)
+            axes.text(column + _WIDE, row + 0.27, head, color=ink, fontsize=6.5, ha="right", weight="bold")
             if trial.outline is None:
                 continue
             curve, pick, numbers = _in_cell(trial, trial.outline)
@@ -457,7 +454,7 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
             if usable and pick is not None:
                 picks[fate].append((pick[0] + column, pick[1] + row))
             for x, y, text, ha in numbers:
-                _write(axes, column + x, row + y, text, ha=ha, color=style.GREY, fontsize=5.5)
+                axes.text(column + x, row + y, text, ha=ha, color=style.GREY, fontsize=5.5)
         for fate, look in _FATES.items():
             # A label of its own for each, also where nothing has a mark.
             axes.add_collection(LineCollection(lines[fate], colors=look["color"], linewidths=0.7))
@@ -467,17 +464,11 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
                 mark |= {"marker": look["marker"], "c": look["color"], "linewidths": 0.5, "zorder": 4}
                 axes.scatter(at[0], at[1], s=14, label=fate, **mark)
         style.legend_of_figure(figure)
-    names = ("trial", "file", "measured_N", "outcome")
-    columns = {name: [getattr(trial, name) for trial in trials] for name in names}
-    columns["peak_time_s"] = [trial.breakaway.peak_time_s for trial in trials]
+    names = ("trial", "file", "measured_N", "outcome", "breakaway.peak_time_s")
     without = sum(trial.outcome == "without a force" for trial in trials)
     first, last = (trials[0].trial, trials[-1].trial) if trials else ("", "")
     alt = f"{counted(len(trials), 'recording')}, {first} to {last}, each with its pick; {without} without a force."
-    return FigureWithData(figure, (DataTable(columns),), alt)
-
-
-def _write(axes: Axes, x: float, y: float, text: str, **look: Any) -> None:
-    axes.text(x, y, text, **{"va": "baseline"} | look)
+    return FigureWithData(figure, (DataTable.of(trials, names),), alt)
 
 
 def _in_cell(

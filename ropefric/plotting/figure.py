@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 from xml.etree import ElementTree as ET
@@ -84,6 +85,12 @@ class DataTable(NamedTuple):
         """Return the table of rows under a header."""
         columns = zip(*rows, strict=True) if rows else [()] * len(header)
         return cls(dict(zip(header, columns, strict=True)), name)
+
+    @classmethod
+    def of(cls, records: Iterable[Any], paths: Sequence[str], name: str = "") -> "DataTable":
+        """Return the table of some attributes of records, given by their paths, under the last of their names."""
+        found = [*records]
+        return cls({path.rpartition(".")[2]: [*map(attrgetter(path), found)] for path in paths}, name)
 
     @property
     def header(self) -> tuple[str, ...]:

@@ -31,6 +31,7 @@ _BAND = ("lift_force_N", "low_N", "high_N", "new_rope_low_N", "new_rope_high_N")
 _LIMIT = 2.0
 _NO_TRIALS = "no trials stored with the fit"
 _BY_2U = "bars: ±2 u (k = 2)"
+_BARS: dict[str, Any] = {"fmt": "o", "elinewidth": 1.0, "capsize": 2.0}
 _OTHERS = {"label": "other conditions", "color": style.GREY, "markerfacecolor": "white", "markersize": 3.5}
 _CHOSEN: dict[str, Any] = {"color": style.INK, "markersize": 5.5}
 
@@ -173,7 +174,7 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
 
 def _draw_means(axes: Axes, x: FloatArray, y: FloatArray, bars: FloatArray, **look: Any) -> None:
     """Draw means of conditions with their bars."""
-    axes.errorbar(x, y, yerr=bars, **{"fmt": "o", "elinewidth": 1.0, "capsize": 2.0} | look)
+    axes.errorbar(x, y, yerr=bars, **_BARS | look)
 
 
 def _average_mu(fit: FitResult, settings: dict[str, Any], over: str) -> tuple[FloatArray, FloatArray]:

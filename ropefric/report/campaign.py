@@ -352,8 +352,8 @@ def _decided_section(extraction: result.Extraction) -> Iterator[Section]:
         if trial.decision or (trial.excluded and trial.by):
             what = trial.decision or f"excluded: {trial.excluded}"
             without = [note for note in trial.breakaway.notes if note.startswith("without the decision")]
-            cells = trial.trial, what, plain(trial.measured_N), trial.by, trial.why, "; ".join(without)
-            rows.append(cells)
+            own = trial.by, trial.why, "; ".join(without)
+            rows.append((trial.trial, what, plain(trial.measured_N), *own))
     if rows:
         headings = ("trial", "decision ", "F_A [N]", "by ", "why ", "and else ")
         yield Section("Decided by people", headings=headings, rows=rows, left=1)

@@ -359,7 +359,9 @@ class Review:
             names = {*state.bare, *new.bare}
             changed = {name for name in names if state.bare.get(name) != new.bare.get(name)}
             if not changed <= {state.specs[trial].trial}:
-                raise _not_alone(changed, path)  # noqa: TRY301  (whatever is wrong, the list becomes what it was)
+                why = f"the decision would change other trials too: {', '.join(sorted(changed))}"
+                # Whatever is wrong, the list becomes what it was.
+                raise DataError(why, path=path, fix="write it into the list by hand")  # noqa: TRY301
         except BaseException:
             if read_file(path) == content:
                 write_file(path, state.content)
@@ -523,11 +525,6 @@ def _content_of(path: Path) -> bytes:
         fix = 'save it as a CSV file, and name that in the campaign file: trials = "trials.csv"'
         raise DataError(why, code="RF154", path=path, fix=fix)
     return content
-
-
-def _not_alone(changed: set[str], path: Path) -> DataError:
-    why = f"the decision would change other trials too: {', '.join(sorted(changed))}"
-    return DataError(why, path=path, fix="write it into the list by hand")
 
 
 def _changed(path: Path) -> DataError:

@@ -98,7 +98,7 @@ def draw_overview(extraction: Extraction) -> FigureWithData:
     if told:
         marked = (f"{told[check]} {opposite}" for check, (opposite, _) in CHECKS.items() if told[check])
         alt += f" By check: {', '.join(marked)}."
-    return FigureWithData(figure=figure, tables=(DataTable.of_rows(("trial", *CHECKS), rows),), alt=alt)
+    return FigureWithData(figure, (DataTable.of_rows(("trial", *CHECKS), rows),), alt)
 
 
 def _draw_band(axes: Axes, band: Sequence[tuple[str, ...]], width: int) -> None:

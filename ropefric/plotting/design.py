@@ -117,7 +117,7 @@ def draw_budget(
         told = [f"{name} {style.shown(u, unit, 3)} ({100 * share:.3g} %)" for name, u, share in largest]
         said = f"combined standard uncertainty {sum_of_all}; the largest contributions are {', '.join(told)}"
     table = DataTable({"quantity": names, **columns})
-    return FigureWithData(figure=figure, tables=(table,), alt=f"Uncertainty budget of {title}: {said}.")
+    return FigureWithData(figure, (table,), f"Uncertainty budget of {title}: {said}.")
 
 
 def _draw_contributions(axes: Axes, names: Sequence[str], parts: FloatArray) -> None:
@@ -155,7 +155,7 @@ def draw_tornado(rows: Sequence[tuple[str, float, float, float]]) -> FigureWithD
     alt = f"Lift force F_A, {style.shown(base_N, 'N')} in the base case, when one input changes at a time: "
     alt += f"{'; '.join(spans)}."
     header = ("quantity", "low_N", "high_N", "base_N", "swing_N")
-    return FigureWithData(figure=figure, tables=(DataTable.of_rows(header, ranked),), alt=alt)
+    return FigureWithData(figure, (DataTable.of_rows(header, ranked),), alt)
 
 
 def _draw_swings(axes: Axes, ranked: Sequence[tuple[str, float, float, float, float]], base_N: float) -> None:
@@ -231,7 +231,7 @@ def draw_design_chart(chart: DesignChart, *, required_N: float | None = None) ->
         )
         found = map(" ".join, zip(radii_mm, needs, strict=True))
         alt += f" For {required_N:.4g} N, lifted with probability {chart.probability:g}: {'; '.join(found)}."
-    return FigureWithData(figure=figure, tables=tuple(tables), alt=alt)
+    return FigureWithData(figure, tuple(tables), alt)
 
 
 def _smallest_wrap(chart: DesignChart, row: int, needed_N: float) -> float:

@@ -12,7 +12,6 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
 from operator import attrgetter
@@ -107,23 +106,18 @@ def _listed(column: Iterable[object]) -> list[object]:
     return column.tolist() if isinstance(column, np.ndarray) else list(column)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class FigureWithData:
-    """A figure and the tables of what it shows."""
+    """A figure, the tables of what it shows, and its words, made of the labels of its axes where there are none."""
 
-    figure: Figure
-    tables: tuple[DataTable, ...]
-    alt: str = ""
-
-    def __post_init__(self) -> None:
+    def __init__(self, figure: Figure, tables: tuple[DataTable, ...], alt: str = "") -> None:
         # Names of trials and machine parts are anybody's: the one place that keeps them from being taken for TeX.
-        rewrite_words(self.figure, figure_text)
-        if not self.alt.strip():
-            pairs = [(axes.get_ylabel(), axes.get_xlabel()) for axes in self.figure.axes]
+        rewrite_words(figure, figure_text)
+        if not alt.strip():
+            pairs = [(axes.get_ylabel(), axes.get_xlabel()) for axes in figure.axes]
             named = [" over ".join(word for word in pair if word) for pair in pairs]
             panels = plain_text("; ".join(words for words in named if words)) or "Figure"
-            rows = len(self.tables[0].rows) if self.tables else 0
-            object.__setattr__(self, "alt", f"{panels} ({counted(rows, 'row')} of data).")
+            alt = f"{panels} ({counted(len(tables[0].rows) if tables else 0, 'row')} of data)."
+        self.figure, self.tables, self.alt = figure, tables, alt
 
 
 def rewrite_words(figure: Figure, rewrite: Callable[[str], str]) -> None:
@@ -222,7 +216,7 @@ def draw_chart(chart: Chart) -> FigureWithData:
         chart.y_column: np.concatenate([line.y for line in chart.lines], dtype=np.float64),
     }
     alt = f"{chart.title}: {chart.y_label} over {chart.x_label} of {', '.join(names)}."
-    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
+    return FigureWithData(figure, (DataTable(columns),), alt)
 
 
 def save_figure(

@@ -74,7 +74,7 @@ def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
     meshes = zip(sweep.axes, np.meshgrid(*places, indexing="ij"), strict=True)
     columns = {axis.key: each.ravel() for axis, each in meshes}
     table = DataTable(columns | {name: grid.ravel()})
-    return FigureWithData(figure=figure, tables=(table,))
+    return FigureWithData(figure, (table,))
 
 
 def draw_explanation(told: Explanation) -> FigureWithData:
@@ -102,7 +102,7 @@ def draw_explanation(told: Explanation) -> FigureWithData:
     alt = ", ".join(f"{one.name} {one.bound:.2g} ({one.fate})" for one in shown)
     named: dict[str, Any] = {"effect": [one.name for one in shown], "fate": [one.fate for one in shown]}
     table = DataTable({**named, **columns})
-    return FigureWithData(figure=figure, tables=(table,), alt=f"What effects are worth at most: {alt}.")
+    return FigureWithData(figure, (table,), f"What effects are worth at most: {alt}.")
 
 
 _ROLES = {"driver": style.BLUE, "driven": style.GREY, "tensioner": style.ORANGE}
@@ -146,7 +146,7 @@ def draw_layout(scene: Scene) -> FigureWithData:
     ]
     table = DataTable.of_rows(("runs_over_it", "wheel", "role", "radius_m", "wrap_angle_rad"), rows)
     told = ", ".join(f"{one[1]} {1e3 * one[3]:.4g} mm, {math.degrees(one[4]):.4g} deg" for one in rows)
-    return FigureWithData(figure=figure, tables=(table,), alt=f"Layout of a {scene.kind.name}: {told}.")
+    return FigureWithData(figure, (table,), f"Layout of a {scene.kind.name}: {told}.")
 
 
 def _draw_wheel(

@@ -43,7 +43,7 @@ def draw_work_precision(result: StudyResult) -> FigureWithData:
             axes.remove()
         figure.suptitle(title, y=0.995, va="top")
         style.legend_of_figure(figure, columns=columns)
-    return FigureWithData(figure=figure, tables=(_table(result),), alt=_alt(result))
+    return FigureWithData(figure, (_table(result),), _alt(result))
 
 
 def _frame(

@@ -92,8 +92,7 @@ def _break_away() -> FigureWithData:
     trace = rf.read_trial(BENCH, trial)
     found = rf.find_breakaway(trace)
     time_s, force_N = trace.time_s, rf.smooth(trace, 0.004).force_N
-    with drawing(9.0, 4.6) as figure:
-        axes = figure.subplots()
+    with drawing(9.0, 4.6) as (figure, axes):
         axes.plot(time_s, force_N, color=style.INK, linewidth=0.9, label="force, 4 ms means")
         for place, phase in enumerate(found.phases):
             axes.axvspan(

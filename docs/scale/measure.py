@@ -184,8 +184,7 @@ def picture(told: dict) -> str:
         svg_text,
     )
 
-    with drawing(7.2, 4.6) as figure:
-        axes = figure.subplots()
+    with drawing(7.2, 4.6) as (figure, axes):
         for place, (kind, said) in enumerate(NAMES.items()):
             points = told["points"][kind]
             look = style.line_look(place) | {"marker": style.MARKERS[place % len(style.MARKERS)]}

@@ -20,7 +20,7 @@ from ropefric.arrays import FloatArray
 from ropefric.files.folder import Folder, as_folder
 from ropefric.glossary import counted
 from ropefric.plotting import style
-from ropefric.plotting.figure import DataTable, FigureWithData, begin, drawing, figure_files, localize
+from ropefric.plotting.figure import DataTable, FigureWithData, Progress, drawing, start_drawing
 from ropefric.traces.breakaway import Status
 from ropefric.trials import result
 from ropefric.trials.outliers import RULES
@@ -38,8 +38,8 @@ _LOOKS: dict[str, Any] = {
 _ONE_BAND, _BAND, _MANY = 40, 100, 600
 
 
-def _status(*failing: Status) -> Callable[[TrialResult], str]:
-    return lambda trial: FAIL if trial.breakaway.status in failing else OK
+def _status(failing: Status) -> Callable[[TrialResult], str]:
+    return lambda trial: FAIL if trial.breakaway.status is failing else OK
 
 
 def _saturation(trial: TrialResult) -> str:
@@ -84,11 +84,10 @@ def draw_overview(extraction: Extraction) -> FigureWithData:
     longest = max((len(name) for name, *_ in rows), default=0)
     counts = f"{counted(n, 'trial')}: {result.outcome_words(result.count_trials(extraction))}"
     band_inch = 0.19 * len(CHECKS) + 0.25 + 0.065 * min(longest, 20)
-    with drawing(10.0, 1.1 + band_inch * len(bands)) as figure:
-        panels = figure.subplots(len(bands), 1, squeeze=False)[:, 0]
+    with drawing(10.0, 1.1 + band_inch * len(bands), nrows=len(bands), squeeze=False) as (figure, panels):
         if not rows:
-            style.say_instead(panels[0], "there is no trial")
-        for axes, band in zip(panels, bands if rows else (), strict=False):
+            style.say_instead(panels[0, 0], "there is no trial")
+        for axes, band in zip(panels[:, 0], bands if rows else (), strict=False):
             _draw_band(axes, band, width)
         figure.suptitle(f"{extraction.name}, {counts}")
         style.legend_of_figure(figure)
@@ -99,7 +98,7 @@ def draw_overview(extraction: Extraction) -> FigureWithData:
     if told:
         marked = (f"{told[check]} {opposite}" for check, (opposite, _) in CHECKS.items() if told[check])
         alt += f" By check: {', '.join(marked)}."
-    return FigureWithData(figure=figure, tables=(DataTable.of_rows(("trial", *CHECKS), rows),), alt=alt)
+    return FigureWithData(figure, (DataTable.of_rows(("trial", *CHECKS), rows),), alt)
 
 
 def _draw_band(axes: Axes, band: Sequence[tuple[str, ...]], width: int) -> None:
@@ -132,10 +131,12 @@ _MARGINS = {"left": 0.09, "right": 0.985, "top": 0.86, "bottom": 0.27, "wspace":
 _LONGEST_REASON = 24
 _CROWDED = 6
 """Trials above which a reason is written upright, so that it does not run into its neighbours."""
-_OWN = ("trial", "file", "peak_N", "peak_std_N", "end_tension_N")
-_FATE = ("kept", "rejected_by", "excluded")
-
-Progress = Callable[[int, int, str], None]
+_OF_TRIAL = (
+    *("trial", "file", "peak_N", "peak_std_N", "end_tension_N"),
+    *("breakaway.peak_time_s", "breakaway.kinetic_N", "breakaway.status"),
+    *("kept", "rejected_by", "excluded"),
+)
+_OF_TRACE = {"time_s": "time_s", "low_N": "low_N", "high_N": "high_N", "mean_N": "smoothed_N"}
 
 
 def conditions_of(extraction: Extraction) -> dict[str, tuple[ConditionSummary, list[TrialResult]]]:
@@ -171,29 +172,13 @@ def start_condition_figures(
     executor: Executor | None = None,
 ) -> Callable[[Progress | None], tuple[Path, ...]]:
     """Begin to draw each condition of an extraction, if there is an executor; return what writes the figures."""
-    target = as_folder(folder)
-    conditions = conditions_of(extraction)
-    jobs = {stem: partial(_files, *item, f"{under}{stem}", language) for stem, item in conditions.items()}
-    drawn = begin(jobs, executor)
+    drawings = {stem: partial(draw_condition, *item) for stem, item in conditions_of(extraction).items()}
+    write = start_drawing(drawings, as_folder(folder), executor, under=under, language=language)
 
-    def write(progress: Progress | None = None) -> tuple[Path, ...]:
-        written: dict[str, tuple[Path, ...]] = dict.fromkeys(conditions, ())
-        for done, (stem, files) in enumerate(drawn(), start=1):
-            # Workers draw, and this process alone writes.
-            written[stem] = target.write(files)
-            if progress is not None:
-                progress(done, len(conditions), stem)
-        return tuple(path for paths in written.values() for path in paths)
+    def write_all(progress: Progress | None = None) -> tuple[Path, ...]:
+        return tuple(path for _, paths in write(progress).values() for path in paths)
 
-    return write
-
-
-def _files(
-    summary: ConditionSummary, trials: Sequence[TrialResult], stem: str, language: str
-) -> dict[str, bytes]:
-    drawn = draw_condition(summary, trials)
-    localize(drawn.figure, language)
-    return figure_files(drawn, stem)
+    return write_all
 
 
 def draw_condition(
@@ -208,8 +193,9 @@ def draw_condition(
         f"R_w = {wheel_mm} mm,  R_r = {rope_mm} mm,  φ = {wrap_deg}°,  {symbol} = {tension_N} N"
     )
     colors = style.shades(len(trials))
-    with drawing(margins=_MARGINS) as figure:
-        panels = figure.subplots(1, 2, width_ratios=(3, 2)) if traces else [figure.subplots()]
+    sides: dict[str, Any] = {"ncols": 2, "width_ratios": (3, 2)} if traces else {}
+    with drawing(10.0, 5.0, margins=_MARGINS, squeeze=False, **sides) as (figure, rows):
+        panels = rows[0]
         for axes, left in zip(panels, (-0.1, -0.16) if traces else (-0.065,), strict=True):
             # Where they have room in any case: to look for it, matplotlib sets the numbers at the axes thrice.
             axes.xaxis.set_label_coords(0.5, -0.09)
@@ -219,10 +205,8 @@ def draw_condition(
             _draw_traces(panels[0], trials, colors)
         _draw_strip(panels[-1], summary, trials, colors)
         figure.suptitle(f"{title}   —   {summary.n_kept} of {summary.n_recorded} trials kept")
-    tables = (_trial_table(trials), *([_trace_table(trials)] if traces else []))
-    return FigureWithData(
-        figure=figure, tables=tables, alt=_in_words(summary, style.plain_text(title), trials)
-    )
+    tables = (DataTable.of(trials, _OF_TRIAL), *([_trace_table(trials)] if traces else []))
+    return FigureWithData(figure, tables, _in_words(summary, style.plain_text(title), trials))
 
 
 def _in_words(summary: ConditionSummary, title: str, trials: Sequence[TrialResult]) -> str:
@@ -243,22 +227,11 @@ def _measures_slack(trials: Iterable[TrialResult]) -> bool:
     return any(trial.measures_slack for trial in trials)
 
 
-def _trial_table(trials: Sequence[TrialResult]) -> DataTable:
-    picked = ("peak_time_s", "kinetic_N", "status")
-    columns = {name: [getattr(trial, name) for trial in trials] for name in _OWN}
-    columns |= {name: [getattr(trial.breakaway, name) for trial in trials] for name in picked}
-    columns |= {name: [getattr(trial, name) for trial in trials] for name in _FATE}
-    return DataTable(columns)
-
-
 def _trace_table(trials: Sequence[TrialResult]) -> DataTable:
-    columns: dict[str, list[object]] = {name: [] for name in ("trial", "time_s", "low_N", "high_N", "mean_N")}
-    for trial in _recordings_of(trials):
-        found = trial.outline
-        curves = (found.time_s, found.low_N, found.high_N, found.smoothed_N)
-        parts = ([trial.trial] * found.time_s.size, *(curve.tolist() for curve in curves))
-        for column, part in zip(columns.values(), parts, strict=True):
-            column.extend(part)
+    shown = _recordings_of(trials)
+    columns = {"trial": [trial.trial for trial in shown for _ in trial.outline.time_s]}
+    for heading, name in _OF_TRACE.items():
+        columns[heading] = [value for trial in shown for value in getattr(trial.outline, name).tolist()]
     return DataTable(columns, "traces")
 
 
@@ -282,9 +255,8 @@ def _draw_traces(axes: Axes, trials: Sequence[TrialResult], colors: Sequence[Any
     color_of = {trial.trial: color for trial, color in zip(trials, colors, strict=True)}
     looks = [color_of[trial.trial] if _is_usable(trial) else style.GREY for trial in recordings]
     outlines = [trial.outline for trial in recordings]
-    envelopes = [
-        np.column_stack([np.r_[o.time_s, o.time_s[::-1]], np.r_[o.low_N, o.high_N[::-1]]]) for o in outlines
-    ]
+    around = [(np.r_[o.time_s, o.time_s[::-1]], np.r_[o.low_N, o.high_N[::-1]]) for o in outlines]
+    envelopes = [np.column_stack(one) for one in around]
     means = [np.column_stack([o.time_s, o.smoothed_N]) for o in outlines]
     label = "recorded, min to max"
     axes.add_collection(PolyCollection(envelopes, facecolors=looks, alpha=0.25, linewidths=0, label=label))
@@ -347,10 +319,9 @@ def _draw_strip(
         why = trial.excluded or RULES[trial.rejected_by].label
         reason = shorten(why, _LONGEST_REASON, placeholder=" …")
         point = (order, trial.measured_N)
-        if len(trials) > _CROWDED:
-            style.note_at(axes, reason, point, 9.0, va="center", color=style.GREY, rotation=90, zorder=6)
-        else:
-            style.note_at(axes, reason, point, 0.0, 10.0, color=style.GREY, zorder=6)
+        upright: dict[str, Any] = {"right": 9.0, "va": "center", "rotation": 90}
+        where = upright if len(trials) > _CROWDED else {"up": 10.0}
+        style.note_at(axes, reason, point, color=style.GREY, zorder=6, **where)
     _draw_flags(axes, {order: trial for order, trial, _ in numbered if not _is_usable(trial)})
     if not usable:
         axes.text(0.5, 0.5, "no usable force", transform=axes.transAxes, ha="center", color=style.GREY)
@@ -413,8 +384,7 @@ _FATES: dict[str, Any] = {
 def draw_recording(trial: TrialResult) -> FigureWithData:
     """Return one recording: what was recorded, its mean, the break-away force picked from it, the force of sliding."""
     outline, found = trial.outline, trial.breakaway
-    with drawing(5.2, 4.3) as figure:
-        axes = figure.subplots()
+    with drawing(5.2, 4.3) as (figure, axes):
         axes.set(xlabel=style.figure_label("time_s"), ylabel=style.figure_label("force_N"))
         if outline is None:
             style.say_instead(axes, "the recording could not be read")
@@ -439,7 +409,7 @@ def draw_recording(trial: TrialResult) -> FigureWithData:
         f"The recording {trial.trial}: picked {style.shown(found.peak_N, 'N')} at "
         f"{style.shown(found.peak_time_s, 's')}, sliding at {style.shown(found.kinetic_N, 'N')}."
     )
-    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
+    return FigureWithData(figure, (DataTable(columns),), alt)
 
 
 def pages_of_recordings(trials: Sequence[TrialResult]) -> Iterator[tuple[TrialResult, ...]]:
@@ -466,8 +436,7 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
     high_inch = 0.42 + 0.92 * down
     # Room for a row of legend, whatever the height.
     margins = {"left": 0.005, "right": 0.995, "top": 1.0, "bottom": 0.4 / high_inch}
-    with drawing(10.0, high_inch, margins=margins) as figure:
-        axes = figure.subplots()
+    with drawing(10.0, high_inch, margins=margins) as (figure, axes):
         axes.set(xlim=(0.0, ACROSS), ylim=(down, 0.0))
         axes.set_axis_off()
         for place, trial in enumerate(trials):
@@ -495,13 +464,11 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
                 mark |= {"marker": look["marker"], "c": look["color"], "linewidths": 0.5, "zorder": 4}
                 axes.scatter(at[0], at[1], s=14, label=fate, **mark)
         style.legend_of_figure(figure)
-    names = ("trial", "file", "measured_N", "outcome")
-    columns = {name: [getattr(trial, name) for trial in trials] for name in names}
-    columns["peak_time_s"] = [trial.breakaway.peak_time_s for trial in trials]
+    names = ("trial", "file", "measured_N", "outcome", "breakaway.peak_time_s")
     without = sum(trial.outcome == "without a force" for trial in trials)
     first, last = (trials[0].trial, trials[-1].trial) if trials else ("", "")
     alt = f"{counted(len(trials), 'recording')}, {first} to {last}, each with its pick; {without} without a force."
-    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
+    return FigureWithData(figure, (DataTable.of(trials, names),), alt)
 
 
 def _in_cell(

@@ -28,8 +28,7 @@ def draw_ladder(comparison: Comparison) -> FigureWithData:
     entries = comparison.ranking
     conditions = counted(comparison.n, comparison.unit.removesuffix("s"))
     laws = f"{counted(len(entries), 'law')} on {counted(comparison.n_trials, 'trial')}"
-    with drawing(10.0, 1.7 + 0.36 * max(len(entries), 2)) as figure:
-        axes = figure.subplots()
+    with drawing(10.0, 1.7 + 0.36 * max(len(entries), 2)) as (figure, axes):
         axes.axvspan(-0.4, _EVEN, color=style.BLUE, alpha=0.12, linewidth=0)
         axes.axvline(_CLEAR, color=style.GREY, linewidth=1.0, linestyle=":")
         largest = max([entry.delta_aicc for entry in entries if _is_ranked(entry)], default=_CLEAR)
@@ -48,8 +47,7 @@ def draw_ladder(comparison: Comparison) -> FigureWithData:
         axes.set_title(f"{laws}, {conditions}", loc="left")
         for x, text in ((1.02, "weight"), (1.12, "error,\nunseen")):
             axes.text(x, 1.0, text, transform=axes.transAxes, fontsize=9, va="bottom")
-    table = DataTable({name: [getattr(entry, name) for entry in entries] for name in _LADDER})
-    return FigureWithData(figure=figure, tables=(table,), alt=_ladder_in_words(comparison, laws))
+    return FigureWithData(figure, (DataTable.of(entries, _LADDER),), _ladder_in_words(comparison, laws))
 
 
 def _name_rows(axes: Axes, names: Sequence[str]) -> None:
@@ -98,19 +96,14 @@ def draw_budget(
     rows: Sequence[tuple[str, float]], *, unit: str, title: str, combined: float
 ) -> FigureWithData:
     """Return the contributions |c u| of a budget as bars, largest first, with their shares and the line of their sum."""
-    known = sorted(
-        ((name, abs(value)) for name, value in rows if not math.isnan(value)), key=lambda row: -row[1]
-    )
-    names = [*(name for name, _ in known), *(name for name, value in rows if math.isnan(value))]
-    total = math.fsum(value**2 for _, value in known)
-    parts = np.full((3, len(names)), math.nan)
-    parts[0, : len(known)] = [value for _, value in known]
-    if total > 0.0:
-        parts[1] = [value**2 / total for value in parts[0].tolist()]
-        parts[2] = np.cumsum(parts[1])
+    # What is not known stands last.
+    ranked = sorted(rows, key=lambda row: (math.isnan(row[1]), -abs(row[1])))
+    names, values = [name for name, _ in ranked], np.abs([value for _, value in ranked])
+    total = math.fsum(values[~np.isnan(values)] ** 2)
+    shares = values**2 / (total or math.nan)
+    parts = np.stack([values, shares, np.cumsum(shares)])
     columns = dict(zip(("contribution", "share", "cumulative_share"), parts, strict=True))
-    with drawing(10.0, 1.9 + 0.38 * max(len(names), 2)) as figure:
-        axes = figure.subplots()
+    with drawing(10.0, 1.9 + 0.38 * max(len(names), 2)) as (figure, axes):
         axes.set_xlabel(f"Contribution to the standard uncertainty [{unit or '-'}]")
         if total > 0.0:
             _draw_contributions(axes, names, parts)
@@ -120,11 +113,11 @@ def draw_budget(
         axes.set_title(style.typeset(f"{title}: u = {sum_of_all} (k = 1), n = {len(names)} quantities"))
     said = "no contribution is known"
     if total > 0.0:
-        largest = zip(known[:3], parts[1], strict=False)
-        told = [f"{name} {style.shown(u, unit, 3)} ({100 * share:.3g} %)" for (name, u), share in largest]
+        largest = [one for one in zip(names, values, shares, strict=True) if not math.isnan(one[1])][:3]
+        told = [f"{name} {style.shown(u, unit, 3)} ({100 * share:.3g} %)" for name, u, share in largest]
         said = f"combined standard uncertainty {sum_of_all}; the largest contributions are {', '.join(told)}"
     table = DataTable({"quantity": names, **columns})
-    return FigureWithData(figure=figure, tables=(table,), alt=f"Uncertainty budget of {title}: {said}.")
+    return FigureWithData(figure, (table,), f"Uncertainty budget of {title}: {said}.")
 
 
 def _draw_contributions(axes: Axes, names: Sequence[str], parts: FloatArray) -> None:
@@ -150,13 +143,10 @@ def _draw_contributions(axes: Axes, names: Sequence[str], parts: FloatArray) -> 
 
 def draw_tornado(rows: Sequence[tuple[str, float, float, float]]) -> FigureWithData:
     """Return a tornado chart: the force at the low and the high value of each input, all others as in the base case."""
-    widths = [np.nanmax(row[1:]) - np.nanmin(row[1:]) for row in rows]
-    ranked = sorted(
-        ((*row, float(width)) for row, width in zip(rows, widths, strict=True)), key=lambda row: -row[4]
-    )
+    swings = ((*row, float(np.nanmax(row[1:]) - np.nanmin(row[1:]))) for row in rows)
+    ranked = sorted(swings, key=lambda row: -row[4])
     base_N = rows[0][3]
-    with drawing(10.0, 1.7 + 0.42 * max(len(ranked), 2)) as figure:
-        axes = figure.subplots()
+    with drawing(10.0, 1.7 + 0.42 * max(len(ranked), 2)) as (figure, axes):
         axes.set_xlabel(style.figure_label("lift_force_N"))
         _draw_swings(axes, ranked, base_N)
         style.legend_of_figure(figure)
@@ -165,15 +155,15 @@ def draw_tornado(rows: Sequence[tuple[str, float, float, float]]) -> FigureWithD
     alt = f"Lift force F_A, {style.shown(base_N, 'N')} in the base case, when one input changes at a time: "
     alt += f"{'; '.join(spans)}."
     header = ("quantity", "low_N", "high_N", "base_N", "swing_N")
-    return FigureWithData(figure=figure, tables=(DataTable.of_rows(header, ranked),), alt=alt)
+    return FigureWithData(figure, (DataTable.of_rows(header, ranked),), alt)
 
 
 def _draw_swings(axes: Axes, ranked: Sequence[tuple[str, float, float, float, float]], base_N: float) -> None:
     """Draw rows of name, force at the low and the high value, in the base case, and their width."""
     low, high = "input at its low value", "input at its high value"
     for column, color, hatch, label in ((1, style.ORANGE, "///", low), (2, style.BLUE, "", high)):
-        forces_N = {place: float(row[column]) for place, row in enumerate(ranked)}
-        ends = {place: force_N for place, force_N in forces_N.items() if not math.isnan(force_N)}
+        forces_N = [float(row[column]) for row in ranked]
+        ends = {place: force_N for place, force_N in enumerate(forces_N) if not math.isnan(force_N)}
         widths = [value_N - base_N for value_N in ends.values()]
         look: dict[str, Any] = {"edgecolor": style.INK, "linewidth": 0.6, "facecolor": color, "hatch": hatch}
         axes.barh([*ends], widths, left=base_N, height=0.6, label=label if ends else "", **look)
@@ -200,8 +190,7 @@ def draw_design_chart(chart: DesignChart, *, required_N: float | None = None) ->
     n_wheels, n_wraps = chart.wheel_radius_m.size, chart.wrap_angle_rad.size
     radii_mm = [f"{1e3 * radius_m:.4g} mm" for radius_m in chart.wheel_radius_m.tolist()]
     wraps_rad: list[float] = []
-    with drawing(9.0, 6.0) as figure:
-        axes = figure.subplots()
+    with drawing(9.0, 6.0) as (figure, axes):
         for row, color in enumerate(style.shades(n_wheels)):
             _draw_wheel(axes, chart, row, color, style.typeset(f"R_w = {radii_mm[row]}"))
         if required_N is not None:
@@ -242,7 +231,7 @@ def draw_design_chart(chart: DesignChart, *, required_N: float | None = None) ->
         )
         found = map(" ".join, zip(radii_mm, needs, strict=True))
         alt += f" For {required_N:.4g} N, lifted with probability {chart.probability:g}: {'; '.join(found)}."
-    return FigureWithData(figure=figure, tables=tuple(tables), alt=alt)
+    return FigureWithData(figure, tuple(tables), alt)
 
 
 def _smallest_wrap(chart: DesignChart, row: int, needed_N: float) -> float:
@@ -253,11 +242,10 @@ def _smallest_wrap(chart: DesignChart, row: int, needed_N: float) -> float:
     if not reached.size:
         return math.nan
     i = int(reached[0])
-    if i == 0 or not math.isfinite(bound_N[i - 1]) or not math.isfinite(bound_N[i]):
+    ends = slice(max(i - 1, 0), i + 1)
+    if not np.isfinite(bound_N[ends]).all():
         return float(wrap_rad[i])
-    low, high = math.log(bound_N[i - 1]), math.log(bound_N[i])
-    share = (math.log(needed_N) - low) / (high - low)
-    return float(wrap_rad[i - 1] + share * (wrap_rad[i] - wrap_rad[i - 1]))
+    return float(np.interp(math.log(needed_N), np.log(bound_N[ends]), wrap_rad[ends]))
 
 
 def _draw_load(axes: Axes, wraps_rad: list[float], needed_N: float) -> None:
@@ -272,11 +260,8 @@ def _draw_wheel(axes: Axes, chart: DesignChart, row: int, color: object, label: 
     wrap_deg = np.degrees(chart.wrap_angle_rad)
     marker, every = style.MARKERS[row % len(style.MARKERS)], max(1, wrap_deg.size // _MARKERS_A_LINE)
     marked: dict[str, Any] = {"marker": marker, "markevery": every, "markersize": 4.5, "label": label}
-    for found_N, dashes, look in (
-        (chart.lift_force_N[row], "-", marked),
-        (chart.lower_bound_N[row], "--", {}),
-    ):
-        force_N = np.where(np.isfinite(found_N), found_N, np.nan)
+    for found_N, dashes, look in ((chart.lift_force_N, "-", marked), (chart.lower_bound_N, "--", {})):
+        force_N = np.where(np.isfinite(found_N[row]), found_N[row], np.nan)
         tested_N = np.where(chart.extrapolated[row], np.nan, force_N)
         axes.plot(wrap_deg, force_N, dashes, color=color, alpha=0.3, linewidth=1.0)
         axes.plot(wrap_deg, tested_N, dashes, color=color, linewidth=1.5, **look)

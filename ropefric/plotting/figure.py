@@ -12,9 +12,9 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 from xml.etree import ElementTree as ET
@@ -44,23 +44,14 @@ from ropefric.plotting.style import (
 from ropefric.section import Chart
 
 T = TypeVar("T")
+Draw = Callable[[], "FigureWithData"]
+Progress = Callable[[int, int, str], None]
 
 # Without date and matplotlib's version, which would change an unchanged figure.
 FORMATS = {"png": ("Software",), "svg": ("Date", "Creator"), "pdf": ("CreationDate", "Creator", "Producer")}
 """What a figure can be written as, and what is not to be said in it."""
 
 _PARSERS: dict[str, Any] = {}
-
-
-def begin(
-    jobs: Mapping[str, Callable[[], T]], executor: Executor | None
-) -> Callable[[], Iterable[tuple[str, T]]]:
-    """Begin to draw, if there is an executor; return what gives the name and the outcome of each job as it is done."""
-    if executor is None:
-        return lambda: ((name, _done(job)) for name, job in jobs.items())
-    forget_fonts()  # the executor may fork here, and this process goes on drawing
-    names = {executor.submit(_done, job): name for name, job in jobs.items()}
-    return lambda: ((names[future], future.result()) for future in as_completed(names))
 
 
 def _done(job: Callable[[], T]) -> T:
@@ -94,6 +85,12 @@ class DataTable(NamedTuple):
         columns = zip(*rows, strict=True) if rows else [()] * len(header)
         return cls(dict(zip(header, columns, strict=True)), name)
 
+    @classmethod
+    def of(cls, records: Iterable[Any], paths: Sequence[str], name: str = "") -> "DataTable":
+        """Return the table of some attributes of records, given by their paths, under the last of their names."""
+        found = [*records]
+        return cls({path.rpartition(".")[2]: [*map(attrgetter(path), found)] for path in paths}, name)
+
     @property
     def header(self) -> tuple[str, ...]:
         """Return the headings."""
@@ -109,23 +106,18 @@ def _listed(column: Iterable[object]) -> list[object]:
     return column.tolist() if isinstance(column, np.ndarray) else list(column)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FigureWithData:
-    """A figure and the tables of what it shows."""
+    """A figure, the tables of what it shows, and its words, made of the labels of its axes where there are none."""
 
-    figure: Figure
-    tables: tuple[DataTable, ...]
-    alt: str = ""
-
-    def __post_init__(self) -> None:
+    def __init__(self, figure: Figure, tables: tuple[DataTable, ...], alt: str = "") -> None:
         # Names of trials and machine parts are anybody's: the one place that keeps them from being taken for TeX.
-        rewrite_words(self.figure, figure_text)
-        if not self.alt.strip():
-            pairs = [(axes.get_ylabel(), axes.get_xlabel()) for axes in self.figure.axes]
+        rewrite_words(figure, figure_text)
+        if not alt.strip():
+            pairs = [(axes.get_ylabel(), axes.get_xlabel()) for axes in figure.axes]
             named = [" over ".join(word for word in pair if word) for pair in pairs]
             panels = plain_text("; ".join(words for words in named if words)) or "Figure"
-            rows = len(self.tables[0].rows) if self.tables else 0
-            object.__setattr__(self, "alt", f"{panels} ({counted(rows, 'row')} of data).")
+            alt = f"{panels} ({counted(len(tables[0].rows) if tables else 0, 'row')} of data)."
+        self.figure, self.tables, self.alt = figure, tables, alt
 
 
 def rewrite_words(figure: Figure, rewrite: Callable[[str], str]) -> None:
@@ -194,17 +186,17 @@ def new_figure(
 
 @contextmanager
 def drawing(
-    width_inch: float = 10.0, height_inch: float = 5.0, *, margins: Mapping[str, float] | None = None
-) -> Iterator[Figure]:
-    """Give an empty figure to draw on, in the house's style."""
+    width_inch: float, height_inch: float, *, margins: Mapping[str, float] | None = None, **panels: Any
+) -> Iterator[tuple[Figure, Any]]:
+    """Give an empty figure to draw on, in the house's style, and its axes, an array of them where they are several."""
     with house_style():
-        yield new_figure(width_inch, height_inch, margins=margins)
+        figure = new_figure(width_inch, height_inch, margins=margins)
+        yield figure, figure.subplots(**panels)
 
 
 def draw_chart(chart: Chart) -> FigureWithData:
     """Return the figure of a chart: its lines, thin grey ones for limits, a point where a line has one value."""
-    with drawing(9.0, 6.0) as figure:
-        axes = figure.subplots()
+    with drawing(9.0, 6.0) as (figure, axes):
         drawn = 0
         for line in chart.lines:
             if line.limit:
@@ -224,7 +216,7 @@ def draw_chart(chart: Chart) -> FigureWithData:
         chart.y_column: np.concatenate([line.y for line in chart.lines], dtype=np.float64),
     }
     alt = f"{chart.title}: {chart.y_label} over {chart.x_label} of {', '.join(names)}."
-    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
+    return FigureWithData(figure, (DataTable(columns),), alt)
 
 
 def save_figure(
@@ -232,6 +224,55 @@ def save_figure(
 ) -> tuple[Path, ...]:
     """Write a figure as PNG and the CSV of its data; return the paths, the picture first."""
     return as_folder(folder).write(figure_files(figure, stem))
+
+
+def start_drawing(
+    drawings: Mapping[str, Draw],
+    folder: Folder,
+    executor: Executor | None,
+    **how: Any,
+) -> Callable[[Progress | None], dict[str, tuple[str, tuple[Path, ...]]]]:
+    """Begin to draw figures, if there is an executor; return what writes their files.
+
+    That returns for each figure its SVG, where it is to stand on a page, and the paths of its files.
+    """
+    jobs = {stem: partial(_drawn, draw, stem, **how) for stem, draw in drawings.items()}
+    if executor is not None:
+        forget_fonts()  # the executor may fork here, and this process goes on drawing
+        futures = {executor.submit(_done, job): stem for stem, job in jobs.items()}
+
+    def write(progress: Progress | None = None) -> dict[str, tuple[str, tuple[Path, ...]]]:
+        drawn: Iterable[tuple[str, tuple[str, dict[str, bytes]]]]
+        if executor is None:
+            drawn = ((stem, _done(job)) for stem, job in jobs.items())
+        else:
+            drawn = ((futures[one], one.result()) for one in as_completed(futures))
+        made: dict[str, tuple[str, tuple[Path, ...]]] = dict.fromkeys(jobs, ("", ()))
+        for done, (stem, (svg, files)) in enumerate(drawn, start=1):
+            # Workers draw, and this process alone writes.
+            made[stem] = svg, folder.write(files)
+            if progress is not None:
+                progress(done, len(jobs), stem)
+        return made
+
+    return write
+
+
+def _drawn(
+    draw: Draw,
+    stem: str,
+    *,
+    under: str = "",
+    on_page: bool = False,
+    language: str = "en",
+    names: Collection[str] = (),
+    formats: Collection[str] = ("png",),
+) -> tuple[str, dict[str, bytes]]:
+    """Draw a figure; return it as SVG for a page, if it stands `on_page`, and its files, those `under` a folder."""
+    figure = draw()
+    localize(figure.figure, language, names)
+    files = figure_files(figure, f"{under}{stem}", formats=formats)
+    return svg_text(figure, stem=stem) if on_page else "", files
 
 
 def figure_files(figure: FigureWithData, stem: str, *, formats: Iterable[str] = ("png",)) -> dict[str, bytes]:

@@ -1,7 +1,7 @@
 """Fitted laws against what was measured: average coefficients, the capstan plot, bands over a quantity, residuals."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,9 +30,10 @@ _BEYOND = 0.25
 _BAND = ("lift_force_N", "low_N", "high_N", "new_rope_low_N", "new_rope_high_N")
 _LIMIT = 2.0
 _NO_TRIALS = "no trials stored with the fit"
+_BY_2U = "bars: ±2 u (k = 2)"
 _BARS: dict[str, Any] = {"fmt": "o", "elinewidth": 1.0, "capsize": 2.0}
 _OTHERS = {"label": "other conditions", "color": style.GREY, "markerfacecolor": "white", "markersize": 3.5}
-_CHOSEN: dict[str, Any] = {"color": style.INK, "markersize": 5.5, "zorder": 4}
+_CHOSEN: dict[str, Any] = {"color": style.INK, "markersize": 5.5}
 
 
 class ConditionPoints(NamedTuple):
@@ -43,10 +44,9 @@ class ConditionPoints(NamedTuple):
     log_lift: FloatArray
     std_log: FloatArray
 
-    @property
-    def settings(self) -> dict[str, FloatArray]:
-        """Return the settings as columns of a table, and how many trials rest on each."""
-        return {name: getattr(self.conditions, name) for name in SETTINGS} | {"n": self.n}
+    def table(self, **found: FloatArray) -> DataTable:
+        """Return the settings as columns, how many trials rest on each, and what was found of them."""
+        return DataTable({name: getattr(self.conditions, name) for name in SETTINGS} | {"n": self.n} | found)
 
     @property
     def log_rise(self) -> FloatArray:
@@ -69,51 +69,39 @@ def condition_points(fit: FitResult) -> ConditionPoints:
     return ConditionPoints(conditions=conditions, n=n, log_lift=log_lift, std_log=std)
 
 
-def _have(conditions: Conditions, settings: Mapping[str, float]) -> BoolArray:
+def _have(conditions: Conditions, settings: dict[str, Any]) -> BoolArray:
     """Return which conditions have the given settings, shape (n,)."""
-    chosen = np.ones(len(conditions), dtype=np.bool_)
-    for name, value in settings.items():
-        chosen &= same_setting(getattr(conditions, name), value)
-    return chosen
+    alike = [same_setting(getattr(conditions, name), value) for name, value in settings.items()]
+    return np.asarray(np.all(alike, axis=0))
 
 
-def _settings_of(fit: FitResult, over: str) -> dict[str, float]:
+def _settings_of(fit: FitResult, over: str) -> dict[str, Any]:
     """Return the settings to hold while one regressor is swept: those that most conditions share."""
-    others = [name for name in SETTINGS if name != over]
-    known = {name: math.sqrt(max(low, 0.0) * high) for name, (low, high) in fit.validity.items()}
-    conditions = condition_points(fit).conditions
+    conditions, others = condition_points(fit).conditions, [name for name in SETTINGS if name != over]
     if len(conditions):
         first = along_one(conditions, over)[0][0]
-        known |= {name: float(getattr(conditions, name)[first]) for name in others}
-    return {name: known[name] for name in others}
+        return {name: float(getattr(conditions, name)[first]) for name in others}
+    return {name: math.sqrt(max(fit.validity[name][0], 0.0) * fit.validity[name][1]) for name in others}
 
 
-def _swept(settings: Mapping[str, float], over: str, values: npt.ArrayLike) -> Conditions:
-    """Return conditions that differ in one regressor only."""
-    arrays = {name: np.asarray(value, dtype=np.float64) for name, value in settings.items()}
-    return Conditions(**arrays | {over: np.asarray(values, dtype=np.float64)})
-
-
-def _answered(fit: FitResult, conditions: Conditions) -> BoolArray:
-    """Return for which conditions a fitted law has an answer that a float can hold, shape (n,)."""
-    if not len(conditions):
-        return np.zeros(0, dtype=np.bool_)
-    try:
-        lifts = fit.friction_law.log_lift(fit.theta, conditions)
-        return np.asarray(lifts < math.log(np.finfo(np.float64).max))
-    except InputError:
-        if len(conditions) == 1:
-            return np.zeros(1, dtype=np.bool_)
-        halves = np.array_split(np.arange(len(conditions)), 2)
-        return np.concatenate([_answered(fit, conditions.select(half)) for half in halves])
+def _held(settings: dict[str, Any], names: Sequence[str] = SETTINGS, comma: str = ",  ") -> str:
+    """Return settings that are held while one is swept, for a heading."""
+    held = (style.shown_regressor(name, settings[name]) for name in names if name in settings)
+    return style.typeset(comma.join(held))
 
 
 def _evaluated(
     fit: FitResult, conditions: Conditions, law: Callable[[Conditions], npt.ArrayLike], rows: int = 1
 ) -> FloatArray:
-    """Return what a law says of each condition, shape (rows, n), NaN where it has no answer."""
-    values = np.full((rows, len(conditions)), np.nan)
-    good = _answered(fit, conditions)
+    """Return what a law says of each condition, shape (rows, n), NaN where it has no answer that a float can hold."""
+    n = len(conditions)
+    values = np.full((rows, n), np.nan)
+    try:
+        good = fit.friction_law.log_lift(fit.theta, conditions) < math.log(np.finfo(np.float64).max)
+    except InputError:
+        halves = np.array_split(np.arange(n), 2) if n > 1 else []
+        parts = [_evaluated(fit, conditions.select(half), law, rows) for half in halves]
+        return np.hstack(parts) if parts else values
     if good.any():
         values[:, good] = law(conditions.select(good))
     values[~np.isfinite(values)] = np.nan
@@ -149,12 +137,11 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
             np.where(wrap_rad > 0.0, y / wrap_rad, np.nan) for y in (points.log_rise, points.std_log)
         )
     rows: list[tuple[object, ...]] = []
-    with drawing(10.0, 4.6) as figure:
-        for axes, over in zip(figure.subplots(1, 3, sharey=True), FACETS, strict=True):
+    with drawing(10.0, 4.6, ncols=3, sharey=True) as (figure, panels):
+        for axes, over in zip(panels, FACETS, strict=True):
             settings = _settings_of(first, over)
-            held = ",  ".join(style.shown_regressor(name, settings[name]) for name in FACETS if name != over)
             axes.set_xlabel(style.regressor_label(over))
-            axes.set_title(style.typeset(held), fontsize=9)
+            axes.set_title(_held(settings, FACETS), fontsize=9)
             if over == "end_tension_N":
                 _plain_log(axes, "x")
             factor = REGRESSORS[over][2]
@@ -166,11 +153,12 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
                 style.say_instead(axes, _NO_TRIALS)
             chosen = _have(points.conditions, settings)
             x = factor * getattr(points.conditions, over)
-            heading = {"label": "conditions as in the heading"}
-            for mask, look in ((~chosen, _OTHERS), (chosen, _CHOSEN | heading)):
-                _draw_means(axes, x[mask], mu[mask], mu_std[mask], **look)
-        figure.axes[0].set_ylabel(style.figure_label("mu_average"))
-        figure.suptitle(f"{counts}; bars: ±2 u (k = 2)")
+            heading = _CHOSEN | {"label": "conditions as in the heading", "zorder": 4}
+            for mask, look in ((~chosen, _OTHERS), (chosen, heading)):
+                if mask.any():
+                    _draw_means(axes, x[mask], mu[mask], 2.0 * np.nan_to_num(mu_std[mask]), **look)
+        panels[0].set_ylabel(style.figure_label("mu_average"))
+        figure.suptitle(f"{counts}; {_BY_2U}")
         style.legend_of_figure(figure)
     laws, known = ", ".join(fit.law for fit in fits), mu[np.isfinite(mu)]
     alt = f"Average friction coefficient of the laws {laws}; no trials are stored with the fit."
@@ -180,24 +168,20 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
             f"wheel radius, with the laws {laws}. It lies between {known.min():.4g} and {known.max():.4g}, "
             f"mean {known.mean():.4g}."
         )
-    tables = (
-        DataTable(points.settings | {"mu_average": mu, "mu_std": mu_std}),
-        DataTable.of_rows(("against", "law", "x", "mu_average"), rows, "laws"),
-    )
-    return FigureWithData(figure=figure, tables=tables, alt=alt)
+    drawn = DataTable.of_rows(("against", "law", "x", "mu_average"), rows, "laws")
+    return FigureWithData(figure, (points.table(mu_average=mu, mu_std=mu_std), drawn), alt)
 
 
-def _draw_means(axes: Axes, x: FloatArray, y: FloatArray, std: FloatArray, **look: Any) -> None:
-    """Draw conditions with bars of ±2 standard uncertainties."""
-    if x.size:
-        axes.errorbar(x, y, yerr=2.0 * np.nan_to_num(std), **_BARS | look)
+def _draw_means(axes: Axes, x: FloatArray, y: FloatArray, bars: FloatArray, **look: Any) -> None:
+    """Draw means of conditions with their bars."""
+    axes.errorbar(x, y, yerr=bars, **_BARS | look)
 
 
-def _average_mu(fit: FitResult, settings: dict[str, float], over: str) -> tuple[FloatArray, FloatArray]:
+def _average_mu(fit: FitResult, settings: dict[str, Any], over: str) -> tuple[FloatArray, FloatArray]:
     space = np.geomspace if over == "end_tension_N" else np.linspace
     grid = space(*fit.validity[over], _FACET_STEPS)
     grid = grid[grid > 0.0]
-    conditions = _swept(settings, over, grid)
+    conditions = Conditions(**settings | {over: grid})
     if not conditions.wrap_angle_rad.all():
         return grid, np.full(grid.size, np.nan)
     return grid, _evaluated(fit, conditions, lambda at: fit.friction_law.average_mu(fit.theta, at))[0]
@@ -220,14 +204,15 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
         slope = constant["mu"].value
     farthest = max(first.validity["wrap_angle_rad"][1], float(wrap_rad.max(initial=0.0)))
     grid = np.linspace(0.0, 1.05 * farthest, _CAPSTAN_STEPS)
-    along = _swept(settings, "wrap_angle_rad", grid)
+    along = Conditions(**settings | {"wrap_angle_rad": grid})
     curves = {"straight line": slope * grid} if math.isfinite(slope) else {}
     for fit in fits:
         if fit is not constant:
             lift = _evaluated(fit, along, lambda at, fit=fit: fit.friction_law.log_lift(fit.theta, at))  # type: ignore[misc]
             curves[fit.law] = lift[0] - along.log_end_tension
-    with drawing(10.0, 5.6) as figure:
-        axes = figure.subplots()
+    laws = ", ".join(fit.law for fit in fits)
+    alt = f"ln(F_A/F_B) against the wrap angle by the laws {laws}; no trials are stored with the fit."
+    with drawing(10.0, 5.6) as (figure, axes):
         for law, curve in curves.items():
             straight = law == "straight line"
             look = style.law_look("constant" if straight else law) | {"linewidth": 1.2 if straight else 1.8}
@@ -235,42 +220,35 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
             axes.plot(np.degrees(grid), curve, label=label, **look)
         if rise.size:
             _draw_wheels(axes, points)
+            worst = float(np.abs(rise - slope * wrap_rad).max())
+            alt = (
+                f"ln(F_A/F_B) of {counted(rise.size, 'condition')} against the wrap angle, with the laws {laws}. The "
+                f"straight line through the origin has slope {slope:.4g}; points lie up to {worst:.3g} off it, a factor "
+                f"of {math.exp(worst):.3g} in force."
+            )
         else:
             style.say_instead(axes, _NO_TRIALS)
         axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.typeset("ln(F_A/F_B) [-]"))
         axes.set_xlim(0.0, float(np.degrees(grid[-1])))
         axes.set_ylim(bottom=0.0)
-        held = ", ".join(
-            style.shown_regressor(name, settings[name]) for name in ("wheel_radius_m", "end_tension_N")
-        )
-        axes.set_title(f"{counts}; bars: ±2 u (k = 2); laws drawn for {style.typeset(held)}")
+        held = _held(settings, ("wheel_radius_m", "end_tension_N"), ", ")
+        axes.set_title(f"{counts}; {_BY_2U}; laws drawn for {held}")
         style.legend_of_figure(figure)
-    laws = ", ".join(fit.law for fit in fits)
-    alt = f"ln(F_A/F_B) against the wrap angle by the laws {laws}; no trials are stored with the fit."
-    if rise.size:
-        worst = float(np.abs(rise - slope * wrap_rad).max())
-        alt = (
-            f"ln(F_A/F_B) of {counted(rise.size, 'condition')} against the wrap angle, with the laws {laws}. The "
-            f"straight line through the origin has slope {slope:.4g}; points lie up to {worst:.3g} off it, a factor of "
-            f"{math.exp(worst):.3g} in force."
-        )
     drawn = {"law": np.repeat([*curves], grid.size), "wrap_angle_rad": np.tile(grid, len(curves))}
     drawn["log_ratio"] = np.ravel([*curves.values()])
-    conditions = points.settings | {"log_ratio": rise, "log_ratio_std": points.std_log}
-    tables = DataTable(conditions), DataTable(drawn, "laws")
-    return FigureWithData(figure=figure, tables=tables, alt=alt)
+    tables = points.table(log_ratio=rise, log_ratio_std=points.std_log), DataTable(drawn, "laws")
+    return FigureWithData(figure, tables, alt)
 
 
 def _draw_wheels(axes: Axes, points: ConditionPoints) -> None:
     radii_m = points.conditions.wheel_radius_m
-    wheel = levels(radii_m)
+    wheel, x = levels(radii_m), np.degrees(points.conditions.wrap_angle_rad)
+    edge = {"markersize": 6, "markeredgecolor": "black", "markeredgewidth": 0.6, "zorder": 4}
     for place, color in enumerate(style.shades(int(wheel.max()) + 1)):
         mask = wheel == place
-        x, rise, std = np.degrees(points.conditions.wrap_angle_rad), points.log_rise, points.std_log
         label = style.typeset(style.shown_regressor("wheel_radius_m", float(radii_m[mask][0])))
-        look = {"color": color, "fmt": style.MARKERS[place % len(style.MARKERS)], "label": label, "zorder": 4}
-        edge = {"markersize": 6, "markeredgecolor": "black", "markeredgewidth": 0.6}
-        _draw_means(axes, x[mask], rise[mask], std[mask], **look | edge)
+        look = {"color": color, "fmt": style.MARKERS[place % len(style.MARKERS)], "label": label} | edge
+        _draw_means(axes, x[mask], points.log_rise[mask], 2.0 * np.nan_to_num(points.std_log[mask]), **look)
 
 
 def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad", narrow: bool = False) -> FigureWithData:
@@ -281,26 +259,40 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad", narrow: bool 
     conditions that have the settings drawn, crosses their trials where the fit still has them. Where it is to be
     `narrow`, the upper panel stands alone.
     """
-    settings = _settings_of(fit, over)
+    settings, points, (low, high) = _settings_of(fit, over), condition_points(fit), fit.validity[over]
     x, columns = _band(fit, settings, over)
-    low, high = fit.validity[over]
-    points = condition_points(fit)
     chosen = _have(points.conditions, settings)
+    means, mean_N = points.conditions.select(chosen), np.exp(points.log_lift[chosen])
+    # The end of a bar, the mean, and the other end.
+    bars_N = mean_N * np.exp(np.outer((-1.0, 0.0, 1.0), 2.0 * np.nan_to_num(points.std_log[chosen])))
+    measured = [(means, bars_N)]
+    if fit.problem is not None:
+        mine = _have(fit.problem.conditions, settings)
+        measured.append((fit.problem.conditions.select(mine), np.exp(fit.problem.log_lift[mine])))
     n = int(points.n[chosen].sum())
     title, unit, factor = REGRESSORS[over]
-    with drawing(*((5.2, 4.3) if narrow else (10.0, 7.0))) as figure:
-        rows: dict[str, Any] = {"nrows": 1} if narrow else {"nrows": 2, "height_ratios": (3, 2)}
-        panels = figure.subplots(**rows, sharex=True, squeeze=False)[:, 0]
-        axes, last = panels[0], panels[-1]
+    look: dict[str, Any] = {"nrows": 1} if narrow else {"nrows": 2, "height_ratios": (3, 2)}
+    size = (5.2, 4.3) if narrow else (10.0, 7.0)
+    with drawing(*size, sharex=True, squeeze=False, **look) as (figure, panels):
+        axes, last = panels[0, 0], panels[-1, 0]
         hatch: dict[str, Any] = {"hatch": "///", "facecolor": "none", "edgecolor": "#9A9A9A", "linewidth": 0}
-        for panel in panels:
+        for panel in panels[:, 0]:
             off = panel is not axes
             _draw_band(panel, factor * x, 100.0 * (columns / columns[0] - 1.0) if off else columns, fit.law)
             for start, stop in ((x[0], low), (high, x[-1])):
                 if stop > start:
                     ends, label = (factor * start, factor * stop), "not tested: extrapolated"
                     panel.axvspan(*ends, **hatch, zorder=0.5, label=label)
-            _draw_measured(panel, fit, points, settings, over, off=off)
+            shown = [
+                (factor * getattr(at, over), _off_law(fit, at, force_N) if off else force_N)
+                for at, force_N in measured
+            ]
+            for at, force in shown[1:]:
+                panel.plot(at, force, "x", color=style.GREY, markersize=4, label="one trial")
+            at, (below, middle, above) = shown[0]
+            bars = np.stack([middle - below, above - middle])
+            label = "mean of a condition, ±2 u (k = 2)"
+            _draw_means(panel, at, middle, bars, label=label, zorder=5, **_CHOSEN)
         axes.set_ylabel(style.figure_label("lift_force_N"))
         _plain_log(axes, "y")
         # A span of less than a decade has one number or none at the decades.
@@ -309,23 +301,17 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad", narrow: bool 
         if over == "end_tension_N":
             _plain_log(last, "x")
         axes.set_xlim(factor * x[0], factor * x[-1])
-        held = ",  ".join(style.shown_regressor(name, value) for name, value in settings.items())
-        shown_trials = f"{counted(n, 'trial')} shown of {fit.statistics.n} fitted"
         if narrow:
-            axes.set_title(style.typeset(held), fontsize=9)
-            style.legend_of_figure(figure, columns=2)
+            axes.set_title(_held(settings), fontsize=9)
         else:
             last.set_ylabel("Off the mean law [%]")
-            axes.set_title(style.typeset(f"Law {fit.law} at {held};  {shown_trials}"))
-            style.legend_of_figure(figure)
+            shown_trials = f"{counted(n, 'trial')} shown of {fit.statistics.n} fitted"
+            axes.set_title(f"Law {style.typeset(fit.law)} at {_held(settings)};  {shown_trials}")
+        style.legend_of_figure(figure, columns=2 if narrow else 5)
     outside = (x < low * (1 - 1e-9)) | (x > high * (1 + 1e-9))
     law = {over: x} | dict(zip(_BAND, columns, strict=True)) | {"extrapolated": outside}
-    measured = {
-        over: getattr(points.conditions, over)[chosen],
-        "lift_force_N": np.exp(points.log_lift[chosen]),
-        "n": points.n[chosen],
-        "std_log": points.std_log[chosen],
-    }
+    told = {over: getattr(means, over), "lift_force_N": mean_N}
+    told |= {"n": points.n[chosen], "std_log": points.std_log[chosen]}
     at_end = zip(columns[:, int(np.searchsorted(x, high))].tolist(), ("N", "", "N", "", "N"), strict=True)
     lift, low_N, high_N, wide_low_N, wide_high_N = (style.shown(force, of) for force, of in at_end)
     there = f"{factor * high:.4g} {unit}"
@@ -334,11 +320,17 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad", narrow: bool 
         f"{counted(n, 'trial')}. At {there} it is {lift}, 95 % confidence {low_N} to "
         f"{high_N}, new pulls {wide_low_N} to {wide_high_N}."
     )
-    tables = DataTable(law), DataTable(measured, "measured")
-    return FigureWithData(figure=figure, tables=tables, alt=alt)
+    return FigureWithData(figure, (DataTable(law), DataTable(told, "measured")), alt)
 
 
-def _band(fit: FitResult, settings: Mapping[str, float], over: str) -> tuple[FloatArray, FloatArray]:
+def _off_law(fit: FitResult, conditions: Conditions, force_N: FloatArray) -> FloatArray:
+    """Return how far off the law measured forces lie [%]."""
+    if not force_N.size:
+        return force_N
+    return 100.0 * (force_N / np.exp(fit.friction_law.log_lift(fit.theta, conditions)) - 1.0)
+
+
+def _band(fit: FitResult, settings: dict[str, Any], over: str) -> tuple[FloatArray, FloatArray]:
     """Return a grid in SI and the law on it, five columns as in `_BAND`, NaN where it has no answer."""
     low, high = fit.validity[over]
     beyond = _BEYOND * (high - low) or _BEYOND * high
@@ -348,7 +340,7 @@ def _band(fit: FitResult, settings: Mapping[str, float], over: str) -> tuple[Flo
         found = predict(fit, at, level=0.95, check=False)
         return np.vstack([found.lift_force_N, found.interval_N.T, found.prediction_interval_N.T])
 
-    return x, _evaluated(fit, _swept(settings, over, x), law, len(_BAND))
+    return x, _evaluated(fit, Conditions(**settings | {over: x}), law, len(_BAND))
 
 
 def _draw_band(axes: Axes, x: FloatArray, columns: FloatArray, law: str) -> None:
@@ -359,39 +351,6 @@ def _draw_band(axes: Axes, x: FloatArray, columns: FloatArray, law: str) -> None
     axes.fill_between(x, wide_low, wide_high, facecolor=(ink, 0.13), label="95 % of new pulls", **edge)
     axes.fill_between(x, low, high, facecolor=(ink, 0.4), linewidth=0, label="95 % for the mean law")
     axes.plot(x, line, label="mean law", linewidth=1.4, **look)
-
-
-def _draw_measured(
-    axes: Axes,
-    fit: FitResult,
-    points: ConditionPoints,
-    settings: Mapping[str, float],
-    over: str,
-    *,
-    off: bool,
-) -> None:
-    """Draw the measured forces that have the settings, or how far off the law they lie [%]."""
-
-    def placed(conditions: Conditions, forces_N: FloatArray) -> FloatArray:
-        if not off or not forces_N.size:
-            return forces_N
-        return 100.0 * (forces_N / np.exp(fit.friction_law.log_lift(fit.theta, conditions)) - 1.0)
-
-    factor = REGRESSORS[over][2]
-    if fit.problem is not None:
-        mine = _have(fit.problem.conditions, settings)
-        trials = fit.problem.conditions.select(mine)
-        forces = placed(trials, np.exp(fit.problem.log_lift[mine]))
-        axes.plot(
-            factor * getattr(trials, over), forces, "x", color=style.GREY, markersize=4, label="one trial"
-        )
-    chosen = _have(points.conditions, settings)
-    means, mean_N = points.conditions.select(chosen), np.exp(points.log_lift[chosen])
-    spread = 2.0 * np.nan_to_num(points.std_log[chosen])
-    low, middle, high = (placed(means, mean_N * np.exp(side * spread)) for side in (-1.0, 0.0, 1.0))
-    bars = np.stack([middle - low, high - middle])
-    look = _CHOSEN | _BARS | {"label": "mean of a condition, ±2 u (k = 2)", "zorder": 5}
-    axes.errorbar(factor * getattr(means, over), middle, yerr=bars, **look)
 
 
 def draw_residuals(fit: FitResult) -> FigureWithData:
@@ -409,18 +368,19 @@ def draw_residuals(fit: FitResult) -> FigureWithData:
     order = np.arange(1, z.size + 1, dtype=np.int64)
     beyond = int((np.abs(z) > _LIMIT).sum())
     what = counted(z.size, "trial" if by_trial else "condition mean")
-    with drawing(10.0, 4.2) as figure:
-        panels = figure.subplots(1, 3 if by_trial else 2, sharey=True)
-        panels[0].set(xlabel=style.figure_label("lift_force_N").replace(" [", ", fitted ["), xscale="log")
-        panels[0].xaxis.set_major_formatter("{x:g}")
-        _scatter(panels[0], np.exp(fitted), z, fit.law)
-        if by_trial:
-            panels[1].set_xlabel("Trial, in the order of the table")
-            _scatter(panels[1], order, z, fit.law)
-        panels[-1].set_xlabel("Normal quantile [-]")
-        ends = float(np.abs(quantile).max(initial=1.0)) * np.array([-1.0, 1.0])
-        panels[-1].plot(ends, ends, "--", color=style.INK, linewidth=1.0, label="normal law")
-        _scatter(panels[-1], quantile, z, fit.law)
+    drawn = {
+        style.figure_label("lift_force_N").replace(" [", ", fitted ["): np.exp(fitted),
+        **({"Trial, in the order of the table": order} if by_trial else {}),
+        "Normal quantile [-]": quantile,
+    }
+    with drawing(10.0, 4.2, ncols=len(drawn), sharey=True) as (figure, panels):
+        for axes, (label, x) in zip(panels, drawn.items(), strict=True):
+            axes.set_xlabel(label)
+            if x is quantile:
+                ends = float(np.abs(quantile).max(initial=1.0)) * np.array([-1.0, 1.0])
+                axes.plot(ends, ends, "--", color=style.INK, linewidth=1.0, label="normal law")
+            _scatter(axes, x, z, fit.law)
+        _plain_log(panels[0], "x")
         panels[0].set_ylabel("Residual of ln F, standardised [-]")
         share = f"{beyond} of {z.size} beyond ±2" if z.size else _NO_TRIALS
         figure.suptitle(f"Law {fit.law}: {what}, {share}")
@@ -434,7 +394,7 @@ def draw_residuals(fit: FitResult) -> FigureWithData:
             f"Standardised residuals of {what} about the law {fit.law}: {beyond} lie beyond ±2, the largest is "
             f"{np.abs(z).max():.3g}. In force the residuals are {100 * rms:.3g} % (root mean square)."
         )
-    return FigureWithData(figure=figure, tables=(DataTable(columns),), alt=alt)
+    return FigureWithData(figure, (DataTable(columns),), alt)
 
 
 def _residuals(fit: FitResult) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -497,8 +457,8 @@ def draw_corner(fit: FitResult) -> FigureWithData:
     # In standard errors; so far as all but a few draws go.
     ends = np.clip(np.quantile(z, [0.001, 0.999], axis=0).T, [-5.0, 2.3], [-2.3, 5.0])
     n = place.size
-    with drawing(*(2 * [1.6 + 1.45 * n])) as figure:
-        panels = figure.subplots(n, n, squeeze=False)
+    side_inch = 1.6 + 1.45 * n
+    with drawing(side_inch, side_inch, nrows=n, ncols=n, squeeze=False) as (figure, panels):
         for (row, column), axes in np.ndenumerate(panels):
             if column > row:
                 axes.set_visible(False)
@@ -517,8 +477,7 @@ def draw_corner(fit: FitResult) -> FigureWithData:
             else:
                 axes.set_ylim(*ends[row])
                 _draw_pair(axes, z[:, column], z[:, row], fit.law)
-                note = f"{correlation[row, column]:+.2f}"
-                axes.set_title(note, fontsize=7, loc="right", y=0.86, pad=0.0)
+                axes.set_title(f"{correlation[row, column]:+.2f}", fontsize=7, loc="right", y=0.86, pad=0.0)
             if row == n - 1:
                 axes.set_xlabel(_with_unit(fit, names[column]), fontsize=9)
             if column == 0 and row:
@@ -534,7 +493,7 @@ def draw_corner(fit: FitResult) -> FigureWithData:
         alt += f" {closest[0]} and {closest[1]} go together most, with a correlation of {closest[4]:.3g}."
     header = ("parameter", "other", "value", "std", "correlation")
     drawn = DataTable(dict(zip(names, draws.T, strict=True)), "draws")
-    return FigureWithData(figure=figure, tables=(DataTable.of_rows(header, rows), drawn), alt=alt)
+    return FigureWithData(figure, (DataTable.of_rows(header, rows), drawn), alt)
 
 
 def _draw_pair(axes: Axes, x: FloatArray, y: FloatArray, law: str) -> None:

@@ -1,12 +1,13 @@
 """The figures of scenes: charts, sweeps as lines or a map, a press's start-up, a saw's Campbell chart."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from itertools import cycle
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from scipy.optimize import isotonic_regression
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
@@ -23,7 +24,7 @@ from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.press.transient.start_up import StartUp
 
 _MOST_LINES = 6
-_DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
+_DASHES = (*style.LINE_STYLES[:4], (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
 _DRAWN_POINTS, _DRAWN_CELLS = 2000, 250
 """Most points of a line, and of each side of a map, that a page can show; a finer sweep is thinned evenly."""
 
@@ -47,15 +48,13 @@ def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
     *outer, across = kept = sweep.kept
     lines = not outer or outer[0].values.size <= _MOST_LINES
     most = _DRAWN_POINTS if lines else _DRAWN_CELLS
-    steps = [1 if lines else -(-axis.values.size // most) for axis in outer]
-    steps.append(-(-across.values.size // most))
+    steps = [1 if lines and axis is not across else -(-axis.values.size // most) for axis in kept]
     grid = sweep.columns[name].reshape([axis.values.size for axis in kept])
     grid = grid[tuple(slice(None, None, step) for step in steps)]
     places = [axis.values[::step] / axis.factor for axis, step in zip(kept, steps, strict=True)]
     path, _, last = name.rpartition(".")
     label = (f"{path}: " if path else "") + (style.figure_label(last) if last in GLOSSARY else last)
-    with drawing(9.0, 6.0) as figure:
-        axes = figure.subplots()
+    with drawing(9.0, 6.0) as (figure, axes):
         axes.set_xlabel(across.label)
         if not outer:
             axes.plot(places[0], grid, color="black")
@@ -75,7 +74,7 @@ def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
     meshes = zip(sweep.axes, np.meshgrid(*places, indexing="ij"), strict=True)
     columns = {axis.key: each.ravel() for axis, each in meshes}
     table = DataTable(columns | {name: grid.ravel()})
-    return FigureWithData(figure=figure, tables=(table,))
+    return FigureWithData(figure, (table,))
 
 
 def draw_explanation(told: Explanation) -> FigureWithData:
@@ -84,8 +83,8 @@ def draw_explanation(told: Explanation) -> FigureWithData:
     rows, inside = np.arange(len(shown)), np.array([one.fate == "simulated" for one in shown])
     columns = {name: np.array([getattr(one, name) for one in shown]) for name in ("bound", "worth", "time_s")}
     least = 1e-3 * min([told.plan.accuracy, *columns["bound"][columns["bound"] > 0.0]])
-    with drawing(9.0, 1.6 + 0.35 * len(shown)) as figure:
-        worth, takes = figure.subplots(1, 2, sharey=True, width_ratios=(3, 1 + told.is_measured))
+    side: dict[str, Any] = {"ncols": 2, "sharey": True, "width_ratios": (3, 1 + told.is_measured)}
+    with drawing(9.0, 1.6 + 0.35 * len(shown), **side) as (figure, (worth, takes)):
         # A worth without a bound reaches to the edge.
         most = 3.0 * max([1.0, *columns["bound"][np.isfinite(columns["bound"])]])
         bars = np.clip(np.nan_to_num(columns["bound"], nan=0.0, posinf=most), least, most)
@@ -103,7 +102,7 @@ def draw_explanation(told: Explanation) -> FigureWithData:
     alt = ", ".join(f"{one.name} {one.bound:.2g} ({one.fate})" for one in shown)
     named: dict[str, Any] = {"effect": [one.name for one in shown], "fate": [one.fate for one in shown]}
     table = DataTable({**named, **columns})
-    return FigureWithData(figure=figure, tables=(table,), alt=f"What effects are worth at most: {alt}.")
+    return FigureWithData(figure, (table,), f"What effects are worth at most: {alt}.")
 
 
 _ROLES = {"driver": style.BLUE, "driven": style.GREY, "tensioner": style.ORANGE}
@@ -119,8 +118,7 @@ def draw_layout(scene: Scene) -> FigureWithData:
     if not belts:
         raise InputError(f"there is no figure of this {scene.kind.name} scene", fix="use to_frame()")
     largest_mm = 1e3 * max(wheel.radius_m for wheels in belts.values() for wheel in wheels)
-    with drawing(9.0, 1.8 + 2.2 * len(belts)) as figure:
-        axes = figure.subplots()
+    with drawing(9.0, 1.8 + 2.2 * len(belts)) as (figure, axes):
         for row, (belt, wheels) in enumerate(belts.items()):
             place, ends, before = np.array([0.0, -4.2 * largest_mm * row]), [], wheels[0]
             for i, wheel in enumerate(wheels):
@@ -133,11 +131,9 @@ def draw_layout(scene: Scene) -> FigureWithData:
                 middle = (np.pi, 0.0)[i] if len(wheels) == 2 else middle
                 ends.append(_draw_wheel(axes, wheel, place, middle, stubs=len(wheels) != 2))
                 before = wheel
-            if len(wheels) == 2:
-                for side in (0, 1):
-                    axes.plot(
-                        *np.transpose([ends[0][side], ends[1][1 - side]]), color=style.INK, linewidth=1.6
-                    )
+            for side in (0, 1) if len(wheels) == 2 else ():
+                line = np.transpose([ends[0][side], ends[1][1 - side]])
+                axes.plot(*line, color=style.INK, linewidth=1.6)
             if len(belts) > 1:
                 axes.text(-largest_mm, float(place[1]) + 1.4 * largest_mm, belt, style="italic")
         axes.set(xlabel="Along the machine [mm]", ylabel="[mm]", aspect="equal")
@@ -150,7 +146,7 @@ def draw_layout(scene: Scene) -> FigureWithData:
     ]
     table = DataTable.of_rows(("runs_over_it", "wheel", "role", "radius_m", "wrap_angle_rad"), rows)
     told = ", ".join(f"{one[1]} {1e3 * one[3]:.4g} mm, {math.degrees(one[4]):.4g} deg" for one in rows)
-    return FigureWithData(figure=figure, tables=(table,), alt=f"Layout of a {scene.kind.name}: {told}.")
+    return FigureWithData(figure, (table,), f"Layout of a {scene.kind.name}: {told}.")
 
 
 def _draw_wheel(
@@ -175,8 +171,7 @@ def _draw_wheel(
             axes.annotate(style.typeset(word), tuple(lies[:, end]), (x, y), ha="center", arrowprops=arrow)
             axes.update_datalim([(x, y)])
     words = f"{wheel.name}\n{radius_mm:.4g} mm\n{math.degrees(wheel.wrap_angle_rad):.4g}°"
-    look: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": 8}
-    axes.text(float(place[0]), float(place[1] - 1.15 * radius_mm), words, **look)
+    axes.text(place[0], place[1] - 1.15 * radius_mm, words, ha="center", va="top", fontsize=8)
     axes.update_datalim([(place[0], place[1] - 2.0 * radius_mm)])
     return lies[:, 0], lies[:, -1]
 
@@ -202,27 +197,14 @@ def name_lines(axes: Axes, ends: Iterable[tuple[str, float]], *, gap: float = 0.
     to_axes = axes.transData + axes.transAxes.inverted()
     right = axes.get_xlim()[1]
     wanted = sorted((float(to_axes.transform((right, value))[1]), name) for name, value in ends)
-    # Names in order that are too close form a block about its mean; blocks that meet join.
-    blocks = [[place] for place, _ in wanted]
-    i = 0
-    while i < len(blocks) - 1:
-        low, high = _spread(blocks[i], gap), _spread(blocks[i + 1], gap)
-        if high[0] - low[-1] < gap - 1e-9:
-            blocks[i : i + 2] = [blocks[i] + blocks[i + 1]]
-            i = max(i - 1, 0)
-        else:
-            i += 1
-    spread = [place for block in blocks for place in _spread(block, gap)]
+    # As near to their lines as a gap between them lets them, by least squares.
+    steps = gap * np.arange(len(wanted))
+    spread = isotonic_regression([place for place, _ in wanted] - steps).x + steps
     arrow = {"arrowstyle": "-", "color": style.GREY, "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
     for (true, name), place in zip(wanted, spread, strict=True):
         look: dict[str, Any] = {"va": "center", "fontsize": 9.0, "arrowprops": arrow}
         look["annotation_clip"] = False
         axes.annotate(style.typeset(name), (1.0, true), (1.03, place), xycoords="axes fraction", **look)
-
-
-def _spread(block: Sequence[float], gap: float) -> list[float]:
-    middle = sum(block) / len(block)
-    return [middle + gap * (i - 0.5 * (len(block) - 1)) for i in range(len(block))]
 
 
 def draw_press_start_up(found: StartUp) -> FigureWithData:
@@ -235,9 +217,8 @@ def draw_press_start_up(found: StartUp) -> FigureWithData:
     spans, rollers = ([part.name for part in parts] for parts in (found.press.spans, found.press.rollers))
     rims_m_s = found.roller_speed_rad_s * [roller.radius_m for roller in found.press.rollers]
     margins = {"left": 0.13, "right": 0.84, "top": 0.96, "bottom": 0.05, "hspace": 0.16}
-    with drawing(9.0, 11.0, margins=margins) as figure:
-        panels = figure.subplots(4, 1, sharex=True, height_ratios=[3.2, 2.0, 1.2, 1.0])
-        tension, speed, slip, energy = panels
+    rows: dict[str, Any] = {"nrows": 4, "sharex": True, "height_ratios": [3.2, 2.0, 1.2, 1.0]}
+    with drawing(9.0, 11.0, margins=margins, **rows) as (figure, (tension, speed, slip, energy)):
         tension.set_xlim(found.time_s[0], found.time_s[-1])
         tension.set(title="Start-up: tension of every span, all its belts together", ylabel="Tension T [N]")
         lines = _same_tensions(spans, found.tension_N)
@@ -255,15 +236,13 @@ def draw_press_start_up(found: StartUp) -> FigureWithData:
     columns |= {f"tension_{name}_N": line for name, line in zip(spans, found.tension_N.T, strict=True)}
     columns |= {f"rim_speed_{name}_m_s": line for name, line in zip(rollers, rims_m_s.T, strict=True)}
     histories = DataTable(columns | {"energy_residual_J": found.energy.residual})
-    slips = tuple((slip.roller, slip.start_s, slip.end_s, slip.direction) for slip in found.slips)
-    header = ("roller", "start_s", "end_s", "direction")
     first = {slip.roller: slip.start_s for slip in reversed(found.slips)}
     ones = ", ".join(f"roller {name} from {first[name]:.3g} s" for name in _slipped(found))
     alt = f"Start-up over {found.time_s[-1]:.4g} s: tensions {style.span_of(found.tension_N)} N; " + (
         f"the belt slips on {ones}." if ones else "no belt slips."
     )
-    tables = histories, DataTable.of_rows(header, slips, "slips")
-    return FigureWithData(figure=figure, tables=tables, alt=alt)
+    slips = DataTable.of(found.slips, ("roller", "start_s", "end_s", "direction"), "slips")
+    return FigureWithData(figure, (histories, slips), alt)
 
 
 def _slipped(found: StartUp) -> list[str]:
@@ -298,10 +277,8 @@ def _draw_slips(axes: Axes, found: StartUp) -> None:
     axes.set_ylim(max(len(names), 1) - 0.5, -0.5)
     if not names:
         style.say_instead(axes, "no belt slips")
-    for place, color, direction, word in (
-        (0.7, style.ORANGE, 1, "forward"),
-        (0.3, style.BLUE, -1, "backward"),
-    ):
+    ways = (0.7, style.ORANGE, 1, "forward"), (0.3, style.BLUE, -1, "backward")
+    for place, color, direction, word in ways:
         if any(slip.direction == direction for slip in found.slips):
             axes.text(1.03, place, word, transform=axes.transAxes, va="center", color=color, fontsize=9.0)
 
@@ -326,48 +303,45 @@ def draw_saw_chart(chart: SawChart) -> FigureWithData:
     """
     top_Hz = 1.08 * max(float(found.max()) for found in chart.mode_Hz.values())
     fastest_m_s = float(chart.speed_m_s[-1])
-    with drawing(9.0, 6.5) as figure:
-        axes = figure.subplots()
+    with drawing(9.0, 6.5) as (figure, axes):
         axes.set(xlim=(float(chart.speed_m_s[0]), fastest_m_s), ylim=(0.0, top_Hz))
         axes.set(xlabel="Blade speed v [m/s]", ylabel="Frequency f [Hz]")
         axes.set_title(
             "Modes of the blade and what excites them; circles: resonance, at this change of speed", pad=18.0
         )
-        _draw_modes(axes, chart)
+        written = _draw_modes(axes, chart, top_Hz)
         for excitation, dashes in zip(chart.excitations, cycle(_SHAKES), strict=False):
             _draw_excitation(axes, excitation, chart, dashes, top_Hz)
         if chart.saw.speed_m_s > 0.0:
             axes.axvline(chart.saw.speed_m_s, color="black", linewidth=1.2, label="speed at work")
-        _draw_crossings(axes, chart, top_Hz)
+        _draw_crossings(axes, chart, top_Hz, written)
         style.legend_below(axes, columns=4)
-    speeds, n_modes = chart.speed_m_s, chart.mode_Hz[Side.TIGHT].shape[1]
-    modes: dict[str, Any] = {
-        "side": [str(side) for side in chart.mode_Hz for _ in range(n_modes * speeds.size)],
-        "mode": [*np.repeat(np.arange(1, n_modes + 1), speeds.size).tolist()] * len(chart.mode_Hz),
-        "speed_m_s": np.tile(speeds, n_modes * len(chart.mode_Hz)),
-        "frequency_Hz": np.concatenate([found.T.ravel() for found in chart.mode_Hz.values()]),
-    }
+    rows = [
+        (str(side), mode, *point)
+        for side, found in chart.mode_Hz.items()
+        for mode, values in enumerate(found.T.tolist(), start=1)
+        for point in zip(chart.speed_m_s.tolist(), values, strict=True)
+    ]
+    modes = DataTable.of_rows(("side", "mode", "speed_m_s", "frequency_Hz"), rows)
     crossings = {name: [getattr(one, name) for one in chart.crossings] for name in _CROSSING}
     crossings["side"] = [str(side) for side in crossings["side"]]
     crossings["speed_margin"] = [x if math.isfinite(x) else math.nan for x in crossings["speed_margin"]]
-    tables = DataTable(modes), DataTable(crossings, "crossings")
-    return FigureWithData(figure=figure, tables=tables)
+    return FigureWithData(figure, (modes, DataTable(crossings, "crossings")))
 
 
-def _draw_modes(axes: Axes, chart: SawChart) -> None:
+def _draw_modes(axes: Axes, chart: SawChart, top_Hz: float) -> list[tuple[float, float]]:
+    """Draw the modes, and write their numbers; return where these stand, in parts of the chart's width and height."""
+    speeds, written = chart.speed_m_s, []
+    case = int(np.searchsorted(speeds, float(speeds[0]) + _MODE_LABELS_AT * float(np.ptp(speeds))))
     for side, frequencies in chart.mode_Hz.items():
         color, dashes = _LOOK[side]
         for mode, values in enumerate(frequencies.T, start=1):
-            axes.plot(chart.speed_m_s, values, dashes, color=color, linewidth=1.6, label=f"{side} side")
+            axes.plot(speeds, values, dashes, color=color, linewidth=1.6, label=f"{side} side")
             if side is Side.SLACK:
-                case = int(np.searchsorted(chart.speed_m_s, _mode_label_place(chart)))
-                point = (float(chart.speed_m_s[case]), float(values[case]))
+                point = (float(speeds[case]), float(values[case]))
                 style.note_at(axes, f"mode {mode}", point, up=-6.0, va="top", bbox=_BACKGROUND, zorder=5)
-
-
-def _mode_label_place(chart: SawChart) -> float:
-    slowest, fastest = float(chart.speed_m_s[0]), float(chart.speed_m_s[-1])
-    return slowest + _MODE_LABELS_AT * (fastest - slowest)
+                written.append((_MODE_LABELS_AT, point[1] / top_Hz - _LABEL_OFFSET))
+    return written
 
 
 def _draw_excitation(
@@ -377,24 +351,21 @@ def _draw_excitation(
     if float(lines.min(axis=1).min()) >= top_Hz:
         axes.plot([], [], color=style.GREY, linestyle=dashes, label=f"{excitation.name} (above the chart)")
         return
-    fastest_m_s = float(chart.speed_m_s[-1])
     for harmonic, values in zip(excitation.harmonics, lines, strict=True):
-        axes.plot(
-            chart.speed_m_s, values, color=style.GREY, linestyle=dashes, linewidth=1.1, label=excitation.name
-        )
+        look: dict[str, Any] = {"color": style.GREY, "linestyle": dashes, "linewidth": 1.1}
+        axes.plot(chart.speed_m_s, values, label=excitation.name, **look)
         at_right = bool(values[-1] <= top_Hz)
         if not at_right and values[0] >= top_Hz:
             continue
-        leaves_m_s = float(np.interp(top_Hz, values, chart.speed_m_s)) if not at_right else fastest_m_s
+        # Beyond the last speed that is this one.
+        point = (float(np.interp(top_Hz, values, chart.speed_m_s)), min(float(values[-1]), top_Hz))
         where = {"right": 4.0, "ha": "left", "va": "center"} if at_right else {"up": 3.0}
-        point = (leaves_m_s, min(float(values[-1]), top_Hz))
         style.note_at(axes, f"{harmonic}×", point, color=style.GREY, annotation_clip=False, **where)
 
 
-def _draw_crossings(axes: Axes, chart: SawChart, top_Hz: float) -> None:
+def _draw_crossings(axes: Axes, chart: SawChart, top_Hz: float, written: list[tuple[float, float]]) -> None:
+    """Draw the crossings as circles, and write the margin of those that have room beside what is `written`."""
     slowest_m_s, span_m_s = float(chart.speed_m_s[0]), float(np.ptp(chart.speed_m_s))
-    slack = chart.mode_Hz[Side.SLACK][int(np.searchsorted(chart.speed_m_s, _mode_label_place(chart)))]
-    written = [(_MODE_LABELS_AT, float(value) / top_Hz - _LABEL_OFFSET) for value in slack]
     for crossing in sorted(chart.crossings, key=lambda crossing: abs(crossing.speed_margin)):
         color, point = _LOOK[crossing.side][0], (crossing.speed_m_s, crossing.frequency_Hz)
         ring: dict[str, Any] = {"markersize": 6.0, "markerfacecolor": "none", "markeredgewidth": 1.3}

@@ -41,7 +41,6 @@ from ropefric.trials.result import Extraction
 from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import Statement
 
-_WORDS = {"yes": 1.0, "no": -1.0}
 _HOUSE: dict[type, Callable[..., FigureWithData]] = {
     Scene: draw_layout,
     FitResult: draw_fit_band,
@@ -67,8 +66,7 @@ def draw(result: Any, *args: Any, **options: Any) -> Figure:
     if isinstance(result, Solution):
         for _, made in scene_figures(result):
             return made.figure
-    with drawing(8.0, 4.5) as figure:
-        axes = figure.subplots()
+    with drawing(8.0, 4.5) as (figure, axes):
         paint(result, axes, *args, **options)
         if axes.get_legend() is None and axes.get_legend_handles_labels()[0]:
             axes.legend()
@@ -108,9 +106,8 @@ def _(drawn: Draws, axes: Axes, *, quantity: str = "") -> None:
 def _(trace: ForceTrace, axes: Axes, found: Breakaway | None = None) -> None:
     pull = pick_breakaway(trace, PickSettings())[0] if found is None else found
     axes.plot(trace.time_s, trace.force_N, color=style.GREY, linewidth=0.6, label="recorded")
-    title = f"{trace.name}: {pull.status}"
+    title = trace.name if pull.status is Status.OK else f"{trace.name}: {pull.status}"
     if pull.status is Status.OK:
-        title = trace.name
         axes.axhline(pull.kinetic_N, color=style.BLUE, linestyle="--", label="kinetic")
         look: dict[str, Any] = {"fmt": "o", "color": style.ORANGE, "label": f"break-away {pull.peak_N:.4g} N"}
         axes.errorbar(pull.peak_time_s, pull.peak_N, 2.0 * pull.peak_std_N, zorder=4, **look)
@@ -211,15 +208,14 @@ def _(design: Design, axes: Axes) -> None:
     x = REGRESSORS[over][2] * design.value
     axes.plot(x, design.lift_force_N, "o", label="mean law lifts")
     if design.probability is not None:
-        label = f"{100 * design.probability:g} % of pulls lift"
-        axes.plot(x, design.lower_bound_N, "v", label=label)
+        axes.plot(x, design.lower_bound_N, "v", label=f"{100 * design.probability:g} % of pulls lift")
     axes.plot(x, design.required_N, "_", color=style.ORANGE, markersize=14, label="load")
     axes.set(xlabel=style.regressor_label(over), ylabel=style.figure_label("lift_force_N"))
 
 
 @paint.register
 def _(found: Diagnosis, axes: Axes) -> None:
-    bars = [_WORDS.get(cause.supported, 0.0) for cause in found.causes]
+    bars = [{"yes": 1.0, "no": -1.0}.get(cause.supported, 0.0) for cause in found.causes]
     axes.barh(range(len(bars)), bars, color=[style.BLUE if bar > 0.0 else style.GREY for bar in bars])
     axes.set_xticks((-1, 0, 1), ("not supported", "undecided", "supported"))
     _name_rows(axes, [cause.cause for cause in found.causes])

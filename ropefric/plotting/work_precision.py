@@ -33,8 +33,9 @@ def draw_work_precision(result: StudyResult) -> FigureWithData:
     title = _folded(result.study.title, 58 * n_columns)
     above, below = title.count("\n"), math.ceil((len(methods) + 1) / columns)
     width, height, margins = _frame(n_rows, n_columns, above, below)
-    with drawing(width, height, margins=margins) as figure:
-        panels = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
+    grid: dict[str, Any] = {"nrows": n_rows, "ncols": n_columns, "squeeze": False}
+    with drawing(width, height, margins=margins, **grid) as (figure, rows):
+        panels = rows.ravel()
         for axes, case in zip(panels, cases, strict=False):
             _draw_case(axes, in_case(result.points, case.name), result.front(case.name), looks)
             axes.set_title(_folded(f"{case.name}: {case.title}"), loc="left", fontsize=9.5)
@@ -42,7 +43,7 @@ def draw_work_precision(result: StudyResult) -> FigureWithData:
             axes.remove()
         figure.suptitle(title, y=0.995, va="top")
         style.legend_of_figure(figure, columns=columns)
-    return FigureWithData(figure=figure, tables=(_table(result),), alt=_alt(result))
+    return FigureWithData(figure, (_table(result),), _alt(result))
 
 
 def _frame(

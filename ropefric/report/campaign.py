@@ -90,7 +90,7 @@ def write_table_report(
     trials = counted(len(answer.table.trial), "trial")
     tally = f"{trials} of {counted(found.n_conditions, 'condition')}: {found.n} fitted"
     provenance = pipeline.trace_table(answer, evidence, inputs)
-    measured = [("Trial table", table.name)]
+    measured = {"Trial table": table.name}
     subject = Subject(table.stem, tally, answer, evidence, provenance, words, measured, wish=wish)
     texts = {pipeline.MANIFEST: json_document(provenance)}
     texts["summary.txt"] = as_text((Section(lines=[f"{table.name}: {tally}"]), *answer_sections(answer)))
@@ -292,18 +292,17 @@ def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section]:
     gone = {trial.trial: trial for trial in extraction.trials if not trial.kept}
     counts = result.count_trials(extraction)
     title = f"Trials not kept (of {counted(counts['n_trials'], 'trial')}: {result.outcome_words(counts)})"
-    aside = Section(title, ("Every trial gave a force and counts.",), notes=evidence.rejection)
     rows: list[tuple[str, ...]] = []
+    for trial in sorted(gone.values(), key=lambda trial: trial.breakaway.status is not Status.DOUBTFUL):
+        fate = str(trial.breakaway.status) if trial.outcome == "without a force" else trial.outcome
+        known_N = trial.peak_N if trial.measures_slack else trial.end_tension_N
+        cells = parts.setting_cells(trial.wheel_radius_m, trial.wrap_angle_rad, known_N)
+        why = _why(trial, place.get(trial.trial))
+        rows.append((trial.trial, fate, *cells, plain(trial.measured_N), why))
     headings: tuple[str, ...]
-    if gone:
-        for trial in sorted(gone.values(), key=lambda trial: trial.breakaway.status is not Status.DOUBTFUL):
-            fate = str(trial.breakaway.status) if trial.outcome == "without a force" else trial.outcome
-            known_N = trial.peak_N if trial.measures_slack else trial.end_tension_N
-            cells = parts.setting_cells(trial.wheel_radius_m, trial.wrap_angle_rad, known_N)
-            why = _why(trial, place.get(trial.trial))
-            rows.append((trial.trial, fate, *cells, plain(trial.measured_N), why))
-        headings = ("trial", "verdict", "R_w [mm]", "φ [deg]", f"{known} [N]", f"{measured} [N]", "why ")
-        aside = Section(title, headings=headings, rows=rows, left=2, notes=evidence.rejection)
+    headings = ("trial", "verdict", "R_w [mm]", "φ [deg]", f"{known} [N]", f"{measured} [N]", "why ")
+    lines = () if gone else ("Every trial gave a force and counts.",)
+    yield Section(title, lines, headings if gone else (), rows, 2, evidence.rejection)
     budgets = {condition.number: budget for condition, budget in evidence.measured}
     rows = []
     for number, item in enumerate(extraction.conditions, start=1):
@@ -324,7 +323,6 @@ def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section]:
         f"mean {measured} and s: of the trials kept; u_c: standard uncertainty of that mean, repeats and measuring "
         "chain; every trial stands in trials.csv"
     )
-    yield aside
     yield Section("Conditions", headings=headings, rows=rows, left=0, notes=(note,))
     yield from _decided_section(extraction)
     yield from _sliding_section(extraction)
@@ -333,9 +331,8 @@ def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section]:
 def _sliding_section(extraction: result.Extraction) -> Iterator[Section]:
     """Yield what was measured beside the break-away force, by condition: mean ± s of the kept trials."""
     conditions = extraction.conditions
-    shown = [
-        name for name in result.SUMMARISED if any(item.of_kept.get(name, _NONE)[2] for item in conditions)
-    ]
+    named = result.SUMMARISED
+    shown = [name for name in named if any(item.of_kept.get(name, _NONE)[2] for item in conditions)]
     if not shown:
         return
     rows = []
@@ -343,7 +340,7 @@ def _sliding_section(extraction: result.Extraction) -> Iterator[Section]:
         found = [item.of_kept.get(name, _NONE) for name in shown]
         cells = (f"{plain(mean)} ± {plain(std, '.2g')}" if n > 1 else plain(mean) for mean, std, n in found)
         rows.append((str(number), str(max(n for *_, n in found)), *cells))
-    headings = ("no.", "n", *(result.SUMMARISED[name] for name in shown))
+    headings = ("no.", "n", *(named[name] for name in shown))
     note = "mean ± s of the kept trials, n of them at most; every trial stands in trials.csv"
     yield Section("Beside the break-away force", headings=headings, rows=rows, left=0, notes=(note,))
 
@@ -355,8 +352,8 @@ def _decided_section(extraction: result.Extraction) -> Iterator[Section]:
         if trial.decision or (trial.excluded and trial.by):
             what = trial.decision or f"excluded: {trial.excluded}"
             without = [note for note in trial.breakaway.notes if note.startswith("without the decision")]
-            cells = trial.trial, what, plain(trial.measured_N), trial.by, trial.why, "; ".join(without)
-            rows.append(cells)
+            own = trial.by, trial.why, "; ".join(without)
+            rows.append((trial.trial, what, plain(trial.measured_N), *own))
     if rows:
         headings = ("trial", "decision ", "F_A [N]", "by ", "why ", "and else ")
         yield Section("Decided by people", headings=headings, rows=rows, left=1)

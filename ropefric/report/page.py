@@ -58,12 +58,6 @@ class Picture(NamedTuple):
     narrow: bool = False
 
 
-class Particulars(NamedTuple):
-    """What a report is about, as names and values."""
-
-    rows: tuple[tuple[str, str], ...]
-
-
 class Formula(NamedTuple):
     """Statements of an equation, each as MathML."""
 
@@ -77,7 +71,8 @@ class Fold(NamedTuple):
     section: Section
 
 
-Block = Section | Picture | Particulars | Formula | Fold | list[Fact] | list[Alert]
+Block = Section | Picture | dict[str, str] | Formula | Fold | list[Fact] | list[Alert]
+"""Of a chapter; a mapping holds particulars of what the report is about."""
 
 
 class Chapter(NamedTuple):
@@ -171,7 +166,7 @@ class Subject(NamedTuple):
     evidence: Evidence
     provenance: Mapping[str, Any]
     words: ReportWords
-    measured: Sequence[tuple[str, str]]
+    measured: Mapping[str, str]
     run: CampaignRun | None = None
     wish: Wish = USUAL
 
@@ -186,10 +181,9 @@ class Subject(NamedTuple):
         words, table = self.words, self.answer.table
         given = [self.title, words.lab, words.customer, words.operator, words.number, *table.trial]
         if self.run is not None:
-            campaign, trials = self.run.campaign, self.run.extraction.trials
-            given += [*campaign.wheels, *campaign.cells]
-            given += [name for one in trials for name in (one.trial, one.file)]
-            given += [wheel.material for wheel in campaign.wheels.values()]
+            wheels, cells = self.run.campaign.wheels, self.run.campaign.cells
+            given += [*wheels, *cells, *(wheel.material for wheel in wheels.values())]
+            given += [name for one in self.run.extraction.trials for name in (one.trial, one.file)]
         cut = {name[:length] for name in given for length in (None, *SHORT_NAMES)}
         return frozenset(name for name in cut if localized(name, self.language) != name)
 
@@ -204,9 +198,9 @@ def front_blocks(
     answer, words = subject.answer, subject.words
     if grave := [alert for alert in alerts if alert.grade == "stop"]:
         yield grave
-    given = [(label, str(getattr(words, name))) for name, label in _GIVEN.items()]
-    rows = (*given, *subject.measured, ("Question", words.question))
-    yield Particulars(tuple(row for row in rows if row[1]))
+    given = {label: str(getattr(words, name)) for name, label in _GIVEN.items()}
+    particulars = given | dict(subject.measured) | {"Question": words.question}
+    yield {name: value for name, value in particulars.items() if value}
     yield [*_facts(answer, subject.evidence)]
     law = parts.fit_section(answer.fit, f"The law: {answer.fit.law}, {answer.winner.how}")
     yield Section(law.title)
@@ -223,7 +217,7 @@ def front_blocks(
         yield doubts or [Alert("note", "Nothing was found", "No check stands against the result.")]
 
 
-def measured_rows(run: CampaignRun) -> list[tuple[str, str]]:
+def measured_rows(run: CampaignRun) -> dict[str, str]:
     """Return rope, wheels, force cells with their calibration, and the way of measuring, as far as they are given."""
     campaign, rope = run.campaign, run.campaign.rope
     density = rope.linear_density_kg_m
@@ -241,8 +235,8 @@ def measured_rows(run: CampaignRun) -> list[tuple[str, str]]:
     method = f"protocol {campaign.protocol.name}; smoothing {smoothing}; outliers by {campaign.rejection}"
     size = f"{plain(2e3 * rope.radius_m)} mm in diameter"
     of_rope = ", ".join(filter(None, (size, weight, rope.material)))
-    on = ("Wheels", "; ".join(wheels)), ("Force cells", "; ".join(cells))
-    return [("Rope", of_rope), *on, ("Method", method)]
+    on = {"Wheels": "; ".join(wheels), "Force cells": "; ".join(cells)}
+    return {"Rope": of_rope, **on, "Method": method}
 
 
 def _cell_words(name: str, cell: Any) -> str:
@@ -333,15 +327,12 @@ def _split(text: str) -> list[str]:
     return [part.strip() for part in parts]
 
 
-class _Bracket(str):
-    """What stands in brackets, with them; `inner` is without, for where a bar or a raised place takes their part."""
-
-    __slots__ = ("inner",)
-    inner: str
+_OPEN, _CLOSE = "<mrow><mo>(</mo>", "<mo>)</mo></mrow>"
 
 
 def _bare(found: str) -> str:
-    return found.inner if isinstance(found, _Bracket) else found
+    """Return what stands in brackets without them, for where a bar or a raised place takes their part."""
+    return found[len(_OPEN) : -len(_CLOSE)] if found.startswith(_OPEN) else found
 
 
 class _Statement:
@@ -358,8 +349,7 @@ class _Statement:
             words += f"<mtext>{self.take()}</mtext>{_SPACE}"
         found = words + self.sum()
         while self.ahead == "=":
-            self.take()
-            found += f"<mo>=</mo>{self.sum()}"
+            found += f"<mo>{self.take()}</mo>{self.sum()}"
         if self.ahead:
             raise ValueError(f"{self.text!r} is no equation from {self.ahead!r} on")
         return f"<mrow>{found}</mrow>"
@@ -374,13 +364,10 @@ class _Statement:
         return found
 
     def sum(self) -> str:
-        found = self._sign() + self.product() if self.ahead == "-" else self.product()
+        found = "" if self.ahead == "-" else self.product()
         while self.ahead in {"+", "-"}:
-            found += self._sign() + self.product()
+            found += f"<mo>{self.take().replace('-', '−')}</mo>{self.product()}"
         return found
-
-    def _sign(self) -> str:
-        return f"<mo>{self.take().replace('-', '−')}</mo>"
 
     def product(self) -> str:
         found = [self.quotient()]
@@ -428,9 +415,7 @@ class _Statement:
     def _bracket(self) -> str:
         inner = self.sum()
         self.expect(")")
-        found = _Bracket(f"<mrow><mo>(</mo>{inner}<mo>)</mo></mrow>")
-        found.inner = inner
-        return found
+        return f"{_OPEN}{inner}{_CLOSE}"
 
     def _integral(self) -> str:
         self.expect("of")

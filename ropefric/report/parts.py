@@ -143,9 +143,9 @@ def condition_cells(item: ConditionSummary, *, slack: bool) -> tuple[tuple[str, 
 
 
 def _where(at: Conditions, i: int, *, rope: bool = False) -> str:
+    wheel, wrap, end = setting_cells(at.wheel_radius_m[i], at.wrap_angle_rad[i], at.end_tension_N[i])
     of_rope = f"rope of {plain(2e3 * at.rope_radius_m[i])} mm, " if rope else ""
-    wheel, wrap = plain(1e3 * at.wheel_radius_m[i]), plain(math.degrees(at.wrap_angle_rad[i]))
-    return f"R_w = {wheel} mm, {of_rope}wrap {wrap} deg, F_B = {plain(at.end_tension_N[i])} N"
+    return f"R_w = {wheel} mm, {of_rope}wrap {wrap} deg, F_B = {end} N"
 
 
 def _newtons(value: float) -> str:
@@ -406,12 +406,16 @@ def _time(seconds: float) -> str:
     return f"{1e6 * seconds:.0f} µs" if seconds < 1e-3 else f"{1e3 * seconds:.3g} ms"
 
 
+def _simulated(found: "Draws | Sweep") -> str:
+    bound = f"at most {found.error_bound:.2g} (wanted: {found.accuracy:g})"
+    return f"effects: {', '.join(found.simulated) or 'none'}; relative difference to everything {bound}"
+
+
 def draws_sections(drawn: "Draws", words: Mapping[str, str]) -> list[Section]:
     """Return what draws of a scene's uncertain quantities lead to: mean, standard deviation and quantiles."""
-    bound = f"at most {drawn.error_bound:.2g} (wanted: {drawn.accuracy:g})"
     lines = [
         f"drawn: {', '.join(drawn.inputs)}",
-        f"effects: {', '.join(drawn.simulated) or 'none'}; relative difference to everything {bound}",
+        _simulated(drawn),
         *(f"{name} left out in {count} draws" for name, count in drawn.left_out.items()),
         *(f"in {100.0 * share:.3g} % of the draws {what}" for what, share in drawn.shares.items()),
     ]
@@ -432,9 +436,7 @@ def sweep_sections(sweep: "Sweep", width: int | None = None) -> list[Section]:
 
     Only what changes from point to point has a column, as many as there is room for; the CSV has all.
     """
-    names = ", ".join(sweep.simulated) or "none"
-    bound = f"at most {sweep.error_bound:.2g} (wanted: {sweep.accuracy:g})"
-    lines = [f"effects: {names}; relative difference to everything {bound}"]
+    lines = [_simulated(sweep)]
     lines += [f"{name} left out at {count} points" for name, count in sweep.left_out.items()]
     if sweep.failed:
         lines.append(f"{sweep.failed} points have no answer; the first says: {sweep.first_failure}")

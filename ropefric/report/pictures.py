@@ -1,18 +1,17 @@
 """The figures of a report: which there are, under which chapter, and what is to be seen in them; drawn for the page."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import Executor
 from functools import partial
 
 from ropefric.files.folder import Folder
 from ropefric.fitting.predict import REGRESSORS
-from ropefric.fitting.result import FitResult
 from ropefric.papers.paper import Shown
 from ropefric.pipeline import CampaignAnswer, Evidence
 from ropefric.plotting import campaign as of_trials
 from ropefric.plotting import fits as of_laws
 from ropefric.plotting.design import draw_budget, draw_design_chart, draw_ladder, draw_tornado
-from ropefric.plotting.figure import FigureWithData, begin, draw_chart, figure_files, localize, svg_text
+from ropefric.plotting.figure import Draw, Progress, draw_chart, start_drawing
 from ropefric.report.page import Picture, Subject
 from ropefric.trials.result import Extraction, TrialResult
 
@@ -22,7 +21,6 @@ FOLDER = "figures"
 _LAWS = 4
 _SWEPT = ("wrap_angle_rad", "end_tension_N", "wheel_radius_m")
 
-Draw = Callable[[], FigureWithData]
 Drawings = Iterator[tuple[str, str, str, Draw]]
 """Chapter, name and caption of figures, and what draws each."""
 
@@ -33,7 +31,7 @@ def draw_pictures(
     of_paper: Iterable[Shown] = (),
     *,
     executor: Executor | None = None,
-    progress: Callable[[int, int, str], None] | None = None,
+    progress: Progress | None = None,
 ) -> dict[str, list[Picture]]:
     """Return the figures of a report by chapter; write the CSV files of their numbers, and pictures in other formats."""
     answer, evidence = subject.answer, subject.evidence
@@ -44,28 +42,15 @@ def draw_pictures(
     for one in of_paper:
         draw = partial(draw_chart, one.chart)
         drawings.append(("paper", f"paper_{one.stem}", f"{one.chart.title}.", draw))
-    asked = subject.language, subject.names, subject.wish.formats
-    jobs = {stem: partial(_drawn, stem, draw, *asked) for _, stem, _, draw in drawings}
-    made: dict[str, tuple[str, tuple[str, ...]]] = {}
-    for done, (stem, (svg, files)) in enumerate(begin(jobs, executor)(), start=1):
-        # Workers draw, and this process alone writes.
-        made[stem] = svg, tuple(f"{FOLDER}/{path.name}" for path in folder.write(files))
-        if progress is not None:
-            progress(done, len(drawings), stem)
+    how = {"language": subject.language, "names": subject.names, "formats": subject.wish.formats}
+    draws = {stem: draw for _, stem, _, draw in drawings}
+    made = start_drawing(draws, folder, executor, under=f"{FOLDER}/", on_page=True, **how)(progress)
     found: dict[str, list[Picture]] = {}
     for chapter, stem, caption, _ in drawings:
         svg, own = made[stem]
-        found.setdefault(chapter, []).append(Picture(stem, svg, caption, own, narrow=chapter == "front"))
+        files = tuple(f"{FOLDER}/{path.name}" for path in own)
+        found.setdefault(chapter, []).append(Picture(stem, svg, caption, files, narrow=chapter == "front"))
     return found
-
-
-def _drawn(
-    stem: str, draw: Draw, language: str, names: Collection[str], formats: Collection[str]
-) -> tuple[str, dict[str, bytes]]:
-    figure = draw()
-    localize(figure.figure, language, names)
-    files = figure_files(figure, f"{FOLDER}/{stem}", formats=formats)
-    return svg_text(figure, stem=stem), files
 
 
 def _of_front(answer: CampaignAnswer, extraction: Extraction | None, evidence: Evidence) -> Drawings:
@@ -150,7 +135,16 @@ def _of_laws(answer: CampaignAnswer) -> Drawings:
     euler = [other for other in answer.fits if other.law == "constant" != fit.law]
     fits = [fit, *others[: _LAWS - 2], *euler]
     if fit.statistics.n_conditions > 1:
-        yield from _of_many(fits)
+        caption = (
+            "Average coefficient of friction of every condition against end tension, wrap and wheel radius. By the "
+            "capstan equation there would be one level line."
+        )
+        yield "friction", "mu_facets", caption, partial(of_laws.draw_mu_facets, fits)
+        caption = (
+            "ln(F_A/F_B) against the wrap. By the capstan equation all points would lie on one straight line through "
+            "the origin."
+        )
+        yield "friction", "capstan", caption, partial(of_laws.draw_capstan, fits)
     for name in _swept(answer):
         title = REGRESSORS[name][0]
         caption = f"The law over the {title}, and off it."
@@ -172,20 +166,6 @@ def _of_laws(answer: CampaignAnswer) -> Drawings:
     if answer.comparison.conclusive:
         caption = "All laws by AICc, with their weight and their error at conditions they have not seen."
         yield "ladder", "ladder", caption, partial(draw_ladder, answer.comparison)
-
-
-def _of_many(fits: list[FitResult]) -> Drawings:
-    """Give what shows, over several conditions, whether the trials obey the capstan equation."""
-    caption = (
-        "Average coefficient of friction of every condition against end tension, wrap and wheel radius. By the capstan "
-        "equation there would be one level line."
-    )
-    yield "friction", "mu_facets", caption, partial(of_laws.draw_mu_facets, fits)
-    caption = (
-        "ln(F_A/F_B) against the wrap. By the capstan equation all points would lie on one straight line through the "
-        "origin."
-    )
-    yield "friction", "capstan", caption, partial(of_laws.draw_capstan, fits)
 
 
 def _of_design(evidence: Evidence) -> Drawings:

@@ -21,8 +21,7 @@ with on_first_use():
     from ropefric.accuracy import studies as all_studies
     from ropefric.files import folder as folders
     from ropefric.papers import paper as papers
-    from ropefric.report import cost_page
-    from ropefric.report import parts as pages
+    from ropefric.report import cost_page, parts
     from ropefric.scenes import draws as drawing
     from ropefric.scenes import kinds, plan
     from ropefric.scenes import scene as scenes
@@ -99,7 +98,7 @@ def solve(
             solution = solving.solve_scene(loaded, level=level, identify=identify)
             tree = solution.to_dict()
             files = [] if target is None else _write(out, solution, tree, target)
-            shown = pages.solution_sections(solution, tree)
+            shown = parts.solution_sections(solution, tree)
             return Answer(tree | {"files": files}, shown, exit_code_of(solution.stands))
         axes = tuple(sweeping.parse_axis(loaded, text) for text in sweep)
         with Progress(out, "solve") as progress, ExitStack() as stack:
@@ -110,7 +109,7 @@ def solve(
             how: dict[str, Any] = {"write": write, "keep": sweeping.KEPT_POINTS, "executor": executor}
             found = sweeping.sweep_scene(loaded, axes, progress=progress.update, **how)
         files = [] if target is None else _publish_sweep(out, found, target, f"sweep.{table}", plot)
-        shown = pages.sweep_sections(found, width_of(sys.stdout))
+        shown = parts.sweep_sections(found, width_of(sys.stdout))
         return Answer(_tree(found) | {"files": files}, shown, exit_code_of(found.keeps_accuracy))
 
 
@@ -138,7 +137,7 @@ def _drawn(  # noqa: PLR0917  (as the command has them)
     if folder is not None:
         written = [folder.path / name, *folder.write({"draws.json": json_text(data)})]
         files = options.publish(out, folder, "answer", written)
-    shown = pages.draws_sections(found, scene.kind.words)
+    shown = parts.draws_sections(found, scene.kind.words)
     return Answer(data | {"files": files}, shown, exit_code_of(found.stands))
 
 
@@ -209,7 +208,7 @@ def explain(
             files += target.write({"explanation.json": json_text(tree)})
             files += figure.save_figure(machines.draw_explanation(found), target, "effects")
             options.publish(out, target, "explanation", files)
-        return Answer(tree | {"files": files}, pages.explanation_sections(found))
+        return Answer(tree | {"files": files}, parts.explanation_sections(found))
 
 
 @command("ropefric paper saw --out out/", order=175)

@@ -284,7 +284,7 @@ class _Run:
         return kind.problem(table, friction)
 
     def _worth_leaving_out(self, total: int) -> frozenset[str]:
-        """Return what takes time and may go at some corner of the box at least, or between; the worst never."""
+        """Return what takes time and may go: of what is left without the worst ever that which saves most in the box."""
         values = self.points.box()
         possible = self.kind.answerable(self.build(values))
         if not possible.any():
@@ -294,15 +294,18 @@ class _Run:
         asked = [one for one in worth_asking([*known.values()], total) if one.each is not None]
         # Of some it is known before anything is solved that they stay.
         tried = [one for one in asked if one.each and (one.each(box, None) <= self.room).any()]
+        most_s, best = 0.0, frozenset[str]()
         while tried:
             names = frozenset(known) - {one.name for one in tried}
             answer = self._answer(box, names)[0]
             bounds = [one.each(box, answer) for one in tried if one.each]
-            if (sum(bounds, np.zeros(box.n)) <= self.room).any():
-                # Where none changes anything a law looks at none, and none takes time.
-                return frozenset(one.name for one in tried if any(bound.any() for bound in bounds))
+            may_go = np.broadcast_to(sum(bounds, np.zeros(box.n)) <= self.room, (box.n,))
+            saved_s = float(may_go.mean()) * sum(one.cost for one in tried)
+            # Where none changes anything a law looks at none, and none takes time.
+            if saved_s > most_s and any(bound.any() for bound in bounds):
+                most_s, best = saved_s, frozenset(one.name for one in tried)
             tried.pop(int(np.argmax([one.min() for one in bounds])))
-        return frozenset()
+        return best
 
     def _bounds(self, problem: Any, answer: Any = None) -> FloatArray:
         """Return what leaving out all that may go changes at most, shape (n,); without an answer no more than that."""

@@ -198,7 +198,7 @@ def solve_scene(scene: Scene, *, level: float = 0.95, identify: bool = False) ->
                 raise InputError(
                     "the scene has no measurements, from which its machine could be identified",
                     key="--identify",
-                    fix="add [[measured]] tables to a band saw with a wheel",
+                    fix="add what was measured, [[measured]], to a scene whose system has such tables",
                 )
             for name, part in found.items():
                 tree[name] |= part

@@ -26,7 +26,7 @@ from ropefric.systems.press.transient.exact import (
     lowest_between,
     near_zero,
 )
-from ropefric.systems.press.transient.integrators import rk4_limit_s
+from ropefric.systems.press.transient.integrators import check_stable
 from ropefric.systems.press.transient.motion import Mode, Motion, power_rows
 
 _UNITS = 2**42
@@ -119,17 +119,9 @@ class _RK4Phase(_GridPhase):
 
     def step(self, length_s: float) -> FloatArray:
         """Return the matrix of one step, 1 + hG + … + (hG)⁴/24; a step that amplifies is refused."""
-        limit_s = rk4_limit_s(eigvals(self.state))
-        if length_s > limit_s:
-            slipping = np.flatnonzero(self.motion.mode.contact)
-            names = ", ".join(self.motion.model.press.rollers[i].name for i in slipping)
-            raise SolverError(
-                f"the step of {length_s:.6g} s is not within RK4's limit of stability, {limit_s:.6g} s"
-                + (f" while the belt slips on roller {names}" if names else ""),
-                code="RF524",
-                key="step_s",
-                fix=f"take {limit_s:.4g} s or less, or the integrator 'exact'",
-            )
+        slipping = np.flatnonzero(self.motion.mode.contact)
+        names = ", ".join(self.motion.model.press.rollers[i].name for i in slipping)
+        check_stable(length_s, eigvals(self.state), names and f" while the belt slips on roller {names}")
         generator, weights = self._balanced
         flow = term = np.eye(len(generator))
         for order in range(1, self.terms):
@@ -202,7 +194,7 @@ class GridSolver(HybridSolver):
             length = min(longest, end - place, max(place - begun, shortest), (place & -place) or longest)
             if length < shortest:
                 length = min(shortest - place % shortest, end - place)
-                states = np.array([z, self._along(phase, z, shortest)(length * self._unit_s)])
+                states = np.array([z, phase.along(z, shortest * self._unit_s)(length * self._unit_s)])
             else:
                 length = 1 << (length.bit_length() - 1)
                 count = min(block, (end - place) // length) if length == longest else 1
@@ -225,9 +217,6 @@ class GridSolver(HybridSolver):
         self._keep(phase)
         return guard, place, z
 
-    def _along(self, phase: _GridPhase, z: FloatArray, shortest: int) -> Along:
-        return phase.along(z, shortest * self._unit_s)
-
     def _meet(
         self, phase: _GridPhase, ends: FloatArray, length: int, longest: int, flows: list[FloatArray]
     ) -> Guard | None:
@@ -242,7 +231,7 @@ class GridSolver(HybridSolver):
             else:
                 self._walk(halved, length)
                 z = halved[1]
-        along, guard = self._along(phase, z, shortest), None
+        along, guard = phase.along(z, shortest * self._unit_s), None
         fired, bound_s = first_dip(phase, along, z, after, length * self._unit_s)
         if fired.any():
             guard, passed_s = first_to_fall(phase, along, fired, bound_s)

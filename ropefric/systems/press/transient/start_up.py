@@ -321,8 +321,8 @@ def _even(times_s: FloatArray) -> bool:
 def largest_difference(found: StartUp, other: StartUp) -> float:
     """Return the largest difference of anything that a summary tells; infinite where other rollers slip or stand.
 
-    Tensions are compared by the greatest of their span, use of friction by 1 where it is less, times by the time
-    simulated, works by the greatest of all.
+    Tensions are compared by the greatest of their span or where it settles, use of friction by 1 where it is less,
+    times by the time simulated, works by the greatest of all.
     """
     told, wanted = found.summary(), other.summary()
     for one in (told, wanted):
@@ -335,13 +335,14 @@ def largest_difference(found: StartUp, other: StartUp) -> float:
     sizes = {
         "peak_tension_N": peak_N,
         "lowest_tension_N": peak_N,
-        "settled_tension_N": peak_N,
+        # A span that was slack all along may be tight where it settles.
+        "settled_tension_N": {n: max(peak_N[n], abs(one)) for n, one in wanted["settled_tension_N"].items()},
         "peak_utilisation": {name: max(1.0, use) for name, use in wanted["peak_utilisation"].items()},
         "first_slip_s": defaultdict(lambda: time_s),
         "slipping_s": defaultdict(lambda: time_s),
     }
     apart = [
-        abs(one - wanted[what][name]) / size[name] if one != wanted[what][name] else 0.0
+        abs(one - wanted[what][name]) / max(size[name], 1e-300) if one != wanted[what][name] else 0.0
         for what, size in sizes.items()
         for name, one in told[what].items()
     ]

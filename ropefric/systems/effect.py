@@ -2,17 +2,18 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import combinations
 from types import MappingProxyType
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
 from ropefric.registry import Registry
+from ropefric.systems.friction import TOLD, share_of_law
 
 P = TypeVar("P")
 """A problem: everything a scene says about its parts."""
@@ -27,8 +28,7 @@ def unknown(problem: object) -> float:  # noqa: ARG001
     return math.inf
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Effect(Generic[P]):
+class Effect(NamedTuple, Generic[P]):
     """Something physical that a model may contain or not: all that the planner knows of it.
 
     It is applied by its name: the mechanics bring in what it is about where the model has it, `Model.part`.
@@ -72,22 +72,20 @@ class Effect(Generic[P]):
     needs: Callable[[P], tuple[str, ...]] = lambda problem: ()  # noqa: ARG005  (needs nothing)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Method:
+class Method(NamedTuple):
     """How a model is solved."""
 
     name: str
-    settings: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     error: float
     why: str
+    settings: Mapping[str, float] = MappingProxyType({})
 
 
 def _distance(answer: Any, reference: Any, whole: Any) -> float:  # noqa: ARG001  (logarithms need no scale)
     return float(np.expm1(log_change(answer.logs, reference.logs)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class System(Generic[P, M, A]):
+class System(NamedTuple, Generic[P, M, A]):
     """A kind of machine: its model, the effects it may have, how it is solved, and how far two answers are apart.
 
     `distance(answer, reference, whole)` is a share of the numbers with all effects in, which bounds are of, too.
@@ -182,7 +180,7 @@ def closed_form_system(
 
     def bounded(one: Effect[Any]) -> Effect[Any]:
         own = one.influence is unknown
-        return replace(one, influence=lambda problem: changes(problem)[one.name]) if own else one
+        return one._replace(influence=lambda problem: changes(problem)[one.name]) if own else one
 
     method = Method(name="closed form", error=error, why=why)
     return System(
@@ -194,16 +192,37 @@ def closed_form_system(
     )
 
 
+def law_bound(
+    name: str,
+    bound: Callable[[Any, Any], FloatArray],
+    problem: Any,
+    answer: Any = None,
+    *,
+    told: Mapping[str, object] = TOLD,
+) -> FloatArray:
+    """Return an upper bound of what an effect of the law changes in any number: its share of that of all of them.
+
+    `bound(problem, answer)` is that of all of them, with what else the law is told left out; `told` has their names.
+    """
+    simulated = frozenset() if answer is None else answer.model.effects
+    share = share_of_law(name, problem.friction.law, told, simulated)
+    if not share:
+        return np.zeros(1)
+    with np.errstate(invalid="ignore", over="ignore"):
+        most = bound(problem, answer)
+    return share * np.where(np.isnan(most), np.inf, most)
+
+
 def law_effects(
     wheel: str,
     rope: str,
     needs: Callable[[Any], tuple[str, ...]],
     cost: float = 0.0,
-    each: Callable[[str, Any, Any], FloatArray] | None = None,
+    bound: Callable[[Any, Any], FloatArray] | None = None,
 ) -> tuple[Effect[Any], ...]:
     """Return the effects of what a law is told of a contact on a wheel, by the names of the wheel and of the rope.
 
-    `each(name, problem, answer)` is theirs by name.
+    `bound` is that of `law_bound`, if one is known.
     """
     words = {
         "wrap-dependence": (
@@ -215,14 +234,5 @@ def law_effects(
             "the coefficient at the reference wheel and rope",
         ),
     }
-    return tuple(
-        Effect(
-            name=name,
-            adds=adds,
-            instead=instead,
-            needs=needs,
-            cost=cost,
-            each=None if each is None else partial(each, name),
-        )
-        for name, (adds, instead) in words.items()
-    )
+    each = {name: None if bound is None else partial(law_bound, name, bound) for name in words}
+    return tuple(Effect(name, *said, needs=needs, cost=cost, each=each[name]) for name, said in words.items())

@@ -1,14 +1,16 @@
-"""A belt drive: the pull that friction carries, the tensions at work, and how far the belt creeps."""
+"""A belt drive: the pull that friction carries, the tensions at work, how far the belt creeps, and its effects."""
 
+import math
 from dataclasses import dataclass
-from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
+from ropefric.registry import Registry
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
-from ropefric.systems.effect import Model
+from ropefric.systems.effect import Effect, Model, System, closed_form_system, law_effects, missing
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
 
 CLOSURES = ("limit", "tensioner", "fixed")
@@ -55,13 +57,20 @@ class DriveProblem(Cases):
         """Return m v2, what keeps the belt on its circle [N]."""
         return self.product("linear_density_kg_m", "belt_speed_m_s", "belt_speed_m_s")
 
+    @property
+    def pulleys(self) -> list[tuple[FloatArray, FloatArray]]:
+        """Return radius [m] and wrap [rad] of the driving pulley, and of the driven one where there is one."""
+        found = [(self.wheel_radius_m, self.wrap_angle_rad)]
+        if self.driven_radius_m is not None and self.driven_wrap_rad is not None:
+            found.append((self.driven_radius_m, self.driven_wrap_rad))
+        return found
+
 
 DriveModel = Model[DriveProblem]
 """A belt drive with the effects that are simulated."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class DriveAnswer:
+class DriveAnswer(NamedTuple):
     """What a belt drive carries at most, and how it runs; arrays of shape (n,), forces per belt.
 
     Attributes
@@ -78,8 +87,7 @@ class DriveAnswer:
         Of the tight and the slack side at work; 0 where creep is left out.
     """
 
-    problem: DriveProblem
-    effects: frozenset[str]
+    model: DriveModel
     circling_N: FloatArray
     coefficients: FloatArray
     exponents: FloatArray
@@ -92,17 +100,17 @@ class DriveAnswer:
     @property
     def full_pull_N(self) -> FloatArray:
         """Return the largest pull of all belts [N]."""
-        return np.asarray(self.problem.belt_count * (self.full_tight_N - self.full_slack_N))
+        return np.asarray(self.model.problem.belt_count * (self.full_tight_N - self.full_slack_N))
 
     @property
     def full_power_W(self) -> FloatArray:
         """Return the largest power of all belts at the speed of the driving pulley [W]."""
-        return np.asarray(self.full_pull_N * self.problem.belt_speed_m_s)
+        return np.asarray(self.full_pull_N * self.model.problem.belt_speed_m_s)
 
     @property
     def pull_N(self) -> FloatArray:
         """Return the pull of all belts at work [N]."""
-        return np.asarray(self.problem.belt_count * (self.tight_N - self.slack_N))
+        return np.asarray(self.model.problem.belt_count * (self.tight_N - self.slack_N))
 
     @property
     def utilisation(self) -> FloatArray:
@@ -115,7 +123,7 @@ class DriveAnswer:
         tight, slack = self.strain
         return np.asarray((1.0 + slack) / (1.0 + tight))
 
-    @cached_property
+    @property
     def slip_arc_rad(self) -> FloatArray:
         """Return the arcs of both pulleys over which the belt slips at work, shape (2, n); NaN where it slips wholly."""
         pressing = np.stack([self.tight_N, self.slack_N]) - self.circling_N
@@ -174,32 +182,17 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
     strain = np.zeros((2, problem.n))
     if "creep" in model.effects and problem.axial_stiffness_N is not None:
         strain = np.stack([tight_N, slack_N]) / problem.axial_stiffness_N
-    return DriveAnswer(
-        problem=problem,
-        effects=model.effects,
-        circling_N=circling_N,
-        coefficients=coefficients,
-        exponents=exponents,
-        full_tight_N=full_tight_N,
-        full_slack_N=full_slack_N,
-        tight_N=tight_N,
-        slack_N=slack_N,
-        strain=strain,
-    )
+    full, work = (full_tight_N, full_slack_N), (tight_N, slack_N)
+    return DriveAnswer(model, circling_N, coefficients, exponents, *full, *work, strain)
 
 
 def _coefficients(model: DriveModel, slack_N: FloatArray) -> FloatArray:
     """Return mu' of driving and driven pulley, shape (2, n); NaN where there is no driven one."""
     problem = model.problem
-    pulleys = [(problem.wheel_radius_m, problem.wrap_angle_rad)]
-    if problem.driven_radius_m is not None and problem.driven_wrap_rad is not None:
-        pulleys.append((problem.driven_radius_m, problem.driven_wrap_rad))
+    thin_m, told = problem.rope_radius_m, told_by(model.effects)
     found = [
-        problem.friction.exponent(
-            radius_m, problem.rope_radius_m, wrap_rad, slack_N, told=told_by(model.effects)
-        )
-        / wrap_rad
-        for radius_m, wrap_rad in pulleys
+        problem.friction.exponent(radius_m, thin_m, wrap_rad, slack_N, told=told) / wrap_rad
+        for radius_m, wrap_rad in problem.pulleys
     ]
     wedge = np.ones(problem.n)
     if "wedge" in model.effects and problem.groove_angle_rad is not None:
@@ -240,3 +233,67 @@ def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:
 def answerable(problem: DriveProblem) -> BoolArray:
     """Return for which of n cases the belt stays on its pulleys, shape (n,)."""
     return np.asarray(problem.tension_N > problem.circling_N)
+
+
+_ROOM = 0.5
+"""Of ln P: how far what presses on the slack side may lie from where it does without an effect of the law."""
+
+
+def _law_bound(problem: DriveProblem, answer: DriveAnswer | None) -> FloatArray:
+    """Return an upper bound of what all that the law is not told changes in any number.
+
+    A coefficient that changes by the factor e^d makes M of the pulley that slips first another by D = M (e^d − 1): no
+    tension changes by more, no pull by more than D + d, no arc and no ratio of speeds by more than twice that. What
+    presses on the slack side follows, so that D is one only as long as it stays in the range the law was asked for.
+    """
+    if answer is None:
+        return np.zeros(1)
+    pressing_N, slack_N = problem.tension_N - answer.circling_N, answer.full_slack_N - answer.circling_N
+    pressed_N = np.concatenate([pressing_N, math.exp(-_ROOM) * slack_N, math.exp(_ROOM) * slack_N])
+    off = max(
+        problem.friction.spread(
+            wheel_radius_m=(radius_m.min(), radius_m.max()),
+            rope_radius_m=(problem.rope_radius_m.min(), problem.rope_radius_m.max()),
+            wrap_angle_rad=(wrap.min(), wrap.max()),
+            slack_tension_N=(pressed_N.min(), pressed_N.max()),
+        )[0]
+        for radius_m, wrap in problem.pulleys
+    )
+    change = math.exp(off) * math.expm1(off) * np.nanmin(answer.exponents, axis=0) if off < _ROOM else np.inf
+    return np.where(change < _ROOM, 2.0 * (change + off), np.inf)
+
+
+EFFECTS: Registry[Effect[Any]] = Registry(
+    "effect of a belt drive",
+    (
+        Effect(
+            name="centrifugal",
+            adds="the tension m v^2 that keeps the running belt on its circle and presses nothing",
+            instead="a belt at rest",
+            needs=missing({"linear_density_kg_m": "belt.linear_density", "speed_rad_s": "driving.speed"}),
+        ),
+        Effect(
+            name="wedge",
+            adds="the flanks of the groove, that press with 1/sin(half its angle)",
+            instead="a flat pulley",
+            needs=missing({"groove_angle_rad": "belt.groove_angle"}),
+        ),
+        Effect(
+            name="creep",
+            adds="a belt that stretches where it adheres, so that the driven pulley runs slower and power is lost",
+            instead="a belt that does not stretch; both rims run at one speed",
+            needs=missing({"axial_stiffness_N": "belt.axial_stiffness"}),
+        ),
+        *law_effects("pulley", "belt", missing({}), 1e-7, _law_bound),
+    ),
+)
+"""In the order in which they are applied."""
+
+SYSTEM: System[DriveProblem, DriveModel, DriveAnswer] = closed_form_system(
+    "beltdrive",
+    EFFECTS,
+    solve_drive,
+    error=1e-11,
+    why="an exponential and a balance of tensions; there is nothing to approximate",
+)
+"""A belt on one pulley or two."""

@@ -12,7 +12,6 @@ import math
 import re
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
 from functools import lru_cache, partial
 from itertools import product
 
@@ -21,8 +20,8 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError, SolverError
 from ropefric.registry import Registry
-from ropefric.systems.effect import Effect, Method, System, applicable, rounded_up, unknown
-from ropefric.systems.friction import TOLD, share_of_law, told_by
+from ropefric.systems.effect import Effect, Method, System, applicable, law_bound, rounded_up, unknown
+from ropefric.systems.friction import TOLD, told_by
 from ropefric.systems.press.answer import (
     FAST_ERROR,
     QUICKER,
@@ -149,9 +148,8 @@ def _steady(
     needs: Callable[[PressProblem], tuple[str, ...]] = lambda problem: (),  # noqa: ARG005
     *,
     cost: float = 0.0,
-    each: Callable[[str, PressProblem, PressAnswer | None], FloatArray] | None = None,
 ) -> Effect[PressProblem]:
-    """Return an effect on a steady run. A start-up swings about that, and no bound is known for how far."""
+    """Return an effect on a steady run; only those of the law cost time. How far a start-up swings has no bound."""
 
     def influence(problem: PressProblem) -> float:
         unseen = name in TOLD and not problem.friction.law.effects  # by a law that looks at nothing
@@ -164,33 +162,27 @@ def _steady(
         except RopefricError:
             return math.inf
 
-    bounded = None if each is None else partial(each, name)
-    return Effect(
-        name=name, adds=adds, instead=instead, needs=needs, influence=influence, cost=cost, each=bounded
-    )
+    each = partial(law_bound, name, _law_bound) if cost else None
+    return Effect(name, adds, instead, needs=needs, influence=influence, cost=cost, each=each)
 
 
-def _law_bound(name: str, problem: PressProblem, answer: PressAnswer | None) -> FloatArray:
-    """Return an upper bound of what an effect of the law changes in any number.
+def _law_bound(problem: PressProblem, answer: PressAnswer | None) -> FloatArray:
+    """Return an upper bound of what all that the law is not told changes in any number.
 
     The tensions know nothing of it. A coefficient that changes by the factor e^d makes M another by M (e^d − 1) on each
     roller, and e^M − 1 by d more than that in its logarithm: what any measure of slip is inverse to, or less.
     """
-    share = 0.0 if answer is None else share_of_law(name, problem.friction.law, TOLD, answer.model.effects)
-    if answer is None or not share:
+    if answer is None:
         return np.zeros(1)
-    contacts, most = answer.slip.contacts, answer.slip.exponent
-    slack_N = np.maximum(contacts.slack_N, LEAST_SLACK_N)
-    fixed = {"wheel_radius_m": contacts.radius_m, "rope_radius_m": contacts.half_thickness_m}
-    fixed["wrap_angle_rad"] = contacts.wrap_angle_rad
+    contacts, slack_N = answer.slip.contacts, np.maximum(answer.slip.contacts.slack_N, LEAST_SLACK_N)
     off = problem.friction.spread(
-        **{what: (one, one) for what, one in fixed.items()},
+        wheel_radius_m=(contacts.radius_m,) * 2,
+        rope_radius_m=(contacts.half_thickness_m,) * 2,
+        wrap_angle_rad=(contacts.wrap_angle_rad,) * 2,
         slack_tension_N=(slack_N.min(axis=0), slack_N.max(axis=0)),
     )
-    with np.errstate(invalid="ignore", over="ignore"):
-        change = off + np.exp(off) * most * np.expm1(off)
-    bound = change.max(axis=-1)
-    return np.where(np.isnan(bound), np.inf, share * bound)
+    change = off + np.exp(off) * answer.slip.exponent * np.expm1(off)
+    return np.asarray(change.max(axis=-1))
 
 
 def _moving(
@@ -203,15 +195,11 @@ def _moving(
     cost: float = 0.1,
 ) -> Effect[PressProblem]:
     """Return an effect that only a start-up has; of most no bound is known where there is one."""
-    return Effect(
-        name=name,
-        adds=adds,
-        instead=instead,
-        needs=_needs_of_start_up,
-        influence=lambda problem: 0.0 if problem.start_up is None else bound(problem),
-        detail=detail,
-        cost=cost,
-    )
+
+    def influence(problem: PressProblem) -> float:
+        return 0.0 if problem.start_up is None else bound(problem)
+
+    return Effect(name, adds, instead, detail, influence, cost=cost, needs=_needs_of_start_up)
 
 
 def _on_tension(problem: PressProblem) -> bool:
@@ -291,14 +279,12 @@ EFFECTS: Registry[Effect[PressProblem]] = Registry(
             "a coefficient that depends on wrap and slack-side tension",
             "its average at the reference wrap and tension",
             cost=1e-6,
-            each=_law_bound,
         ),
         _steady(
             "size",
             "a coefficient that depends on the roller's radius over half the belt's thickness",
             "the coefficient at the reference radius",
             cost=5e-7,
-            each=_law_bound,
         ),
         _moving("belt-damping", "the material damping of the belts", "belts that do not damp"),
         _moving("tensioner-damping", "the dampers of the tensioners", "tensioners without dampers"),
@@ -363,7 +349,7 @@ def _method(model: PressModel, budget: float) -> Method:  # noqa: ARG001  (the s
     integrator = task.get("integrator", "exact")
     if integrator == "exact":
         follows = "transient-friction" in model.effects and _on_tension(model.problem)
-        return replace(_EXACT, error=_FOLLOWING_ERROR) if follows else _EXACT
+        return _EXACT._replace(error=_FOLLOWING_ERROR) if follows else _EXACT
     return Method(
         name=f"direct solution and {integrator}",
         settings={name: task[name] for name in ("tolerance", "step_s") if task.get(name) is not None},

@@ -22,7 +22,7 @@ from ropefric.scenes.scene import FrictionSource, Scene, placed, value_at
 from ropefric.shown import Shown, in_words
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
-from ropefric.uncertainty.quantity import directions, quantile
+from ropefric.uncertainty.quantity import check_level, directions, quantile
 
 _STEP = 1e-3
 """Of a standard error, for the derivative along a direction: its square is the error of a central difference."""
@@ -171,10 +171,7 @@ def _put(tree: dict[str, Any], quantity: Uncertain) -> None:
 
 def solve_scene(scene: Scene, *, level: float = 0.95, identify: bool = False) -> Solution:
     """Return the answer to a scene; with `identify`, and what its measurements tell of the machine."""
-    if not 0.0 < level < 1.0:
-        raise InputError(
-            f"the level is {level:g}", key="level", fix="give a level between 0 and 1, such as 0.95"
-        )
+    check_level(level)
     kind, problem, source = scene.kind, scene.problem, scene.source
     try:
         plan, answer = solve_planned(scene, problem)

@@ -30,7 +30,7 @@ from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.measured import Measurement
 from ropefric.systems.bandsaw.resonance import Excitation
 from ropefric.systems.bandsaw.saw import Saw, Section, Side
-from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span, refuse_no_modes
+from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Effect, Method, Model, System, largest_changes, missing
 from ropefric.systems.friction import WrapFriction
@@ -59,10 +59,6 @@ class SawProblem(Cases):
     preload_range_N: list[float] | None = None
     feed_force_N: Positive | None = None
     guided_m: Positive | None = None
-
-    def __post_init__(self) -> None:
-        Cases.__post_init__(self)
-        refuse_no_modes(self.n_modes)
 
     @property
     def speed_m_s(self) -> FloatArray | None:
@@ -221,7 +217,6 @@ def torsion_frequencies_Hz(span: Span, section: Section, n_modes: int = 6) -> Fl
     c_t² = F/ρA + 4 (G/ρ)(h/b)²: the strip's own stiffness G b h³/3 and the tension's, F b²/12 (outer fibres lie askew
     when it is twisted), over the inertia ρ h b³/12. The ends are held against twisting.
     """
-    refuse_no_modes(n_modes)
     ratio = section.thickness_m / section.width_m
     own = 4.0 * section.shear_modulus_Pa / section.density_kg_m3 * ratio**2
     speed = np.sqrt(span.tension_N / span.linear_density_kg_m + own)

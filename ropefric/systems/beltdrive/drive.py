@@ -44,8 +44,6 @@ class DriveProblem(Cases):
             "a groove opens by less than a hair or more than half a turn",
             key="groove_angle_rad",
         )
-        at_rest = self.product("power_W") * (self.belt_speed_m_s <= 0.0) > 0.0
-        refuse(at_rest, "a pulley at rest carries no power", key="speed_rad_s", fix="give its speed")
 
     @property
     def belt_speed_m_s(self) -> FloatArray:
@@ -174,8 +172,7 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
     full_tight_N, full_slack_N = (one + circling_N for one in _full_N(problem, pressing_N, exponents))
     tight_N, slack_N = full_tight_N, full_slack_N
     if problem.power_W is not None:
-        moving = np.where(problem.belt_speed_m_s > 0.0, problem.belt_speed_m_s, 1.0)
-        pull_N = problem.power_W / moving / problem.belt_count
+        pull_N = problem.power_W / problem.belt_speed_m_s / problem.belt_count
         behind = {"limit": 0.0, "tensioner": 1.0, "fixed": 0.5}[problem.closure]
         tight_N = problem.tension_N + behind * pull_N
         slack_N = tight_N - pull_N

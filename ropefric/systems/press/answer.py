@@ -38,13 +38,6 @@ class PressProblem(Cases):
     load_factor: ZeroOrMore
     start_up: Mapping[str, Any] | None = None
 
-    def __post_init__(self) -> None:
-        Cases.__post_init__(self)
-        if self.start_up is not None and self.n > 1:
-            raise InputError(
-                "a start-up is simulated for one operating point", fix="give one speed and preload"
-            )
-
 
 def operated(
     press: Press, *, gravity: float = 1.0, squeeze: float = 1.0, preload_N: float | None = None

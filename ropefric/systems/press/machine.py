@@ -29,7 +29,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
-from typing import Annotated, Any, Literal, NamedTuple, get_args
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -275,26 +275,17 @@ def _parts(press: Press) -> Said:
     ):
         yield not names, kind, f"a press without {kind} moves nothing", ""
         yield "" in names, kind, f"one of the {kind} has an empty name", ""
-        for name, count in Counter(names).items():
-            message = f"{count} {kind} are called '{name}'"
-            yield count > 1 and bool(name), kind, message, "give each a name of its own"
     for roller in press.rollers:
-        where, what, role = f"rollers.{roller.name}", f"roller '{roller.name}'", roller.role
-        carrier, roles = roller.tensioner, get_args(Role)
+        where, what, carrier = f"rollers.{roller.name}", f"roller '{roller.name}'", roller.tensioner
         wrapped = f"{what} is wrapped {math.degrees(roller.wrap_angle_rad):.6g} deg; a flat belt meets itself after "
         yield roller.wrap_angle_rad > 2.0 * math.pi, f"{where}.wrap_angle_rad", f"{wrapped}360 deg", ""
-        unknown = f"{what} has the unknown role '{role}'"
-        yield role not in roles, f"{where}.role", unknown, did_you_mean(str(role), roles)
-        has = f"{what} has {'a' if carrier else 'no'} tensioner, but its role is '{role}'"
-        fix = "give the role 'tensioner' together with spring, travel and preload"
-        yield (carrier is not None) != (role == "tensioner"), f"{where}.tensioner", has, fix
         if carrier is not None:
             with np.errstate(invalid="ignore"):
                 pulls = np.cos([carrier.upstream_angle_rad, carrier.downstream_angle_rad]).sum()
             loose = "the belt's two sides do not pull along the travel, so the spring cannot tension it"
             yield bool(pulls <= 1e-9), f"{where}.tensioner", loose, ""
         own = f"{what} is no driver; it has no speed of its own"
-        yield roller.overspeed is not None and role != "driver", f"{where}.overspeed", own, ""
+        yield roller.overspeed is not None and roller.role != "driver", f"{where}.overspeed", own, ""
     known = [roller.name for roller in press.rollers]
     for belt in press.belts:
         where, what, n = f"belts.{belt.name}", f"belt '{belt.name}'", len(belt.loop)

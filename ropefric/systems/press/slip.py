@@ -14,7 +14,7 @@ import numpy.typing as npt
 from scipy.optimize import brentq
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError, UnknownNameError
+from ropefric.errors import InputError
 from ropefric.systems.checks import checked
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.machine import Press
@@ -148,11 +148,6 @@ class SlipTable:
 
     def of(self, roller: str, measure: str = "utilisation") -> FloatArray:
         """Return one measure of one roller, shape (...)."""
-        if roller not in self.rollers or measure not in MEASURES:
-            raise UnknownNameError(
-                f"no measure '{measure}' of a roller '{roller}'",
-                fix=f"measures: {', '.join(MEASURES)}; rollers: {', '.join(self.rollers)}",
-            )
         values: FloatArray = getattr(self, measure)
         return values[..., self.rollers.index(roller)]
 
@@ -188,8 +183,8 @@ class PressSweep:
         speed_m_s: npt.ArrayLike | None = None,
     ) -> None:
         press = statics.press
-        self.preload_N = np.empty(0) if preload_N is None else _row("preload_N", preload_N)
-        self.speed_m_s = _row("speed_m_s", [press.speed_m_s] if speed_m_s is None else speed_m_s)
+        self.preload_N = np.asarray([] if preload_N is None else preload_N, dtype=np.float64)
+        self.speed_m_s = np.asarray([press.speed_m_s] if speed_m_s is None else speed_m_s, dtype=np.float64)
         state = steady_state(
             statics,
             preload_N=self.preload_N[:, None] if self.preload_N.size else None,
@@ -200,13 +195,6 @@ class PressSweep:
         self.slip = SlipTable(press, self.effective_tension_N, friction)
         self.spans, self.rollers = tuple(span.name for span in press.spans), self.slip.rollers
         self.margin = self.slip.utilisation.max(axis=-1)
-
-
-def _row(name: str, values: npt.ArrayLike) -> FloatArray:
-    row = np.asarray(values, dtype=np.float64)
-    if row.ndim != 1 or not row.size:
-        raise InputError(f"{name} has the shape {row.shape}; one row of numbers is needed", key=name)
-    return row
 
 
 CHANGES = {

@@ -190,7 +190,8 @@ def solve_statics(press: Press, *, closure: str = "share") -> Statics:
     if rank < len(balances):
         said = [f"torque of roller {roller.name}" for roller in press.rollers if roller.role != "driver"]
         said += [f"travel of tensioner {name}" for name in carriers]
-        tied = [one for one, is_in in zip(said, _free_motions(balances.T).any(axis=0), strict=True) if is_in]
+        weights = np.abs(_free_motions(balances.T)).max(axis=0)
+        tied = [one for one, weight in zip(said, weights, strict=True) if weight > 0.0]
         raise InputError(
             f"these balances repeat each other, so that their loads would have to agree by chance: {', '.join(tied)}",
             code="RF522",

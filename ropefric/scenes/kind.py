@@ -268,12 +268,14 @@ class Quantity(NamedTuple):
     """One number of an answer that people read, and that friction may make uncertain.
 
     `scale` is what it errs by a share of where that is not the number itself: of a difference one of its terms.
+    Of the main one the tree names uncertainty and interval without saying of what.
     """
 
     name: str
     value: FloatArray
     positive: bool = False
     scale: FloatArray | None = None
+    is_main: bool = False
 
 
 class Failure(NamedTuple):

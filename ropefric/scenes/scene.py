@@ -255,7 +255,7 @@ def _kind(document: TomlDocument) -> Kind:
         raise data_error([document.problem((), "RF121", "this is a campaign, not a scene", fix=fix)])
     code, message, fix = "RF120", f"unknown system {name!r:.60}", did_you_mean(str(name), KINDS)
     if name is None:
-        code, message, fix = "RF121", "'system' is missing", f'add system = "hoist" ({", ".join(KINDS)})'
+        code, message, fix = "RF121", "'system' is missing", f'add system = "NAME", one of {", ".join(KINDS)}'
     raise data_error([document.problem(("system",), code, message, fix=fix)])
 
 

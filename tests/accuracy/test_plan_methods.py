@@ -13,8 +13,8 @@ from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.bandsaw.span import CLAMPED, string_frequencies_Hz
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import SYSTEM as HOIST
+from ropefric.systems.press.answer import SYSTEM as PRESS
 from ropefric.systems.press.answer import PressProblem
-from ropefric.systems.press.effects import SYSTEM as PRESS
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 
 ACCURACIES = [10.0**-n for n in range(2, 11)]

@@ -27,8 +27,8 @@ from ropefric.systems.effect import System, assemble
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import SYSTEM as HOIST
 from ropefric.systems.hoist.contact import HoistProblem
+from ropefric.systems.press.answer import SYSTEM as PRESS
 from ropefric.systems.press.answer import PressProblem
-from ropefric.systems.press.effects import SYSTEM as PRESS
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.traction.sheave import SYSTEM as TRACTION
 

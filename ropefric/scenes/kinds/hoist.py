@@ -84,7 +84,7 @@ def _weight_N(problem: HoistProblem) -> FloatArray | None:
 def _quantities(lift: Lift, problem: HoistProblem) -> tuple[kind.Quantity, ...]:
     force_N, weight_N = lift.lift_force_N, _weight_N(problem)
     found = (
-        kind.Quantity("lift_force_N", force_N, positive=True),
+        kind.Quantity("lift_force_N", force_N, positive=True, is_main=True),
         kind.Quantity("mu_average", lift.average_mu, positive=True),
     )
     if weight_N is None:

@@ -390,7 +390,7 @@ class Kind:
 
     name: str
     schema: type[SceneTable]
-    system: System[Any, Any, Any]
+    system: System
     own_wheel: Callable[[Any], tuple[float, float]]
     problem: Callable[[Any, Any], Any]
     quantities: Callable[[Any, Any], tuple[Quantity, ...]]

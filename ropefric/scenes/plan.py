@@ -8,17 +8,13 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 from statistics import median
 from types import MappingProxyType
-from typing import Any, Literal, NamedTuple, TypeVar
+from typing import Any, Literal, NamedTuple
 
 from ropefric.errors import InputError, RopefricError
 from ropefric.scenes.kind import finite
 from ropefric.scenes.scene import Scene, placed
 from ropefric.shown import Shown
 from ropefric.systems.effect import Effect, Method, System, assemble
-
-P = TypeVar("P")
-M = TypeVar("M")
-A = TypeVar("A")
 
 _METHOD_SHARE = 0.1
 """What the method may err by at least, of the accuracy: no effects are left out for the sake of the last tenth."""
@@ -68,14 +64,14 @@ class Plan(NamedTuple):
 
 
 def make_plan(
-    system: System[P, M, A],
-    problem: P,
+    system: System,
+    problem: Any,
     *,
     accuracy: float,
     effects: str | tuple[str, ...],
     all_bounds: bool = False,
     kept: Mapping[str, str] = MappingProxyType({}),
-) -> tuple[Plan, M]:
+) -> tuple[Plan, Any]:
     """Return the plan for a problem, and the model assembled to it.
 
     With "auto" the effects that cost time and have the smallest bounds are left out as long as all bounds together,
@@ -145,7 +141,7 @@ def solve_planned(scene: Scene, problem: Any, effects: str | tuple[str, ...] = "
     return plan, system.solve(model, plan.method)
 
 
-def worth_asking(applicable: list[Effect[Any]], cases: int) -> list[Effect[Any]]:
+def worth_asking(applicable: list[Effect], cases: int) -> list[Effect]:
     """Return the effects that take so long to simulate that leaving them out may save time."""
     return [one for one in applicable if one.cost * cases >= _LEAST_SAVED_S]
 

@@ -17,10 +17,6 @@ from ropefric.systems.friction import TOLD, share_of_law
 
 P = TypeVar("P")
 """A problem: everything a scene says about its parts."""
-M = TypeVar("M")
-"""A model: the mechanics put together for one problem, ready to be solved."""
-A = TypeVar("A")
-"""An answer."""
 
 
 def unknown(problem: object) -> float:  # noqa: ARG001
@@ -28,7 +24,7 @@ def unknown(problem: object) -> float:  # noqa: ARG001
     return math.inf
 
 
-class Effect(NamedTuple, Generic[P]):
+class Effect(NamedTuple):
     """Something physical that a model may contain or not: all that the planner knows of it.
 
     It is applied by its name: the mechanics bring in what it is about where the model has it, `Model.part`.
@@ -65,11 +61,11 @@ class Effect(NamedTuple, Generic[P]):
     name: str
     adds: str
     instead: str
-    detail: Callable[[P], str] | None = None
-    influence: Callable[[P], float] = unknown
-    each: Callable[[P, Any], FloatArray] | None = None
+    detail: Callable[[Any], str] | None = None
+    influence: Callable[[Any], float] = unknown
+    each: Callable[[Any, Any], FloatArray] | None = None
     cost: float = 0.0
-    needs: Callable[[P], tuple[str, ...]] = lambda problem: ()  # noqa: ARG005  (needs nothing)
+    needs: Callable[[Any], tuple[str, ...]] = lambda problem: ()  # noqa: ARG005  (needs nothing)
 
 
 class Method(NamedTuple):
@@ -85,7 +81,7 @@ def _distance(answer: Any, reference: Any, whole: Any) -> float:  # noqa: ARG001
     return float(np.expm1(log_change(answer.logs, reference.logs)))
 
 
-class System(NamedTuple, Generic[P, M, A]):
+class System(NamedTuple):
     """A kind of machine: its model, the effects it may have, how it is solved, and how far two answers are apart.
 
     `distance(answer, reference, whole)` is a share of the numbers with all effects in, which bounds are of, too.
@@ -93,11 +89,11 @@ class System(NamedTuple, Generic[P, M, A]):
     """
 
     name: str
-    effects: Registry[Effect[P]]
-    model: Callable[..., M]
-    method: Callable[[M, float], Method]
-    solve: Callable[[M, Method], A]
-    distance: Callable[[A, A, A], float] = _distance
+    effects: Registry[Effect]
+    model: Callable[..., Any]
+    method: Callable[[Any, float], Method]
+    solve: Callable[[Any, Method], Any]
+    distance: Callable[[Any, Any, Any], float] = _distance
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)  # no slots: a generic notes its type on what it makes
@@ -114,7 +110,7 @@ class Model(Generic[P]):
         return value
 
 
-def assemble(system: System[P, M, A], problem: P, simulated: Iterable[str]) -> M:
+def assemble(system: System, problem: Any, simulated: Iterable[str]) -> Any:
     """Return the model of a problem with the named effects in it and no others."""
     return system.model(problem=problem, effects=frozenset(system.effects[name].name for name in simulated))
 
@@ -124,7 +120,7 @@ def missing(keys: Mapping[str, str]) -> Callable[[Any], tuple[str, ...]]:
     return lambda problem: tuple(key for name, key in keys.items() if getattr(problem, name) is None)
 
 
-def applicable(effects: Mapping[str, Effect[P]], problem: P) -> dict[str, Effect[P]]:
+def applicable(effects: Mapping[str, Effect], problem: Any) -> dict[str, Effect]:
     """Return the effects for which a problem says all they need, by name and in their order."""
     return {name: one for name, one in effects.items() if not one.needs(problem)}
 
@@ -166,8 +162,8 @@ def log_change(logs: FloatArray, others: FloatArray) -> float:
 
 
 def closed_form_system(
-    name: str, effects: Registry[Effect[Any]], solve: Callable[[Any], Any], *, error: float, why: str
-) -> System[Any, Any, Any]:
+    name: str, effects: Registry[Effect], solve: Callable[[Any], Any], *, error: float, why: str
+) -> System:
     """Return the system of a machine whose answers cost next to nothing and have `logs`, of all their numbers.
 
     What an effect is worth that has no `influence` of its own is found by solving all subsets of effects.
@@ -178,7 +174,7 @@ def closed_form_system(
         known = applicable(effects, problem)
         return largest_changes(known, lambda some: solve(Model(problem=problem, effects=some)).logs)
 
-    def bounded(one: Effect[Any]) -> Effect[Any]:
+    def bounded(one: Effect) -> Effect:
         own = one.influence is unknown
         return one._replace(influence=lambda problem: changes(problem)[one.name]) if own else one
 
@@ -219,7 +215,7 @@ def law_effects(
     needs: Callable[[Any], tuple[str, ...]],
     cost: float = 0.0,
     bound: Callable[[Any, Any], FloatArray] | None = None,
-) -> tuple[Effect[Any], ...]:
+) -> tuple[Effect, ...]:
     """Return the effects of what a law is told of a contact on a wheel, by the names of the wheel and of the rope.
 
     `bound` is that of `law_bound`, if one is known.

@@ -94,11 +94,9 @@ def _quantities(lift: Lift, problem: HoistProblem) -> tuple[kind.Quantity, ...]:
 
 
 def _failures(lift: Lift, problem: HoistProblem) -> tuple[kind.Failure, ...]:
-    weight_N = _weight_N(problem)
-    if weight_N is None:
-        return ()
-    margin = lift.lift_force_N / weight_N
-    return (kind.Failure("the hoist does not lift its payload", "lift margin", margin, margin < 1.0),)
+    margins = [one.value for one in _quantities(lift, problem) if one.name == "lift_margin"]
+    words = "the hoist does not lift its payload"
+    return tuple(kind.Failure(words, "lift margin", margin, margin < 1.0) for margin in margins)
 
 
 def _tree(lift: Lift, problem: HoistProblem) -> dict[str, Any]:

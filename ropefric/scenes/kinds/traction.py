@@ -204,14 +204,8 @@ def _chart(answer: TractionAnswer, problem: TractionProblem) -> Chart:
         Line(f"asked by {case}", here, answer.tight_N[i, :1] / answer.slack_N[i, :1])
         for i, case in enumerate(CASES[:-1])
     ]
-    return Chart(
-        title="What the sheave's friction holds, and what the load cases ask",
-        x_column="wrap_angle_deg",
-        x_label="Wrap angle α [deg]",
-        y_column="tension_ratio",
-        y_label="Ratio of tensions T1/T2 [-]",
-        lines=tuple(lines),
-    )
+    axes = "wrap_angle_deg", "Wrap angle α [deg]", "tension_ratio", "Ratio of tensions T1/T2 [-]"
+    return Chart("What the sheave's friction holds, and what the load cases ask", *axes, tuple(lines))
 
 
 def _contacts(problem: TractionProblem) -> Mapping[str, FloatArray]:

@@ -372,7 +372,7 @@ def bending_bound(problem: SawProblem, _: SawAnswer | None = None) -> FloatArray
 
 
 _SPEED = {"wheel_radius_m": "wheel.radius", "wheel_speed_rad_s": "wheel.speed"}
-EFFECTS: Registry[Effect[SawProblem]] = Registry(
+EFFECTS: Registry[Effect] = Registry(
     "effect of a band saw",
     (
         Effect(
@@ -442,7 +442,7 @@ def _method(model: SawModel, budget: float) -> Method:
     )
 
 
-SYSTEM: System[SawProblem, SawModel, SawAnswer] = System(
+SYSTEM: System = System(
     name="bandsaw",
     effects=EFFECTS,
     model=SawModel,

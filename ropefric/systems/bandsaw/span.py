@@ -19,8 +19,7 @@ from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, in_s
 _PI_SQUARED = (9.869604401089358, 6.265295508739711e-16)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Ends:
+class Ends(NamedTuple):
     """A way of holding both ends of a span of length 1, and how many half waves it buckles in.
 
     Pinned ends are held in place and free to turn; clamped ones in direction, too, as a blade runs off a wheel or guide.

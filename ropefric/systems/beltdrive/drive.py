@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -260,7 +260,7 @@ def _law_bound(problem: DriveProblem, answer: DriveAnswer | None) -> FloatArray:
     return np.where(change < _ROOM, 2.0 * (change + off), np.inf)
 
 
-EFFECTS: Registry[Effect[Any]] = Registry(
+EFFECTS: Registry[Effect] = Registry(
     "effect of a belt drive",
     (
         Effect(
@@ -286,7 +286,7 @@ EFFECTS: Registry[Effect[Any]] = Registry(
 )
 """In the order in which they are applied."""
 
-SYSTEM: System[DriveProblem, DriveModel, DriveAnswer] = closed_form_system(
+SYSTEM: System = closed_form_system(
     "beltdrive",
     EFFECTS,
     solve_drive,

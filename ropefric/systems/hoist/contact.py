@@ -6,7 +6,7 @@ The mechanics are one exponential, with what does not press set apart.
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -351,7 +351,7 @@ def _law_bound(problem: HoistProblem, answer: Lift | None) -> FloatArray:
     return np.asarray(np.maximum(off, most * np.expm1(off)) + lost / (1.0 - lost) * np.maximum(most, 1.0))
 
 
-def _of_law(name: str, what: str, instead: str, cost: float) -> Effect[Any]:
+def _of_law(name: str, what: str, instead: str, cost: float) -> Effect:
     each = partial(law_bound, name, _law_bound, told=TOLD)
     return Effect(name, f"a coefficient that depends on {what}", instead, cost=cost, each=each)
 
@@ -362,7 +362,7 @@ def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
     return missing({"bending_stiffness_N_m2": "rope.bending_stiffness"})(problem)
 
 
-EFFECTS: Registry[Effect[Any]] = Registry(
+EFFECTS: Registry[Effect] = Registry(
     "effect of a hoist",
     (
         _of_law(
@@ -409,7 +409,7 @@ EFFECTS: Registry[Effect[Any]] = Registry(
 )
 """In the order in which they are applied."""
 
-SYSTEM: System[HoistProblem, HoistModel, Lift] = closed_form_system(
+SYSTEM: System = closed_form_system(
     "hoist",
     EFFECTS,
     solve_lift,

@@ -352,7 +352,7 @@ def _steady(
     needs: Callable[[PressProblem], tuple[str, ...]] = lambda problem: (),  # noqa: ARG005
     *,
     cost: float = 0.0,
-) -> Effect[PressProblem]:
+) -> Effect:
     """Return an effect on a steady run; only those of the law cost time. How far a start-up swings has no bound."""
 
     def influence(problem: PressProblem) -> float:
@@ -397,7 +397,7 @@ def _moving(
     bound: Callable[[PressProblem], float] = unknown,
     detail: Callable[[PressProblem], str] | None = None,
     cost: float = 0.1,
-) -> Effect[PressProblem]:
+) -> Effect:
     """Return an effect that only a start-up has; of most no bound is known where there is one."""
 
     def influence(problem: PressProblem) -> float:
@@ -455,7 +455,7 @@ def _needs_of_start_up(problem: PressProblem) -> tuple[str, ...]:
     return ("start_up",) if problem.start_up is None else _lacking(problem, masses=True)
 
 
-EFFECTS: Registry[Effect[PressProblem]] = Registry(
+EFFECTS: Registry[Effect] = Registry(
     "effect of a press",
     (
         _steady("gravity-load", "the drag of the sludge's weight, eq. (6)", "no drag of weight"),
@@ -590,7 +590,7 @@ def _distance(answer: PressAnswer, reference: PressAnswer, whole: PressAnswer) -
     return max(found)
 
 
-SYSTEM: System[PressProblem, PressModel, PressAnswer] = System(
+SYSTEM: System = System(
     name="press",
     effects=EFFECTS,
     model=PressModel,

@@ -1,7 +1,7 @@
 """A lift on its traction sheave: its load cases, the friction of its grooves, what would do, and its effects."""
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -260,7 +260,7 @@ def _pulleys(problem: TractionProblem) -> tuple[str, ...]:
     return (*lacking, *missing({"deceleration_m_s2": "lift.deceleration"})(problem))
 
 
-EFFECTS: Registry[Effect[Any]] = Registry(
+EFFECTS: Registry[Effect] = Registry(
     "effect of a traction sheave",
     (
         Effect(
@@ -292,7 +292,7 @@ EFFECTS: Registry[Effect[Any]] = Registry(
 )
 """In the order in which they are applied."""
 
-SYSTEM: System[TractionProblem, TractionModel, TractionAnswer] = closed_form_system(
+SYSTEM: System = closed_form_system(
     "traction",
     EFFECTS,
     solve_traction,

@@ -103,8 +103,12 @@ def _tree(lift: Lift, problem: HoistProblem) -> dict[str, Any]:
     tree, weight_N = kind.first(lift, "contact_rad", "log_lift", "end_tension_N"), _weight_N(problem)
     if weight_N is not None:
         tree |= {"payload_N": float(weight_N[0]), "lifts_payload": bool(lift.lift_force_N[0] >= weight_N[0])}
-    if lift.arcs is not None:
-        tree |= {f"{name[:-4]}_arc_rad": kind.finite(arc[0]) for name, arc in lift.arcs._asdict().items()}
+    arcs = lift.arcs
+    if arcs is not None:
+        tree |= {
+            "slip_arc_rad": kind.finite(arcs.slip_rad[0]),
+            "stick_arc_rad": kind.finite(arcs.stick_rad[0]),
+        }
     return tree
 
 

@@ -98,25 +98,21 @@ class SawModel(Model[SawProblem]):
     @cached_property
     def spans(self) -> Mapping[Side, Span]:
         """Return the blade's free span on each side, and at rest."""
-        return {side: self._span(side) for side in Side}
-
-    def _span(self, side: Side) -> Span:
-        problem, runs = self.problem, abs(side.sign)
-        static = {
-            "free_span_m": problem.free_span_m,
-            "linear_density_kg_m": problem.linear_density_kg_m,
-            "preload_N": problem.preload_N,
-            "pull_N": side.sign * self.part("tension-difference", problem.pull_N),
+        problem, found = self.problem, {}
+        blade = {name: getattr(problem, name) for name in ("free_span_m", "linear_density_kg_m", "preload_N")}
+        running = {
+            "mounting_factor": self.part("wheel-inertia-tension", problem.mounting_factor),
+            "wheel_speed_m_s": self.part("wheel-inertia-tension", problem.speed_m_s),
+            "travel_speed_m_s": self.part("travel", problem.speed_m_s),
         }
-        if side is Side.SLACK and "tension-difference" in self.effects:
-            Span(**static)  # refuses a side that is slack before the wheels' inertia helps it
-        return Span(
-            **static,
-            mounting_factor=runs * self.part("wheel-inertia-tension", problem.mounting_factor),
-            wheel_speed_m_s=runs * self.part("wheel-inertia-tension", problem.speed_m_s),
-            travel_speed_m_s=runs * self.part("travel", problem.speed_m_s),
-            bending_stiffness_N_m2=self.part("bending", problem.bending_stiffness_N_m2),
-        )
+        stiff, pull_N = self.part("bending", problem.bending_stiffness_N_m2), problem.pull_N
+        for side in Side:
+            blade["pull_N"] = side.sign * self.part("tension-difference", pull_N)
+            if side is Side.SLACK and "tension-difference" in self.effects:
+                Span(**blade)  # refuses a side that is slack before the wheels' inertia helps it
+            runs = {name: abs(side.sign) * value for name, value in running.items()}
+            found[side] = Span(**blade, **runs, bending_stiffness_N_m2=stiff)
+        return found
 
 
 class SideAnswer(NamedTuple):
@@ -256,13 +252,12 @@ def feed_limit_N(
     `offset_m` is how far from the middle of the blade it acts; half the width if not given.
     """
     e = 0.5 * section.width_m if offset_m is None else offset_m
-    found = [
-        _limit_N(float(one), section, ends, length_m=length_m, e=e) for one in np.atleast_1d(net_tension_N)
-    ]
-    return np.array(found, dtype=np.float64)
+    return np.array(
+        [_limit_N(float(one), section, ends, length_m, e) for one in np.atleast_1d(net_tension_N)]
+    )
 
 
-def _limit_N(P: float, section: Section, ends: Ends, *, length_m: float, e: float) -> float:
+def _limit_N(P: float, section: Section, ends: Ends, length_m: float, e: float) -> float:
     before = math.inf
     for order in _ORDERS:
         try:

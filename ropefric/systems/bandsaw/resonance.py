@@ -1,14 +1,14 @@
 """Where modes of the blade meet excitations: over the speed, at work, and which preload keeps them apart."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.arrays import FloatArray, IntArray
+from ropefric.arrays import FloatArray, IntArray, frozen_array
 from ropefric.files.plain_text import significant
 from ropefric.glossary import AdvisedStatus
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz, roots_between
@@ -248,24 +248,12 @@ def saw_chart(
     saw: Saw, excitations: tuple[Excitation, ...], speeds_m_s: npt.ArrayLike, n_modes: int = 4
 ) -> SawChart:
     """Return the data of a Campbell chart of both sides at constant torque."""
-    speeds = np.array(speeds_m_s, dtype=np.float64)
-    found = [
-        crossing
-        for side in _SIDES
-        for crossing in find_crossings(saw, side, excitations, speeds, n_modes, accuracy=_DRAWN)
-    ]
+    speeds, found, modes_Hz = frozen_array(speeds_m_s), list[Crossing](), {}
     ends = (float(speeds[0]), float(speeds[-1]))
-    speeds.flags.writeable = False
-    return SawChart(
-        saw=saw,
-        speed_m_s=speeds,
-        mode_Hz={
-            side: modes_over(saw, side, n_modes, "speed_m_s", ends=ends, accuracy=_DRAWN)(speeds)
-            for side in _SIDES
-        },
-        excitations=excitations,
-        crossings=in_order(found),
-    )
+    for side in _SIDES:
+        found += find_crossings(saw, side, excitations, speeds, n_modes, accuracy=_DRAWN)
+        modes_Hz[side] = modes_over(saw, side, n_modes, "speed_m_s", ends=ends, accuracy=_DRAWN)(speeds)
+    return SawChart(saw, speeds, modes_Hz, excitations, in_order(found))
 
 
 _SEARCHED, _HILLS, _ZOOM, _SETTLED = 257, 4, 33, 1e-10
@@ -307,55 +295,38 @@ def recommend_preload(
     cannot tell which comes first, they are found again to ten digits.
     """
     low_N, high_N = range_N
-    curves = {
-        side: modes_over(saw, side, n_modes, "preload_N", ends=range_N, accuracy=accuracy) for side in _SIDES
-    }
-    intervals = [
-        interval
-        for curve in curves.values()
-        for interval in _forbidden(saw, curve, excitations, margin=margin, range_N=range_N, n_modes=n_modes)
-    ]
-    present_N = min(max(saw.preload_N, low_N), high_N)
-    starts_N, stops_N = (np.array([one[end] for one in intervals]) for end in (0, 1))
+    curves = [modes_over(saw, side, n_modes, "preload_N", ends=range_N, accuracy=accuracy) for side in _SIDES]
+    asked: dict[str, Any] = {"margin": margin, "range_N": range_N, "n_modes": n_modes}
+    intervals_N = np.concatenate([_forbidden(saw, curve, excitations, **asked) for curve in curves])
+    present_N, (starts_N, stops_N) = min(max(saw.preload_N, low_N), high_N), intervals_N.T
     # What is cut at an end of the range begins or ends there however accurate.
-    found_N = starts_N[starts_N > low_N], np.append(stops_N[stops_N < high_N], present_N)
-    apart_N = np.abs(np.subtract.outer(*found_N))
-    beside_N = np.abs(stops_N - present_N)
-    unsure_N = _UNSURE * accuracy * high_N
-    if accuracy > _FINE and (
-        apart_N.min(initial=np.inf) <= unsure_N or beside_N.min(initial=np.inf) <= unsure_N
-    ):
-        return recommend_preload(saw, excitations, margin=margin, range_N=range_N, n_modes=n_modes)
-    forbidden = _union(intervals)
-    candidates = [present_N, low_N, high_N, *(end for interval in forbidden for end in interval)]
+    apart_N = np.subtract.outer(starts_N[starts_N > low_N], np.append(stops_N[stops_N < high_N], present_N))
+    near_N = np.abs(np.append(apart_N, stops_N - present_N))
+    if accuracy > _FINE and (near_N <= _UNSURE * accuracy * high_N).any():
+        return recommend_preload(saw, excitations, **asked)
+    forbidden_N = _union(intervals_N)
+    starts_N, stops_N = np.array(forbidden_N).reshape(-1, 2).T
+    candidates_N = np.array([present_N, low_N, high_N, *starts_N, *stops_N])
     # The ends of the intervals are roots: a hair inside them still is outside for people.
-    hair_N = 1e-9 * high_N
-    allowed = [
-        preload_N
-        for preload_N in candidates
-        if low_N <= preload_N <= high_N
-        and all(not start + hair_N < preload_N < stop - hair_N for start, stop in forbidden)
-    ]
+    hair_N, at_N = 1e-9 * high_N, candidates_N[:, np.newaxis]
+    inside = ((starts_N + hair_N < at_N) & (at_N < stops_N - hair_N)).any(axis=1)
+    allowed_N = candidates_N[(low_N <= candidates_N) & (candidates_N <= high_N) & ~inside].tolist()
 
     def nearest(preload_N: FloatArray) -> FloatArray:
         """Return the smallest margin at preloads within the range."""
         excited = _excited_Hz(excitations, saw.speed_m_s)
-        of_modes = np.concatenate([curve(preload_N) for curve in curves.values()], axis=1)
+        of_modes = np.concatenate([curve(preload_N) for curve in curves], axis=1)
         apart = np.abs(of_modes[..., np.newaxis] / excited[excited > 0.0] - 1.0)
         return np.asarray(apart.min(axis=(1, 2), initial=np.inf))
 
-    if allowed:
-        nearest_N = min(allowed, key=lambda preload_N: (abs(preload_N - saw.preload_N), preload_N))
+    status = StrainStatus.IMPOSSIBLE
+    if allowed_N:
+        nearest_N = min(allowed_N, key=lambda preload_N: (abs(preload_N - saw.preload_N), preload_N))
         status = StrainStatus.KEEP if nearest_N == saw.preload_N else StrainStatus.CHANGE
     else:
         nearest_N = _best(nearest, range_N)
-        status = StrainStatus.IMPOSSIBLE
-    return StrainAdvice(
-        status=status,
-        preload_N=nearest_N,
-        margin=float(nearest(np.array([nearest_N]))[0]),
-        forbidden_N=tuple((max(start, low_N), min(stop, high_N)) for start, stop in forbidden),
-    )
+    cut_N = tuple((max(start, low_N), min(stop, high_N)) for start, stop in forbidden_N)
+    return StrainAdvice(status, nearest_N, float(nearest(np.array([nearest_N]))[0]), cut_N)
 
 
 def _best(nearest: Callable[[FloatArray], FloatArray], range_N: tuple[float, float]) -> float:
@@ -386,8 +357,8 @@ def _forbidden(
     margin: float,
     range_N: tuple[float, float],
     n_modes: int,
-) -> list[tuple[float, float]]:
-    """Return the intervals of preload that the modes of one side, a curve, forbid, cut to the range."""
+) -> FloatArray:
+    """Return the intervals of preload that the modes of one side, a curve, forbid, cut to the range, shape (n, 2)."""
     slowest, fastest = curve(np.array(range_N))
     excited_Hz, mode = (
         part.ravel()
@@ -407,7 +378,7 @@ def _forbidden(
         (stop_N, above_Hz, met & (most_Hz > above_Hz)),
     ):
         edge_N[inside] = _preloads_N(curve, edge_Hz[inside], mode[inside], range_N)
-    return list(zip(start_N[met].tolist(), stop_N[met].tolist(), strict=True))
+    return np.stack([start_N[met], stop_N[met]], axis=1)
 
 
 def _preloads_N(
@@ -432,11 +403,10 @@ def _preloads_N(
     return found
 
 
-def _union(intervals: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+def _union(intervals: FloatArray) -> list[tuple[float, float]]:
     merged: list[tuple[float, float]] = []
-    for start, stop in sorted(intervals):
+    for start, stop in sorted(intervals.tolist()):
         if merged and start <= merged[-1][1]:
-            merged[-1] = (merged[-1][0], max(merged[-1][1], stop))
-        else:
-            merged.append((start, stop))
-    return tuple(merged)
+            start, stop = merged[-1][0], max(merged.pop()[1], stop)  # noqa: PLW2901
+        merged.append((start, stop))
+    return merged

@@ -161,6 +161,16 @@ def log_change(logs: FloatArray, others: FloatArray) -> float:
     return float(np.max(np.where(np.isnan(apart), math.inf, apart)))
 
 
+def with_bounds(effects: Registry[Effect], changes: Callable[[Any], Mapping[str, float]]) -> Registry[Effect]:
+    """Return effects of which those without an `influence` of their own have the changes of a problem by name."""
+
+    def bounded(one: Effect) -> Effect:
+        own = one.influence is unknown
+        return one._replace(influence=lambda problem: changes(problem)[one.name]) if own else one
+
+    return Registry(effects.kind, map(bounded, effects.values()))
+
+
 def closed_form_system(
     name: str, effects: Registry[Effect], solve: Callable[[Any], Any], *, error: float, why: str
 ) -> System:
@@ -174,14 +184,10 @@ def closed_form_system(
         known = applicable(effects, problem)
         return largest_changes(known, lambda some: solve(Model(problem=problem, effects=some)).logs)
 
-    def bounded(one: Effect) -> Effect:
-        own = one.influence is unknown
-        return one._replace(influence=lambda problem: changes(problem)[one.name]) if own else one
-
     method = Method(name="closed form", error=error, why=why)
     return System(
         name=name,
-        effects=Registry(effects.kind, map(bounded, effects.values())),
+        effects=with_bounds(effects, changes),
         model=Model,
         method=lambda model, budget: method,  # noqa: ARG005
         solve=lambda model, method: solve(model),  # noqa: ARG005

@@ -32,7 +32,7 @@ from ropefric.systems.bandsaw.resonance import Excitation
 from ropefric.systems.bandsaw.saw import Saw, Section, Side
 from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
-from ropefric.systems.effect import Effect, Method, Model, System, largest_changes, missing
+from ropefric.systems.effect import Effect, Method, Model, System, largest_changes, missing, with_bounds
 from ropefric.systems.friction import WrapFriction
 
 
@@ -375,21 +375,18 @@ EFFECTS: Registry[Effect] = Registry(
             adds="half the pull of the saw's torque on the tight side, and less on the slack side",
             instead="the preload on both sides",
             needs=missing({"tension_difference_N": "drive.power or drive.tension_difference"}),
-            influence=lambda problem: _string_changes(problem)["tension-difference"],
         ),
         Effect(
             name="wheel-inertia-tension",
             adds="the tension kappa rho A v^2 by which wheels that may give way follow the running blade",
             instead="wheel axles that do not give way",
             needs=missing({"mounting_factor": "tension.mounting_factor", **_SPEED}),
-            influence=lambda problem: _string_changes(problem)["wheel-inertia-tension"],
         ),
         Effect(
             name="travel",
             adds="the motion of the blade through its span, which its waves run with and against",
             instead="a blade that stands still",
             needs=missing(_SPEED),
-            influence=lambda problem: _string_changes(problem)["travel"],
         ),
         Effect(
             name="bending",
@@ -439,7 +436,7 @@ def _method(model: SawModel, budget: float) -> Method:
 
 SYSTEM: System = System(
     name="bandsaw",
-    effects=EFFECTS,
+    effects=with_bounds(EFFECTS, _string_changes),
     model=SawModel,
     method=_method,
     solve=lambda model, method: solve_saw(model, accuracy=method.settings.get("accuracy", _FINEST)),

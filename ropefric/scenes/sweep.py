@@ -198,18 +198,17 @@ def sweep_scene(
     They are solved block by block, here or by an executor, so that memory stays flat: each is handed on to be written,
     and in the result are at most some `keep` points, spread evenly.
     """
-    keys = [axis.key for axis in axes]
-    if not keys or len(set(keys)) < len(keys):
+    grid = _Grid(axes)
+    if not axes or len(set(grid.keys)) < len(axes):
         raise InputError("a sweep takes at least one key, and each key once", key="--sweep")
-    shape = tuple(axis.values.size for axis in axes)
-    total = prod(shape)
+    total = prod(grid.shape)
     if total > MOST_POINTS:
         raise InputError(
-            f"a grid of {' × '.join(map(str, shape))} is {total} points; the limit is {MOST_POINTS}",
+            f"a grid of {' × '.join(map(str, grid.shape))} is {total} points; the limit is {MOST_POINTS}",
             key="--sweep",
             fix="ask for fewer values of each key",
         )
-    found, _ = solve_points(scene, _Grid(axes), progress=progress, write=write, keep=keep, executor=executor)
+    found, _ = solve_points(scene, grid, progress=progress, write=write, keep=keep, executor=executor)
     found["failures"] = {words: n for words, n in found["failures"].items() if n}
     return Sweep(axes=axes, **found)
 

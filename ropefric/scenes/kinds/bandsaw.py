@@ -297,14 +297,14 @@ def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
 
 
 def _quantities(answer: SawAnswer, _: SawProblem) -> tuple[kind.Quantity, ...]:
-    wheel, limit_N = answer.wheel_utilisation, answer.feed_limit_N
-    return (
-        *(
-            kind.Quantity(f"{side.value}.first_frequency_Hz", one.frequencies_Hz[:, 0], positive=True)
-            for side, one in answer.sides.items()
-        ),
-        *(() if wheel is None else (kind.Quantity("wheel.utilisation", wheel),)),
-        *(() if limit_N is None else (kind.Quantity("feed.limit_N", limit_N, positive=True),)),
+    found: dict[str, FloatArray | None] = {
+        f"{side.value}.first_frequency_Hz": one.frequencies_Hz[:, 0] for side, one in answer.sides.items()
+    }
+    found |= {"wheel.utilisation": answer.wheel_utilisation, "feed.limit_N": answer.feed_limit_N}
+    return tuple(
+        kind.Quantity(name, value, positive=name != "wheel.utilisation")
+        for name, value in found.items()
+        if value is not None
     )
 
 

@@ -163,8 +163,9 @@ def _undecided(answer: DriveAnswer, problem: DriveProblem, error: float) -> tupl
 
 
 def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
-    tree: dict[str, Any] = {"closure": problem.closure, **kind.first(answer, "circling_N")}
-    tree["belt_speed_m_s"] = None if problem.speed_rad_s is None else float(problem.belt_speed_m_s[0])
+    speed_m_s = None if problem.speed_rad_s is None else float(problem.belt_speed_m_s[0])
+    tree: dict[str, Any] = {"closure": problem.closure, "belt_speed_m_s": speed_m_s}
+    tree |= kind.first(answer, "circling_N")
     work_W = float((answer.pull_N * problem.belt_speed_m_s)[0])
     tree["at_work"] = kind.first(answer, "tight_N", "slack_N", "pull_N") | {
         "torque_N_m": float((answer.pull_N * problem.wheel_radius_m)[0]),

@@ -103,8 +103,7 @@ def _tree(lift: Lift, problem: HoistProblem) -> dict[str, Any]:
     tree, weight_N = kind.first(lift, "contact_rad", "log_lift", "end_tension_N"), _weight_N(problem)
     if weight_N is not None:
         tree |= {"payload_N": float(weight_N[0]), "lifts_payload": bool(lift.lift_force_N[0] >= weight_N[0])}
-    arcs = lift.arcs
-    if arcs is not None:
+    if (arcs := lift.arcs) is not None:
         tree |= {
             "slip_arc_rad": kind.finite(arcs.slip_rad[0]),
             "stick_arc_rad": kind.finite(arcs.stick_rad[0]),

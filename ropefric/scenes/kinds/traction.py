@@ -141,16 +141,11 @@ def _failures(answer: TractionAnswer, _: TractionProblem) -> tuple[kind.Failure,
 
 def _tree(answer: TractionAnswer, problem: TractionProblem) -> dict[str, Any]:
     ratio = np.full_like(answer.tight_N, np.inf)
-    columns = {
-        "tight_N": answer.tight_N,
-        "slack_N": answer.slack_N,
+    columns = answer._asdict() | {
         "tension_ratio": np.divide(answer.tight_N, answer.slack_N, out=ratio, where=answer.slack_N > 0.0),
-        "mu": answer.mu,
-        "friction_factor": answer.friction_factor,
         "capacity": np.exp(answer.log_capacity),
-        "wrap_limit_rad": answer.wrap_limit_rad,
-        "undercut_limit_rad": answer.undercut_limit_rad,
     }
+    del columns["log_capacity"], columns["utilisation"]
     cases = {
         case: {name: kind.finite(values[i, 0]) for name, values in columns.items()}
         | {"passes": bool(answer.utilisation[i, 0] <= 1.0)}

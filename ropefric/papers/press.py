@@ -14,7 +14,8 @@ from ropefric.papers.paper import Item, Paper, Row, Shown, shown
 from ropefric.papers.reading import Given
 from ropefric.section import Line
 from ropefric.systems.effect import applicable, assemble
-from ropefric.systems.press.answer import SYSTEM, PressAnswer, solve_press
+from ropefric.systems.press.answer import PressAnswer, solve_press
+from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import Press, Roller
 from ropefric.systems.press.slip import PressSweep, critical
 from ropefric.systems.press.statics import CLOSURES, solve_statics, steady_state

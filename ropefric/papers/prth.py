@@ -17,7 +17,8 @@ from ropefric.papers.reading import Given
 from ropefric.papers.reduction import ITEMS, STEPS, Reduction, reduce_trials
 from ropefric.section import Line
 from ropefric.systems.effect import applicable, assemble
-from ropefric.systems.hoist.contact import SYSTEM, Lift, solve_lift, tension_along_N
+from ropefric.systems.hoist.contact import Lift, solve_lift, tension_along_N
+from ropefric.systems.hoist.effects import SYSTEM
 from ropefric.trials.outliers import RULES, scaled
 from ropefric.trials.table import TrialTable
 

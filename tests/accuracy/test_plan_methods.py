@@ -7,14 +7,14 @@ from ropefric.accuracy.measure import error_table
 from ropefric.accuracy.studies import STUDIES, blade_modes, press_transient, scenes
 from ropefric.accuracy.studies.blade_modes import chebyshev_frequencies
 from ropefric.scenes.plan import make_plan
-from ropefric.systems.bandsaw.answer import SYSTEM as SAW
 from ropefric.systems.bandsaw.beam import ScaledBeam, scaled_beams, solve_beam
+from ropefric.systems.bandsaw.effects import SYSTEM as SAW
 from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.bandsaw.span import CLAMPED, string_frequencies_Hz
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import SYSTEM as HOIST
-from ropefric.systems.press.answer import SYSTEM as PRESS
+from ropefric.systems.hoist.effects import SYSTEM as HOIST
 from ropefric.systems.press.answer import PressProblem
+from ropefric.systems.press.effects import SYSTEM as PRESS
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 
 ACCURACIES = [10.0**-n for n in range(2, 11)]

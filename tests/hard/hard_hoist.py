@@ -5,7 +5,8 @@ import mpmath as mp
 
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import SYSTEM, HoistProblem
+from ropefric.systems.hoist.contact import HoistProblem
+from ropefric.systems.hoist.effects import SYSTEM
 
 __all__ = ["DENSITY", "RADIUS", "SPEED", "lifted", "rope", "true_log_lift"]
 

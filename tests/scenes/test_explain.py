@@ -7,7 +7,7 @@ import pytest
 from ropefric.errors import RopefricError
 from ropefric.scenes.plan import explain_scene, make_plan
 from ropefric.scenes.solve import solve_scene
-from ropefric.systems.hoist.contact import SYSTEM
+from ropefric.systems.hoist.effects import SYSTEM
 from ropefric.systems.press.answer import FAST_ERROR
 
 

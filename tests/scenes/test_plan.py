@@ -13,7 +13,7 @@ from ropefric.scenes.plan import make_plan
 from ropefric.scenes.solve import solve_scene
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore
 from ropefric.systems.effect import Effect, Method, Model, System, assemble, closed_form_system, missing
-from ropefric.systems.hoist.contact import SYSTEM
+from ropefric.systems.hoist.effects import SYSTEM
 
 
 def toy(bounds, method_error=0.0):

@@ -14,7 +14,8 @@ from ropefric.scenes.plan import explain_scene, make_plan
 from ropefric.scenes.solve import solve_scene
 from ropefric.section import as_text
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import SYSTEM, HoistProblem, answerable
+from ropefric.systems.hoist.contact import HoistProblem, answerable
+from ropefric.systems.hoist.effects import SYSTEM
 
 LAWS = {
     "constant": [(0.05, 0.4)],

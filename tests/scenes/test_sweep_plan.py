@@ -16,7 +16,8 @@ from ropefric.scenes import points as solving
 from ropefric.scenes import sweep as tables
 from ropefric.scenes.sweep import parse_axis, sweep_scene, sweep_table
 from ropefric.systems.effect import Model
-from ropefric.systems.hoist.contact import SYSTEM, solve_lift, stiffness_bound
+from ropefric.systems.hoist.contact import solve_lift
+from ropefric.systems.hoist.effects import SYSTEM, stiffness_bound
 
 WEAK = {"law": "wrap-power", "parameters": {"a": 0.0005, "b": -0.2, "c": 0.2}}
 STIFF = {"linear_density": "62 g/m", "hanging_length": "5 m", "bending_stiffness": "1e-4 N*m^2"}

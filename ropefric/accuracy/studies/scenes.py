@@ -19,18 +19,18 @@ from ropefric.scenes.plan import Plan, make_plan
 from ropefric.scenes.scene import Scene, read_scene
 from ropefric.scenes.scene_templates import bundled_scenes
 from ropefric.scenes.sweep import Axis, Sweep, parse_axis, sweep_scene
-from ropefric.systems.bandsaw.answer import SYSTEM as SAW
 from ropefric.systems.bandsaw.answer import SawProblem
+from ropefric.systems.bandsaw.effects import SYSTEM as SAW
 from ropefric.systems.bandsaw.saw import STEEL_85_09
-from ropefric.systems.beltdrive.drive import SYSTEM as DRIVE
+from ropefric.systems.beltdrive.effects import SYSTEM as DRIVE
 from ropefric.systems.effect import System, assemble
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import SYSTEM as HOIST
 from ropefric.systems.hoist.contact import HoistProblem
-from ropefric.systems.press.answer import SYSTEM as PRESS
+from ropefric.systems.hoist.effects import SYSTEM as HOIST
 from ropefric.systems.press.answer import PressProblem
+from ropefric.systems.press.effects import SYSTEM as PRESS
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
-from ropefric.systems.traction.sheave import SYSTEM as TRACTION
+from ropefric.systems.traction.effects import SYSTEM as TRACTION
 
 N_SWEEP = 8
 """Preloads of the sweep."""

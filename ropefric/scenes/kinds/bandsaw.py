@@ -17,7 +17,8 @@ from ropefric.files.plain_text import significant
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.systems.bandsaw import resonance
-from ropefric.systems.bandsaw.answer import SYSTEM, SawAnswer, SawProblem, answerable, solve_saw
+from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem, answerable, solve_saw
+from ropefric.systems.bandsaw.effects import SYSTEM
 from ropefric.systems.bandsaw.measured import Measurement, deviation, explain_mounting, identify
 from ropefric.systems.bandsaw.saw import MODELS, Saw, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS

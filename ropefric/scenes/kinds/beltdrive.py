@@ -10,14 +10,8 @@ from pydantic import PlainValidator
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.section import Chart, Line, Section
-from ropefric.systems.beltdrive.drive import (
-    CLOSURES,
-    SYSTEM,
-    DriveAnswer,
-    DriveProblem,
-    answerable,
-    best_speed_m_s,
-)
+from ropefric.systems.beltdrive.drive import CLOSURES, DriveAnswer, DriveProblem, answerable, best_speed_m_s
+from ropefric.systems.beltdrive.effects import SYSTEM
 from ropefric.systems.friction import WrapFriction
 
 _TURN = 2.0 * math.pi

@@ -8,7 +8,8 @@ from ropefric.arrays import FloatArray
 from ropefric.files.toml_model import reject
 from ropefric.scenes import kind
 from ropefric.section import Section
-from ropefric.systems.hoist.contact import GRAVITY_M_S2, SYSTEM, HoistProblem, Lift, answerable
+from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem, Lift, answerable
+from ropefric.systems.hoist.effects import SYSTEM
 
 
 class WheelTable(kind.Table):

@@ -15,7 +15,8 @@ from ropefric.files.toml_model import choice, got, quantity, reject, whole_numbe
 from ropefric.scenes import kind
 from ropefric.section import Section
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.answer import SYSTEM, PressAnswer, PressProblem, settles, slip_margins
+from ropefric.systems.press.answer import PressAnswer, PressProblem, settles, slip_margins
+from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import (
     Belt,
     Press,

@@ -11,14 +11,8 @@ from ropefric.arrays import FloatArray
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.section import Chart, Line, Section
-from ropefric.systems.traction.sheave import (
-    CASES,
-    GROOVES,
-    SYSTEM,
-    TractionAnswer,
-    TractionProblem,
-    answerable,
-)
+from ropefric.systems.traction.effects import SYSTEM
+from ropefric.systems.traction.sheave import CASES, GROOVES, TractionAnswer, TractionProblem, answerable
 
 _NO_CERTIFICATE = "a check after EN 81-50, 5.11, and no certificate: lifts are approved by notified bodies"
 _LARGEST_UNDERCUT_RAD = math.radians(106.0)

@@ -5,5 +5,5 @@ the moving stiff blade, every mode to a wanted accuracy. `saw` puts the machine 
 tensions the torque makes, the preload a frequency asks for. `resonance` says where modes meet excitations and which
 preload to set, `measured` compares with measured frequencies and finds the mounting behind them. `answer` are all
 frequencies of a saw as a scene simulates it, with torsion, the wheels' grip and the push on its teeth that it bears,
-and what the scene may leave out, with what that may cost.
+`effects` what the scene may leave out, and what that may cost.
 """

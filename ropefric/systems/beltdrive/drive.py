@@ -1,6 +1,5 @@
-"""A belt drive: the pull that friction carries, the tensions at work, how far the belt creeps, and its effects."""
+"""A belt drive: the pull that friction carries, the tensions at work, and how far the belt creeps."""
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -8,9 +7,8 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
-from ropefric.registry import Registry
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
-from ropefric.systems.effect import Effect, Model, System, closed_form_system, law_effects, missing
+from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
 
 CLOSURES = ("limit", "tensioner", "fixed")
@@ -230,67 +228,3 @@ def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:
 def answerable(problem: DriveProblem) -> BoolArray:
     """Return for which of n cases the belt stays on its pulleys, shape (n,)."""
     return np.asarray(problem.tension_N > problem.circling_N)
-
-
-_ROOM = 0.5
-"""Of ln P: how far what presses on the slack side may lie from where it does without an effect of the law."""
-
-
-def _law_bound(problem: DriveProblem, answer: DriveAnswer | None) -> FloatArray:
-    """Return an upper bound of what all that the law is not told changes in any number.
-
-    A coefficient that changes by the factor e^d makes M of the pulley that slips first another by D = M (e^d − 1): no
-    tension changes by more, no pull by more than D + d, no arc and no ratio of speeds by more than twice that. What
-    presses on the slack side follows, so that D is one only as long as it stays in the range the law was asked for.
-    """
-    if answer is None:
-        return np.zeros(1)
-    pressing_N, slack_N = problem.tension_N - answer.circling_N, answer.full_slack_N - answer.circling_N
-    pressed_N = np.concatenate([pressing_N, math.exp(-_ROOM) * slack_N, math.exp(_ROOM) * slack_N])
-    off = max(
-        problem.friction.spread(
-            wheel_radius_m=(radius_m.min(), radius_m.max()),
-            rope_radius_m=(problem.rope_radius_m.min(), problem.rope_radius_m.max()),
-            wrap_angle_rad=(wrap.min(), wrap.max()),
-            slack_tension_N=(pressed_N.min(), pressed_N.max()),
-        )[0]
-        for radius_m, wrap in problem.pulleys
-    )
-    change = math.exp(off) * math.expm1(off) * np.nanmin(answer.exponents, axis=0) if off < _ROOM else np.inf
-    return np.where(change < _ROOM, 2.0 * (change + off), np.inf)
-
-
-EFFECTS: Registry[Effect] = Registry(
-    "effect of a belt drive",
-    (
-        Effect(
-            name="centrifugal",
-            adds="the tension m v^2 that keeps the running belt on its circle and presses nothing",
-            instead="a belt at rest",
-            needs=missing({"linear_density_kg_m": "belt.linear_density", "speed_rad_s": "driving.speed"}),
-        ),
-        Effect(
-            name="wedge",
-            adds="the flanks of the groove, that press with 1/sin(half its angle)",
-            instead="a flat pulley",
-            needs=missing({"groove_angle_rad": "belt.groove_angle"}),
-        ),
-        Effect(
-            name="creep",
-            adds="a belt that stretches where it adheres, so that the driven pulley runs slower and power is lost",
-            instead="a belt that does not stretch; both rims run at one speed",
-            needs=missing({"axial_stiffness_N": "belt.axial_stiffness"}),
-        ),
-        *law_effects("pulley", "belt", missing({}), 1e-7, _law_bound),
-    ),
-)
-"""In the order in which they are applied."""
-
-SYSTEM: System = closed_form_system(
-    "beltdrive",
-    EFFECTS,
-    solve_drive,
-    error=1e-11,
-    why="an exponential and a balance of tensions; there is nothing to approximate",
-)
-"""A belt on one pulley or two."""

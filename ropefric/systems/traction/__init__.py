@@ -1,7 +1,7 @@
 """A lift's traction sheave after EN 81-50, 5.11: its ropes must hold while loading and braking, and slip when stalled.
 
-`sheave` is the lift and the balance of its ropes, T1/T2 against e^(f α), in four load cases, and what a scene may
-leave out of it. This is an engineer's check of one clause and no certificate.
+`sheave` is the lift and the balance of its ropes, T1/T2 against e^(f α), in four load cases, `effects` what a scene
+may leave out. This is an engineer's check of one clause and no certificate.
 
 Roping is 1:1, g = 9.81 m/s2. The load cases, with the masses of car P, rated load Q, counterweight M, ropes m per metre
 over the travel H and what is above it, and a deflector pulley m_D reduced to its rim on either side:

@@ -1,4 +1,4 @@
-"""A lift on its traction sheave: its load cases, the friction of its grooves, what would do, and its effects."""
+"""A lift on its traction sheave: the tensions of its load cases, the friction of its grooves, and what would do."""
 
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.registry import Registry
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
-from ropefric.systems.effect import Effect, Model, System, closed_form_system, law_effects, missing
+from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
 
 GRAVITY_M_S2 = 9.81
@@ -252,51 +251,3 @@ def answerable(problem: TractionProblem) -> BoolArray:
         getattr(problem, mass) * (GRAVITY_M_S2 - a) > a * problem.product(pulley) for mass, pulley in sides
     ]
     return np.asarray(held[0] & held[1])
-
-
-def _pulleys(problem: TractionProblem) -> tuple[str, ...]:
-    heavy = problem.car_pulley_kg is not None or problem.counterweight_pulley_kg is not None
-    lacking = () if heavy else ("pulleys.car_side or pulleys.counterweight_side",)
-    return (*lacking, *missing({"deceleration_m_s2": "lift.deceleration"})(problem))
-
-
-EFFECTS: Registry[Effect] = Registry(
-    "effect of a traction sheave",
-    (
-        Effect(
-            name="rope-weight",
-            adds="the weight of the ropes, on the car's or the counterweight's side by where the car is",
-            instead="ropes without weight",
-            needs=missing({"linear_density_kg_m": "ropes.linear_density"}),
-        ),
-        Effect(
-            name="deceleration",
-            adds="the inertia of car, load, counterweight and ropes in an emergency stop",
-            instead="a stop so soft that only the weights count",
-            needs=missing({"deceleration_m_s2": "lift.deceleration"}),
-        ),
-        Effect(
-            name="pulley-inertia",
-            adds="the inertia of the deflector pulleys in an emergency stop",
-            instead="pulleys without mass",
-            needs=_pulleys,
-        ),
-        Effect(
-            name="speed",
-            adds="a coefficient that falls with the rope's speed in an emergency stop, by 1 + v/(10 m/s)",
-            instead="the coefficient at rest",
-            needs=missing({"speed_m_s": "lift.speed"}),
-        ),
-        *law_effects("sheave", "rope", missing({"friction": "friction"})),
-    ),
-)
-"""In the order in which they are applied."""
-
-SYSTEM: System = closed_form_system(
-    "traction",
-    EFFECTS,
-    solve_traction,
-    error=1e-12,
-    why="weights, inertia and an exponential; there is nothing to approximate",
-)
-"""A lift on its traction sheave."""

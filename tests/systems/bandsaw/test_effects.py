@@ -15,8 +15,9 @@ from ropefric.errors import InputError, RopefricError
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
-from ropefric.systems.bandsaw.answer import SYSTEM, SawProblem
+from ropefric.systems.bandsaw.answer import SawProblem
 from ropefric.systems.bandsaw.beam import ScaledBeam, solve_beam
+from ropefric.systems.bandsaw.effects import SYSTEM
 from ropefric.systems.bandsaw.saw import STEEL_85_09, Side
 from ropefric.systems.bandsaw.span import CLAMPED, PINNED
 from ropefric.systems.effect import Method, assemble

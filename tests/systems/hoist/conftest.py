@@ -5,7 +5,8 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import SYSTEM, HoistProblem
+from ropefric.systems.hoist.contact import HoistProblem
+from ropefric.systems.hoist.effects import SYSTEM
 
 COUPLED = (0.46, -0.22, -0.3, -0.48, 0.055)
 

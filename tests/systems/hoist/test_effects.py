@@ -17,7 +17,8 @@ from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.friction.laws.bending import lifted_arc_rad
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import GRAVITY_M_S2, SYSTEM, HoistProblem, stiffness_bound
+from ropefric.systems.hoist.contact import GRAVITY_M_S2, HoistProblem
+from ropefric.systems.hoist.effects import SYSTEM, stiffness_bound
 
 
 def own(problem):

@@ -11,7 +11,8 @@ from ropefric.scenes.plan import make_plan
 from ropefric.systems.beltdrive.drive import DriveModel, DriveProblem, solve_drive
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.answer import SYSTEM, PressProblem
+from ropefric.systems.press.answer import PressProblem
+from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 
 CONSTANT = WrapFriction.constant(1.2)

@@ -18,7 +18,8 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import ScaleTo, WrapFriction
-from ropefric.systems.press.answer import SYSTEM, PressProblem
+from ropefric.systems.press.answer import PressProblem
+from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 

@@ -9,7 +9,8 @@ import pytest
 
 from ropefric.scenes.plan import make_plan
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.answer import SYSTEM, PressProblem
+from ropefric.systems.press.answer import PressProblem
+from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.transient import start_up as module
 from ropefric.systems.press.transient.capture import GridSolver
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, final_value

@@ -9,7 +9,8 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.answer import EFFECTS, FAST_ERROR, SYSTEM, PressProblem, swinging_of
+from ropefric.systems.press.answer import FAST_ERROR, PressProblem, swinging_of
+from ropefric.systems.press.effects import EFFECTS, SYSTEM
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, final_value, press_inputs
 from ropefric.systems.press.transient.start_up import start_up, swinging_start_up
 

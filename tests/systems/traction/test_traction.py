@@ -16,9 +16,9 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene_templates import scene_text, write_scenes
 from ropefric.systems.friction import WrapFriction
+from ropefric.systems.traction.effects import SYSTEM
 from ropefric.systems.traction.sheave import (
     CASES,
-    SYSTEM,
     TractionModel,
     TractionProblem,
     answerable,

@@ -224,33 +224,28 @@ class Draws(Answers):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Return what speaks against using the answers, and where the machine does not do what it is for."""
-        none = (f"{self.failed} of {self.count} draws have no answer: {self.first_failure}",)
-        return (
-            *self.doubts,
-            *(none if self.failed else ()),
-            *self._warnings(f"in {{}} of {self.count} draws"),
+        none = [f"{self.failed} of {self.count} draws have no answer: {self.first_failure}"] * bool(
+            self.failed
         )
+        return (*self.doubts, *none, *self._warnings(f"in {{}} of {self.count} draws"))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the summary as a JSON tree."""
         tail = 50.0 * (1.0 - self.level)
+        numbers: dict[str, Any] = {}
+        for name, (value, mean, std, quantiles) in self.numbers.items():
+            told = {"value": value, "mean": mean, "std": std}
+            numbers[name] = {part: finite(one) for part, one in told.items()}
+            numbers[name] |= {"quantiles": [finite(end) for end in quantiles]}
+        failures = {words: {"count": n, "share": self.shares[words]} for words, n in self.failures.items()}
         return {
             "system": self.system,
             "draws": self.count,
-            "seed": self.seed,
-            "level": self.level,
-            "answered": self.answered,
-            "first_failure": self.first_failure,
+            **{name: getattr(self, name) for name in ("seed", "level", "answered", "first_failure")},
             "drawn": list(self.inputs),
             "quantiles_percent": [round(tail, 9), 50.0, round(100.0 - tail, 9)],
-            "quantities": {
-                name: {part: finite(getattr(one, part)) for part in ("value", "mean", "std")}
-                | {"quantiles": [finite(end) for end in one.quantiles]}
-                for name, one in self.numbers.items()
-            },
-            "failures": {
-                words: {"count": n, "share": self.shares[words]} for words, n in self.failures.items()
-            },
+            "quantities": numbers,
+            "failures": failures,
             "effects": {"simulated": list(self.simulated), "left_out_in": self.left_out},
             "accuracy": self.accuracy,
             "error_bound": finite(self.error_bound),
@@ -283,9 +278,8 @@ def draw_scene(
     try:
         answer = solve_planned(scene, problem)[1]
         as_given = (*kind.quantities(answer, problem), *kind.outcomes(answer, problem))
-        found, kept = solve_points(
-            scene, points, progress=progress, write=write, keep=KEPT_DRAWS, executor=executor
-        )
+        how: dict[str, Any] = {"progress": progress, "write": write, "executor": executor}
+        found, kept = solve_points(scene, points, keep=KEPT_DRAWS, **how)
     except RopefricError as error:
         raise placed(error, scene.document) from error
     values = {one.name: float(one.value[0]) for one in as_given}
@@ -296,14 +290,7 @@ def draw_scene(
         _, mean, std = kept.moments(name)
         with np.errstate(invalid="ignore"):  # between two that are infinite lies none
             ends = np.quantile(known, at).tolist() if known.size else [np.nan] * 3
-        numbers[name] = Drawn(value=values.get(name, np.nan), mean=mean, std=std, quantiles=tuple(ends))
-    return Draws(
-        system=kind.name,
-        count=count,
-        seed=seed,
-        level=level,
-        numbers=numbers,
-        inputs=points.columns,
-        doubts=() if scene.source is None else scene.source.warnings,
-        **found,
-    )
+        numbers[name] = Drawn(values.get(name, np.nan), mean, std, tuple(ends))
+    asked: dict[str, Any] = {"system": kind.name, "count": count, "seed": seed, "level": level}
+    doubts = () if scene.source is None else scene.source.warnings
+    return Draws(numbers=numbers, inputs=points.columns, doubts=doubts, **asked, **found)

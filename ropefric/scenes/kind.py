@@ -116,33 +116,34 @@ def key(si_unit: str, like: str, field: str = "", **more: Any) -> Key:
     return Key(field, si_unit=si_unit, like=like, **more)
 
 
+def _fields(schema: type[BaseModel]) -> list[tuple[str, Becomes]]:
+    metadata = ((name, one) for name, info in schema.model_fields.items() for one in info.metadata)
+    return [(name, one) for name, one in metadata if isinstance(one, Becomes) and one.field]
+
+
 def becomes(schema: type[BaseModel], prefix: str = "", *, whole: bool = True) -> dict[str, Becomes]:
     """Return what the keys of a schema become, those of its tables included; friction has a reader of its own.
 
     A key in one of many tables of a kind, such as `[rollers.2]`, is named without them, and is not swept in one call.
     """
-    found: dict[str, Becomes] = {}
+    before = prefix if whole else ""
+    found = {before + name: replace(one, many=one.many and whole) for name, one in _fields(schema)}
     for name, info in schema.model_fields.items():
-        path = prefix + name if whole else name
-        for one in info.metadata:
-            if isinstance(one, Becomes) and one.field:
-                found[path] = replace(one, many=one.many and whole)
         single = whole and get_origin(info.annotation) not in {dict, list}
         for table in (info.annotation, *get_args(info.annotation)):
             if isinstance(table, type) and issubclass(table, StrictTable) and name != "friction":
-                found |= becomes(table, f"{path}.", whole=single)
+                found |= becomes(table, f"{before}{name}.", whole=single)
     return found
 
 
 def given(table: StrictTable) -> dict[str, Any]:
     """Return the fields that one table's keys become, with their values; not those it leaves out."""
-    found = {}
-    for name, info in type(table).model_fields.items():
-        value = getattr(table, name)
-        for one in info.metadata:
-            if isinstance(one, Becomes) and one.field and value is not None:
-                found[one.field] = value if one.factor == 1.0 else one.factor * value
-    return found
+    values = ((getattr(table, name), one) for name, one in _fields(type(table)))
+    return {
+        one.field: value if one.factor == 1.0 else one.factor * value
+        for value, one in values
+        if value is not None
+    }
 
 
 def arrays(table: StrictTable) -> dict[str, FloatArray]:
@@ -268,12 +269,14 @@ class Quantity(NamedTuple):
     """One number of an answer that people read, and that friction may make uncertain.
 
     `scale` is what it errs by a share of where that is not the number itself: of a difference one of its terms.
+    Of the main one the tree names uncertainty and interval without saying of what.
     """
 
     name: str
     value: FloatArray
     positive: bool = False
     scale: FloatArray | None = None
+    is_main: bool = False
 
 
 class Failure(NamedTuple):
@@ -388,7 +391,7 @@ class Kind:
 
     name: str
     schema: type[SceneTable]
-    system: System[Any, Any, Any]
+    system: System
     own_wheel: Callable[[Any], tuple[float, float]]
     problem: Callable[[Any, Any], Any]
     quantities: Callable[[Any, Any], tuple[Quantity, ...]]

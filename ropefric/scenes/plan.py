@@ -8,17 +8,13 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 from statistics import median
 from types import MappingProxyType
-from typing import Any, Literal, NamedTuple, TypeVar
+from typing import Any, Literal, NamedTuple
 
 from ropefric.errors import InputError, RopefricError
 from ropefric.scenes.kind import finite
 from ropefric.scenes.scene import Scene, placed
 from ropefric.shown import Shown
 from ropefric.systems.effect import Effect, Method, System, assemble
-
-P = TypeVar("P")
-M = TypeVar("M")
-A = TypeVar("A")
 
 _METHOD_SHARE = 0.1
 """What the method may err by at least, of the accuracy: no effects are left out for the sake of the last tenth."""
@@ -43,8 +39,7 @@ class Decision(NamedTuple):
     time_s: float = math.nan
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
+class Plan(NamedTuple):
     """What is simulated, how, and how far that can be from simulating everything."""
 
     decisions: tuple[Decision, ...]
@@ -69,14 +64,14 @@ class Plan:
 
 
 def make_plan(
-    system: System[P, M, A],
-    problem: P,
+    system: System,
+    problem: Any,
     *,
     accuracy: float,
     effects: str | tuple[str, ...],
     all_bounds: bool = False,
     kept: Mapping[str, str] = MappingProxyType({}),
-) -> tuple[Plan, M]:
+) -> tuple[Plan, Any]:
     """Return the plan for a problem, and the model assembled to it.
 
     With "auto" the effects that cost time and have the smallest bounds are left out as long as all bounds together,
@@ -85,22 +80,29 @@ def make_plan(
     """
     every = list(system.effects.values())
     missing = {effect.name: effect.needs(problem) for effect in every}
-    simulated = {name for name, keys in missing.items() if not keys}
-    applicable = [effect for effect in every if effect.name in simulated]
+    applicable = [effect for effect in every if not missing[effect.name]]
+    simulated = {effect.name for effect in applicable}
     spare = [one for one in worth_asking(applicable, 1) if one.name not in kept] if effects == "auto" else []
     if isinstance(effects, tuple):
         simulated = {system.effects[name].name for name in effects}
-        _refuse_impossible({name: missing[name] for name in effects if missing[name]})
+        for name, lacking in ((name, " and ".join(missing[name])) for name in effects if missing[name]):
+            raise InputError(
+                f"the effect {name} cannot be simulated without {lacking}",
+                code="RF502",
+                key="effects",
+                fix=f"add {lacking}, or take {name} off the list",
+            )
     bounds = {
         effect.name: effect.influence(problem)
         for effect in applicable
         if all_bounds or effect in spare or effect.name not in simulated
     }
-    if spare:
-        simulated -= _left_out(spare, bounds, accuracy)
-    total = sum(bound for name, bound in bounds.items() if name not in simulated)
+    # The smallest influence goes first, of two equal ones the dearer.
+    order = sorted(spare, key=lambda one: (bounds[one.name], -one.cost))
+    spent, room = accumulate(bounds[one.name] for one in order), room_for_effects(accuracy)
+    simulated -= {one.name for one, sum_so_far in zip(order, spent, strict=True) if sum_so_far <= room}
     model = assemble(system, problem, simulated)
-    left_out_error = _relative(total)
+    left_out_error = _relative(sum(bound for name, bound in bounds.items() if name not in simulated))
     # What the method errs by counts on top of an answer that may be off by what was left out already.
     budget = max(accuracy - left_out_error, _METHOD_SHARE * accuracy) / (1.0 + min(left_out_error, 1.0))
     method = system.method(model, budget)
@@ -111,9 +113,12 @@ def make_plan(
     spared = {one.name: "" for one in spare} | dict(kept)
     decisions = []
     for one in every:
-        bound = _relative(bounds.get(one.name, math.nan))
+        bound, why = _relative(bounds.get(one.name, math.nan)), ""
         is_in, keys = one.name in simulated, missing[one.name]
-        why = "" if math.isnan(bound) else _worth("up to" if is_in else "at most", bound)
+        if bound in {0.0, math.inf}:
+            why = "no bound is known" if bound else "changes no number that is there without it"
+        elif not math.isnan(bound):
+            why = f"worth {'up to' if is_in else 'at most'} {bound:.2g} of the answer"
         if keys:
             why = f"the scene does not give {' and '.join(keys)}"
         elif asked and is_in:
@@ -124,7 +129,7 @@ def make_plan(
             why = "; ".join(part for part in (why, reason, detail) if part)
         fate: Fate = "not applicable" if keys else "simulated" if is_in else "left out"
         decisions.append(Decision(one.name, fate, bound, why, keys, one.adds, one.instead))
-    return Plan(decisions=tuple(decisions), method=method, accuracy=accuracy, error_bound=error_bound), model
+    return Plan(tuple(decisions), method, accuracy, error_bound), model
 
 
 def solve_planned(scene: Scene, problem: Any, effects: str | tuple[str, ...] = "") -> tuple[Plan, Any]:
@@ -136,7 +141,7 @@ def solve_planned(scene: Scene, problem: Any, effects: str | tuple[str, ...] = "
     return plan, system.solve(model, plan.method)
 
 
-def worth_asking(applicable: list[Effect[Any]], cases: int) -> list[Effect[Any]]:
+def worth_asking(applicable: list[Effect], cases: int) -> list[Effect]:
     """Return the effects that take so long to simulate that leaving them out may save time."""
     return [one for one in applicable if one.cost * cases >= _LEAST_SAVED_S]
 
@@ -146,39 +151,13 @@ def room_for_effects(accuracy: float) -> float:
     return math.log1p((1.0 - _METHOD_SHARE) * accuracy)
 
 
-def _left_out(spare: list[Effect[Any]], bounds: dict[str, float], accuracy: float) -> set[str]:
-    """Return what can be left out: the smallest influence first, the dearer of two equal ones first."""
-    order = sorted(spare, key=lambda one: (bounds[one.name], -one.cost))
-    spent = accumulate(bounds[one.name] for one in order)
-    budget = room_for_effects(accuracy)
-    return {one.name for one, sum_so_far in zip(order, spent, strict=True) if sum_so_far <= budget}
-
-
-def _refuse_impossible(missing: dict[str, tuple[str, ...]]) -> None:
-    for name, keys in missing.items():
-        lacking = " and ".join(keys)
-        raise InputError(
-            f"the effect {name} cannot be simulated without {lacking}",
-            code="RF502",
-            key="effects",
-            fix=f"add {lacking}, or take {name} off the list",
-        )
-
-
-def _worth(much: str, bound: float) -> str:
-    if bound in {0.0, math.inf}:
-        return "no bound is known" if bound else "changes no number that is there without it"
-    return f"worth {much} {bound:.2g} of the answer"
-
-
 def _relative(log_change: float) -> float:
     return math.inf if log_change > 700.0 else math.expm1(log_change)
 
 
 def method_tree(method: Method) -> dict[str, Any]:
     """Return how a model was solved as a JSON tree."""
-    settings = dict(method.settings)
-    return {"name": method.name, "settings": settings, "error": finite(method.error), "why": method.why}
+    return method._asdict() | {"settings": dict(method.settings), "error": finite(method.error)}
 
 
 _REPEATS = 5
@@ -252,12 +231,10 @@ def explain_scene(
     scene: Scene, *, measure: bool = False, clock: Callable[[], float] = time.perf_counter
 ) -> Explanation:
     """Return why a scene is solved the way it is."""
-    system = scene.kind.system
+    system, problem = scene.kind.system, scene.problem
+    asked: dict[str, Any] = {"accuracy": scene.accuracy, "effects": scene.effects, "all_bounds": True}
     try:
-        kept = scene.kind.kept(scene.problem)
-        plan, _ = make_plan(
-            system, scene.problem, accuracy=scene.accuracy, effects=scene.effects, all_bounds=True, kept=kept
-        )
+        plan, _ = make_plan(system, problem, kept=scene.kind.kept(problem), **asked)
         told = Explanation(system=scene.kind.name, plan=plan)
         return _measured(scene, told, clock) if measure else told
     except RopefricError as error:
@@ -282,26 +259,17 @@ def _measured(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Ex
 
     own, own_s = solved(simulated)
     (_, everything), all_s = timed(lambda: solve_planned(scene, problem, "all"))
-    decisions = []
-    for one in plan.decisions:
-        found = one
+    decisions = list(plan.decisions)
+    for place, one in enumerate(plan.decisions):
+        is_in = one.fate == "simulated"
         # A model may have no answer without an effect that another one in it relies on.
         with suppress(RopefricError):
             if one.fate != "not applicable":
                 other, other_s = solved(simulated ^ {one.name})
-                is_in = one.fate == "simulated"
                 takes_s = max(0.0, own_s - other_s if is_in else other_s - own_s)
-                found = one._replace(
-                    worth=system.distance(*((other, own) if is_in else (own, other)), everything),
-                    time_share=takes_s / own_s if is_in and own_s > 0.0 else math.nan,
-                    time_s=takes_s,
-                )
-        decisions.append(found)
+                worth = system.distance(*((other, own) if is_in else (own, other)), everything)
+                share = takes_s / own_s if is_in and own_s > 0.0 else math.nan
+                decisions[place] = one._replace(worth=worth, time_share=share, time_s=takes_s)
     planned_s = timed(lambda: solve_planned(scene, problem))[1]
-    return replace(
-        told,
-        plan=replace(plan, decisions=tuple(decisions)),
-        planned_s=planned_s,
-        all_s=all_s,
-        difference=system.distance(own, everything, everything),
-    )
+    plan, difference = plan._replace(decisions=tuple(decisions)), system.distance(own, everything, everything)
+    return replace(told, plan=plan, planned_s=planned_s, all_s=all_s, difference=difference)

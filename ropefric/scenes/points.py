@@ -110,10 +110,8 @@ def solve_points(
 ) -> tuple[dict[str, Any], "Kept"]:
     """Return the fields of `Answers` to many cases, and what was kept of their numbers: at most some `keep` of each."""
     total, kept = prod(points.shape), Kept(points.shape, keep, summed=points.summed)
-    failed, first_failure, error_bound = 0, "", 0.0
-    simulated: set[str] = set()
-    failures, left_out = Counter[str](), Counter[str]()
-    run = _Run(scene, points)
+    failed, first_failure, error_bound, run = 0, "", 0.0, _Run(scene, points)
+    simulated, failures, left_out = set[str](), Counter[str](), Counter[str]()
     outcomes = run.spread(progress, executor)
     for start in range(0, total, BLOCK):
         stop = min(start + BLOCK, total)
@@ -123,11 +121,7 @@ def solve_points(
                 failed += places.size
                 first_failure = first_failure or found.problem.message
                 continue
-            whole = places.size == stop - start
             for quantity in found.quantities:
-                if whole:
-                    block[quantity.name] = np.broadcast_to(quantity.value, places.shape)
-                    continue
                 if quantity.name not in block:
                     block[quantity.name] = np.full(stop - start, np.nan)
                 block[quantity.name][places - start] = quantity.value
@@ -147,8 +141,7 @@ def solve_points(
             fix=points.fix,
         )
     every = scene.kind.system.effects
-    return {
-        "columns": kept.columns,
+    return {name: getattr(kept, name) for name in ("columns", "steps", "ranges")} | {
         "failed": failed,
         "first_failure": first_failure,
         "simulated": tuple(name for name in every if name in simulated),
@@ -156,8 +149,6 @@ def solve_points(
         "accuracy": scene.accuracy,
         "failures": dict(failures),
         "left_out": {name: left_out[name] for name in every if left_out[name]},
-        "steps": kept.steps,
-        "ranges": kept.ranges,
     }, kept
 
 
@@ -222,8 +213,8 @@ class _Found(NamedTuple):
     quantities: tuple[Quantity, ...]
     failures: tuple[Failure, ...]
     simulated: frozenset[str]
-    left_out: frozenset[str]
     error_bound: float
+    left_out: frozenset[str] = frozenset()
 
     def at(self, some: BoolArray) -> "_Found":
         """Return what some of the points give."""
@@ -322,8 +313,7 @@ class _Run:
 
     def _solved(self, problem: Any, simulated: frozenset[str]) -> tuple[_Found, Any]:
         answer, error = self._answer(problem, simulated)
-        gone = frozenset(self.kind.system.effects) - simulated
-        return _found(self.kind, problem, answer, simulated, gone, error), answer
+        return _found(self.kind, problem, answer, simulated, error), answer
 
     def pieces(self, start: int, stop: int) -> list[tuple[int, int]]:
         """Return the first point of each piece of a block, and the one after its last."""
@@ -399,9 +389,8 @@ class _Run:
                 if not sure.all():
                     some[np.flatnonzero(some)[~sure]] = False
                     found = found.at(sure)
-                return some, found._replace(
-                    left_out=self.gone, error_bound=most + found.error_bound * (1.0 + most)
-                )
+                bound = most + found.error_bound * (1.0 + most)
+                return some, found._replace(left_out=self.gone, error_bound=bound)
         return None
 
     def _whole(self, places: IntArray, values: list[FloatArray], problem: Any = None) -> Iterator[Outcome]:
@@ -424,31 +413,27 @@ class _Run:
             return self._listed(problem, frozenset(scene.effects))
         whole = scene.effects == "auto" and self.by_array
         plan, answer = solve_planned(scene, problem, "all" if whole else "")
-        return _found(
-            kind, problem, answer, frozenset(plan.simulated), frozenset(plan.left_out), plan.error_bound
-        )
+        found = _found(kind, problem, answer, frozenset(plan.simulated), plan.error_bound)
+        return found._replace(left_out=frozenset(plan.left_out))
 
     def _listed(self, problem: Any, names: frozenset[str]) -> _Found:
         """Return what a list of effects gives; how far that is from everything is found by solving that, too.
 
         A dear effect that has a bound for each case is not solved for that.
         """
-        effects = self.kind.system.effects
-        if any(effects[name].needs(problem) for name in names):
-            make_plan(
-                self.kind.system, problem, accuracy=self.scene.accuracy, effects=tuple(names)
-            )  # refuses
-        missing = [one for name, one in applicable(effects, problem).items() if name not in names]
+        system = self.kind.system
+        known = applicable(system.effects, problem)
+        if not names <= known.keys():
+            make_plan(system, problem, accuracy=self.scene.accuracy, effects=tuple(names))  # refuses
+        missing = [one for name, one in known.items() if name not in names]
+        dear = {one.name: one.each for one in missing if one.each is not None and one.cost >= _DEAR_S}
         (found, answer), off = self._solved(problem, names), 0.0
         try:
-            dear = {one.name for one in missing if one.each is not None and one.cost >= _DEAR_S}
-            others = names | {one.name for one in missing} - dear
+            others = names | {one.name for one in missing} - dear.keys()
             if others != names:
                 whole, answer = self._solved(problem, others)
                 off = math.log1p(max(map(_change, found.quantities, whole.quantities)))
-            off += sum(
-                float(one.each(problem, answer).max()) for one in missing if one.name in dear and one.each
-            )
+            off += sum(float(each(problem, answer).max()) for each in dear.values())
         except RopefricError:
             off = math.inf
         error = math.expm1(min(off, 700.0)) if off < math.inf else math.inf

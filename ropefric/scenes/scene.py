@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,8 +31,7 @@ _HALF_A_TURN = math.pi
 _USUAL_TENSION_N = 100.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FrictionSource:
+class FrictionSource(NamedTuple):
     """A friction law as a scene uses it, and how well it is known."""
 
     friction: WrapFriction
@@ -220,15 +219,8 @@ def read_scene(document: TomlDocument, folder: Path) -> Scene:
         problem = kind.problem(table, None if source is None else source.friction)
     except RopefricError as error:
         raise placed(error, document) from error
-    return Scene(
-        kind=kind,
-        document=document,
-        folder=folder,
-        table=table,
-        source=source,
-        problem=problem,
-        tolerances=tolerances,
-    )
+    read: dict[str, Any] = {"document": document, "folder": folder, "table": table, "tolerances": tolerances}
+    return Scene(kind=kind, source=source, problem=problem, **read)
 
 
 def placed(error: RopefricError, document: TomlDocument) -> DataError:
@@ -255,20 +247,18 @@ def _kind(document: TomlDocument) -> Kind:
         raise data_error([document.problem((), "RF121", "this is a campaign, not a scene", fix=fix)])
     code, message, fix = "RF120", f"unknown system {name!r:.60}", did_you_mean(str(name), KINDS)
     if name is None:
-        code, message, fix = "RF121", "'system' is missing", f'add system = "hoist" ({", ".join(KINDS)})'
+        code, message, fix = "RF121", "'system' is missing", f'add system = "NAME", one of {", ".join(KINDS)}'
     raise data_error([document.problem(("system",), code, message, fix=fix)])
 
 
 def _unknown_effects(kind: Kind, document: TomlDocument) -> tuple[Problem, ...]:
-    asked = document.data.get("effects")
-    known = kind.system.effects
-    if not isinstance(asked, list):
-        return ()
+    asked, known = document.data.get("effects"), kind.system.effects
+    names = enumerate(asked if isinstance(asked, list) else ())
     return tuple(
         document.problem(
             ("effects", place), "RF120", f"unknown {known.kind} {name!r}", fix=did_you_mean(name, known)
         )
-        for place, name in enumerate(asked)
+        for place, name in names
         if isinstance(name, str) and name not in known
     )
 

@@ -22,7 +22,7 @@ from ropefric.scenes.scene import FrictionSource, Scene, placed, value_at
 from ropefric.shown import Shown, in_words
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
-from ropefric.uncertainty.budget import directions, quantile
+from ropefric.uncertainty.budget import check_level, directions, quantile
 
 _STEP = 1e-3
 """Of a standard error, for the derivative along a direction: its square is the error of a central difference."""
@@ -35,6 +35,7 @@ class Uncertain(NamedTuple):
     value: FloatArray
     std: FloatArray
     interval: FloatArray
+    is_main: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -69,16 +70,16 @@ class Solution(Shown):
     _framed = "_numbers"
 
     def _numbers(self) -> list[dict[str, Any]]:
-        return [
-            {
-                "quantity": one.name,
-                "value": float(one.value[0]),
-                "std": float(one.std[0]),
-                "low": float(one.interval[0, 0]),
-                "high": float(one.interval[0, 1]),
+        found = []
+        for one in self.quantities:
+            row = {
+                "value": one.value[0],
+                "std": one.std[0],
+                "low": one.interval[0, 0],
+                "high": one.interval[0, 1],
             }
-            for one in self.quantities
-        ]
+            found.append({"quantity": one.name} | {name: float(number) for name, number in row.items()})
+        return found
 
     def _more_said(self) -> Iterator[tuple[str, str]]:
         for row in self._numbers():
@@ -155,26 +156,21 @@ class Solution(Shown):
 def _put(tree: dict[str, Any], quantity: Uncertain) -> None:
     """Put a number at its place: "slip.2.utilisation" goes under slip, under "2"."""
     *path, name = quantity.name.split(".")
-    place = tree
     for part in path:
-        place = place.setdefault(part, {})
-    place[name] = finite(quantity.value[0])
-    if len(quantity.std) and quantity.std[0] == 0.0:
+        tree = tree.setdefault(part, {})
+    tree[name] = finite(quantity.value[0])
+    if quantity.std[0] == 0.0:
         return
-    stem = name.removesuffix("_N") if name.endswith("_N") else name
-    unit = "_N" if stem != name else ""
     # The main answer has the contract's bare names; the others carry their own.
-    prefix = "" if name == "lift_force_N" else f"{stem}_"
-    place[f"{prefix}std{unit}"] = finite(quantity.std[0])
-    place[f"{prefix}interval{unit}"] = [finite(end) for end in quantity.interval[0]]
+    stem, unit = (name[:-2], "_N") if name.endswith("_N") else (name, "")
+    prefix = "" if quantity.is_main else f"{stem}_"
+    tree[f"{prefix}std{unit}"] = finite(quantity.std[0])
+    tree[f"{prefix}interval{unit}"] = [finite(end) for end in quantity.interval[0]]
 
 
 def solve_scene(scene: Scene, *, level: float = 0.95, identify: bool = False) -> Solution:
     """Return the answer to a scene; with `identify`, and what its measurements tell of the machine."""
-    if not 0.0 < level < 1.0:
-        raise InputError(
-            f"the level is {level:g}", key="level", fix="give a level between 0 and 1, such as 0.95"
-        )
+    check_level(level)
     kind, problem, source = scene.kind, scene.problem, scene.source
     try:
         plan, answer = solve_planned(scene, problem)
@@ -182,9 +178,8 @@ def solve_scene(scene: Scene, *, level: float = 0.95, identify: bool = False) ->
 
         def again(friction: WrapFriction) -> tuple[Quantity, ...]:
             other = replace(problem, friction=friction)
-            return kind.quantities(
-                kind.system.solve(assemble(kind.system, other, plan.simulated), plan.method), other
-            )
+            model = assemble(kind.system, other, plan.simulated)
+            return kind.quantities(kind.system.solve(model, plan.method), other)
 
         tree, error = kind.tree(answer, problem), plan.error_bound
         failures = [one for one in kind.failures(answer, problem) if not one.counted]
@@ -198,10 +193,13 @@ def solve_scene(scene: Scene, *, level: float = 0.95, identify: bool = False) ->
                 raise InputError(
                     "the scene has no measurements, from which its machine could be identified",
                     key="--identify",
-                    fix="add what was measured, [[measured]], to a scene whose system has such tables",
+                    fix="add measurements to the scene of a machine that can be identified from them",
                 )
             for name, part in found.items():
                 tree[name] |= part
+        own_bounds = {
+            one.name: error * abs(float(one.scale[0])) for one in quantities if one.scale is not None
+        }
         return Solution(
             scene=scene,
             plan=plan,
@@ -211,11 +209,7 @@ def solve_scene(scene: Scene, *, level: float = 0.95, identify: bool = False) ->
             extrapolation=_extrapolation(scene),
             failures=tuple(one.text() for one in failures if one.fails.any()),
             undecided=undecided,
-            own_bounds={
-                one.name: error * abs(float(one.scale[0])) for one in quantities if one.scale is not None
-            }
-            if plan.left_out
-            else {},
+            own_bounds=own_bounds if plan.left_out else {},
             tree=tree,
         )
     except RopefricError as error:
@@ -298,11 +292,10 @@ def _read(quantity: Quantity) -> FloatArray:
 
 
 def _with_std(quantity: Quantity, std: FloatArray, reach: npt.ArrayLike) -> Uncertain:
-    value = quantity.value
-    if not std.any():
-        return Uncertain(quantity.name, value, std, np.stack([value, value], axis=-1))
-    middle, half = _read(quantity), np.asarray(reach) * std
-    ends = np.stack([middle - half, middle + half], axis=-1)
-    if quantity.positive:
-        std, ends = value * std, np.exp(ends)
-    return Uncertain(quantity.name, value, std, ends)
+    value, ends = quantity.value, np.stack([quantity.value] * 2, axis=-1)
+    if std.any():
+        middle, half = _read(quantity), np.asarray(reach) * std
+        ends = np.stack([middle - half, middle + half], axis=-1)
+        if quantity.positive:
+            std, ends = value * std, np.exp(ends)
+    return Uncertain(quantity.name, value, std, ends, quantity.is_main)

@@ -198,18 +198,17 @@ def sweep_scene(
     They are solved block by block, here or by an executor, so that memory stays flat: each is handed on to be written,
     and in the result are at most some `keep` points, spread evenly.
     """
-    keys = [axis.key for axis in axes]
-    if not keys or len(set(keys)) < len(keys):
+    grid = _Grid(axes)
+    if not axes or len(set(grid.keys)) < len(axes):
         raise InputError("a sweep takes at least one key, and each key once", key="--sweep")
-    shape = tuple(axis.values.size for axis in axes)
-    total = prod(shape)
+    total = prod(grid.shape)
     if total > MOST_POINTS:
         raise InputError(
-            f"a grid of {' × '.join(map(str, shape))} is {total} points; the limit is {MOST_POINTS}",
+            f"a grid of {' × '.join(map(str, grid.shape))} is {total} points; the limit is {MOST_POINTS}",
             key="--sweep",
             fix="ask for fewer values of each key",
         )
-    found, _ = solve_points(scene, _Grid(axes), progress=progress, write=write, keep=keep, executor=executor)
+    found, _ = solve_points(scene, grid, progress=progress, write=write, keep=keep, executor=executor)
     found["failures"] = {words: n for words, n in found["failures"].items() if n}
     return Sweep(axes=axes, **found)
 
@@ -227,51 +226,38 @@ class SweepTable:
     """
 
     def __init__(self, axes: tuple[Axis, ...], stream: BinaryIO, *, parquet: bool = False) -> None:
-        self._axes, self._stream = axes, stream
+        self._axes, self._stream, self._names = axes, stream, tuple[str, ...]()
         self._written = self._waiting = 0
         self._parquet: Any = arrow("--table") if parquet else None
         self._writer: Any = None
-        # An axis has few values, so each is put into words once.
-        self._words = [[f"{value / axis.factor:.10g}," for value in axis.values] for axis in axes]
-        self._outer = [axis.values.size for axis in axes[:-1]]
-        self._lines: list[str] = []
 
     def add(self, columns: Mapping[str, FloatArray], count: int) -> None:
         """Write the next points; those before the first that has an answer wait for the names of its numbers."""
         self._waiting += count
         if not columns:
             return
-        if not self._lines:
-            inner = self._words[-1] if self._words else [""] * BLOCK
-            self._lines = [word + ",".join(["%.9g"] * len(columns)) + "\n" for word in inner]
+        if not self._names:
             self._names = tuple(columns)
             if self._parquet is None:
                 self._stream.write(csv_text([map(csv_cell, header_of(self._axes, columns))]).encode())
-        values = np.stack([columns[name] for name in self._names], axis=-1)
-        while self._waiting > count:
-            size = min(self._waiting - count, BLOCK)
-            self._write(np.full((size, len(self._names)), np.nan))
-        self._write(values)
+        self._write_empty(self._waiting - count)
+        self._write(np.stack([columns[name] for name in self._names], axis=-1))
+
+    def _write_empty(self, count: int) -> None:
+        for start in range(0, count, BLOCK):
+            self._write(np.full((min(BLOCK, count - start), len(self._names)), np.nan))
 
     def _write(self, values: FloatArray) -> None:
-        start, stop = self._written, self._written + len(values)
-        self._written, self._waiting = stop, self._waiting - len(values)
-        if self._parquet is not None:
-            self._write_group(start, stop, values)
-            return
-        length = len(self._lines)
-        for outer in range(start // length, -(-stop // length)):
-            first, last = max(start, outer * length), min(stop, (outer + 1) * length)
-            rows = self._lines[first - outer * length : last - outer * length]
-            places = np.unravel_index(outer, self._outer) if self._outer else ()
-            words = "".join(word[i] for word, i in zip(self._words, places, strict=False))
-            self._stream.write(_rows(words, rows, values[first - start : last - start]).encode())
-
-    def _write_group(self, start: int, stop: int, values: FloatArray) -> None:
-        pyarrow, parquet = self._parquet
+        places = np.arange(self._written, self._written + len(values))
+        self._written, self._waiting = self._written + len(values), self._waiting - len(values)
         shape = [axis.values.size for axis in self._axes]
-        grid = np.unravel_index(np.arange(start, stop), shape) if shape else ()
+        grid = np.unravel_index(places, shape) if shape else ()
         swept = [axis.values[i] / axis.factor for axis, i in zip(self._axes, grid, strict=True)]
+        if self._parquet is None:
+            row = "%.10g," * len(swept) + ",".join(["%.9g"] * len(self._names))
+            self._stream.write(_rows(row, np.column_stack([*swept, values])).encode())
+            return
+        pyarrow, parquet = self._parquet
         arrays = [pyarrow.array(column, from_pandas=True) for column in (*swept, *values.T)]
         group = pyarrow.table(arrays, names=list(header_of(self._axes, self._names)))
         if self._writer is None:
@@ -280,8 +266,8 @@ class SweepTable:
 
     def close(self) -> None:
         """End the table."""
-        if self._lines and self._waiting:
-            self._write(np.full((self._waiting, len(self._names)), np.nan))
+        if self._names:
+            self._write_empty(self._waiting)
         if self._writer is not None:
             self._writer.close()
 
@@ -298,11 +284,10 @@ def sweep_table(axes: tuple[Axis, ...], folder: Folder, name: str) -> Iterator[S
 def columns_text(columns: Mapping[str, FloatArray]) -> str:
     """Return columns of one length as CSV."""
     values = np.stack(list(columns.values()), axis=-1)
-    row = ",".join(["%.9g"] * len(columns)) + "\n"
-    return csv_text([map(csv_cell, columns)]) + _rows("", [row] * len(values), values)
+    return csv_text([map(csv_cell, columns)]) + _rows(",".join(["%.9g"] * len(columns)), values)
 
 
-def _rows(outer: str, rows: list[str], values: FloatArray) -> str:
-    """Return the rows of one block: what stands before all of them, and after it each row's template filled in."""
-    text: str = outer.join(["", *rows]) % tuple(values.ravel().tolist())
+def _rows(row: str, values: FloatArray) -> str:
+    """Return rows of numbers, each by the same template; of what is no number an empty cell."""
+    text: str = f"{row}\n" * len(values) % tuple(values.ravel().tolist())
     return text.replace("nan", "") if np.isnan(values).any() else text

@@ -2,24 +2,21 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import combinations
 from types import MappingProxyType
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
 from ropefric.registry import Registry
+from ropefric.systems.friction import TOLD, share_of_law
 
 P = TypeVar("P")
 """A problem: everything a scene says about its parts."""
-M = TypeVar("M")
-"""A model: the mechanics put together for one problem, ready to be solved."""
-A = TypeVar("A")
-"""An answer."""
 
 
 def unknown(problem: object) -> float:  # noqa: ARG001
@@ -27,8 +24,7 @@ def unknown(problem: object) -> float:  # noqa: ARG001
     return math.inf
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Effect(Generic[P]):
+class Effect(NamedTuple):
     """Something physical that a model may contain or not: all that the planner knows of it.
 
     It is applied by its name: the mechanics bring in what it is about where the model has it, `Model.part`.
@@ -65,29 +61,27 @@ class Effect(Generic[P]):
     name: str
     adds: str
     instead: str
-    detail: Callable[[P], str] | None = None
-    influence: Callable[[P], float] = unknown
-    each: Callable[[P, Any], FloatArray] | None = None
+    detail: Callable[[Any], str] | None = None
+    influence: Callable[[Any], float] = unknown
+    each: Callable[[Any, Any], FloatArray] | None = None
     cost: float = 0.0
-    needs: Callable[[P], tuple[str, ...]] = lambda problem: ()  # noqa: ARG005  (needs nothing)
+    needs: Callable[[Any], tuple[str, ...]] = lambda problem: ()  # noqa: ARG005  (needs nothing)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Method:
+class Method(NamedTuple):
     """How a model is solved."""
 
     name: str
-    settings: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     error: float
     why: str
+    settings: Mapping[str, float] = MappingProxyType({})
 
 
 def _distance(answer: Any, reference: Any, whole: Any) -> float:  # noqa: ARG001  (logarithms need no scale)
     return float(np.expm1(log_change(answer.logs, reference.logs)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class System(Generic[P, M, A]):
+class System(NamedTuple):
     """A kind of machine: its model, the effects it may have, how it is solved, and how far two answers are apart.
 
     `distance(answer, reference, whole)` is a share of the numbers with all effects in, which bounds are of, too.
@@ -95,11 +89,11 @@ class System(Generic[P, M, A]):
     """
 
     name: str
-    effects: Registry[Effect[P]]
-    model: Callable[..., M]
-    method: Callable[[M, float], Method]
-    solve: Callable[[M, Method], A]
-    distance: Callable[[A, A, A], float] = _distance
+    effects: Registry[Effect]
+    model: Callable[..., Any]
+    method: Callable[[Any, float], Method]
+    solve: Callable[[Any, Method], Any]
+    distance: Callable[[Any, Any, Any], float] = _distance
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)  # no slots: a generic notes its type on what it makes
@@ -116,7 +110,7 @@ class Model(Generic[P]):
         return value
 
 
-def assemble(system: System[P, M, A], problem: P, simulated: Iterable[str]) -> M:
+def assemble(system: System, problem: Any, simulated: Iterable[str]) -> Any:
     """Return the model of a problem with the named effects in it and no others."""
     return system.model(problem=problem, effects=frozenset(system.effects[name].name for name in simulated))
 
@@ -126,7 +120,7 @@ def missing(keys: Mapping[str, str]) -> Callable[[Any], tuple[str, ...]]:
     return lambda problem: tuple(key for name, key in keys.items() if getattr(problem, name) is None)
 
 
-def applicable(effects: Mapping[str, Effect[P]], problem: P) -> dict[str, Effect[P]]:
+def applicable(effects: Mapping[str, Effect], problem: Any) -> dict[str, Effect]:
     """Return the effects for which a problem says all they need, by name and in their order."""
     return {name: one for name, one in effects.items() if not one.needs(problem)}
 
@@ -167,9 +161,19 @@ def log_change(logs: FloatArray, others: FloatArray) -> float:
     return float(np.max(np.where(np.isnan(apart), math.inf, apart)))
 
 
+def with_bounds(effects: Registry[Effect], changes: Callable[[Any], Mapping[str, float]]) -> Registry[Effect]:
+    """Return effects of which those without an `influence` of their own have the changes of a problem by name."""
+
+    def bounded(one: Effect) -> Effect:
+        own = one.influence is unknown
+        return one._replace(influence=lambda problem: changes(problem)[one.name]) if own else one
+
+    return Registry(effects.kind, map(bounded, effects.values()))
+
+
 def closed_form_system(
-    name: str, effects: Registry[Effect[Any]], solve: Callable[[Any], Any], *, error: float, why: str
-) -> System[Any, Any, Any]:
+    name: str, effects: Registry[Effect], solve: Callable[[Any], Any], *, error: float, why: str
+) -> System:
     """Return the system of a machine whose answers cost next to nothing and have `logs`, of all their numbers.
 
     What an effect is worth that has no `influence` of its own is found by solving all subsets of effects.
@@ -180,18 +184,35 @@ def closed_form_system(
         known = applicable(effects, problem)
         return largest_changes(known, lambda some: solve(Model(problem=problem, effects=some)).logs)
 
-    def bounded(one: Effect[Any]) -> Effect[Any]:
-        own = one.influence is unknown
-        return replace(one, influence=lambda problem: changes(problem)[one.name]) if own else one
-
     method = Method(name="closed form", error=error, why=why)
     return System(
         name=name,
-        effects=Registry(effects.kind, map(bounded, effects.values())),
+        effects=with_bounds(effects, changes),
         model=Model,
         method=lambda model, budget: method,  # noqa: ARG005
         solve=lambda model, method: solve(model),  # noqa: ARG005
     )
+
+
+def law_bound(
+    name: str,
+    bound: Callable[[Any, Any], FloatArray],
+    problem: Any,
+    answer: Any = None,
+    *,
+    told: Mapping[str, object] = TOLD,
+) -> FloatArray:
+    """Return an upper bound of what an effect of the law changes in any number: its share of that of all of them.
+
+    `bound(problem, answer)` is that of all of them, with what else the law is told left out; `told` has their names.
+    """
+    simulated = frozenset() if answer is None else answer.model.effects
+    share = share_of_law(name, problem.friction.law, told, simulated)
+    if not share:
+        return np.zeros(1)
+    with np.errstate(invalid="ignore", over="ignore"):
+        most = bound(problem, answer)
+    return share * np.where(np.isnan(most), np.inf, most)
 
 
 def law_effects(
@@ -199,11 +220,11 @@ def law_effects(
     rope: str,
     needs: Callable[[Any], tuple[str, ...]],
     cost: float = 0.0,
-    each: Callable[[str, Any, Any], FloatArray] | None = None,
-) -> tuple[Effect[Any], ...]:
+    bound: Callable[[Any, Any], FloatArray] | None = None,
+) -> tuple[Effect, ...]:
     """Return the effects of what a law is told of a contact on a wheel, by the names of the wheel and of the rope.
 
-    `each(name, problem, answer)` is theirs by name.
+    `bound` is that of `law_bound`, if one is known.
     """
     words = {
         "wrap-dependence": (
@@ -215,14 +236,5 @@ def law_effects(
             "the coefficient at the reference wheel and rope",
         ),
     }
-    return tuple(
-        Effect(
-            name=name,
-            adds=adds,
-            instead=instead,
-            needs=needs,
-            cost=cost,
-            each=None if each is None else partial(each, name),
-        )
-        for name, (adds, instead) in words.items()
-    )
+    each = {name: None if bound is None else partial(law_bound, name, bound) for name in words}
+    return tuple(Effect(name, *said, needs=needs, cost=cost, each=each[name]) for name, said in words.items())

@@ -37,7 +37,7 @@ def with_covariance(scene, share, dof=None, common=()):
     fit = scene.source.fit
     statistics = fit.statistics if dof is None else replace(fit.statistics, interval_dof=dof)
     fit = replace(fit, covariance=share * fit.covariance, common_errors=common, statistics=statistics)
-    return replace(scene, source=replace(scene.source, fit=fit))
+    return replace(scene, source=scene.source._replace(fit=fit))
 
 
 # --- against the law of propagation, and against each draw by itself ---

@@ -84,7 +84,7 @@ def test_a_start_up_that_has_no_answer_is_explained(loaded, scene_of):
 
 
 def test_with_all_effects_nothing_is_asked_of_modes(loaded, monkeypatch):
-    monkeypatch.delattr("ropefric.systems.press.effects.swinging_of")
+    monkeypatch.delattr("ropefric.systems.press.answer.swinging_of")
     scene = loaded("press-start-up")
     plan, _ = make_plan(scene.kind.system, scene.problem, accuracy=0.02, effects="all")
     assert {"fast-modes", "slow-modes"} <= set(plan.simulated)

@@ -90,8 +90,8 @@ def test_a_closed_form_is_solved_whole_and_no_bound_of_it_is_searched(loaded, na
 
     scene = loaded(name)
     system = scene.kind.system
-    effects = [replace(effect, influence=fail) for effect in system.effects.values()]
-    quick = replace(system, effects=Registry("effect", effects))
+    effects = [effect._replace(influence=fail) for effect in system.effects.values()]
+    quick = system._replace(effects=Registry("effect", effects))
     plan, _ = make_plan(quick, scene.problem, accuracy=0.5, effects="auto")
     assert plan.simulated == make_plan(quick, scene.problem, accuracy=0.5, effects="all")[0].simulated
     assert plan.error_bound <= 1e-11

@@ -1,7 +1,5 @@
 """What a plan promises: an answer within the accuracy asked for, and within the error bound that the plan states."""
 
-from dataclasses import replace
-
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -14,9 +12,8 @@ ACCURACIES = [0.05, 0.05, 0.05, 0.3, 0.01, 1e-3, 1e-6]
 
 def costly(system):
     """The system as if every effect took so long that it may be left out: what is quick is planned all the same."""
-    return replace(
-        system, effects=Registry("effect", [replace(one, cost=1.0) for one in system.effects.values()])
-    )
+    effects = [one._replace(cost=1.0) for one in system.effects.values()]
+    return system._replace(effects=Registry("effect", effects))
 
 
 def check_promise(system, problems, examples, *, may_refuse=False, rounding=0.0):

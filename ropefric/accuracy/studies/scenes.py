@@ -86,7 +86,7 @@ def _bundled(name: str, **changes: dict[str, Any]) -> Scene:
     return read_scene(TomlDocument(path=f"{name}.toml", data=data, lines={}), Path())
 
 
-PROBLEMS: dict[str, tuple[System[Any, Any, Any], Any, str]] = {
+PROBLEMS: dict[str, tuple[System, Any, str]] = {
     "hoist": (
         HOIST,
         _HOIST,

@@ -259,11 +259,8 @@ def _own_wheel(table: SawScene) -> tuple[float, float]:
 
 def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
     blade, drive, shaken = table.blade, table.drive, table.excitation or ExcitationTable()
-    computed, section, found = (
-        {},
-        None,
-        [resonance.fixed_frequency(f"{one:g} Hz", one) for one in shaken.frequencies],
-    )
+    computed, section = {}, None
+    found = [resonance.fixed_frequency(f"{one:g} Hz", one) for one in shaken.frequencies]
     if blade.width is not None and blade.thickness is not None:
         area_m2 = blade.width * blade.thickness
         density = blade.density if blade.linear_density is None else blade.linear_density / area_m2
@@ -271,13 +268,10 @@ def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
         if blade.youngs_modulus is not None:
             computed["bending_stiffness_N_m2"] = blade.youngs_modulus * area_m2 * blade.thickness**2 / 12.0
         if blade.shear_modulus is not None:
-            section = Section(
-                width_m=blade.width,
-                thickness_m=blade.thickness,
-                density_kg_m3=density or 0.0,
-                shear_modulus_Pa=blade.shear_modulus,
-                **{} if blade.youngs_modulus is None else {"young_modulus_Pa": blade.youngs_modulus},
-            )
+            steel = {"density_kg_m3": density or 0.0, "shear_modulus_Pa": blade.shear_modulus}
+            if blade.youngs_modulus is not None:
+                steel["young_modulus_Pa"] = blade.youngs_modulus
+            section = Section(width_m=blade.width, thickness_m=blade.thickness, **steel)
     if shaken.tooth_pitch is not None:
         found.insert(0, resonance.tooth_passing(shaken.tooth_pitch))
     if table.wheel is not None:
@@ -304,14 +298,14 @@ def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
 
 
 def _quantities(answer: SawAnswer, _: SawProblem) -> tuple[kind.Quantity, ...]:
-    wheel, limit_N = answer.wheel_utilisation, answer.feed_limit_N
-    return (
-        *(
-            kind.Quantity(f"{side.value}.first_frequency_Hz", one.frequencies_Hz[:, 0], positive=True)
-            for side, one in answer.sides.items()
-        ),
-        *(() if wheel is None else (kind.Quantity("wheel.utilisation", wheel),)),
-        *(() if limit_N is None else (kind.Quantity("feed.limit_N", limit_N, positive=True),)),
+    found: dict[str, FloatArray | None] = {
+        f"{side.value}.first_frequency_Hz": one.frequencies_Hz[:, 0] for side, one in answer.sides.items()
+    }
+    found |= {"wheel.utilisation": answer.wheel_utilisation, "feed.limit_N": answer.feed_limit_N}
+    return tuple(
+        kind.Quantity(name, value, positive=name != "wheel.utilisation")
+        for name, value in found.items()
+        if value is not None
     )
 
 
@@ -432,19 +426,19 @@ def _resonance(saw: Saw, problem: SawProblem, accuracy: float) -> dict[str, Any]
             "n_modes": n_modes,
             "accuracy": accuracy,
         }
-        recommended = _judged(
-            partial(resonance.recommend_preload, saw, shakes, **wanted), "preload_N", "margin", "forbidden_N"
-        )
+        advise = partial(resonance.recommend_preload, saw, shakes, **wanted)
+        recommended = _judged(advise, "preload_N", "margin", "forbidden_N")
+    nearest, crossings = (
+        resonance.margins(saw, _RUNNING, shakes, n_modes)[:_NEAREST],
+        list[resonance.Crossing](),
+    )
+    for side in _RUNNING:
+        speeds = _speeds_m_s(saw, side)
+        crossings += resonance.find_crossings(saw, side, shakes, speeds, n_modes, accuracy=accuracy)
     return {
         "recommended_preload": recommended,
-        "nearest": [one._asdict() for one in resonance.margins(saw, _RUNNING, shakes, n_modes)[:_NEAREST]],
-        "crossings": [
-            one._asdict() | {"speed_margin": kind.finite(one.speed_margin)}
-            for side in _RUNNING
-            for one in resonance.find_crossings(
-                saw, side, shakes, _speeds_m_s(saw, side), n_modes, accuracy=accuracy
-            )
-        ],
+        "nearest": [one._asdict() for one in nearest],
+        "crossings": [one._asdict() | {"speed_margin": kind.finite(one.speed_margin)} for one in crossings],
     }
 
 
@@ -462,24 +456,20 @@ def _comparison(whole: Saw, planned: Saw, points: tuple[Measurement, ...]) -> di
     def row(point: Measurement, **before: str | None) -> dict[str, Any]:
         return {**before, "side": point.side.value, "mode": point.mode, "measured_Hz": point.frequency_Hz}
 
-    off: list[dict[str, Any]] = []
-    for model, point in product(MODELS, points):
+    order = (Side.REST, Side.TIGHT, Side.SLACK)
+    off, mounting = [], []
+    for point in points:
+        if point.side is not Side.REST:
+            judged = _judged(partial(explain_mounting, planned, point), "mounting_factor")
+            mounting.append(row(point, mounting_factor=None) | judged)
+    for model, point in sorted(product(MODELS, points), key=lambda one: order.index(one[1].side)):
         found: dict[str, Any] = {"model_Hz": None, "relative": None, "why": ""}
         try:
             found["model_Hz"], found["relative"] = deviation(whole, point, model)
         except RopefricError as error:  # this model has no answer for this saw
             found["why"] = error.problem.message
         off.append(row(point, model=model) | found)
-    order = [Side.REST.value, Side.TIGHT.value, Side.SLACK.value]
-    return {
-        "deviations": sorted(off, key=lambda one: order.index(one["side"])),
-        "mounting": [
-            row(point, mounting_factor=None)
-            | _judged(partial(explain_mounting, planned, point), "mounting_factor")
-            for point in points
-            if point.side is not Side.REST
-        ],
-    }
+    return {"deviations": off, "mounting": mounting}
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[section.Section, ...]:

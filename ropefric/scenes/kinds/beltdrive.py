@@ -157,8 +157,9 @@ def _undecided(answer: DriveAnswer, problem: DriveProblem, error: float) -> tupl
 
 
 def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
-    tree: dict[str, Any] = {"closure": problem.closure, **kind.first(answer, "circling_N")}
-    tree["belt_speed_m_s"] = None if problem.speed_rad_s is None else float(problem.belt_speed_m_s[0])
+    speed_m_s = None if problem.speed_rad_s is None else float(problem.belt_speed_m_s[0])
+    tree: dict[str, Any] = {"closure": problem.closure, "belt_speed_m_s": speed_m_s}
+    tree |= kind.first(answer, "circling_N")
     work_W = float((answer.pull_N * problem.belt_speed_m_s)[0])
     tree["at_work"] = kind.first(answer, "tight_N", "slack_N", "pull_N") | {
         "torque_N_m": float((answer.pull_N * problem.wheel_radius_m)[0]),
@@ -248,14 +249,8 @@ def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
     if problem.speed_rad_s is not None:
         work_W = answer.pull_N * problem.belt_speed_m_s
         lines.append(Line("at work", problem.belt_speed_m_s[:1], 1e-3 * work_W[:1]))
-    return Chart(
-        title="Power of all belts over their speed",
-        x_column="belt_speed_m_s",
-        x_label="Belt speed v [m/s]",
-        y_column="power_kW",
-        y_label="Power P [kW]",
-        lines=tuple(lines),
-    )
+    axes = "belt_speed_m_s", "Belt speed v [m/s]", "power_kW", "Power P [kW]"
+    return Chart("Power of all belts over their speed", *axes, tuple(lines))
 
 
 def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
@@ -272,13 +267,11 @@ def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
         grown = answer.coefficients[place, 0] * np.maximum(angle - (wrap - slips[place]), 0.0)
         tension_N = circling_N + enters[place] * np.exp(-grown if place == 0 else grown)
         lines.append(Line(name, np.degrees(angle), tension_N))
+    axes = "angle_deg", "Angle from where the belt arrives [deg]", "tension_N", "Tension T [N]"
     return Chart(
-        title="Tension of a belt round its pulleys: it adheres first, and slips where it leaves",
-        x_column="angle_deg",
-        x_label="Angle from where the belt arrives [deg]",
-        y_column="tension_N",
-        y_label="Tension T [N]",
-        lines=tuple(lines),
+        "Tension of a belt round its pulleys: it adheres first, and slips where it leaves",
+        *axes,
+        tuple(lines),
     )
 
 

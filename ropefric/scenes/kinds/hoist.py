@@ -85,7 +85,7 @@ def _weight_N(problem: HoistProblem) -> FloatArray | None:
 def _quantities(lift: Lift, problem: HoistProblem) -> tuple[kind.Quantity, ...]:
     force_N, weight_N = lift.lift_force_N, _weight_N(problem)
     found = (
-        kind.Quantity("lift_force_N", force_N, positive=True),
+        kind.Quantity("lift_force_N", force_N, positive=True, is_main=True),
         kind.Quantity("mu_average", lift.average_mu, positive=True),
     )
     if weight_N is None:
@@ -95,19 +95,20 @@ def _quantities(lift: Lift, problem: HoistProblem) -> tuple[kind.Quantity, ...]:
 
 
 def _failures(lift: Lift, problem: HoistProblem) -> tuple[kind.Failure, ...]:
-    weight_N = _weight_N(problem)
-    if weight_N is None:
-        return ()
-    margin = lift.lift_force_N / weight_N
-    return (kind.Failure("the hoist does not lift its payload", "lift margin", margin, margin < 1.0),)
+    margins = [one.value for one in _quantities(lift, problem) if one.name == "lift_margin"]
+    words = "the hoist does not lift its payload"
+    return tuple(kind.Failure(words, "lift margin", margin, margin < 1.0) for margin in margins)
 
 
 def _tree(lift: Lift, problem: HoistProblem) -> dict[str, Any]:
     tree, weight_N = kind.first(lift, "contact_rad", "log_lift", "end_tension_N"), _weight_N(problem)
     if weight_N is not None:
         tree |= {"payload_N": float(weight_N[0]), "lifts_payload": bool(lift.lift_force_N[0] >= weight_N[0])}
-    if lift.arcs is not None:
-        tree |= {f"{name[:-4]}_arc_rad": kind.finite(arc[0]) for name, arc in lift.arcs._asdict().items()}
+    if (arcs := lift.arcs) is not None:
+        tree |= {
+            "slip_arc_rad": kind.finite(arcs.slip_rad[0]),
+            "stick_arc_rad": kind.finite(arcs.stick_rad[0]),
+        }
     return tree
 
 

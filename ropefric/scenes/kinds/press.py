@@ -13,7 +13,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import RopefricError
 from ropefric.files.toml_model import choice, got, quantity, reject, whole_number
 from ropefric.scenes import kind
-from ropefric.section import Section, in_words
+from ropefric.section import Section
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.answer import PressAnswer, PressProblem, settles, slip_margins
 from ropefric.systems.press.effects import SYSTEM
@@ -507,43 +507,27 @@ _NEVER = {
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
-    uncertain = any("utilisation_std" in one for one in tree["slip"].values())
-    columns = {"utilisation": ("utilisation", ".4g")} | (
-        {"± std": ("utilisation_std", ".2g")} if uncertain else {}
-    )
-    columns |= {
-        one.replace("_", " "): (one, ".4g") for one in ("log", "mu_required", "as_printed", "as_plotted")
+    slips, creep = tree["slip"], tree["creep"]
+    uncertain = {"± std": ("utilisation_std", ".2g")}
+    columns = {"utilisation": ("utilisation", ".4g")}
+    columns |= uncertain if any("utilisation_std" in one for one in slips.values()) else {}
+    columns |= {one.replace("_", " "): (one, ".4g") for one in [*MEASURES][1:]}
+    tensions = {
+        name: {"rest": tension_N, "speed": tree["effective_tension_N"][name]}
+        for name, tension_N in tree["tension_N"].items()
     }
-    spans = Section(
-        "Tensions",
-        headings=("span", "T at rest [N]", "T' at speed [N]"),
-        rows=tuple(
-            (name, in_words(tension, ".1f"), in_words(tree["effective_tension_N"][name], ".1f"))
-            for name, tension in tree["tension_N"].items()
-        ),
-        notes=tuple(tree["undetermined"]),
-    )
-    slip = Section(
-        "Slip",
-        lines=_slip_lines(tree),
-        headings=("roller", *columns),
-        rows=tuple((name, *kind.cells(one, columns.values())) for name, one in tree["slip"].items()),
-    )
-    creep = [_creep(tree)] if tree["creep"]["power_lost_W"] else []
-    return (spans, slip, *creep, *([_start_up(tree)] if "start_up" in tree else []))
-
-
-def _creep(tree: Mapping[str, Any]) -> Section:
-    rim_m_s, lost_W = tree["creep"]["rim_speed_m_s"], tree["creep"]["power_lost_W"]
-    return Section(
-        "Creep",
-        lines=(f"the belts' stretch takes {lost_W:.4g} W of the drivers' power",),
-        headings=("roller", "rim [m/s]", "slower by [%]"),
-        rows=tuple(
-            (name, in_words(one, ".6g"), in_words(100.0 * (1.0 - one / tree["speed_m_s"]), ".3g"))
-            for name, one in rim_m_s.items()
-        ),
-    )
+    forms: kind.Columns = {"T at rest [N]": ("rest", ".1f"), "T' at speed [N]": ("speed", ".1f")}
+    found = [
+        kind.by_rows("Tensions", "span", tensions, forms, notes=tuple(tree["undetermined"])),
+        kind.by_rows("Slip", "roller", slips, columns, lines=_slip_lines(tree)),
+    ]
+    if creep["power_lost_W"]:
+        rims = creep["rim_speed_m_s"].items()
+        rims = {name: {"rim": one, "slower": 1.0 - one / tree["speed_m_s"]} for name, one in rims}
+        forms = {"rim [m/s]": ("rim", ".6g"), "slower by [%]": ("slower", ".3g", 100.0)}
+        line = f"the belts' stretch takes {creep['power_lost_W']:.4g} W of the drivers' power"
+        found.append(kind.by_rows("Creep", "roller", rims, forms, lines=(line,)))
+    return (*found, *([_start_up(tree)] if "start_up" in tree else []))
 
 
 def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
@@ -571,35 +555,30 @@ def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _settling(found: Mapping[str, Any]) -> str:
-    settles = found["settles"]
-    if settles["steady"]:
-        return str(settles["why"])
-    if settles["differs_N"] is None:
-        return f"the steady run is not reached: {settles['why']}"
-    at_N = found["settled_tension_N"][settles["span"]]
-    return (
-        f"it settles at {at_N:.1f} N in span {settles['span']}, {settles['differs_N']:+.1f} N from the steady run: "
-        f"{settles['why']}"
-    )
-
-
 def _start_up(tree: Mapping[str, Any]) -> Section:
-    found = tree["start_up"]
+    found, settles = tree["start_up"], tree["start_up"]["settles"]
     highest_N, lowest_N = found["peak_tension_N"], min(found["lowest_tension_N"].values())
-    peak = max(highest_N, key=highest_N.__getitem__)
-    columns = ("peak_utilisation", "first_slip_s", "slipping_s")
-    return Section(
-        "Start-up",
-        lines=(
-            f"highest tension: {highest_N[peak]:.1f} N in span {peak}; lowest anywhere: {lowest_N:.1f} N",
-            f"work of the drives: {found['drive_work_J']:.4g} J, of which slip takes {found['slip_loss_J']:.4g} J",
-            f"the energy balance closes to {abs(found['energy_residual']):.1g}",
-            _settling(found),
-        ),
-        headings=("roller", "peak utilisation", "first slip [s]", "slips for [s]"),
-        rows=tuple((name, *(in_words(found[one].get(name)) for one in columns)) for name in tree["slip"]),
+    peak, settling = max(highest_N, key=highest_N.__getitem__), str(settles["why"])
+    if not settles["steady"] and settles["differs_N"] is None:
+        settling = f"the steady run is not reached: {settling}"
+    elif not settles["steady"]:
+        at_N, span = found["settled_tension_N"][settles["span"]], settles["span"]
+        apart = f"{settles['differs_N']:+.1f} N from the steady run"
+        settling = f"it settles at {at_N:.1f} N in span {span}, {apart}: {settling}"
+    lines = (
+        f"highest tension: {highest_N[peak]:.1f} N in span {peak}; lowest anywhere: {lowest_N:.1f} N",
+        f"work of the drives: {found['drive_work_J']:.4g} J, of which slip takes {found['slip_loss_J']:.4g} J",
+        f"the energy balance closes to {abs(found['energy_residual']):.1g}",
+        settling,
     )
+    names = {
+        "peak utilisation": "peak_utilisation",
+        "first slip [s]": "first_slip_s",
+        "slips for [s]": "slipping_s",
+    }
+    rows = {roller: {name: found[name].get(roller) for name in names.values()} for roller in tree["slip"]}
+    columns = {heading: (name, ".4g") for heading, name in names.items()}
+    return kind.by_rows("Start-up", "roller", rows, columns, lines=lines)
 
 
 def _start_up_columns(answer: PressAnswer) -> dict[str, FloatArray] | None:

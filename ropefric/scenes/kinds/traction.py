@@ -135,16 +135,11 @@ def _failures(answer: TractionAnswer, _: TractionProblem) -> tuple[kind.Failure,
 
 def _tree(answer: TractionAnswer, problem: TractionProblem) -> dict[str, Any]:
     ratio = np.full_like(answer.tight_N, np.inf)
-    columns = {
-        "tight_N": answer.tight_N,
-        "slack_N": answer.slack_N,
+    columns = answer._asdict() | {
         "tension_ratio": np.divide(answer.tight_N, answer.slack_N, out=ratio, where=answer.slack_N > 0.0),
-        "mu": answer.mu,
-        "friction_factor": answer.friction_factor,
         "capacity": np.exp(answer.log_capacity),
-        "wrap_limit_rad": answer.wrap_limit_rad,
-        "undercut_limit_rad": answer.undercut_limit_rad,
     }
+    del columns["log_capacity"], columns["utilisation"]
     cases = {
         case: {name: kind.finite(values[i, 0]) for name, values in columns.items()}
         | {"passes": bool(answer.utilisation[i, 0] <= 1.0)}
@@ -198,14 +193,8 @@ def _chart(answer: TractionAnswer, problem: TractionProblem) -> Chart:
         Line(f"asked by {case}", here, answer.tight_N[i, :1] / answer.slack_N[i, :1])
         for i, case in enumerate(CASES[:-1])
     ]
-    return Chart(
-        title="What the sheave's friction holds, and what the load cases ask",
-        x_column="wrap_angle_deg",
-        x_label="Wrap angle α [deg]",
-        y_column="tension_ratio",
-        y_label="Ratio of tensions T1/T2 [-]",
-        lines=tuple(lines),
-    )
+    axes = "wrap_angle_deg", "Wrap angle α [deg]", "tension_ratio", "Ratio of tensions T1/T2 [-]"
+    return Chart("What the sheave's friction holds, and what the load cases ask", *axes, tuple(lines))
 
 
 def _contacts(problem: TractionProblem) -> Mapping[str, FloatArray]:

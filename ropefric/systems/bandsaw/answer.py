@@ -28,7 +28,7 @@ from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.measured import Measurement
 from ropefric.systems.bandsaw.resonance import Excitation
 from ropefric.systems.bandsaw.saw import Saw, Section, Side
-from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span, refuse_no_modes
+from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction
@@ -57,10 +57,6 @@ class SawProblem(Cases):
     preload_range_N: list[float] | None = None
     feed_force_N: Positive | None = None
     guided_m: Positive | None = None
-
-    def __post_init__(self) -> None:
-        Cases.__post_init__(self)
-        refuse_no_modes(self.n_modes)
 
     @property
     def speed_m_s(self) -> FloatArray | None:
@@ -100,25 +96,21 @@ class SawModel(Model[SawProblem]):
     @cached_property
     def spans(self) -> Mapping[Side, Span]:
         """Return the blade's free span on each side, and at rest."""
-        return {side: self._span(side) for side in Side}
-
-    def _span(self, side: Side) -> Span:
-        problem, runs = self.problem, abs(side.sign)
-        static = {
-            "free_span_m": problem.free_span_m,
-            "linear_density_kg_m": problem.linear_density_kg_m,
-            "preload_N": problem.preload_N,
-            "pull_N": side.sign * self.part("tension-difference", problem.pull_N),
+        problem, found = self.problem, {}
+        blade = {name: getattr(problem, name) for name in ("free_span_m", "linear_density_kg_m", "preload_N")}
+        running = {
+            "mounting_factor": self.part("wheel-inertia-tension", problem.mounting_factor),
+            "wheel_speed_m_s": self.part("wheel-inertia-tension", problem.speed_m_s),
+            "travel_speed_m_s": self.part("travel", problem.speed_m_s),
         }
-        if side is Side.SLACK and "tension-difference" in self.effects:
-            Span(**static)  # refuses a side that is slack before the wheels' inertia helps it
-        return Span(
-            **static,
-            mounting_factor=runs * self.part("wheel-inertia-tension", problem.mounting_factor),
-            wheel_speed_m_s=runs * self.part("wheel-inertia-tension", problem.speed_m_s),
-            travel_speed_m_s=runs * self.part("travel", problem.speed_m_s),
-            bending_stiffness_N_m2=self.part("bending", problem.bending_stiffness_N_m2),
-        )
+        stiff, pull_N = self.part("bending", problem.bending_stiffness_N_m2), problem.pull_N
+        for side in Side:
+            blade["pull_N"] = side.sign * self.part("tension-difference", pull_N)
+            if side is Side.SLACK and "tension-difference" in self.effects:
+                Span(**blade)  # refuses a side that is slack before the wheels' inertia helps it
+            runs = {name: abs(side.sign) * value for name, value in running.items()}
+            found[side] = Span(**blade, **runs, bending_stiffness_N_m2=stiff)
+        return found
 
 
 class SideAnswer(NamedTuple):
@@ -219,7 +211,6 @@ def torsion_frequencies_Hz(span: Span, section: Section, n_modes: int = 6) -> Fl
     c_t² = F/ρA + 4 (G/ρ)(h/b)²: the strip's own stiffness G b h³/3 and the tension's, F b²/12 (outer fibres lie askew
     when it is twisted), over the inertia ρ h b³/12. The ends are held against twisting.
     """
-    refuse_no_modes(n_modes)
     ratio = section.thickness_m / section.width_m
     own = 4.0 * section.shear_modulus_Pa / section.density_kg_m3 * ratio**2
     speed = np.sqrt(span.tension_N / span.linear_density_kg_m + own)
@@ -259,13 +250,12 @@ def feed_limit_N(
     `offset_m` is how far from the middle of the blade it acts; half the width if not given.
     """
     e = 0.5 * section.width_m if offset_m is None else offset_m
-    found = [
-        _limit_N(float(one), section, ends, length_m=length_m, e=e) for one in np.atleast_1d(net_tension_N)
-    ]
-    return np.array(found, dtype=np.float64)
+    return np.array(
+        [_limit_N(float(one), section, ends, length_m, e) for one in np.atleast_1d(net_tension_N)]
+    )
 
 
-def _limit_N(P: float, section: Section, ends: Ends, *, length_m: float, e: float) -> float:
+def _limit_N(P: float, section: Section, ends: Ends, length_m: float, e: float) -> float:
     before = math.inf
     for order in _ORDERS:
         try:

@@ -9,7 +9,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.registry import Registry
 from ropefric.systems.bandsaw.answer import SawAnswer, SawModel, SawProblem, solve_saw
-from ropefric.systems.effect import Effect, Method, System, largest_changes, missing
+from ropefric.systems.effect import Effect, Method, System, largest_changes, missing, with_bounds
 
 _ROUNDING = 1e-11
 
@@ -60,7 +60,7 @@ def bending_bound(problem: SawProblem, _: SawAnswer | None = None) -> FloatArray
 
 
 _SPEED = {"wheel_radius_m": "wheel.radius", "wheel_speed_rad_s": "wheel.speed"}
-EFFECTS: Registry[Effect[SawProblem]] = Registry(
+EFFECTS: Registry[Effect] = Registry(
     "effect of a band saw",
     (
         Effect(
@@ -68,21 +68,18 @@ EFFECTS: Registry[Effect[SawProblem]] = Registry(
             adds="half the pull of the saw's torque on the tight side, and less on the slack side",
             instead="the preload on both sides",
             needs=missing({"tension_difference_N": "drive.power or drive.tension_difference"}),
-            influence=lambda problem: _string_changes(problem)["tension-difference"],
         ),
         Effect(
             name="wheel-inertia-tension",
             adds="the tension kappa rho A v^2 by which wheels that may give way follow the running blade",
             instead="wheel axles that do not give way",
             needs=missing({"mounting_factor": "tension.mounting_factor", **_SPEED}),
-            influence=lambda problem: _string_changes(problem)["wheel-inertia-tension"],
         ),
         Effect(
             name="travel",
             adds="the motion of the blade through its span, which its waves run with and against",
             instead="a blade that stands still",
             needs=missing(_SPEED),
-            influence=lambda problem: _string_changes(problem)["travel"],
         ),
         Effect(
             name="bending",
@@ -130,9 +127,9 @@ def _method(model: SawModel, budget: float) -> Method:
     )
 
 
-SYSTEM: System[SawProblem, SawModel, SawAnswer] = System(
+SYSTEM: System = System(
     name="bandsaw",
-    effects=EFFECTS,
+    effects=with_bounds(EFFECTS, _string_changes),
     model=SawModel,
     method=_method,
     solve=lambda model, method: solve_saw(model, accuracy=method.settings.get("accuracy", _FINEST)),

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -149,8 +149,13 @@ _MISFIT = 1e-3
 
 def identify(saw: Saw, measurements: Sequence[Measurement]) -> Identification:
     """Return the preload and the mounting factor that fit measured frequencies best."""
-    weights = _weights(measurements)
-    n, known = len(measurements), measurements[0].std_Hz is not None
+    n, stds = len(measurements), [point.std_Hz for point in measurements if point.std_Hz is not None]
+    if n < 2:
+        raise InputError(f"{n} points for two unknowns", fix="measure at rest and running")
+    if 0 < len(stds) < n:
+        words = "some points have an uncertainty and some have none"
+        raise InputError(words, key="std_Hz", fix="give all of them one, or none")
+    weights, known = 1.0 / np.array(stds or [1.0] * n), bool(stds)
     wanted_Hz = np.array([point.frequency_Hz for point in measurements])
     modes = np.array([point.mode for point in measurements])
     at_work = [saw.speed_m_s if point.speed_m_s is None else point.speed_m_s for point in measurements]
@@ -182,8 +187,8 @@ def identify(saw: Saw, measurements: Sequence[Measurement]) -> Identification:
 
     def search(low: float, high: float, held: tuple[float, ...] = ()) -> tuple[FloatArray, FloatArray, float]:
         """Return (F_0, κ), the Jacobian and the variance; κ lies between two bounds, or is held."""
-        lowest = floor_N(low) / start_N
-        free = 2 - len(held)
+        lowest, free = floor_N(low) / start_N, 2 - len(held)
+        fine: dict[str, Any] = dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12)
 
         def weighted(x: FloatArray) -> FloatArray:
             return np.asarray(residual_Hz(np.array([*x, *held])) * weights)
@@ -193,9 +198,7 @@ def identify(saw: Saw, measurements: Sequence[Measurement]) -> Identification:
             [max(1.0, 1.1 * lowest), 0.5][:free],
             bounds=([lowest, low][:free], [np.inf, high][:free]),
             jac="3-point",
-            xtol=1e-12,
-            ftol=1e-12,
-            gtol=1e-12,
+            **fine,
         )
         if found.status <= 0:
             raise FitError(
@@ -216,28 +219,24 @@ def identify(saw: Saw, measurements: Sequence[Measurement]) -> Identification:
         spread = _covariance(free_jacobian, start_N, free_variance)
         beyond = abs(free_kappa - x[1]) > (0.0 if spread is None else _REACH * float(np.sqrt(spread[1, 1])))
     residuals_Hz, dof = residual_Hz(x), n - n_free
-    chi2 = float(np.sum((residuals_Hz * weights) ** 2)) if known else None
-    status = _judge(chi2, dof, stopped=stopped)
-    if beyond or not identifiable:
-        status = IdentificationStatus.BEYOND_BOUND if beyond else IdentificationStatus.UNIDENTIFIABLE
+    chi2 = float(np.sum((residuals_Hz * weights) ** 2))
+    verdicts = (
+        (beyond, IdentificationStatus.BEYOND_BOUND),
+        (not identifiable, IdentificationStatus.UNIDENTIFIABLE),
+        (not known and dof == 0, IdentificationStatus.NO_SPARE),
+        (known and dof > 0 and gammaincc(0.5 * dof, 0.5 * chi2) < _MISFIT, IdentificationStatus.MISFIT),
+        (stopped, IdentificationStatus.ON_BOUND),
+        (True, IdentificationStatus.OK),
+    )
     return Identification(
         preload_N=float(x[0]) * start_N,
         mounting_factor=float(x[1]),
         covariance=_covariance(jacobian[:, :n_free], start_N, variance) if identifiable else None,
         free_mounting_factor=free_kappa,
-        status=status,
+        status=next(status for holds, status in verdicts if holds),
         residual_Hz=frozen_array(residuals_Hz),
         dof=dof,
     )
-
-
-def _judge(chi2: float | None, dof: int, *, stopped: bool) -> IdentificationStatus:
-    """Return the status of a fit that nothing else is wrong with; `chi2` is None where no errors are known."""
-    if chi2 is None and dof == 0:
-        return IdentificationStatus.NO_SPARE
-    if chi2 is not None and dof > 0 and float(gammaincc(0.5 * dof, 0.5 * chi2)) < _MISFIT:
-        return IdentificationStatus.MISFIT
-    return IdentificationStatus.ON_BOUND if stopped else IdentificationStatus.OK
 
 
 def _tells_apart(jacobian: FloatArray) -> bool:
@@ -257,18 +256,3 @@ def _covariance(jacobian: FloatArray, start_N: float, variance: float) -> FloatA
     covariance = np.zeros((2, 2))
     covariance[: len(inverse), : len(inverse)] = variance * inverse @ inverse.T
     return frozen_array(covariance)
-
-
-def _weights(measurements: Sequence[Measurement]) -> FloatArray:
-    stds = [point.std_Hz for point in measurements]
-    if len(stds) < 2:
-        raise InputError(f"{len(stds)} points for two unknowns", fix="measure at rest and running")
-    if all(std is None for std in stds):
-        return np.ones(len(stds))
-    if any(std is None for std in stds):
-        raise InputError(
-            "some points have an uncertainty and some have none",
-            key="std_Hz",
-            fix="give all of them one, or none",
-        )
-    return np.array([1.0 / std for std in stds if std is not None])

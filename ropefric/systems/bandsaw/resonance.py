@@ -1,13 +1,14 @@
 """Where modes of the blade meet excitations: over the speed, at work, and which preload keeps them apart."""
 
 import math
-from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from collections.abc import Callable
+from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.arrays import FloatArray, IntArray
+from ropefric.arrays import FloatArray, IntArray, frozen_array
 from ropefric.files.plain_text import significant
 from ropefric.glossary import AdvisedStatus
 from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz, roots_between
@@ -44,6 +45,16 @@ def fixed_frequency(name: str, frequency_Hz: float, harmonics: tuple[int, ...] =
     return Excitation(name, constant_Hz=frequency_Hz, harmonics=harmonics)
 
 
+def _harmonics(excitations: tuple[Excitation, ...]) -> list[tuple[Excitation, int]]:
+    return [(one, harmonic) for one in excitations for harmonic in one.harmonics]
+
+
+def _excited_Hz(excitations: tuple[Excitation, ...], speed_m_s: npt.ArrayLike) -> FloatArray:
+    """Return the frequencies of all harmonics of all excitations at blade speeds, shape (…, n_all) [Hz]."""
+    none = np.empty((*np.shape(speed_m_s), 0))
+    return np.concatenate([none, *(one.frequencies_Hz(speed_m_s) for one in excitations)], axis=-1)
+
+
 _MOST_NODES = 128
 _SAFE = 0.1
 _FINE = 1e-10
@@ -69,9 +80,8 @@ def modes_over(
     """
 
     def exact(at: FloatArray, accuracy: float) -> FloatArray:
-        if what == "speed_m_s":
-            return frequencies_Hz(saw, side, n_modes, speed_m_s=at, accuracy=accuracy)
-        return frequencies_Hz(saw, side, n_modes, preload_N=at, accuracy=accuracy)
+        given: dict[str, Any] = {what: at}
+        return frequencies_Hz(saw, side, n_modes, accuracy=accuracy, **given)
 
     if saw.bending_stiffness_N_m2 == 0.0 or not ends[0] < ends[1]:
         return lambda at: exact(at, _FINE)
@@ -79,18 +89,16 @@ def modes_over(
     low, high = (end**power for end in ends)
     count, accuracy = 2, max(accuracy, 1e-12)
 
-    def place(step: npt.ArrayLike) -> FloatArray:
-        """Return the numbers at some shares of a half turn."""
-        shares = 0.5 - 0.5 * np.cos(np.pi * np.asarray(step))
+    def place(shares: FloatArray) -> FloatArray:
         return np.asarray(np.clip((low + (high - low) * shares) ** (1.0 / power), *ends))
 
     if at_ends_Hz is None:
         at_ends_Hz = exact(np.array(ends), min(accuracy, _FINE))
-    table = np.insert(at_ends_Hz, 1, exact(place(0.5), 0.1 * accuracy), axis=0) ** 2
+    table = np.insert(at_ends_Hz, 1, exact(place(_half_turn(0.5)), 0.1 * accuracy), axis=0) ** 2
     while count < _MOST_NODES:
-        between = (np.arange(count) + 0.5) / count
+        between = _half_turn((np.arange(count) + 0.5) / count)
         new = exact(place(between), 0.1 * accuracy) ** 2
-        error = np.abs(_interpolated(table, 0.5 - 0.5 * np.cos(np.pi * between)) / new - 1.0).max()
+        error = np.abs(_interpolated(table, between) / new - 1.0).max()
         both = np.empty((2 * count + 1, n_modes))
         both[::2], both[1::2] = table, new
         table, count = both, 2 * count
@@ -102,13 +110,17 @@ def modes_over(
     return lambda at: exact(at, accuracy)
 
 
+def _half_turn(step: npt.ArrayLike) -> FloatArray:
+    """Return the shares of a way at some shares of a half turn."""
+    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.asarray(step)))
+
+
 def _interpolated(table: FloatArray, share: FloatArray) -> FloatArray:
     """Return what values at Chebyshev's points of 0 … 1 give between them, by the barycentric formula."""
     count = len(table) - 1
-    nodes = 0.5 - 0.5 * np.cos(np.pi * np.arange(count + 1) / count)
     weights = (-1.0) ** np.arange(count + 1)
     weights[[0, -1]] *= 0.5
-    away = share[:, np.newaxis] - nodes
+    away = share[:, np.newaxis] - (0.5 - 0.5 * np.cos(np.pi * np.arange(count + 1) / count))
     met = away == 0.0
     parts = weights / np.where(met, 1.0, away)
     parts = np.where(met.any(axis=1)[:, np.newaxis], met, parts)
@@ -157,60 +169,39 @@ def find_crossings(
     tell whether it does.
     """
     ends = np.asarray(speeds_m_s, dtype=np.float64)[[0, -1]]
-    of_modes = frequencies_Hz(saw, side, n_modes, speed_m_s=ends)
-    pairs = [
-        (excitation, harmonic, mode)
-        for excitation in excitations
-        for column, harmonic in enumerate(excitation.harmonics)
-        for above in [of_modes > excitation.frequencies_Hz(ends)[:, column, np.newaxis]]
-        for mode in (np.flatnonzero(above[0] & ~above[1]) + 1).tolist()
-    ]
-    if not pairs:
+    of_modes, causes = frequencies_Hz(saw, side, n_modes, speed_m_s=ends), _harmonics(excitations)
+    above = of_modes[:, np.newaxis] > _excited_Hz(excitations, ends)[..., np.newaxis]
+    cause, modes = np.nonzero(above[0] & ~above[1])
+    if not modes.size:
         return ()
-    modes = np.array([mode for _, _, mode in pairs])
-    constant_Hz, per_metre = np.array([(h * one.constant_Hz, h * one.per_metre) for one, h, _ in pairs]).T
+    most = int(modes.max()) + 1
+    constant_Hz, per_metre = np.array([(h * one.constant_Hz, h * one.per_metre) for one, h in causes])[
+        cause
+    ].T
+    first, last = ends.tolist()
+    known: dict[str, Any] = {"accuracy": accuracy, "at_ends_Hz": of_modes[:, :most]}
+    curve = modes_over(saw, side, most, "speed_m_s", ends=(first, last), **known)
 
-    curve = modes_over(
-        saw,
-        side,
-        int(modes.max()),
-        "speed_m_s",
-        ends=(float(ends[0]), float(ends[1])),
-        accuracy=accuracy,
-        at_ends_Hz=of_modes[:, : modes.max()],
-    )
-
-    def above_Hz(speed: FloatArray, cases: IntArray) -> FloatArray:
-        own_Hz = curve(speed)[np.arange(cases.size), modes[cases] - 1]
+    def above_Hz(speed: FloatArray, cases: IntArray, all_Hz: FloatArray | None = None) -> FloatArray:
+        own_Hz = (curve(speed) if all_Hz is None else all_Hz)[np.arange(cases.size), modes[cases]]
         return np.asarray(own_Hz - constant_Hz[cases] - per_metre[cases] * speed)
 
-    low, high = (np.full(len(pairs), end) for end in ends)
+    low, high = (np.full(modes.size, end) for end in ends)
     meeting = roots_between(above_Hz, low, high)
     # How far a crossing is from the speed at work is the small difference of two speeds.
     close = np.flatnonzero(np.abs(meeting - saw.speed_m_s) < _CLOSE * saw.speed_m_s)
     if accuracy > _FINE and saw.bending_stiffness_N_m2 and close.size:
         at = meeting[close]
-        fine_Hz = frequencies_Hz(saw, side, int(modes.max()), speed_m_s=at, accuracy=_FINE)
-        missed_Hz = (
-            fine_Hz[np.arange(close.size), modes[close] - 1] - constant_Hz[close] - per_metre[close] * at
-        )
-        slope = (above_Hz(at * (1.0 + _STEP), close) - above_Hz(at * (1.0 - _STEP), close)) / (
-            2.0 * _STEP * at
-        )
-        meeting[close] = at - missed_Hz / slope
-    crossings = [
-        Crossing(
-            side=side,
-            mode=mode,
-            excitation=excitation.name,
-            harmonic=harmonic,
-            speed_m_s=speed,
-            frequency_Hz=harmonic * (excitation.constant_Hz + excitation.per_metre * speed),
-            speed_margin=speed / saw.speed_m_s - 1.0 if saw.speed_m_s > 0.0 else np.inf,
-        )
-        for (excitation, harmonic, mode), speed in zip(pairs, meeting.tolist(), strict=True)
-    ]
-    return in_order(crossings)
+        fine_Hz = frequencies_Hz(saw, side, most, speed_m_s=at, accuracy=_FINE)
+        apart_Hz = above_Hz(at * (1.0 + _STEP), close) - above_Hz(at * (1.0 - _STEP), close)
+        meeting[close] = at - above_Hz(at, close, fine_Hz) / (apart_Hz / (2.0 * _STEP * at))
+    found = []
+    for which, mode, speed in zip(cause.tolist(), (modes + 1).tolist(), meeting.tolist(), strict=True):
+        excitation, harmonic = causes[which]
+        meets_Hz = harmonic * (excitation.constant_Hz + excitation.per_metre * speed)
+        apart = speed / saw.speed_m_s - 1.0 if saw.speed_m_s > 0.0 else np.inf
+        found.append(Crossing(side, mode, excitation.name, harmonic, speed, meets_Hz, apart))
+    return in_order(found)
 
 
 def in_order(crossings: list[Crossing]) -> tuple[Crossing, ...]:
@@ -228,18 +219,14 @@ def margins(
 
     However roughly all else is asked for: a margin is the small difference of two frequencies.
     """
-    found = [
-        Margin(side, mode, excitation.name, harmonic, mode_Hz, excited_Hz, mode_Hz / excited_Hz - 1.0)
-        for side in sides
-        for mode, mode_Hz in enumerate(
-            frequencies_Hz(saw, side, n_modes, accuracy=_FINE)[0].tolist(), start=1
-        )
-        for excitation in excitations
-        for harmonic, excited_Hz in zip(
-            excitation.harmonics, excitation.frequencies_Hz(saw.speed_m_s).tolist(), strict=True
-        )
-        if excited_Hz > 0.0
-    ]
+    excited_Hz, found = _excited_Hz(excitations, saw.speed_m_s).tolist(), []
+    for side in sides:
+        modes_Hz = frequencies_Hz(saw, side, n_modes, accuracy=_FINE)[0].tolist()
+        for (mode, own_Hz), ((cause, harmonic), its_Hz) in product(
+            enumerate(modes_Hz, start=1), zip(_harmonics(excitations), excited_Hz, strict=True)
+        ):
+            if its_Hz > 0.0:
+                found.append(Margin(side, mode, cause.name, harmonic, own_Hz, its_Hz, own_Hz / its_Hz - 1.0))
     return tuple(sorted(found, key=lambda one: (significant(abs(one.margin)), one.mode, one.harmonic)))
 
 
@@ -261,24 +248,12 @@ def saw_chart(
     saw: Saw, excitations: tuple[Excitation, ...], speeds_m_s: npt.ArrayLike, n_modes: int = 4
 ) -> SawChart:
     """Return the data of a Campbell chart of both sides at constant torque."""
-    speeds = np.array(speeds_m_s, dtype=np.float64)
-    found = [
-        crossing
-        for side in _SIDES
-        for crossing in find_crossings(saw, side, excitations, speeds, n_modes, accuracy=_DRAWN)
-    ]
+    speeds, found, modes_Hz = frozen_array(speeds_m_s), list[Crossing](), {}
     ends = (float(speeds[0]), float(speeds[-1]))
-    speeds.flags.writeable = False
-    return SawChart(
-        saw=saw,
-        speed_m_s=speeds,
-        mode_Hz={
-            side: modes_over(saw, side, n_modes, "speed_m_s", ends=ends, accuracy=_DRAWN)(speeds)
-            for side in _SIDES
-        },
-        excitations=excitations,
-        crossings=in_order(found),
-    )
+    for side in _SIDES:
+        found += find_crossings(saw, side, excitations, speeds, n_modes, accuracy=_DRAWN)
+        modes_Hz[side] = modes_over(saw, side, n_modes, "speed_m_s", ends=ends, accuracy=_DRAWN)(speeds)
+    return SawChart(saw, speeds, modes_Hz, excitations, in_order(found))
 
 
 _SEARCHED, _HILLS, _ZOOM, _SETTLED = 257, 4, 33, 1e-10
@@ -320,55 +295,38 @@ def recommend_preload(
     cannot tell which comes first, they are found again to ten digits.
     """
     low_N, high_N = range_N
-    curves = {
-        side: modes_over(saw, side, n_modes, "preload_N", ends=range_N, accuracy=accuracy) for side in _SIDES
-    }
-    intervals = [
-        interval
-        for curve in curves.values()
-        for interval in _forbidden(saw, curve, excitations, margin=margin, range_N=range_N, n_modes=n_modes)
-    ]
-    present_N = min(max(saw.preload_N, low_N), high_N)
-    starts_N, stops_N = (np.array([one[end] for one in intervals]) for end in (0, 1))
+    curves = [modes_over(saw, side, n_modes, "preload_N", ends=range_N, accuracy=accuracy) for side in _SIDES]
+    asked: dict[str, Any] = {"margin": margin, "range_N": range_N, "n_modes": n_modes}
+    intervals_N = np.concatenate([_forbidden(saw, curve, excitations, **asked) for curve in curves])
+    present_N, (starts_N, stops_N) = min(max(saw.preload_N, low_N), high_N), intervals_N.T
     # What is cut at an end of the range begins or ends there however accurate.
-    found_N = starts_N[starts_N > low_N], np.append(stops_N[stops_N < high_N], present_N)
-    apart_N = np.abs(np.subtract.outer(*found_N))
-    beside_N = np.abs(stops_N - present_N)
-    unsure_N = _UNSURE * accuracy * high_N
-    if accuracy > _FINE and (
-        apart_N.min(initial=np.inf) <= unsure_N or beside_N.min(initial=np.inf) <= unsure_N
-    ):
-        return recommend_preload(saw, excitations, margin=margin, range_N=range_N, n_modes=n_modes)
-    forbidden = _union(intervals)
-    candidates = [present_N, low_N, high_N, *(end for interval in forbidden for end in interval)]
+    apart_N = np.subtract.outer(starts_N[starts_N > low_N], np.append(stops_N[stops_N < high_N], present_N))
+    near_N = np.abs(np.append(apart_N, stops_N - present_N))
+    if accuracy > _FINE and (near_N <= _UNSURE * accuracy * high_N).any():
+        return recommend_preload(saw, excitations, **asked)
+    forbidden_N = _union(intervals_N)
+    starts_N, stops_N = np.array(forbidden_N).reshape(-1, 2).T
+    candidates_N = np.array([present_N, low_N, high_N, *starts_N, *stops_N])
     # The ends of the intervals are roots: a hair inside them still is outside for people.
-    hair_N = 1e-9 * high_N
-    allowed = [
-        preload_N
-        for preload_N in candidates
-        if low_N <= preload_N <= high_N
-        and all(not start + hair_N < preload_N < stop - hair_N for start, stop in forbidden)
-    ]
+    hair_N, at_N = 1e-9 * high_N, candidates_N[:, np.newaxis]
+    inside = ((starts_N + hair_N < at_N) & (at_N < stops_N - hair_N)).any(axis=1)
+    allowed_N = candidates_N[(low_N <= candidates_N) & (candidates_N <= high_N) & ~inside].tolist()
 
     def nearest(preload_N: FloatArray) -> FloatArray:
         """Return the smallest margin at preloads within the range."""
-        excited = _excited_Hz(saw, excitations)
-        of_modes = np.concatenate([curve(preload_N) for curve in curves.values()], axis=1)
+        excited = _excited_Hz(excitations, saw.speed_m_s)
+        of_modes = np.concatenate([curve(preload_N) for curve in curves], axis=1)
         apart = np.abs(of_modes[..., np.newaxis] / excited[excited > 0.0] - 1.0)
         return np.asarray(apart.min(axis=(1, 2), initial=np.inf))
 
-    if allowed:
-        nearest_N = min(allowed, key=lambda preload_N: (abs(preload_N - saw.preload_N), preload_N))
+    status = StrainStatus.IMPOSSIBLE
+    if allowed_N:
+        nearest_N = min(allowed_N, key=lambda preload_N: (abs(preload_N - saw.preload_N), preload_N))
         status = StrainStatus.KEEP if nearest_N == saw.preload_N else StrainStatus.CHANGE
     else:
         nearest_N = _best(nearest, range_N)
-        status = StrainStatus.IMPOSSIBLE
-    return StrainAdvice(
-        status=status,
-        preload_N=nearest_N,
-        margin=float(nearest(np.array([nearest_N]))[0]),
-        forbidden_N=tuple((max(start, low_N), min(stop, high_N)) for start, stop in forbidden),
-    )
+    cut_N = tuple((max(start, low_N), min(stop, high_N)) for start, stop in forbidden_N)
+    return StrainAdvice(status, nearest_N, float(nearest(np.array([nearest_N]))[0]), cut_N)
 
 
 def _best(nearest: Callable[[FloatArray], FloatArray], range_N: tuple[float, float]) -> float:
@@ -391,10 +349,6 @@ _UNSURE = 10.0
 """Ends of intervals are unsure by this much of the accuracy; a preload goes with the square of a frequency."""
 
 
-def _excited_Hz(saw: Saw, excitations: tuple[Excitation, ...]) -> FloatArray:
-    return np.concatenate([np.empty(0), *(one.frequencies_Hz(saw.speed_m_s) for one in excitations)])
-
-
 def _forbidden(
     saw: Saw,
     curve: Callable[[FloatArray], FloatArray],
@@ -403,12 +357,14 @@ def _forbidden(
     margin: float,
     range_N: tuple[float, float],
     n_modes: int,
-) -> list[tuple[float, float]]:
-    """Return the intervals of preload that the modes of one side, a curve, forbid, cut to the range."""
+) -> FloatArray:
+    """Return the intervals of preload that the modes of one side, a curve, forbid, cut to the range, shape (n, 2)."""
     slowest, fastest = curve(np.array(range_N))
     excited_Hz, mode = (
         part.ravel()
-        for part in np.meshgrid(_excited_Hz(saw, excitations), np.arange(1, n_modes + 1), indexing="ij")
+        for part in np.meshgrid(
+            _excited_Hz(excitations, saw.speed_m_s), np.arange(1, n_modes + 1), indexing="ij"
+        )
     )
     below_Hz, above_Hz = excited_Hz * (1.0 - margin), excited_Hz * (1.0 + margin)
     least_Hz, most_Hz = slowest[mode - 1], fastest[mode - 1]
@@ -422,7 +378,7 @@ def _forbidden(
         (stop_N, above_Hz, met & (most_Hz > above_Hz)),
     ):
         edge_N[inside] = _preloads_N(curve, edge_Hz[inside], mode[inside], range_N)
-    return list(zip(start_N[met].tolist(), stop_N[met].tolist(), strict=True))
+    return np.stack([start_N[met], stop_N[met]], axis=1)
 
 
 def _preloads_N(
@@ -447,11 +403,10 @@ def _preloads_N(
     return found
 
 
-def _union(intervals: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+def _union(intervals: FloatArray) -> list[tuple[float, float]]:
     merged: list[tuple[float, float]] = []
-    for start, stop in sorted(intervals):
+    for start, stop in sorted(intervals.tolist()):
         if merged and start <= merged[-1][1]:
-            merged[-1] = (merged[-1][0], max(merged[-1][1], stop))
-        else:
-            merged.append((start, stop))
-    return tuple(merged)
+            start, stop = merged[-1][0], max(merged.pop()[1], stop)  # noqa: PLW2901
+        merged.append((start, stop))
+    return merged

@@ -19,8 +19,7 @@ from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, in_s
 _PI_SQUARED = (9.869604401089358, 6.265295508739711e-16)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Ends:
+class Ends(NamedTuple):
     """A way of holding both ends of a span of length 1, and how many half waves it buckles in.
 
     Pinned ends are held in place and free to turn; clamped ones in direction, too, as a blade runs off a wheel or guide.
@@ -241,19 +240,12 @@ def _tension_limit_m_s(span: Span, ends: Ends) -> FloatArray:
     return np.where(same, span.critical_speed_m_s(ends), held)
 
 
-def refuse_no_modes(n_modes: int) -> None:
-    """Refuse a number of modes below 1."""
-    if n_modes < 1:
-        raise InputError(f"{n_modes} modes were asked for", key="n_modes", fix="ask for 1 or more")
-
-
 def string_frequencies_Hz(span: Span, n_modes: int = 6) -> FloatArray:
     """Return the first frequencies of spans as strings; a stiffness they have is left out.
 
     Written with the net tension, f_n = n (F − ρA v²)/(2 l √(F ρA)), which `Span` knows to full relative precision
     where F and ρA v² all but cancel, and for κ = 1, where they never do.
     """
-    refuse_no_modes(n_modes)
     limp = replace(span, bending_stiffness_N_m2=np.zeros(1)) if span.bending_stiffness_N_m2.any() else span
     net_N = refuse_overspeed(limp, PINNED)
     first = net_N / (2.0 * span.free_span_m * np.sqrt(span.tension_N * span.linear_density_kg_m))

@@ -1,7 +1,7 @@
 """A belt drive: the pull that friction carries, the tensions at work, and how far the belt creeps."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,8 +42,6 @@ class DriveProblem(Cases):
             "a groove opens by less than a hair or more than half a turn",
             key="groove_angle_rad",
         )
-        at_rest = self.product("power_W") * (self.belt_speed_m_s <= 0.0) > 0.0
-        refuse(at_rest, "a pulley at rest carries no power", key="speed_rad_s", fix="give its speed")
 
     @property
     def belt_speed_m_s(self) -> FloatArray:
@@ -55,13 +53,20 @@ class DriveProblem(Cases):
         """Return m v2, what keeps the belt on its circle [N]."""
         return self.product("linear_density_kg_m", "belt_speed_m_s", "belt_speed_m_s")
 
+    @property
+    def pulleys(self) -> list[tuple[FloatArray, FloatArray]]:
+        """Return radius [m] and wrap [rad] of the driving pulley, and of the driven one where there is one."""
+        found = [(self.wheel_radius_m, self.wrap_angle_rad)]
+        if self.driven_radius_m is not None and self.driven_wrap_rad is not None:
+            found.append((self.driven_radius_m, self.driven_wrap_rad))
+        return found
+
 
 DriveModel = Model[DriveProblem]
 """A belt drive with the effects that are simulated."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class DriveAnswer:
+class DriveAnswer(NamedTuple):
     """What a belt drive carries at most, and how it runs; arrays of shape (n,), forces per belt.
 
     Attributes
@@ -78,8 +83,7 @@ class DriveAnswer:
         Of the tight and the slack side at work; 0 where creep is left out.
     """
 
-    problem: DriveProblem
-    effects: frozenset[str]
+    model: DriveModel
     circling_N: FloatArray
     coefficients: FloatArray
     exponents: FloatArray
@@ -92,17 +96,17 @@ class DriveAnswer:
     @property
     def full_pull_N(self) -> FloatArray:
         """Return the largest pull of all belts [N]."""
-        return np.asarray(self.problem.belt_count * (self.full_tight_N - self.full_slack_N))
+        return np.asarray(self.model.problem.belt_count * (self.full_tight_N - self.full_slack_N))
 
     @property
     def full_power_W(self) -> FloatArray:
         """Return the largest power of all belts at the speed of the driving pulley [W]."""
-        return np.asarray(self.full_pull_N * self.problem.belt_speed_m_s)
+        return np.asarray(self.full_pull_N * self.model.problem.belt_speed_m_s)
 
     @property
     def pull_N(self) -> FloatArray:
         """Return the pull of all belts at work [N]."""
-        return np.asarray(self.problem.belt_count * (self.tight_N - self.slack_N))
+        return np.asarray(self.model.problem.belt_count * (self.tight_N - self.slack_N))
 
     @property
     def utilisation(self) -> FloatArray:
@@ -115,7 +119,7 @@ class DriveAnswer:
         tight, slack = self.strain
         return np.asarray((1.0 + slack) / (1.0 + tight))
 
-    @cached_property
+    @property
     def slip_arc_rad(self) -> FloatArray:
         """Return the arcs of both pulleys over which the belt slips at work, shape (2, n); NaN where it slips wholly."""
         pressing = np.stack([self.tight_N, self.slack_N]) - self.circling_N
@@ -166,40 +170,24 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
     full_tight_N, full_slack_N = (one + circling_N for one in _full_N(problem, pressing_N, exponents))
     tight_N, slack_N = full_tight_N, full_slack_N
     if problem.power_W is not None:
-        moving = np.where(problem.belt_speed_m_s > 0.0, problem.belt_speed_m_s, 1.0)
-        pull_N = problem.power_W / moving / problem.belt_count
+        pull_N = problem.power_W / problem.belt_speed_m_s / problem.belt_count
         behind = {"limit": 0.0, "tensioner": 1.0, "fixed": 0.5}[problem.closure]
         tight_N = problem.tension_N + behind * pull_N
         slack_N = tight_N - pull_N
     strain = np.zeros((2, problem.n))
     if "creep" in model.effects and problem.axial_stiffness_N is not None:
         strain = np.stack([tight_N, slack_N]) / problem.axial_stiffness_N
-    return DriveAnswer(
-        problem=problem,
-        effects=model.effects,
-        circling_N=circling_N,
-        coefficients=coefficients,
-        exponents=exponents,
-        full_tight_N=full_tight_N,
-        full_slack_N=full_slack_N,
-        tight_N=tight_N,
-        slack_N=slack_N,
-        strain=strain,
-    )
+    full, work = (full_tight_N, full_slack_N), (tight_N, slack_N)
+    return DriveAnswer(model, circling_N, coefficients, exponents, *full, *work, strain)
 
 
 def _coefficients(model: DriveModel, slack_N: FloatArray) -> FloatArray:
     """Return mu' of driving and driven pulley, shape (2, n); NaN where there is no driven one."""
     problem = model.problem
-    pulleys = [(problem.wheel_radius_m, problem.wrap_angle_rad)]
-    if problem.driven_radius_m is not None and problem.driven_wrap_rad is not None:
-        pulleys.append((problem.driven_radius_m, problem.driven_wrap_rad))
+    thin_m, told = problem.rope_radius_m, told_by(model.effects)
     found = [
-        problem.friction.exponent(
-            radius_m, problem.rope_radius_m, wrap_rad, slack_N, told=told_by(model.effects)
-        )
-        / wrap_rad
-        for radius_m, wrap_rad in pulleys
+        problem.friction.exponent(radius_m, thin_m, wrap_rad, slack_N, told=told) / wrap_rad
+        for radius_m, wrap_rad in problem.pulleys
     ]
     wedge = np.ones(problem.n)
     if "wedge" in model.effects and problem.groove_angle_rad is not None:

@@ -1,51 +1,43 @@
 """The effects a belt drive may be simulated with, and how much each can matter at most."""
 
 import math
-from typing import Any
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.registry import Registry
-from ropefric.systems.beltdrive.drive import DriveAnswer, DriveModel, DriveProblem, solve_drive
+from ropefric.systems.beltdrive.drive import DriveAnswer, DriveProblem, solve_drive
 from ropefric.systems.effect import Effect, System, closed_form_system, law_effects, missing
-from ropefric.systems.friction import TOLD, share_of_law
 
 _ROOM = 0.5
 """Of ln P: how far what presses on the slack side may lie from where it does without an effect of the law."""
 
 
-def _law_bound(name: str, problem: DriveProblem, answer: DriveAnswer | None) -> FloatArray:
-    """Return an upper bound of what an effect of the law changes in any number.
+def _law_bound(problem: DriveProblem, answer: DriveAnswer | None) -> FloatArray:
+    """Return an upper bound of what all that the law is not told changes in any number.
 
     A coefficient that changes by the factor e^d makes M of the pulley that slips first another by D = M (e^d − 1): no
     tension changes by more, no pull by more than D + d, no arc and no ratio of speeds by more than twice that. What
     presses on the slack side follows, so that D is one only as long as it stays in the range the law was asked for.
     """
-    share = 0.0 if answer is None else share_of_law(name, problem.friction.law, TOLD, answer.effects)
-    if answer is None or not share:
+    if answer is None:
         return np.zeros(1)
     pressing_N, slack_N = problem.tension_N - answer.circling_N, answer.full_slack_N - answer.circling_N
-    pulleys = [(problem.wheel_radius_m, problem.wrap_angle_rad)]
-    if problem.driven_radius_m is not None and problem.driven_wrap_rad is not None:
-        pulleys.append((problem.driven_radius_m, problem.driven_wrap_rad))
+    pressed_N = np.concatenate([pressing_N, math.exp(-_ROOM) * slack_N, math.exp(_ROOM) * slack_N])
     off = max(
         problem.friction.spread(
             wheel_radius_m=(radius_m.min(), radius_m.max()),
             rope_radius_m=(problem.rope_radius_m.min(), problem.rope_radius_m.max()),
             wrap_angle_rad=(wrap.min(), wrap.max()),
-            slack_tension_N=(
-                min(pressing_N.min(), math.exp(-_ROOM) * slack_N.min()),
-                max(pressing_N.max(), math.exp(_ROOM) * slack_N.max()),
-            ),
+            slack_tension_N=(pressed_N.min(), pressed_N.max()),
         )[0]
-        for radius_m, wrap in pulleys
+        for radius_m, wrap in problem.pulleys
     )
     change = math.exp(off) * math.expm1(off) * np.nanmin(answer.exponents, axis=0) if off < _ROOM else np.inf
-    return np.where(change < _ROOM, share * 2.0 * (change + off), np.inf)
+    return np.where(change < _ROOM, 2.0 * (change + off), np.inf)
 
 
-EFFECTS: Registry[Effect[Any]] = Registry(
+EFFECTS: Registry[Effect] = Registry(
     "effect of a belt drive",
     (
         Effect(
@@ -71,7 +63,7 @@ EFFECTS: Registry[Effect[Any]] = Registry(
 )
 """In the order in which they are applied."""
 
-SYSTEM: System[DriveProblem, DriveModel, DriveAnswer] = closed_form_system(
+SYSTEM: System = closed_form_system(
     "beltdrive",
     EFFECTS,
     solve_drive,

@@ -1,7 +1,7 @@
 """What is known of a rope on a wheel, and its mechanics: one exponential, with what does not press set apart."""
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -69,8 +69,7 @@ class Arcs(NamedTuple):
     stick_rad: FloatArray
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Lift:
+class Lift(NamedTuple):
     """What a rope on a wheel lifts."""
 
     model: HoistModel
@@ -85,7 +84,7 @@ class Lift:
         with np.errstate(divide="ignore"):
             return np.stack([self.log_lift, *np.log((self.average_mu, self.contact_rad, self.end_tension_N))])
 
-    @cached_property
+    @property
     def arcs(self) -> Arcs | None:
         """Return the arcs of slip and stick under the payload, if any; NaN where the law has no answer to it."""
         problem = self.model.problem
@@ -153,7 +152,7 @@ def solve_lift(model: HoistModel) -> Lift:
     if idle_N.any():
         with np.errstate(divide="ignore"):
             log_lift = np.logaddexp(np.log(idle_N), log_lift)
-    return Lift(model=model, log_lift=log_lift, exponent=exponent, contact_rad=contact, end_tension_N=end_N)
+    return Lift(model, log_lift, exponent, contact, end_N)
 
 
 def _tensions_N(model: HoistModel) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -190,10 +189,11 @@ def _under_payload_N(model: HoistModel) -> tuple[FloatArray, FloatArray, BoolArr
 def tension_along_N(lift: Lift, angle_rad: FloatArray) -> FloatArray:
     """Return the tension of one case under its payload at angles from the slack side [N], the slip beside it."""
     idle_N, (slack_N, tight_N), touching = _under_payload_N(lift.model)
-    if lift.arcs is None or not touching[0]:
+    arcs = lift.arcs
+    if arcs is None or not touching[0]:
         return np.full(angle_rad.shape, np.nan)
     exponent = _exponent(lift.model, slack_N)(wrap_angle_rad=angle_rad)
-    rising = np.where(angle_rad < lift.arcs.slip_rad[0], slack_N[0] * np.exp(exponent), tight_N[0])
+    rising = np.where(angle_rad < arcs.slip_rad[0], slack_N[0] * np.exp(exponent), tight_N[0])
     return np.asarray(idle_N[0] + rising)
 
 

@@ -2,7 +2,7 @@
 
 import math
 from functools import lru_cache, partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,9 +10,8 @@ from ropefric.arrays import FloatArray
 from ropefric.friction.laws.bending import lifted_arc_rad
 from ropefric.registry import Registry
 from ropefric.systems.checks import lean
-from ropefric.systems.effect import Effect, System, closed_form_system, missing
-from ropefric.systems.friction import share_of_law
-from ropefric.systems.hoist.contact import TOLD, HoistModel, HoistProblem, Lift, solve_lift
+from ropefric.systems.effect import Effect, System, closed_form_system, law_bound, missing
+from ropefric.systems.hoist.contact import TOLD, HoistProblem, Lift, solve_lift
 
 
 class _Stiff(NamedTuple):
@@ -77,22 +76,23 @@ def stiffness_bound(problem: HoistProblem, answer: Lift | None = None) -> FloatA
     return np.where(np.isnan(bound), np.inf, bound)
 
 
-def _law_bound(name: str, problem: HoistProblem, answer: Lift | None) -> FloatArray:
-    """Return an upper bound of what an effect of the law changes in any number.
+def _law_bound(problem: HoistProblem, answer: Lift | None) -> FloatArray:
+    """Return an upper bound of what all that the law is not told changes in any number.
 
     A coefficient that changes by the factor e^d makes M another by M (e^d − 1), and as much ln F_A; of a stiff rope the
     contact changes too, but by no more than the arcs that it stands off.
     """
-    simulated = frozenset() if answer is None else answer.model.effects
-    share = share_of_law(name, problem.friction.law, TOLD, simulated)
-    off = _spread(problem) if share else 0.0
-    bound = np.array([off])
-    if answer is not None and off > 0.0:
-        lost = _stiff(problem).share if "bending-stiffness" in answer.model.effects else 0.0
-        with np.errstate(invalid="ignore", over="ignore"):
-            most = np.exp(off) * answer.exponent
-            bound = np.maximum(off, most * np.expm1(off)) + lost / (1.0 - lost) * np.maximum(most, 1.0)
-    return np.where(np.isnan(bound), np.inf, share * bound)
+    off = _spread(problem)
+    if answer is None or not off:
+        return np.array([off])
+    most = np.exp(off) * answer.exponent
+    lost = _stiff(problem).share if "bending-stiffness" in answer.model.effects else 0.0
+    return np.asarray(np.maximum(off, most * np.expm1(off)) + lost / (1.0 - lost) * np.maximum(most, 1.0))
+
+
+def _of_law(name: str, what: str, instead: str, cost: float) -> Effect:
+    each = partial(law_bound, name, _law_bound, told=TOLD)
+    return Effect(name, f"a coefficient that depends on {what}", instead, cost=cost, each=each)
 
 
 def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
@@ -101,29 +101,26 @@ def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
     return missing({"bending_stiffness_N_m2": "rope.bending_stiffness"})(problem)
 
 
-EFFECTS: Registry[Effect[Any]] = Registry(
+EFFECTS: Registry[Effect] = Registry(
     "effect of a hoist",
     (
-        Effect(
-            name="wrap-dependence",
-            adds="a coefficient that depends on how far the rope wraps",
-            instead="its average at the reference wrap, over the whole wrap",
-            each=partial(_law_bound, "wrap-dependence"),
-            cost=1e-7,
+        _of_law(
+            "wrap-dependence",
+            "how far the rope wraps",
+            "its average at the reference wrap, over the whole wrap",
+            1e-7,
         ),
-        Effect(
-            name="size",
-            adds="a coefficient that depends on the wheel's radius over the rope's",
-            instead="the coefficient at the reference wheel and rope",
-            each=partial(_law_bound, "size"),
-            cost=5e-8,
+        _of_law(
+            "size",
+            "the wheel's radius over the rope's",
+            "the coefficient at the reference wheel and rope",
+            5e-8,
         ),
-        Effect(
-            name="end-tension",
-            adds="a coefficient that depends on the end tension (the wrap it stands for)",
-            instead="the coefficient at the reference end tension",
-            each=partial(_law_bound, "end-tension"),
-            cost=1e-7,
+        _of_law(
+            "end-tension",
+            "the end tension (the wrap it stands for)",
+            "the coefficient at the reference end tension",
+            1e-7,
         ),
         Effect(
             name="rope-weight",
@@ -151,7 +148,7 @@ EFFECTS: Registry[Effect[Any]] = Registry(
 )
 """In the order in which they are applied."""
 
-SYSTEM: System[HoistProblem, HoistModel, Lift] = closed_form_system(
+SYSTEM: System = closed_form_system(
     "hoist",
     EFFECTS,
     solve_lift,

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, Literal
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from ropefric.errors import InputError
 from ropefric.systems.checks import Cases, ZeroOrMore
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction, told_by
-from ropefric.systems.press.machine import Press, Roller
+from ropefric.systems.press.machine import Press
 from ropefric.systems.press.slip import CHANGES, SlipTable, critical
 from ropefric.systems.press.statics import (
     Statics,
@@ -23,7 +23,12 @@ from ropefric.systems.press.statics import (
     steady_state,
 )
 from ropefric.systems.press.transient.modes import SwingingStartUp
-from ropefric.systems.press.transient.start_up import ON_TENSION, StartUp, start_up, swinging_start_up
+from ropefric.systems.press.transient.start_up import (
+    ON_TENSION,
+    StartUp,
+    start_up,
+    swinging_start_up,
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,31 +43,20 @@ class PressProblem(Cases):
     load_factor: ZeroOrMore
     start_up: Mapping[str, Any] | None = None
 
-    def __post_init__(self) -> None:
-        Cases.__post_init__(self)
-        if self.start_up is not None and self.n > 1:
-            raise InputError(
-                "a start-up is simulated for one operating point", fix="give one speed and preload"
-            )
-
 
 def operated(
     press: Press, *, gravity: float = 1.0, squeeze: float = 1.0, preload_N: float | None = None
 ) -> Press:
     """Return a press whose rollers feel so much of each load, and whose tensioners are preloaded by so much."""
-
-    def changed(roller: Roller) -> Roller:
-        carrier = roller.tensioner
+    rollers = []
+    for one in press.rollers:
+        own: dict[str, Any] = {"gravity_torque_N_m": gravity * one.gravity_torque_N_m}
+        own["squeeze_torque_N_m"] = squeeze * one.squeeze_torque_N_m
+        carrier = one.tensioner
         if carrier is not None and preload_N is not None:
             carrier = replace(carrier, force_N=preload_N)
-        return replace(
-            roller,
-            gravity_torque_N_m=gravity * roller.gravity_torque_N_m,
-            squeeze_torque_N_m=squeeze * roller.squeeze_torque_N_m,
-            tensioner=carrier,
-        )
-
-    return replace(press, rollers=tuple(changed(roller) for roller in press.rollers))
+        rollers.append(replace(one, tensioner=carrier, **own))
+    return replace(press, rollers=tuple(rollers))
 
 
 class PressModel(Model[PressProblem]):
@@ -80,10 +74,8 @@ class PressModel(Model[PressProblem]):
     @cached_property
     def as_operated(self) -> Press:
         """Return the machine with the preload and the loads of its operating point."""
-        preload_N = self.problem.preload_N
-        return self._operated(
-            float(self.problem.load_factor[0]), None if preload_N is None else float(preload_N[0])
-        )
+        preload_N, load_factor = self.problem.preload_N, float(self.problem.load_factor[0])
+        return self._operated(load_factor, None if preload_N is None else float(preload_N[0]))
 
     @property
     def told(self) -> frozenset[str]:
@@ -93,13 +85,8 @@ class PressModel(Model[PressProblem]):
     @property
     def asked(self) -> dict[str, Any]:
         """Return what a start-up is told of the effects and of friction."""
-        follows = "transient-friction" in self.effects
-        return {
-            "friction": self.problem.friction,
-            "effects": self.effects,
-            "told": self.told,
-            "follows": follows,
-        }
+        asked = {"friction": self.problem.friction, "effects": self.effects, "told": self.told}
+        return asked | {"follows": "transient-friction" in self.effects}
 
     @property
     def start_up(self) -> Mapping[str, Any] | None:
@@ -107,8 +94,7 @@ class PressModel(Model[PressProblem]):
         return self.problem.start_up if "transient" in self.effects else None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PressAnswer:
+class PressAnswer(NamedTuple):
     """The steady run of a press, and its start-up where one was asked for."""
 
     model: PressModel
@@ -180,38 +166,18 @@ def solve_press(model: PressModel) -> PressAnswer:
             fix="name belt-elasticity beside transient, or leave transient out",
         )
     statics = solve_statics(model.press, closure=problem.closure)
+    at: dict[str, Any] = {"preload_N": problem.preload_N, "load_factor": problem.load_factor}
     # Where the steady run has a slack span the start-up still has an answer, with belts that lift off.
-    on_slack: Literal["refuse", "flag"] = "refuse" if task is None else "flag"
-    state, still = (
-        steady_state(
-            statics,
-            preload_N=problem.preload_N,
-            speed_m_s=speed_m_s,
-            load_factor=problem.load_factor,
-            tensioner=take_up(model.effects),
-            on_slack=on_slack,
-        )
-        for speed_m_s in (problem.speed_m_s, 0.0 * problem.speed_m_s)
-    )
+    at |= {"tensioner": take_up(model.effects), "on_slack": "refuse" if task is None else "flag"}
+    state, still = (steady_state(statics, speed_m_s=way * problem.speed_m_s, **at) for way in (1.0, 0.0))
     moved = None
     if task is not None:
         exact = "exact-switching" in model.effects  # a closed form has no moments at which anything changes
         swinging = None if exact else swinging_of(problem, model.effects)
-        moved = start_up(
-            model.as_operated,
-            exact_switching=exact,
-            modes=None if swinging is None else (swinging, swings(swinging, model.effects)),
-            **model.asked,
-            **task,
-        )
-    return PressAnswer(
-        model=model,
-        statics=statics,
-        state=state,
-        at_rest_N=still.effective_tension_N,
-        slip=SlipTable(model.press, state.effective_tension_N, problem.friction, told=model.told),
-        start_up=moved,
-    )
+        modes = None if swinging is None else (swinging, swings(swinging, model.effects))
+        moved = start_up(model.as_operated, exact_switching=exact, modes=modes, **model.asked, **task)
+    slip = SlipTable(model.press, state.effective_tension_N, problem.friction, told=model.told)
+    return PressAnswer(model, statics, state, still.effective_tension_N, slip, moved)
 
 
 def slip_margins(answer: PressAnswer) -> dict[str, Any]:
@@ -241,32 +207,27 @@ def settles(answer: PressAnswer) -> dict[str, Any]:
     assert found is not None  # noqa: S101  (asked for by the caller)
     told: dict[str, Any] = {"steady": False, "differs_N": None, "span": None}
     if found.settled is None:
-        names = [
-            f"{roller.name} {what}"
-            for roller, what in zip(found.press.rollers, found.at_end.tolist(), strict=True)
-            if what
-        ]
+        ends = zip(found.press.rollers, found.at_end.tolist(), strict=True)
+        names = [f"{roller.name} {what}" for roller, what in ends if what]
         why = f"at the end of the time simulated roller {', '.join(names)}" if names else ""
         return told | {"why": why or "drivers of different speed stretch the belts until one slips"}
-    apart_N = found.settled.tension_N - steady_N
+    press, apart_N, largest_N = found.press, found.settled.tension_N - steady_N, np.abs(steady_N).max()
     worst = int(np.argmax(np.abs(apart_N)))
-    told |= {"differs_N": float(apart_N[worst]), "span": found.press.spans[worst].name}
-    if abs(apart_N[worst]) <= _SAME_STATE * np.abs(steady_N).max():
+    told |= {"differs_N": float(apart_N[worst]), "span": press.spans[worst].name}
+    if abs(apart_N[worst]) <= _SAME_STATE * largest_N:
         return told | {"steady": True, "why": "it settles where the steady run is"}
     slipped = ", ".join(dict.fromkeys(slip.roller for slip in found.slips))
     why = "belts that stick to their rollers from the start share the pull as their spans stretch"
     if slipped:
         why += f", displaced by the slip on roller {slipped}"
     if closure in {"share", "speed-ratio"}:
-        longest_m = max(sum(belt.span_lengths_m or ()) for belt in found.press.belts)
-        passage_s = longest_m / float(answer.state.speed_m_s[0])
+        longest_m = max(sum(belt.span_lengths_m or ()) for belt in press.belts)
         why += (
-            f"; elastic creep, which is not part of a start-up, carries that over to the closure '{closure}'"
-            f" in some passages of the belts, of {passage_s:.3g} s each"
+            f"; elastic creep, which is not part of a start-up, carries that over to the closure '{closure}' in some "
+            f"passages of the belts, of {longest_m / float(answer.state.speed_m_s[0]):.3g} s each"
         )
     elif closure:
         why += f"; the closure '{closure}' states another share"
-    press = found.press
-    if np.abs(press.pull @ apart_N).max() > _SAME_STATE * np.abs(steady_N).max():
+    if np.abs(press.pull @ apart_N).max() > _SAME_STATE * largest_N:
         why += "; its tensioners give way to the loads, where the steady run has them at the travel given"
     return told | {"why": why}

@@ -12,17 +12,16 @@ import math
 import re
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
 from functools import lru_cache, partial
-from itertools import product
+from itertools import compress, product
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError, SolverError
 from ropefric.registry import Registry
-from ropefric.systems.effect import Effect, Method, System, applicable, rounded_up, unknown
-from ropefric.systems.friction import TOLD, share_of_law, told_by
+from ropefric.systems.effect import Effect, Method, System, applicable, law_bound, rounded_up, unknown
+from ropefric.systems.friction import TOLD, told_by
 from ropefric.systems.press.answer import (
     FAST_ERROR,
     QUICKER,
@@ -88,8 +87,8 @@ def _corners(problem: PressProblem) -> tuple[tuple[FloatArray, FloatArray], list
     """
     names, press = _applicable(problem), problem.press
     statics, by_squeeze = (
-        solve_statics(machine, closure=problem.closure)
-        for machine in (operated(press, squeeze=0.0), operated(press, gravity=0.0))
+        solve_statics(operated(press, **{load: 0.0}), closure=problem.closure)
+        for load in ("squeeze", "gravity")
     )
     load, squared = problem.load_factor[:, np.newaxis], problem.speed_m_s[:, np.newaxis] ** 2
     forces_N = np.array([[part.force_N for part in press.tensioners.values()]])
@@ -97,24 +96,18 @@ def _corners(problem: PressProblem) -> tuple[tuple[FloatArray, FloatArray], list
         forces_N = np.repeat(problem.preload_N[:, np.newaxis], forces_N.size, axis=1)
     base_N = statics.given_N + forces_N @ statics.by_preload.T + 0.0 * squared
     loads_N = {"gravity-load": load * statics.by_load_N, "squeeze-load": load * by_squeeze.by_load_N}
-    subsets = [
-        {name for name, flag in zip(names, flags, strict=True) if flag}
-        for flags in product((0, 1), repeat=len(names))
-    ]
+    subsets = [set(compress(names, flags)) for flags in product((0, 1), repeat=len(names))]
     shifts = {state: squared * speed_shift_kg_m(statics, state) for state in set(map(take_up, subsets))}
-    shape = (2,) * len(names) + base_N.shape
     still = [base_N + sum(share for name, share in loads_N.items() if name in chosen) for chosen in subsets]
-    still_N = np.array(still).reshape(shape)
-    tension_N = np.array(
-        [one + shifts[take_up(chosen)] for one, chosen in zip(still, subsets, strict=True)]
-    ).reshape(shape)
+    running = [one + shifts[take_up(chosen)] for one, chosen in zip(still, subsets, strict=True)]
+    still_N, tension_N = (np.array(one).reshape((2,) * len(names) + base_N.shape) for one in (still, running))
     if not (tension_N > 0.0).all():
         raise SolverError("a span goes slack without some of the effects")
     # One evaluation of the law for each set of what it is told.
     uses = [np.empty((*tension_N.shape[:-1], len(press.rollers))) for _ in MEASURES]
     telling = [name for name in names if name in TOLD]
     for flags in product((0, 1), repeat=len(telling)):
-        told = told_by([name for name, flag in zip(telling, flags, strict=True) if flag])
+        told = told_by([*compress(telling, flags)])
         place = tuple(flags[telling.index(name)] if name in telling else slice(None) for name in names)
         slip = SlipTable(press, tension_N[place], problem.friction, told=told)
         for use, measure in zip(uses, MEASURES, strict=True):
@@ -149,9 +142,8 @@ def _steady(
     needs: Callable[[PressProblem], tuple[str, ...]] = lambda problem: (),  # noqa: ARG005
     *,
     cost: float = 0.0,
-    each: Callable[[str, PressProblem, PressAnswer | None], FloatArray] | None = None,
-) -> Effect[PressProblem]:
-    """Return an effect on a steady run. A start-up swings about that, and no bound is known for how far."""
+) -> Effect:
+    """Return an effect on a steady run; only those of the law cost time. How far a start-up swings has no bound."""
 
     def influence(problem: PressProblem) -> float:
         unseen = name in TOLD and not problem.friction.law.effects  # by a law that looks at nothing
@@ -164,40 +156,35 @@ def _steady(
         except RopefricError:
             return math.inf
 
-    bounded = None if each is None else partial(each, name)
-    return Effect(
-        name=name, adds=adds, instead=instead, needs=needs, influence=influence, cost=cost, each=bounded
+    each = partial(law_bound, name, _law_bound) if cost else None
+    return Effect(name, adds, instead, needs=needs, influence=influence, cost=cost, each=each)
+
+
+def _law_bound(problem: PressProblem, answer: PressAnswer | None) -> FloatArray:
+    """Return an upper bound of what all that the law is not told changes in any number."""
+    return (
+        np.full(1, np.inf if problem.friction.theta.ndim > 1 else 0.0)
+        if answer is None
+        else _law_change(answer)
     )
-
-
-def _law_bound(name: str, problem: PressProblem, answer: PressAnswer | None) -> FloatArray:
-    """Return an upper bound of what an effect of the law changes in any number."""
-    law, several = problem.friction.law, problem.friction.theta.ndim > 1
-    share = share_of_law(name, law, TOLD, () if answer is None else answer.model.effects)
-    if answer is None or not share:
-        return np.array([np.inf if share and several else 0.0])
-    return share * _law_change(answer)
 
 
 @lru_cache(maxsize=1)
 def _law_change(answer: PressAnswer) -> FloatArray:
-    """Return what all that a law is not told changes in any number at most.
+    """Return that bound, reckoned once for all effects of the law.
 
     The tensions know nothing of it. A coefficient that changes by the factor e^d makes M another by M (e^d − 1) on each
     roller, and e^M − 1 by d more than that in its logarithm: what any measure of slip is inverse to, or less.
     """
-    contacts, most = answer.slip.contacts, answer.slip.exponent
-    slack_N = np.maximum(contacts.slack_N, LEAST_SLACK_N)
-    fixed = {"wheel_radius_m": contacts.radius_m, "rope_radius_m": contacts.half_thickness_m}
-    fixed["wrap_angle_rad"] = contacts.wrap_angle_rad
+    contacts, slack_N = answer.slip.contacts, np.maximum(answer.slip.contacts.slack_N, LEAST_SLACK_N)
     off = answer.model.problem.friction.spread(
-        **{what: (one, one) for what, one in fixed.items()},
+        wheel_radius_m=(contacts.radius_m,) * 2,
+        rope_radius_m=(contacts.half_thickness_m,) * 2,
+        wrap_angle_rad=(contacts.wrap_angle_rad,) * 2,
         slack_tension_N=(slack_N.min(axis=0), slack_N.max(axis=0)),
     )
-    with np.errstate(invalid="ignore", over="ignore"):
-        change = off + np.exp(off) * most * np.expm1(off)
-    bound = change.max(axis=-1)
-    return np.where(np.isnan(bound), np.inf, bound)
+    change = off + np.exp(off) * answer.slip.exponent * np.expm1(off)
+    return np.asarray(change.max(axis=-1))
 
 
 def _moving(
@@ -208,24 +195,20 @@ def _moving(
     bound: Callable[[PressProblem], float] = unknown,
     detail: Callable[[PressProblem], str] | None = None,
     cost: float = 0.1,
-) -> Effect[PressProblem]:
+) -> Effect:
     """Return an effect that only a start-up has; of most no bound is known where there is one."""
-    return Effect(
-        name=name,
-        adds=adds,
-        instead=instead,
-        needs=_needs_of_start_up,
-        influence=lambda problem: 0.0 if problem.start_up is None else bound(problem),
-        detail=detail,
-        cost=cost,
-    )
+
+    def influence(problem: PressProblem) -> float:
+        return 0.0 if problem.start_up is None else bound(problem)
+
+    return Effect(name, adds, instead, detail, influence, cost=cost, needs=_needs_of_start_up)
 
 
 def _on_tension(problem: PressProblem) -> bool:
     return bool(ON_TENSION & set(problem.friction.law.effects))
 
 
-def _swinging(problem: PressProblem) -> SwingingStartUp | None:
+def _sticking(problem: PressProblem) -> SwingingStartUp | None:
     with suppress(RopefricError):  # a start-up that has no answer says so where it is solved
         return swinging_of(problem, frozenset(applicable(EFFECTS, problem)))
     return None
@@ -233,7 +216,7 @@ def _swinging(problem: PressProblem) -> SwingingStartUp | None:
 
 def _swings_left_out(problem: PressProblem, *names: str) -> float:
     """Return what a start-up whose belts stick is off by at most with the swings of these modes left out."""
-    swinging = _swinging(problem)
+    swinging = _sticking(problem)
     return math.inf if swinging is None else swinging.bound(~swings(swinging, QUICKER - {*names}))
 
 
@@ -248,7 +231,7 @@ def _without_slow(problem: PressProblem) -> float:
 
 
 def _which_swing(problem: PressProblem) -> str:
-    swinging = _swinging(problem)
+    swinging = _sticking(problem)
     if swinging is None:
         return ""
     belts = swinging.rigid_belts(FAST_ERROR)
@@ -270,7 +253,7 @@ def _needs_of_start_up(problem: PressProblem) -> tuple[str, ...]:
     return ("start_up",) if problem.start_up is None else _lacking(problem, masses=True)
 
 
-EFFECTS: Registry[Effect[PressProblem]] = Registry(
+EFFECTS: Registry[Effect] = Registry(
     "effect of a press",
     (
         _steady("gravity-load", "the drag of the sludge's weight, eq. (6)", "no drag of weight"),
@@ -298,14 +281,12 @@ EFFECTS: Registry[Effect[PressProblem]] = Registry(
             "a coefficient that depends on wrap and slack-side tension",
             "its average at the reference wrap and tension",
             cost=1e-6,
-            each=_law_bound,
         ),
         _steady(
             "size",
             "a coefficient that depends on the roller's radius over half the belt's thickness",
             "the coefficient at the reference radius",
             cost=5e-7,
-            each=_law_bound,
         ),
         _moving("belt-damping", "the material damping of the belts", "belts that do not damp"),
         _moving("tensioner-damping", "the dampers of the tensioners", "tensioners without dampers"),
@@ -370,7 +351,7 @@ def _method(model: PressModel, budget: float) -> Method:  # noqa: ARG001  (the s
     integrator = task.get("integrator", "exact")
     if integrator == "exact":
         follows = "transient-friction" in model.effects and _on_tension(model.problem)
-        return replace(_EXACT, error=_FOLLOWING_ERROR) if follows else _EXACT
+        return _EXACT._replace(error=_FOLLOWING_ERROR) if follows else _EXACT
     return Method(
         name=f"direct solution and {integrator}",
         settings={name: task[name] for name in ("tolerance", "step_s") if task.get(name) is not None},
@@ -407,7 +388,7 @@ def _distance(answer: PressAnswer, reference: PressAnswer, whole: PressAnswer) -
     return max(found)
 
 
-SYSTEM: System[PressProblem, PressModel, PressAnswer] = System(
+SYSTEM: System = System(
     name="press",
     effects=EFFECTS,
     model=PressModel,

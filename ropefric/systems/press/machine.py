@@ -25,10 +25,11 @@ Examples
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Literal, NamedTuple, get_args
+from itertools import chain
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -232,137 +233,99 @@ def refuse_missing(what: str, keys: Sequence[str], *, fix: str) -> None:
         )
 
 
-class _Problems(list[Problem]):
-    """What is wrong with a press."""
-
-    def add(self, key: str, message: str, *, fix: str = "") -> None:
-        self.append(Problem(code="RF520", message=message, key=key, fix=fix))
-
-    def add_numbers(self, where: str, part: Press | Roller | Tensioner | Belt) -> None:
-        for name, rule in rules_of(type(part)).items():  # type: ignore[arg-type]  # a class is hashable
-            value, key = getattr(part, name), f"{where}{name}"
-            for one in value if isinstance(value, tuple) else [] if value is None else [value]:
-                try:
-                    in_scale(key, one, rule)
-                except InputError as error:
-                    self.add(key, error.problem.message, fix=error.problem.fix)
-
-    def add_names(self, kind: str, names: Iterable[str]) -> None:
-        found = Counter(names)
-        if not found:
-            self.add(kind, f"a press without {kind} moves nothing")
-        for name, count in found.items():
-            if not name:
-                self.add(kind, f"one of the {kind} has an empty name")
-            elif count > 1:
-                self.add(kind, f"{count} {kind} are called '{name}'", fix="give each a name of its own")
+Said = Iterator[tuple[bool, str, str, str]]
+"""Whether something is wrong, the key it is said of, in which words, and what to do."""
 
 
 def _problems(press: Press) -> list[Problem]:
-    """Return everything that is wrong with a press; empty where it can be computed."""
-    found = _Problems()
-    found.add_numbers("", press)
-    found.add_names("rollers", [one.name for one in press.rollers])
-    found.add_names("belts", [one.name for one in press.belts])
+    """Return everything that is wrong with a press; what is written on its graph only where its parts make one."""
+
+    def found(said: Said) -> list[Problem]:
+        return [
+            Problem(code="RF520", message=message, key=key, fix=fix)
+            for wrong, key, message, fix in said
+            if wrong
+        ]
+
+    return found(chain(_numbers(press), _parts(press))) or found(_graph(press))
+
+
+def _numbers(press: Press) -> Said:
+    parts: list[tuple[str, Any]] = [("", press)]
     for roller in press.rollers:
-        _add_roller(found, roller)
+        parts += [
+            (f"rollers.{roller.name}.", roller),
+            (f"rollers.{roller.name}.tensioner.", roller.tensioner),
+        ]
+    parts += [(f"belts.{belt.name}.", belt) for belt in press.belts]
+    for where, part in parts:
+        for name, rule in rules_of(type(part)).items() if part is not None else ():  # type: ignore[arg-type]  # hashable
+            value = getattr(part, name)
+            for one in value if isinstance(value, tuple) else () if value is None else (value,):
+                try:
+                    in_scale(where + name, one, rule)
+                except InputError as error:
+                    yield True, where + name, error.problem.message, error.problem.fix
+
+
+def _parts(press: Press) -> Said:
+    for kind, names in (
+        ("rollers", [one.name for one in press.rollers]),
+        ("belts", [one.name for one in press.belts]),
+    ):
+        yield not names, kind, f"a press without {kind} moves nothing", ""
+        yield "" in names, kind, f"one of the {kind} has an empty name", ""
+    for roller in press.rollers:
+        where, what, carrier = f"rollers.{roller.name}", f"roller '{roller.name}'", roller.tensioner
+        wrapped = f"{what} is wrapped {math.degrees(roller.wrap_angle_rad):.6g} deg; a flat belt meets itself after "
+        yield roller.wrap_angle_rad > 2.0 * math.pi, f"{where}.wrap_angle_rad", f"{wrapped}360 deg", ""
+        if carrier is not None:
+            with np.errstate(invalid="ignore"):
+                pulls = np.cos([carrier.upstream_angle_rad, carrier.downstream_angle_rad]).sum()
+            loose = "the belt's two sides do not pull along the travel, so the spring cannot tension it"
+            yield bool(pulls <= 1e-9), f"{where}.tensioner", loose, ""
+        own = f"{what} is no driver; it has no speed of its own"
+        yield roller.overspeed is not None and roller.role != "driver", f"{where}.overspeed", own, ""
+    known = [roller.name for roller in press.rollers]
     for belt in press.belts:
-        _add_belt(found, belt, [roller.name for roller in press.rollers])
-    if not found:  # what follows is written on the graph, which such parts do not make
-        _add_lengths(found, press.belts)
-        for roller in press.rollers:
-            _add_place(found, roller, press)
-        _add_drives(found, press)
-    return found
+        where, what, n = f"belts.{belt.name}", f"belt '{belt.name}'", len(belt.loop)
+        yield n < 2, f"{where}.loop", f"{what} is not closed: it runs over {n} roller(s), 2 are needed", ""
+        for name, count in Counter(belt.loop).items():
+            unknown = f"{what} runs over the unknown roller '{name}'"
+            yield name not in known, f"{where}.loop", unknown, did_you_mean(name, known)
+            fix = "name each roller once; from the last one the belt returns to the first"
+            yield count > 1, f"{where}.loop", f"{what} names roller '{name}' {count} times", fix
+        lengths = n if belt.span_lengths_m is None else len(belt.span_lengths_m)
+        yield lengths != n, f"{where}.span_lengths_m", f"{what} has {n} spans and {lengths} lengths", ""
 
 
-def _add_roller(found: _Problems, roller: Roller) -> None:
-    where, carrier = f"rollers.{roller.name}", roller.tensioner
-    found.add_numbers(f"{where}.", roller)
-    if roller.wrap_angle_rad > 2.0 * math.pi:
-        found.add(
-            f"{where}.wrap_angle_rad",
-            f"roller '{roller.name}' is wrapped {math.degrees(roller.wrap_angle_rad):.6g} deg; a flat belt meets "
-            "itself after 360 deg",
-        )
-    if roller.role not in get_args(Role):
-        fix = did_you_mean(str(roller.role), get_args(Role))
-        found.add(f"{where}.role", f"roller '{roller.name}' has the unknown role '{roller.role}'", fix=fix)
-    if (carrier is not None) != (roller.role == "tensioner"):
-        found.add(
-            f"{where}.tensioner",
-            f"roller '{roller.name}' has {'a' if carrier else 'no'} tensioner, but its role is '{roller.role}'",
-            fix="give the role 'tensioner' together with spring, travel and preload",
-        )
-    if carrier is not None:
-        found.add_numbers(f"{where}.tensioner.", carrier)
-        angles = (carrier.upstream_angle_rad, carrier.downstream_angle_rad)
-        if all(map(math.isfinite, angles)) and sum(map(math.cos, angles)) <= 1e-9:
-            found.add(
-                f"{where}.tensioner",
-                "the belt's two sides do not pull along the travel, so the spring cannot tension it",
-            )
-    if roller.overspeed is not None and roller.role != "driver":
-        found.add(f"{where}.overspeed", f"roller '{roller.name}' is no driver; it has no speed of its own")
-
-
-def _add_belt(found: _Problems, belt: Belt, known: Sequence[str]) -> None:
-    where, n = f"belts.{belt.name}", len(belt.loop)
-    found.add_numbers(f"{where}.", belt)
-    if n < 2:
-        message = f"belt '{belt.name}' is not closed: it runs over {n} roller(s), 2 are needed"
-        found.add(f"{where}.loop", message)
-    for name, count in Counter(belt.loop).items():
-        if name not in known:
-            fix = did_you_mean(name, known)
-            found.add(f"{where}.loop", f"belt '{belt.name}' runs over the unknown roller '{name}'", fix=fix)
-        if count > 1:
-            found.add(
-                f"{where}.loop",
-                f"belt '{belt.name}' names roller '{name}' {count} times",
-                fix="name each roller once; from the last one the belt returns to the first",
-            )
-    if belt.span_lengths_m is not None and len(belt.span_lengths_m) != n:
-        message = f"belt '{belt.name}' has {n} spans and {len(belt.span_lengths_m)} lengths"
-        found.add(f"{where}.span_lengths_m", message)
-
-
-def _add_lengths(found: _Problems, belts: Sequence[Belt]) -> None:
+def _graph(press: Press) -> Said:
     seen: dict[tuple[str, str], tuple[str, float]] = {}
-    for belt in belts:
-        for step, length in zip(belt.steps, belt.span_lengths_m or (), strict=False):
-            other, its = seen.setdefault(step, (belt.name, length))
-            if not math.isclose(its, length, rel_tol=1e-9):
-                found.add(
-                    f"belts.{belt.name}.span_lengths_m",
-                    f"belts '{other}' and '{belt.name}' run together from roller '{step[0]}' to '{step[1]}', "
-                    f"but their lengths there are {its:g} m and {length:g} m",
-                )
-
-
-def _add_place(found: _Problems, roller: Roller, press: Press) -> None:
-    where, name = f"rollers.{roller.name}", roller.name
-    touching = [belt.name for belt in press.belts_on(name)]
-    if not touching:
-        found.add(where, f"no belt runs over roller '{name}'", fix="name it in the loop of a belt")
-    if roller.role == "driver" and len(touching) > 1:
-        found.add(
-            f"{where}.role",
-            f"driver '{name}' is shared by the belts {', '.join(touching)}; a driver has no torque balance, "
-            "so nothing would say how they share its pull",
-            fix="give each belt a driver of its own, or let this roller be driven",
-        )
-    most = max(sum(span.start == name for span in press.spans), sum(span.end == name for span in press.spans))
-    if roller.role == "tensioner" and most > 1:
-        found.add(where, f"{most} spans meet tensioner '{name}' on one side; it has one angle")
-
-
-def _add_drives(found: _Problems, press: Press) -> None:
     drivers = {roller.name for roller in press.drivers}
     for belt in press.belts:
+        for step, length in zip(belt.steps, belt.span_lengths_m or (), strict=False):
+            other, its = seen.setdefault(step, (belt.name, length))
+            message = (
+                f"belts '{other}' and '{belt.name}' run together from roller '{step[0]}' to '{step[1]}', "
+                f"but their lengths there are {its:g} m and {length:g} m"
+            )
+            wrong = not math.isclose(its, length, rel_tol=1e-9)
+            yield wrong, f"belts.{belt.name}.span_lengths_m", message, ""
         others = {name for other in press.belts if other is not belt for name in other.loop}
-        if not (drivers | others) & set(belt.loop):
-            found.add(f"belts.{belt.name}.loop", f"nothing drives belt '{belt.name}': its loop has no driver")
+        message = f"nothing drives belt '{belt.name}': its loop has no driver"
+        yield not (drivers | others) & set(belt.loop), f"belts.{belt.name}.loop", message, ""
+    for place, roller in enumerate(press.rollers):
+        where, name, touching = f"rollers.{roller.name}", roller.name, press.belts_on(roller.name)
+        yield not touching, where, f"no belt runs over roller '{name}'", "name it in the loop of a belt"
+        message = (
+            f"driver '{name}' is shared by the belts {', '.join(belt.name for belt in touching)}; a driver has no "
+            "torque balance, so nothing would say how they share its pull"
+        )
+        fix = "give each belt a driver of its own, or let this roller be driven"
+        yield roller.role == "driver" and len(touching) > 1, f"{where}.role", message, fix
+        most = int(max(one[place].sum() for one in (press.into, press.out_of)))
+        message = f"{most} spans meet tensioner '{name}' on one side; it has one angle"
+        yield roller.role == "tensioner" and most > 1, where, message, ""
 
 
 GRAVITY_M_S2 = 9.81
@@ -394,9 +357,6 @@ def squeeze_torque_N_m(
     units: npt.ArrayLike = 1.0,
 ) -> FloatArray:
     """Return M_F = b R Δh K_max of squeezing the cake so many times, K_max = (1 + μ_c) σ_c²/(3 E_c), eqs. (7)-(9)."""
-    limit_J_m3 = (
-        np.square(strength_Pa)
-        * (1.0 + checked("poisson_ratio", poisson_ratio, "zero or more"))
-        / np.multiply(3.0, youngs_modulus_Pa)
-    )
+    stiffer = 1.0 + checked("poisson_ratio", poisson_ratio, "zero or more")
+    limit_J_m3 = np.square(strength_Pa) * stiffer / np.multiply(3.0, youngs_modulus_Pa)
     return np.asarray(np.multiply(belt_width_m, radius_m) * np.multiply(compression_m, units) * limit_J_m3)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from scipy.optimize import brentq
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError, UnknownNameError
+from ropefric.errors import InputError
 from ropefric.systems.checks import checked
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.machine import Press
@@ -148,11 +148,6 @@ class SlipTable:
 
     def of(self, roller: str, measure: str = "utilisation") -> FloatArray:
         """Return one measure of one roller, shape (...)."""
-        if roller not in self.rollers or measure not in MEASURES:
-            raise UnknownNameError(
-                f"no measure '{measure}' of a roller '{roller}'",
-                fix=f"measures: {', '.join(MEASURES)}; rollers: {', '.join(self.rollers)}",
-            )
         values: FloatArray = getattr(self, measure)
         return values[..., self.rollers.index(roller)]
 
@@ -188,8 +183,8 @@ class PressSweep:
         speed_m_s: npt.ArrayLike | None = None,
     ) -> None:
         press = statics.press
-        self.preload_N = np.empty(0) if preload_N is None else _row("preload_N", preload_N)
-        self.speed_m_s = _row("speed_m_s", [press.speed_m_s] if speed_m_s is None else speed_m_s)
+        self.preload_N = np.asarray([] if preload_N is None else preload_N, dtype=np.float64)
+        self.speed_m_s = np.asarray([press.speed_m_s] if speed_m_s is None else speed_m_s, dtype=np.float64)
         state = steady_state(
             statics,
             preload_N=self.preload_N[:, None] if self.preload_N.size else None,
@@ -200,13 +195,6 @@ class PressSweep:
         self.slip = SlipTable(press, self.effective_tension_N, friction)
         self.spans, self.rollers = tuple(span.name for span in press.spans), self.slip.rollers
         self.margin = self.slip.utilisation.max(axis=-1)
-
-
-def _row(name: str, values: npt.ArrayLike) -> FloatArray:
-    row = np.asarray(values, dtype=np.float64)
-    if row.ndim != 1 or not row.size:
-        raise InputError(f"{name} has the shape {row.shape}; one row of numbers is needed", key=name)
-    return row
 
 
 CHANGES = {
@@ -278,11 +266,11 @@ def critical(
         "rises": now + np.nanmin(np.where(amounts > 0.0, amounts, np.inf), initial=np.inf),
     }
     here, more = contacts_of(press, today_N), contacts_of(press, slope)
-    pulls = [np.abs(one.downstream_N - one.upstream_N) for one in (here, more)]
-    size_N = np.maximum(here.upstream_N, here.downstream_N)
-    idle = (pulls[0] <= _NO_TORQUE * size_N) & (
-        pulls[1] <= _NO_TORQUE * (np.abs(more.upstream_N) + np.abs(more.downstream_N))
+    sizes = (
+        np.maximum(here.upstream_N, here.downstream_N),
+        np.abs(more.upstream_N) + np.abs(more.downstream_N),
     )
+    idle = (here.pull_N <= _NO_TORQUE * sizes[0]) & (more.pull_N <= _NO_TORQUE * sizes[1])
 
     def reserve_N(amount: npt.ArrayLike) -> FloatArray:
         by = np.asarray(amount, dtype=np.float64)[..., np.newaxis] - now
@@ -293,14 +281,10 @@ def critical(
         left_N = there.slack_N * np.expm1(there.exponent(friction, told)) - there.pull_N
         return np.where(idle, np.inf, left_N)
 
-    def along(way: str) -> FloatArray:
-        end = ends[way]
-        steps = _PLACES * (end - now) if np.isfinite(end) else _PLACES[:-1] / (1.0 - _PLACES[:-1])
-        return np.asarray(now + (steps if np.isfinite(end) else max(now, 1.0) * steps))
-
     def crossing(way: str, margin: Callable[[FloatArray], FloatArray]) -> float | None:
         """Return where a margin first changes its sign on a way, as what is changed."""
-        places = along(way)
+        far = max(now, 1.0) * (_PLACES[:-1] / (1.0 - _PLACES[:-1]))
+        places = now + (_PLACES * (ends[way] - now) if np.isfinite(ends[way]) else far)
         signs = margin(reserve_N(places)) >= 0.0
         changed = np.flatnonzero(signs != signs[0])
         if not changed.size:
@@ -333,9 +317,7 @@ def _by_friction(slip: SlipTable) -> Critical:
         for name, mu, grip in zip(slip.rollers, slip.mu_required, grips, strict=True)
     }
     state: Literal["holds", "slips"] = "slips" if (slip.utilisation > 1.0).any() else "holds"
-    if not grips.any():
-        return Critical(state, None, None, None, needed)
     first = slip.rollers[int(np.argmax(np.where(grips, slip.log, 0.0)))]
-    if needed[first] is None:  # no coefficient holds a belt that has lifted off
+    if needed[first] is None:  # nothing is gripped, or no coefficient holds a belt that has lifted off
         return Critical(state, None, None, None, needed)
     return Critical(state, "falls" if state == "holds" else "rises", first, needed[first], needed)

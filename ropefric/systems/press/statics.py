@@ -32,9 +32,8 @@ A belt with n spans loses v_b/(2 EA) Σ (T_i − T_i−1)² of the drivers' powe
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise, product
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -46,51 +45,51 @@ from ropefric.systems.press.machine import Press, refuse_missing
 
 Statement = tuple[FloatArray, float]
 """One linear equation between tensions: the factor of each span's, and their sum [N]."""
+_Side: TypeAlias = Literal["start", "end"]
 
 
-def tension_row(press: Press, roller: str, belt: str, side: Literal["start", "end"] = "end") -> FloatArray:
+def tension_row(press: Press, roller: str, belt: str, side: _Side = "end") -> FloatArray:
     """Return 1 for the span in which a belt reaches a roller ("end"), or leaves it ("start"), else 0."""
     return np.array([float(getattr(span, side) == roller and belt in span.belts) for span in press.spans])
 
 
-def belts_alone(press: Press, side: Literal["start", "end"] = "end") -> list[tuple[str, str, str]]:
+def belts_alone(press: Press, side: _Side = "end") -> list[tuple[str, str, str]]:
     """Return (roller, belt, next belt) wherever belts of one roller are alone in their spans on one side of it."""
     alone = {(getattr(span, side), span.belts) for span in press.spans}
-    return [
-        (roller.name, first, second)
-        for roller in press.rollers
-        for first, second in pairwise(
-            belt.name for belt in press.belts if (roller.name, (belt.name,)) in alone
-        )
-    ]
+    on = {
+        one.name: [belt.name for belt in press.belts if (one.name, (belt.name,)) in alone]
+        for one in press.rollers
+    }
+    return [(roller, *pair) for roller, belts in on.items() for pair in pairwise(belts)]
 
 
-def _creep(
-    press: Press, axial_stiffness_N: Mapping[str, float], overspeed: Mapping[str, float]
-) -> list[Statement]:
+def _creep(press: Press, stiffness_N: Mapping[str, float], overspeed: Mapping[str, float]) -> list[Statement]:
     """Return what steady creep says about the tensions; a belt without driver is dragged along by another."""
     drivers = {belt.name: [name for name in belt.loop if name in overspeed] for belt in press.belts}
     stated = []
+
+    def state(row: FloatArray, belt: str, one: str, other: str) -> None:
+        stated.append((row, stiffness_N[belt] * (overspeed[one] - overspeed[other])))
+
     for roller, first, second in belts_alone(press):
         if drivers[first] and drivers[second]:
-            one, other = drivers[first][0], drivers[second][0]
-            softness = axial_stiffness_N[first] / axial_stiffness_N[second]
+            ends = [(belt, drivers[belt][0]) for belt in (first, second)]
             gains = [
-                tension_row(press, driver, belt) - tension_row(press, roller, belt)
-                for driver, belt in ((one, first), (other, second))
+                tension_row(press, driver, belt) - tension_row(press, roller, belt) for belt, driver in ends
             ]
-            ahead_N = axial_stiffness_N[first] * (overspeed[one] - overspeed[other])
-            stated.append((gains[0] - softness * gains[1], ahead_N))
-    for belt, (first, *others) in ((belt, names) for belt, names in drivers.items() if names):
-        for other in others:
-            row = tension_row(press, first, belt) - tension_row(press, other, belt)
-            stated.append((row, axial_stiffness_N[belt] * (overspeed[first] - overspeed[other])))
+            softness = stiffness_N[first] / stiffness_N[second]
+            state(gains[0] - softness * gains[1], first, *(driver for _, driver in ends))
+    for belt, names in drivers.items():
+        for other in names[1:]:
+            row = tension_row(press, names[0], belt) - tension_row(press, other, belt)
+            state(row, belt, names[0], other)
     return stated
 
 
 def _share(press: Press) -> list[Statement]:
-    alike = {belt.name: 1.0 for belt in press.belts}
-    return _creep(press, alike, {roller.name: 0.0 for roller in press.drivers})
+    return _creep(
+        press, {belt.name: 1.0 for belt in press.belts}, {roller.name: 0.0 for roller in press.drivers}
+    )
 
 
 def _equal(press: Press) -> list[Statement]:
@@ -158,20 +157,17 @@ def _free_motions(matrix: FloatArray) -> FloatArray:
 
 def _open(matrix: FloatArray, names: Sequence[str]) -> tuple[str, ...]:
     """Return what the rows of a matrix leave open, in words."""
-    return tuple(_in_words(motion, names) for motion in _free_motions(matrix))
+    words = []
+    for motion in _free_motions(matrix):
+        parts = [(f"T{name}", value) for name, value in zip(names, motion, strict=True) if value != 0.0]
+        rising, falling = (", ".join(name for name, one in parts if way * one > 0.0) for way in (1.0, -1.0))
+        alike = f"{rising} may rise " + (f"while {falling} falls as much" if falling else "together")
+        each = "may change together: " + ", ".join(f"{value:+.4g} {name}" for name, value in parts)
+        words.append(each if any(abs(abs(value) - 1.0) >= _TINY for _, value in parts) else alike)
+    return tuple(words)
 
 
-def _in_words(motion: FloatArray, names: Sequence[str]) -> str:
-    parts = [(name, value) for name, value in zip(names, motion, strict=True) if value != 0.0]
-    if any(abs(abs(value) - 1.0) >= _TINY for _, value in parts):
-        return "may change together: " + ", ".join(f"{value:+.4g} T{name}" for name, value in parts)
-    rising = ", ".join(f"T{name}" for name, value in parts if value > 0.0)
-    falling = ", ".join(f"T{name}" for name, value in parts if value < 0.0)
-    return f"{rising} may rise " + (f"while {falling} falls as much" if falling else "together")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Statics:
+class Statics(NamedTuple):
     """What sets the tensions of a press at rest, one share each.
 
     At rest T = given + load_factor · by_load + by_preload @ F.
@@ -188,58 +184,43 @@ class Statics:
 
 def solve_statics(press: Press, *, closure: str = "share") -> Statics:
     """Return the linear solution of the steady equations, eqs. (23)-(34)."""
-    names = [span.name for span in press.spans]
+    names, carriers = [span.name for span in press.spans], press.tensioners
     balances = np.vstack([press.incidence[press.is_driven], press.pull])
     rank, loads_N = _rank(balances), press.rim_load_N[press.is_driven]
     if rank < len(balances):
-        _refuse_contradiction(press, balances)
+        said = [f"torque of roller {roller.name}" for roller in press.rollers if roller.role != "driver"]
+        said += [f"travel of tensioner {name}" for name in carriers]
+        weights = np.abs(_free_motions(balances.T)).max(axis=0)
+        tied = [one for one, weight in zip(said, weights, strict=True) if weight > 0.0]
+        raise InputError(
+            f"these balances repeat each other, so that their loads would have to agree by chance: {', '.join(tied)}",
+            code="RF522",
+            fix="keep one tensioner a belt (let the other roller be driven), and give every machine a driver",
+        )
     # What stands against the balances, a column each: springs, loads, one newton of each preload.
     n = len(loads_N)
-    right = np.zeros((len(balances), 2 + len(press.tensioners)))
-    right[n:, 0] = [part.spring_N_m * part.travel_m for part in press.tensioners.values()]
+    right = np.zeros((rank, 2 + len(carriers)))
+    right[n:, 0] = [part.spring_N_m * part.travel_m for part in carriers.values()]
     right[:n, 1] = loads_N
-    right[n:, 2:] = np.eye(len(press.tensioners))
+    right[n:, 2:] = np.eye(len(carriers))
     undetermined = _open(balances, names)
     if undetermined:
-        statements = CLOSURES[closure](press)
+        statements, which, problem = CLOSURES[closure](press), f"the closure '{closure}' ", ""
         balances = np.vstack([balances, *(row for row, _ in statements)])
         right = np.pad(right, ((0, len(statements)), (0, 0)))
-        right[len(right) - len(statements) :, 0] = [value_N for _, value_N in statements]
-        said = f"the closure '{closure}' "
-        problem = ""
+        right[rank:, 0] = [value_N for _, value_N in statements]
         if _rank(balances) < len(names):
-            left = "; ".join(_open(balances, names))
-            problem = (
-                f"the balances leave {len(undetermined)} thing(s) open and {said}does not settle: {left}"
-            )
+            problem = f"the balances leave {len(undetermined)} thing(s) open and {which}does not settle: "
+            problem += "; ".join(_open(balances, names))
         elif len(statements) > len(undetermined):
-            problem = f"{said}makes {len(statements)} statements where {len(undetermined)} are open: "
+            problem = f"{which}makes {len(statements)} statements where {len(undetermined)} are open: "
             problem += "; ".join(undetermined)
         if problem:
             fix = "give every belt a tensioner, or choose another closure"
             raise InputError(problem, code="RF522", fix=fix)
     shares: FloatArray = np.asarray(np.linalg.solve(balances, right), dtype=np.float64)
-    return Statics(
-        press=press,
-        closure=closure if undetermined else "",
-        rank=rank,
-        undetermined=undetermined,
-        given_N=shares[:, 0],
-        by_load_N=shares[:, 1],
-        by_preload=shares[:, 2:],
-    )
-
-
-def _refuse_contradiction(press: Press, balances: FloatArray) -> None:
-    names = [f"torque of roller {roller.name}" for roller in press.rollers if roller.role != "driver"]
-    names += [f"travel of tensioner {name}" for name in press.tensioners]
-    weights = np.abs(_free_motions(balances.T)).max(axis=0)
-    tied = [name for name, weight in zip(names, weights, strict=True) if weight > 0.0]
-    raise InputError(
-        f"these balances repeat each other, so that their loads would have to agree by chance: {', '.join(tied)}",
-        code="RF522",
-        fix="keep one tensioner a belt (let the other roller be driven), and give every machine a driver",
-    )
+    known = (press, closure if undetermined else "", rank, undetermined)
+    return Statics(*known, shares[:, 0], shares[:, 1], shares[:, 2:])
 
 
 TakeUp: TypeAlias = Literal["locked", "elastic", "floating"]
@@ -280,8 +261,7 @@ def speed_shift_kg_m(statics: Statics, tensioner: TakeUp) -> FloatArray:
     return np.asarray(statics.by_preload @ (pull @ (level + density)) - press.density_kg_m)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SteadyState:
+class SteadyState(NamedTuple):
     """Tensions T' of a press that runs steadily, at any number of operating points."""
 
     press: Press
@@ -338,41 +318,28 @@ def steady_state(
         (speed_shift_kg_m(statics, tensioner), speed**2),
         (statics.by_preload.sum(axis=1), preload),
     ]
-    # Constant parts are summed beforehand and work space is used again, as sweeps of millions of points ask for.
+    # Constant parts are summed beforehand.
     base_N = base_N + sum(share * float(acting) for share, acting in shares if not acting.ndim)
-    varying = [(share, acting) for share, acting in shares if acting.ndim]
-    by_span, lowest_N, term = np.empty((len(base_N), *shape)), np.full(shape, np.inf), np.empty(shape)
-    for i, constant in enumerate(base_N):
-        tension = by_span[i, ...]
-        tension[...] = constant
-        for share, acting in varying:
-            if share[i]:
-                tension += np.multiply(acting, share[i], out=term)
-        np.minimum(lowest_N, tension, out=lowest_N)
-    slack = lowest_N <= 0.0
+    spans = (-1, *(1,) * len(shape))
+    by_span = np.broadcast_to(base_N.reshape(spans), (len(base_N), *shape))
+    for share, acting in shares:
+        if acting.ndim:
+            by_span = by_span + share.reshape(spans) * acting
+    slack = by_span.min(axis=0, initial=np.inf) <= 0.0
     if on_slack == "refuse" and slack.any():
-        _refuse_slack(press, by_span)
-    return SteadyState(
-        press=press,
-        speed_m_s=np.broadcast_to(speed, shape),
-        load_factor=np.broadcast_to(load, shape),
-        effective_tension_N=np.moveaxis(by_span, 0, -1),
-        slack=slack,
-    )
-
-
-def _refuse_slack(press: Press, by_span: FloatArray) -> None:
-    flat = by_span.reshape(len(press.spans), -1)
-    span, point = np.unravel_index(int(np.argmin(flat)), flat.shape)
-    place = f" at point {point} of {flat.shape[1]}" if flat.shape[1] > 1 else ""
-    worst = press.spans[int(span)]
-    raise SolverError(
-        f"span {worst.name} (roller {worst.start} to {worst.end}) goes slack{place}: T' = {flat[span, point]:.6g} N, "
-        "and a belt cannot push",
-        code="RF523",
-        key=f"span {worst.name}",
-        fix="raise the preload of the tensioners or lower the loads (in Python, on_slack='flag' marks such points)",
-    )
+        flat = by_span.reshape(len(base_N), -1)
+        span, point = np.unravel_index(int(np.argmin(flat)), flat.shape)
+        place = f" at point {point} of {flat.shape[1]}" if flat.shape[1] > 1 else ""
+        worst = press.spans[int(span)]
+        raise SolverError(
+            f"span {worst.name} (roller {worst.start} to {worst.end}) goes slack{place}: "
+            f"T' = {flat[span, point]:.6g} N, and a belt cannot push",
+            code="RF523",
+            key=f"span {worst.name}",
+            fix="raise the preload of the tensioners or lower the loads (in Python, on_slack='flag' marks such points)",
+        )
+    speed, load = (np.broadcast_to(one, shape) for one in (speed, load))
+    return SteadyState(press, speed, load, np.moveaxis(by_span, 0, -1), slack)
 
 
 def rim_speed_ratios(press: Press, tension_N: FloatArray) -> FloatArray:

@@ -1,10 +1,8 @@
 """The effects a traction sheave may be simulated with, and how much each can matter at most."""
 
-from typing import Any
-
 from ropefric.registry import Registry
 from ropefric.systems.effect import Effect, System, closed_form_system, law_effects, missing
-from ropefric.systems.traction.sheave import TractionAnswer, TractionModel, TractionProblem, solve_traction
+from ropefric.systems.traction.sheave import TractionProblem, solve_traction
 
 
 def _pulleys(problem: TractionProblem) -> tuple[str, ...]:
@@ -13,7 +11,7 @@ def _pulleys(problem: TractionProblem) -> tuple[str, ...]:
     return (*lacking, *missing({"deceleration_m_s2": "lift.deceleration"})(problem))
 
 
-EFFECTS: Registry[Effect[Any]] = Registry(
+EFFECTS: Registry[Effect] = Registry(
     "effect of a traction sheave",
     (
         Effect(
@@ -45,7 +43,7 @@ EFFECTS: Registry[Effect[Any]] = Registry(
 )
 """In the order in which they are applied."""
 
-SYSTEM: System[TractionProblem, TractionModel, TractionAnswer] = closed_form_system(
+SYSTEM: System = closed_form_system(
     "traction",
     EFFECTS,
     solve_traction,

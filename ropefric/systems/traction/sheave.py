@@ -1,6 +1,7 @@
 """A lift on its traction sheave: the tensions of its load cases, the friction of its grooves, and what would do."""
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -67,8 +68,7 @@ TractionModel = Model[TractionProblem]
 """A lift with the effects that are simulated."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TractionAnswer:
+class TractionAnswer(NamedTuple):
     """Tensions and friction in the four load cases, arrays of shape (4, n).
 
     Attributes
@@ -155,17 +155,11 @@ def solve_traction(model: TractionModel) -> TractionAnswer:
         log_ratio = np.log(tight_N / slack_N)
     utilisation = np.exp(log_ratio - friction_factor * alpha)
     utilisation[_STALLED] = np.exp(friction_factor[_STALLED] * alpha - log_ratio[_STALLED])
-    return TractionAnswer(
-        tight_N=tight_N,
-        slack_N=slack_N,
-        mu=mu,
-        friction_factor=friction_factor,
-        log_capacity=friction_factor * alpha,
-        utilisation=utilisation,
-        # Stalled, the rope on the slack side can outweigh the car: no wrap lets the ropes slip then.
-        wrap_limit_rad=np.where(log_ratio >= 0.0, log_ratio / friction_factor, np.nan),
-        undercut_limit_rad=_undercut_rad(problem, log_ratio / (mu * alpha)),
-    )
+    # Stalled, the rope on the slack side can outweigh the car: no wrap lets the ropes slip then.
+    wrap_limit = np.where(log_ratio >= 0.0, log_ratio / friction_factor, np.nan)
+    undercut_limit = _undercut_rad(problem, log_ratio / (mu * alpha))
+    loads, grips = (tight_N, slack_N), (mu, friction_factor, friction_factor * alpha, utilisation)
+    return TractionAnswer(*loads, *grips, wrap_limit, undercut_limit)
 
 
 def tensions_N(model: TractionModel) -> tuple[FloatArray, FloatArray]:

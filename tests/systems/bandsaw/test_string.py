@@ -160,8 +160,6 @@ def test_refusals_name_the_critical_speed(saw):
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: string_frequencies_Hz(Span(**GOOD), 0), "0 modes"),
-        (lambda: torsion_frequencies_Hz(Span(**GOOD), STEEL_85_09, 0), "0 modes"),
         (lambda: torque_N_m(7500.0, 0.0), "wheel_speed_rad_s is 0"),
         (lambda: torque_N_m(-1.0, 1.0), "power_W is -1"),
         (lambda: tension_difference_N(1.0, 0.0), "wheel_radius_m is 0"),

@@ -10,7 +10,7 @@ from promise import check_promise
 from scipy.integrate import solve_ivp
 
 import ropefric as rf
-from ropefric.errors import DataError, InputError
+from ropefric.errors import DataError
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
@@ -287,8 +287,3 @@ def test_bad_keys_are_refused_by_name(tmp_path, old, new, words):
     with pytest.raises(DataError, match=words) as caught:
         rf.solve(path)
     assert caught.value.problem.line is not None
-
-
-def test_a_pulley_at_rest_carries_no_power():
-    with pytest.raises(InputError, match="at rest"):
-        problem_of(0.3, wrap_angle_rad=3.0, tension_N=1000.0, power_W=100.0)

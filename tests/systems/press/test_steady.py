@@ -382,7 +382,7 @@ def test_a_slack_span_is_refused_by_name_or_flagged(paper_press):
 def test_tensions_are_homogeneous_in_forces(paper_press, preload_N, speed_m_s, load, scale):
     """All forces times a number: springs, preloads, loads and ρAv²."""
     statics = solve_statics(paper_press)
-    larger = replace(statics, given_N=scale * statics.given_N, by_load_N=scale * statics.by_load_N)
+    larger = statics._replace(given_N=scale * statics.given_N, by_load_N=scale * statics.by_load_N)
     one = steady_state(statics, preload_N=preload_N, speed_m_s=speed_m_s, load_factor=load)
     other = steady_state(
         larger, preload_N=scale * preload_N, speed_m_s=math.sqrt(scale) * speed_m_s, load_factor=load

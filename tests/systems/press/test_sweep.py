@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from ropefric.errors import UnknownNameError
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.slip import PressSweep
 from ropefric.systems.press.statics import solve_statics
@@ -34,9 +33,3 @@ def test_the_largest_utilisation_is_that_of_the_loaded_roller(statics):
     slack_N = PRELOADS[:, np.newaxis] / 2.0 - 120.0 - SPEEDS**2
     np.testing.assert_allclose(grid.slip.of("load"), 120.0 / (slack_N * np.expm1(0.6)), rtol=1e-12)
     assert (grid.margin >= grid.slip.of("load")).all()
-
-
-def test_what_a_sweep_does_not_have_is_refused(statics):
-    sweep = PressSweep(statics, 0.6, speed_m_s=SPEEDS)
-    with pytest.raises(UnknownNameError, match="no measure 'utilisation' of a roller 'laod'"):
-        sweep.slip.of("laod")

@@ -21,7 +21,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError, SolverError
 from ropefric.registry import Registry
 from ropefric.systems.effect import Effect, Method, System, applicable, law_bound, rounded_up, unknown
-from ropefric.systems.friction import TOLD, told_by
+from ropefric.systems.friction import TOLD, WrapFriction, told_by
 from ropefric.systems.press.answer import (
     FAST_ERROR,
     QUICKER,
@@ -170,20 +170,20 @@ def _law_bound(problem: PressProblem, answer: PressAnswer | None) -> FloatArray:
 
 
 @lru_cache(maxsize=1)
-def _law_change(answer: PressAnswer) -> FloatArray:
+def _law_change(friction: WrapFriction, slip: SlipTable) -> FloatArray:
     """Return that bound, reckoned once for all effects of the law.
 
     The tensions know nothing of it. A coefficient that changes by the factor e^d makes M another by M (e^d − 1) on each
     roller, and e^M − 1 by d more than that in its logarithm: what any measure of slip is inverse to, or less.
     """
-    contacts, slack_N = answer.slip.contacts, np.maximum(answer.slip.contacts.slack_N, LEAST_SLACK_N)
-    off = answer.model.problem.friction.spread(
+    contacts, slack_N = slip.contacts, np.maximum(slip.contacts.slack_N, LEAST_SLACK_N)
+    off = friction.spread(
         wheel_radius_m=(contacts.radius_m,) * 2,
         rope_radius_m=(contacts.half_thickness_m,) * 2,
         wrap_angle_rad=(contacts.wrap_angle_rad,) * 2,
         slack_tension_N=(slack_N.min(axis=0), slack_N.max(axis=0)),
     )
-    change = off + np.exp(off) * answer.slip.exponent * np.expm1(off)
+    change = off + np.exp(off) * slip.exponent * np.expm1(off)
     return np.asarray(change.max(axis=-1))
 
 

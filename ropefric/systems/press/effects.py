@@ -162,11 +162,9 @@ def _steady(
 
 def _law_bound(problem: PressProblem, answer: PressAnswer | None) -> FloatArray:
     """Return an upper bound of what all that the law is not told changes in any number."""
-    return (
-        np.full(1, np.inf if problem.friction.theta.ndim > 1 else 0.0)
-        if answer is None
-        else _law_change(answer)
-    )
+    if answer is None:
+        return np.full(1, np.inf if problem.friction.theta.ndim > 1 else 0.0)
+    return _law_change(problem.friction, answer.slip)
 
 
 @lru_cache(maxsize=1)

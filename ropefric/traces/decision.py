@@ -247,7 +247,7 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     lasts = 0 if sliding is None else sliding.stop - sliding.first
     # A snag or an impact rises faster than the motor loads, and is over before anything slides, or is far too low.
     slower = _slower(force_N, candidate, later)
-    if any(p.top_N >= MUCH * pull.top_N for p in slower) or (
+    if any(p.top_N >= MUCH * pull.top_N for p in later) or (
         lasts < fall.top - fall.start and any(p.top_N >= 0.5 * pull.top_N for p in slower)
     ):
         detail = (

@@ -21,7 +21,7 @@ STANDS, SLOPE_SIGMAS = 0.3, 7.0
 PIECES, LEAST = 8, 8
 """A stretch at rest is looked at in so many pieces, of so many samples at least."""
 FEWEST, CLIMB_SIGMAS = 3, 2.0
-DRIFT_SIGMAS, SEEN_SIGMAS = 4.0, 2.5
+DRIFT_SIGMAS, SEEN_SIGMAS = 4.0, 3.0
 COLOURED, COLOUR = 1.5, 2.0
 """Noise that leaves so many times more than white one would makes a slope by chance so many times more often."""
 WALK_SIGMAS = 4.0

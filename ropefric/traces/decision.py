@@ -242,12 +242,12 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
         fall.drop_N >= LEAST_DROP * candidate.height_N,
     )
     if not fall.reloads and (not fall.has_settled or candidate.share < UNLOADED):
-        return _fell_away(prepared, settings, candidate, later)
+        return _fell_away(prepared, candidate)
     sliding = sliding_after(blocks, fall, pull.base_N)
     lasts = 0 if sliding is None else sliding.stop - sliding.first
     # A snag or an impact rises faster than the motor loads, and is over before anything slides, or is far too low.
     slower = _slower(force_N, candidate, later)
-    if any(p.top_N >= MUCH * pull.top_N for p in slower) or (
+    if any(p.top_N >= MUCH * pull.top_N for p in later) or (
         lasts < fall.top - fall.start and any(p.top_N >= 0.5 * pull.top_N for p in slower)
     ):
         detail = (
@@ -331,9 +331,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     return measured(replace(prepared, notes=(*prepared.notes, note)), settings, candidate, sliding)
 
 
-def _fell_away(
-    prepared: Prepared, settings: PickSettings, candidate: Candidate, later: list[Pull]
-) -> Breakaway:
+def _fell_away(prepared: Prepared, candidate: Candidate) -> Breakaway:
     """Return what a fall is after which the force stands on no level: motor off, mostly."""
     blocks = prepared.blocks
     force_N, pull, fall = blocks.force_N, candidate.pull, candidate.fall
@@ -347,10 +345,6 @@ def _fell_away(
         return before
     if to_the_end and candidate.share >= LEAST_SHARE and flat_top(force_N, fall, blocks.noise_N) != "held":
         return _doubtful(prepared, [candidate], "the recording ends before the force has settled")
-    again = [p for p in later if p.unloads and p.falls and p.falls[-1].sudden]
-    train = [p for p in again if abs(p.top_N - pull.top_N) <= GROWTH * height_N]
-    if fall.sudden and len(train) >= 2 and not _slower(force_N, candidate, later):
-        return measured(prepared, settings, candidate, None)
     at_s = float(blocks.time_s[fall.top])
     detail = (
         f"the force falls from {fall.top_N:.4g} N at {at_s:.4g} s without a stretch of sliding: motor stopped, or "

@@ -183,8 +183,8 @@ SATURATED_SAMPLES = 3
 """A run at the converter's limit longer than any spike."""
 CLIPPED = 3
 """A force that is cut off stays the same so many times longer than where it is not."""
-HIDDEN = 0.3
-"""Part of a climb that a gap may hide."""
+HIDDEN, SLIPPED = 0.3, 0.05
+"""Part of a climb that a gap may hide, and of it that is missing where something slipped in a gap."""
 _LEAST_CLIMB = 30
 _LANDING = 5
 
@@ -273,18 +273,28 @@ def _stuck_detail(prepared: Prepared, block: int, fallen: int) -> str:
 
 
 def _unseen_detail(prepared: Prepared, block: int) -> str:
-    """Return where a gap in the samples hides much of the upper half of the climb to a break; empty if nowhere."""
+    """Return where a gap in the samples may hide the peak: it hides much of the climb, or a slip; empty if nowhere.
+
+    After a gap in which nothing slipped the force stands where the climb leads to.
+    """
     blocks, time_s, force_N = prepared.blocks, prepared.time_s, prepared.force_N
-    begin = max(0, blocks.first_sample(half_climb(blocks.force_N, 0, block)) - 1)
+    climb = half_climb(blocks.force_N, 0, block)
+    begin = max(0, blocks.first_sample(climb) - 1)
     end = blocks.last_sample(block, force_N.size)
-    gaps_s, rises_N = np.diff(time_s[begin : end + 1]), np.diff(force_N[begin : end + 1])
-    height_N = float(force_N[begin : end + 1].max()) - float(force_N[: end + 1].min())
-    hidden = np.flatnonzero((gaps_s > WIDE_GAP * median(np.diff(time_s))) & (rises_N > HIDDEN * height_N))
+    top = begin + int(np.argmax(force_N[begin : end + 1]))
+    gaps_s, rises_N = np.diff(time_s[begin : top + 1]), np.diff(force_N[begin : top + 1])
+    height_N = float(force_N[top]) - float(force_N[: end + 1].min())
+    wide = gaps_s > WIDE_GAP * median(np.diff(time_s))
+    rate_N_s = float(rises_N[~wide].sum()) / max(float(gaps_s[~wide].sum()), TINY)
+    # What hides the very top is beside it, and in its uncertainty.
+    slipped = rate_N_s * gaps_s - rises_N > max(SLIPPED * height_N, 6.0 * prepared.noise_N)
+    slipped &= rate_N_s * gaps_s > SLIPPED * height_N
+    hidden = np.flatnonzero(wide & ((rises_N > HIDDEN * height_N) | slipped))
     if not hidden.size:
         return ""
     k = int(hidden[-1])
     return (
-        f"the force rises by {rises_N[k]:.3g} N within a gap of {1000 * gaps_s[k]:.3g} ms in the samples from "
+        f"the force changes by {rises_N[k]:.3g} N within a gap of {1000 * gaps_s[k]:.3g} ms in the samples from "
         f"{time_s[begin + k]:.4g} s on: it may have been higher in it"
     )
 

@@ -23,6 +23,8 @@ from ropefric.traces.segments import DROP_SIGMAS, Prepared
 
 FEWEST_TEETH = 3
 FEW_BLOCKS = 4
+TRAIN, KIN, SMALLER, LEAST_TOOTH = 6, 0.005, 0.75, 0.1
+"""So many teeth show a trend and scatter by this part of the force at least; a partial slip is smaller."""
 TALL = 0.1
 """What is lower, of a pull or of the highest pull, is a wiggle of the unloaded rope."""
 FAR = 0.95
@@ -172,7 +174,8 @@ def _rivals(
     place = _Place(pull, fall, later, between, higher, came if not higher else top, growth, *rates)
     if _wears_in(force_N, place):
         return []
-    if not slid and _is_passed(force_N, place):
+    kin = _is_of_the_train(force_N, place)
+    if kin is False or (not slid and _is_passed(force_N, place)):
         return None
     # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
     passed = came - _passes(force_N[: came + 1], fall)
@@ -184,7 +187,7 @@ def _rivals(
     # Loaded again along the machine's line to a far higher force, at which nothing slips, it has not slid.
     held = all(g.drop_N < LEAST_DROP * height_N for g in higher)
     sticks = growth > GROWTH and held and _turned_on(force_N[: top + 1], fall) < SLOWER
-    if slid or hardens or weaker or (fall.drop_N > FULL * height_N and not sticks):
+    if kin or slid or hardens or weaker or (fall.drop_N > FULL * height_N and not sticks):
         return []
     if growth > GROWTH or not higher:
         return None
@@ -192,6 +195,38 @@ def _rivals(
     slides = float(force_N[came]) - fall.bottom_N < STICKS * rate * (came - fall.bottom)
     against = False if slides else _against_the_higher(pull, fall, higher, growth)
     return higher if against else None if against is None else []
+
+
+def _is_of_the_train(force_N: FloatArray, place: _Place) -> bool | None:
+    """Return whether a fall begins at the force of the teeth after it, along their trend; None where few are alike.
+
+    The teeth of a train are of one strength; a partial slip lies below them, an obstacle above.
+    """
+    fall, height_N = place.fall, place.fall.top_N - place.pull.base_N
+    # The echo of a slip rises faster than the machine loads.
+    real = [
+        g for g in place.later if g.reloads and loading_rate(force_N, g.start, g.top) <= FAST * place.own_rate
+    ]
+    teeth = [g for g in real if g.drop_N >= SAME_KIND * typical_drop_N(place.later)]
+    # As many as tell a trend from an obstacle among them.
+    if len(teeth) < FEWEST_TEETH:
+        return None
+    teeth = teeth[:TRAIN]
+    tops_N, drops_N, at = np.array([(g.top_N, g.top_N - g.bottom_N, g.top) for g in teeth]).T
+    one, two = np.triu_indices(len(teeth), 1)
+    slope = median((tops_N[two] - tops_N[one]) / (at[two] - at[one]))
+    level_N = tops_N - slope * (at - fall.top)
+    apart_N = max(1.4826 * median(np.abs(level_N - median(level_N))), KIN * height_N)
+    off_N = median(level_N) - fall.top_N
+    smaller = fall.top_N - fall.bottom_N < SMALLER * median(drops_N)
+    if apart_N > ALIKE * height_N:
+        return None
+    if off_N > 6.0 * apart_N:
+        # Having slipped it would be weaker.
+        weaker = any(g.top_N < fall.top_N and g.drop_N > LEAST_TOOTH * fall.drop_N for g in real)
+        return False if smaller and not weaker else None
+    obstacle = float(level_N.max()) - median(level_N) > 3.0 * apart_N
+    return True if abs(off_N) < 3.0 * apart_N and not (smaller and obstacle) else None
 
 
 def _slid_on(force_N: FloatArray, pull: Pull, fall: Fall, top: int, own_rate: float) -> bool:

@@ -21,7 +21,9 @@ STANDS, SLOPE_SIGMAS = 0.3, 7.0
 PIECES, LEAST = 8, 8
 """A stretch at rest is looked at in so many pieces, of so many samples at least."""
 FEWEST, CLIMB_SIGMAS = 3, 2.0
-DRIFT_SIGMAS = 4.0
+DRIFT_SIGMAS, SEEN_SIGMAS = 4.0, 3.0
+COLOURED, COLOUR = 1.5, 2.0
+"""Noise that leaves so many times more than white one would makes a slope by chance so many times more often."""
 WALK_SIGMAS = 4.0
 STEP, BUMP, AGREE = 0.8, 3.0, 3.0
 """A step leaves less than this part of what a line leaves; a bump is so many times higher than the levels differ."""
@@ -43,6 +45,10 @@ def with_its_zero(
     # What was hung on or taken up while the rope was at rest is no zero.
     rest_N = prepared.force_N[: min([n, *(stop * blocks.size for _, stop in rests[:1])])]
     zero_N = 0.0 if is_tared or not n else float(rest_N.mean())
+    # A rope does not push: what reads less than nothing right before the climb is the zero.
+    below_N = min((float(blocks.force_N[start:stop].mean()) for start, stop in rests), default=0.0)
+    if is_negative := -2.0 * LARGE_ZERO * result.peak_N < below_N < min(zero_N, -SMALL_ZERO * result.peak_N):
+        zero_N = below_N
     result, why = _with_drift(blocks, rests, result, zero_N)
     step_N = (
         0.0
@@ -70,7 +76,7 @@ def with_its_zero(
         evidence="as read",
     )
     events = [as_read]
-    if not why and SMALL_ZERO * result.peak_N < abs(zero_N) < LARGE_ZERO * result.peak_N:
+    if not why and (is_negative or SMALL_ZERO * result.peak_N < abs(zero_N) < LARGE_ZERO * result.peak_N):
         events.append(replace(as_read, force_N=result.peak_N - zero_N, evidence="from the level at rest"))
         why = (
             f"the rope at rest reads {zero_N:.3g} N: say whether that is an error of the zero (a [tare] interval, or "
@@ -103,14 +109,14 @@ def _with_drift(
     blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway, zero_N: float
 ) -> tuple[Breakaway, str]:
     """Return a result with the drift of its zero in its uncertainty, and why F_A is not known if that is too large."""
-    drift_N, std_N, walk_std_N = drift(blocks, rests, result)
+    drift_N, std_N, walk_std_N, colour = drift(blocks, rests, result)
     is_seen = 0.0 < DRIFT_SIGMAS * std_N <= abs(drift_N)
     peak_std_N = float(np.hypot(np.hypot(result.peak_std_N, is_seen * drift_N / np.sqrt(3.0)), walk_std_N))
     wrong_N = abs(drift_N)
     if abs(zero_N) <= SMALL_ZERO * result.peak_N:
         wrong_N = max(wrong_N, abs(drift_N + zero_N))
     why = ""
-    if is_seen and wrong_N + std_N > SMALL_ZERO * result.peak_N:
+    if 0.0 < SEEN_SIGMAS * colour * std_N <= abs(drift_N) and wrong_N + std_N > SMALL_ZERO * result.peak_N:
         why = f"the zero drifts by about {abs(drift_N):.2g} N between the rope at rest and the peak"
     elif wrong_N + 2.0 * std_N > UNKNOWN * result.peak_N:
         why = f"the rope rests too briefly to exclude a drift of the zero of {wrong_N + 2.0 * std_N:.2g} N"
@@ -181,8 +187,12 @@ def _parted(force_N: FloatArray, start: int, stop: int) -> list[tuple[int, int]]
     return [*_parted(force_N, start, start + int(k[at])), *_parted(force_N, start + int(k[at]), stop)]
 
 
-def drift(blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway) -> tuple[float, float, float]:
+def drift(
+    blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway
+) -> tuple[float, float, float, float]:
     """Return how far the zero drifts from the first of some stretches at rest until the peak, ± what, and wanders [N].
+
+    The last says how many times larger than white noise would have it the uncertainty is.
 
     Their levels differ by what was hung on, unless a bump lies between; the slope that they share goes on where it
     stands out of the noise, and so does their random walk: the means of pieces differ by more than white noise lets
@@ -190,19 +200,20 @@ def drift(blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway) -> tu
     """
     n = max((stop - start for start, stop in rests), default=0) // PIECES
     if n * blocks.size < LEAST:
-        return 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 1.0
     means, at, bumps = _pieces(blocks, rests, n)
     if not means:
-        return 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 1.0
     white_N = blocks.noise_N / np.sqrt(n)
     while means[-1].size > FEWEST and _begins_to_climb(means[-1], white_N):
         means[-1], at[-1] = means[-1][:-1], at[-1][:-1]
     own = np.repeat(np.arange(len(means)), [each.size for each in means])
     times_s, means_N = np.concatenate(at), np.concatenate(means)
-    slope, std = _common_slope(times_s, means_N, own, white_N)
+    slope, std, left_N = _common_slope(times_s, means_N, own, white_N)
+    colour = COLOUR if left_N > COLOURED * white_N else 1.0
     if any(bumps):
         one = np.cumsum([0, *np.logical_not(bumps)])[own]
-        shared, shared_std = _common_slope(times_s, means_N, one, white_N)
+        shared, shared_std, _ = _common_slope(times_s, means_N, one, white_N)
         # Where the stretches themselves do not rise, something was taken up in between after all.
         if abs(shared - slope) < AGREE * std:
             slope, std = shared, shared_std
@@ -218,7 +229,7 @@ def drift(blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway) -> tu
     if walk_N2 < WALK_SIGMAS * white_N**2:
         walk_N2 = 0.0
     since = max(result.peak_time_s - at[0][-1], 0.0) / float(at[0][1] - at[0][0])
-    return slope * since_s, std * since_s, float(np.sqrt(walk_N2 * since))
+    return slope * since_s, std * since_s, float(np.sqrt(walk_N2 * since)), colour
 
 
 def _pieces(
@@ -231,7 +242,9 @@ def _pieces(
     bumps = []
     for start, stop in rests:
         # The ends may belong to what parts it from the next, the last of it to a soft start.
-        first, count = start + (stop - start) // 8, (3 * (stop - start) // 4) // n
+        cut = (stop - start) // 8
+        first = start + cut * (start > 0)
+        count = (stop - cut - first) // n
         if count < 2:
             continue
         pieces, times = _means(blocks, first, count, n)
@@ -265,7 +278,7 @@ def _with_sliding(
         return found
     slope, std = found
     pieces_N, times_s = _means(blocks, stop - PIECES * n, PIECES, n)
-    other, other_std = _common_slope(
+    other, other_std, _ = _common_slope(
         times_s, pieces_N, np.zeros(PIECES, dtype=np.int64), blocks.noise_N / np.sqrt(n)
     )
     most = abs(other) + 2.0 * other_std
@@ -289,9 +302,11 @@ def _begins_to_climb(means_N: FloatArray, white_N: float) -> bool:
     )
 
 
-def _common_slope(x: FloatArray, y: FloatArray, group: IntArray, white_N: float) -> tuple[float, float]:
-    """Return the slope that groups share, each with a level of its own, and its standard error."""
+def _common_slope(
+    x: FloatArray, y: FloatArray, group: IntArray, white_N: float
+) -> tuple[float, float, float]:
+    """Return the slope that groups share, each with a level of its own, its standard error, and what is left [N]."""
     x, y = (some - (np.bincount(group, some) / np.bincount(group))[group] for some in (x, y))
     slope = float(x @ y) / float(x @ x)
     left_N = float(np.sqrt(((y - slope * x) ** 2).sum() / max(1, x.size - int(group[-1]) - 2)))
-    return slope, float(max(white_N, left_N) / np.sqrt(x @ x))
+    return slope, float(max(white_N, left_N) / np.sqrt(x @ x)), left_N

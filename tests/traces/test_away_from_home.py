@@ -282,3 +282,58 @@ def test_the_force_of_sliding_tells_a_drift_of_the_zero_from_a_rope_that_settles
         (0.0, 0.0), (1.0, 0.0), (2.5, 100.0), (2.504, 70.0), (4.0, 70.0 + 1.5 * slide_N_s), noise_N=0.1
     )
     assert picked(force + rest).status is status
+
+
+def test_a_slip_hidden_in_a_gap_of_the_climb_gives_no_number_a_gap_on_its_line_does():
+    for lost_N, status in ((0.0, Status.OK), (15.0, Status.NO_PEAK)):
+        climb = ((0.0, 0.0), (1.0, 0.0), (1.7, 70.0), (1.704, 70.0 - lost_N), (2.0 + 0.01 * lost_N, 100.0))
+        force = drawn(*climb, (climb[-1][0] + 0.004, 80.0), (4.0, 80.0))
+        seen = (TIME_S < 1.65) | (TIME_S > 1.85)
+        (found,) = pick_breakaway(ForceTrace(time_s=TIME_S[seen], force_N=force[seen]), AUTO)
+        assert found.status is status, found.detail
+
+
+@pytest.mark.parametrize("level_N", [-5.0, -15.0])
+def test_a_rope_at_rest_that_reads_less_than_nothing_shows_an_error_of_the_zero(level_N):
+    # The zero jumps early in the rest, so that most of it reads as before the pull.
+    shifted = drawn(*PULL) + np.where(TIME_S > 0.3, level_N, 0.0)
+    found = picked(shifted)
+    assert found.status is Status.DOUBTFUL, found.detail
+    assert [event.force_N for event in found.candidates] == pytest.approx([100.0 + level_N, 100.0], rel=0.01)
+
+
+def train(*teeth):
+    """Return the force of a pull that begins to slip at the first of some teeth (top, drop), loaded at 100 N/s."""
+    corners, now_s, force_N = [(0.0, 0.0), (0.5, 0.0)], 0.5, 0.0
+    for top_N, drop_N in teeth:
+        now_s += (top_N - force_N) / 100.0
+        corners += [(now_s, top_N), (now_s + 0.004, top_N - drop_N)]
+        now_s, force_N = now_s + 0.004, top_N - drop_N
+    return drawn(*corners, (4.0, force_N))
+
+
+def test_a_slip_is_one_of_a_train_that_grows_and_a_smaller_one_below_an_even_train_is_partial():
+    growing = [(100.0 + 6.0 * k, 20.0) for k in range(8)]
+    even = [(100.0, 10.0), *[(108.0, 20.0)] * 6]
+    assert picked(train(*growing)).peak_N == pytest.approx(100.0, rel=0.01)
+    found = picked(train(*even))
+    assert found.peak_N == pytest.approx(108.0, rel=0.01)
+    assert [event.kind for event in found.events][:1] == ["partial-slip"]
+
+
+def test_what_slid_before_a_pull_that_goes_far_higher_was_a_bump():
+    # Pulled up, held with a small fall and let go, no faster than the pull is loaded later.
+    bump = ((0.3, 0.0), (0.9, 55.0), (0.91, 53.0), (1.3, 53.0), (1.5, 0.0))
+    found = picked(drawn((0.0, 0.0), *bump, (1.8, 0.0), (3.0, 110.0), (3.004, 90.0), (4.0, 90.0)))
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(110.0, rel=0.01)
+
+
+def test_the_masses_of_a_motor_that_stops_swing_no_faster_than_they_were_loaded():
+    # Around the quiet level at which it stopped, and after a climb of many periods: no load that comes on at once.
+    since, omega = np.maximum(TIME_S - 2.0, 0.0), 2.0 * np.pi * 4.2
+    level = np.interp(TIME_S, [1.0, 2.0], [0.0, 60.0])
+    swing = 60.0 / omega * np.exp(-5.0 * since) * np.sin(omega * since)
+    found = picked(level + swing + np.random.default_rng(1).normal(0.0, 0.05, TIME_S.size))
+    assert found.status is Status.DOUBTFUL, found.detail
+    assert "swings" in found.detail

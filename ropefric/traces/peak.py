@@ -76,7 +76,11 @@ def peak_result(
     trough_N = float(blocks.force_N[block : fallen + 2].min()) if sliding else nan
     block_s = float(blocks.time_s[-1] - blocks.time_s[0]) / max(1, blocks.time_s.size - 1)
     notes = [*prepared.notes]
-    std_N, two_line = peak.peak_std_N, settings.peak == "two-line" and bool(np.isfinite(peak.two_line_N))
+    hidden_N = hidden_by_steps_N(blocks.resolution_N, prepared.noise_N)
+    std_N, two_line = (
+        math.hypot(peak.peak_std_N, hidden_N),
+        settings.peak == "two-line" and bool(np.isfinite(peak.two_line_N)),
+    )
     if not two_line and settings.peak == "two-line":
         notes.append("too few samples for the two-line fit; the smoothed peak is given")
     gap_s = _gap_beside_s(prepared.time_s, peak.peak_time_s)
@@ -200,6 +204,18 @@ def _std_of_a_maximum_N(rise_N: float, noise_N: float, n_window: int) -> float:
     above_N = noise_N * float(np.interp(apart, _APART, _MEAN_OF_MAXIMUM))
     std_N = noise_N * float(np.interp(apart, _APART, _STD_OF_MAXIMUM))
     return math.hypot(std_N, above_N - 0.5 * n_window * rise_N, rise_N / math.sqrt(12.0))
+
+
+def hidden_by_steps_N(step_N: float, noise_N: float) -> float:
+    """Return the standard uncertainty of a mean of values rounded to steps, which noise larger than those takes away.
+
+    Rounded, noise σ leaves σ² + q²/12; of the error of rounding, u = q/√12, e^(−2π²σ²/q²) is in the mean, too, but for
+    its harmonics (Widrow and Kollar, Quantization Noise, 2008).
+    """
+    if step_N <= 0.0:
+        return 0.0
+    dither = max((noise_N / step_N) ** 2 - 1.0 / 12.0, 0.0)
+    return step_N / math.sqrt(12.0) * math.exp(-2.0 * math.pi**2 * dither)
 
 
 def _smoothed_top(force_N: FloatArray, where: Neighbourhood, n_window: int) -> tuple[int, float]:

@@ -1,5 +1,6 @@
 """The zero of a recording: its drift while the rope is at rest, and a level at rest that is none."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -21,10 +22,12 @@ STANDS, SLOPE_SIGMAS = 0.3, 7.0
 PIECES, LEAST = 8, 8
 """A stretch at rest is looked at in so many pieces, of so many samples at least."""
 FEWEST, CLIMB_SIGMAS = 3, 2.0
-DRIFT_SIGMAS, SEEN_SIGMAS = 4.0, 3.0
+DRIFT_SIGMAS, SEEN_SIGMAS, MAY_BE_SIGMAS = 4.0, 3.0, 2.0
 COLOURED, COLOUR = 1.5, 2.0
 """Noise that leaves so many times more than white one would makes a slope by chance so many times more often."""
 WALK_SIGMAS = 4.0
+LEFT_OF_DRIFT = 0.5 / np.sqrt(3.0)
+"""Standard uncertainty of what is taken off for a drift, which may be half or one and a half times that."""
 STEP, BUMP, AGREE = 0.8, 3.0, 3.0
 """A step leaves less than this part of what a line leaves; a bump is so many times higher than the levels differ."""
 
@@ -59,14 +62,7 @@ def with_its_zero(
         zero_N, step_N = zero_N + step_N, 0.0
     if not why and settings.rest == "zero" and not is_tared and n:
         said = f"{zero_N:.4g} N at rest were taken off as the error of the zero"
-        return replace(
-            result,
-            peak_N=result.peak_N - zero_N,
-            peak_raw_N=result.peak_raw_N - zero_N,
-            two_line_N=result.two_line_N - zero_N,
-            kinetic_N=result.kinetic_N - zero_N,
-            notes=(*result.notes, said),
-        )
+        return _taken_off(result, zero_N, said)
     as_read = ForceEvent(
         kind="break-away",
         time_s=result.peak_time_s,
@@ -110,8 +106,7 @@ def _with_drift(
 ) -> tuple[Breakaway, str]:
     """Return a result with the drift of its zero in its uncertainty, and why F_A is not known if that is too large."""
     drift_N, std_N, walk_std_N, colour = drift(blocks, rests, result)
-    is_seen = 0.0 < DRIFT_SIGMAS * std_N <= abs(drift_N)
-    peak_std_N = float(np.hypot(np.hypot(result.peak_std_N, is_seen * drift_N / np.sqrt(3.0)), walk_std_N))
+    is_seen = 0.0 < max(DRIFT_SIGMAS, SEEN_SIGMAS * colour) * std_N <= abs(drift_N)
     wrong_N = abs(drift_N)
     if abs(zero_N) <= SMALL_ZERO * result.peak_N:
         wrong_N = max(wrong_N, abs(drift_N + zero_N))
@@ -120,7 +115,28 @@ def _with_drift(
         why = f"the zero drifts by about {abs(drift_N):.2g} N between the rope at rest and the peak"
     elif wrong_N + 2.0 * std_N > UNKNOWN * result.peak_N:
         why = f"the rope rests too briefly to exclude a drift of the zero of {wrong_N + 2.0 * std_N:.2g} N"
-    return replace(result, peak_std_N=peak_std_N), why
+    # Whether a drift that is seen went on at one rate is not known, nor one that noise may be.
+    may_be = MAY_BE_SIGMAS * colour * std_N <= abs(drift_N)
+    left_N = (
+        math.hypot(std_N, drift_N * (LEFT_OF_DRIFT if is_seen else 2.0 * LEFT_OF_DRIFT)) if may_be else 0.0
+    )
+    result = replace(result, peak_std_N=math.hypot(result.peak_std_N, left_N, walk_std_N))
+    if is_seen and not why:
+        said = f"the zero drifts by {drift_N:.2g} N until the peak, which was taken off"
+        result = _taken_off(result, drift_N, said)
+    return result, why
+
+
+def _taken_off(result: Breakaway, zero_N: float, said: str) -> Breakaway:
+    """Return a result whose forces are counted from another zero, and say so."""
+    return replace(
+        result,
+        peak_N=result.peak_N - zero_N,
+        peak_raw_N=result.peak_raw_N - zero_N,
+        two_line_N=result.two_line_N - zero_N,
+        kinetic_N=result.kinetic_N - zero_N,
+        notes=(*result.notes, said),
+    )
 
 
 def _jump_N(prepared: Prepared, top: int) -> float:
@@ -283,7 +299,7 @@ def _with_sliding(
     )
     most = abs(other) + 2.0 * other_std
     if most * since_s < SMALL_ZERO * result.peak_N:
-        return 0.0, 0.0
+        return float(np.clip(slope, -most, most)), min(std, most)
     both = float(np.hypot(std, other_std))
     if abs(slope - other) < 2.0 * both:
         weight = (std / both) ** 2

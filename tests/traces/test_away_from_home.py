@@ -8,6 +8,7 @@ import pytest
 from ropefric.rig.strangers import recordings
 from ropefric.traces.breakaway import RESTS, PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
+from ropefric.traces.peak import hidden_by_steps_N
 from ropefric.traces.protocols import pick_teeth
 from ropefric.traces.trace import ForceTrace
 
@@ -337,3 +338,33 @@ def test_the_masses_of_a_motor_that_stops_swing_no_faster_than_they_were_loaded(
     found = picked(level + swing + np.random.default_rng(1).normal(0.0, 0.05, TIME_S.size))
     assert found.status is Status.DOUBTFUL, found.detail
     assert "swings" in found.detail
+
+
+@pytest.mark.parametrize("drift_N_s", [-0.5, 0.5])
+def test_a_drift_that_the_rest_shows_is_taken_off_and_said(drift_N_s):
+    found = picked(drawn(*PULL, noise_N=0.1) + drift_N_s * TIME_S)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, abs=0.5)
+    assert abs(found.peak_N - 100.0) < 2.0 * found.peak_std_N
+    assert "taken off" in " ".join(found.notes)
+
+
+def test_the_uncertainty_counts_the_rounding_that_no_noise_takes_away():
+    step_N, z = 1.0, []
+    for top_N in np.linspace(100.0, 101.0, 21):
+        corners = ((0.0, 0.0), (1.0, 0.0), (2.5, top_N), (2.504, 70.0), (4.0, 70.0))
+        found = picked(np.round(drawn(*corners, noise_N=0.02) / step_N) * step_N)
+        assert found.status is Status.OK, found.detail
+        assert found.peak_std_N >= step_N / np.sqrt(12.0)
+        z.append((found.peak_N - top_N) / found.peak_std_N)
+    assert np.abs(z).max() < 2.0
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.1, 0.2, 0.3, 0.5])
+def test_what_rounding_leaves_in_a_mean_is_that_of_drawn_numbers(noise):
+    drawn_noise = np.random.default_rng(3).normal(0.0, noise, 20_000)
+    values = np.linspace(0.0, 1.0, 101)[:-1]
+    left = [np.round(value + drawn_noise).mean() - value for value in values]
+    rounded = np.sqrt(noise**2 + 1.0 / 12.0)
+    # The first harmonic fades as the formula says; the others, which it lets fade alike, fade sooner.
+    assert np.std(left) - 0.005 <= hidden_by_steps_N(1.0, rounded) <= np.std(left) + 0.05

@@ -43,6 +43,7 @@ from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.protocols import pick_at
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.profile import ImportProfile
+from ropefric.traces.segments import upright
 from ropefric.traces.smoothing import SmoothedForce
 from ropefric.traces.smoothing import smooth as average
 from ropefric.traces.trace import ForceTrace
@@ -223,8 +224,9 @@ def find_breakaway(
         window_s=window_s, peak=peak, start_s=start_s, stop_s=stop_s, min_step_N=min_step_N, ending=ending,
         pick_s=pick_s,
     )  # fmt: skip
-    recorded = as_trace(trace, force_N, columns)
-    return pick_breakaway(recorded, chosen)[0] if pick_s is None else pick_at(recorded, chosen)
+    recorded, said = upright(as_trace(trace, force_N, columns))
+    found = pick_breakaway(recorded, chosen)[0] if pick_s is None else pick_at(recorded, chosen)
+    return replace(found, notes=(*recorded.notes, *filter(None, [said]), *found.notes))
 
 
 def extract(

@@ -16,6 +16,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, RopefricWarning, UnknownNameError
 from ropefric.quantities import parse_quantity, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
+from ropefric.traces.clock import mend_clock
 from ropefric.traces.readers.table import SAFE_NAMES
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials import cells
@@ -240,7 +241,7 @@ def as_trace(trace: Any, force_N: Any = None, columns: Columns = None) -> ForceT
     if isinstance(trace, ForceTrace):
         return trace
     if force_N is not None:
-        return ForceTrace(time_s=in_si(trace, "s", "time_s"), force_N=in_si(force_N, "N", "force_N"))
+        return _recorded(in_si(trace, "s", "time_s"), in_si(force_N, "N", "force_N"))
     if not (isinstance(trace, Mapping) or hasattr(trace, "columns") or hasattr(trace, "dtype")):
         fix = "give a ForceTrace, a table, or times and forces; read_trace reads files"
         raise InputError(f"{type(trace).__name__} is no recording", key="trace", fix=fix)
@@ -254,4 +255,13 @@ def as_trace(trace: Any, force_N: Any = None, columns: Columns = None) -> ForceT
             raise InputError(text, key="columns", fix=fix)
         factor = unit_factor(split_unit_suffix(names[0])[1], unit)
         arrays.append(factor * in_si(frame[names[0]].to_numpy(), "", names[0]))
-    return ForceTrace(time_s=arrays[0], force_N=arrays[1])
+    return _recorded(*arrays)
+
+
+def _recorded(time_s: FloatArray, force_N: FloatArray) -> ForceTrace:
+    """Return a trace of what was recorded, its clock mended by the rule for files."""
+    notes: tuple[str, ...] = ()
+    if time_s.shape == force_N.shape and time_s.ndim == 1 and time_s.size:
+        keep, time_s, notes = mend_clock(time_s, [force_N], name="trace")
+        force_N = force_N[keep]
+    return ForceTrace(time_s=time_s, force_N=force_N, notes=notes)

@@ -333,6 +333,18 @@ def test_a_recording_of_any_form_gives_the_same_break_away():
             rf.find_breakaway(odd, force_N)
 
 
+def test_arrays_are_mended_as_files_are_and_told():
+    time_s = np.arange(2500) / 1000
+    force_N = np.interp(time_s, [0.3, 1.3, 1.32], [0, 100, 80])
+    force_N += np.random.default_rng(5).normal(0.0, 0.05, time_s.size)
+    asked = rf.find_breakaway(time_s, force_N)
+    twice = np.repeat(np.arange(time_s.size), np.where(np.arange(time_s.size) % 100 == 7, 2, 1))
+    doubled, turned = rf.find_breakaway(time_s[twice], force_N[twice]), rf.find_breakaway(time_s, -force_N)
+    assert (doubled.peak_N, turned.peak_N) == pytest.approx((asked.peak_N, asked.peak_N), rel=1e-9)
+    assert "written twice" in doubled.notes[0]
+    assert "reversed" in turned.notes[0]
+
+
 def test_settings_of_any_form_and_a_warning_of_degrees_and_millimetres():
     bare = rf.predict(
         COUPLED, wheel_radius_m=0.035, wrap_angle_rad=np.radians([400.0, 500.0]), end_tension_N=80.0

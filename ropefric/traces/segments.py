@@ -4,7 +4,7 @@ Phases are told apart on means over 4 ms before the peak is measured finely. A *
 a *break* is a record followed by a drop of more than the noise; a *slip* is a break as sudden as a rope slips.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import nan
 from typing import NamedTuple
 
@@ -12,12 +12,22 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.traces.breakaway import Phase, PickSettings
+from ropefric.traces.calibration import Saturation
 from ropefric.traces.events import Fall
-from ropefric.traces.noise import find_stuck, noise_std, remove_spikes, resolution, without_hum
+from ropefric.traces.noise import (
+    MAX_SPIKE_SAMPLES,
+    find_stuck,
+    noise_std,
+    remove_spikes,
+    resolution,
+    without_hum,
+)
 from ropefric.traces.trace import ForceTrace
 
 MIN_SAMPLES = 50
 """Fewer samples cannot show idle, loading, a peak and sliding."""
+FALLS = 5.0
+"""A force that falls this many times as far as it rises only goes down [-]."""
 BLOCK_S = 0.004
 """Length of a block [s]: a fifth of the shortest stick-slip tooth of such rigs, long enough to average noise."""
 DROP_SIGMAS = 6.0
@@ -248,3 +258,27 @@ def phases_of(prepared: Prepared, block: int, sliding: Sliding | None) -> tuple[
         for begin, (name, end) in zip(starts, ends, strict=False)
         if begin < end or name not in optional
     )
+
+
+def upright(trace: ForceTrace) -> tuple[ForceTrace, str]:
+    """Return a trace turned round if its sign was reversed, that is if its force only goes down, and what to say."""
+    if not (lowest_N := _falls_to(trace.force_N)):
+        return trace, ""
+    saturation = trace.saturation
+    if saturation is not None:
+        saturation = Saturation(high_runs=saturation.low_runs, low_runs=saturation.high_runs)
+    said = f"the force only goes down, to {lowest_N:.4g} N: its sign is taken as reversed"
+    return replace(trace, force_N=-trace.force_N, saturation=saturation), said
+
+
+def _falls_to(force_N: FloatArray) -> float:
+    """Return the lowest force of a recording that falls far below zero and never rises; 0 for any other."""
+    if force_N.size < MIN_SAMPLES or not np.nanmin(force_N) < -FALLS * max(float(np.nanmax(force_N)), 0.0):
+        return 0.0
+    present_N = force_N[np.isfinite(force_N)]
+    few = max(MAX_SPIKE_SAMPLES + 1, present_N.size // 200)  # no spike makes a pull
+    low_N, high_N = np.partition(present_N, (few, -few - 1))[[few, -few - 1]]
+    start_N = float(np.median(present_N[: max(few, present_N.size // 50)]))
+    fall_N, rise_N = start_N - low_N, high_N - start_N
+    is_fall = fall_N > FALLS * rise_N and fall_N > 20.0 * noise_std(present_N)
+    return float(low_N) if is_fall and low_N < -FALLS * max(high_N, 0.0) else 0.0

@@ -32,17 +32,15 @@ from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.calibration import (
     Calibration,
-    Saturation,
     cell_std_N,
     end_tension_std_N,
     force_std_N,
     tare_from_interval,
 )  # fmt: skip
-from ropefric.traces.noise import MAX_SPIKE_SAMPLES, noise_std
 from ropefric.traces.protocols import PROTOCOLS, pick_at
 from ropefric.traces.readers import READERS, TEXT_FORMATS, find_reader, read_recordings
 from ropefric.traces.readers.profile import RawRecording
-from ropefric.traces.segments import MIN_SAMPLES
+from ropefric.traces.segments import MIN_SAMPLES, upright
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign_model import Campaign, TrialRow, TrialSpec
 from ropefric.trials.result import Extraction, TrialResult, draw_outline, summarised
@@ -342,8 +340,6 @@ STATED_SHARE = 0.01
 NO_END = "no end tension is known at the break-away; write it into the list of trials"
 SLACK_SAMPLES = 20
 """Samples before the break-away, at least, that tell the slack tension at it."""
-FALLS = 5.0
-"""A force that falls this many times as far as it rises only goes down [-]."""
 
 
 def extract_recording(
@@ -575,28 +571,11 @@ def tared_trace(
     A force that only goes down was recorded with its sign reversed; it is turned round, which is told.
     """
     trace, tare_N, problems = _tared_trace(campaign, spec, raw)
-    if not (lowest_N := _falls_to(trace.force_N)):
-        return trace, tare_N, problems
-    saturation = trace.saturation
-    if saturation is not None:
-        saturation = Saturation(high_runs=saturation.low_runs, low_runs=saturation.high_runs)
-    message = f"the force only goes down, to {lowest_N:.4g} N: its sign is taken as reversed"
-    fix = 'say so with [import.derived] force = "-force", or check the wiring of the cell'
-    problems += (_warning(spec, "RF241", message, fix, "force"),)
-    return replace(trace, force_N=-trace.force_N, saturation=saturation), tare_N, problems
-
-
-def _falls_to(force_N: FloatArray) -> float:
-    """Return the lowest force of a recording that falls far below zero and never rises; 0 for any other."""
-    if force_N.size < MIN_SAMPLES or not np.nanmin(force_N) < -FALLS * max(float(np.nanmax(force_N)), 0.0):
-        return 0.0
-    present_N = force_N[np.isfinite(force_N)]
-    few = max(MAX_SPIKE_SAMPLES + 1, present_N.size // 200)  # no spike makes a pull
-    low_N, high_N = np.partition(present_N, (few, -few - 1))[[few, -few - 1]]
-    start_N = float(np.median(present_N[: max(few, present_N.size // 50)]))
-    fall_N, rise_N = start_N - low_N, high_N - start_N
-    is_fall = fall_N > FALLS * rise_N and fall_N > 20.0 * noise_std(present_N)
-    return float(low_N) if is_fall and low_N < -FALLS * max(high_N, 0.0) else 0.0
+    trace, said = upright(trace)
+    if said:
+        fix = 'say so with [import.derived] force = "-force", or check the wiring of the cell'
+        problems += (_warning(spec, "RF241", said, fix, "force"),)
+    return trace, tare_N, problems
 
 
 def _tared_trace(

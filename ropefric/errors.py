@@ -44,10 +44,7 @@ class Problem:
 
     def __str__(self) -> str:
         head = " ".join(part for part in (self.severity, self.code, self.where) if part)
-        lines = [f"{head}  {self.message}"]
-        if self.fix:
-            lines.append(f"  fix: {self.fix}")
-        return "\n".join(lines)
+        return f"{head}  {self.message}" + (f"\n  fix: {self.fix}" if self.fix else "")
 
 
 class RopefricError(Exception):
@@ -65,6 +62,8 @@ class RopefricError(Exception):
         How to mend it.
     problems : iterable of Problem
         All problems found, when one pass found several; the message then describes the first.
+    cases : array of bool, optional
+        Of many cases solved in one call those that are refused; the message then describes one of them.
 
     Examples
     --------
@@ -86,8 +85,10 @@ class RopefricError(Exception):
         key: str = "",
         fix: str = "",
         problems: Iterable[Problem] = (),
+        cases: Any = None,
     ) -> None:
         super().__init__(message)
+        self.cases = cases
         self.problem = Problem(
             code=code or self.default_code, message=message, path=str(path), line=line, key=key, fix=fix
         )

@@ -224,10 +224,7 @@ class Draws(Answers):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Return what speaks against using the answers, and where the machine does not do what it is for."""
-        none = [f"{self.failed} of {self.count} draws have no answer: {self.first_failure}"] * bool(
-            self.failed
-        )
-        return (*self.doubts, *none, *self._warnings(f"in {{}} of {self.count} draws"))
+        return (*self.doubts, *self.unanswered, *self._warnings(f"in {{}} of {self.count} draws"))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the summary as a JSON tree."""

@@ -110,7 +110,8 @@ def make_plan(
     if left_out_error < math.inf:
         error_bound += method.error * (1.0 + left_out_error)
     asked = {"all": "all effects are asked for", "auto": ""}.get(str(effects), "asked for by name")
-    spared = {one.name: "" for one in spare} | dict(kept)
+    no_gain = "leaving it out would save no time"
+    stays = {one.name: "" if one in spare else no_gain for one in every} | dict(kept)
     decisions = []
     for one in every:
         bound, why = _relative(bounds.get(one.name, math.nan)), ""
@@ -124,7 +125,7 @@ def make_plan(
         elif asked and is_in:
             why = asked
         elif not is_in or not bound > accuracy:
-            reason = spared.get(one.name, "leaving it out would save no time") if is_in else one.instead
+            reason = stays[one.name] if is_in else f"instead: {one.instead}"
             detail = "" if is_in or one.detail is None else one.detail(problem)
             why = "; ".join(part for part in (why, reason, detail) if part)
         fate: Fate = "not applicable" if keys else "simulated" if is_in else "left out"

@@ -287,8 +287,7 @@ class _Run:
         tried = [one for one in asked if one.each and (one.each(box, None) <= self.room).any()]
         most_s, best = 0.0, frozenset[str]()
         while tried:
-            names = frozenset(known) - {one.name for one in tried}
-            answer = self._answer(box, names)[0]
+            answer = self._answer(box, frozenset(known) - {one.name for one in tried})[0]
             bounds = [one.each(box, answer) for one in tried if one.each]
             may_go = np.broadcast_to(sum(bounds, np.zeros(box.n)) <= self.room, (box.n,))
             saved_s = float(may_go.mean()) * sum(one.cost for one in tried)
@@ -332,11 +331,10 @@ class _Run:
 
     def outcomes(self, piece: tuple[int, int]) -> list[Outcome]:
         """Return what the points of a piece give; point by point where a key does not go in one call."""
-        step = self.size if self.by_array else 1
         return [
             found
-            for first in range(*piece, step)
-            for found in self._outcomes(first, min(first + step, piece[1]))
+            for first in range(*piece, self.size)
+            for found in self._outcomes(first, min(first + self.size, piece[1]))
         ]
 
     def _outcomes(self, start: int, stop: int) -> Iterator[Outcome]:
@@ -348,20 +346,22 @@ class _Run:
                 possible = self.kind.answerable(problem)
         if possible.all():
             yield from self._points(places, values, problem)
-            return
-        # Of the points that cannot have an answer one is solved, to hear why not.
-        hopeless = np.flatnonzero(~possible)
-        for some in (hopeless[:1], np.flatnonzero(possible)):
+        else:
+            yield from self._apart(places, values, ~possible)
+
+    def _apart(self, places: IntArray, values: list[FloatArray], refused: BoolArray) -> Iterator[Outcome]:
+        """Yield what points give of which some have no answer; of these one is solved, to hear why not."""
+        lost = np.flatnonzero(refused)
+        for some in (lost[:1], np.flatnonzero(~refused)):
             if some.size:
                 yield from self._points(places[some], [value[some] for value in values])
-        if hopeless.size > 1:
-            yield places[hopeless[1:]], InputError("there is no answer")
+        if lost.size > 1:
+            yield places[lost[1:]], InputError("there is no answer")
 
     def _points(self, places: IntArray, values: list[FloatArray], problem: Any = None) -> Iterator[Outcome]:
         """Yield what points give, with less than everything where that may be."""
         rest = np.ones(places.size, dtype=np.bool_)
-        lessened = self._lessened(problem, values) if self.gone else None
-        if lessened is not None:
+        if self.gone and (lessened := self._lessened(problem, values)) is not None:
             some, found = lessened
             rest[some] = False
             yield places[some], found
@@ -394,15 +394,21 @@ class _Run:
         return None
 
     def _whole(self, places: IntArray, values: list[FloatArray], problem: Any = None) -> Iterator[Outcome]:
-        """Yield what points give, solved in one call; where one has no answer, they are halved until it stands alone."""
+        """Yield what points give, solved in one call.
+
+        Those without an answer are set apart if the error says which they are, and else halved until one stands alone.
+        """
         try:
             found = self._planned(self.build(values) if problem is None else problem)
         except RopefricError as error:
+            refused = np.asarray(error.cases)
             if places.size == 1:
                 yield places, error
-                return
-            for half in np.array_split(np.arange(places.size), 2):
-                yield from self._whole(places[half], [value[half] for value in values])
+            elif refused.shape == places.shape and refused.any():
+                yield from self._apart(places, values, refused)
+            else:
+                for half in np.array_split(np.arange(places.size), 2):
+                    yield from self._whole(places[half], [value[half] for value in values])
         else:
             yield places, found
 

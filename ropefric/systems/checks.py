@@ -54,7 +54,7 @@ def refuse(wrong: BoolArray, words: str, *, key: str, fix: str = "", code: str =
         first = int(np.argmax(wrong))
         here = {name: np.broadcast_to(value, wrong.shape)[first] for name, value in values.items()}
         here["place"] = f" at case {first}" if wrong.size > 1 else ""
-        raise InputError(words.format(**here), code=code, key=key, fix=fix.format(**here))
+        raise InputError(words.format(**here), code=code, key=key, fix=fix.format(**here), cases=wrong)
 
 
 Positive = Annotated[FloatArray, "positive"]

@@ -108,7 +108,8 @@ class WrapFriction:
         flat = [one.ravel() for one in spread]
         contacts = Conditions(**dict(zip(arrays, flat, strict=False)))
         if own:
-            coefficient = self._average_of_pairs(np.stack(flat[len(arrays) :], axis=-1), contacts)
+            per_case = int(np.prod(spread[0].shape[spread[0].ndim - places :]))
+            coefficient = self._average_of_pairs(np.stack(flat[len(arrays) :], axis=-1), contacts, per_case)
             coefficient = self.scale.reshape(-1, *(1,) * places) * coefficient.reshape(spread[0].shape)
         else:
             coefficient = self.scale * self.law.average_mu(self.theta, contacts).reshape(spread[0].shape)
@@ -124,7 +125,7 @@ class WrapFriction:
             coefficient * arrays["wrap_angle_rad"], np.broadcast_shapes(shape, coefficient.shape)
         )
 
-    def _average_of_pairs(self, theta: FloatArray, contacts: Conditions) -> FloatArray:
+    def _average_of_pairs(self, theta: FloatArray, contacts: Conditions, per_case: int) -> FloatArray:
         """Return the average coefficient of m parameter sets, each at its own contact, shape (m,)."""
         rise = self.law.log_lift_of_pairs(theta, contacts) - contacts.log_end_tension
         wrong = np.isnan(rise)
@@ -137,6 +138,7 @@ class WrapFriction:
                 f"{self.law.name} with {given}: {reasons[0]}",
                 code="RF420",
                 fix="keep to parameters and machines near those that were tested",
+                cases=wrong.reshape(-1, per_case).any(axis=1),
             )
         return np.asarray(rise / contacts.wrap_angle_rad)
 
@@ -194,4 +196,5 @@ def refuse_no_ratio(exponent: FloatArray) -> None:
             code="RF420",
             key="wrap_angle_rad",
             fix="check the wrap and the coefficient",
+            cases=wrong,
         )

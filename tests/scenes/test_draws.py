@@ -13,16 +13,19 @@ import pytest
 from scipy.special import stdtr
 
 import ropefric as rf
-from ropefric.errors import DataError, InputError
+from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.files.folder import Folder
+from ropefric.files.toml import TomlDocument
 from ropefric.fitting.predict import degrees_of_freedom
 from ropefric.fitting.result import CommonError
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.scenes.draws import draw_scene
-from ropefric.scenes.scene import number_keys, value_at
+from ropefric.scenes.draws import _Draws, draw_scene
+from ropefric.scenes.points import _Run
+from ropefric.scenes.scene import number_keys, read_scene, value_at
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep import parse_axis, sweep_table
+from ropefric.systems.beltdrive.drive import solve_drive
 from ropefric.systems.friction import ScaleTo, WrapFriction
 from ropefric.uncertainty.budget import directions
 
@@ -426,3 +429,33 @@ def test_start_ups_are_drawn_one_by_one(loaded):
     assert found.numbers["start_up.slips"].mean == slips.mean()
     assert ((found.columns["start_up.slipping_s"] > 0.0) == (slips == 1.0)).all()
     assert found.numbers["start_up.peak_tension_N"].value > found.numbers["start_up.lowest_tension_N"].value
+
+
+def test_draws_without_an_answer_are_set_apart_and_not_looked_for_one_by_one(loaded):
+    scene = loaded("belt-drive")
+    tree = scene.document.data | {"friction": {"fit": "../../fits/prth-wrap-power.json"}}
+    tree |= {"effects": "all", "tolerances": {"tension.force": "5 %"}}
+    scene = read_scene(TomlDocument(path="scene.toml", data=tree, lines={}), scene.folder)
+    solved, system = [], scene.kind.system
+
+    def solve(model, method):
+        solved.append(model.problem.n)
+        return solve_drive(model)
+
+    kind = replace(scene.kind, system=system._replace(solve=solve))
+    written = []
+    found = draw_scene(
+        replace(scene, kind=kind), 400, seed=1, write=lambda columns, _: written.append(columns)
+    )
+    assert found.failed > 40, "a law of the wrap counted from tension has no answer for a belt so light"
+    assert len(solved) < found.failed
+    (columns,) = written
+    alone = _Draws(scene, 400, 1)
+    run = _Run(scene, alone)
+    for place in range(0, 400, 8):
+        (outcome,) = run.outcomes((place, place + 1))
+        refused = isinstance(outcome[1], RopefricError)
+        assert refused == np.isnan(columns["full_pull_N"][place])
+        if not refused:
+            (pull_N,) = [one.value[0] for one in outcome[1].quantities if one.name == "full_pull_N"]
+            assert columns["full_pull_N"][place] == pytest.approx(pull_N, rel=1e-9)

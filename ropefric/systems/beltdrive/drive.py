@@ -158,14 +158,13 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
         for _ in range(_MAX_STEPS):
             slack_N = _full_N(problem, pressing_N, _exponents(problem, coefficients))[1]
             better = _coefficients(model, slack_N)
-            settled = np.nanmax(np.abs(better / coefficients - 1.0)) <= 1e-13
+            moving = np.nanmax(np.abs(better / coefficients - 1.0), axis=0) > 1e-13
             coefficients = better
-            if settled:
+            if not moving.any():
                 break
         else:
-            raise SolverError(
-                "friction and slack tension do not settle", code="RF500", fix="use a law without tension"
-            )
+            why, fix = "friction and slack tension do not settle", "use a law without tension"
+            raise SolverError(why, code="RF500", fix=fix, cases=moving)
     exponents = _exponents(problem, coefficients)
     full_tight_N, full_slack_N = (one + circling_N for one in _full_N(problem, pressing_N, exponents))
     tight_N, slack_N = full_tight_N, full_slack_N

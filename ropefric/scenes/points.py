@@ -347,16 +347,16 @@ class _Run:
         if possible.all():
             yield from self._points(places, values, problem)
         else:
-            yield from self._apart(places, values, ~possible)
+            yield from self._refused(places, values, ~possible)
+            if possible.any():
+                yield from self._points(places[possible], [value[possible] for value in values])
 
-    def _apart(self, places: IntArray, values: list[FloatArray], refused: BoolArray) -> Iterator[Outcome]:
-        """Yield what points give of which some have no answer; of these one is solved, to hear why not."""
-        lost = np.flatnonzero(refused)
-        for some in (lost[:1], np.flatnonzero(~refused)):
-            if some.size:
-                yield from self._points(places[some], [value[some] for value in values])
-        if lost.size > 1:
-            yield places[lost[1:]], InputError("there is no answer")
+    def _refused(self, places: IntArray, values: list[FloatArray], refused: BoolArray) -> Iterator[Outcome]:
+        """Yield what points without an answer give, of which one is solved, to hear why not."""
+        first, *rest = np.flatnonzero(refused)
+        yield from self._points(places[[first]], [value[[first]] for value in values])
+        if rest:
+            yield places[rest], InputError("there is no answer")
 
     def _points(self, places: IntArray, values: list[FloatArray], problem: Any = None) -> Iterator[Outcome]:
         """Yield what points give, with less than everything where that may be."""
@@ -398,19 +398,23 @@ class _Run:
 
         Those without an answer are set apart if the error says which they are, and else halved until one stands alone.
         """
-        try:
-            found = self._planned(self.build(values) if problem is None else problem)
-        except RopefricError as error:
-            refused = np.asarray(error.cases)
-            if places.size == 1:
-                yield places, error
-            elif refused.shape == places.shape and refused.any():
-                yield from self._apart(places, values, refused)
+        while places.size:
+            try:
+                found = self._planned(self.build(values) if problem is None else problem)
+            except RopefricError as error:
+                refused = np.asarray(error.cases)
+                if places.size == 1:
+                    yield places, error
+                    return
+                if refused.shape != places.shape or not refused.any():
+                    for half in np.array_split(np.arange(places.size), 2):
+                        yield from self._whole(places[half], [value[half] for value in values])
+                    return
+                yield from self._refused(places, values, refused)
+                problem, places, values = None, places[~refused], [value[~refused] for value in values]
             else:
-                for half in np.array_split(np.arange(places.size), 2):
-                    yield from self._whole(places[half], [value[half] for value in values])
-        else:
-            yield places, found
+                yield places, found
+                return
 
     def _planned(self, problem: Any) -> _Found:
         """Return what a problem gives as asked for; with everything where sweeps are planned as a whole."""

@@ -1,5 +1,6 @@
 """What is known about the break-away of one recording, and what a user may decide about finding it."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
 from math import nan
@@ -178,6 +179,9 @@ class Breakaway(Shown):
     candidates: tuple[ForceEvent, ...] = field(default=())
     phases: tuple[Phase, ...] = field(default=())
     notes: tuple[str, ...] = field(default=())
+
+    def _more_said(self) -> Iterator[tuple[str, str]]:
+        return (("note", note) for note in self.notes)
 
     @property
     def advice(self) -> str:

@@ -71,7 +71,7 @@ def test_a_fit_for_people_shows_values_intervals_and_doubts(call):
     done = call("fit", TRIALS, "--law", "coupled")
     for words in (
         "mu_inf",
-        "0.4608",
+        "0.46077",
         "95 % interval",
         "coefficient of a very large wheel",
         "399 trials of 36 conditions",

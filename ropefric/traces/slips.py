@@ -226,7 +226,7 @@ def _is_of_the_train(force_N: FloatArray, place: _Place) -> bool | None:
         weaker = any(g.top_N < fall.top_N and g.drop_N > LEAST_TOOTH * fall.drop_N for g in real)
         return False if smaller and not weaker else None
     obstacle = float(level_N.max()) - median(level_N) > 3.0 * apart_N
-    return True if abs(off_N) < 3.0 * apart_N and not (smaller and obstacle) else None
+    return True if abs(off_N) < 3.0 * apart_N and not obstacle else None
 
 
 def _slid_on(force_N: FloatArray, pull: Pull, fall: Fall, top: int, own_rate: float) -> bool:

@@ -353,10 +353,10 @@ class _Run:
 
     def _refused(self, places: IntArray, values: list[FloatArray], refused: BoolArray) -> Iterator[Outcome]:
         """Yield what points without an answer give, of which one is solved, to hear why not."""
-        first, *rest = np.flatnonzero(refused)
-        yield from self._points(places[[first]], [value[[first]] for value in values])
-        if rest:
-            yield places[rest], InputError("there is no answer")
+        lost = np.flatnonzero(refused)
+        yield from self._points(places[lost[:1]], [value[lost[:1]] for value in values])
+        if lost.size > 1:
+            yield places[lost[1:]], InputError("there is no answer")
 
     def _points(self, places: IntArray, values: list[FloatArray], problem: Any = None) -> Iterator[Outcome]:
         """Yield what points give, with less than everything where that may be."""

@@ -76,11 +76,8 @@ def peak_result(
     trough_N = float(blocks.force_N[block : fallen + 2].min()) if sliding else nan
     block_s = float(blocks.time_s[-1] - blocks.time_s[0]) / max(1, blocks.time_s.size - 1)
     notes = [*prepared.notes]
-    hidden_N = hidden_by_steps_N(blocks.resolution_N, prepared.noise_N)
-    std_N, two_line = (
-        math.hypot(peak.peak_std_N, hidden_N),
-        settings.peak == "two-line" and bool(np.isfinite(peak.two_line_N)),
-    )
+    std_N = math.hypot(peak.peak_std_N, hidden_by_steps_N(blocks.resolution_N, prepared.noise_N))
+    two_line = settings.peak == "two-line" and bool(np.isfinite(peak.two_line_N))
     if not two_line and settings.peak == "two-line":
         notes.append("too few samples for the two-line fit; the smoothed peak is given")
     gap_s = _gap_beside_s(prepared.time_s, peak.peak_time_s)

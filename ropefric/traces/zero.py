@@ -104,7 +104,7 @@ def with_its_zero(
 def _with_drift(
     blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway, zero_N: float
 ) -> tuple[Breakaway, str]:
-    """Return a result with the drift of its zero in its uncertainty, and why F_A is not known if that is too large."""
+    """Return a result without the drift that is seen, what may be left in u, and why F_A is not known if it is large."""
     drift_N, std_N, walk_std_N, colour = drift(blocks, rests, result)
     is_seen = 0.0 < max(DRIFT_SIGMAS, SEEN_SIGMAS * colour) * std_N <= abs(drift_N)
     wrong_N = abs(drift_N)

@@ -585,7 +585,7 @@ def plan_tests(
         # No more pulls, over twice the conditions.
         more, fewer = 2 * n_conditions, repeats // 2
         candidates = planned.evidence(grid.select(places), fewer)
-        wider = Exchange(candidates, known, along, criterion=criterion).greedy(more)
+        wider, _ = best_plan(Exchange(candidates, known, along, criterion=criterion), more, starts=1)
         ratio = _ratio(outlook(grid.select(places[wider]), fewer), outlook(plan))
         if ratio < _NARROWER:
             text = f"{more} conditions of {fewer} instead of {n_conditions} of {repeats} would make the interval "

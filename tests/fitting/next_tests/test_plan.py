@@ -216,7 +216,7 @@ def test_new_conditions_are_recommended_before_repeats_where_conditions_scatter(
             guessed("howell", scatter), bench, wanted("inside"), repeats=3, starts=1, n_conditions=20
         )
         widths = [outlook.half_width_log[0] for outlook in (wider.after, plan.after)]
-        assert ratio == pytest.approx(widths[0] / widths[1], rel=0.03)
+        assert ratio == pytest.approx(widths[0] / widths[1], abs=0.005)
 
 
 def test_tests_that_add_to_a_fit_know_what_it_knows(bench, root):

@@ -75,6 +75,9 @@ BENT = 0.25
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
+NO_MOTOR = 5.0
+"""What creeps when the motor stops falls no faster than it was loaded, and a motor lets down not so many times faster
+to a level that is still high."""
 MUCH = 1.5
 LEVEL = 0.3
 """Part of a pull during which a force that slides without a peak stays near its largest."""
@@ -299,6 +302,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     # one that slipped before at much the same force.
     slips = [g for g in pull.falls if g.slips and (1.0 + GROWTH) * g.top_N > fall.top_N]
     slipped = any(LEAST_DROP * candidate.height_N <= g.drop_N < fall.drop_N for g in slips)
+    fast = bends and flat != "held" and fall.drop_N > NO_MOTOR * candidate.rate * long
     short = sliding.stop - sliding.first < (
         BENT * (fall.settled - fall.top)
         if bends and flat != "held" and not slipped
@@ -306,6 +310,8 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     )
     quiet = is_quiet(prepared, candidate, sliding)
     lively = fall.reloads or not quiet
+    if fast and not short and share >= LEAST_SHARE:
+        return measured(prepared, settings, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
         return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)

@@ -28,6 +28,8 @@ COLOURED, COLOUR = 1.5, 2.0
 WALK_SIGMAS = 4.0
 LEFT_OF_DRIFT = 0.5 / np.sqrt(3.0)
 """Standard uncertainty of what is taken off for a drift, which may be half or one and a half times that."""
+RETURNED = 0.1
+"""A zero that seemed to drift and stands, when the rope rests again, at less than this part of it, did not."""
 STEP, BUMP, AGREE = 0.8, 3.0, 3.0
 """A step leaves less than this part of what a line leaves; a bump is so many times higher than the levels differ."""
 
@@ -115,6 +117,16 @@ def _with_drift(
         why = f"the zero drifts by about {abs(drift_N):.2g} N between the rope at rest and the peak"
     elif wrong_N + 2.0 * std_N > UNKNOWN * result.peak_N:
         why = f"the rope rests too briefly to exclude a drift of the zero of {wrong_N + 2.0 * std_N:.2g} N"
+    if why and (again := _at_rest_again(blocks, rests, result)):
+        change_N, change_std_N, part = again
+        small_N = SMALL_ZERO * result.peak_N
+        # A drift that was seen should be there still; a tension that is left may hide a part of it, but not all.
+        is_gone = not is_seen or part * change_N * math.copysign(1.0, drift_N) < RETURNED * abs(drift_N)
+        if is_gone and abs(change_N) + 2.0 * change_std_N < small_N:
+            u_N = math.hypot(result.peak_std_N, change_std_N, change_N / math.sqrt(3.0))
+            return replace(result, peak_std_N=u_N), ""
+        if is_seen and abs(part * change_N - drift_N) + 2.0 * std_N < small_N:
+            drift_N, why = part * change_N, ""
     # Whether a drift that is seen went on at one rate is not known, nor one that noise may be.
     may_be = MAY_BE_SIGMAS * colour * std_N <= abs(drift_N)
     left_N = (
@@ -272,6 +284,31 @@ def _pieces(
         at.append(times)
         ends = stop
     return means, at, bumps
+
+
+def _at_rest_again(
+    blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway
+) -> tuple[float, float, float] | None:
+    """Return by how much the rope rests at another level at the end, ± what, and the part of it due at the peak.
+
+    Another level may be a tension that was left, or a drift; the same level says that there is no drift.
+    """
+    back_N = blocks.force_N[::-1]
+    down = int(np.argmax(back_N >= 0.5 * result.peak_N))
+    after = rests_of(replace(blocks, force_N=back_N), down)
+    if not rests or not after:
+        return None
+    (begin, end), (start, stop), size = after[0], rests[-1], back_N.size
+    parts = (start, stop - (stop - start) // 8), (size - end + (end - begin) // 8, size - begin)
+    if min(last - first for first, last in parts) < PIECES:
+        return None
+    (before_N, before_s), (after_N, after_s) = (
+        _means(blocks, first, PIECES, (last - first) // PIECES) for first, last in parts
+    )
+    std_N = math.sqrt((before_N.var(ddof=1) + after_N.var(ddof=1)) / PIECES)
+    since_s = result.peak_time_s - float(blocks.time_s[slice(*rests[0])].mean())
+    part = since_s / float(after_s.mean() - before_s.mean())
+    return float(after_N.mean() - before_N.mean()), std_N, part
 
 
 def _means(blocks: Blocks, first: int, count: int, n: int) -> tuple[FloatArray, FloatArray]:

@@ -51,6 +51,7 @@ from ropefric.traces.segments import (
 )
 from ropefric.traces.slips import (
     FEW_BLOCKS,
+    LARGER,
     LEAST_DROP,
     TALL,
     Candidate,
@@ -78,6 +79,8 @@ BRIEF = 0.25
 NO_MOTOR = 5.0
 """What creeps when the motor stops falls no faster than it was loaded, and a motor lets down not so many times faster
 to a level that is still high."""
+KNOCKED = 0.2
+"""What an impact leaves behind swings by less than this part of it."""
 MUCH = 1.5
 LEVEL = 0.3
 """Part of a pull during which a force that slides without a peak stays near its largest."""
@@ -114,7 +117,8 @@ def pick_prepared(trace: ForceTrace, prepared: Prepared, settings: PickSettings)
     """Return the break-away of a recording that is prepared already, see `pick_breakaway`."""
     force_N = prepared.blocks.force_N
     rise_N = float(force_N.max() - force_N[0])
-    if rise_N <= 2 * smallest_drop_N(prepared, settings):
+    knocked_N = KNOCKED * max((knock.drop_N for knock in prepared.knocks), default=0.0)
+    if rise_N <= max(2 * smallest_drop_N(prepared, settings), knocked_N):
         detail = (
             f"the force rises by {rise_N:.3g} N only, with {prepared.noise_N:.3g} N of noise on a sample: "
             "the recording shows no loading"
@@ -163,8 +167,12 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
         # What was loaded and unloaded without a slip is followed by a pull that goes at least as high, or is loaded as
         # the motor loads: a bump is faster.
         rate = rate_of(force_N, pull)
-        if result.status is not Status.NO_BREAKAWAY or not any(
-            other.top_N >= 0.98 * pull.top_N
+        # Friction holds a rope that slips: one that comes free of all load has slipped off a snag.
+        free = result.status is Status.OK and np.isnan(result.kinetic_N)
+        if not (free or result.status is Status.NO_BREAKAWAY) or not any(
+            _comes_off(force_N, pull, other)
+            if free
+            else other.top_N >= 0.98 * pull.top_N
             or (other.top_N >= 0.5 * pull.top_N and FAST * rate_of(force_N, other) < rate)
             for other in later
         ):
@@ -174,8 +182,25 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
         bumps.append(_event(prepared, fall, "bump", "the force comes back, and a later pull goes higher"))
     if found is None:  # pragma: no cover - the highest pull is always among those looked at
         return _levels_off(prepared, force_N)
-    found = replace(found, events=(*bumps, *found.events)) if bumps else found
+    if bumps or prepared.knocks:
+        events = (*prepared.knocks, *bumps, *found.events)
+        found = replace(found, events=tuple(sorted(events, key=lambda event: event.time_s)))
     return with_its_zero(trace, prepared, found, settings)
+
+
+def _comes_off(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
+    """Return whether a pull that ended without sliding is followed by a higher one, or by another after a rest."""
+    climb, top = other.falls[0].start if other.falls else other.start, pull.falls[-1].settled
+    base_N = pull.base_N + TALL * (pull.top_N - pull.base_N)
+    rests = int(np.count_nonzero(force_N[top:climb] < base_N)) > 0.5 * (pull.falls[-1].top - pull.start)
+    return other.top_N >= (LARGER if not rests else 0.5) * pull.top_N
+
+
+def _comes_free(candidate: Candidate) -> bool:
+    """Return whether nothing holds the rope after a fall, and a far higher force follows: it hung on a snag."""
+    fall, base_N = candidate.fall, candidate.pull.base_N
+    is_free = fall.bottom_N - base_N < TALL * candidate.height_N
+    return is_free and any(g.top_N >= LARGER * fall.top_N for g in candidate.later)
 
 
 def _event(prepared: Prepared, fall: Fall, kind: str, evidence: str = "") -> ForceEvent:
@@ -205,7 +230,7 @@ def _of_pull(
         detail = f"the recording begins at {force_N[0]:.4g} N, loaded or sliding already: it shows no loading"
         return without_force(Status.NO_PEAK, detail, prepared)
     candidates = macroscopic(force_N, pull, falls)
-    while candidates and comes_on(prepared, candidates[0]):
+    while candidates and (comes_on(prepared, candidates[0]) or _comes_free(candidates[0])):
         bumps.append(candidates[0].fall)
         candidates = macroscopic(force_N, pull, candidates[0].later)
     first = candidates[0].fall if candidates else None

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.ndimage import grey_opening
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray, median
 
@@ -56,6 +57,11 @@ def _second_differences(values: FloatArray) -> FloatArray:
     starts = np.linspace(0, values.size - length, n_stretches).astype(np.intp)
     index = starts[:, None] + np.arange(length)
     return np.asarray(np.diff(values[index], 2, axis=1).ravel())
+
+
+KNOCK_S, FEWEST, CLEARLY, BACK = 0.04, 6, 4.0, 0.2
+"""How long an impact takes at most, in samples at least; it is so many times higher than what else the force does in
+that time, and leaves and swings about the line by less than the last part of itself."""
 
 
 def resolution(values: FloatArray) -> float:
@@ -126,6 +132,40 @@ def remove_spikes(values: FloatArray, noise: float) -> Cleaned:
     cleaned = values.copy()
     cleaned[index] = np.interp(index, np.flatnonzero(good), values[good])
     return Cleaned(cleaned, index)
+
+
+def remove_knocks(
+    time_s: FloatArray, force_N: FloatArray, noise_N: float
+) -> tuple[FloatArray, list[tuple[int, float]]]:
+    """Return a force without the impacts of up to 40 ms that it took, and where and how high each was.
+
+    An impact stands on the line of the force: that goes on behind it where it led to before. The top of a slip does not
+    stand above its line by more than the machine loads in that time, and nothing goes on behind it.
+    """
+    wide = round(KNOCK_S * (force_N.size - 1) / float(time_s[-1] - time_s[0])) if force_N.size > 1 else 0
+    if wide < FEWEST or force_N.size < 4 * wide:
+        return force_N, []
+    # The largest of the smallest of each stretch of that length: what is narrower is cut off.
+    ground_N = grey_opening(force_N, size=wide)
+    above_N = force_N - ground_N
+    out, tops = force_N, []
+    for start, stop in runs_of(above_N > SPIKE_SIGMAS * noise_N).tolist():
+        height_N, top = float(above_N[start:stop].max()), start + int(np.argmax(above_N[start:stop]))
+        begin, end = start - 2, stop + 2
+        before, after = slice(begin - wide, begin), slice(end, end + wide)
+        if before.start < 0 or after.stop > force_N.size or stop - start < 2:
+            continue
+        x = np.arange(wide) - 0.5 * (wide - 1)
+        slope = float(x @ force_N[before]) / float(x @ x)
+        usual_N = float(np.ptp(ground_N[before])) + 2.0 * median(above_N[before])
+        off_N = float(force_N[after].mean() - force_N[before].mean()) - slope * (end - begin + wide)
+        swings_N = float((force_N[after] - slope * x).std())
+        if height_N > CLEARLY * usual_N and max(abs(off_N), swings_N) < BACK * height_N:
+            out = out.copy() if out is force_N else out
+            level_N = float(force_N[before].mean())
+            out[begin:end] = level_N + slope * (np.arange(end - begin) + 0.5 * wide)
+            tops.append((top, height_N))
+    return out, tops
 
 
 def _candidates(values: FloatArray, steps: FloatArray, smallest: float) -> list[int]:

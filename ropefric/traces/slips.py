@@ -41,7 +41,7 @@ GIVES, COMES_BACK = 0.8, 3.0
 ARRIVED = 0.9
 """A force that comes to a rest is there, when it has come so far."""
 BACK, ABOUT, FAR_FASTER = 0.6, 0.8, 5.0
-SMALL_GROWTH = 0.03
+SMALL_GROWTH, SMALL = 0.03, 0.25
 LEAST_DROP = 0.04
 """The force of a rope that is held and creeps falls by some per cent."""
 LARGER = 1.2
@@ -155,7 +155,7 @@ class _Place(NamedTuple):
     own_rate: float
 
 
-def _rivals(
+def _rivals(  # noqa: PLR0911  (a cascade: every line decides one case)
     force_N: FloatArray, pull: Pull, fall: Fall, later: list[Fall], rates: tuple[float, float]
 ) -> list[Fall] | None:
     """Return the falls from the one that may be the break-away instead of this one; None for a partial slip."""
@@ -187,6 +187,8 @@ def _rivals(
     # Loaded again along the machine's line to a far higher force, at which nothing slips, it has not slid.
     held = all(g.drop_N < LEAST_DROP * height_N for g in higher)
     sticks = growth > GROWTH and held and _turned_on(force_N[: top + 1], fall) < SLOWER
+    if _is_small_below(fall, higher) and _turned_on(force_N[: top + 1], fall) < SLOWER:
+        return None
     if kin or slid or hardens or weaker or (fall.drop_N > FULL * height_N and not sticks):
         return []
     if growth > GROWTH or not higher:
@@ -345,6 +347,15 @@ def _is_small_for(fall: Fall, train: list[Fall]) -> bool:
     typical_N = median(drops_N)
     spread_N = 1.4826 * median(np.abs(drops_N - typical_N))
     return fall.drop_N < min(0.75 * typical_N, typical_N - 4.0 * spread_N)
+
+
+def _is_small_below(fall: Fall, train: list[Fall]) -> bool:
+    """Return whether a fall is smaller than those of a train that slips about a force above its top: it had not slid."""
+    teeth = [g for g in train if g.reloads and g.drop_N >= SAME_KIND * typical_drop_N(train)]
+    about_N = [0.5 * (g.top_N + g.bottom_N) for g in teeth]
+    if len(teeth) < FEWEST_TEETH or fall.drop_N >= SMALL * typical_drop_N(teeth):
+        return False
+    return median(np.array(about_N)) > fall.top_N
 
 
 def _rests(force_N: FloatArray, fall: Fall, pull: Pull, *, ends: bool) -> bool:

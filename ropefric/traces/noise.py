@@ -61,7 +61,7 @@ def _second_differences(values: FloatArray) -> FloatArray:
 
 KNOCK_S, FEWEST, CLEARLY, BACK = 0.04, 6, 4.0, 0.2
 """How long an impact takes at most, in samples at least; it is so many times higher than what else the force does in
-that time, and leaves and swings about the line by less than the last part of itself."""
+that time, and leaves the line by less than half the last part of itself, and swings about it by less than that."""
 
 
 def resolution(values: FloatArray) -> float:
@@ -160,7 +160,7 @@ def remove_knocks(
         usual_N = float(np.ptp(ground_N[before])) + 2.0 * median(above_N[before])
         off_N = float(force_N[after].mean() - force_N[before].mean()) - slope * (end - begin + wide)
         swings_N = float((force_N[after] - slope * x).std())
-        if height_N > CLEARLY * usual_N and max(abs(off_N), swings_N) < BACK * height_N:
+        if height_N > CLEARLY * usual_N and max(2.0 * abs(off_N), swings_N) < BACK * height_N:
             out = out.copy() if out is force_N else out
             level_N = float(force_N[before].mean())
             out[begin:end] = level_N + slope * (np.arange(end - begin) + 0.5 * wide)

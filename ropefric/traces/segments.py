@@ -292,9 +292,9 @@ def upright(trace: ForceTrace) -> tuple[ForceTrace, str]:
 
 def _falls_to(force_N: FloatArray) -> float:
     """Return the lowest force of a recording that falls far below zero and never rises; 0 for any other."""
-    if force_N.size < MIN_SAMPLES or not np.nanmin(force_N) < -FALLS * max(float(np.nanmax(force_N)), 0.0):
-        return 0.0
     present_N = force_N[np.isfinite(force_N)]
+    if present_N.size < MIN_SAMPLES or not present_N.min() < -FALLS * max(float(present_N.max()), 0.0):
+        return 0.0
     few = max(MAX_SPIKE_SAMPLES + 1, present_N.size // 200)  # no spike makes a pull
     low_N, high_N = np.partition(present_N, (few, -few - 1))[[few, -few - 1]]
     start_N = float(np.median(present_N[: max(few, present_N.size // 50)]))

@@ -19,6 +19,7 @@ JUMP_BLOCKS, JUMP_SIGMAS, SWINGS_BY = 6, 5.0, 0.1
 """A rope swings by more than the last part of a load that comes on at once."""
 STANDS, SLOPE_SIGMAS = 0.3, 7.0
 """A rope at rest is loaded at less than this part of the machine's rate, which is so many times its uncertainty."""
+BELOW_SIGMAS = 3.0
 PIECES, LEAST = 8, 8
 """A stretch at rest is looked at in so many pieces, of so many samples at least."""
 FEWEST, CLIMB_SIGMAS = 3, 2.0
@@ -50,11 +51,20 @@ def with_its_zero(
     # What was hung on or taken up while the rope was at rest is no zero.
     rest_N = prepared.force_N[: min([n, *(stop * blocks.size for _, stop in rests[:1])])]
     zero_N = 0.0 if is_tared or not n else float(rest_N.mean())
+    found = result
+    result, why = _with_drift(blocks, rests, found, zero_N)
     # A rope does not push: what reads less than nothing right before the climb is the zero.
-    below_N = min((float(blocks.force_N[start:stop].mean()) for start, stop in rests), default=0.0)
-    if is_negative := -2.0 * LARGE_ZERO * result.peak_N < below_N < min(zero_N, -SMALL_ZERO * result.peak_N):
-        zero_N = below_N
-    result, why = _with_drift(blocks, rests, result, zero_N)
+    last = slice(*rests[-1]) if rests and result.peak_N == found.peak_N else slice(0, n // blocks.size)
+    if n and not is_tared and settings.rest != "zero":
+        below_N = float(blocks.force_N[last].mean())
+        # A machine that pushes, too, leaves far more.
+        if (
+            -2.0 * LARGE_ZERO * result.peak_N
+            < below_N
+            < -BELOW_SIGMAS * blocks.noise_N / math.sqrt(last.stop - last.start)
+        ):
+            said = f"the rope at rest reads {below_N:.3g} N, less than nothing: taken off as the error of the zero"
+            result, zero_N = _taken_off(result, below_N, said), 0.0
     step_N = (
         0.0
         if settings.rest == "pretension"
@@ -74,7 +84,7 @@ def with_its_zero(
         evidence="as read",
     )
     events = [as_read]
-    if not why and (is_negative or SMALL_ZERO * result.peak_N < abs(zero_N) < LARGE_ZERO * result.peak_N):
+    if not why and SMALL_ZERO * result.peak_N < abs(zero_N) < LARGE_ZERO * result.peak_N:
         events.append(replace(as_read, force_N=result.peak_N - zero_N, evidence="from the level at rest"))
         why = (
             f"the rope at rest reads {zero_N:.3g} N: say whether that is an error of the zero (a [tare] interval, or "

@@ -60,8 +60,9 @@ def _second_differences(values: FloatArray) -> FloatArray:
 
 
 KNOCK_S, FEWEST, CLEARLY, BACK = 0.04, 6, 4.0, 0.2
-"""How long an impact takes at most, in samples at least; it is so many times higher than what else the force does in
-that time, and leaves the line by less than half the last part of itself, and swings about it by less than that."""
+"""How long an impact takes at most, in samples at least, and how many times higher it is than what else the force does
+in that time; behind it the force swings by less than the last part of it, and lies and bends off the line by a quarter
+of that."""
 
 
 def resolution(values: FloatArray) -> float:
@@ -159,8 +160,12 @@ def remove_knocks(
         slope = float(x @ force_N[before]) / float(x @ x)
         usual_N = float(np.ptp(ground_N[before])) + 2.0 * median(above_N[before])
         off_N = float(force_N[after].mean() - force_N[before].mean()) - slope * (end - begin + wide)
+        turns_N = (float(x @ force_N[after]) / float(x @ x) - slope) * wide
         swings_N = float((force_N[after] - slope * x).std())
-        if height_N > CLEARLY * usual_N and max(2.0 * abs(off_N), swings_N) < BACK * height_N:
+        if (
+            height_N > CLEARLY * usual_N
+            and max(4.0 * abs(off_N), 4.0 * abs(turns_N), swings_N) < BACK * height_N
+        ):
             out = out.copy() if out is force_N else out
             level_N = float(force_N[before].mean())
             out[begin:end] = level_N + slope * (np.arange(end - begin) + 0.5 * wide)

@@ -55,21 +55,17 @@ def with_its_zero(
     result, why = _with_drift(blocks, rests, found, zero_N)
     # A rope does not push: what reads less than nothing right before the climb is the zero.
     last = slice(*rests[-1]) if rests and result.peak_N == found.peak_N else slice(0, n // blocks.size)
-    if n and not is_tared and settings.rest != "zero":
-        below_N = float(blocks.force_N[last].mean())
-        # A machine that pushes, too, leaves far more.
-        if (
-            -2.0 * LARGE_ZERO * result.peak_N
-            < below_N
-            < -BELOW_SIGMAS * blocks.noise_N / math.sqrt(last.stop - last.start)
-        ):
-            said = f"the rope at rest reads {below_N:.3g} N, less than nothing: taken off as the error of the zero"
-            result, zero_N = _taken_off(result, below_N, said), 0.0
-    step_N = (
-        0.0
-        if settings.rest == "pretension"
-        else _jump_N(prepared, int(np.searchsorted(blocks.time_s, result.peak_time_s)))
-    )
+    below_N = float(blocks.force_N[last].mean()) if n and not is_tared and settings.rest != "zero" else 0.0
+    least_N = BELOW_SIGMAS * blocks.noise_N / math.sqrt(max(1, last.stop - last.start))
+    # A machine that pushes, too, leaves far more.
+    step_N = 0.0
+    if -2.0 * LARGE_ZERO * result.peak_N < below_N < -least_N:
+        said = (
+            f"the rope at rest reads {below_N:.3g} N, less than nothing: taken off as the error of the zero"
+        )
+        result, zero_N = _taken_off(result, below_N, said), 0.0
+    elif settings.rest != "pretension":
+        step_N = _jump_N(prepared, int(np.searchsorted(blocks.time_s, result.peak_time_s)))
     if settings.rest == "zero" and not is_tared:
         zero_N, step_N = zero_N + step_N, 0.0
     if not why and settings.rest == "zero" and not is_tared and n:

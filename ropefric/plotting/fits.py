@@ -13,13 +13,12 @@ from scipy.special import ndtri
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
-from ropefric.fitting.predict import REGRESSORS, degrees_of_freedom, predict
+from ropefric.fitting.predict import REGRESSORS, degrees_of_freedom, parameter_draws, predict
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions, along_one, levels, same_setting
 from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
-from ropefric.uncertainty.budget import joint_draws, symmetric_root
 
 FACETS = ("end_tension_N", "wrap_angle_rad", "wheel_radius_m")
 """What the average coefficient is drawn against."""
@@ -429,16 +428,13 @@ _HELD = (0.95, 0.5)
 """Shares of the draws that the contours hold."""
 
 
-def parameter_draws(fit: FitResult) -> tuple[FloatArray, str]:
+def shown_draws(fit: FitResult) -> tuple[FloatArray, str]:
     """Return draws of the parameters that a fit shows, shape (n, p), and in words what they are."""
     if fit.draws is not None:
         return fit.draws[:, fit.shown], f"{len(fit.draws)} refits of the bootstrap"
-    rng, dof = np.random.default_rng(0), degrees_of_freedom(fit)
-    draws = joint_draws(fit.theta, symmetric_root(fit.covariance), dof=dof, n=_DRAWS, rng=rng)
-    law, theta = fit.friction_law, fit.theta
-    inside = np.clip(draws, np.minimum(law.lower, theta), np.maximum(law.upper, theta))
+    draws, dof = parameter_draws(fit, _DRAWS, 0), degrees_of_freedom(fit)
     of = f"t with {dof:.3g} degrees of freedom" if math.isfinite(dof) else "normal"
-    return inside[:, fit.shown], f"{_DRAWS} draws from the covariance ({of}, seed 0)"
+    return draws[:, fit.shown], f"{_DRAWS} draws from the covariance ({of}, seed 0)"
 
 
 def draw_corner(fit: FitResult) -> FigureWithData:
@@ -452,7 +448,7 @@ def draw_corner(fit: FitResult) -> FigureWithData:
     names = [fit.parameters[i].name for i in place]
     theta, std = fit.theta[place], np.sqrt(np.diag(fit.covariance)[place])
     correlation = fit.covariance[np.ix_(place, place)] / np.outer(std, std)
-    draws, what = parameter_draws(fit)
+    draws, what = shown_draws(fit)
     z = (draws - theta) / std
     # In standard errors; so far as all but a few draws go.
     ends = np.clip(np.quantile(z, [0.001, 0.999], axis=0).T, [-5.0, 2.3], [-2.3, 5.0])

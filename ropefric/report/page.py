@@ -283,11 +283,13 @@ def _facts(answer: CampaignAnswer, evidence: Evidence) -> Iterator[Fact]:
         yield Fact("What to measure next", value, better)
 
 
-_TOKEN = re.compile(r"(\d+(?:\.\d+)?)|([A-Za-z]\w*)|(\S)")
+_TOKEN = re.compile(r"\d+(?:\.\d+)?|[A-Za-z]\w*\(?|\S")
 _GREEK = {"mu": "μ", "phi": "φ", "lambda": "λ", "inf": "∞"}
 _NAME = re.compile(r"([A-Za-z]+?)(?:_(\w+)|(\d+))?")
-_FUNCTIONS = {"exp", "sqrt", "sin", "arccos", "ln"}
 _SPACE = '<mspace width="0.17em"/>'
+_BINDS = {"=": 0, "+": 1, "-": 1, "": 2, "/": 3, "^": 4}
+"""How tightly a mark joins what stands beside it; two factors have none between them."""
+_ENDS = frozenset({"", ")", "from", "to"})
 
 
 def formulas(law: FrictionLaw) -> tuple[str, ...]:
@@ -335,101 +337,68 @@ def _bare(found: str) -> str:
     return found[len(_OPEN) : -len(_CLOSE)] if found.startswith(_OPEN) else found
 
 
+def _joined(left: str, mark: str, right: str) -> str:
+    if mark == "/":
+        return f"<mfrac><mrow>{_bare(left)}</mrow><mrow>{_bare(right)}</mrow></mfrac>"
+    if mark == "^":
+        raised = f"<mrow>{_bare(right)}</mrow>"
+        indexed = left.startswith("<msub>")
+        return f"<msubsup>{left[6:-7]}{raised}</msubsup>" if indexed else f"<msup>{left}{raised}</msup>"
+    return f"{left}<mo>{mark.replace('-', '−')}</mo>{right}" if mark else f"{left}{_SPACE}{right}"
+
+
 class _Statement:
-    """A statement and how far it is read; each method reads what it is named after and returns it as MathML."""
+    """A statement and what of it is not read yet; what is read is returned as MathML."""
 
     def __init__(self, text: str) -> None:
-        self.text = text
-        self.tokens = [(found[0], found.start(found.lastindex or 0)) for found in _TOKEN.finditer(text)]
-        self.place = 0
+        self.text, self.tokens = text, [*_TOKEN.findall(text), ""]
 
     def typeset(self) -> str:
         words = ""
-        while self.ahead in {"local", "average"}:
-            words += f"<mtext>{self.take()}</mtext>{_SPACE}"
-        found = words + self.sum()
-        while self.ahead == "=":
-            found += f"<mo>{self.take()}</mo>{self.sum()}"
-        if self.ahead:
-            raise ValueError(f"{self.text!r} is no equation from {self.ahead!r} on")
-        return f"<mrow>{found}</mrow>"
-
-    @property
-    def ahead(self) -> str:
-        return self.tokens[self.place][0].strip() if self.place < len(self.tokens) else ""
-
-    def take(self) -> str:
-        found = self.ahead
-        self.place += 1
-        return found
-
-    def sum(self) -> str:
-        found = "" if self.ahead == "-" else self.product()
-        while self.ahead in {"+", "-"}:
-            found += f"<mo>{self.take().replace('-', '−')}</mo>{self.product()}"
-        return found
-
-    def product(self) -> str:
-        found = [self.quotient()]
-        while self.ahead and self.ahead not in "=+-)" and self.ahead not in {"from", "to"}:
-            found.append(self.quotient())
-        return _SPACE.join(found)
-
-    def quotient(self) -> str:
-        found = self.power()
-        while self.ahead == "/":
-            self.take()
-            found = f"<mfrac><mrow>{_bare(found)}</mrow><mrow>{_bare(self.power())}</mrow></mfrac>"
-        return found
-
-    def power(self) -> str:
-        found = self.atom()
-        if self.ahead != "^":
-            return found
-        self.take()
-        raised = f"<mrow>{_bare(self.atom())}</mrow>"
-        if found.startswith("<msub>"):
-            return f"<msubsup>{found[6:-7]}{raised}</msubsup>"
-        return f"<msup>{found}{raised}</msup>"
-
-    def atom(self) -> str:
-        word = self.take()
-        if word == "(":
-            return self._bracket()
-        if word == "integral":
-            return self._integral()
-        if word[:1].isdigit():
-            return f"<mn>{word}</mn>"
-        if not word[:1].isalpha():
-            raise ValueError(f"{self.text!r} has {word!r} where a number or a name belongs")
-        called = self.place < len(self.tokens) and self.tokens[self.place][0] == "("  # no blank before it
-        if not called:
-            return symbol(word)
-        self.take()
-        inner = self._bracket()
-        if word == "sqrt":
-            return f"<msqrt>{_bare(inner)}</msqrt>"
-        name = f"<mi>{word}</mi>" if word in _FUNCTIONS else symbol(word)
-        return f"<mrow>{name}<mo>&#x2061;</mo>{inner}</mrow>"
-
-    def _bracket(self) -> str:
-        inner = self.sum()
-        self.expect(")")
-        return f"{_OPEN}{inner}{_CLOSE}"
-
-    def _integral(self) -> str:
-        self.expect("of")
-        of = self.sum()
-        self.expect("from")
-        low = self.sum()
-        self.expect("to")
-        high = self.sum()
-        ends = f"<munderover><mo>∫</mo><mrow>{low}</mrow><mrow>{high}</mrow></munderover>"
-        return f"<mrow>{ends}{of}{_SPACE}<mi>d</mi>{symbol('phi')}</mrow>"
+        while self.tokens[0] in {"local", "average"}:
+            words += f"<mtext>{self.tokens.pop(0)}</mtext>{_SPACE}"
+        found = self.read(0)
+        self.expect("")
+        return f"<mrow>{words}{found}</mrow>"
 
     def expect(self, word: str) -> None:
-        if self.take() != word:
-            raise ValueError(f"{self.text!r} lacks {word!r}")
+        if (found := self.tokens.pop(0)) != word:
+            raise ValueError(f"{self.text!r} has {found!r} where {word!r} belongs")
+
+    def read(self, least: int) -> str:
+        """Return what the marks join that bind so tightly at least."""
+        found = "" if self.tokens[0] == "-" and least <= _BINDS["-"] else self.atom()
+        while (ahead := self.tokens[0]) not in _ENDS:
+            mark = ahead if ahead in _BINDS else ""
+            if _BINDS[mark] < least:
+                break
+            del self.tokens[: len(mark)]
+            found = _joined(found, mark, self.read(_BINDS[mark] + 1))
+        return found
+
+    def atom(self) -> str:
+        """Return a number, a name, a bracket, a function of one, or an integral."""
+        word = self.tokens.pop(0)
+        name = word.removesuffix("(")
+        if word == "integral":
+            of, low, high = (self.after(mark) for mark in ("of", "from", "to"))
+            ends = f"<munderover><mo>∫</mo><mrow>{low}</mrow><mrow>{high}</mrow></munderover>"
+            return f"<mrow>{ends}{of}{_SPACE}<mi>d</mi>{symbol('phi')}</mrow>"
+        if word != "(" and not word[:1].isalnum():
+            raise ValueError(f"{self.text!r} has {word!r} where a number or a name belongs")
+        shown = f"<mn>{name}</mn>" if name.isdigit() or "." in name else symbol(name)
+        if name == word:
+            return shown
+        inner = self.read(1)
+        self.expect(")")
+        if name == "sqrt":
+            return f"<msqrt>{inner}</msqrt>"
+        bracket = f"{_OPEN}{inner}{_CLOSE}"
+        return f"<mrow>{shown}<mo>&#x2061;</mo>{bracket}</mrow>" if name else bracket
+
+    def after(self, word: str) -> str:
+        self.expect(word)
+        return self.read(1)
 
 
 BROWSER = "ROPEFRIC_BROWSER"

@@ -156,7 +156,7 @@ def _of_laws(answer: CampaignAnswer) -> Drawings:
     )
     yield "residuals", "residuals", caption, partial(of_laws.draw_residuals, fit)
     if fit.shown.sum() > 1:
-        drawn = of_laws.parameter_draws(fit)[1]
+        drawn = of_laws.shown_draws(fit)[1]
         caption = (
             f"The parameters against each other: {drawn}, some as points; the contours hold half "
             "and 95 % of them, the number is the correlation. A slim cloud that leans is a pair that the data see only "

@@ -75,6 +75,8 @@ def test_each_law_is_well_formed_and_has_its_parameters(law):
         ("sqrt(1 + 4 a b^2 (1 - c))/(a b)", None),
         ("a_w^(1-b) exp(a b/c)", None),
         ("(-1 + a) (b + c)", 7.0),
+        ("a (b + c)", 14.0),
+        ("a (b/c)^(1-b) + c", 2.0 * 0.75**-2.0 + 4.0),
     ],
 )
 def test_it_says_what_is_written(text, expected):

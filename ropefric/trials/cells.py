@@ -145,7 +145,7 @@ class CellTable:
 
     def numbers(
         self, columns: "Columns", *, empty: Collection[str] = ("",), doubted: Collection[str] = ()
-    ) -> tuple[dict[str, list[float]], dict[int, list[Problem]]]:
+    ) -> tuple["Numbers", dict[int, list[Problem]]]:
         """Return the numbers of the columns in SI, NaN where there is none; and by place what cannot be read in a row.
 
         In `doubted` columns what cannot be read is none.
@@ -183,6 +183,8 @@ class Column:
 
 Columns = Mapping[str, Column]
 """Columns that are known, by field."""
+Numbers = dict[str, list[float]]
+"""Of such columns."""
 
 
 def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, ...]]:

@@ -68,19 +68,33 @@ class TrialContext(NamedTuple):
     protocol: str
 
 
-class _Row(NamedTuple):
-    """One row of the trial list as far as it can be read."""
+class _Row:
+    """One row of the trial list as far as it can be read, and what is wrong with it."""
 
-    line: int
-    cells: tuple[str, ...]
-    texts: dict[str, str]
-    numbers: dict[str, float]
-    problems: list[Problem]
-
-    @property
-    def file(self) -> str:
+    def __init__(
+        self, table: cells.CellTable, columns: cells.Columns, place: int, numbers: cells.Numbers
+    ) -> None:
+        self.table, self.columns = table, columns
+        self.line, self.cells = table.rows[place]
+        self.texts = {n: from_spreadsheet(self.cells[c.index]) for n, c in columns.items() if not c.si_unit}
+        self.numbers = {n: values[place] for n, values in numbers.items() if not math.isnan(values[place])}
+        self.problems: list[Problem] = []
         # Lists written on Windows name folders with backslashes.
-        return self.texts.get("file", "").replace("\\", "/")
+        self.file, self.sample = self.texts.get("file", "").replace("\\", "/"), self.texts.get("sample", "")
+        self.name = self.texts.get("trial", "")
+
+    def say(self, name: str, code: str, message: str, fix: str, *, warning: bool = False) -> None:
+        """Take note of what is wrong in a column."""
+        key = self.columns[name].header
+        self.problems.append(self.table.problem(self.line, key, code, message, fix, warning=warning))
+
+    def need(self, *names: str) -> None:
+        """Take note of cells that are empty."""
+        for name in names:
+            if name in self.columns and not self.cells[self.columns[name].index]:
+                meaning = _MEANINGS["wheel_radius_m" if name == "wheel" else name]
+                what = f"{self.columns[name].header} is empty; every trial needs {meaning}"
+                self.say(name, "RF121", what, "fill the cell")
 
 
 def read_trials(
@@ -95,45 +109,64 @@ def read_trials(
         return (), tuple(replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
     decided = DECIDED if {"why", "by"} <= {cells.word_of(name) for name in table.header} else {}
     columns, others, found = table.bind({**QUANTITIES, **decided}, TEXTS)
-    own = {name: table.header.index(name) for name in others}  # the user's own: kept, but not used
-    reader = _Reader(table=table, columns=columns, own=own, context=context, header_is_good=not found)
+    wrong_header = bool(found)
     # A mistyped header says more than the consequence that its column is missing.
-    missing = [] if found else list(reader.missing_columns())
+    missing = [] if found else list(_missing_columns(table, columns, others, context))
     mistyped = {problem.key for problem in missing}
     for name in others:
         found += [] if name in mistyped else table.near_miss(name, QUANTITIES, TEXTS)
         if cells.stem_of(name) == "peak":
-            fix = "add the columns why and by, if it is a decision about the break-away"
-            found.append(
-                table.problem(table.header_line, name, "RF141", "kept, but not used", fix, warning=True)
+            what, fix = (
+                "kept, but not used",
+                "add the columns why and by, if it is a decision about the break-away",
             )
+            found.append(table.problem(table.header_line, name, "RF141", what, fix, warning=True))
     problems = [*problems_of_rows, *found, *missing, *_unnamed_columns(table)]
     if not table.rows and not problems_of_rows:
         message, fix = "the table has a header, but no trials", "add a row for every recording"
         problems.append(table.problem(table.header_line, "", "RF101", message, fix))
     numbers, wrong = table.numbers(columns)
-    texts = {name: column.index for name, column in columns.items() if not column.si_unit}
-    rows = [
-        _Row(
-            line=line,
-            cells=written,
-            texts={name: from_spreadsheet(written[index]) for name, index in texts.items()},
-            numbers={name: values[i] for name, values in numbers.items() if not math.isnan(values[i])},
-            problems=wrong[i],
-        )
-        for i, (line, written) in enumerate(table.rows)
-    ]
-    for row in rows:
-        row.problems.extend(reader.check(row))
-    problems += _listed_twice(rows, table)
+    rows = [_Row(table, columns, place, numbers) for place in range(len(table.rows))]
+    # The user's own columns are kept, but not used.
+    own = {name: table.header.index(name) for name in others}
+    _refuse_twice(rows)
     if context.folder is not None:
-        problems += _not_there(rows, context.folder, table)
-    names, problems_of_names = _names(rows, table)
-    problems += problems_of_names
-    problems += [problem for row in rows for problem in row.problems]
-    named = [(row, name) for row, name in zip(rows, names, strict=True) if not row.problems]
-    trials = (reader.trial(row, name, folder) for row, name in named)
-    return tuple(filter(None, trials)), tuple(sorted(problems, key=lambda p: p.line or math.inf))
+        _refuse_missing(rows, context.folder)
+    _name(rows)
+    trials = []
+    for place, row in enumerate(rows):
+        before = len(row.problems)
+        row.problems += wrong[place]
+        _check(row, context, wrong_header=wrong_header)
+        if len(row.problems) == before and (trial := _trial(row, own, folder, context)) is not None:
+            trials.append(trial)
+        problems += row.problems
+    return tuple(trials), tuple(sorted(problems, key=lambda p: p.line or math.inf))
+
+
+def _missing_columns(
+    table: cells.CellTable, columns: cells.Columns, others: Sequence[str], context: TrialContext
+) -> Iterator[Problem]:
+    """Yield that a column is missing, or that its name is mistyped."""
+    needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"}
+    needed |= {name: name for name in context.needed if name.endswith("_N")}
+    if not {"wheel", "wheel_radius_m"} & columns.keys():
+        needed["wheel_radius_m"] = "wheel_radius_mm (or wheel, with names from [wheels])"
+    needed |= {name: name for name in context.needed}
+    for name, header in needed.items():
+        if name in columns:
+            continue
+        known = header.split(maxsplit=1)[0]
+        key, code, fix = known, "RF121", f"add the column {header}"
+        message = f"there is no column {header}; every trial needs {_MEANINGS[name]}"
+        if near := get_close_matches(known, others, n=1, cutoff=_SLIP):
+            key, code, message, fix = (
+                near[0],
+                "RF120",
+                "this column is not known",
+                did_you_mean(near[0], [known]),
+            )
+        yield table.problem(table.header_line, key, code, message, fix)
 
 
 def _unnamed_columns(table: cells.CellTable) -> Iterator[Problem]:
@@ -146,161 +179,121 @@ def _unnamed_columns(table: cells.CellTable) -> Iterator[Problem]:
             yield table.problem(held[0], "", "RF120", message, fix)
 
 
-class _Reader(NamedTuple):
-    """What the header and the campaign file say of every row."""
+def _interval(row: _Row, context: TrialContext) -> tuple[float | None, float | None]:
+    return row.numbers.get("start_s", context.start_s), row.numbers.get("stop_s", context.stop_s)
 
-    table: cells.CellTable
-    columns: dict[str, cells.Column]
-    own: Mapping[str, int]
-    context: TrialContext
-    header_is_good: bool
 
-    def missing_columns(self) -> Iterator[Problem]:
-        """Yield that a column is missing, or that its name is mistyped."""
-        tensions = [name for name in self.context.needed if name.endswith("_N")]
-        needed = {"file": "file", "wrap_angle_rad": "wrap_angle_deg"} | {name: name for name in tensions}
-        if not {"wheel", "wheel_radius_m"} & self.columns.keys():
-            needed["wheel_radius_m"] = "wheel_radius_mm (or wheel, with names from [wheels])"
-        needed |= {name: name for name in self.context.needed}
-        for name, header in needed.items():
-            known = header.split(maxsplit=1)[0]
-            if name in self.columns:
-                continue
-            near = get_close_matches(known, self.own, n=1, cutoff=_SLIP)
-            key, code = (near[0], "RF120") if near else (known, "RF121")
-            message = f"there is no column {header}; every trial needs {_MEANINGS[name]}"
-            fix = f"add the column {header}"
-            if near:
-                message, fix = "this column is not known", did_you_mean(key, [known])
-            yield self.table.problem(self.table.header_line, key, code, message, fix)
+def _check(row: _Row, context: TrialContext, *, wrong_header: bool) -> None:
+    """Take note of what is missing, unknown or contradictory in a row."""
+    tensions = [name for name in context.needed if name.endswith("_N")]
+    row.need("file", "wrap_angle_rad", *tensions)
+    for name in ("wheel", "cell", "end_cell"):
+        word, known = row.texts.get(name, ""), context.wheels if name == "wheel" else context.cells
+        if word and word not in known:
+            fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
+            row.say(
+                name, "RF120", f"unknown {name} '{word}'", did_you_mean(word[:80], known) if known else fix
+            )
+    wheel, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
+    known_m = context.wheels.get(wheel)
+    if not wheel and radius_m is None and not wrong_header:
+        row.need("wheel_radius_m" if "wheel_radius_m" in row.columns else "wheel")
+    elif radius_m and known_m and not math.isclose(radius_m, known_m, rel_tol=1e-6):
+        message = f"the radius is {radius_m * 1e3:g} mm, but wheel '{wheel}' has {known_m * 1e3:g} mm"
+        row.say("wheel_radius_m", "RF111", message, "correct one, or leave one of the two cells empty")
+    row.need(*(name for name in context.needed if name not in tensions))
+    start_s, stop_s = _interval(row, context)
+    if start_s is not None and stop_s is not None and not start_s < stop_s:
+        place = "stop_s" if "stop_s" in row.columns else "start_s"
+        message = f"the part from {start_s:g} s until {stop_s:g} s is empty"
+        row.say(place, "RF111", message, "give an end after the start")
+    _check_decision(row, alone=context.protocol == "breakaway" and row.sample != "*")
 
-    def check(self, row: _Row) -> Iterator[Problem]:
-        """Yield what is missing, unknown or contradictory in a row."""
-        tensions = [name for name in self.context.needed if name.endswith("_N")]
-        yield from self._empty(row, "file", "wrap_angle_rad", *tensions)
-        for name in ("wheel", "cell", "end_cell"):
-            word = row.texts.get(name, "")
-            known = self.context.wheels if name == "wheel" else self.context.cells
-            if word and word not in known:
-                fix = did_you_mean(word[:80], known)
-                if not known:
-                    fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
-                yield self._problem(row, name, "RF120", f"unknown {name} '{word}'", fix)
-        wheel, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
-        known_m = self.context.wheels.get(wheel)
-        if not wheel and radius_m is None and self.header_is_good:
-            yield from self._empty(row, "wheel_radius_m" if "wheel_radius_m" in self.columns else "wheel")
-        elif radius_m and known_m and not math.isclose(radius_m, known_m, rel_tol=1e-6):
-            message = f"the radius is {radius_m * 1e3:g} mm, but wheel '{wheel}' has {known_m * 1e3:g} mm"
-            fix = "correct one, or leave one of the two cells empty"
-            yield self._problem(row, "wheel_radius_m", "RF111", message, fix)
-        yield from self._empty(row, *(name for name in self.context.needed if name not in tensions))
-        start_s, stop_s = self._interval(row)
-        if start_s is not None and stop_s is not None and not start_s < stop_s:
-            message = f"the part from {start_s:g} s until {stop_s:g} s is empty"
-            place = "stop_s" if "stop_s" in self.columns else "start_s"
-            yield self._problem(row, place, "RF111", message, "give an end after the start")
-        yield from self._decision(row)
 
-    def _decision(self, row: _Row) -> Iterator[Problem]:
-        """Yield what is missing or too much in a person's decision about the break-away."""
-        given = [name for name in ("pick_s", "peak_N") if name in row.numbers]
-        if not given:
-            if "peak_std_N" in row.numbers:
-                message = "there is no peak_N that it belongs to"
-                yield self._problem(row, "peak_std_N", "RF121", message, "add it")
-            return
-        if len(given) > 1:
-            message = "pick_s and peak_N are both given"
-            yield self._problem(row, "peak_N", "RF111", message, "leave one of the two cells empty")
-        for name in ("peak_N", "peak_std_N"):
-            value_N = row.numbers.get(name, 1.0)
-            if value_N < 0.0 or (name == "peak_N" and value_N == 0.0):
-                message = f"{value_N:g} N is no possible value"
-                yield self._problem(row, name, "RF110", message, "correct the number")
-        for name, what in (("why", "its reason"), ("by", "who took it")):
-            if not row.texts.get(name):
-                message, fix = f"a decision needs {what}", f"fill the column {name}"
-                yield self.table.problem(row.line, name, "RF121", message, fix)
-        if self.context.protocol != "breakaway" or row.texts.get("sample") == "*":
-            message = "one decision cannot stand for several trials of a recording"
-            fix = 'list each block by its name, with protocol "breakaway", or cut the recording with from_s and until_s'
-            yield self._problem(row, given[0], "RF111", message, fix)
+def _check_decision(row: _Row, *, alone: bool) -> None:
+    """Take note of what is missing or too much in a decision; whether one trial is `alone` in its recording."""
+    given = [name for name in ("pick_s", "peak_N") if name in row.numbers]
+    if not given:
+        if "peak_std_N" in row.numbers:
+            row.say("peak_std_N", "RF121", "there is no peak_N that it belongs to", "add it")
+        return
+    if len(given) > 1:
+        row.say("peak_N", "RF111", "pick_s and peak_N are both given", "leave one of the two cells empty")
+    for name in ("peak_N", "peak_std_N"):
+        value_N = row.numbers.get(name, 1.0)
+        if value_N < 0.0 or (name == "peak_N" and value_N == 0.0):
+            row.say(name, "RF110", f"{value_N:g} N is no possible value", "correct the number")
+    for name, what in (("why", "its reason"), ("by", "who took it")):
+        if not row.texts.get(name):
+            message, fix = f"a decision needs {what}", f"fill the column {name}"
+            row.problems.append(row.table.problem(row.line, name, "RF121", message, fix))
+    if not alone:
+        message = "one decision cannot stand for several trials of a recording"
+        fix = 'list each block by its name, with protocol "breakaway", or cut the recording with from_s and until_s'
+        row.say(given[0], "RF111", message, fix)
 
-    def _interval(self, row: _Row) -> tuple[float | None, float | None]:
-        start_s = row.numbers.get("start_s", self.context.start_s)
-        return start_s, row.numbers.get("stop_s", self.context.stop_s)
 
-    def _problem(self, row: _Row, name: str, code: str, message: str, fix: str) -> Problem:
-        return self.table.problem(row.line, self.columns[name].header, code, message, fix)
-
-    def _empty(self, row: _Row, *names: str) -> Iterator[Problem]:
-        for name in names:
-            if name in self.columns and not row.cells[self.columns[name].index]:
-                meaning = _MEANINGS["wheel_radius_m" if name == "wheel" else name]
-                message = f"{self.columns[name].header} is empty; every trial needs {meaning}"
-                yield self._problem(row, name, "RF121", message, "fill the cell")
-
-    def trial(self, row: _Row, name: str, folder: Path) -> TrialSpec | None:
-        """Return a checked row in SI; None where the campaign file leaves something open."""
-        texts, numbers, context = row.texts, row.numbers, self.context
-        wheel_m = numbers.get("wheel_radius_m", context.wheels.get(texts.get("wheel", "")))
-        rope_m = numbers.get("rope_radius_m", context.rope_radius_m)
-        if wheel_m is None or rope_m is None or "wrap_angle_rad" not in numbers or not texts.get("file"):
-            return None
-        start_s, stop_s = self._interval(row)
-        of_row: dict[str, Any] = {**texts, **numbers, "start_s": start_s, "stop_s": stop_s, "trial": name}
-        of_row |= {"wheel_radius_m": wheel_m, "rope_radius_m": rope_m}
-        own = tuple((header, row.cells[index]) for header, index in self.own.items())
-        return TrialSpec(**of_row, path=folder / row.file, line=row.line, own=own)
+def _trial(row: _Row, own: Mapping[str, int], folder: Path, context: TrialContext) -> TrialSpec | None:
+    """Return a checked row in SI; None where the campaign file leaves something open."""
+    wheel_m = row.numbers.get("wheel_radius_m", context.wheels.get(row.texts.get("wheel", "")))
+    rope_m, (start_s, stop_s) = (
+        row.numbers.get("rope_radius_m", context.rope_radius_m),
+        _interval(row, context),
+    )
+    if wheel_m is None or rope_m is None or "wrap_angle_rad" not in row.numbers or not row.file:
+        return None
+    of_row: dict[str, Any] = {**row.texts, **row.numbers, "start_s": start_s, "stop_s": stop_s}
+    of_row |= {"trial": row.name, "wheel_radius_m": wheel_m, "rope_radius_m": rope_m}
+    kept = tuple((name, row.cells[index]) for name, index in own.items())
+    return TrialSpec(**of_row, path=folder / row.file, line=row.line, own=kept)
 
 
 # --- recordings and names ---
 
 
-def _not_there(rows: Sequence[_Row], folder: Path, table: cells.CellTable) -> Iterator[Problem]:
-    """Yield problems of recordings that are not there, or are no files; warnings where the trial is excluded."""
+def _refuse_missing(rows: Sequence[_Row], folder: Path) -> None:
+    """Take note of recordings that are not there, or are no files; as warnings where the trial is excluded."""
     kinds = {file: kind_of_file(folder / file) for file in {row.file: 0 for row in rows} if file}
+    told = {False: 0, True: 0}
+    missing = [row for row in rows if kinds.get(row.file, "file") in ("", "folder")]
+    excluded = [bool(row.texts.get("exclude")) for row in missing]
     for row in rows:
         if kinds.get(row.file) == "device or pipe":
             message = f"the recording {row.texts['file']} is a device or pipe, not a file"
-            fix, excluded = "write its content to a file, and name that", bool(row.texts.get("exclude"))
-            yield table.problem(row.line, "file", MISSING_RECORDING, message, fix, warning=excluded)
-    missing = [row for row in rows if kinds.get(row.file, "file") in ("", "folder")]
-    for excluded in (False, True):
-        some = [row for row in missing if bool(row.texts.get("exclude")) == excluded]
-        for row in some[:MAX_MISSING]:
-            message = f"the recording {row.texts['file']} is not there"
-            fix = f"put it into {folder.as_posix()}, or correct the name"
-            yield table.problem(row.line, "file", MISSING_RECORDING, message, fix, warning=excluded)
-        if len(some) > MAX_MISSING:
-            message = f"{len(some) - MAX_MISSING} more recordings are not there, {len(some)} in all"
-            fix, line = "check the key 'data' of the campaign file", some[MAX_MISSING].line
-            yield table.problem(line, "file", MISSING_RECORDING, message, fix, warning=excluded)
+            fix, is_out = "write its content to a file, and name that", bool(row.texts.get("exclude"))
+            row.say("file", MISSING_RECORDING, message, fix, warning=is_out)
+    for row, is_out in zip(missing, excluded, strict=True):
+        told[is_out] += 1
+        message = f"the recording {row.texts['file']} is not there"
+        fix = f"put it into {folder.as_posix()}, or correct the name"
+        if told[is_out] > MAX_MISSING:
+            n = excluded.count(is_out)
+            message = f"{n - MAX_MISSING} more recordings are not there, {n} in all"
+            fix = "check the key 'data' of the campaign file"
+        if told[is_out] <= MAX_MISSING + 1:
+            row.say("file", MISSING_RECORDING, message, fix, warning=is_out)
 
 
-def _listed_twice(rows: Sequence[_Row], table: cells.CellTable) -> Iterator[Problem]:
-    """Yield problems of recordings listed twice; parts that do not overlap in time are different trials."""
+def _refuse_twice(rows: Sequence[_Row]) -> None:
+    """Take note of recordings listed twice; parts that do not overlap in time are different trials."""
     # '*' takes every block, so beside it no block is another recording.
-    whole = {row.file for row in rows if row.texts.get("sample") == "*"}
+    whole = {row.file for row in rows if row.sample == "*"}
     groups: dict[tuple[str, str], list[_Row]] = {}
     for row in rows:
         if row.file:
-            block = "*" if row.file in whole else row.texts.get("sample", "")
-            groups.setdefault((row.file, block), []).append(row)
+            groups.setdefault((row.file, "*" if row.file in whole else row.sample), []).append(row)
     for (file, _), group in groups.items():
         latest_s, latest = -math.inf, group[0]
         for row in sorted(group, key=lambda row: (row.numbers.get("start_s", -math.inf), row.line)):
             stop_s = row.numbers.get("stop_s", math.inf)
             if row.numbers.get("start_s", -math.inf) < latest_s:
                 first, second = sorted((latest, row), key=lambda item: item.line)
-                sample = second.texts.get("sample", "")
-                what = f"block '{sample}' of " if sample else ""
+                what = f"block '{second.sample}' of " if second.sample else ""
                 fix = "remove one row, or give each its own part of the recording with from_s and until_s"
                 if file in whole:
                     fix = "remove one row; the sample '*' takes every block of the file"
                 message = f"{what}{second.texts['file']} is listed in line {first.line} already"
-                yield table.problem(second.line, "file", "RF122", message, fix)
+                second.say("file", "RF122", message, fix)
             if stop_s > latest_s:
                 latest_s, latest = stop_s, row
 
@@ -310,30 +303,22 @@ def free_name(name: str, taken: Collection[str]) -> str:
     return next(one for one in chain((name,), (f"{name}-{n}" for n in count(2))) if one not in taken)
 
 
-def _names(rows: Sequence[_Row], table: cells.CellTable) -> tuple[list[str], list[Problem]]:
-    """Return a unique name for every row, and problems of names given twice.
+def _name(rows: Sequence[_Row]) -> None:
+    """Give every row a name of its own, and take note of names given twice.
 
     A row without a name is called after its file, with the block where there is one, and a number where that
     name is taken.
     """
-    taken = {row.texts.get("trial", "") for row in rows}
-    first: dict[str, int] = {}
-    names, problems = [], []
+    taken, first = {row.name for row in rows}, dict[str, int]()
     for row in rows:
-        name = row.texts.get("trial", "")
-        if name and name in first:
-            message = f"the name '{name}' is given in line {first[name]} already"
-            fix = "give every trial its own name, or leave the cell empty"
-            problems.append(table.problem(row.line, "trial", "RF122", message, fix))
-        elif name:
-            first[name] = row.line
-        else:
+        if not row.name:
             stem = PurePosixPath(PurePosixPath(row.file).name.removesuffix(".gz")).stem
-            sample = row.texts.get("sample", "")
-            name = free_name((f"{stem}#{sample}" if sample and sample != "*" else stem) or "trial", taken)
-            taken.add(name)
-        names.append(name)
-    return names, problems
+            block = f"#{row.sample}" if row.sample not in {"", "*"} else ""
+            row.name = free_name(f"{stem}{block}" or "trial", taken)
+            taken.add(row.name)
+        elif (line := first.setdefault(row.name, row.line)) != row.line:
+            message = f"the name '{row.name}' is given in line {line} already"
+            row.say("trial", "RF122", message, "give every trial its own name, or leave the cell empty")
 
 
 # --- what is doubtful in a list without errors, or cannot be learned from it: said once for the whole list ---

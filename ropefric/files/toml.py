@@ -3,8 +3,10 @@
 import os
 import re
 import tomllib
+from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -144,7 +146,15 @@ _TOKEN = re.compile(
 
 def toml_lines(text: str) -> dict[KeyPath, int]:
     r"""Return the 1-based line of every key, table and array element of a TOML text."""
-    return _Locator([token for token in _tokens(text) if token.kind not in ("comment", "space")]).run()
+    found, table = _Lines(text), tuple[str | int, ...]()
+    while found.tokens:
+        if found.tokens[0].kind == "[":
+            table = found.header()
+        else:
+            found.value(found.key(table), "newline")
+            if found.tokens:
+                found.tokens.popleft()
+    return found.lines
 
 
 def endless_key(text: str) -> int | None:
@@ -197,92 +207,51 @@ def _key_name(token: _Token) -> str:
         return token.text
 
 
-class _Locator:
-    """One pass over the tokens; nesting is kept on a stack of its own, so depth costs no recursion."""
+class _Lines:
+    """The lines of the places that were read, and the tokens that are not read yet."""
 
-    def __init__(self, tokens: list[_Token]) -> None:
-        self.tokens = tokens
-        self.at = 0
+    def __init__(self, text: str) -> None:
+        self.tokens = deque(token for token in _tokens(text) if token.kind not in ("comment", "space"))
         self.lines: dict[KeyPath, int] = {}
         self.repeats: dict[KeyPath, int] = {}  # arrays of tables: how many elements so far
 
-    def run(self) -> dict[KeyPath, int]:
-        table: KeyPath = ()
-        while self.at < len(self.tokens):
-            before = self.at
-            token = self.tokens[self.at]
-            if token.kind == "newline":
-                self.at += 1
-            elif token.kind == "[":
-                table = self._header()
-            else:
-                self._value(self._key(table))
-            if self.at == before:
-                self.at += 1
-        return self.lines
-
-    def _names(self) -> list[_Token]:
-        """Read `a."b".c` and return its names."""
-        names: list[_Token] = []
-        while self.at < len(self.tokens):
-            token = self.tokens[self.at]
-            if token.kind in ("bare", "string"):
-                names.append(token)
-            elif token.kind != ".":
-                break
-            self.at += 1
-        return names
-
-    def _key(self, base: KeyPath) -> KeyPath:
-        """Read a key and return the place it names below `base`."""
-        path = base
-        for token in self._names():
-            path = (*path, _key_name(token))
-            self.lines.setdefault(path, token.line)
+    def key(self, path: KeyPath) -> KeyPath:
+        """Read `a."b".c` and return the place it names below a path."""
+        while self.tokens and self.tokens[0].kind in ("bare", "string", "."):
+            if (token := self.tokens.popleft()).kind != ".":
+                path = (*path, _key_name(token))
+                self.lines.setdefault(path, token.line)
         return path
 
-    def _header(self) -> KeyPath:
+    def header(self) -> KeyPath:
         """Read `[a.b]` or `[[a.b]]`; names on the way mean the latest element of an array of tables."""
-        self.at += 1
-        is_array = self.at < len(self.tokens) and self.tokens[self.at].kind == "["
-        self.at += is_array
-        parts = self._names()
+        head: list[_Token] = []
+        while self.tokens and self.tokens[0].kind != "newline":
+            head.append(self.tokens.popleft())
+        is_array = [token.kind for token in head[:2]] == ["[", "["]
+        parts = [token for token in head if token.kind in ("bare", "string")]
         path: KeyPath = ()
-        for place, token in enumerate(parts):
+        for place, token in enumerate(parts, start=1):
             path = (*path, _key_name(token))
             self.lines.setdefault(path, token.line)
-            if is_array and place == len(parts) - 1:
+            if is_array and place == len(parts):
                 self.repeats[path] = self.repeats.get(path, 0) + 1
             if path in self.repeats:
                 path = (*path, self.repeats[path] - 1)
                 self.lines.setdefault(path, token.line)
-        while self.at < len(self.tokens) and self.tokens[self.at].kind != "newline":
-            self.at += 1
         return path
 
-    def _value(self, path: KeyPath) -> None:
-        """Read the rest of a statement; note keys of inline tables and elements of arrays."""
-        slot = path
-        stack: list[tuple[KeyPath, int | None]] = []  # container and element number, None in a table
-        while self.at < len(self.tokens):
-            token = self.tokens[self.at]
-            if token.kind == "newline" and not stack:
-                return
-            self.at += 1
+    def value(self, path: KeyPath, *ends: str) -> None:
+        """Read up to a mark that ends the value; in it, elements of arrays and keys of inline tables."""
+        while self.tokens and self.tokens[0].kind not in ends:
+            token = self.tokens.popleft()
             if token.kind in ("string", "bare", "other", "[", "{"):
-                self.lines.setdefault(slot, token.line)
-            if token.kind == "[":
-                stack.append((slot, 0))
-                slot = (*slot, 0)
-            elif token.kind == "{":
-                stack.append((slot, None))
-                slot = self._key(slot)
-            elif token.kind in ("]", "}") and stack:
-                slot = stack.pop()[0]
-            elif token.kind == "," and stack:
-                base, number = stack.pop()
-                stack.append((base, None if number is None else number + 1))
-                slot = self._key(base) if number is None else (*base, number + 1)
+                self.lines.setdefault(path, token.line)
+            close = {"[": "]", "{": "}"}.get(token.kind, "")
+            for number in count() if close else ():
+                self.value((*path, number) if close == "]" else self.key(path), ",", close)
+                if not self.tokens or self.tokens.popleft().kind == close:
+                    break
 
 
 # None of these is a key of any scene.

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import BarycentricInterpolator
 
 from ropefric.arrays import FloatArray, IntArray, frozen_array
 from ropefric.files.plain_text import significant
@@ -85,46 +86,30 @@ def modes_over(
 
     if saw.bending_stiffness_N_m2 == 0.0 or not ends[0] < ends[1]:
         return lambda at: exact(at, _FINE)
-    power = 2.0 if what == "speed_m_s" else 1.0
+    power, accuracy = 2.0 if what == "speed_m_s" else 1.0, max(accuracy, 1e-12)
     low, high = (end**power for end in ends)
-    count, accuracy = 2, max(accuracy, 1e-12)
 
-    def place(shares: FloatArray) -> FloatArray:
-        return np.asarray(np.clip((low + (high - low) * shares) ** (1.0 / power), *ends))
+    def squared(turns: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return where shares of a half turn lead on the way from end to end, and what f² is there."""
+        places = low + (high - low) * (0.5 - 0.5 * np.cos(np.pi * turns))
+        return places, exact(np.clip(places ** (1.0 / power), *ends), 0.1 * accuracy) ** 2
 
     if at_ends_Hz is None:
         at_ends_Hz = exact(np.array(ends), min(accuracy, _FINE))
-    table = np.insert(at_ends_Hz, 1, exact(place(_half_turn(0.5)), 0.1 * accuracy), axis=0) ** 2
-    while count < _MOST_NODES:
-        between = _half_turn((np.arange(count) + 0.5) / count)
-        new = exact(place(between), 0.1 * accuracy) ** 2
-        error = np.abs(_interpolated(table, between) / new - 1.0).max()
-        both = np.empty((2 * count + 1, n_modes))
-        both[::2], both[1::2] = table, new
-        table, count = both, 2 * count
+    places, (middle, between) = np.array([low, high]), squared(np.array([0.5]))
+    places, table, error = np.insert(places, 1, middle), np.insert(at_ends_Hz**2, 1, between, axis=0), np.inf
+    while len(table) <= _MOST_NODES:
+        weights = (-1.0) ** np.arange(len(table))
+        weights[[0, -1]] *= 0.5
+        curve = BarycentricInterpolator(places, table, wi=weights)
         # To double the points squares what is missing.
         if error**2 <= _SAFE * accuracy:
-            return lambda at: np.asarray(
-                np.sqrt(_interpolated(table, (np.asarray(at) ** power - low) / (high - low)))
-            )
+            return lambda at: np.asarray(np.sqrt(curve(np.asarray(at) ** power)))
+        new, between = squared((np.arange(len(table) - 1) + 0.5) / (len(table) - 1))
+        error = float(np.abs(curve(new) / between - 1.0).max())
+        after = np.arange(1, len(table))
+        places, table = np.insert(places, after, new), np.insert(table, after, between, axis=0)
     return lambda at: exact(at, accuracy)
-
-
-def _half_turn(step: npt.ArrayLike) -> FloatArray:
-    """Return the shares of a way at some shares of a half turn."""
-    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.asarray(step)))
-
-
-def _interpolated(table: FloatArray, share: FloatArray) -> FloatArray:
-    """Return what values at Chebyshev's points of 0 … 1 give between them, by the barycentric formula."""
-    count = len(table) - 1
-    weights = (-1.0) ** np.arange(count + 1)
-    weights[[0, -1]] *= 0.5
-    away = share[:, np.newaxis] - (0.5 - 0.5 * np.cos(np.pi * np.arange(count + 1) / count))
-    met = away == 0.0
-    parts = weights / np.where(met, 1.0, away)
-    parts = np.where(met.any(axis=1)[:, np.newaxis], met, parts)
-    return np.asarray(parts @ table / parts.sum(axis=1)[:, np.newaxis])
 
 
 class Crossing(NamedTuple):
@@ -295,17 +280,19 @@ def recommend_preload(
     cannot tell which comes first, they are found again to ten digits.
     """
     low_N, high_N = range_N
+    excited_Hz = _excited_Hz(excitations, saw.speed_m_s)
     curves = [modes_over(saw, side, n_modes, "preload_N", ends=range_N, accuracy=accuracy) for side in _SIDES]
-    asked: dict[str, Any] = {"margin": margin, "range_N": range_N, "n_modes": n_modes}
-    intervals_N = np.concatenate([_forbidden(saw, curve, excitations, **asked) for curve in curves])
+    intervals_N = np.concatenate([_forbidden(curve, excited_Hz, margin, range_N) for curve in curves])
     present_N, (starts_N, stops_N) = min(max(saw.preload_N, low_N), high_N), intervals_N.T
     # What is cut at an end of the range begins or ends there however accurate.
     apart_N = np.subtract.outer(starts_N[starts_N > low_N], np.append(stops_N[stops_N < high_N], present_N))
     near_N = np.abs(np.append(apart_N, stops_N - present_N))
     if accuracy > _FINE and (near_N <= _UNSURE * accuracy * high_N).any():
-        return recommend_preload(saw, excitations, **asked)
-    forbidden_N = _union(intervals_N)
-    starts_N, stops_N = np.array(forbidden_N).reshape(-1, 2).T
+        return recommend_preload(saw, excitations, margin=margin, range_N=range_N, n_modes=n_modes)
+    # Where an interval begins beyond all that end before it, a new one of their union does.
+    starts_N, stops_N = np.sort(starts_N), np.maximum.accumulate(stops_N[np.argsort(starts_N, kind="stable")])
+    first = np.append(True, starts_N[1:] > stops_N[:-1])[: starts_N.size]
+    starts_N, stops_N = starts_N[first], stops_N[np.append(first[1:], True)[: first.size]]
     candidates_N = np.array([present_N, low_N, high_N, *starts_N, *stops_N])
     # The ends of the intervals are roots: a hair inside them still is outside for people.
     hair_N, at_N = 1e-9 * high_N, candidates_N[:, np.newaxis]
@@ -314,9 +301,8 @@ def recommend_preload(
 
     def nearest(preload_N: FloatArray) -> FloatArray:
         """Return the smallest margin at preloads within the range."""
-        excited = _excited_Hz(excitations, saw.speed_m_s)
         of_modes = np.concatenate([curve(preload_N) for curve in curves], axis=1)
-        apart = np.abs(of_modes[..., np.newaxis] / excited[excited > 0.0] - 1.0)
+        apart = np.abs(of_modes[..., np.newaxis] / excited_Hz[excited_Hz > 0.0] - 1.0)
         return np.asarray(apart.min(axis=(1, 2), initial=np.inf))
 
     status = StrainStatus.IMPOSSIBLE
@@ -325,8 +311,9 @@ def recommend_preload(
         status = StrainStatus.KEEP if nearest_N == saw.preload_N else StrainStatus.CHANGE
     else:
         nearest_N = _best(nearest, range_N)
-    cut_N = tuple((max(start, low_N), min(stop, high_N)) for start, stop in forbidden_N)
-    return StrainAdvice(status, nearest_N, float(nearest(np.array([nearest_N]))[0]), cut_N)
+    cut_N = np.clip(np.stack([starts_N, stops_N], axis=1), low_N, high_N).tolist()
+    forbidden_N = tuple((start, stop) for start, stop in cut_N)
+    return StrainAdvice(status, nearest_N, float(nearest(np.array([nearest_N]))[0]), forbidden_N)
 
 
 def _best(nearest: Callable[[FloatArray], FloatArray], range_N: tuple[float, float]) -> float:
@@ -350,63 +337,23 @@ _UNSURE = 10.0
 
 
 def _forbidden(
-    saw: Saw,
     curve: Callable[[FloatArray], FloatArray],
-    excitations: tuple[Excitation, ...],
-    *,
+    excited_Hz: FloatArray,
     margin: float,
     range_N: tuple[float, float],
-    n_modes: int,
 ) -> FloatArray:
     """Return the intervals of preload that the modes of one side, a curve, forbid, cut to the range, shape (n, 2)."""
-    slowest, fastest = curve(np.array(range_N))
-    excited_Hz, mode = (
-        part.ravel()
-        for part in np.meshgrid(
-            _excited_Hz(excitations, saw.speed_m_s), np.arange(1, n_modes + 1), indexing="ij"
-        )
-    )
-    below_Hz, above_Hz = excited_Hz * (1.0 - margin), excited_Hz * (1.0 + margin)
-    least_Hz, most_Hz = slowest[mode - 1], fastest[mode - 1]
+    least_Hz, most_Hz = (one[:, np.newaxis] for one in curve(np.array(range_N)))
+    edges_Hz = np.multiply.outer(excited_Hz, [1.0 - margin, 1.0 + margin])[:, np.newaxis] + 0.0 * least_Hz
     # An interval that goes on beyond the range must not leave its end allowed.
     past_N = 1e-6 * range_N[1]
-    start_N = range_N[0] - past_N * (least_Hz > below_Hz)
-    stop_N = range_N[1] + past_N * (most_Hz < above_Hz)
-    met = (most_Hz > below_Hz) & (least_Hz < above_Hz)
-    for edge_N, edge_Hz, inside in (
-        (start_N, below_Hz, met & (least_Hz < below_Hz)),
-        (stop_N, above_Hz, met & (most_Hz > above_Hz)),
-    ):
-        edge_N[inside] = _preloads_N(curve, edge_Hz[inside], mode[inside], range_N)
-    return np.stack([start_N[met], stop_N[met]], axis=1)
-
-
-def _preloads_N(
-    curve: Callable[[FloatArray], FloatArray],
-    wanted_Hz: FloatArray,
-    mode: IntArray,
-    range_N: tuple[float, float],
-) -> FloatArray:
-    """Return the preloads within a range at which modes have frequencies; an end, if the curve just misses it."""
+    found_N = np.where(edges_Hz < least_Hz, range_N[0] - past_N, range_N[1] + past_N)
+    inside = (least_Hz <= edges_Hz) & (edges_Hz <= most_Hz)
+    wanted_Hz, mode = edges_Hz[inside], np.nonzero(inside)[1]
 
     def surplus_Hz(preload_N: FloatArray, cases: IntArray) -> FloatArray:
-        return np.asarray(curve(preload_N)[np.arange(cases.size), mode[cases] - 1] - wanted_Hz[cases])
+        return np.asarray(curve(preload_N)[np.arange(cases.size), mode[cases]] - wanted_Hz[cases])
 
-    every = np.arange(wanted_Hz.size)
-    low, high = (np.full(every.size, end) for end in range_N)
-    at_low, at_high = (surplus_Hz(end, every) >= 0.0 for end in (low, high)) if every.size else (every, every)
-    found = np.where(at_low, low, high)
-    crossed = ~at_low & at_high
-    if crossed.any():
-        some = np.flatnonzero(crossed)
-        found[some] = roots_between(lambda x, cases: surplus_Hz(x, some[cases]), low[some], high[some])
-    return found
-
-
-def _union(intervals: FloatArray) -> list[tuple[float, float]]:
-    merged: list[tuple[float, float]] = []
-    for start, stop in sorted(intervals.tolist()):
-        if merged and start <= merged[-1][1]:
-            start, stop = merged[-1][0], max(merged.pop()[1], stop)  # noqa: PLW2901
-        merged.append((start, stop))
-    return merged
+    if mode.size:
+        found_N[inside] = roots_between(surplus_Hz, *(np.full(mode.size, end) for end in range_N))
+    return found_N[(found_N[..., 0] < range_N[1]) & (found_N[..., 1] > range_N[0])]

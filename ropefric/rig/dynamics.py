@@ -15,6 +15,7 @@ from math import exp, inf
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
@@ -93,13 +94,9 @@ class Motion(NamedTuple):
 
     def spring_N(self, time_s: FloatArray) -> FloatArray:
         """Return the force of the cell's spring at any times [N], by cubic pieces through force and its rate."""
-        at = np.clip(np.searchsorted(self.time_s, time_s, side="right") - 1, 0, self.time_s.size - 2)
-        h = self.time_s[at + 1] - self.time_s[at]
-        s = np.clip((time_s - self.time_s[at]) / h, 0.0, 1.0)
-        low, high = self.force_N[at], self.force_N[at + 1]
-        rate = self.stiffness_N_m * self.rope_m_s
-        bend = (1.0 - s) * (h * rate[at] - (high - low)) - s * (h * rate[at + 1] - (high - low))
-        return np.asarray(low + s * (high - low) + s * (1.0 - s) * bend)
+        rate_N_s = self.stiffness_N_m * self.rope_m_s
+        inside = np.clip(time_s, self.time_s[0], self.time_s[-1])
+        return np.asarray(CubicHermiteSpline(self.time_s, self.force_N, rate_N_s)(inside))
 
 
 def stops(slider: Slider, after_s: float) -> float:

@@ -97,14 +97,14 @@ class Mounting(NamedTuple):
 
 def deviation(saw: Saw, measurement: Measurement, model: str) -> tuple[float, float]:
     """Return the frequency that a model gives a measured mode [Hz], and how far that is from it, as a share."""
-    chosen = MODELS[model]
-    if chosen.bends and not saw.bending_stiffness_N_m2:
+    changes = MODELS[model].changes
+    if "bending_stiffness_N_m2" not in changes and not saw.bending_stiffness_N_m2:
         raise InputError(
             "the saw has no bending stiffness, so there is no beam to compare with",
             key="bending_stiffness_N_m2",
             fix="give EI, or compare strings only",
         )
-    changed = chosen.applied_to(_at_speed(saw, measurement))
+    changed = replace(_at_speed(saw, measurement), **changes)
     frequency_Hz = float(frequencies_Hz(changed, measurement.side, measurement.mode)[0, -1])
     return frequency_Hz, frequency_Hz / measurement.frequency_Hz - 1.0
 

@@ -147,7 +147,7 @@ def remove_knocks(
     if wide < FEWEST or force_N.size < 4 * wide:
         return force_N, []
     # The largest of the smallest of each stretch of that length: what is narrower is cut off.
-    ground_N = grey_opening(force_N, size=wide)
+    ground_N = grey_opening(force_N, size=(wide,))
     above_N = force_N - ground_N
     out, tops = force_N, []
     for start, stop in runs_of(above_N > SPIKE_SIGMAS * noise_N).tolist():

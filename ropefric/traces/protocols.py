@@ -20,13 +20,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
 from ropefric.registry import Registry
 from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
-from ropefric.traces.decision import (
-    measured,
-    pick_breakaway,
-    pick_prepared,
-    too_short,
-    without_force,
-)
+from ropefric.traces.decision import measured, pick_breakaway, pick_prepared, too_short, without_force
 from ropefric.traces.events import SAME_KIND, Fall, half_climb
 from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import Prepared, phases_of, prepare, sliding_after

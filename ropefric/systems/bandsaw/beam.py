@@ -14,13 +14,7 @@ from scipy.special import ive, jv
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, SolverError
-from ropefric.systems.bandsaw.span import (
-    CLAMPED,
-    Ends,
-    Span,
-    refuse_overspeed,
-    string_frequencies_Hz,
-)
+from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span, refuse_overspeed, string_frequencies_Hz
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -23,12 +23,7 @@ from ropefric.systems.press.statics import (
     steady_state,
 )
 from ropefric.systems.press.transient.modes import SwingingStartUp
-from ropefric.systems.press.transient.start_up import (
-    ON_TENSION,
-    StartUp,
-    start_up,
-    swinging_start_up,
-)
+from ropefric.systems.press.transient.start_up import ON_TENSION, StartUp, start_up, swinging_start_up
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -20,8 +20,8 @@ TOLD = {"wrap-dependence": frozenset({"wrap", "end-tension"}), "size": frozenset
 """What of a contact each effect tells a law, where the tension goes with the wrap."""
 
 
-_SEEN = frozenset({"wrap-dependence", "end-tension", "size"})
-"""Effects of a law by which it looks at a contact."""
+_SEEN = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
+"""What of a contact a law looks at, by what it can describe."""
 
 
 def share_of_law(
@@ -97,6 +97,8 @@ class WrapFriction:
         given = (wheel_radius_m, rope_radius_m, wrap_angle_rad, slack_tension_N)
         arrays = {name: np.asarray(one, dtype=np.float64) for name, one in zip(_OWNER, given, strict=True)}
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+        if self.law.weakens:  # what such a law cannot describe it does not look at
+            told = told & {_SEEN[effect] for effect in self.law.effects & _SEEN.keys()}
         # What the law gets to see of the contacts, on one axis; over a wrap of zero no coefficient is needed.
         seen = {
             name: array if _OWNER[name] in told else getattr(self.reference, name)
@@ -156,7 +158,7 @@ class WrapFriction:
         or of all. Infinite where nothing is known of the law.
         """
         law, theta = self.law, self.theta
-        if law.weakens and not law.effects & _SEEN:
+        if law.weakens and not law.effects & _SEEN.keys():
             return np.zeros(1)
         inside = ((theta >= law.lower) & (theta <= law.upper)).all(axis=-1)
         if not law.weakens or not inside.any():

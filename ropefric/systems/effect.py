@@ -216,8 +216,8 @@ def law_bound(
         return np.zeros(1)
     with np.errstate(invalid="ignore", over="ignore"):
         most = bound(problem, answer)
-    bound = share * np.where(np.isnan(most), np.inf, most)
-    return np.maximum(bound, _SOMETHING) if answer is None else bound
+    known = share * np.where(np.isnan(most), np.inf, most)
+    return np.maximum(known, _SOMETHING) if answer is None else known
 
 
 def law_effects(

@@ -167,26 +167,19 @@ class WrapFriction:
         for name, condition in _CONDITION.items():
             (low, high), own = ranges[name], getattr(self.reference, condition)
             ends.append((np.minimum(low, own), np.maximum(high, own)))
-        either = [
-            (low, high) if (low < high).any() and "size" in law.effects else (low,) for low, high in ends[:2]
-        ]
+        sized = "size" in law.effects
+        either = [(low, high) if sized and (low < high).any() else (low,) for low, high in ends[:2]]
         corners = [(*radii, *far) for radii in product(*either) for far in zip(*ends[2:], strict=True)]
-        shape = np.broadcast_shapes(inside.shape, *(one.shape for corner in corners for one in corner))
-        at = [
-            np.stack([np.broadcast_to(one, shape) for one in column]) for column in zip(*corners, strict=True)
-        ]
+        columns = zip(*(np.broadcast_arrays(*corner, inside) for corner in corners), strict=True)
+        at = dict(zip(_CONDITION.values(), map(np.stack, columns), strict=False))
+        try:
+            flat = Conditions(**{name: one.ravel() for name, one in at.items()})
+        except InputError:
+            return np.full(1, np.inf)
+        shape = at["wrap_angle_rad"].shape
+        sets = np.broadcast_to(theta, (*shape, theta.shape[-1])).reshape(-1, theta.shape[-1])
         with np.errstate(all="ignore"):
-            try:
-                if theta.ndim == 1:
-                    average = self.exponent(*at) / at[2]
-                else:
-                    flat = Conditions(
-                        **{name: one.ravel() for name, one in zip(_CONDITION.values(), at, strict=True)}
-                    )
-                    rise = law.rise_of_pairs(np.tile(theta, (len(corners), 1)), flat)
-                    average = (rise / flat.wrap_angle_rad).reshape(at[2].shape)
-            except InputError:
-                return np.full(1, np.inf)
+            average = (law.rise_of_pairs(sets, flat) / flat.wrap_angle_rad).reshape(shape)
             change = np.log(average.max(axis=0) / average.min(axis=0))
         return np.where(np.isnan(change) | ~inside, np.inf, change)
 

@@ -447,6 +447,6 @@ def _between_few(beams: list[ScaledBeam], n_modes: int, accuracy: float) -> Floa
         ]
         found = np.einsum("ni,nj,ijm->nm", *to_case, table)
         if np.abs(found - before).max() <= accuracy:
-            return np.exp(found)
+            return np.asarray(np.exp(found))
         before = found
     return None

@@ -39,7 +39,7 @@ def _law_bound(problem: DriveProblem, answer: DriveAnswer | None) -> FloatArray:
         )
         for radius_m, wrap in problem.pulleys
     ]
-    off = np.max(found, axis=0)
+    off: FloatArray = np.max(found, axis=0)
     if answer is None:
         return off
     change = np.exp(off) * np.expm1(off) * np.nanmin(answer.exponents, axis=0)

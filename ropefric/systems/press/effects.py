@@ -179,7 +179,9 @@ def _law_bound(problem: PressProblem, answer: PressAnswer | None) -> FloatArray:
         return np.zeros(1)
     still_N = np.zeros(len(problem.press.spans))
     own_N = problem.friction.reference.end_tension_N
-    return _spread(problem.friction, contacts_of(problem.press, still_N), own_N).max(keepdims=True)
+    return np.asarray(
+        _spread(problem.friction, contacts_of(problem.press, still_N), own_N).max(keepdims=True)
+    )
 
 
 @lru_cache(maxsize=1)

@@ -284,16 +284,19 @@ class _Run:
         known = applicable(self.kind.system.effects, box)
         asked = [one for one in worth_asking([*known.values()], total) if one.each is not None]
         # Of some it is known before anything is solved that they stay.
-        bounds = {one: one.each(box, None) for one in asked if one.each}
-        bounds = {one: bound for one, bound in bounds.items() if (bound <= self.room).any()}
+        before = {one: one.each(box, None) for one in asked if one.each}
+        bounds = {one: bound for one, bound in before.items() if (bound <= self.room).any()}
         most_s, best = 0.0, frozenset[str]()
         # Where none changes anything a law looks at none, and none takes time.
         while any(bound.any() for bound in bounds.values()):
             tried = frozenset(one.name for one in bounds)
             answer = self._answer(box, frozenset(known) - tried)[0]
             bounds = {one: one.each(box, answer) for one in bounds if one.each}
-            may_go = np.broadcast_to(sum(bounds.values(), np.zeros(box.n)) <= self.room, (box.n,))
-            saved_s = float(may_go.mean()) * sum(one.cost for one in bounds)
+            might_go = sum((before[one] for one in bounds), np.zeros(box.n)) <= self.room
+            may_go = sum(bounds.values(), np.zeros(box.n)) <= self.room
+            # Where they might go and may not, everything is solved after all.
+            share = float(may_go.mean() - (might_go & ~may_go).mean())
+            saved_s = share * sum(one.cost for one in bounds)
             if saved_s > most_s and any(bound.any() for bound in bounds.values()):
                 most_s, best = saved_s, tried
             # Those that alone are too much everywhere, but at least the worst.

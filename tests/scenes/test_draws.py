@@ -261,7 +261,7 @@ def saving_anything(monkeypatch):
 
 @pytest.mark.usefixtures("saving_anything")
 def test_draws_of_a_law_s_parameters_are_planned_and_keep_the_promise(loaded):
-    assert check_drawn_laws(loaded, 16, 1) >= 4
+    assert check_drawn_laws(loaded, 24, 1) >= 4
 
 
 @pytest.mark.slow

@@ -446,7 +446,11 @@ def _between_few(beams: list[ScaledBeam], n_modes: int, accuracy: float) -> Floa
             for one, mid, reach, k, node in zip(at.T, middle, half, counts, nodes, strict=True)
         ]
         found = np.einsum("ni,nj,ijm->nm", *to_case, table)
-        if np.abs(found - before).max() <= accuracy:
+        change = float(np.abs(found - before).max())
+        if change <= accuracy:
             return np.asarray(np.exp(found))
+        # Twice as many nodes square what is left.
+        if math.sqrt(accuracy) < change < math.inf:
+            return None
         before = found
     return None

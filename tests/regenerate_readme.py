@@ -112,7 +112,8 @@ def _scenes() -> str:
         f"**Scenes.** What is quick is solved whole at any accuracy: {', '.join(whole)}. Of a start-up the search for "
         "the moments of slip takes time: met inside the steps of a grid they leave the answer off by less than "
         f"{_below(started.error)}. Of a blade only the stiffness takes time. Planned and solved, {'; '.join(words)}. "
-        "Planning adds a few hundredths at most to the time of solving one machine, and some milliseconds to a sweep."
+        "Planning adds a few hundredths at most to the time of solving one machine, and some milliseconds to a sweep: "
+        "each is timed in turn with all effects, and the least time counts."
     )
 
 

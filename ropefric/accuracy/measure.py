@@ -17,10 +17,13 @@ import numpy as np
 
 from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.study import Case, Measured, Setting, Study, StudyResult
+from ropefric.arrays import FloatArray
 from ropefric.executors import software, spread
 
 _CPUINFO = Path("/proc/cpuinfo")
 _MOST_LOOPS = 1_000_000
+_SHORTER = 10
+"""Than usual are batches of what is timed in turn, and as many times more."""
 
 Progress = Callable[[int, int, str], None]
 
@@ -74,7 +77,7 @@ QUICK = Effort(batch_s=5e-4, budget_s=0.01, fewest=3, most=9)
 
 
 class Timing(NamedTuple):
-    """How long one call takes: median and quartiles of `repeats` batches of `loops` calls."""
+    """How long one call takes, and a range, of `repeats` batches of `loops` calls."""
 
     seconds: float
     lower_s: float
@@ -86,31 +89,60 @@ class Timing(NamedTuple):
 def time_call(
     call: Callable[[], object], effort: Effort = FULL, *, clock: Callable[[], float] = perf_counter
 ) -> Timing:
-    """Return how long a call takes: median and quartiles over several batches of calls.
+    """Return how long a call takes: median and quartiles over several batches of calls."""
+    ((times_s, loops),) = _batches([call], effort, clock)
+    lower_s, median_s, upper_s = np.percentile(times_s, [25, 50, 75]).tolist()
+    return Timing(median_s, lower_s, upper_s, times_s.size, loops)
+
+
+def time_in_turn(
+    calls: Sequence[Callable[[], object]], effort: Effort = FULL, *, clock: Callable[[], float] = perf_counter
+) -> list[Timing]:
+    """Return how long calls take that are to be held against each other: the least of several batches in turn.
+
+    What slows the machine for a while then slows all of them, and the least of each not at all: batches are so short
+    that some of them fit between what else the machine does.
+    """
+    found, shares = [], effort._replace(batch_s=effort.batch_s / _SHORTER, most=effort.most * _SHORTER)
+    for times_s, loops in _batches(calls, shares, clock):
+        least_s, upper_s = np.percentile(times_s, [0, 75]).tolist()
+        found.append(Timing(least_s, least_s, upper_s, times_s.size, loops))
+    return found
+
+
+def _batches(
+    calls: Sequence[Callable[[], object]], effort: Effort, clock: Callable[[], float]
+) -> list[tuple[FloatArray, int]]:
+    """Return how long each call takes in several batches, and of how many calls these are.
 
     The first call warms up caches and lazy imports and is thrown away. Then the number of calls in a batch is doubled
     until a batch lasts long enough. The garbage collector rests meanwhile.
     """
 
-    def batch_s() -> float:
+    def batch_s(call: Callable[[], object], loops: int) -> float:
         start_s = clock()
         for _ in range(loops):
             call()
         return clock() - start_s
 
-    resting, loops = gc.isenabled(), 1
+    resting, found = gc.isenabled(), []
     gc.disable()
     try:
-        call()
-        while (elapsed_s := batch_s()) < effort.batch_s and loops < _MOST_LOOPS:
-            loops *= 2
-        repeats = int(np.clip(effort.budget_s / max(elapsed_s, 1e-12), effort.fewest, effort.most))
-        times_s = [elapsed_s, *(batch_s() for _ in range(repeats - 1))]
+        for call in calls:
+            call()
+            loops = 1
+            while (elapsed_s := batch_s(call, loops)) < effort.batch_s and loops < _MOST_LOOPS:
+                loops *= 2
+            repeats = int(np.clip(effort.budget_s / max(elapsed_s, 1e-12), effort.fewest, effort.most))
+            found.append(([elapsed_s], loops, repeats))
+        for turn in range(1, effort.most):
+            for call, (times_s, loops, repeats) in zip(calls, found, strict=True):
+                if turn < repeats:
+                    times_s.append(batch_s(call, loops))
     finally:
         if resting:
             gc.enable()
-    lower_s, median_s, upper_s = np.percentile(np.array(times_s) / loops, [25, 50, 75]).tolist()
-    return Timing(median_s, lower_s, upper_s, repeats, loops)
+    return [(np.array(times_s) / loops, loops) for times_s, loops, _ in found]
 
 
 def measure_studies(
@@ -137,12 +169,21 @@ def measure_studies(
     pieces = (
         (case, place) for (_, case, place, _), name in zip(planned, names, strict=True) if name not in before
     )
-    assessed = spread(_assessed_at, pieces, executor)
+    assessed, timings = spread(_assessed_at, pieces, executor), dict[str, Timing]()
     for done, ((study, case, _, setting), name) in enumerate(zip(planned, names, strict=True), start=1):
         if name in before:
             point = before[name]
         else:
-            point = replace(next(assessed), **time_call(setting.call, effort)._asdict())
+            outcome = next(assessed)
+            if not study.in_turn:
+                timings[name] = time_call(setting.call, effort)
+            elif name not in timings:
+                new = zip(names, planned, strict=True)
+                turns = {
+                    key: one[-1].call for key, one in new if one[:2] == (study, case) and key not in before
+                }
+                timings |= zip(turns, time_in_turn([*turns.values()], effort), strict=True)
+            point = replace(outcome, **timings[name]._asdict())
             if kept is not None:
                 kept.parent.mkdir(parents=True, exist_ok=True)
                 with kept.open("a", encoding="utf-8") as stream:

@@ -344,20 +344,24 @@ class FrictionLaw:
         """
         return np.asarray(self.answers(theta, conditions).all(axis=-1))
 
-    def log_lift_of_pairs(self, theta: FloatArray, conditions: Conditions) -> FloatArray:
-        """Return ln(F_A / 1 N) of m parameter sets, each at its own condition, shape (m,); NaN where there is no answer.
-
-        `log_lift` gives every set at every condition, of which this is the diagonal.
-        """
+    def rise_of_pairs(self, theta: FloatArray, conditions: Conditions) -> FloatArray:
+        """Return ln(F_A/F_B) of m parameter sets, each at its own condition, shape (m,); NaN where it has none."""
         good = self._answered(tuple(theta.T), conditions)
         found = np.full(len(conditions), np.nan)
         if good.any():
             part = conditions.select(good)
             # Every number is looked at right after, so overflow need not be warned about.
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                log_lift = part.log_end_tension + self.physics.rise(tuple(theta[good].T), part)
-            found[good] = np.where(np.isfinite(log_lift), log_lift, np.nan)
+                rise = self.physics.rise(tuple(theta[good].T), part)
+            found[good] = np.where(np.isfinite(rise), rise, np.nan)
         return found
+
+    def log_lift_of_pairs(self, theta: FloatArray, conditions: Conditions) -> FloatArray:
+        """Return ln(F_A / 1 N) of m parameter sets, each at its own condition, shape (m,); NaN where there is no answer.
+
+        `log_lift` gives every set at every condition, of which this is the diagonal.
+        """
+        return np.asarray(conditions.log_end_tension + self.rise_of_pairs(theta, conditions))
 
     def theta_from(self, mapping: Mapping[str, float]) -> FloatArray:
         """Return theta, shape (p,), from named parameters; a fixed parameter may be left out.

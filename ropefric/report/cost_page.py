@@ -49,7 +49,8 @@ def cost_sections(results: Sequence[StudyResult], machine: Machine) -> tuple[Sec
 def _study_section(result: StudyResult) -> Section:
     """Return a study: its question, the cheapest setting of each case for each accuracy, equal rows in one."""
     study = result.study
-    lines = (study.question, f"reference: {study.reference}", f"work is counted in {study.counted}")
+    turns = "; settings are timed in turn, and the least time of each is shown" if study.in_turn else ""
+    lines = (study.question, f"reference: {study.reference}", f"work is counted in {study.counted}{turns}")
     cases = [f"{case.name}: {case.title}" for case in study.cases]
     groups: dict[tuple[str, ...], list[float]] = {}
     for row in zip(*(result.cheapest(case.name) for case in study.cases), strict=True):

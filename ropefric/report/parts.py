@@ -390,7 +390,10 @@ def explanation_sections(told: "Explanation") -> list[Section]:
         lines.append(f"measured: difference {told.difference:.2g}; {times}{saved}")
     headings = ("effect", "fate ", "worth at most", "measured worth", "takes", "share of time")
     shown = headings[: 6 if told.is_measured else 3]
-    notes = [f"{one.name}: {_why(one)}" for one in plan.decisions]
+    reasons: dict[str, list[str]] = {}
+    for one in plan.decisions:
+        reasons.setdefault(_why(one), []).append(one.name)
+    notes = [f"{', '.join(names)}: {why}" for why, names in reasons.items()]
     return [Section(f"Effects of this {told.system} scene", lines, shown, rows, 2, notes)]
 
 

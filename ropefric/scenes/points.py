@@ -284,17 +284,25 @@ class _Run:
         known = applicable(self.kind.system.effects, box)
         asked = [one for one in worth_asking([*known.values()], total) if one.each is not None]
         # Of some it is known before anything is solved that they stay.
-        tried = [one for one in asked if one.each and (one.each(box, None) <= self.room).any()]
+        before = {one: one.each(box, None) for one in asked if one.each}
+        bounds = {one: bound for one, bound in before.items() if (bound <= self.room).any()}
         most_s, best = 0.0, frozenset[str]()
-        while tried:
-            answer = self._answer(box, frozenset(known) - {one.name for one in tried})[0]
-            bounds = [one.each(box, answer) for one in tried if one.each]
-            may_go = np.broadcast_to(sum(bounds, np.zeros(box.n)) <= self.room, (box.n,))
-            saved_s = float(may_go.mean()) * sum(one.cost for one in tried)
-            # Where none changes anything a law looks at none, and none takes time.
-            if saved_s > most_s and any(bound.any() for bound in bounds):
-                most_s, best = saved_s, frozenset(one.name for one in tried)
-            tried.pop(int(np.argmax([one.min() for one in bounds])))
+        # Where none changes anything a law looks at none, and none takes time.
+        while any(bound.any() for bound in bounds.values()):
+            tried = frozenset(one.name for one in bounds)
+            answer = self._answer(box, frozenset(known) - tried)[0]
+            bounds = {one: one.each(box, answer) for one in bounds if one.each}
+            might_go = sum((before[one] for one in bounds), np.zeros(box.n)) <= self.room
+            may_go = sum(bounds.values(), np.zeros(box.n)) <= self.room
+            # Where they might go and may not, everything is solved after all.
+            share = float(may_go.mean() - (might_go & ~may_go).mean())
+            saved_s = share * sum(one.cost for one in bounds)
+            if saved_s > most_s and any(bound.any() for bound in bounds.values()):
+                most_s, best = saved_s, tried
+            # Those that alone are too much everywhere, but at least the worst.
+            least = {one: float(bound.min()) for one, bound in bounds.items()}
+            worst = max(least, key=lambda one: least[one])
+            bounds = {one: bounds[one] for one in bounds if one is not worst and least[one] <= self.room}
         return best
 
     def _bounds(self, problem: Any, answer: Any = None) -> FloatArray:

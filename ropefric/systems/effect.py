@@ -19,6 +19,10 @@ P = TypeVar("P")
 """A problem: everything a scene says about its parts."""
 
 
+_SOMETHING = np.finfo(np.float64).tiny
+"""Bound of what changes a number, if nothing else is known of it."""
+
+
 def unknown(problem: object) -> float:  # noqa: ARG001
     """Return that nothing is known of what an effect is worth."""
     return math.inf
@@ -47,7 +51,7 @@ class Effect(NamedTuple):
     each : callable or None
         `each(problem, answer)` returns such a bound for each of many cases, shape (n,) or (1,), in a part of the time of
         solving them, from the answer to them without it; without an answer what is known before, which is no more than
-        that. An effect that has none is simulated in every sweep.
+        that, and zero only where it changes nothing. An effect that has none is simulated in every sweep.
     cost : float
         Time that it adds to each case, roughly [s]. An effect that costs none is not left out to save time.
 
@@ -212,7 +216,8 @@ def law_bound(
         return np.zeros(1)
     with np.errstate(invalid="ignore", over="ignore"):
         most = bound(problem, answer)
-    return share * np.where(np.isnan(most), np.inf, most)
+    known = share * np.where(np.isnan(most), np.inf, most)
+    return np.maximum(known, _SOMETHING) if answer is None else known
 
 
 def law_effects(

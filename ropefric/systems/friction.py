@@ -20,8 +20,8 @@ TOLD = {"wrap-dependence": frozenset({"wrap", "end-tension"}), "size": frozenset
 """What of a contact each effect tells a law, where the tension goes with the wrap."""
 
 
-_SEEN = frozenset({"wrap-dependence", "end-tension", "size"})
-"""Effects of a law by which it looks at a contact."""
+_SEEN = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
+"""What of a contact a law looks at, by what it can describe."""
 
 
 def share_of_law(
@@ -97,6 +97,8 @@ class WrapFriction:
         given = (wheel_radius_m, rope_radius_m, wrap_angle_rad, slack_tension_N)
         arrays = {name: np.asarray(one, dtype=np.float64) for name, one in zip(_OWNER, given, strict=True)}
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+        if self.law.weakens:  # what such a law cannot describe it does not look at
+            told = told & {_SEEN[effect] for effect in self.law.effects & _SEEN.keys()}
         # What the law gets to see of the contacts, on one axis; over a wrap of zero no coefficient is needed.
         seen = {
             name: array if _OWNER[name] in told else getattr(self.reference, name)
@@ -108,16 +110,19 @@ class WrapFriction:
         flat = [one.ravel() for one in spread]
         contacts = Conditions(**dict(zip(arrays, flat, strict=False)))
         if own:
-            per_case = int(np.prod(spread[0].shape[spread[0].ndim - places :]))
-            coefficient = self._average_of_pairs(np.stack(flat[len(arrays) :], axis=-1), contacts, per_case)
-            coefficient = self.scale.reshape(-1, *(1,) * places) * coefficient.reshape(spread[0].shape)
+            average = self._average_of_pairs(
+                np.stack(flat[len(arrays) :], axis=-1), contacts, spread[0].shape, places
+            )
+            coefficient = self.scale.reshape(-1, *(1,) * places) * average
         else:
             coefficient = self.scale * self.law.average_mu(self.theta, contacts).reshape(spread[0].shape)
-        if (coefficient < 0.0).any():
+        negative = coefficient < 0.0
+        if negative.any():
             raise InputError(
                 f"{self.law.name} gives the negative coefficient {coefficient.min():.4g} where the machine uses it",
                 code="RF420",
                 fix="keep to wheels, wraps and tensions near those the law was fitted to",
+                cases=_of_cases(negative, places),
             )
         if coefficient.size == 1:
             coefficient = coefficient.reshape(())
@@ -125,9 +130,11 @@ class WrapFriction:
             coefficient * arrays["wrap_angle_rad"], np.broadcast_shapes(shape, coefficient.shape)
         )
 
-    def _average_of_pairs(self, theta: FloatArray, contacts: Conditions, per_case: int) -> FloatArray:
-        """Return the average coefficient of m parameter sets, each at its own contact, shape (m,)."""
-        rise = self.law.log_lift_of_pairs(theta, contacts) - contacts.log_end_tension
+    def _average_of_pairs(
+        self, theta: FloatArray, contacts: Conditions, shape: tuple[int, ...], places: int
+    ) -> FloatArray:
+        """Return the average coefficient of m parameter sets, each at its own contact, in this shape of m numbers."""
+        rise = self.law.rise_of_pairs(theta, contacts)
         wrong = np.isnan(rise)
         if wrong.any():
             at = contacts.select(np.flatnonzero(wrong)[:1])
@@ -138,40 +145,48 @@ class WrapFriction:
                 f"{self.law.name} with {given}: {reasons[0]}",
                 code="RF420",
                 fix="keep to parameters and machines near those that were tested",
-                cases=wrong.reshape(-1, per_case).any(axis=1),
+                cases=_of_cases(wrong.reshape(shape), places),
             )
-        return np.asarray(rise / contacts.wrap_angle_rad)
+        return np.asarray((rise / contacts.wrap_angle_rad).reshape(shape))
 
     def spread(self, **ranges: tuple[npt.ArrayLike, npt.ArrayLike]) -> FloatArray:
         """Return by what factor, in logarithms, any average coefficient changes at most, whatever the law is told.
 
         The ranges are of what it may be told of each contact, by its name in `exponent`; what stands in for that lies
-        at the reference. Over the box of both a law that is monotone in each number has its ends at the corners.
-        Infinite where nothing is known of the law, or its parameters differ from case to case.
+        at the reference. Over the box of both a law that weakens is largest at the least wrap and tension and least at
+        the largest, at some corner of the radii. Where each case has parameters of its own the ranges are of each case,
+        or of all. Infinite where nothing is known of the law.
         """
         law, theta = self.law, self.theta
-        if law.weakens and not law.effects & _SEEN:
+        if law.weakens and not law.effects & _SEEN.keys():
             return np.zeros(1)
-        if not law.weakens or theta.ndim > 1 or ((theta < law.lower) | (theta > law.upper)).any():
+        inside = ((theta >= law.lower) & (theta <= law.upper)).all(axis=-1)
+        if not law.weakens or not inside.any():
             return np.full(1, np.inf)
         ends = []
-        for name, (low, high) in ranges.items():
-            own = getattr(self.reference, _CONDITION.get(name, name))
+        for name, condition in _CONDITION.items():
+            (low, high), own = ranges[name], getattr(self.reference, condition)
             ends.append((np.minimum(low, own), np.maximum(high, own)))
-        corners = [np.stack(np.broadcast_arrays(*one)) for one in product(*ends)]
-        contacts = dict(zip(ranges, np.stack(corners, axis=1), strict=True))
+        sized = "size" in law.effects
+        either = [(low, high) if sized and (low < high).any() else (low,) for low, high in ends[:2]]
+        corners = [(*radii, *far) for radii in product(*either) for far in zip(*ends[2:], strict=True)]
+        columns = zip(*(np.broadcast_arrays(*corner, inside) for corner in corners), strict=True)
+        at = dict(zip(_CONDITION.values(), map(np.stack, columns), strict=False))
+        try:
+            flat = Conditions(**{name: one.ravel() for name, one in at.items()})
+        except InputError:
+            return np.full(1, np.inf)
+        shape = at["wrap_angle_rad"].shape
+        sets = np.broadcast_to(theta, (*shape, theta.shape[-1])).reshape(-1, theta.shape[-1])
         with np.errstate(all="ignore"):
-            try:
-                average = self.exponent(**contacts) / contacts["wrap_angle_rad"]
-            except InputError:
-                return np.full(1, np.inf)
+            average = (law.rise_of_pairs(sets, flat) / flat.wrap_angle_rad).reshape(shape)
             change = np.log(average.max(axis=0) / average.min(axis=0))
-        return np.where(np.isnan(change), np.inf, change)
+        return np.where(np.isnan(change) | ~inside, np.inf, change)
 
     def has_answer(self, contacts: Conditions) -> BoolArray:
         """Return for which of n contacts in their valid range `exponent` has an answer, shape (n,)."""
         if self.theta.ndim > 1:
-            return np.isfinite(self.law.log_lift_of_pairs(self.theta, contacts))
+            return np.isfinite(self.law.rise_of_pairs(self.theta, contacts))
         return self.law.answers(self.theta, contacts)
 
 
@@ -182,7 +197,15 @@ _OWNER = {
     "end_tension_N": "end-tension",
 }
 
-_CONDITION = {"slack_tension_N": "end_tension_N"}
+_CONDITION = {name: name for name in _OWNER if name != "end_tension_N"} | {"slack_tension_N": "end_tension_N"}
+"""What the arguments of `exponent` are in a condition, in the order of both."""
+
+
+def _of_cases(wrong: BoolArray, places: int) -> BoolArray:
+    """Return in which cases anything is wrong; they lie along the axis before the last `places`."""
+    own = wrong.ndim - 1 - places
+    return np.asarray(wrong.any(axis=tuple(axis for axis in range(wrong.ndim) if axis != own)))
+
 
 _LEAST_EXPONENT, _LARGEST_EXPONENT = 1e-12, 300.0
 
@@ -196,5 +219,5 @@ def refuse_no_ratio(exponent: FloatArray) -> None:
             code="RF420",
             key="wrap_angle_rad",
             fix="check the wrap and the coefficient",
-            cases=wrong,
+            cases=_of_cases(wrong, 0),
         )

@@ -3,6 +3,7 @@
 import itertools
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -70,6 +71,38 @@ def test_the_spread_is_between_the_quartiles():
     clock = Clock(itertools.chain([0.0], (1.0, 2.0, 3.0, 4.0, 5.0)))
     timing = time_call(clock.work, Effort(batch_s=0.5, budget_s=0.5, fewest=5, most=5), clock=clock)
     assert (timing.lower_s, timing.seconds, timing.upper_s) == (2.0, 3.0, 4.0)
+
+
+def test_what_is_slow_for_a_while_is_slow_for_all_that_are_timed_in_turn():
+    """Two calls of 1 s and 1.01 s, on a machine that takes three times as long after its first four seconds."""
+    clock = Clock(())
+
+    def work(seconds):
+        clock.now_s += seconds if clock.now_s < 5.0 else 3.0 * seconds
+
+    calls = [lambda: work(1.0), lambda: work(1.01)]
+    effort = Effort(batch_s=0.5, budget_s=5.0, fewest=5, most=5)
+    found = measure.time_in_turn(calls, effort, clock=clock)
+    assert [one.seconds for one in found] == pytest.approx([1.0, 1.01])
+    assert all(one.lower_s == one.seconds < one.upper_s for one in found)
+    assert [one.repeats for one in found] == [5, 5]
+    order, few = [], Effort(batch_s=0.0, budget_s=0.0, fewest=5, most=5)
+    measure.time_in_turn([lambda: order.append("a"), lambda: order.append("b")], few)
+    assert "".join(order) == "aabb" + "ab" * 4
+
+
+def test_a_study_in_turn_times_the_settings_of_a_case_together_and_an_interrupted_one_the_rest(tmp_path):
+    calls, kept = [], tmp_path / "kept.jsonl"
+    effort = Effort(batch_s=0.0, budget_s=0.0, fewest=3, most=3)
+    study = replace(made_study(calls), in_turn=True)
+    (result,) = measure_studies([study], effort=effort, kept=kept)
+    assert "".join(calls) == "aabb" + "abab"
+    assert [point.repeats for point in result.points] == [3, 3]
+    kept.write_text("\n".join(kept.read_text(encoding="utf-8").splitlines()[:-1]), encoding="utf-8")
+    calls.clear()
+    (again,) = measure_studies([study], effort=effort, kept=kept)
+    assert "".join(calls) == "bbbb", "of a and b only what is not kept"
+    assert again.points[0].to_dict() == result.points[0].to_dict()
 
 
 def test_the_garbage_collector_works_again_even_after_a_failure():

@@ -93,6 +93,13 @@ def test_without_a_start_up_its_effects_ask_for_one_and_nothing_else(call):
     missing = {one["name"]: one["missing"] for one in done.json()["effects"]}
     for name in ("belt-damping", "tensioner-damping", "arc-inertia", "transient"):
         assert missing[name] == ["start_up"]
+    told = call("explain", SCENES / "belt-press.toml").out
+    assert told.count("the scene does not give start_up") == 1, "once for all that need it"
+    flat = " ".join(told.split())
+    assert (
+        "tensioner-damping, arc-inertia, transient-friction, exact-switching, fast-modes, slow-modes, "
+        in flat
+    )
 
 
 def test_a_long_list_of_missing_keys_is_cut_short_in_words_and_whole_in_json(call, tmp_path):

@@ -66,6 +66,7 @@ def test_a_law_that_weakens_keeps_to_what_that_means(name):
         for key in ("wheel_radius_m", "rope_radius_m"):
             steps = np.diff(rise(**{key: own[key] * np.geomspace(0.1, 10.0, n)}))
             assert (steps <= tiny).all() or (steps >= -tiny).all(), key
+            assert "size" in law.effects or not steps.any(), key
     assert checked > 40
 
 
@@ -102,6 +103,24 @@ def friction_of(rng):
     return WrapFriction(law=law, theta=theta, reference=reference)
 
 
+@pytest.mark.parametrize("name", WEAKENING)
+def test_of_parameters_that_differ_each_case_has_the_spread_it_has_alone(name):
+    rng = np.random.default_rng(7)
+    law, reference = ALL_LAWS[name], one_condition(0.04, 0.005, 3.0, 60.0)
+    theta = np.array([parameters(law, rng) for _ in range(40)])
+    theta[3] += 100.0  # beyond its bounds
+    low, high = rng.uniform(1.0, 60.0, 40), rng.uniform(60.0, 900.0, 40)
+    radii = {"wheel_radius_m": (0.03, 0.09), "rope_radius_m": (0.005, 0.005), "wrap_angle_rad": (0.5, 3.5)}
+    whole = WrapFriction(law=law, theta=theta, reference=reference)
+    many = whole.spread(**radii, slack_tension_N=(low, high))
+    alone = [
+        replace(whole, theta=one).spread(**radii, slack_tension_N=(low[i], high[i]))[0]
+        for i, one in enumerate(theta)
+    ]
+    assert np.broadcast_to(many, 40) == pytest.approx(np.array(alone), rel=1e-7, abs=1e-12)
+    assert np.isinf(many).any() or not law.effects - {"groove"}
+
+
 def hoist(rng, n):
     wheel_m, end_N = ranges(rng, 0.02, 0.3, n), ranges(rng, 2.0, 2e3, n)
     share = ranges(rng, 1e-8, 0.3, n)
@@ -135,6 +154,18 @@ def drive(rng, n):
     )
 
 
+def scattered(rng, friction, n):
+    """The friction with parameters that differ from case to case, by little or much, some moved onto a bound."""
+    law, theta = friction.law, friction.theta
+    theta = theta * np.exp(10.0 ** rng.uniform(-3.0, -0.3) * rng.standard_normal((n, theta.size)))
+    return replace(friction, theta=np.clip(theta, law.lower, law.upper))
+
+
+def drawn_drive(rng, n):
+    name, problem = drive(rng, n)
+    return name, replace(problem, friction=scattered(rng, problem.friction, n))
+
+
 def check_boxes(draw, count, seed, n=400):
     """In how many boxes there was a bound below a tenth; no case lies outside any, whatever is left out at once."""
     told = 0
@@ -163,12 +194,12 @@ def check_boxes(draw, count, seed, n=400):
     return told
 
 
-@pytest.mark.parametrize("draw", [hoist, drive])
+@pytest.mark.parametrize("draw", [hoist, drive, drawn_drive])
 def test_no_case_of_a_random_box_lies_outside_its_bound(draw):
     assert check_boxes(draw, 60, 1) > 5
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("draw", [hoist, drive])
+@pytest.mark.parametrize("draw", [hoist, drive, drawn_drive])
 def test_no_case_of_thousands_of_random_boxes_lies_outside_its_bound(draw):
     assert check_boxes(draw, 3000, 2) > 300

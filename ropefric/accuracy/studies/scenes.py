@@ -281,4 +281,5 @@ STUDY = Study(
         *(Case(name, title, partial(_swept_settings, name)) for name, (_, _, title) in SWEEPS.items()),
     ),
     findings=_findings,
+    in_turn=True,
 )

@@ -1,6 +1,7 @@
 """The effects a belt drive may be simulated with, and how much each can matter at most."""
 
 import math
+from functools import partial
 
 import numpy as np
 
@@ -20,21 +21,29 @@ def _law_bound(problem: DriveProblem, answer: DriveAnswer | None) -> FloatArray:
     tension changes by more, no pull by more than D + d, no arc and no ratio of speeds by more than twice that. What
     presses on the slack side follows, so that D is one only as long as it stays in the range the law was asked for.
     """
-    if answer is None:
+    friction = problem.friction
+    if answer is None and friction.theta.ndim > 1:
         return np.zeros(1)
-    pressing_N, slack_N = problem.tension_N - answer.circling_N, answer.full_slack_N - answer.circling_N
-    pressed_N = np.concatenate([pressing_N, math.exp(-_ROOM) * slack_N, math.exp(_ROOM) * slack_N])
-    off = max(
-        problem.friction.spread(
+    pressed_N = friction.reference.end_tension_N
+    if answer is not None:
+        pressing_N, slack_N = problem.tension_N - answer.circling_N, answer.full_slack_N - answer.circling_N
+        pressed_N = np.stack([pressing_N, math.exp(-_ROOM) * slack_N, math.exp(_ROOM) * slack_N])
+    # Where each case has parameters of its own the ranges are of each case as well.
+    ends = [partial(way, axis=0 if friction.theta.ndim > 1 else None) for way in (np.min, np.max)]
+    found = [
+        friction.spread(
             wheel_radius_m=(radius_m.min(), radius_m.max()),
             rope_radius_m=(problem.rope_radius_m.min(), problem.rope_radius_m.max()),
             wrap_angle_rad=(wrap.min(), wrap.max()),
-            slack_tension_N=(pressed_N.min(), pressed_N.max()),
-        )[0]
+            slack_tension_N=(ends[0](pressed_N), ends[1](pressed_N)),
+        )
         for radius_m, wrap in problem.pulleys
-    )
-    change = math.exp(off) * math.expm1(off) * np.nanmin(answer.exponents, axis=0) if off < _ROOM else np.inf
-    return np.where(change < _ROOM, 2.0 * (change + off), np.inf)
+    ]
+    off: FloatArray = np.max(found, axis=0)
+    if answer is None:
+        return off
+    change = np.exp(off) * np.expm1(off) * np.nanmin(answer.exponents, axis=0)
+    return np.where((off < _ROOM) & (change < _ROOM), 2.0 * (change + off), np.inf)
 
 
 EFFECTS: Registry[Effect] = Registry(

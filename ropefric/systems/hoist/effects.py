@@ -34,11 +34,15 @@ def _stiff(problem: HoistProblem) -> _Stiff:
 
 @lru_cache(maxsize=2)
 def _spread(problem: HoistProblem) -> float:
-    """Return by what factor, in logarithms, what the law is told changes any coefficient of any case at most."""
+    """Return by what factor, in logarithms, what the law is told changes any coefficient of any case at most.
+
+    Of parameters that differ from case to case it is not known: a law has but one contact, and no bound is quicker.
+    """
     end_N, stiff_N, wrap = map(lean, (problem.end_tension_N, problem.bending_N, problem.wrap_angle_rad))
     least_N = end_N - lean(problem.circling_N) - stiff_N
     contact = wrap * (1.0 - np.minimum(_stiff(problem).share, 0.5))
-    if not (least_N > 0.0).all():
+    many = problem.friction.theta.ndim > 1 and problem.friction.law.effects & TOLD.keys()
+    if many or not (least_N > 0.0).all():
         return math.inf
     ranges = {
         "wheel_radius_m": (problem.wheel_radius_m, problem.wheel_radius_m),

@@ -20,7 +20,15 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError, SolverError
 from ropefric.registry import Registry
-from ropefric.systems.effect import Effect, Method, System, applicable, law_bound, rounded_up, unknown
+from ropefric.systems.effect import (
+    Effect,
+    Method,
+    System,
+    applicable,
+    law_bound,
+    rounded_up,
+    unknown,
+)
 from ropefric.systems.friction import TOLD, WrapFriction, told_by
 from ropefric.systems.press.answer import (
     FAST_ERROR,
@@ -34,7 +42,7 @@ from ropefric.systems.press.answer import (
     swings,
     take_up,
 )
-from ropefric.systems.press.slip import LEAST_SLACK_N, MEASURES, SlipTable
+from ropefric.systems.press.slip import LEAST_SLACK_N, MEASURES, Contacts, SlipTable, contacts_of
 from ropefric.systems.press.statics import rim_speed_ratios, solve_statics, speed_shift_kg_m
 from ropefric.systems.press.transient.modes import SwingingStartUp
 from ropefric.systems.press.transient.start_up import GRID_ERROR, ON_TENSION, largest_difference
@@ -161,10 +169,19 @@ def _steady(
 
 
 def _law_bound(problem: PressProblem, answer: PressAnswer | None) -> FloatArray:
-    """Return an upper bound of what all that the law is not told changes in any number."""
-    if answer is None:
-        return np.full(1, np.inf if problem.friction.theta.ndim > 1 else 0.0)
-    return _law_change(problem.friction, answer.slip)
+    """Return an upper bound of what all that the law is not told changes in any number.
+
+    Without an answer the tensions are not known, only which roller the law is told of.
+    """
+    if answer is not None:
+        return _law_change(problem.friction, answer.slip)
+    if problem.friction.theta.ndim > 1:
+        return np.zeros(1)
+    still_N = np.zeros(len(problem.press.spans))
+    own_N = problem.friction.reference.end_tension_N
+    return np.asarray(
+        _spread(problem.friction, contacts_of(problem.press, still_N), own_N).max(keepdims=True)
+    )
 
 
 @lru_cache(maxsize=1)
@@ -174,15 +191,22 @@ def _law_change(friction: WrapFriction, slip: SlipTable) -> FloatArray:
     The tensions know nothing of it. A coefficient that changes by the factor e^d makes M another by M (e^d − 1) on each
     roller, and e^M − 1 by d more than that in its logarithm: what any measure of slip is inverse to, or less.
     """
-    contacts, slack_N = slip.contacts, np.maximum(slip.contacts.slack_N, LEAST_SLACK_N)
-    off = friction.spread(
-        wheel_radius_m=(contacts.radius_m,) * 2,
-        rope_radius_m=(contacts.half_thickness_m,) * 2,
-        wrap_angle_rad=(contacts.wrap_angle_rad,) * 2,
-        slack_tension_N=(slack_N.min(axis=0), slack_N.max(axis=0)),
-    )
+    off = _spread(friction, slip.contacts, np.maximum(slip.contacts.slack_N, LEAST_SLACK_N))
     change = off + np.exp(off) * slip.exponent * np.expm1(off)
     return np.asarray(change.max(axis=-1))
+
+
+def _spread(friction: WrapFriction, contacts: Contacts, slack_N: FloatArray) -> FloatArray:
+    """Return by what factor, in logarithms, the coefficient changes at most on each roller in all cases.
+
+    Where each case has parameters of its own it is in each case on all rollers: that is quicker than the law itself.
+    """
+    told = (contacts.radius_m, contacts.half_thickness_m, contacts.wrap_angle_rad, slack_N)
+    axis = friction.theta.ndim - 1
+    ranges = ((one.min(axis=axis), one.max(axis=axis)) for one in map(np.atleast_2d, told))
+    names = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "slack_tension_N")
+    off = friction.spread(**dict(zip(names, ranges, strict=True)))
+    return off[:, np.newaxis] if axis else off
 
 
 def _moving(

@@ -69,6 +69,7 @@ class Contacts(NamedTuple):
                 code="RF420",
                 key=f"roller {roller}",
                 fix="check the coefficient or the law's parameters",
+                cases=bad.any(axis=-1),
             )
         return exponent
 

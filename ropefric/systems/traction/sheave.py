@@ -223,24 +223,26 @@ def _undercut_rad(problem: TractionProblem, factor: FloatArray) -> FloatArray:
     if not problem.is_round:
         return np.full_like(factor, np.nan)
     gamma = problem.groove_angle_rad
+    possible = (factor >= round_factor(gamma, np.zeros_like(gamma))) & (factor < wedge_factor(gamma))
+    gamma, factor = np.broadcast_to(gamma, factor.shape)[possible], factor[possible]
     # Where the wedge begins nothing is left of the bed to divide by.
     largest = (1.0 - 1e-12) * (np.pi - gamma)
-    beta = np.broadcast_to(0.5 * largest, factor.shape).copy()
-    possible = (factor >= round_factor(gamma, np.zeros_like(gamma))) & (factor < wedge_factor(gamma))
+    found, going = 0.5 * largest, np.arange(gamma.size)
     for _ in range(100):
-        bed = np.pi - beta - gamma - np.sin(beta) + np.sin(gamma)
-        now = round_factor(gamma, beta)
+        beta, opening, end = found[going], gamma[going], largest[going]
+        bed = np.pi - beta - opening - np.sin(beta) + np.sin(opening)
+        now = round_factor(opening, beta)
         slope = (now * (1.0 + np.cos(beta)) - 2.0 * np.cos(0.5 * beta)) / bed
-        better = beta - (now - factor) / slope
+        better = beta - (now - factor[going]) / slope
         # Half the way to an end that Newton's step would leave by.
-        better = np.where(
-            better < 0.0, 0.5 * beta, np.where(better > largest, 0.5 * (beta + largest), better)
-        )
-        done = np.abs(better - beta) <= 1e-13
-        beta = better
-        if (done | ~possible).all():
+        better = np.where(better < 0.0, 0.5 * beta, np.where(better > end, 0.5 * (beta + end), better))
+        found[going] = better
+        going = going[np.abs(better - beta) > 1e-13]
+        if not going.size:
             break
-    return np.where(possible, beta, np.nan)
+    undercut = np.full(possible.shape, np.nan)
+    undercut[possible] = found
+    return undercut
 
 
 def answerable(problem: TractionProblem) -> BoolArray:

@@ -165,6 +165,40 @@ def test_strings_among_beams_and_the_scaled_form():
     assert beam.critical_speed > 1.0
 
 
+@BOTH
+def test_many_beams_are_read_off_between_a_few_and_each_is_what_it_is_alone(ends, monkeypatch):
+    """Boxes of stiffness and speed from narrow to wide, up to the wave speed, at every accuracy a scene asks for."""
+    calls, rng = [], np.random.default_rng(4)
+
+    def counted(*given, **named):
+        calls.append(given)
+        return solve_beam(*given, **named)
+
+    monkeypatch.setattr("ropefric.systems.bandsaw.beam.solve_beam", counted)
+    between = 0
+    for accuracy, width in [(2.5e-4, 0.1), (2.5e-4, 3.0), (2.5e-6, 0.02), (2.5e-8, 0.3), (2.5e-10, 0.01)]:
+        for fast in (0.0, 0.4, 0.93):
+            n = 60
+            stiff = 10.0 ** rng.uniform(-6.0, 2.0) * np.exp(width * rng.random(n))
+            fastest = min(fast * (1.0 + 0.1 * width), 0.99)
+            parts = {"free_span_m": 1.0, "linear_density_kg_m": 1.0, "preload_N": 1.0}
+            many = Span(
+                **parts,
+                bending_stiffness_N_m2=stiff,
+                travel_speed_m_s=rng.uniform(fast, fastest, n),
+            )
+            calls.clear()
+            found = beam_frequencies_Hz(many, ends, 4, accuracy=accuracy)
+            between += len(calls) < n
+            for i in range(0, n, 7):
+                alone = beam_frequencies_Hz(many.select([i]), ends, 4, accuracy=1e-2 * accuracy)[0]
+                np.testing.assert_allclose(found[i], alone, rtol=2.0 * accuracy)
+    assert between >= 8
+    calls.clear()
+    beam_frequencies_Hz(many.select(range(9)), ends, 4)
+    assert len(calls) == 9, "of few each is solved"
+
+
 @pytest.mark.parametrize(
     ("call", "error", "words"),
     [

@@ -105,7 +105,7 @@ test_bytes, test_bytes_long = fuzzed(
 )
 
 ATHERIS = """
-import sys, tempfile, warnings
+import atexit, signal, sys, tempfile, warnings
 from pathlib import Path
 import atheris
 with atheris.instrument_imports(include=["ropefric.traces.readers"]):
@@ -122,6 +122,8 @@ def one(data):
             read(path, ImportProfile())
         except RopefricError as error:
             assert len(error.problem.message) > 10
+# The fuzzer's timer goes on while Python ends and hands SIGALRM back to the system, whose way is to kill.
+atexit.register(signal.setitimer, signal.ITIMER_REAL, 0)
 atheris.Setup([sys.argv[0], *sys.argv[2:]], one)
 atheris.Fuzz()
 """

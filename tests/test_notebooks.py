@@ -63,14 +63,8 @@ def test_a_notebook_uses_the_interface_alone(path):
     assert used <= set(rf.__all__)
 
 
-@pytest.mark.parametrize(
-    "path",
-    [
-        # The first is everybody's way; the others belong to the long studies.
-        pytest.param(path, marks=() if path is NOTEBOOKS[0] else pytest.mark.slow, id=path.stem)
-        for path in NOTEBOOKS
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs(path):
     """In a process of its own: the kernel's threads and sockets are no business of the other tests."""
     pytest.importorskip("nbclient")

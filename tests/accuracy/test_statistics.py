@@ -8,6 +8,7 @@ from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.study import Measured
 
 
+@pytest.mark.slow
 def test_bootstrap_errs_with_one_over_the_root_of_the_number(errors):
     """The 97.5 % point of n normal draws scatters by √(0.975 · 0.025/n)/0.0584, that is 1.364/√n of the arm."""
     found = errors("interval", "curved", "bootstrap")

@@ -302,6 +302,7 @@ def drop_condition(campaign):
     path.write_text("\n".join([*kept, ""]), encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_runs_extractions_and_reports_into_one_folder_fit_together(call, campaign, tmp_path):
     out = tmp_path / "out"
     assert call("run", campaign, "--out", out, "-q").code in {0, 4}

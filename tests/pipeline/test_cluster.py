@@ -23,6 +23,9 @@ from ropefric.trials import extract as extracting
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.result import write_tables
 
+# Threads that dask leaves behind make every later extraction of this process start others afresh, not fork them.
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 BENCH = ROOT / "data" / "prth-bench"
 
@@ -119,7 +122,6 @@ def test_resamples_are_the_same(client, method, conditions):
     )
 
 
-@pytest.mark.slow
 def test_shares_of_a_study_of_coverage_are_the_same(client, monkeypatch):
     monkeypatch.setattr(measure, "time_call", lambda *_: measure.Timing(1.0, 1.0, 1.0, 1, 1))
     study = replace(UNCERTAINTY, cases=UNCERTAINTY.cases[10:11])
@@ -157,7 +159,6 @@ def test_the_table_of_a_sweep_is_the_same(client, name):
     assert swept(None) == swept(client)
 
 
-@pytest.mark.slow
 def test_the_commands_take_the_address_of_a_cluster(client, tmp_path):
     address, said = client.scheduler.address, ["--quiet", "--no-cache", "--no-figures"]
     assert main(["simulate", str(tmp_path / "lab"), "--conditions", "2", "--repeats", "6", "--quiet"]) == 0
@@ -178,7 +179,6 @@ def test_the_commands_take_the_address_of_a_cluster(client, tmp_path):
         assert files == {path.name: path.read_bytes() for path in other.iterdir() if path.is_file()}
 
 
-@pytest.mark.slow
 def test_a_recording_that_kills_its_reader_costs_that_recording(client, bench, tmp_path):
     hostile = runpy.run_path(str(ROOT / "tests" / "trials" / "test_hostile_files.py"))
     (tmp_path / "nested.mat").write_bytes(hostile["mat_of_nested_cells"](5000))
@@ -189,7 +189,6 @@ def test_a_recording_that_kills_its_reader_costs_that_recording(client, bench, t
     assert found.trials[20].breakaway.status == "unreadable"
 
 
-@pytest.mark.slow
 def test_twenty_thousand_recordings_and_a_worker_killed_in_the_middle(client, tmp_path):
     scale = runpy.run_path(str(ROOT / "docs" / "scale" / "measure.py"))
     lab = scale["campaign"](tmp_path / "lab", 20_000)

@@ -115,6 +115,7 @@ def test_the_bytes_are_those_of_every_other_machine(native):
     assert {name for name in stored.keys() | found.keys() if stored.get(name) != found.get(name)} == set()
 
 
+@pytest.mark.slow
 def test_neither_simd_path_nor_blas_kernel_shows(campaign, native):
     other = run(campaign, "other", "--no-figures", **SETTINGS["no SIMD"], **SETTINGS["Prescott"])
     assert {name for name in native.keys() | other.keys() if native.get(name) != other.get(name)} == set()

@@ -50,6 +50,7 @@ def plain(tmp_path_factory):
     return drawn(folder / "out")
 
 
+@pytest.mark.slow
 def test_neither_backend_nor_style_of_the_user_shows(plain, tmp_path):
     """A backend that there is not, and a style in a file that is named or lies where one works."""
     (tmp_path / "matplotlibrc").write_text(RC, encoding="utf-8")

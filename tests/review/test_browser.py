@@ -16,6 +16,8 @@ from selenium.webdriver.common.by import By  # noqa: E402
 from selenium.webdriver.common.keys import Keys  # noqa: E402
 from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 ARGUMENTS = (
     "--headless=new",
     "--no-sandbox",
@@ -227,7 +229,6 @@ def test_a_list_changed_by_somebody_else_is_told_and_read_again(page, campaign):
     assert path.read_bytes().count(b"# taken in autumn") == path.read_bytes().count(b"2.19833") == 1
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("width", [1280, 390])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nothing_is_cut_off_and_everything_can_be_read(page, width, scheme):

@@ -187,6 +187,7 @@ def test_nothing_is_overwritten(tmp_path):
         simulate_campaign(tmp_path / "notes.txt", small(), seed=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("physics", ["rate-state", "lugre"])
 def test_integrated_friction_breaks_away_at_what_the_law_says(physics, tmp_path):
     plan = small(physics=physics, faults={"snag": 0.34, "no-breakaway": 0.34})

@@ -12,6 +12,7 @@ def drawn():
     return tuple(recordings(11, per_family=1))
 
 
+@pytest.mark.slow  # a recording of every family takes 7 s
 def test_every_family_is_drawn_with_what_it_promises(drawn):
     assert [one.family for one in drawn] == list(FAMILIES)
     assert {one.tier for one in drawn} == set(TIERS)
@@ -21,6 +22,7 @@ def test_every_family_is_drawn_with_what_it_promises(drawn):
         assert np.isfinite(one.truth.peak_N) == (one.truth.status == Status.OK)
 
 
+@pytest.mark.slow
 def test_the_same_seed_draws_the_same_whatever_else_is_asked(drawn):
     again = {one.family: one for one in recordings(11, per_family=1, families=("snag", "sharp"))}
     for one in drawn:
@@ -29,6 +31,7 @@ def test_the_same_seed_draws_the_same_whatever_else_is_asked(drawn):
     assert len(again) == 2
 
 
+@pytest.mark.slow
 def test_every_recording_becomes_a_trace(drawn):
     for one in drawn:
         trace = one.trace()
@@ -36,6 +39,7 @@ def test_every_recording_becomes_a_trace(drawn):
         assert (trace.saturation is not None) == (one.family == "clipped-counts")
 
 
+@pytest.mark.slow
 def test_the_truth_is_the_highest_force_before_the_first_fall(drawn):
     for one in drawn:
         if one.truth.status != Status.OK or one.tier != "clean":

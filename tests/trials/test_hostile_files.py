@@ -154,7 +154,8 @@ def forked(monkeypatch):
 
 
 @LINUX
-@pytest.mark.parametrize("jobs", [pytest.param(1, marks=pytest.mark.slow), 2])
+@pytest.mark.slow
+@pytest.mark.parametrize("jobs", [1, 2])
 def test_a_reader_that_hangs_dies_or_fails_costs_one_recording(lab, monkeypatch, jobs):
     real = recording.read_recordings
 

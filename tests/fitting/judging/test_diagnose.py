@@ -146,7 +146,7 @@ def unrepeated(mu, *, within=0.01, seed=0, wild=0.0):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("wild", [0.0, np.log(1e6)])
+@pytest.mark.parametrize("wild", [pytest.param(0.0, marks=pytest.mark.slow), np.log(1e6)])
 @pytest.mark.parametrize(
     ("cause", "mu"),
     [

@@ -87,6 +87,7 @@ def test_few_conditions_judge_nothing(n, tmp_path, capfd):
     assert "not judged" in capfd.readouterr().out
 
 
+@pytest.mark.slow
 def test_conditions_far_beyond_their_repeats_leave_it_undecided(tmp_path, capfd):
     """Six conditions five times as far off as their repeats: most residuals lie beyond ±2 of the repeats' scatter."""
     off = 0.05 * np.array([1.0, -1.2, 0.9, 1.1, -1.0, -0.9])

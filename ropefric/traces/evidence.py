@@ -17,6 +17,8 @@ from ropefric.traces.slips import FEWEST_TEETH, LEAST_DROP, SMALL_GROWTH, TINY, 
 from ropefric.traces.trace import ForceTrace
 
 RESOLVED_SIGMAS = 4.0
+HIGHER, ENOUGH = 1.25, 0.25
+"""A peak is so much higher than any wiggle of what slides, in a stretch of at least this part of the climb."""
 QUIET_SIGMAS = 1.5
 SWING, DAMPED, HALF_PERIODS = 2.0, 0.2, 5.0
 """A swing passes its level as fast up as down, falls below it, and follows a load that comes on within few periods."""
@@ -41,6 +43,11 @@ def stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidin
     above_N = fall.top_N - sliding.onset_N
     if above_N > RESOLVED_SIGMAS * max(sliding.scatter_N, noise_N):
         return True
+    # The first of many wiggles is seldom the highest, and by so much never.
+    slid = force_N[sliding.first : sliding.stop]
+    long = slid.size >= ENOUGH * (fall.top - fall.start)
+    if long and above_N > max(RESOLVED_SIGMAS * noise_N, HIGHER * _wanders_by_N(slid)):
+        return True
     # In stick-slip the scatter is that of the teeth: they are slips themselves, and the first one counts.
     height_N = candidate.height_N
     if fall.sudden:
@@ -58,6 +65,13 @@ def stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidin
         return True
     waves = [g for g in candidate.later if g.top < sliding.stop]
     return _is_loaded_by_the_machine(force_N, candidate, waves)
+
+
+def _wanders_by_N(force_N: FloatArray) -> float:
+    """Return how far a force of sliding rises above the line through it, at most."""
+    x = np.arange(force_N.size) - 0.5 * (force_N.size - 1)
+    flat = force_N - force_N.mean()
+    return float((flat - x * (float(x @ flat) / max(float(x @ x), TINY))).max())
 
 
 def _is_loaded_by_the_machine(force_N: FloatArray, candidate: Candidate, teeth: list[Fall]) -> bool:

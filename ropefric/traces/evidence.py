@@ -3,6 +3,7 @@
 And why a recording may not show its peak: the converter was at its limit, stuck, cut off, or left samples out.
 """
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -197,6 +198,9 @@ SATURATED_SAMPLES = 3
 """A run at the converter's limit longer than any spike."""
 CLIPPED = 3
 """A force that is cut off stays the same so many times longer than where it is not."""
+SQUEEZED, AT_LIMIT, FEWEST_AT_LIMIT, MANY_AT_LIMIT = 0.25, 0.01, 12, 20
+"""So many samples so near the top that have so little of the noise are at the limit of an amplifier: among white noise
+one stretch in ten thousand."""
 HIDDEN, SLIPPED = 0.3, 0.05
 """Part of a climb that a gap may hide, and of it that is missing where something slipped in a gap."""
 _LEAST_CLIMB = 30
@@ -214,6 +218,8 @@ def hidden(
     noisy = prepared.blocks.resolution_N < prepared.noise_N
     if clipped and noisy and runs_of(prepared.force_N == prepared.force_N.max()).shape[0] > 1:
         return Status.SATURATED, clipped
+    if block is not None and (squeezed := _squeezed_detail(prepared, block)):
+        return Status.SATURATED, squeezed
     if block is not None and (stuck := _stuck_detail(prepared, block, fallen)):
         return Status.NO_PEAK, stuck
     if block is not None and (unseen := _unseen_detail(prepared, block)):
@@ -264,6 +270,31 @@ def _clipped_detail(prepared: Prepared, block: int | None, fallen: int) -> str:
     return (
         f"the force stays at exactly {top_N:.4g} N for {longest} samples, {usual} elsewhere: it is cut off there, and "
         f"the peak is at least {top_N:.4g} N"
+    )
+
+
+def _squeezed_detail(prepared: Prepared, block: int) -> str:
+    """Return where the noise goes at the top: an amplifier at its limit lets neither force nor noise go on."""
+    force_N, blocks = prepared.force_N, prepared.blocks
+    top, start = blocks.first_sample(block), blocks.first_sample(half_climb(blocks.force_N, 0, block))
+    top_N = float(blocks.force_N[block])
+    low_N = top_N - AT_LIMIT * (top_N - float(force_N[: top + 1].min())) - 3.0 * prepared.noise_N
+    below = np.flatnonzero(force_N < low_N)
+    at = int(np.searchsorted(below, top))
+    first = int(below[at - 1]) + 1 if at else 0
+    high = force_N[first : int(below[at]) if at < below.size else force_N.size]
+    n = max(FEWEST_AT_LIMIT, high.size // 3)
+    climb_N = noise_std(force_N[start:first], blocks.resolution_N)
+    if high.size < n or first - start < n or climb_N <= blocks.resolution_N:
+        return ""
+    squares = np.cumsum(np.diff(high, 2, prepend=0.0) ** 2)
+    left_N = math.sqrt(max(0.0, float((squares[n:] - squares[:-n]).min(initial=np.inf))) / (6.0 * n))
+    # Few samples are quiet by chance.
+    if not 0.0 < left_N <= SQUEEZED * min(1.0, n / MANY_AT_LIMIT) * climb_N:
+        return ""
+    return (
+        f"at its top, {top_N:.4g} N, the force has a noise of {left_N:.2g} N only, {climb_N:.2g} N below: the sensor or "
+        f"its amplifier is at its limit, and the peak is at least {top_N:.4g} N"
     )
 
 

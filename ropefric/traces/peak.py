@@ -30,6 +30,8 @@ NOISE_ABOVE_MEAN = 4.0
 """The highest of a few noisy samples is seldom more standard deviations above their mean."""
 WIDE_GAP = 5.0
 FEWEST_WINDOWS, PUSHED = 8, 20.0
+ROUND = 0.2
+"""The slope at the very top may be so much smaller than that of the last stretch, if the climb does not bend."""
 # The largest of values with noise 1 that lie on a slope of 10^x from one to the next: how far it lies above the top, and
 # its standard deviation, from the product of their distribution functions.
 _APART = (-2.0, -1.523, -1.0, -0.523, -0.222, 0.0, 0.176, 0.301, 0.477, 0.699)
@@ -151,14 +153,18 @@ def measure_peak(
         n_window = window_samples(window_s, step_s)
     index, peak_N = _smoothed_top(force_N, where, n_window)
     used_s = n_window * step_s
+    noise_N = _smoothed_noise_N(force_N[:n_rest], noise_std_N, n_window)
+    above_N, std_N = _of_a_maximum_N(
+        (rate_N_s * step_s, top_rate_N_s * step_s), noise_std_N / math.sqrt(n_window), noise_N, n_window
+    )
+    if window_s is not None:  # what was asked for is given
+        above_N, std_N = 0.0, math.hypot(std_N, above_N)
     return Breakaway(
         status=Status.OK,
-        peak_N=peak_N,
+        peak_N=peak_N - above_N,
         peak_raw_N=_raw_top_N(force_N, where, index, n_window),
         peak_time_s=float(time_s[index]),
-        peak_std_N=_std_of_a_maximum_N(
-            top_rate_N_s * step_s, _smoothed_noise_N(force_N[:n_rest], noise_std_N, n_window), n_window
-        ),
+        peak_std_N=std_N,
         two_line_N=_corner_N(time_s, force_N, where, top, noise_std_N),
         bias_N=window_bias_N(rate_N_s, used_s, step_s),
         window_s=used_s if n_window > 1 else 0.0,
@@ -188,19 +194,33 @@ def _smoothed_noise_N(rest_N: FloatArray, noise_std_N: float, n_window: int) -> 
     return max(white_N, float(flat[np.abs(flat) <= PUSHED * median(np.abs(flat))].std()))
 
 
-def _std_of_a_maximum_N(rise_N: float, noise_N: float, n_window: int) -> float:
-    """Return the standard uncertainty of the maximum of a smoothed ramp that ends in a fall [N].
+def _of_a_maximum_N(
+    rises_N: tuple[float, float], white_N: float, noise_N: float, n_window: int
+) -> tuple[float, float]:
+    """Return how far the maximum of a smoothed ramp that ends in a fall lies above its top, and its uncertainty [N].
 
-    The maximum of noisy values lies above that of their means, the window and the time since the last sample put it
-    below the top: what is left of the three is no scatter but counts as one, beside that of the maximum itself.
+    The maximum of noisy values lies above that of their means, for noise that changes along the top; the window and the
+    time since the last sample put it below, but less where the top is rounder than the stretch that leads to it: the
+    more the climb bends, the rounder. The middle of the two is taken off where it lies above; the rest is uncertain.
     """
-    rise_N = max(rise_N, 0.0)
-    if noise_N <= 0.0:
-        return rise_N * math.sqrt(n_window**2 / 4.0 + 1.0 / 12.0)
-    apart = math.log10(min(max(n_window * rise_N / noise_N, 1e-3), 1e1))
-    above_N = noise_N * float(np.interp(apart, _APART, _MEAN_OF_MAXIMUM))
-    std_N = noise_N * float(np.interp(apart, _APART, _STD_OF_MAXIMUM))
-    return math.hypot(std_N, above_N - 0.5 * n_window * rise_N, rise_N / math.sqrt(12.0))
+    climb_N, rise_N = (max(rise, 0.0) for rise in rises_N)
+    if white_N <= 0.0:
+        return 0.0, rise_N * math.sqrt(n_window**2 / 4.0 + 1.0 / 12.0)
+    bends = rise_N / climb_N if climb_N > 0.0 else 1.0
+    sharp_N, round_N = (_above_N(part * rise_N, white_N, n_window) for part in (1.0, ROUND * bends))
+    above_N = max(0.5 * (sharp_N + round_N), 0.0)
+    left_N = max(abs(sharp_N - above_N), abs(round_N - above_N) / math.sqrt(3.0))
+    std_N = noise_N * _at(rise_N, white_N, n_window, _STD_OF_MAXIMUM)
+    return above_N, math.hypot(std_N, left_N, rise_N / math.sqrt(12.0))
+
+
+def _above_N(rise_N: float, white_N: float, n_window: int) -> float:
+    return white_N * _at(rise_N, white_N, n_window, _MEAN_OF_MAXIMUM) - 0.5 * n_window * rise_N
+
+
+def _at(rise_N: float, white_N: float, n_window: int, table: tuple[float, ...]) -> float:
+    apart = math.log10(min(max(n_window * rise_N / white_N, 1e-3), 1e1))
+    return float(np.interp(apart, _APART, table))
 
 
 def hidden_by_steps_N(step_N: float, noise_N: float) -> float:

@@ -99,7 +99,9 @@ def test_the_smallest_step_counts_for_slow_falls_too():
     assert picked(trace, PickSettings(min_step_N=4.0)).status is not Status.OK
 
 
-@pytest.mark.parametrize(("roughness_N", "status"), [(0.3, Status.OK), (1.0, Status.NO_PEAK)])
+@pytest.mark.parametrize(
+    ("roughness_N", "status"), [(0.3, Status.OK), (1.0, Status.OK), (2.0, Status.NO_PEAK)]
+)
 def test_a_slow_break_must_stand_out_of_the_sliding(roughness_N, status):
 
     def shape(time_s):

@@ -157,7 +157,8 @@ def swings(prepared: Prepared, fall: Fall, sliding: Sliding, rate: float = 0.0) 
     )
     # What swings freely comes down no further than it went up.
     stops = fall.drop_N < min(rate * fall_blocks(force_N, fall), 2.1 * (fall.top_N - level_N))
-    return quiet and rising <= SWING * falling and (stops or lasts <= HALF_PERIODS * (rising + falling))
+    even = rising <= SWING * falling and falling <= SWING * rising
+    return quiet and even and (stops or lasts <= HALF_PERIODS * (rising + falling))
 
 
 def _largest_fall_N(force_N: FloatArray) -> float:

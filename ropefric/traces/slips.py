@@ -32,6 +32,8 @@ FAR = 0.95
 OBSTACLE, SWUNG, SLOWER = 0.2, 0.55, 1.25
 """An obstacle lifts the force by this part of it at least; a slip swings as far below the force of sliding as it began
 above it; a partial one is loaded again at the rate of before."""
+FAR_ABOVE, FAR_LARGER, ROW = 0.5, 2.0, 0.15
+"""Partial slips in a row lead to a force so much higher and a slip so many times larger."""
 FULL = 0.16
 """A slip by which the force falls by more than this part of itself is no partial one."""
 AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
@@ -100,7 +102,9 @@ def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Cand
         own = loading_rate(force_N, start, fall.top)
         rate = min(whole, own) if start == fall.start else whole
         rivals = _rivals(force_N, pull, fall, falls[i + 1 :], (rate, own))
-        if rivals is None:
+        like_it = [g for g in passed if g.drop_N >= ROW * fall.drop_N]
+        in_a_row = len(like_it) >= 2 and _is_loaded_on(pull, fall, falls[i + 1 :], rate)
+        if rivals is None or in_a_row:
             passed += [fall]
             continue
         first = Candidate(pull, fall, rate, falls[i + 1 :])
@@ -250,6 +254,19 @@ def _wears_in(force_N: FloatArray, place: _Place) -> bool:
     # A bump, or weights hung on, rise faster than the motor loads, which takes longer to come to the same force.
     back = _turned_on(force_N[: top + 1], fall, place.own_rate)
     return back < COMES_BACK and loading_rate(force_N, passed, top) < GIVES * place.own_rate
+
+
+def _is_loaded_on(pull: Pull, fall: Fall, later: list[Fall], rate: float) -> bool:
+    """Return whether all that the motor turns until a far higher and larger fall goes into the spring: nothing slid.
+
+    What a partial slip takes off the spring the motor has to turn again.
+    """
+    highest = max(later, key=lambda g: g.top_N, default=fall)
+    above_N = highest.top_N - fall.top_N
+    partial_N = [g.top_N - g.bottom_N for g in (fall, *later) if g.top < highest.top]
+    if above_N <= FAR_ABOVE * (fall.top_N - pull.base_N) or highest.drop_N < FAR_LARGER * max(partial_N):
+        return False
+    return rate * (highest.top - fall.top) < SLOWER * (above_N + sum(partial_N))
 
 
 def _passes(force_N: FloatArray, fall: Fall) -> int:

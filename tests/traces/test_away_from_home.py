@@ -508,3 +508,25 @@ def test_noise_lifts_no_top_however_round_it_is(roundness):
     errors_N = np.array([one.peak_N for one in found]) - 100.0
     assert abs(errors_N.mean()) < 1.2 * u_N.mean()
     assert np.mean(np.abs(errors_N) > 2.0 * u_N) <= (0.08 if roundness < 3.0 else 0.2)
+
+
+def test_partial_slips_in_a_row_lead_to_the_full_one_far_above_them():
+    """The last of three takes a sixth off; the machine loads on along its line to a far larger slip."""
+    force_N = np.interp(TIME_S, (1.0, 2.7), (0.0, 116.0))
+    for at_s, drop_N in ((1.4, 4.0), (1.7, 8.0), (2.0, 10.0)):
+        force_N -= drop_N * np.clip((TIME_S - at_s) / 0.004, 0.0, 1.0)
+    force_N = np.where(TIME_S > 2.7, np.interp(TIME_S, (2.7, 2.704), (94.0, 68.0)), force_N)
+    found = picked(force_N + np.random.default_rng(0).normal(0.0, 0.2, TIME_S.size))
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(94.0, rel=0.01)
+    assert [event.kind for event in found.events] == ["partial-slip"] * 3
+
+
+@pytest.mark.parametrize(("fall_s", "status"), [(0.2, Status.OK), (0.03, Status.DOUBTFUL)])
+def test_what_passes_its_level_far_faster_up_than_down_does_not_swing(fall_s, status):
+    after = np.clip(TIME_S - 1.6, 0.0, None)
+    rung = 12.0 * np.exp(-after / (2.0 * fall_s)) * np.cos(0.5 * np.pi * after / fall_s)
+    climb = np.interp(TIME_S, (1.47, 1.57, 1.6), (0.0, 88.0, 100.0))
+    force_N = np.where(TIME_S < 1.6, climb, 88.0 + rung)
+    found = picked(force_N + np.random.default_rng(0).normal(0.0, 0.1, TIME_S.size))
+    assert found.status is status, found.detail

@@ -21,8 +21,9 @@ RESOLVED_SIGMAS = 4.0
 HIGHER, ENOUGH = 1.25, 0.25
 """A peak is so much higher than any wiggle of what slides, in a stretch of at least this part of the climb."""
 QUIET_SIGMAS = 1.5
-SWING, DAMPED, HALF_PERIODS = 2.0, 0.2, 5.0
-"""A swing passes its level as fast up as down, falls below it, and follows a load that comes on within few periods."""
+SWING, SETTLES, DAMPED, HALF_PERIODS = 2.0, 3.0, 0.2, 5.0
+"""A swing passes its level as fast up as down, falls below it, and follows a load that comes on within few periods; up
+faster where the load still comes on."""
 DIES = 0.25
 """What swings on falls by this part of the first swing again; slow waves are smooth, but no noise."""
 WAVES, LARGE_WAVES, SLOWEST, FASTEST = (0.1, 0.05, 0.02), 0.06, 0.4, 1.25
@@ -157,7 +158,7 @@ def swings(prepared: Prepared, fall: Fall, sliding: Sliding, rate: float = 0.0) 
     )
     # What swings freely comes down no further than it went up.
     stops = fall.drop_N < min(rate * fall_blocks(force_N, fall), 2.1 * (fall.top_N - level_N))
-    even = rising <= SWING * falling and falling <= SWING * rising
+    even = rising <= SWING * falling and falling <= SETTLES * rising
     return quiet and even and (stops or lasts <= HALF_PERIODS * (rising + falling))
 
 

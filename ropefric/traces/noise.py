@@ -74,6 +74,8 @@ def resolution(values: FloatArray) -> float:
     if first.size < 2:
         return 0.0
     steps = np.abs(np.diff(first))
+    if not steps.any():  # a coarse converter shows none while the rope is at rest
+        first, steps = values, np.abs(np.diff(values))
     low, high = float(first.min()), float(first.max())
     # Steps of rounding are none: those of the numbers themselves, which an offset makes larger, and of arithmetic.
     steps = steps[steps > max(1e-9 * (high - low), 8.0 * float(np.spacing(max(abs(low), abs(high)))))]

@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 from ropefric.rig.strangers import recordings
 from ropefric.traces.breakaway import RESTS, PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
+from ropefric.traces.noise import resolution
 from ropefric.traces.peak import hidden_by_steps_N
 from ropefric.traces.protocols import pick_teeth
 from ropefric.traces.segments import upright
@@ -530,3 +531,17 @@ def test_what_passes_its_level_far_faster_up_than_down_does_not_swing(fall_s, st
     force_N = np.where(TIME_S < 1.6, climb, 88.0 + rung)
     found = picked(force_N + np.random.default_rng(0).normal(0.0, 0.1, TIME_S.size))
     assert found.status is status, found.detail
+
+
+def test_a_coarse_converter_that_rests_on_one_code_does_not_stick_at_a_round_top():
+    """Its step shows in the climb alone; the last code of that lasts longer, as the top is round."""
+    time_s = np.arange(0.0, 4.0, 1e-4)
+    climb = 100.0 * (1.0 - (1.0 - np.clip((time_s - 1.0) / 1.5, 0.0, 1.0)) ** 1.15)
+    smooth = np.where(time_s > 2.5, np.interp(time_s, (2.5, 2.51), (100.0, 70.0)), climb)
+    noise = np.random.default_rng(0).normal(0.0, 0.06, time_s.size) * (smooth > 1.0)
+    step_N = 0.4
+    force_N = step_N * np.round((smooth + noise) / step_N)
+    assert resolution(force_N) == pytest.approx(step_N)
+    (found,) = pick_breakaway(ForceTrace(time_s=time_s, force_N=force_N), AUTO)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, abs=step_N)

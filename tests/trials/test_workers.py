@@ -93,7 +93,8 @@ def test_a_piece_that_takes_too_long_is_lost_and_the_rest_is_done():
 
 HOLD = """
 import os, signal, sys, time
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored, and nohup the next
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 from ropefric.trials.workers import guarded
 folder = sys.argv[1]
 def hold(number):

@@ -6,6 +6,7 @@ points instead of points (0.17 MB).
 """
 
 import gc
+import hashlib
 import io
 import os
 import re
@@ -308,6 +309,7 @@ _SPACE_BEHIND = re.compile(r"([;:,])\s++")
 _OPACITY = re.compile(r"(^|;)opacity:")
 # A colour such as #ccc is no reference.
 _REFERENCE = re.compile(r"(?<=url\(#)[^)]+|(?<=^#).+")
+_REFERRING = ("href", "clip-path", "style")
 _ROUNDED = ("transform", "x", "y", "width", "height", "points")
 _FONT = "'DejaVu Sans'"
 _FALLBACK = "Verdana,sans-serif"  # of nearly the same width
@@ -327,10 +329,9 @@ def svg_text(figure: FigureWithData, *, stem: str = "") -> str:
     figure with another stem.
     """
     stream, drawn = io.BytesIO(), figure.figure
-    settings: Any = {"svg.fonttype": "none", "svg.hashsalt": stem or figure.alt}
     engine = drawn.get_layout_engine()
     rewrite_words(drawn, lambda text: TYPESET.sub(rf"\1{_MARK}\2{_MARK}", text))
-    with house_style(), mpl.rc_context(settings):
+    with house_style(), mpl.rc_context({"svg.fonttype": "none"}):
         try:
             if engine is not None and drawn.axes:
                 # The layout is made once and held: left to itself, matplotlib draws everything twice to find it.
@@ -345,6 +346,7 @@ def svg_text(figure: FigureWithData, *, stem: str = "") -> str:
         _shorten(element)
     values = [value for element in root.iter() for value in element.attrib.values()]
     _group(root, {name for value in values for name in _REFERENCE.findall(value)})
+    _name_in_turn(root, hashlib.sha256((stem or figure.alt).encode()).hexdigest()[:8])
     root.attrib = {
         "role": "img",
         "aria-label": visible(figure.alt),
@@ -414,6 +416,17 @@ def _group(element: ET.Element, used: set[str]) -> None:
             group[:] = alike
         else:
             element.extend(alike)
+
+
+def _name_in_turn(root: ET.Element, stem: str) -> None:
+    """Give ids by number: matplotlib's are hashes of floats whose last bits the processor decides."""
+    ids = [element.attrib["id"] for element in root.iter() if "id" in element.attrib]
+    names = {name: f"f{stem}_{number}" for number, name in enumerate(ids)}
+    for element in root.iter():
+        if "id" in element.attrib:
+            element.attrib["id"] = names[element.attrib["id"]]
+        for key in element.attrib.keys() & _REFERRING:
+            element.attrib[key] = _REFERENCE.sub(lambda found: names[found.group()], element.attrib[key])
 
 
 def _look(element: ET.Element) -> tuple[tuple[str, str], ...]:

@@ -1,6 +1,7 @@
 """Figures inside a page: text that can be read, ids that do not collide, the same bytes, no weight."""
 
 import dataclasses
+import math
 import re
 from itertools import combinations
 from xml.etree import ElementTree as ET
@@ -151,3 +152,15 @@ def test_lines_and_points_differ_without_colour():
     assert len(set(map(str, LINE_STYLES))) == len(LINE_STYLES) == 7
     assert len(set(MARKERS)) == len(MARKERS)
     assert len({str(line_look(place)["linestyle"]) for place in range(7)}) == 7
+
+
+def test_what_no_eye_sees_in_a_place_is_not_in_the_text():
+    """The last bits of a layout differ from processor to processor."""
+    texts = set()
+    for left in (0.2, math.nextafter(0.2, 1.0), 0.2 + 1e-12):
+        with house_style():
+            figure = new_figure(3.0, 2.0, margins={})
+            axes = figure.add_axes((left, 0.2, 0.7, 0.7))
+            axes.plot([0.0, 1.0], [0.0, 2.0], marker="o")
+        texts.add(svg_text(FigureWithData(figure=figure, tables=()), stem="x"))
+    assert len(texts) == 1

@@ -21,7 +21,7 @@ LONGEST_WINDOW_S = 0.02
 
 LONGEST_WINDOW = 0.02
 """The same as a part of the upper half of the climb, for slow recordings."""
-SHORTEST_TOP = 8
+SHORTEST_TOP, FEWEST_ON_A_LINE = 8, 3
 TOP_SIGMAS = 10.0
 """The slope at a top is read where the climb rises by so many standard deviations of the noise."""
 
@@ -178,7 +178,7 @@ def _rate_at_the_top(time_s: FloatArray, force_N: FloatArray, rate_N_s: float, n
     if rate_N_s <= 0.0 or time_s.size < 2 * SHORTEST_TOP:
         return max(rate_N_s, 0.0)
     last_s = time_s[-1] - TOP_SIGMAS * noise_std_N / rate_N_s
-    n = int(np.clip(time_s.size - np.searchsorted(time_s, last_s), SHORTEST_TOP, time_s.size))
+    n = int(np.clip(time_s.size - np.searchsorted(time_s, last_s), FEWEST_ON_A_LINE, time_s.size))
     return min(max(_line(time_s[-n:], force_N[-n:])[2], 0.0), rate_N_s)
 
 

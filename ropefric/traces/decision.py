@@ -70,6 +70,10 @@ LEAST_SHARE = 0.55
 """Part of the peak that the force keeps where nothing but the fall speaks for a slip."""
 STEPS = 3
 """A fall of fewer steps of the converter has no shape."""
+SETTLING = 0.1
+"""What a motor lets down goes on at its rate, a slip slows down: its last quarter of the time is less of the fall."""
+OTHER_RATE = 2.0
+"""A motor lets loads down at much the same rate, within this factor."""
 LASTS = 0.25
 """What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
 BENT = 0.25
@@ -270,7 +274,7 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
         fall.drop_N >= LEAST_DROP * candidate.height_N,
     )
     if not fall.reloads and (not fall.has_settled or candidate.share < UNLOADED):
-        return _fell_away(prepared, candidate)
+        return _fell_away(prepared, settings, candidate)
     sliding = sliding_after(blocks, fall, pull.base_N)
     lasts = 0 if sliding is None else sliding.stop - sliding.first
     # A snag or an impact rises faster than the motor loads, and is over before anything slides, or is far too low.
@@ -346,7 +350,10 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         if flat == "rounded" and not short:
             return _doubtful(prepared, [candidate], f"{seen}: sliding, or the creep of a held rope")
         return _held(prepared, sliding)
-    if short:
+    # What a motor lets down goes on to nothing, as fast as it loads; what fell faster and stays, high up, to the end of
+    # the recording has slipped.
+    stays = not slipped and share >= LEAST_SHARE and sliding.stop >= force_N.size - FEW_BLOCKS
+    if short and not (stays and fall.drop_N > candidate.rate * long):
         return _doubtful(prepared, [candidate], f"{seen} for a moment only")
     if lively and share >= UNLOADED:
         return measured(prepared, settings, candidate, sliding)
@@ -354,7 +361,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         return _doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
     brief = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
-    sharp = flat == "sharp" and (brief or bends)
+    sharp = flat == "sharp" and (brief or bends or _is_let_down_later(force_N, fall, sliding, pull.base_N))
     if share < LEAST_SHARE or not (sharp or flat == "rounded"):
         why = f"{seen}, without roughness: sliding, or a load that was let down"
         return _doubtful(prepared, [candidate], why)
@@ -362,7 +369,19 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     return measured(replace(prepared, notes=(*prepared.notes, note)), settings, candidate, sliding)
 
 
-def _fell_away(prepared: Prepared, candidate: Candidate) -> Breakaway:
+def _is_let_down_later(force_N: FloatArray, fall: Fall, sliding: Sliding, base_N: float) -> bool:
+    """Return whether the motor lets the load down after a stretch of sliding, far faster or slower than it fell."""
+    down, up_N = force_N[sliding.stop - 1 :], fall.level_N - base_N
+    low = np.flatnonzero(down <= base_N + UNLOADED * up_N)
+    high = np.flatnonzero(down[: low[0]] >= base_N + (1.0 - UNLOADED) * up_N) if low.size else low
+    if not high.size:
+        return False
+    rate = (1.0 - 2.0 * UNLOADED) * up_N / int(low[0] - high[-1])
+    own = fall.drop_N / max(1.0, fall_blocks(force_N, fall))
+    return not own / OTHER_RATE < rate < OTHER_RATE * own
+
+
+def _fell_away(prepared: Prepared, settings: PickSettings, candidate: Candidate) -> Breakaway:
     """Return what a fall is after which the force stands on no level: motor off, mostly."""
     blocks = prepared.blocks
     force_N, pull, fall = blocks.force_N, candidate.pull, candidate.fall
@@ -375,6 +394,10 @@ def _fell_away(prepared: Prepared, candidate: Candidate) -> Breakaway:
     if stood and (before.status is Status.NO_PEAK or not fall.sudden):
         return before
     if to_the_end and candidate.share >= LEAST_SHARE and flat_top(force_N, fall, blocks.noise_N) != "held":
+        tail = force_N[fall.top :]
+        late_N = float(tail[-tail.size // 4]) - float(tail[-1])
+        if fall.drop_N >= LEAST_DROP * height_N and late_N <= SETTLING * fall.drop_N:
+            return measured(prepared, settings, candidate, None)
         return _doubtful(prepared, [candidate], "the recording ends before the force has settled")
     at_s = float(blocks.time_s[fall.top])
     detail = (

@@ -173,6 +173,8 @@ def _fall(
     step, settled, has_settled = 1, bottom, reloads
     while top + 2 * step + (0 if reloads else 2) < last:
         wide = max(3, step // 3)
+        if reloads and top + step + wide > last:  # it was never at rest
+            break
         here_N, later_N = (
             float(force_N[0] + (sums[min(at + wide, stop)] - sums[at]) / (min(at + wide, stop) - at))
             for at in (top + step, top + 2 * step)

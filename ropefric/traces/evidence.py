@@ -18,10 +18,12 @@ from ropefric.traces.slips import FEWEST_TEETH, LEAST_DROP, SMALL_GROWTH, TINY, 
 from ropefric.traces.trace import ForceTrace
 
 RESOLVED_SIGMAS = 4.0
+FEWEST_PIECES, WANDER = 5, 3.0
+"""A force wanders that leaves a line by so many times more than it did at rest and in the climb, in so many pieces."""
 HIGHER, ENOUGH = 1.25, 0.25
 """A peak is so much higher than any wiggle of what slides, in a stretch of at least this part of the climb."""
 QUIET_SIGMAS = 1.5
-SWING, SETTLES, DAMPED, HALF_PERIODS = 2.0, 3.0, 0.2, 5.0
+SWING, SETTLES, DAMPED, UNDAMPED, HALF_PERIODS = 2.0, 3.0, 0.2, 1.1, 5.0
 """A swing passes its level as fast up as down, falls below it, and follows a load that comes on within few periods; up
 faster where the load still comes on."""
 DIES = 0.25
@@ -138,12 +140,16 @@ def swings(prepared: Prepared, fall: Fall, sliding: Sliding, rate: float = 0.0) 
     """
     force_N, level_N = prepared.blocks.force_N, sliding.level_N
     last = fall.bottom if fall.reloads else min(fall.bottom, 2 * fall.settled - fall.top)
-    bottom = fall.settled + int(np.argmin(force_N[fall.settled : last + 1]))
+    bottom = fall.settled + int(np.argmin(force_N[fall.settled : min(last + 1, sliding.stop)]))
     # The lowest of rough values lies below their level as well: what counts is the mean around it.
     near = max(1, (fall.settled - fall.top) // 4)
-    bottom_N = float(force_N[max(fall.top, bottom - near) : bottom + near + 1].mean())
+    bottom_N = float(force_N[max(fall.top, bottom - near) : min(bottom + near + 1, sliding.stop)].mean())
     climb, down = force_N[fall.start : fall.top + 1], force_N[fall.top : bottom + 1]
-    if climb[0] > level_N or not 0.0 < DAMPED * (fall.top_N - level_N) < level_N - bottom_N:
+    over_N, under_N = fall.top_N - level_N, level_N - bottom_N
+    if climb[0] > level_N or not 0.0 < DAMPED * over_N < under_N:
+        return False
+    # What swings freely comes down no further than it went up, unless it is loaded on.
+    if rate and under_N > UNDAMPED * over_N:
         return False
     rising = climb.size - 1 - int(np.flatnonzero(climb <= level_N)[-1])
     falling = int(np.argmax(down <= level_N))
@@ -156,8 +162,7 @@ def swings(prepared: Prepared, fall: Fall, sliding: Sliding, rate: float = 0.0) 
         and _largest_fall_N(after[: 6 * (bottom - fall.top)])
         < DIES * (fall.top_N - bottom_N) + RESOLVED_SIGMAS * prepared.blocks.noise_N
     )
-    # What swings freely comes down no further than it went up.
-    stops = fall.drop_N < min(rate * fall_blocks(force_N, fall), 2.1 * (fall.top_N - level_N))
+    stops = fall.drop_N < rate * fall_blocks(force_N, fall)
     even = rising <= SWING * falling and falling <= SETTLES * rising
     return quiet and even and (stops or lasts <= HALF_PERIODS * (rising + falling))
 
@@ -176,8 +181,19 @@ def fall_blocks(force_N: FloatArray, fall: Fall) -> float:
 
 def is_quiet(prepared: Prepared, candidate: Candidate, sliding: Sliding) -> bool:
     """Return whether the force after a fall wanders no more than its noise: a rope at rest; sliding is rough."""
-    stretch = prepared.blocks.force_N[sliding.first : sliding.stop]
-    return roughness_N(stretch) <= quiet_N(prepared, candidate.fall.start, candidate.fall.top)
+    blocks, fall = prepared.blocks, candidate.fall
+    stretch = blocks.force_N[sliding.first : sliding.stop]
+    if roughness_N(stretch) > quiet_N(prepared, fall.start, fall.top):
+        return False
+    # At longer scales, too: sliding may be smooth, but no motor at rest lets the force go up and down.
+    earlier = blocks.force_N[: blocks.n_rest // blocks.size], blocks.force_N[fall.start : fall.top]
+    length = 2 * PIECE_BLOCKS
+    while stretch.size > FEWEST_PIECES * length:
+        known_N = [roughness_N(part, length) for part in earlier if part.size > 2 * length]
+        if known_N and roughness_N(stretch, length) > WANDER * max(known_N):
+            return False
+        length *= 2
+    return True
 
 
 def quiet_N(prepared: Prepared, start: int, top: int) -> float:

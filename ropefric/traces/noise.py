@@ -18,7 +18,8 @@ MAX_SPIKE_SAMPLES = 5
 MAX_LAST_SAMPLES = 2
 CLIMBS = 0.25
 MAX_DROPOUT_SAMPLES = 40
-SPIKE_SIGMAS = 8.0
+SPIKE_SIGMAS, STANDS_OUT = 8.0, 4.0
+"""A spike jumps by so many times the noise, and by so many times any step beside it."""
 REJOINS = 0.4
 """A spike comes back to within this part of its height: it may fall into the very moment of a slip."""
 NEIGHBOURS = 5
@@ -178,10 +179,12 @@ def remove_knocks(
 def _candidates(values: FloatArray, steps: FloatArray, smallest: float) -> list[int]:
     """First samples of what may be excursions: large steps that are nearly undone soon, or lead to a frozen value."""
     starts = np.flatnonzero((steps > smallest) | (steps < -smallest)) + 1
-    # A trace whose noise is far from white jumps everywhere: then nothing stands out, and nothing is removed.
-    if starts.size > max(50, values.size // 20):
-        return []
     out = np.abs(steps[starts - 1])
+    # A trace whose noise is far from white jumps everywhere: then nothing stands out, and nothing is removed. On a steep
+    # climb all steps are large, and alike.
+    jumps = out > STANDS_OUT * np.abs(steps[np.maximum(starts - 2, 0)])
+    if np.count_nonzero(jumps) > max(50, values.size // 20):
+        return []
     last = values.size - 1
     maybe = starts + MAX_SPIKE_SAMPLES > last
     for length in range(1, MAX_SPIKE_SAMPLES + 1):
@@ -223,7 +226,7 @@ def _excursion_end(values: FloatArray, steps: FloatArray, start: int, noise: flo
         middle = 0.5 * float(values[stop] + values[start - 1])
         height = float(np.abs(values[start:stop] - middle).max())
         rejoins = gap <= max(6.0 * noise, (length + 1) * usual, REJOINS * height)
-        if rejoins and min(abs(out), abs(back)) > 4.0 * usual:
+        if rejoins and min(abs(out), abs(back)) > STANDS_OUT * usual:
             return int(stop)
     return 0
 

@@ -229,12 +229,12 @@ def _level_and_scatter(stretch: FloatArray) -> tuple[float, float]:
     return median(stretch), 1.4826 * median(np.abs(flat - median(flat)))
 
 
-def roughness_N(stretch: FloatArray) -> float:
-    """Return the standard deviation around a straight line within pieces of 25 blocks [N].
+def roughness_N(stretch: FloatArray, length: int = PIECE_BLOCKS) -> float:
+    """Return the standard deviation around a straight line within pieces of so many blocks [N].
 
     The median of the pieces counts, of four or fewer the quietest.
     """
-    length = min(PIECE_BLOCKS, stretch.size)
+    length = min(length, stretch.size)
     n_pieces = stretch.size // length
     pieces = stretch[: n_pieces * length].reshape(n_pieces, length)
     x = np.arange(length) - (length - 1) / 2

@@ -1,6 +1,7 @@
 """Which of the falls of a pull is the break-away: the first slip that is macroscopic, that is, no partial one."""
 
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -23,13 +24,13 @@ from ropefric.traces.segments import DROP_SIGMAS, Prepared
 
 FEWEST_TEETH = 3
 FEW_BLOCKS = 4
-TRAIN, KIN, SMALLER, LEAST_TOOTH = 6, 0.005, 0.75, 0.1
+TRAIN, KIN, SMALLER, EARLY, LEAST_TOOTH = 6, 0.005, 0.75, 0.25, 0.1
 """So many teeth show a trend and scatter by this part of the force at least; a partial slip is smaller."""
 TALL = 0.1
 """What is lower, of a pull or of the highest pull, is a wiggle of the unloaded rope."""
 FAR = 0.95
 """A force that is loaded to about the double has not slipped before."""
-OBSTACLE, SWUNG, SLOWER = 0.2, 0.55, 1.25
+OBSTACLE, SWUNG, SWUNG_BACK, SLOWER = 0.2, 0.55, 2, 1.25
 """An obstacle lifts the force by this part of it at least; a slip swings as far below the force of sliding as it began
 above it; a partial one is loaded again at the rate of before."""
 FAR_ABOVE, FAR_LARGER, ROW = 0.5, 2.0, 0.15
@@ -181,10 +182,15 @@ def _rivals(  # noqa: PLR0911  (a cascade: every line decides one case)
     kin = _is_of_the_train(force_N, place)
     if kin is False or (not slid and _is_passed(force_N, place)):
         return None
+    if _stops_early(force_N, place):
+        return None
     # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
     passed = came - _passes(force_N[: came + 1], fall)
     hardens = passed > FEW_BLOCKS and above_N < SLIDES * rate * passed
     # It slips again before it is loaded as high, or has slipped by far more than partially: that has weakened it.
+    real = later[_echoes(force_N, fall, later, rates[1]) :]
+    if sum(g.reloads and g.drop_N >= SAME_KIND * fall.drop_N for g in real) < FEWEST_TEETH:
+        between = [g for g in between if g in real]
     alike = [g for g in between if _is_alike(fall, g, pull)]
     weaker = bool(between) and (growth <= LITTLE or len(between) >= FEWEST_TEETH or len(alike) >= 2)
     weaker |= len(later) >= 2 and all(_is_alike(fall, g, pull, ALIKE) for g in later[:2])
@@ -209,10 +215,7 @@ def _is_of_the_train(force_N: FloatArray, place: _Place) -> bool | None:
     The teeth of a train are of one strength; a partial slip lies below them, an obstacle above.
     """
     fall, height_N = place.fall, place.fall.top_N - place.pull.base_N
-    # The echo of a slip rises faster than the machine loads.
-    real = [
-        g for g in place.later if g.reloads and loading_rate(force_N, g.start, g.top) <= FAST * place.own_rate
-    ]
+    real = [g for g in place.later if g.reloads and not _is_echo(force_N, g, place.own_rate)]
     teeth = [g for g in real if g.drop_N >= SAME_KIND * typical_drop_N(place.later)]
     # As many as tell a trend from an obstacle among them.
     if len(teeth) < FEWEST_TEETH:
@@ -233,6 +236,37 @@ def _is_of_the_train(force_N: FloatArray, place: _Place) -> bool | None:
         return False if smaller and not weaker else None
     obstacle = float(level_N.max()) - median(level_N) > 3.0 * apart_N
     return True if abs(off_N) < 3.0 * apart_N and not obstacle else None
+
+
+def _stops_early(force_N: FloatArray, place: _Place) -> bool:
+    """Return whether a slip stops far above where those of the train after it do, before a higher and larger one.
+
+    A full slip goes on until the spring pulls less than friction; a partial one is stopped by what still sticks.
+    """
+    fall = place.fall
+    real = [g for g in place.later if g.reloads and not _is_echo(force_N, g, place.own_rate)]
+    teeth = [g for g in real if g.drop_N >= SAME_KIND * typical_drop_N(real)]
+    if len(teeth) < FEWEST_TEETH or not place.higher:
+        return False
+    fell_N, typical_N = fall.top_N - fall.bottom_N, median(np.array([g.top_N - g.bottom_N for g in teeth]))
+    above_N = fall.bottom_N - median(np.array([g.bottom_N for g in teeth]))
+    next_N = place.higher[0].top_N - place.higher[0].bottom_N
+    return above_N > EARLY * typical_N and fell_N < SMALLER * min(typical_N, next_N)
+
+
+def _echoes(force_N: FloatArray, fall: Fall, later: list[Fall], rate: float) -> int:
+    """Return how many falls right after one are its swings, each smaller than the one before and as soon again."""
+    for n, (last, g) in enumerate(pairwise([fall, *later])):
+        soon = g.top - last.bottom <= SWUNG_BACK * (last.bottom - last.top) + 2
+        smaller = g.top_N - g.bottom_N < last.top_N - last.bottom_N
+        if not (soon and smaller and _is_echo(force_N, g, rate)):
+            return n
+    return len(later)
+
+
+def _is_echo(force_N: FloatArray, fall: Fall, rate: float) -> bool:
+    """Return whether a fall is the swing of a slip before it, which rises faster than the machine loads."""
+    return loading_rate(force_N, fall.start, fall.top) > FAST * rate
 
 
 def _slid_on(force_N: FloatArray, pull: Pull, fall: Fall, top: int, own_rate: float) -> bool:

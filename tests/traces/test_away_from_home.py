@@ -545,3 +545,93 @@ def test_a_coarse_converter_that_rests_on_one_code_does_not_stick_at_a_round_top
     (found,) = pick_breakaway(ForceTrace(time_s=time_s, force_N=force_N), AUTO)
     assert found.status is Status.OK, found.detail
     assert found.peak_N == pytest.approx(100.0, abs=step_N)
+
+
+@pytest.mark.parametrize(
+    ("after", "status"), [(((4.0, 80.0),), Status.OK), (((3.9, 80.0), (4.0, 0.0)), Status.DOUBTFUL)]
+)
+def test_a_slow_fall_to_a_level_that_stays_high_to_the_end_has_slipped_one_that_goes_on_is_let_down(
+    after, status
+):
+    found = picked(drawn((0.0, 0.0), (1.0, 0.0), (3.5, 100.0), (3.7, 80.0), *after))
+    assert found.status is status, found.detail
+    if status is Status.OK:
+        assert found.peak_N == pytest.approx(100.0, rel=0.01)
+        assert "unless the motor was let back" in " ".join(found.notes)
+
+
+@pytest.mark.parametrize(("later", "status"), [((), Status.DOUBTFUL), (((3.2, 75.0), (3.4, 0.0)), Status.OK)])
+def test_a_fall_that_a_motor_may_have_made_is_a_breakaway_where_it_lets_down_at_another_rate_later(
+    later, status
+):
+    found = picked(drawn((0.0, 0.0), (0.5, 0.0), (1.5, 100.0), (2.2, 75.0), *(later or ((4.0, 75.0),))))
+    assert found.status is status, found.detail
+    if status is Status.OK:
+        assert found.peak_N == pytest.approx(100.0, rel=0.01)
+        assert "unless the motor was let back" in " ".join(found.notes)
+
+
+def test_a_recording_that_ends_while_the_force_settles_shows_a_slip_one_that_ends_in_a_steady_fall_does_not():
+    climb = drawn((0.0, 0.0), (1.0, 0.0), (3.5, 100.0), (4.0, 100.0))
+    since = np.maximum(TIME_S - 3.5, 0.0) / 0.5
+    settles = picked(climb - 25.0 * (1.0 - (1.0 - since) ** 2))
+    assert settles.status is Status.OK, settles.detail
+    assert settles.peak_N == pytest.approx(100.0, rel=0.01)
+    assert picked(climb - 25.0 * since).status is Status.DOUBTFUL
+
+
+def test_what_is_let_down_soon_after_a_slip_is_no_swing_of_it():
+    since = np.clip(TIME_S - 1.5, 0.0, 0.45)
+    force = drawn((0.0, 0.0), (0.5, 0.0), (1.5, 100.0), (4.0, 100.0)) - 20.0 * (1.0 - np.exp(-since / 0.15))
+    found = picked(force * np.clip((2.03 - TIME_S) / 0.08, 0.0, 1.0))
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.01)
+
+
+@pytest.mark.parametrize(("waves_N", "status"), [(0.8, Status.OK), (0.0, Status.DOUBTFUL)])
+def test_a_force_that_goes_slowly_up_and_down_is_that_of_sliding_however_smooth_it_is(waves_N, status):
+    force = drawn((0.0, 0.0), (0.3, 0.0), (1.3, 100.0), (4.0, 100.0), noise_N=0.0)
+    round_N = np.convolve(np.pad(force, 150, mode="edge"), np.full(301, 1.0 / 301.0), mode="valid")
+    since = np.maximum(TIME_S - 1.35, 0.0)
+    slides = 3.0 * (1.0 - np.exp(-since / 0.15)) + waves_N * np.sin(2.0 * np.pi * since / 0.6) * (since > 0.6)
+    found = picked(round_N - slides + np.random.default_rng(2).normal(0.0, 0.05, TIME_S.size))
+    assert found.status is status, found.detail
+
+
+def test_the_echo_of_a_partial_slip_makes_no_train_of_it():
+    slip = ((2.3, 93.0), (2.304, 89.0), (2.524, 100.0), (2.62, 92.0))
+    since = np.maximum(TIME_S - 2.304, 0.0)
+    rings = 2.0 * (since > 0.0) * np.exp(-since / 0.03) * np.cos(2.0 * np.pi * 60.0 * since)
+    found = picked(drawn((0.0, 0.0), (0.5, 0.0), *slip, (4.0, 92.0), noise_N=0.05) - rings)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.01)
+    assert found.events[0].force_N == pytest.approx(93.0, rel=0.01)
+
+
+def test_a_slip_that_stops_far_above_where_those_of_the_train_do_is_partial():
+    force = train((95.0, 11.0), (99.5, 28.0), *[(93.0, 20.0)] * 5)
+    since = np.maximum(TIME_S - 1.454, 0.0)
+    rings = 5.0 * (since > 0.0) * np.exp(-since / 0.03) * np.cos(2.0 * np.pi * 40.0 * since)
+    found = picked(force - rings)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(99.5, rel=0.01)
+    # As far down, it is the first full one.
+    assert picked(train((95.0, 20.0), (99.5, 25.0), *[(93.0, 20.0)] * 5)).peak_N == pytest.approx(
+        95.0, rel=0.01
+    )
+
+
+@pytest.mark.parametrize("begin_s", [0.5, 0.501, 0.502, 0.503])
+def test_a_fall_within_a_few_blocks_whose_echo_comes_back_is_all_of_it(begin_s):
+    """Loaded again at once, it never rests where it is lowest."""
+    corners, now_s, force_N = [(0.0, 0.0), (begin_s, 0.0)], begin_s, 0.0
+    rings = np.zeros_like(TIME_S)
+    for top_N, drop_N in [(100.0, 20.0), *[(95.0, 12.0)] * 5]:
+        now_s += (top_N - force_N) / 100.0
+        corners += [(now_s, top_N), (now_s + 0.004, top_N - drop_N)]
+        now_s, force_N = now_s + 0.004, top_N - drop_N
+        since = np.maximum(TIME_S - now_s, 0.0)
+        rings -= 0.5 * drop_N * (since > 0.0) * np.exp(-since / 0.02) * np.cos(2.0 * np.pi * 60.0 * since)
+    found = picked(drawn(*corners, (4.0, force_N), noise_N=0.05) + rings)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.01)

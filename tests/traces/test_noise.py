@@ -97,3 +97,13 @@ def test_nothing_is_written_to_the_input():
     before = force_N.copy()
     assert remove_spikes(force_N, 0.1).values[3] == pytest.approx(0.05)
     np.testing.assert_array_equal(force_N, before)
+
+
+def test_spikes_are_found_in_a_steep_climb_without_noise():
+    """There every step is large against the noise, and all are alike."""
+    clean = np.concatenate([np.zeros(100), np.linspace(0.0, 100.0, 200), np.full(150, 80.0)])
+    clean += np.random.default_rng(5).normal(0.0, 0.002, clean.size)
+    bad = [50, 51, 180, 181, 182, 260]
+    values = clean.copy()
+    values[bad] += 40.0
+    assert remove_spikes(values, 0.002).bad.tolist() == bad

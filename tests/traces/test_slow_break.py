@@ -166,12 +166,12 @@ def test_a_step_of_the_converter_is_no_break_away():
     assert refused(ForceTrace(time_s=trace.time_s, force_N=np.round(trace.force_N)) for trace in smooth)
 
 
-@pytest.mark.parametrize(("stay_s", "sinks_N"), [(0.4, 0.0), (3.0, 4.0)])
-def test_a_level_that_ends_soon_or_sinks_is_no_sliding(stay_s, sinks_N):
-    """The motor no longer pulls."""
-    end_s = 2.38 + stay_s
+@pytest.mark.parametrize(("fall_s", "stay_s", "sinks_N"), [(0.45, 0.4, 0.0), (0.08, 3.0, 4.0)])
+def test_a_level_that_ends_soon_or_sinks_is_no_sliding(fall_s, stay_s, sinks_N):
+    """The motor no longer pulls: it may have let the load down as fast as it was loaded, or a held rope relaxes."""
+    level_s, end_s = 2.3 + fall_s, 2.3 + fall_s + stay_s
 
     def shape(time_s):
-        return np.interp(time_s, [0.3, 2.3, 2.38, end_s], [0.0, PEAK_N, 12.0, 12.0 - sinks_N])
+        return np.interp(time_s, [0.3, 2.3, level_s, end_s], [0.0, PEAK_N, 12.0, 12.0 - sinks_N])
 
     assert refused(recorded(shape, seconds=end_s, rate_Hz=1000.0, noise_N=0.1, seed=seed) for seed in SEEDS)

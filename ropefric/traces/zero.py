@@ -53,10 +53,12 @@ def with_its_zero(
     zero_N = 0.0 if is_tared or not n else float(rest_N.mean())
     found = result
     result, why = _with_drift(blocks, rests, found, zero_N)
-    # A rope does not push: what reads less than nothing right before the climb is the zero.
-    last = slice(*rests[-1]) if rests and result.peak_N == found.peak_N else slice(0, n // blocks.size)
-    below_N = float(blocks.force_N[last].mean()) if n and not is_tared and settings.rest != "zero" else 0.0
-    least_N = BELOW_SIGMAS * blocks.noise_N / math.sqrt(max(1, last.stop - last.start))
+    # A rope does not push: what reads less than nothing before the climb is the zero, whatever is hung on later.
+    at_rest = rests if rests and result.peak_N == found.peak_N else [(0, n // blocks.size)]
+    below_N, least_N = 0.0, 0.0
+    if n and not is_tared and settings.rest != "zero":
+        below_N, size = min((float(blocks.force_N[a:b].mean()), b - a) for a, b in at_rest)
+        least_N = BELOW_SIGMAS * blocks.noise_N / math.sqrt(size)
     # A machine that pushes, too, leaves far more.
     step_N = 0.0
     if -2.0 * LARGE_ZERO * result.peak_N < below_N < -least_N:

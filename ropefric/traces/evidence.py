@@ -74,8 +74,13 @@ def stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidin
 def _wanders_by_N(force_N: FloatArray) -> float:
     """Return how far a force of sliding rises above the line through it, at most."""
     x = np.arange(force_N.size) - 0.5 * (force_N.size - 1)
-    flat = force_N - force_N.mean()
-    return float((flat - x * (float(x @ flat) / max(float(x @ x), TINY))).max())
+    return float((force_N - force_N.mean() - x * _slope(force_N)).max())
+
+
+def _slope(force_N: FloatArray) -> float:
+    """Return the slope of the line through a force [N per sample]."""
+    x = np.arange(force_N.size) - 0.5 * (force_N.size - 1)
+    return float(x @ (force_N - force_N.mean())) / max(float(x @ x), TINY)
 
 
 def _is_loaded_by_the_machine(force_N: FloatArray, candidate: Candidate, teeth: list[Fall]) -> bool:
@@ -216,7 +221,7 @@ SATURATED_SAMPLES = 3
 """A run at the converter's limit longer than any spike."""
 CLIPPED = 3
 """A force that is cut off stays the same so many times longer than where it is not."""
-SQUEEZED, AT_LIMIT, FEWEST_AT_LIMIT, MANY_AT_LIMIT = 0.25, 0.01, 12, 20
+SQUEEZED, STANDS, AT_LIMIT, FEWEST_AT_LIMIT, MANY_AT_LIMIT = 0.25, 0.1, 0.01, 12, 20
 """So many samples so near the top that have so little of the noise are at the limit of an amplifier: among white noise
 one stretch in ten thousand."""
 HIDDEN, SLIPPED = 0.3, 0.05
@@ -307,8 +312,10 @@ def _squeezed_detail(prepared: Prepared, block: int) -> str:
         return ""
     squares = np.cumsum(np.diff(high, 2, prepend=0.0) ** 2)
     left_N = math.sqrt(max(0.0, float((squares[n:] - squares[:-n]).min(initial=np.inf))) / (6.0 * n))
-    # Few samples are quiet by chance.
-    if not 0.0 < left_N <= SQUEEZED * min(1.0, n / MANY_AT_LIMIT) * climb_N:
+    # Few samples are quiet by chance, but hardly if they do not rise any more, either.
+    half, climb = high[-(high.size // 2) :], force_N[start:first]
+    stands = abs(_slope(half)) < STANDS * abs(_slope(climb))
+    if not 0.0 < left_N <= SQUEEZED * (1.0 if stands else min(1.0, n / MANY_AT_LIMIT)) * climb_N:
         return ""
     return (
         f"at its top, {top_N:.4g} N, the force has a noise of {left_N:.2g} N only, {climb_N:.2g} N below: the sensor or "

@@ -161,7 +161,7 @@ def remove_knocks(
             continue
         x = np.arange(wide) - 0.5 * (wide - 1)
         slope = float(x @ force_N[before]) / float(x @ x)
-        usual_N = float(np.ptp(ground_N[before])) + 2.0 * median(above_N[before])
+        usual_N = float(np.ptp(ground_N[before] - slope * x)) + 2.0 * median(above_N[before])
         off_N = float(force_N[after].mean() - force_N[before].mean()) - slope * (end - begin + wide)
         turns_N = (float(x @ force_N[after]) / float(x @ x) - slope) * wide
         swings_N = float((force_N[after] - slope * x).std())

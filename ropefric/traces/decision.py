@@ -223,7 +223,11 @@ def _of_pull(
     trace: ForceTrace, prepared: Prepared, settings: PickSettings, pull: Pull, later: list[Pull]
 ) -> Breakaway:
     force_N = prepared.blocks.force_N
-    bumps = [f for f in pull.falls[:-1] if is_bump(force_N, f, loading_rate(force_N, pull.start, f.top))]
+    bumps = [
+        f
+        for f in pull.falls[:-1]
+        if is_bump(force_N, prepared.blocks.time_s, f, loading_rate(force_N, pull.start, f.top))
+    ]
     falls = [fall for fall in pull.falls if fall not in bumps]
     height_N = pull.top_N - pull.base_N
     loaded = least_fall_N(prepared, settings) < pull.base_N - float(force_N.min()) > height_N

@@ -635,3 +635,32 @@ def test_a_fall_within_a_few_blocks_whose_echo_comes_back_is_all_of_it(begin_s):
     found = picked(drawn(*corners, (4.0, force_N), noise_N=0.05) + rings)
     assert found.status is Status.OK, found.detail
     assert found.peak_N == pytest.approx(100.0, rel=0.01)
+
+
+def test_a_climb_within_a_gap_is_no_bump():
+    """The machine loaded on meanwhile; what it came to has slipped."""
+    teeth = ((2.0, 150.0), (2.004, 115.0), (2.3, 144.6), (2.304, 115.0))
+    force = drawn((0.0, 0.0), (0.5, 0.0), *teeth, (4.0, 115.0))
+    seen = (TIME_S < 1.7) | (TIME_S > 1.97)
+    (found,) = pick_breakaway(ForceTrace(time_s=TIME_S[seen], force_N=force[seen]), AUTO)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(150.0, rel=0.01)
+
+
+@pytest.mark.parametrize("hung_N", [0.0, 4.0, 8.0])
+def test_weights_hung_on_a_rope_whose_zero_is_below_nothing_are_none_of_it(hung_N):
+    hung = hung_N * np.clip((TIME_S - 0.4) / 0.1, 0.0, 1.0)
+    found = picked(drawn((0.0, 0.0), (1.2, 0.0), (2.5, 100.0), (2.504, 70.0), (4.0, 70.0)) + hung - 6.0)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0 + hung_N, abs=0.6)
+
+
+@pytest.mark.parametrize(("noise_N", "status"), [(0.04, Status.SATURATED), (0.2, Status.OK)])
+def test_few_samples_at_a_limit_neither_rise_nor_have_the_noise_of_the_climb(noise_N, status):
+    """Thirty samples, seen slowly: so few may be quiet by chance where the force still rises."""
+    time_s = np.arange(0.0, 40.0, 0.1)
+    noise = np.random.default_rng(11).normal(0.0, 1.0, time_s.size)
+    force = np.interp(time_s, (0.0, 5.0, 20.0, 20.2, 40.0), (0.0, 0.0, 100.0, 70.0, 70.0))
+    limited = np.where(force > 80.0, 80.0 + noise_N * noise, force + 0.2 * noise)
+    (found,) = pick_breakaway(ForceTrace(time_s=time_s, force_N=limited), AUTO)
+    assert found.status is status, found.detail

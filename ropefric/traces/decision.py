@@ -71,7 +71,7 @@ LEAST_SHARE = 0.55
 STEPS = 3
 """A fall of fewer steps of the converter has no shape."""
 SETTLING = 0.1
-"""What a motor lets down goes on at its rate, a slip slows down: its last quarter of the time is less of the fall."""
+"""What is let down goes on at its rate, a slip slows down: in the last quarter of its time it falls by less of it."""
 OTHER_RATE = 2.0
 """A motor lets loads down at much the same rate, within this factor."""
 LASTS = 0.25
@@ -398,8 +398,8 @@ def _fell_away(prepared: Prepared, settings: PickSettings, candidate: Candidate)
     if stood and (before.status is Status.NO_PEAK or not fall.sudden):
         return before
     if to_the_end and candidate.share >= LEAST_SHARE and flat_top(force_N, fall, blocks.noise_N) != "held":
-        tail = force_N[fall.top :]
-        late_N = float(tail[-tail.size // 4]) - float(tail[-1])
+        half = -(-(force_N.size - fall.top) // 8)
+        late_N = 2.0 * float(force_N[-2 * half : -half].mean() - force_N[-half:].mean())
         if fall.drop_N >= LEAST_DROP * height_N and late_N <= SETTLING * fall.drop_N:
             return measured(prepared, settings, candidate, None)
         return _doubtful(prepared, [candidate], "the recording ends before the force has settled")

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import FloatArray, median
 from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
 from ropefric.traces.events import (
     FAST,
@@ -54,6 +54,7 @@ from ropefric.traces.slips import (
     LARGER,
     LEAST_DROP,
     TALL,
+    TINY,
     Candidate,
     found_pulls,
     least_fall_N,
@@ -222,12 +223,9 @@ def _event(prepared: Prepared, fall: Fall, kind: str, evidence: str = "") -> For
 def _of_pull(
     trace: ForceTrace, prepared: Prepared, settings: PickSettings, pull: Pull, later: list[Pull]
 ) -> Breakaway:
-    force_N = prepared.blocks.force_N
-    bumps = [
-        f
-        for f in pull.falls[:-1]
-        if is_bump(force_N, prepared.blocks.time_s, f, loading_rate(force_N, pull.start, f.top))
-    ]
+    force_N, time_s = prepared.blocks.force_N, prepared.blocks.time_s
+    at = time_s / max(median(np.diff(time_s)), TINY)
+    bumps = [f for f in pull.falls[:-1] if is_bump(force_N, at, f, loading_rate(force_N, pull.start, f.top))]
     falls = [fall for fall in pull.falls if fall not in bumps]
     height_N = pull.top_N - pull.base_N
     loaded = least_fall_N(prepared, settings) < pull.base_N - float(force_N.min()) > height_N

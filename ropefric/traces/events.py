@@ -228,12 +228,13 @@ def half_climb(force_N: FloatArray, start: int, top: int) -> int:
     return start + min(int(below[-1]) + 1, top - start) if below.size else start
 
 
-def is_bump(force_N: FloatArray, time_s: FloatArray, fall: Fall, rate: float) -> bool:
-    """Return whether the force rose faster than the machine loads and came back to the line it had left."""
-    # In a gap the machine loads on.
-    climb, step_s = slice(fall.start, fall.top + 1), max(median(np.diff(time_s)), 1e-300)
-    steps = np.diff(time_s[climb]) / step_s
-    slow = np.flatnonzero(np.diff(force_N[climb]) <= FAST * rate * np.maximum(steps, 1.0))
+def is_bump(force_N: FloatArray, at: FloatArray, fall: Fall, rate: float) -> bool:
+    """Return whether the force rose faster than the machine loads and came back to the line it had left.
+
+    When it was measured counts in blocks as they usually are: in a gap the machine loads on.
+    """
+    climb = slice(fall.start, fall.top + 1)
+    slow = np.flatnonzero(np.diff(force_N[climb]) <= FAST * rate * np.maximum(np.diff(at[climb]), 1.0))
     k = fall.start + (int(slow[-1]) + 1 if slow.size else 0)
     rise_N = fall.top_N - float(force_N[k])
     back_N = float(force_N[fall.settled]) - (float(force_N[k]) + rate * (fall.settled - k))
@@ -248,7 +249,7 @@ def is_bump(force_N: FloatArray, time_s: FloatArray, fall: Fall, rate: float) ->
     if not low.size:
         return False
     begins = int(low[-1])
-    long = max(SHORTEST_REST, round(float(time_s[fall.top] - time_s[begins]) / step_s))
+    long = max(SHORTEST_REST, round(float(at[fall.top] - at[begins])))
     before, after = force_N[max(0, begins - 2 * long) : begins], force_N[fall.settled : fall.settled + long]
     return all(
         rest.size >= SHORTEST_REST and float(np.abs(rest - rest_N).max()) < REST * rise_N

@@ -24,8 +24,8 @@ HIGHER, ENOUGH = 1.25, 0.25
 """A peak is so much higher than any wiggle of what slides, in a stretch of at least this part of the climb."""
 QUIET_SIGMAS = 1.5
 SWING, SETTLES, DAMPED, UNDAMPED, HALF_PERIODS = 2.0, 3.0, 0.2, 1.1, 5.0
-"""A swing passes its level as fast up as down, falls below it, and follows a load that comes on within few periods; up
-faster where the load still comes on."""
+"""A swing passes its level as fast up as down, falls below it, hardly further than it rose, and follows a load that
+comes on within few periods; up faster where the load still comes on."""
 DIES = 0.25
 """What swings on falls by this part of the first swing again; slow waves are smooth, but no noise."""
 WAVES, LARGE_WAVES, SLOWEST, FASTEST = (0.1, 0.05, 0.02), 0.06, 0.4, 1.25
@@ -376,5 +376,5 @@ def _climbed_on(prepared: Prepared, start: int, stop: int) -> bool:
     after = force_N[stop : stop + _LANDING]
     if before.size < _LEAST_CLIMB or not after.size:
         return False
-    rise_N = lasted * float(np.polyfit(np.arange(before.size), before, 1)[0])
+    rise_N = lasted * _slope(before)
     return float(after.mean() - force_N[start]) >= 0.5 * rise_N - 2.0 * prepared.noise_N

@@ -25,14 +25,15 @@ from ropefric.traces.segments import DROP_SIGMAS, Prepared
 FEWEST_TEETH = 3
 FEW_BLOCKS = 4
 TRAIN, KIN, SMALLER, EARLY, LEAST_TOOTH = 6, 0.005, 0.75, 0.25, 0.1
-"""So many teeth show a trend and scatter by this part of the force at least; a partial slip is smaller."""
+"""So many teeth show a trend and scatter by this part of the force at least; a partial slip is smaller, and stops above
+where they do by this part of theirs."""
 TALL = 0.1
 """What is lower, of a pull or of the highest pull, is a wiggle of the unloaded rope."""
 FAR = 0.95
 """A force that is loaded to about the double has not slipped before."""
 OBSTACLE, SWUNG, SWUNG_BACK, SLOWER = 0.2, 0.55, 2, 1.25
 """An obstacle lifts the force by this part of it at least; a slip swings as far below the force of sliding as it began
-above it; a partial one is loaded again at the rate of before."""
+above it, and back within twice the time; a partial one is loaded again at the rate of before."""
 FAR_ABOVE, FAR_LARGER, ROW = 0.5, 2.0, 0.15
 """Partial slips in a row lead to a force so much higher and a slip so many times larger."""
 FULL = 0.16
@@ -179,18 +180,17 @@ def _rivals(  # noqa: PLR0911  (a cascade: every line decides one case)
     place = _Place(pull, fall, later, between, higher, came if not higher else top, growth, *rates)
     if _wears_in(force_N, place):
         return []
-    kin = _is_of_the_train(force_N, place)
-    if kin is False or (not slid and _is_passed(force_N, place)):
-        return None
-    if _stops_early(force_N, place):
+    loaded = [g for g in later if g.reloads and not _is_echo(force_N, g, rates[1])]
+    kin = _is_of_the_train(place, loaded)
+    if kin is False or (not slid and _is_passed(force_N, place)) or _stops_early(place, loaded):
         return None
     # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
     passed = came - _passes(force_N[: came + 1], fall)
     hardens = passed > FEW_BLOCKS and above_N < SLIDES * rate * passed
     # It slips again before it is loaded as high, or has slipped by far more than partially: that has weakened it.
-    real = later[_echoes(force_N, fall, later, rates[1]) :]
-    if sum(g.reloads and g.drop_N >= SAME_KIND * fall.drop_N for g in real) < FEWEST_TEETH:
-        between = [g for g in between if g in real]
+    after = later[_echoes(force_N, fall, later, rates[1]) :]
+    if sum(g.reloads and g.drop_N >= SAME_KIND * fall.drop_N for g in after) < FEWEST_TEETH:
+        between = [g for g in between if g in after]
     alike = [g for g in between if _is_alike(fall, g, pull)]
     weaker = bool(between) and (growth <= LITTLE or len(between) >= FEWEST_TEETH or len(alike) >= 2)
     weaker |= len(later) >= 2 and all(_is_alike(fall, g, pull, ALIKE) for g in later[:2])
@@ -209,14 +209,13 @@ def _rivals(  # noqa: PLR0911  (a cascade: every line decides one case)
     return higher if against else None if against is None else []
 
 
-def _is_of_the_train(force_N: FloatArray, place: _Place) -> bool | None:
+def _is_of_the_train(place: _Place, loaded: list[Fall]) -> bool | None:
     """Return whether a fall begins at the force of the teeth after it, along their trend; None where few are alike.
 
     The teeth of a train are of one strength; a partial slip lies below them, an obstacle above.
     """
     fall, height_N = place.fall, place.fall.top_N - place.pull.base_N
-    real = [g for g in place.later if g.reloads and not _is_echo(force_N, g, place.own_rate)]
-    teeth = [g for g in real if g.drop_N >= SAME_KIND * typical_drop_N(place.later)]
+    teeth = [g for g in loaded if g.drop_N >= SAME_KIND * typical_drop_N(place.later)]
     # As many as tell a trend from an obstacle among them.
     if len(teeth) < FEWEST_TEETH:
         return None
@@ -232,20 +231,19 @@ def _is_of_the_train(force_N: FloatArray, place: _Place) -> bool | None:
         return None
     if off_N > 6.0 * apart_N:
         # Having slipped it would be weaker.
-        weaker = any(g.top_N < fall.top_N and g.drop_N > LEAST_TOOTH * fall.drop_N for g in real)
+        weaker = any(g.top_N < fall.top_N and g.drop_N > LEAST_TOOTH * fall.drop_N for g in loaded)
         return False if smaller and not weaker else None
     obstacle = float(level_N.max()) - median(level_N) > 3.0 * apart_N
     return True if abs(off_N) < 3.0 * apart_N and not obstacle else None
 
 
-def _stops_early(force_N: FloatArray, place: _Place) -> bool:
+def _stops_early(place: _Place, loaded: list[Fall]) -> bool:
     """Return whether a slip stops far above where those of the train after it do, before a higher and larger one.
 
     A full slip goes on until the spring pulls less than friction; a partial one is stopped by what still sticks.
     """
     fall = place.fall
-    real = [g for g in place.later if g.reloads and not _is_echo(force_N, g, place.own_rate)]
-    teeth = [g for g in real if g.drop_N >= SAME_KIND * typical_drop_N(real)]
+    teeth = [g for g in loaded if g.drop_N >= SAME_KIND * typical_drop_N(loaded)]
     if len(teeth) < FEWEST_TEETH or not place.higher:
         return False
     fell_N, typical_N = fall.top_N - fall.bottom_N, median(np.array([g.top_N - g.bottom_N for g in teeth]))

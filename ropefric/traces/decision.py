@@ -8,6 +8,8 @@ decides, the result is `doubtful`, with the candidates.
 """
 
 from dataclasses import replace
+from itertools import pairwise
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -17,6 +19,7 @@ from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Statu
 from ropefric.traces.events import (
     FAST,
     GROWTH,
+    LEAST_PEAK,
     UNLOADED,
     Fall,
     Pull,
@@ -24,10 +27,9 @@ from ropefric.traces.events import (
     flat_top,
     half_climb,
     is_bump,
-    loading_rate,
+    rate_below,
 )
 from ropefric.traces.evidence import (
-    LEAST_PEAK,
     TOOTH,
     comes_on,
     fall_blocks,
@@ -41,6 +43,7 @@ from ropefric.traces.evidence import (
 from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import (
     MIN_SAMPLES,
+    Blocks,
     Prepared,
     Sliding,
     kinetic,
@@ -50,6 +53,7 @@ from ropefric.traces.segments import (
     sliding_after,
 )
 from ropefric.traces.slips import (
+    FAR_FASTER,
     FEW_BLOCKS,
     LARGER,
     LEAST_DROP,
@@ -84,13 +88,19 @@ BRIEF = 0.25
 NO_MOTOR = 5.0
 """What creeps when the motor stops falls no faster than it was loaded, and a motor lets down not so many times faster
 to a level that is still high."""
+BRIEFLY = 0.2
+"""What stood at its top for less than the machine loads by this part of the fall may have slipped there."""
 KNOCKED = 0.2
 """What an impact leaves behind swings by less than this part of it."""
 MUCH = 1.5
+SOON = 4.0
+"""A rope slides for longer than so many times the climb."""
 LEVEL = 0.3
 """Part of a pull during which a force that slides without a peak stays near its largest."""
 BEGINS = 0.8
 """A recording that begins above this part of its largest force, and not at rest, shows no loading."""
+AS_LONG = 0.9
+"""The first climb to a train of stick-slip is longer than the later ones; one of them is so much as long at least."""
 WANDERS = 2.0
 """Of all that a sliding rope wanders: a fall that is so much larger is no wander."""
 EQUAL = 0.01
@@ -225,13 +235,14 @@ def _of_pull(
 ) -> Breakaway:
     force_N, time_s = prepared.blocks.force_N, prepared.blocks.time_s
     at = time_s / max(median(np.diff(time_s)), TINY)
-    bumps = [f for f in pull.falls[:-1] if is_bump(force_N, at, f, loading_rate(force_N, pull.start, f.top))]
+    bumps = [f for f in pull.falls[:-1] if is_bump(force_N, at, f, rate_below(force_N, pull.start, f.top))]
     falls = [fall for fall in pull.falls if fall not in bumps]
     height_N = pull.top_N - pull.base_N
     loaded = least_fall_N(prepared, settings) < pull.base_N - float(force_N.min()) > height_N
     # One that slides wanders, and falls no further than it wanders later on; it is loaded from far below.
     wanders = not prepared.blocks.n_rest and float(force_N[: pull.start + 1].min()) > BEGINS * pull.top_N
-    wanders = wanders and all(f.drop_N < WANDERS * np.ptp(force_N[f.settled :]) for f in falls)
+    later_N = WANDERS * float(np.ptp(force_N[falls[0].settled :])) if falls else 0.0
+    wanders = wanders and all(fall.drop_N < later_N for fall in falls)
     if (loaded and pull.start < FEW_BLOCKS) or wanders:
         detail = f"the recording begins at {force_N[0]:.4g} N, loaded or sliding already: it shows no loading"
         return without_force(Status.NO_PEAK, detail, prepared)
@@ -253,9 +264,21 @@ def _of_pull(
     ]
     if len(candidates) > 1 and candidates[1].fall.top_N > (1 + EQUAL) * first.top_N:
         result = _doubtful(prepared, candidates, "either the first full slip or a partial one before it")
+    elif _may_be_later(force_N, pull, falls):
+        why = (
+            f"the recording begins at {force_N[0]:.4g} N within a climb, as long as those of the later slips"
+        )
+        result = _doubtful(prepared, candidates[:1], why)
     else:
         result = _assessed(prepared, settings, candidates[0], later)
     return replace(result, events=(*events, *result.events)) if events else result
+
+
+def _may_be_later(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> bool:
+    """Return whether a recording begins within a climb that is no longer than those between its slips."""
+    seen_N = falls[0].top_N - float(force_N[pull.start])
+    rises_N = [after.top_N - fall.bottom_N for fall, after in pairwise(falls)]
+    return pull.begun and max(rises_N, default=0.0) > AS_LONG * seen_N
 
 
 def _doubtful(prepared: Prepared, candidates: list[Candidate], why: str) -> Breakaway:
@@ -278,15 +301,9 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     if not fall.reloads and (not fall.has_settled or candidate.share < UNLOADED):
         return _fell_away(prepared, settings, candidate)
     sliding = sliding_after(blocks, fall, pull.base_N)
-    lasts = 0 if sliding is None else sliding.stop - sliding.first
-    # A snag or an impact rises faster than the motor loads, and is over before anything slides, or is far too low.
-    slower = _slower(force_N, candidate, later)
-    if any(p.top_N >= MUCH * pull.top_N for p in later) or (
-        lasts < fall.top - fall.start and any(p.top_N >= 0.5 * pull.top_N for p in slower)
-    ):
-        detail = (
-            f"the force falls from {from_N:.4g} N at {at_s:.4g} s: a bump, a later pull is loaded more slowly"
-        )
+    lasts = 0 if sliding is None else min(sliding.stop, pull.stop) - sliding.first
+    if what := _is_outdone(force_N, candidate, later, lasts):
+        detail = f"the force falls from {from_N:.4g} N at {at_s:.4g} s: {what}"
         return without_force(Status.NO_BREAKAWAY, detail, prepared)
     if sliding is None:
         if not fall.reloads:
@@ -302,17 +319,34 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
         why = "no static peak stands out"
         return _held(prepared, sliding) if held else _no_peak(prepared, candidate, sliding, why)
     # A motor that stops lets the masses swing: not faster than it loaded them, and around a quiet level.
-    stops = fall.drop_N < candidate.rate * fall_blocks(force_N, fall) and is_quiet(
-        prepared, candidate, sliding
-    )
+    stops = _times_loaded(force_N, candidate) < 1.0 and is_quiet(prepared, candidate, sliding)
     if fall.sudden and not stops:
         return measured(prepared, settings, candidate, sliding)
     if much and swings(prepared, fall, sliding, candidate.rate):
         why = f"the force swings to {from_N:.4g} N and dies away: a load that comes on or stops, or a slip"
         return _doubtful(prepared, [candidate], why)
-    if much and not stops and loads_again(force_N, candidate):
+    if (
+        much
+        and not stops
+        and not _may_be_let_down(force_N, candidate, 1.0)
+        and loads_again(force_N, candidate)
+    ):
         return measured(prepared, settings, candidate, sliding)
     return _of_slow_fall(prepared, settings, candidate, sliding)
+
+
+def _is_outdone(force_N: FloatArray, candidate: Candidate, later: list[Pull], lasts: int) -> str:
+    """Return what a fall is that is followed by so much sliding, where later pulls show that it is no slip."""
+    fall, top_N, climb = candidate.fall, candidate.pull.top_N, candidate.fall.top - candidate.fall.start
+    # A snag or an impact rises faster than the motor loads, and is over before anything slides (or soon, if far faster),
+    # or is far too low.
+    times = FAST if lasts < climb else FAR_FASTER if lasts < SOON * climb else inf
+    slower = [p for p in later if times * rate_of(force_N, p) < candidate.rate]
+    if any(p.top_N >= MUCH * top_N for p in later) or any(p.top_N >= 0.5 * top_N for p in slower):
+        return "a bump, a later pull is loaded more slowly"
+    creeps = not fall.sudden and fall.drop_N < LEAST_DROP * candidate.height_N
+    higher = any(p.top_N >= LARGER * top_N for p in later)
+    return "held, not slipping, a later pull goes far higher" if creeps and higher else ""
 
 
 def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
@@ -333,7 +367,8 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     # one that slipped before at much the same force.
     slips = [g for g in pull.falls if g.slips and (1.0 + GROWTH) * g.top_N > fall.top_N]
     slipped = any(LEAST_DROP * candidate.height_N <= g.drop_N < fall.drop_N for g in slips)
-    fast = bends and flat != "held" and fall.drop_N > NO_MOTOR * candidate.rate * long
+    no_motor = _times_loaded(force_N, candidate) > NO_MOTOR
+    fast = bends and flat != "held" and no_motor
     short = sliding.stop - sliding.first < (
         BENT * (fall.settled - fall.top)
         if bends and flat != "held" and not slipped
@@ -344,6 +379,8 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     if fast and not short and share >= LEAST_SHARE:
         return measured(prepared, settings, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
+        if no_motor and share >= LEAST_SHARE and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N:
+            return _doubtful(prepared, [candidate], f"{seen}, after a moment at its top: a slip, or let down")
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
         return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)
     # It may settle little by little.
@@ -355,9 +392,9 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     # What a motor lets down goes on to nothing, as fast as it loads; what fell faster and stays, high up, to the end of
     # the recording has slipped.
     stays = not slipped and share >= LEAST_SHARE and sliding.stop >= force_N.size - FEW_BLOCKS
-    if short and not (stays and fall.drop_N > candidate.rate * long):
+    if short and not (stays and _times_loaded(force_N, candidate) > 1.0):
         return _doubtful(prepared, [candidate], f"{seen} for a moment only")
-    if lively and share >= UNLOADED:
+    if lively and share >= UNLOADED and not _may_be_let_down(force_N, candidate):
         return measured(prepared, settings, candidate, sliding)
     if fall.drop_N < STEPS * blocks.resolution_N:
         return _doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
@@ -369,6 +406,24 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         return _doubtful(prepared, [candidate], why)
     note = f"{seen}: a break-away, unless the motor was let back at that moment"
     return measured(replace(prepared, notes=(*prepared.notes, note)), settings, candidate, sliding)
+
+
+def _times_loaded(force_N: FloatArray, candidate: Candidate) -> float:
+    """Return how many times as fast as the machine loads the force falls."""
+    return candidate.fall.drop_N / max(1.0, fall_blocks(force_N, candidate.fall)) / max(candidate.rate, TINY)
+
+
+def _withheld_N(blocks: Blocks, candidate: Candidate) -> float:
+    """Return by how much the machine would have loaded the rope on while it stood at a top [N]."""
+    fall, force_N = candidate.fall, blocks.force_N
+    band_N = max(4.0 * blocks.noise_N, LEAST_PEAK * candidate.height_N)
+    stood = np.count_nonzero(force_N[fall.start : fall.settled] > fall.top_N - band_N)
+    return candidate.rate * float(stood) - band_N
+
+
+def _may_be_let_down(force_N: FloatArray, candidate: Candidate, slowest: float = 0.0) -> bool:
+    """Return whether a fall goes so far down, and at such a multiple of the rate of loading, as a motor may let it."""
+    return candidate.share < LEAST_SHARE and slowest < _times_loaded(force_N, candidate) <= NO_MOTOR
 
 
 def _is_let_down_later(force_N: FloatArray, fall: Fall, sliding: Sliding, base_N: float) -> bool:
@@ -395,10 +450,15 @@ def _fell_away(prepared: Prepared, settings: PickSettings, candidate: Candidate)
     stood = np.count_nonzero(up >= fall.top_N - 0.1 * height_N) >= LEVEL * up.size
     if stood and (before.status is Status.NO_PEAK or not fall.sudden):
         return before
-    if to_the_end and candidate.share >= LEAST_SHARE and flat_top(force_N, fall, blocks.noise_N) != "held":
+    held = flat_top(force_N, fall, blocks.noise_N) == "held"
+    briefly = (
+        _times_loaded(force_N, candidate) > NO_MOTOR
+        and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N
+    )
+    if to_the_end and candidate.share >= LEAST_SHARE and (briefly or not held):
         half = -(-(force_N.size - fall.top) // 8)
         late_N = 2.0 * float(force_N[-2 * half : -half].mean() - force_N[-half:].mean())
-        if fall.drop_N >= LEAST_DROP * height_N and late_N <= SETTLING * fall.drop_N:
+        if not held and fall.drop_N >= LEAST_DROP * height_N and late_N <= SETTLING * fall.drop_N:
             return measured(prepared, settings, candidate, None)
         return _doubtful(prepared, [candidate], "the recording ends before the force has settled")
     at_s = float(blocks.time_s[fall.top])
@@ -407,11 +467,6 @@ def _fell_away(prepared: Prepared, settings: PickSettings, candidate: Candidate)
         'rope off. If these recordings end in a pull-off, set [protocol] ending = "separation".'
     )
     return without_force(Status.NO_BREAKAWAY, detail, prepared)
-
-
-def _slower(force_N: FloatArray, candidate: Candidate, later: list[Pull]) -> list[Pull]:
-    """Return the later pulls that the motor loads far more slowly."""
-    return [pull for pull in later if FAST * rate_of(force_N, pull) < candidate.rate]
 
 
 def measured(

@@ -14,6 +14,11 @@ from ropefric.arrays import FloatArray, median
 
 SETTLED = 0.3
 """A fall has ended where in as much time again it falls by less than this part of what it fell so far."""
+LEAST_PEAK, GOES_ON = 0.01, 4
+"""What falls by less than this part of its height is no static peak; it has not settled if within so many times as long
+it falls by as much again."""
+FIRST_BLOCKS, LOADED = 2, 0.1
+"""A recording that climbs from its first blocks on, and from more than this part of the force, begins within a climb."""
 DOWN = 0.1
 UNLOADED = 0.2
 """A pull ends where the force has come back to below this part of what it was loaded to."""
@@ -68,7 +73,7 @@ class Fall(NamedTuple):
 
 
 class Pull(NamedTuple):
-    """A stretch in which the force goes up from a low and, at its end, comes back to it or the recording ends."""
+    """A stretch in which the force goes up from a low, or had `begun` to, and comes back to it or the recording ends."""
 
     start: int
     stop: int
@@ -76,6 +81,7 @@ class Pull(NamedTuple):
     top_N: float
     unloads: bool
     falls: list[Fall]
+    begun: bool
 
 
 def turning_points(force_N: FloatArray, least_N: float) -> list[int]:
@@ -122,6 +128,8 @@ def pulls_of(force_N: FloatArray, least_N: float, noise_N: float) -> list[Pull]:
     while first < len(highs):
         base_N, top_N = float(force_N[lows[first]]), -np.inf
         base_N = max(base_N, rest_N)
+        begun = first == 0 and _is_loading_already(force_N, lows[0], highs[0])
+        base_N = 0.0 if begun else base_N
         last = first
         for last in range(first, len(highs)):
             top_N = max(top_N, float(force_N[highs[last]]))
@@ -140,9 +148,19 @@ def pulls_of(force_N: FloatArray, least_N: float, noise_N: float) -> list[Pull]:
                 _fall(force_N, sums, (lows[k], highs[k], lows[k + 1]), stop, least_N, reloads=k < last)
             ]
         ]
-        pulls.append(Pull(lows[first], stop, base_N, top_N, unloads, falls))
+        pulls.append(Pull(lows[first], stop, base_N, top_N, unloads, falls, begun))
         first = last + 1
     return pulls
+
+
+def _is_loading_already(force_N: FloatArray, start: int, top: int) -> bool:
+    """Return whether a recording begins within a climb, so that what the rope was loaded from is not seen."""
+    piece = (top - start) // _SLOPES
+    if start > FIRST_BLOCKS or piece < 1 or float(force_N.min()) <= 0.0:
+        return False
+    rise_N = float(force_N[start + piece] - force_N[start])
+    rate = loading_rate(force_N, start, top)
+    return float(force_N[start]) > LOADED * float(force_N[top]) and as_loaded(rise_N, rate, piece)
 
 
 def _is_unloaded(force_N: FloatArray, level_N: float, start: int, high: int, low: int) -> bool:
@@ -180,8 +198,13 @@ def _fall(
             for at in (top + step, top + 2 * step)
         )
         if top_N - here_N >= 0.7 * least_N and here_N - later_N < SETTLED * (top_N - here_N):
-            settled, has_settled = top + step, True
-            break
+            # What is no more than noise or a step of the converter may only halt.
+            far = min(top + step + max(SHORTEST_HOLD, GOES_ON * step), last - wide)
+            on_N = here_N - float(force_N[0] + (sums[far + wide] - sums[far]) / wide)
+            small = top_N - here_N < LEAST_PEAK * (top_N - float(force_N[start]))
+            if not small or on_N < top_N - here_N:
+                settled, has_settled = top + step, True
+                break
         step = max(step + 1, int(1.25 * step))
     if not has_settled:
         level_N = float(force_N[min(last, force_N.size) - 1])
@@ -214,6 +237,15 @@ def loading_rate(force_N: FloatArray, start: int, top: int) -> float:
     if up[-1] <= 0.0:
         return float(force_N[top] - force_N[start]) / max(1, top - start)
     return float(rise[int(np.searchsorted(up, 0.5 * up[-1]))]) / length
+
+
+def rate_below(force_N: FloatArray, start: int, top: int) -> float:
+    """Return the rate at which the machine loads the rope up to a top, or to below a jump that ends there."""
+    rate = loading_rate(force_N, start, top)
+    slow = np.flatnonzero(np.diff(force_N[start : top + 1]) <= 0.5 * rate)
+    below = start + (int(slow[-1]) + 1 if slow.size else 0)
+    loaded = float(force_N[below] - force_N[start]) > UNLOADED * float(force_N[top] - force_N[start])
+    return min(rate, loading_rate(force_N, start, below)) if loaded and below - start > _SLOPES else rate
 
 
 def as_loaded(rise_N: float, rate: float, n_blocks: int) -> bool:
@@ -251,6 +283,11 @@ def is_bump(force_N: FloatArray, at: FloatArray, fall: Fall, rate: float) -> boo
     begins = int(low[-1])
     long = max(SHORTEST_REST, round(float(at[fall.top] - at[begins])))
     before, after = force_N[max(0, begins - 2 * long) : begins], force_N[fall.settled : fall.settled + long]
+    half = before.size // 2
+    climbed_N = float(before[-half:].mean() - before[:half].mean()) if half else 0.0
+    # A recording that begins within the climb shows no rest.
+    if climbed_N > STICKS * rise_N * half / long:
+        return False
     return all(
         rest.size >= SHORTEST_REST and float(np.abs(rest - rest_N).max()) < REST * rise_N
         for rest in (before, after)

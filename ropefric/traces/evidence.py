@@ -10,7 +10,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, median
 from ropefric.traces.breakaway import Status
-from ropefric.traces.events import Fall, as_loaded, half_climb, loading_rate
+from ropefric.traces.events import LEAST_PEAK, Fall, as_loaded, half_climb, loading_rate
 from ropefric.traces.noise import noise_std, runs_of
 from ropefric.traces.peak import WIDE_GAP
 from ropefric.traces.segments import PIECE_BLOCKS, Prepared, Sliding, roughness_N, sliding_after
@@ -34,7 +34,6 @@ GENTLE, SLOWER_THAN_LOADED, ALIKE = 0.25, 0.75, 0.18
 """Rounded ones rise as fast in their steepest part only, never so fast on the whole, and are alike."""
 LONG_TRAIN, REGULAR = 5, 0.2
 """Fewer waves are alike by chance."""
-LEAST_PEAK = 0.01
 TOOTH = 0.3
 """Smaller against the typical one, a fall is the creep or the echo of a tooth."""
 LARGEST = 1.5

@@ -36,8 +36,8 @@ OBSTACLE, SWUNG, SWUNG_BACK, SLOWER = 0.2, 0.55, 2, 1.25
 above it, and back within twice the time; a partial one is loaded again at the rate of before."""
 FAR_ABOVE, FAR_LARGER, ROW = 0.5, 2.0, 0.15
 """Partial slips in a row lead to a force so much higher and a slip so many times larger."""
-FULL = 0.16
-"""A slip by which the force falls by more than this part of itself is no partial one."""
+FULL, MORE = 0.16, 0.85
+"""A slip by which the force falls by more than this part is no partial one, where it does not grow by so much more."""
 AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
 SWINGS = 4
 GIVES, COMES_BACK = 0.8, 3.0
@@ -199,7 +199,7 @@ def _rivals(  # noqa: PLR0911  (a cascade: every line decides one case)
     sticks = growth > GROWTH and held and _turned_on(force_N[: top + 1], fall) < SLOWER
     if _is_small_below(fall, higher) and _turned_on(force_N[: top + 1], fall) < SLOWER:
         return None
-    if kin or slid or hardens or weaker or (fall.drop_N > FULL * height_N and not sticks):
+    if kin or slid or hardens or weaker or (fall.drop_N > FULL * height_N and not sticks and growth < MORE):
         return []
     if growth > GROWTH or not higher:
         return None
@@ -230,9 +230,13 @@ def _is_of_the_train(place: _Place, loaded: list[Fall]) -> bool | None:
     if apart_N > ALIKE * height_N:
         return None
     if off_N > 6.0 * apart_N:
-        # Having slipped it would be weaker.
-        weaker = any(g.top_N < fall.top_N and g.drop_N > LEAST_TOOTH * fall.drop_N for g in loaded)
-        return False if smaller and not weaker else None
+        # A force that grows with the way slid goes on to grow; having slipped it would be weaker.
+        steady = abs(slope) * (teeth[0].top - fall.top) < LITTLE * off_N
+        weaker = any(
+            g.top_N < (1.0 - SMALL_GROWTH) * fall.top_N and g.drop_N > LEAST_TOOTH * fall.drop_N
+            for g in loaded
+        )
+        return False if (smaller or steady) and not weaker else None
     obstacle = float(level_N.max()) - median(level_N) > 3.0 * apart_N
     return True if abs(off_N) < 3.0 * apart_N and not obstacle else None
 

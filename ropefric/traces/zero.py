@@ -53,15 +53,11 @@ def with_its_zero(
     zero_N = 0.0 if is_tared or not n else float(rest_N.mean())
     found = result
     result, why = _with_drift(blocks, rests, found, zero_N)
-    # A rope does not push: what reads less than nothing before the climb is the zero, whatever is hung on later.
     at_rest = rests if rests and result.peak_N == found.peak_N else [(0, n // blocks.size)]
-    below_N, least_N = 0.0, 0.0
-    if n and not is_tared and settings.rest != "zero":
-        below_N, size = min((float(blocks.force_N[a:b].mean()), b - a) for a, b in at_rest)
-        least_N = BELOW_SIGMAS * blocks.noise_N / math.sqrt(size)
-    # A machine that pushes, too, leaves far more.
-    step_N = 0.0
-    if -2.0 * LARGE_ZERO * result.peak_N < below_N < -least_N:
+    below_N, left_N, step_N = 0.0, 0.0, 0.0
+    if n and not is_tared:
+        below_N, left_N = _below_nothing(blocks, at_rest, result.peak_N)
+    if below_N and settings.rest != "zero":
         said = (
             f"the rope at rest reads {below_N:.3g} N, less than nothing: taken off as the error of the zero"
         )
@@ -69,7 +65,7 @@ def with_its_zero(
     elif settings.rest != "pretension":
         step_N = _jump_N(prepared, int(np.searchsorted(blocks.time_s, result.peak_time_s)))
     if settings.rest == "zero" and not is_tared:
-        zero_N, step_N = zero_N + step_N, 0.0
+        zero_N, step_N, left_N = left_N or zero_N + step_N, 0.0, 0.0
     if not why and settings.rest == "zero" and not is_tared and n:
         said = f"{zero_N:.4g} N at rest were taken off as the error of the zero"
         return _taken_off(result, zero_N, said)
@@ -82,20 +78,24 @@ def with_its_zero(
         evidence="as read",
     )
     events = [as_read]
-    if not why and SMALL_ZERO * result.peak_N < abs(zero_N) < LARGE_ZERO * result.peak_N:
-        events.append(replace(as_read, force_N=result.peak_N - zero_N, evidence="from the level at rest"))
-        why = (
-            f"the rope at rest reads {zero_N:.3g} N: say whether that is an error of the zero (a [tare] interval, or "
-            '[protocol] rest = "zero") or a pretension (rest = "pretension")'
-        )
-    if not why and SMALL_ZERO * result.peak_N < abs(step_N) < LARGE_ZERO * result.peak_N:
-        events.append(
-            replace(as_read, force_N=result.peak_N - step_N, evidence="from the level before a jump")
-        )
-        why = (
-            f"the rope at rest jumps by {step_N:.3g} N at once: say whether the zero did ([protocol] "
-            'rest = "zero") or a load came on (rest = "pretension")'
-        )
+    for level_N, origin, what, zero, load in (
+        (zero_N, "at rest", f"reads {zero_N:.3g} N", "that is an error of the zero", "a pretension"),
+        (
+            left_N,
+            "after a load",
+            f"reads {left_N:.3g} N after a load",
+            "the zero shifted",
+            "the load left that",
+        ),
+        (step_N, "before a jump", f"jumps by {step_N:.3g} N at once", "the zero did", "a load came on"),
+    ):
+        if not why and SMALL_ZERO * result.peak_N < abs(level_N) < LARGE_ZERO * result.peak_N:
+            other_N = result.peak_N - level_N
+            events.append(replace(as_read, force_N=other_N, evidence=f"from the level {origin}"))
+            why = (
+                f'the rope at rest {what}: say whether {zero} (a [tare] interval, or [protocol] rest = "zero") or '
+                f'{load} (rest = "pretension")'
+            )
     if not why:
         # A small level may be either.
         small_N = zero_N if abs(zero_N) <= SMALL_ZERO * result.peak_N else 0.0
@@ -109,6 +109,22 @@ def with_its_zero(
         notes=result.notes,
         phases=result.phases,
     )
+
+
+def _below_nothing(blocks: Blocks, rests: list[tuple[int, int]], peak_N: float) -> tuple[float, float]:
+    """Return the level of a rope at rest that reads less than nothing, and a lower one after a load; 0 for none.
+
+    A rope does not push: what it reads before the climb is the zero, whatever is hung on later. After a load it may be
+    what that left, where the weights hung when the recording was tared.
+    """
+    loaded = rests[0][0] + int(np.argmax(blocks.force_N[rests[0][0] :] > AT_REST * peak_N))
+    levels = [(float(blocks.force_N[a:b].mean()), b - a) for a, b in rests]
+    below_N, size = min(level for level, (a, _) in zip(levels, rests, strict=True) if a <= loaded)
+    left_N, _ = min(levels)
+    # A machine that pushes, too, leaves far more.
+    is_below = -2.0 * LARGE_ZERO * peak_N < below_N < -BELOW_SIGMAS * blocks.noise_N / math.sqrt(size)
+    is_left = left_N < min(below_N, 0.0) - SMALL_ZERO * peak_N
+    return below_N if is_below else 0.0, left_N if is_left else 0.0
 
 
 def _with_drift(

@@ -51,14 +51,11 @@ def test_every_status_is_the_true_one(bench):
     extraction, truth = bench
     assert len(extraction.trials) == len(truth["trials"]) == 432
     wrong = wrong_statuses(extraction, truth["trials"])
-    # A zero that drifts by a twentieth of F_A and a fall that lasts half as long as what slides leave doubt, in one of
-    # fifty; a rounded top that is as flat as a held one is taken for one.
-    unclear = [said for said in wrong if ": doubtful for ok, " in said]
-    assert all("zero-drift" in said or "slow-fall" in said for said in unclear)
-    assert len(unclear) <= 0.02 * len(extraction.trials)
-    others = [said for said in wrong if said not in unclear]
-    assert len(others) <= 1
-    assert all(": no-breakaway for ok, faults ['rounded']" in said for said in others)
+    # A zero that drifts by a twentieth of F_A, a fall that lasts half as long as what slides and a rounded top as flat
+    # as a held one leave doubt, in one of fifty.
+    unclear = {"zero-drift", "slow-fall", "rounded"}
+    assert all(": doubtful for ok, " in said and any(fault in said for fault in unclear) for said in wrong)
+    assert len(wrong) <= 0.02 * len(extraction.trials)
     assert {trial.breakaway.status for trial in extraction.trials} == set(Status)
 
 

@@ -156,11 +156,10 @@ def pulls_of(force_N: FloatArray, least_N: float, noise_N: float) -> list[Pull]:
 def _is_loading_already(force_N: FloatArray, start: int, top: int) -> bool:
     """Return whether a recording begins within a climb, so that what the rope was loaded from is not seen."""
     piece = (top - start) // _SLOPES
-    if start > FIRST_BLOCKS or piece < 1 or float(force_N.min()) <= 0.0:
+    little_N = LOADED * float(force_N[top])
+    if start > FIRST_BLOCKS or piece < 1 or force_N[start] <= little_N or force_N.min() <= -little_N:
         return False
-    rise_N = float(force_N[start + piece] - force_N[start])
-    rate = loading_rate(force_N, start, top)
-    return float(force_N[start]) > LOADED * float(force_N[top]) and as_loaded(rise_N, rate, piece)
+    return as_loaded(float(force_N[start + piece] - force_N[start]), loading_rate(force_N, start, top), piece)
 
 
 def _is_unloaded(force_N: FloatArray, level_N: float, start: int, high: int, low: int) -> bool:

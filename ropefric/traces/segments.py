@@ -280,18 +280,18 @@ def phases_of(prepared: Prepared, block: int, sliding: Sliding | None) -> tuple[
 
 
 def upright(trace: ForceTrace) -> tuple[ForceTrace, str]:
-    """Return a trace turned round if its sign was reversed, that is if its force only goes down, and what to say."""
+    """Return a trace turned round if its sign was reversed, that is if its force goes down, and what to say."""
     if not (lowest_N := _falls_to(trace.force_N)):
         return trace, ""
     saturation = trace.saturation
     if saturation is not None:
         saturation = Saturation(high_runs=saturation.low_runs, low_runs=saturation.high_runs)
-    said = f"the force only goes down, to {lowest_N:.4g} N: its sign is taken as reversed"
+    said = f"the force goes down, to {lowest_N:.4g} N: its sign is taken as reversed"
     return replace(trace, force_N=-trace.force_N, saturation=saturation), said
 
 
 def _falls_to(force_N: FloatArray) -> float:
-    """Return the lowest force of a recording that falls far below zero and never rises; 0 for any other."""
+    """Return the lowest force of a recording that falls far below zero and never rises above; 0 for any other."""
     present_N = force_N[np.isfinite(force_N)]
     if present_N.size < MIN_SAMPLES or not present_N.min() < -FALLS * max(float(present_N.max()), 0.0):
         return 0.0
@@ -299,5 +299,7 @@ def _falls_to(force_N: FloatArray) -> float:
     low_N, high_N = np.partition(present_N, (few, -few - 1))[[few, -few - 1]]
     start_N = float(np.median(present_N[: max(few, present_N.size // 50)]))
     fall_N, rise_N = start_N - low_N, high_N - start_N
-    is_fall = fall_N > FALLS * rise_N and fall_N > 20.0 * noise_std(present_N)
+    # One that begins within the climb may rise to nothing at its end.
+    ends = np.argmin(present_N) < np.argmax(present_N) and FALLS**2 * abs(high_N) < -low_N
+    is_fall = (ends or fall_N > FALLS * rise_N) and fall_N > 20.0 * noise_std(present_N)
     return float(low_N) if is_fall and low_N < -FALLS * max(high_N, 0.0) else 0.0

@@ -5,6 +5,7 @@ import pytest
 
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
+from ropefric.traces.segments import upright
 from ropefric.traces.trace import ForceTrace
 
 TIME_S = np.arange(0.0, 6.0, 0.001)
@@ -32,12 +33,26 @@ def picked(force_N, *, since_s=0.0, **settings):
     return pick_breakaway(trace, PickSettings(**settings))[0]
 
 
+@pytest.mark.parametrize("end_N", [35.0, 0.0])
 @pytest.mark.parametrize("since_s", [0.0, 1.0, 1.4])
-def test_a_recording_may_begin_within_the_climb_and_fall_below_where_it_began(since_s):
+def test_a_recording_may_begin_within_the_climb_and_fall_below_where_it_began(since_s, end_N):
     """No motor that stopped: what the rope was loaded from lies before the recording."""
-    found = picked(drawn((0.0, 0.0), (0.3, 0.0), (2.3, 100.0), (2.304, 35.0), (6.0, 35.0)), since_s=since_s)
+    slip = ((2.3, 100.0), (2.304, 35.0), (4.5, 35.0), (5.5, end_N))
+    found = picked(drawn((0.0, 0.0), (0.3, 0.0), *slip, (6.0, end_N)), since_s=since_s)
     assert found.status is Status.OK, found.detail
     assert found.peak_N == pytest.approx(100.0, rel=0.01)
+
+
+@pytest.mark.parametrize("since_s", [0.0, 1.0, 1.8])
+def test_a_reversed_recording_may_begin_within_the_climb_too(since_s):
+    force = drawn((0.0, 0.0), (0.3, 0.0), (2.3, 100.0), (2.304, 35.0), (4.5, 35.0), (5.5, 0.0), (6.0, 0.0))
+    seen = since_s <= TIME_S
+    turned, said = upright(ForceTrace(time_s=TIME_S[seen], force_N=-force[seen]))
+    assert "sign is taken as reversed" in said
+    assert np.array_equal(turned.force_N, force[seen])
+    # The other way round, and with a zero that is off, nothing is turned.
+    for way in (force, force - 150.0):
+        assert upright(ForceTrace(time_s=TIME_S[seen], force_N=way[seen]))[1] == ""
 
 
 def test_a_climb_no_longer_than_those_of_later_teeth_may_be_one_of_them():

@@ -36,6 +36,8 @@ OBSTACLE, SWUNG, SWUNG_BACK, SLOWER = 0.2, 0.55, 2, 1.25
 above it, and back within twice the time; a partial one is loaded again at the rate of before."""
 FAR_ABOVE, FAR_LARGER, ROW = 0.5, 2.0, 0.15
 """Partial slips in a row lead to a force so much higher and a slip so many times larger."""
+HALF = 0.5
+"""What falls again at once by less than this part of the last fall is its swing, however fast."""
 FULL, MORE = 0.16, 0.85
 """A slip by which the force falls by more than this part is no partial one, where it does not grow by so much more."""
 AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
@@ -260,8 +262,8 @@ def _echoes(force_N: FloatArray, fall: Fall, later: list[Fall], rate: float) -> 
     """Return how many falls right after one are its swings, each smaller than the one before and as soon again."""
     for n, (last, g) in enumerate(pairwise([fall, *later])):
         soon = g.top - last.bottom <= SWUNG_BACK * (last.bottom - last.top) + 2
-        smaller = g.top_N - g.bottom_N < last.top_N - last.bottom_N
-        if not (soon and smaller and _is_echo(force_N, g, rate)):
+        part = (g.top_N - g.bottom_N) / max(last.top_N - last.bottom_N, TINY)
+        if not (soon and (part < HALF or (part < 1.0 and _is_echo(force_N, g, rate)))):
             return n
     return len(later)
 

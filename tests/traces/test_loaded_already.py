@@ -173,3 +173,18 @@ def test_two_small_slips_close_together_are_partial_below_a_train():
     found = picked(train((58.0, 3.4), (57.0, 2.5), (62.0, 2.0), (64.0, 5.0), *[(100.0, 14.0)] * 6))
     assert found.status is Status.OK, found.detail
     assert found.peak_N == pytest.approx(100.0, rel=0.01)
+
+
+@pytest.mark.parametrize("top_N", [92.0, 94.0])
+@pytest.mark.parametrize(("part", "half_s"), [(0.3, 0.012), (0.45, 0.012), (0.45, 0.016)])
+def test_a_swing_half_as_large_right_after_a_partial_slip_is_no_slip_again(top_N, part, half_s):
+    """However slowly it swings."""
+    low_s, low_N = 0.068 + top_N / 50.0, top_N - 2.0
+    back_N, again_N = low_N + 1.8 * part, low_N - 0.2 * part
+    ring = ((low_s - 0.008, top_N), (low_s, low_N), (low_s + half_s, back_N), (low_s + 2.0 * half_s, again_N))
+    top_s = low_s + 2.0 * half_s + (100.0 - again_N) / 50.0
+    corners = ((0.0, 0.0), (0.06, 0.0), *ring, (top_s, 100.0), (top_s + 0.05, 82.0), (6.0, 82.0))
+    found = picked(drawn(*corners, noise_N=0.02))
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.01)
+    assert found.events[0].kind == "partial-slip"

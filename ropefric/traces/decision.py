@@ -39,6 +39,7 @@ from ropefric.traces.evidence import (
     quiet_N,
     stands_out,
     swings,
+    wanders,
 )
 from ropefric.traces.peak import peak_result
 from ropefric.traces.segments import (
@@ -60,6 +61,7 @@ from ropefric.traces.slips import (
     TALL,
     TINY,
     Candidate,
+    echoes,
     found_pulls,
     least_fall_N,
     macroscopic,
@@ -183,14 +185,18 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
         # the motor loads: a bump is faster.
         rate = rate_of(force_N, pull)
         # Friction holds a rope that slips: one that comes free of all load has slipped off a snag.
-        free = result.status is Status.OK and np.isnan(result.kinetic_N)
-        if not (free or result.status is Status.NO_BREAKAWAY) or not any(
-            _comes_off(force_N, pull, other)
-            if free
-            else other.top_N >= 0.98 * pull.top_N
-            or (other.top_N >= 0.5 * pull.top_N and FAST * rate_of(force_N, other) < rate)
-            for other in later
-        ):
+        ok = result.status is Status.OK
+        if ok and np.isnan(result.kinetic_N):
+            outdone = any(_comes_off(force_N, pull, other) for other in later)
+        elif ok:
+            outdone = any(_slides_above(force_N, pull, other) for other in later)
+        else:
+            outdone = result.status is Status.NO_BREAKAWAY and any(
+                other.top_N >= 0.98 * pull.top_N
+                or (other.top_N >= 0.5 * pull.top_N and FAST * rate_of(force_N, other) < rate)
+                for other in later
+            )
+        if not outdone:
             found = result if result.status is not Status.NO_BREAKAWAY else found
             break
         fall = pull.falls[-1]
@@ -209,6 +215,20 @@ def _comes_off(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
     base_N = pull.base_N + TALL * (pull.top_N - pull.base_N)
     rests = int(np.count_nonzero(force_N[top:climb] < base_N)) > 0.5 * (pull.falls[-1].top - pull.start)
     return other.top_N >= (LARGER if not rests else 0.5) * pull.top_N
+
+
+def _slides_above(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
+    """Return whether a pull fell off faster than a motor lets down, and a later one slides at more than its top.
+
+    What slides at a higher force had not slid there.
+    """
+    fall = pull.falls[-1]
+    fastest = NO_MOTOR * rate_of(force_N, pull) * max(1.0, fall_blocks(force_N, fall))
+    if not pull.unloads or not other.falls or fall.drop_N <= fastest:
+        return False
+    first = max(other.falls, key=lambda g: g.top_N)
+    slid = force_N[first.settled : first.settled + (first.top - other.start)]
+    return median(slid) > pull.top_N
 
 
 def _comes_free(candidate: Candidate) -> bool:
@@ -235,7 +255,16 @@ def _of_pull(
 ) -> Breakaway:
     force_N, time_s = prepared.blocks.force_N, prepared.blocks.time_s
     at = time_s / max(median(np.diff(time_s)), TINY)
-    bumps = [f for f in pull.falls[:-1] if is_bump(force_N, at, f, rate_below(force_N, pull.start, f.top))]
+    bumps: list[Fall] = []
+    swung, largest_N = 0, 0.0
+    for n, f in enumerate(pull.falls[:-1]):
+        rate = rate_below(force_N, pull.start, f.top) if n >= swung else 0.0
+        if n >= swung and is_bump(force_N, at, f, rate):
+            # It swings on, unless it is a swing itself, of a slip before it.
+            swung = n + 1 + (echoes(force_N, f, pull.falls[n + 1 : -1], rate) if f.drop_N > largest_N else 0)
+            bumps += pull.falls[n:swung]
+        elif n >= swung:
+            largest_N = max(largest_N, f.drop_N)
     falls = [fall for fall in pull.falls if fall not in bumps]
     height_N = pull.top_N - pull.base_N
     loaded = least_fall_N(prepared, settings) < pull.base_N - float(force_N.min()) > height_N
@@ -298,9 +327,9 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
         float(blocks.time_s[fall.top]),
         fall.drop_N >= LEAST_DROP * candidate.height_N,
     )
-    if not fall.reloads and (not fall.has_settled or candidate.share < UNLOADED):
-        return _fell_away(prepared, settings, candidate)
     sliding = sliding_after(blocks, fall, pull.base_N)
+    if _is_unloaded(candidate, sliding):
+        return _fell_away(prepared, settings, candidate)
     lasts = 0 if sliding is None else min(sliding.stop, pull.stop) - sliding.first
     if what := _is_outdone(force_N, candidate, later, lasts):
         detail = f"the force falls from {from_N:.4g} N at {at_s:.4g} s: {what}"
@@ -315,9 +344,7 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
         return _no_peak(prepared, candidate, sliding, f"less than min_step = {settings.min_step_N:.3g} N")
     low = fall.drop_N < LEAST_PEAK * candidate.height_N
     if low or not stands_out(blocks.noise_N, force_N, candidate, sliding):
-        held = not fall.slips and is_quiet(prepared, candidate, sliding)
-        why = "no static peak stands out"
-        return _held(prepared, sliding) if held else _no_peak(prepared, candidate, sliding, why)
+        return _without_peak(prepared, candidate, sliding)
     # A motor that stops lets the masses swing: not faster than it loaded them, and around a quiet level.
     stops = _times_loaded(force_N, candidate) < 1.0 and is_quiet(prepared, candidate, sliding)
     if fall.sudden and not stops:
@@ -333,6 +360,31 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     ):
         return measured(prepared, settings, candidate, sliding)
     return _of_slow_fall(prepared, settings, candidate, sliding)
+
+
+def _is_unloaded(candidate: Candidate, sliding: Sliding | None) -> bool:
+    """Return whether next to nothing of the load stays after a fall: motor off, or rope off."""
+    fall, pull = candidate.fall, candidate.pull
+    if fall.reloads or not fall.has_settled:
+        return not fall.reloads
+    slid_N = fall.level_N if sliding is None else sliding.level_N
+    return min(fall.level_N, slid_N) - pull.base_N < UNLOADED * candidate.height_N
+
+
+def _without_peak(prepared: Prepared, candidate: Candidate, sliding: Sliding) -> Breakaway:
+    """Return what a fall is that hardly stands out: of a held rope, of one that slides without a peak, or not clear."""
+    fall, higher_N = candidate.fall, LARGER * candidate.fall.top_N
+    if (
+        not fall.slips
+        and is_quiet(prepared, candidate, sliding)
+        and not wanders(prepared, candidate, sliding)
+    ):
+        return _held(prepared, sliding)
+    if higher := next((g for g in candidate.later if g.top_N > higher_N), None):
+        # What slides is not loaded on so far.
+        two = [candidate, Candidate(candidate.pull, higher, candidate.rate, [])]
+        return _doubtful(prepared, two, "the first hardly stands out, and a far higher force follows")
+    return _no_peak(prepared, candidate, sliding, "no static peak stands out")
 
 
 def _is_outdone(force_N: FloatArray, candidate: Candidate, later: list[Pull], lasts: int) -> str:
@@ -386,7 +438,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     # It may settle little by little.
     drop_N = max(fall.drop_N, fall.top_N - sliding.onset_N)
     if drop_N < LEAST_DROP * candidate.height_N and quiet:
-        if flat == "rounded" and not short:
+        if (flat == "rounded" and not short) or wanders(prepared, candidate, sliding):
             return _doubtful(prepared, [candidate], f"{seen}: sliding, or the creep of a held rope")
         return _held(prepared, sliding)
     # What a motor lets down goes on to nothing, as fast as it loads; what fell faster and stays, high up, to the end of
@@ -451,14 +503,13 @@ def _fell_away(prepared: Prepared, settings: PickSettings, candidate: Candidate)
     if stood and (before.status is Status.NO_PEAK or not fall.sudden):
         return before
     held = flat_top(force_N, fall, blocks.noise_N) == "held"
-    briefly = (
-        _times_loaded(force_N, candidate) > NO_MOTOR
-        and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N
-    )
-    if to_the_end and candidate.share >= LEAST_SHARE and (briefly or not held):
+    fast, high = _times_loaded(force_N, candidate) > NO_MOTOR, candidate.share >= LEAST_SHARE
+    briefly = fast and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N
+    if to_the_end and (briefly or not held) and (high or (fast and candidate.share > UNLOADED)):
         half = -(-(force_N.size - fall.top) // 8)
         late_N = 2.0 * float(force_N[-2 * half : -half].mean() - force_N[-half:].mean())
-        if not held and fall.drop_N >= LEAST_DROP * height_N and late_N <= SETTLING * fall.drop_N:
+        settles = fall.drop_N >= LEAST_DROP * height_N and late_N <= SETTLING * fall.drop_N
+        if high and not held and settles:
             return measured(prepared, settings, candidate, None)
         return _doubtful(prepared, [candidate], "the recording ends before the force has settled")
     at_s = float(blocks.time_s[fall.top])

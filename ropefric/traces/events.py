@@ -37,6 +37,10 @@ REST, SHORTEST_REST = 0.15, 8
 """A rest stays within this part of the rise that follows, for so many blocks at least."""
 BENDS = 0.04
 ON_THE_LINE = 0.2
+ROUND, KNOCKS = 0.75, 5.0
+"""This part of a bump rises so many times faster than the machine loads, however round its top."""
+ABOVE = 0.25
+"""Part of a climb, in time and force, from which the rate of the machine is read above a jump."""
 SLIP_SIGMAS = 8.0
 """A fall of fewer noise standard deviations cannot be timed."""
 FLAT = 0.75
@@ -240,11 +244,24 @@ def loading_rate(force_N: FloatArray, start: int, top: int) -> float:
 
 def rate_below(force_N: FloatArray, start: int, top: int) -> float:
     """Return the rate at which the machine loads the rope up to a top, or to below a jump that ends there."""
+    # Of bumps before it nothing stays.
+    force_N = np.minimum.accumulate(force_N[: top + 1][::-1])[::-1]
     rate = loading_rate(force_N, start, top)
     slow = np.flatnonzero(np.diff(force_N[start : top + 1]) <= 0.5 * rate)
     below = start + (int(slow[-1]) + 1 if slow.size else 0)
-    loaded = float(force_N[below] - force_N[start]) > UNLOADED * float(force_N[top] - force_N[start])
+    loaded = float(force_N[below] - force_N[start]) > LOADED * float(force_N[top] - force_N[start])
     return min(rate, loading_rate(force_N, start, below)) if loaded and below - start > _SLOPES else rate
+
+
+def rate_above(force_N: FloatArray, start: int, top: int, rate: float) -> float:
+    """Return the rate of loading above a jump at which the climb began: weights that are hung on are no motor."""
+    length = max(1, (top - start) // _SLOPES)
+    at = np.arange(top - length, start - 1, -length)
+    jumps = np.flatnonzero(force_N[at + length] - force_N[at] >= rate * length / FAST)
+    begins = int(at[jumps[0]]) + length if jumps.size else top
+    long = top - begins > ABOVE * (top - start)
+    much = float(force_N[top] - force_N[begins]) > ABOVE * float(force_N[top] - force_N[start])
+    return loading_rate(force_N, begins, top) if long and much else rate
 
 
 def as_loaded(rise_N: float, rate: float, n_blocks: int) -> bool:
@@ -267,10 +284,16 @@ def is_bump(force_N: FloatArray, at: FloatArray, fall: Fall, rate: float) -> boo
     climb = slice(fall.start, fall.top + 1)
     slow = np.flatnonzero(np.diff(force_N[climb]) <= FAST * rate * np.maximum(np.diff(at[climb]), 1.0))
     k = fall.start + (int(slow[-1]) + 1 if slow.size else 0)
-    rise_N = fall.top_N - float(force_N[k])
-    back_N = float(force_N[fall.settled]) - (float(force_N[k]) + rate * (fall.settled - k))
-    if rise_N >= 0.5 * fall.drop_N and abs(back_N) < 0.3 * fall.drop_N:
-        return True
+    from_where = [(k, fall.top_N - float(force_N[k]) >= 0.5 * fall.drop_N)]
+    # Its top may be round.
+    under = np.flatnonzero(force_N[climb] <= fall.top_N - ROUND * fall.drop_N)
+    if under.size:
+        k = fall.start + int(under[-1])
+        from_where += [(k, ROUND * fall.drop_N > KNOCKS * rate * float(at[fall.top] - at[k]))]
+    for k, is_fast in from_where:
+        back_N = float(force_N[fall.settled]) - (float(force_N[k]) + rate * (fall.settled - k))
+        if is_fast and abs(back_N) < 0.3 * fall.drop_N:
+            return True
     if _is_on_the_same_line(force_N, fall):
         return True
     # Or it was loaded from a rest, by a jog of the motor or a snag, and let down to that rest again.

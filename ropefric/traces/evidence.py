@@ -34,6 +34,8 @@ GENTLE, SLOWER_THAN_LOADED, ALIKE = 0.25, 0.75, 0.18
 """Rounded ones rise as fast in their steepest part only, never so fast on the whole, and are alike."""
 LONG_TRAIN, REGULAR = 5, 0.2
 """Fewer waves are alike by chance."""
+SMOOTH, CHANCE = 8, 2.0
+"""What a sliding force goes up and down by, in means of so many blocks: so many times what noise does."""
 TOOTH = 0.3
 """Smaller against the typical one, a fall is the creep or the echo of a tooth."""
 LARGEST = 1.5
@@ -198,6 +200,33 @@ def is_quiet(prepared: Prepared, candidate: Candidate, sliding: Sliding) -> bool
             return False
         length *= 2
     return True
+
+
+def wanders(prepared: Prepared, candidate: Candidate, sliding: Sliding) -> bool:
+    """Return whether a force goes up and down again by far more than at rest: no motor that stands does that.
+
+    What creeps only falls, a zero that drifts goes one way. A hand is as uneven while it loads.
+    """
+    blocks, fall = prepared.blocks, candidate.fall
+    rest, climb = blocks.force_N[: blocks.n_rest // blocks.size], blocks.force_N[fall.start : fall.top]
+    # At first the masses of a machine that stops swing, and at the end it may be let down.
+    stretch = blocks.force_N[sliding.first : sliding.stop]
+    late = stretch[stretch.size // 2 : int(0.9 * stretch.size)]
+    n = late.size // SMOOTH
+    if n < 3 or rest.size < 3 * SMOOTH or float(stretch.max()) > fall.top_N:
+        return False
+    noise_N = 2.0 * math.sqrt(2.0 * math.log(n)) * blocks.noise_N / math.sqrt(SMOOTH)
+    uneven_N = roughness_N(climb, 4 * PIECE_BLOCKS)
+    return _up_and_down_N(late) > max(CHANCE * noise_N, WANDER * max(_up_and_down_N(rest), uneven_N))
+
+
+def _up_and_down_N(force_N: FloatArray) -> float:
+    """Return the largest rise of a smoothed force that it falls by again."""
+    sums = np.concatenate([[0.0], np.cumsum(force_N - force_N[0])])
+    means = (sums[SMOOTH:] - sums[:-SMOOTH]) / SMOOTH
+    rise = means - np.minimum.accumulate(means)
+    fall = means - np.minimum.accumulate(means[::-1])[::-1]
+    return float(np.minimum(rise, fall).max())
 
 
 def quiet_N(prepared: Prepared, start: int, top: int) -> float:

@@ -19,6 +19,7 @@ from ropefric.traces.events import (
     Pull,
     loading_rate,
     pulls_of,
+    rate_above,
 )
 from ropefric.traces.segments import DROP_SIGMAS, Prepared
 
@@ -111,7 +112,7 @@ def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Cand
         if rivals is None or in_a_row:
             passed += [fall]
             continue
-        first = Candidate(pull, fall, rate, falls[i + 1 :])
+        first = Candidate(pull, fall, rate_above(force_N, start, fall.top, rate), falls[i + 1 :])
         earlier = [g for g in passed if _is_contested(force_N, pull, g, fall)]
         if earlier:
             return [Candidate(pull, earlier[0], rate, falls[falls.index(earlier[0]) + 1 :]), first]
@@ -190,7 +191,7 @@ def _rivals(  # noqa: PLR0911  (a cascade: every line decides one case)
     passed = came - _passes(force_N[: came + 1], fall)
     hardens = passed > FEW_BLOCKS and above_N < SLIDES * rate * passed
     # It slips again before it is loaded as high, or has slipped by far more than partially: that has weakened it.
-    after = later[_echoes(force_N, fall, later, rates[1]) :]
+    after = later[echoes(force_N, fall, later, rates[1]) :]
     if sum(g.reloads and g.drop_N >= SAME_KIND * fall.drop_N for g in after) < FEWEST_TEETH:
         between = [g for g in between if g in after]
     alike = [g for g in between if _is_alike(fall, g, pull)]
@@ -207,7 +208,7 @@ def _rivals(  # noqa: PLR0911  (a cascade: every line decides one case)
         return None
     # A rope that slides is not loaded again as one that sticks.
     slides = float(force_N[came]) - fall.bottom_N < STICKS * rate * (came - fall.bottom)
-    against = False if slides else _against_the_higher(pull, fall, higher, growth)
+    against = False if slides else _against_the_higher(force_N, pull, fall, higher, growth)
     return higher if against else None if against is None else []
 
 
@@ -258,10 +259,10 @@ def _stops_early(place: _Place, loaded: list[Fall]) -> bool:
     return above_N > EARLY * typical_N and fell_N < SMALLER * min(typical_N, next_N)
 
 
-def _echoes(force_N: FloatArray, fall: Fall, later: list[Fall], rate: float) -> int:
+def echoes(force_N: FloatArray, fall: Fall, later: list[Fall], rate: float) -> int:
     """Return how many falls right after one are its swings, each smaller than the one before and as soon again."""
     for n, (last, g) in enumerate(pairwise([fall, *later])):
-        soon = g.top - last.bottom <= SWUNG_BACK * (last.bottom - last.top) + 2
+        soon = g.top - last.settled <= SWUNG_BACK * (last.settled - last.top) + 2
         part = (g.top_N - g.bottom_N) / max(last.top_N - last.bottom_N, TINY)
         if not (soon and (part < HALF or (part < 1.0 and _is_echo(force_N, g, rate)))):
             return n
@@ -334,7 +335,9 @@ def _is_passed(force_N: FloatArray, place: _Place) -> bool:
     # A snag or an impact rises faster than the motor loads later on, and comes back.
     low = fall.top + int(np.argmin(force_N[fall.top : top + 1]))
     comes_back = float(force_N[low]) - pull.base_N < BACK * height_N
-    if comes_back and own_rate > FAST * loading_rate(force_N, low, top):
+    # What goes hardly higher may be the next pull, and the jump before this one that of weights hung on.
+    jumped = own_rate if growth > SMALL_GROWTH else rate_above(force_N, fall.start, fall.top, own_rate)
+    if comes_back and jumped > FAST * loading_rate(force_N, low, top):
         return True
     if _is_before_the_ramp(force_N, fall, later, own_rate):
         return True
@@ -361,7 +364,9 @@ def _is_passed(force_N: FloatArray, place: _Place) -> bool:
     )
 
 
-def _against_the_higher(pull: Pull, fall: Fall, higher: list[Fall], growth: float) -> bool | None:
+def _against_the_higher(
+    force_N: FloatArray, pull: Pull, fall: Fall, higher: list[Fall], growth: float
+) -> bool | None:
     """Compare a fall with those from a higher force: True if not clear, None for a partial slip, False for a slip."""
     rival = higher[0]
     # Where the force hardly grows, a fall after which it is not loaded again may be the end of the pull.
@@ -373,7 +378,8 @@ def _against_the_higher(pull: Pull, fall: Fall, higher: list[Fall], growth: floa
         return None
     # What slides at a force above the top of a slip had not slid in it.
     later = [0.5 * (g.top_N + g.bottom_N) for g in higher[1:] if g.reloads]
-    if (median(np.array(later)) if len(later) >= FEWEST_TEETH else rival.level_N) > fall.top_N:
+    slid_N = median(force_N[max(higher, key=lambda g: g.top_N).settled : pull.stop])
+    if (median(np.array(later)) if len(later) >= FEWEST_TEETH else max(rival.level_N, slid_N)) > fall.top_N:
         return None
     least_N = SAME_KIND * max(fall.drop_N, largest_N)
     alike = [g for g in higher if least_N <= g.drop_N <= fall.drop_N / SAME_KIND and g.reloads]

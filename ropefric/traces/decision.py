@@ -26,8 +26,7 @@ from ropefric.traces.events import (
     bends_to_its_level,
     flat_top,
     half_climb,
-    is_bump,
-    rate_below,
+    motor_starts,
 )
 from ropefric.traces.evidence import (
     TOOTH,
@@ -61,10 +60,12 @@ from ropefric.traces.slips import (
     TALL,
     TINY,
     Candidate,
-    echoes,
+    bumps_of,
+    comes_off,
     found_pulls,
     least_fall_N,
     macroscopic,
+    passes_away,
     rate_of,
     smallest_drop_N,
     typical_drop_N,
@@ -73,6 +74,10 @@ from ropefric.traces.trace import ForceTrace
 from ropefric.traces.zero import with_its_zero
 
 FLAT_BLOCKS = 8
+SWING_S = 0.05
+"""What swings around a level is at rest in the mean over so long [s]."""
+SWINGS_OUT = 8
+"""A rope that comes off swings out at nothing: seen over so many times the first fall."""
 LEAST_SHARE = 0.55
 """Part of the peak that the force keeps where nothing but the fall speaks for a slip."""
 STEPS = 3
@@ -187,9 +192,12 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
         # Friction holds a rope that slips: one that comes free of all load has slipped off a snag.
         ok = result.status is Status.OK
         if ok and np.isnan(result.kinetic_N):
-            outdone = any(_comes_off(force_N, pull, other) for other in later)
+            outdone = any(comes_off(force_N, pull, other) for other in later)
         elif ok:
             outdone = any(_slides_above(force_N, pull, other) for other in later)
+        elif result.status is Status.DOUBTFUL:
+            higher = [other for other in later if other.top_N > pull.top_N]
+            outdone = passes_away(force_N, pull) and any(comes_off(force_N, pull, one) for one in higher)
         else:
             outdone = result.status is Status.NO_BREAKAWAY and any(
                 other.top_N >= 0.98 * pull.top_N
@@ -207,14 +215,6 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
         events = (*prepared.knocks, *bumps, *found.events)
         found = replace(found, events=tuple(sorted(events, key=lambda event: event.time_s)))
     return with_its_zero(trace, prepared, found, settings)
-
-
-def _comes_off(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
-    """Return whether a pull that ended without sliding is followed by a higher one, or by another after a rest."""
-    climb, top = other.falls[0].start if other.falls else other.start, pull.falls[-1].settled
-    base_N = pull.base_N + TALL * (pull.top_N - pull.base_N)
-    rests = int(np.count_nonzero(force_N[top:climb] < base_N)) > 0.5 * (pull.falls[-1].top - pull.start)
-    return other.top_N >= (LARGER if not rests else 0.5) * pull.top_N
 
 
 def _slides_above(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
@@ -254,17 +254,13 @@ def _of_pull(
     trace: ForceTrace, prepared: Prepared, settings: PickSettings, pull: Pull, later: list[Pull]
 ) -> Breakaway:
     force_N, time_s = prepared.blocks.force_N, prepared.blocks.time_s
-    at = time_s / max(median(np.diff(time_s)), TINY)
-    bumps: list[Fall] = []
-    swung, largest_N = 0, 0.0
-    for n, f in enumerate(pull.falls[:-1]):
-        rate = rate_below(force_N, pull.start, f.top) if n >= swung else 0.0
-        if n >= swung and is_bump(force_N, at, f, rate):
-            # It swings on, unless it is a swing itself, of a slip before it.
-            swung = n + 1 + (echoes(force_N, f, pull.falls[n + 1 : -1], rate) if f.drop_N > largest_N else 0)
-            bumps += pull.falls[n:swung]
-        elif n >= swung:
-            largest_N = max(largest_N, f.drop_N)
+    swing = max(1, round(SWING_S / max(median(np.diff(time_s)), TINY)))
+    whole, (begins, hung) = pull.falls, motor_starts(force_N, pull, prepared.blocks.noise_N, swing)
+    # A single load is hardly part of the climb, but of many it is most.
+    start = begins if hung > 1 else pull.start
+    left = [fall._replace(start=max(fall.start, start)) for fall in whole if fall.top >= begins]
+    pull = pull._replace(start=start, falls=left)
+    bumps = bumps_of(force_N, time_s, pull)
     falls = [fall for fall in pull.falls if fall not in bumps]
     height_N = pull.top_N - pull.base_N
     loaded = least_fall_N(prepared, settings) < pull.base_N - float(force_N.min()) > height_N
@@ -282,13 +278,16 @@ def _of_pull(
     first = candidates[0].fall if candidates else None
     if unseen := hidden(trace, prepared, first.top if first else None, first.settled if first else 0):
         return without_force(*unseen, prepared)
+    if first is None and pull.unloads and bumps:
+        detail = f"what rises to {pull.top_N:.4g} N passes by and leaves no load"
+        return without_force(Status.NO_BREAKAWAY, detail, prepared)
     if first is None:
         return _levels_off(prepared, force_N[pull.start : pull.stop])
     events = [
         _event(prepared, fall, "bump", "the force comes back to the line of its loading")
-        if fall in bumps
+        if fall in bumps or fall.top < begins
         else _event(prepared, fall, "partial-slip", "the loading goes on to a force well above")
-        for fall in pull.falls
+        for fall in whole
         if fall.top < first.top
     ]
     if len(candidates) > 1 and candidates[1].fall.top_N > (1 + EQUAL) * first.top_N:
@@ -328,7 +327,7 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
         fall.drop_N >= LEAST_DROP * candidate.height_N,
     )
     sliding = sliding_after(blocks, fall, pull.base_N)
-    if _is_unloaded(candidate, sliding):
+    if _is_unloaded(force_N, candidate, sliding):
         return _fell_away(prepared, settings, candidate)
     lasts = 0 if sliding is None else min(sliding.stop, pull.stop) - sliding.first
     if what := _is_outdone(force_N, candidate, later, lasts):
@@ -362,11 +361,19 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     return _of_slow_fall(prepared, settings, candidate, sliding)
 
 
-def _is_unloaded(candidate: Candidate, sliding: Sliding | None) -> bool:
-    """Return whether next to nothing of the load stays after a fall: motor off, or rope off."""
+def _is_unloaded(force_N: FloatArray, candidate: Candidate, sliding: Sliding | None) -> bool:
+    """Return whether next to nothing of the load stays after a fall: motor off, or rope off, however that swings."""
     fall, pull = candidate.fall, candidate.pull
-    if fall.reloads or not fall.has_settled:
-        return not fall.reloads
+    if fall.reloads:
+        base_N = min(pull.base_N, float(force_N[pull.start : fall.top].min()))
+        low_N = base_N + TALL * (fall.top_N - base_N)
+        # A strong slip is loaded again, one that is let down soon has slid before.
+        windows = SWINGS_OUT * (fall.settled - fall.top), fall.top - fall.start
+        return all(
+            median(force_N[fall.settled : fall.settled + max(FLAT_BLOCKS, n)]) < low_N for n in windows
+        )
+    if not fall.has_settled:
+        return True
     slid_N = fall.level_N if sliding is None else sliding.level_N
     return min(fall.level_N, slid_N) - pull.base_N < UNLOADED * candidate.height_N
 
@@ -419,8 +426,9 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     # one that slipped before at much the same force.
     slips = [g for g in pull.falls if g.slips and (1.0 + GROWTH) * g.top_N > fall.top_N]
     slipped = any(LEAST_DROP * candidate.height_N <= g.drop_N < fall.drop_N for g in slips)
-    no_motor = _times_loaded(force_N, candidate) > NO_MOTOR
-    fast = bends and flat != "held" and no_motor
+    times = _times_loaded(force_N, candidate)
+    no_motor = times > NO_MOTOR
+    fast = bends and no_motor and flat != "held"
     short = sliding.stop - sliding.first < (
         BENT * (fall.settled - fall.top)
         if bends and flat != "held" and not slipped
@@ -431,7 +439,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     if fast and not short and share >= LEAST_SHARE:
         return measured(prepared, settings, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
-        if no_motor and share >= LEAST_SHARE and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N:
+        if share >= LEAST_SHARE and (no_motor and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N):
             return _doubtful(prepared, [candidate], f"{seen}, after a moment at its top: a slip, or let down")
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
         return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)
@@ -444,7 +452,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     # What a motor lets down goes on to nothing, as fast as it loads; what fell faster and stays, high up, to the end of
     # the recording has slipped.
     stays = not slipped and share >= LEAST_SHARE and sliding.stop >= force_N.size - FEW_BLOCKS
-    if short and not (stays and _times_loaded(force_N, candidate) > 1.0):
+    if short and not (stays and times > 1.0):
         return _doubtful(prepared, [candidate], f"{seen} for a moment only")
     if lively and share >= UNLOADED and not _may_be_let_down(force_N, candidate):
         return measured(prepared, settings, candidate, sliding)

@@ -6,11 +6,13 @@ and the loading goes on to a force well above; *stick-slip* falls by much the sa
 takes up no load at all, whatever the motor does. A *bump* (a snag, an impact) adds force that goes away again.
 """
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray, median
+from ropefric.arrays import BoolArray, FloatArray, median
+from ropefric.traces.noise import runs_of
 
 SETTLED = 0.3
 """A fall has ended where in as much time again it falls by less than this part of what it fell so far."""
@@ -37,18 +39,31 @@ REST, SHORTEST_REST = 0.15, 8
 """A rest stays within this part of the rise that follows, for so many blocks at least."""
 BENDS = 0.04
 ON_THE_LINE = 0.2
+PASSES, SWINGS = 0.1, 0.3
+"""What passes by leaves less than this part of its fall, on either side of it; what swings all along the climb more."""
 ROUND, KNOCKS = 0.75, 5.0
 """This part of a bump rises so many times faster than the machine loads, however round its top."""
 ABOVE = 0.25
 """Part of a climb, in time and force, from which the rate of the machine is read above a jump."""
 SLIP_SIGMAS = 8.0
 """A fall of fewer noise standard deviations cannot be timed."""
+STANDS, SLOPE_SIGMAS = 0.3, 7.0
+"""A rope at rest is loaded at less than this part of the machine's rate, which is so many times its uncertainty."""
+LEAST, ONE_LEVEL = 8, 0.8
+"""A stretch at rest has so many blocks; a step in it leaves less than this part of what a line leaves."""
+TINIEST = 1e-300
+UPPER, STEP = 0.75, 0.02
+"""Parts of a climb: above the first only the machine loads, and what is hung on is more than the second."""
+FAR = 0.95
+"""A force that is loaded to about the double has not slipped before."""
 FLAT = 0.75
 """Of the time near the top, the part that is spent at it: a half for a round one, a quarter for a corner."""
 SHORTEST_HOLD = 8
 _KNOTS = 20
 _POINTS = 96
 _SLOPES = 24  # pieces of a climb on which its rate is read
+_WIDE = [np.arange(wide) - 0.5 * (wide - 1) for wide in (8, 16, 32, 64, 128, 256, 512, 1024, 2048)]
+_LINES = [(x, float(x @ x)) for x in _WIDE]
 
 
 class Fall(NamedTuple):
@@ -205,7 +220,7 @@ def _fall(
             far = min(top + step + max(SHORTEST_HOLD, GOES_ON * step), last - wide)
             on_N = here_N - float(force_N[0] + (sums[far + wide] - sums[far]) / wide)
             small = top_N - here_N < LEAST_PEAK * (top_N - float(force_N[start]))
-            if not small or on_N < top_N - here_N:
+            if on_N < top_N - here_N or not small:
                 settled, has_settled = top + step, True
                 break
         step = max(step + 1, int(1.25 * step))
@@ -245,12 +260,12 @@ def loading_rate(force_N: FloatArray, start: int, top: int) -> float:
 def rate_below(force_N: FloatArray, start: int, top: int) -> float:
     """Return the rate at which the machine loads the rope up to a top, or to below a jump that ends there."""
     # Of bumps before it nothing stays.
-    force_N = np.minimum.accumulate(force_N[: top + 1][::-1])[::-1]
-    rate = loading_rate(force_N, start, top)
-    slow = np.flatnonzero(np.diff(force_N[start : top + 1]) <= 0.5 * rate)
-    below = start + (int(slow[-1]) + 1 if slow.size else 0)
-    loaded = float(force_N[below] - force_N[start]) > LOADED * float(force_N[top] - force_N[start])
-    return min(rate, loading_rate(force_N, start, below)) if loaded and below - start > _SLOPES else rate
+    force_N = np.minimum.accumulate(force_N[start : top + 1][::-1])[::-1]
+    rate = loading_rate(force_N, 0, top - start)
+    slow = np.flatnonzero(np.diff(force_N) <= 0.5 * rate)
+    below = int(slow[-1]) + 1 if slow.size else 0
+    loaded = float(force_N[below] - force_N[0]) > LOADED * float(force_N[-1] - force_N[0])
+    return min(rate, loading_rate(force_N, 0, below)) if loaded and below > _SLOPES else rate
 
 
 def rate_above(force_N: FloatArray, start: int, top: int, rate: float) -> float:
@@ -274,6 +289,74 @@ def half_climb(force_N: FloatArray, start: int, top: int) -> int:
     before = force_N[start : top + 1]
     below = np.flatnonzero(before < 0.5 * (float(before.min()) + float(force_N[top])))
     return start + min(int(below[-1]) + 1, top - start) if below.size else start
+
+
+def still(force_N: FloatArray, rate: float, noise_N: float, shortest: int = 1) -> BoolArray:
+    """Return in which blocks a rope is at rest: its force changes by far less than the machine loads."""
+    # Means over w blocks that follow each other differ by noise of √(2/w), that is √2 w^-1.5 in slope.
+    wide = (SLOPE_SIGMAS * np.sqrt(2.0) * noise_N / (STANDS * rate)) ** (2.0 / 3.0)
+    rests = np.zeros(force_N.size, dtype=bool)
+    if force_N.size <= 2.0 * max(wide, shortest) + 2.0:
+        return rests
+    w = max(shortest, int(np.ceil(wide)))
+    sums = np.concatenate([[0.0], np.cumsum(force_N - force_N[0])])
+    slope = np.abs(sums[2 * w :] - 2.0 * sums[w:-w] + sums[: -2 * w]) / w**2
+    rests[w : force_N.size - w + 1] = slope < STANDS * rate
+    rests[:w] = rests[w]  # from the beginning on
+    return rests
+
+
+def parted(force_N: FloatArray, start: int, stop: int) -> list[tuple[int, int]]:
+    """Return the parts of a stretch between steps, which a line through all of it describes less well."""
+    values, n = force_N[start:stop] - force_N[start], stop - start
+    if n < 2 * LEAST:
+        return [(start, stop)] if n >= LEAST else []
+    x, k = np.arange(n) - 0.5 * (n - 1), np.arange(LEAST, n - LEAST + 1)
+    up, total = np.cumsum(values)[k - 1], float(values.sum())
+    # What is left of the sum of squares: of a line, and of two levels for every place of the step.
+    line = float(values @ values) - total**2 / n - float(x @ values) ** 2 / float(x @ x)
+    steps = float(values @ values) - up**2 / k - (total - up) ** 2 / (n - k)
+    at = int(np.argmin(steps))
+    if steps[at] >= ONE_LEVEL * line:
+        return [(start, stop)]
+    return [*parted(force_N, start, start + int(k[at])), *parted(force_N, start + int(k[at]), stop)]
+
+
+def motor_starts(force_N: FloatArray, pull: Pull, noise_N: float, swing: int) -> tuple[int, int]:
+    """Return where the machine begins to load a rope on which weights were hung, or where the pull starts; and how many.
+
+    They come on at once, one by one, and swing around a level, each swing within `swing` blocks; a rope that had slid
+    at it would not be loaded on.
+    """
+    start, base_N = pull.start, pull.base_N
+    top = start + int(np.argmax(force_N[start : pull.stop]))
+    height_N = float(force_N[top]) - base_N
+    below = np.flatnonzero(force_N[start:top] < base_N + UPPER * height_N)
+    if not below.size or height_N <= 0.0:
+        return start, 0
+    upper = start + int(below[-1])
+    rate = float(force_N[top] - force_N[upper]) / (top - upper)
+    if not TINIEST < rate < 1.0 / TINIEST:
+        return start, 0
+    # What was as high before, or nearly so, has slipped there.
+    levels, most_N = [(base_N, start, start)], base_N + height_N / (1.0 + GROWTH)
+    # A swing is none in the mean over one of its periods, whichever that is.
+    means = (still(force_N[start:upper], rate, noise_N, wide) for wide in (swing, 2 * swing))
+    rests = (runs_of(np.logical_or(*means)) + start).tolist()
+    for first, stop in [part for rest in rests for part in parted(force_N, *rest)]:
+        level_N = median(force_N[first:stop])
+        if stop - first >= swing and base_N < level_N and force_N[start:stop].max() <= most_N:
+            same = abs(level_N - levels[-1][0]) < max(SLIP_SIGMAS * noise_N, STEP * height_N)
+            levels[-1:] = [(*levels[-1][:2], stop)] if same else [levels[-1], (level_N, first, stop)]
+    n = 0
+    for (low_N, _, left), (level_N, first, _) in pairwise(levels):
+        came = force_N[max(start, left - 1) : first + 1]
+        high = int(np.argmax(came >= level_N - REST * (level_N - low_N)))
+        low = np.flatnonzero(came[: high + 1] <= low_N + REST * (level_N - low_N))
+        long = high - int(low[-1]) if low.size else high + 1
+        n += (1.0 - 2.0 * REST) * (level_N - low_N) > rate * long > 0.0
+    doubles = height_N > (1.0 + FAR) * (levels[-1][0] - base_N)
+    return (levels[-1][2], n) if n > 1 or (n == 1 and doubles) else (start, 0)
 
 
 def is_bump(force_N: FloatArray, at: FloatArray, fall: Fall, rate: float) -> bool:
@@ -316,21 +399,59 @@ def is_bump(force_N: FloatArray, at: FloatArray, fall: Fall, rate: float) -> boo
     )
 
 
+def passes_by(force_N: FloatArray, fall: Fall, rate: float) -> int:
+    """Return where the force is back on the line of before a fall, as after a blow or a step on the floor; 0 if never.
+
+    What a slip takes off the spring is missing for good, so that the line goes on below; what swings about the line for
+    no longer than this is seen on both sides of it took nothing.
+    """
+    for x, square in _LINES:
+        wide = x.size
+        begin = fall.top - wide // 4
+        end = begin + wide
+        if begin < wide or end + wide > force_N.size:
+            return 0
+        if fall.settled >= end:
+            continue
+        before, after = force_N[begin - wide : begin], force_N[end : end + wide]
+        one, two = float(x @ before) / square, float(x @ after) / square
+        slope = 0.5 * (one + two)
+        off_N = float(after.mean()) - float(before.mean()) - 2.0 * wide * slope
+        most_N = PASSES * fall.drop_N
+        # The climb to a slip goes along the line, a blow leaves it faster than the machine loads.
+        above_N = fall.top_N - float(before.mean()) - slope * (fall.top - begin + 0.5 * (wide - 1))
+        low = begin + int(np.argmin(force_N[begin : fall.top + 1]))
+        rises = fall.top_N - float(force_N[low]) > FAST * rate * (fall.top - low)
+        swings_N = max(float((before - slope * x).std()), float((after - slope * x).std()))
+        climbs_on = as_loaded(two, one, 1) and slope * wide > fall.drop_N and swings_N < SWINGS * fall.drop_N
+        if climbs_on and abs(off_N) < SWINGS * fall.drop_N:
+            return end
+        even = abs(one - two) * wide < 2.0 * most_N and swings_N < most_N
+        if even and swings_N < 0.5 * most_N and abs(off_N) > 0.5 * fall.drop_N:
+            return 0
+        if not rises and above_N > 2.0 * most_N:
+            continue
+        if even and abs(off_N) < most_N:
+            return end
+    return 0
+
+
 def _is_on_the_same_line(force_N: FloatArray, fall: Fall) -> bool:
     """Return whether a climb goes on after a fall along the line of before it: nothing was taken off the spring."""
-    for wide in (8, 16, 32, 64, 128):
+    for x, square in _LINES:
+        wide = x.size
         after = force_N[fall.settled : fall.settled + wide]
         if after.size < wide or fall.settled - 4 * wide < 0:
             return False
-        x = np.arange(wide) - 0.5 * (wide - 1)
-        slope = float(x @ after) / float(x @ x)
+        slope = float(x @ after) / square
+        if fall.top + 1 - (fall.settled - 4 * wide) <= wide or slope * wide < 0.2 * fall.drop_N:
+            continue
+        line_N = float(after.mean()) + slope * x[0]
+        if fall.top_N - line_N - slope * (fall.top - fall.settled) < 0.5 * fall.drop_N:
+            continue
         before = np.arange(fall.settled - 4 * wide, fall.top + 1)
-        if before.size <= wide:
-            continue
-        above_N = force_N[before] - (float(after.mean()) + slope * (before - fall.settled + x[0]))
+        above_N = force_N[before] - (line_N + slope * (before - fall.settled))
         on = np.flatnonzero(above_N[:-1] <= 0.0)
-        if slope * wide < 0.2 * fall.drop_N or above_N[-1] < 0.5 * fall.drop_N:
-            continue
         if on.size and on[-1] >= wide and fall.settled - before[on[-1]] <= 2 * wide:
             return float(np.abs(above_N[on[-1] - wide : on[-1]]).max()) < ON_THE_LINE * min(
                 float(above_N[-1]), slope * wide

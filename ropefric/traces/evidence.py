@@ -26,6 +26,8 @@ QUIET_SIGMAS = 1.5
 SWING, SETTLES, DAMPED, UNDAMPED, HALF_PERIODS = 2.0, 3.0, 0.2, 1.1, 5.0
 """A swing passes its level as fast up as down, falls below it, hardly further than it rose, and follows a load that
 comes on within few periods; up faster where the load still comes on."""
+OVERSHOOT = 2.0
+"""A mass that was loaded at a rate r and is stopped swings by r/ω, no more than so many times that."""
 DIES = 0.25
 """What swings on falls by this part of the first swing again; slow waves are smooth, but no noise."""
 WAVES, LARGE_WAVES, SLOWEST, FASTEST = (0.1, 0.05, 0.02), 0.06, 0.4, 1.25
@@ -156,6 +158,10 @@ def swings(prepared: Prepared, fall: Fall, sliding: Sliding, rate: float = 0.0) 
         return False
     # What swings freely comes down no further than it went up, unless it is loaded on.
     if rate and under_N > UNDAMPED * over_N:
+        return False
+    # Nor further up than what was loading it carries it.
+    carries = max(rate, loading_rate(force_N, fall.start, fall.top))
+    if rate and over_N > OVERSHOOT * carries * (bottom - fall.top) / math.pi:
         return False
     rising = climb.size - 1 - int(np.flatnonzero(climb <= level_N)[-1])
     falling = int(np.argmax(down <= level_N))
@@ -380,9 +386,17 @@ def _unseen_detail(prepared: Prepared, block: int) -> str:
     begin = max(0, blocks.first_sample(climb) - 1)
     end = blocks.last_sample(block, force_N.size)
     top = begin + int(np.argmax(force_N[begin : end + 1]))
+    base_N, widest_s = float(force_N[: end + 1].min()), WIDE_GAP * median(np.diff(time_s))
+    height_N = float(force_N[top]) - base_N
+    # Where the force fell in a gap, it slipped there, however far below the top.
+    low = np.flatnonzero(force_N[:top] < base_N + SLIPPED * height_N)
+    loaded = int(low[-1]) + 1 if low.size else 0
+    fell = (np.diff(time_s[loaded : begin + 1]) > widest_s) & (
+        np.diff(force_N[loaded : begin + 1]) < -max(SLIPPED * height_N, 6.0 * prepared.noise_N)
+    )
+    begin = loaded + int(np.argmax(fell)) if fell.any() else begin
     gaps_s, rises_N = np.diff(time_s[begin : top + 1]), np.diff(force_N[begin : top + 1])
-    height_N = float(force_N[top]) - float(force_N[: end + 1].min())
-    wide = gaps_s > WIDE_GAP * median(np.diff(time_s))
+    wide = gaps_s > widest_s
     rate_N_s = float(rises_N[~wide].sum()) / max(float(gaps_s[~wide].sum()), TINY)
     # What hides the very top is beside it, and in its uncertainty.
     slipped = rate_N_s * gaps_s - rises_N > max(SLIPPED * height_N, 6.0 * prepared.noise_N)

@@ -153,26 +153,30 @@ def remove_knocks(
     ground_N = grey_opening(force_N, size=(wide,))
     above_N = force_N - ground_N
     out, tops = force_N, []
+    x = np.arange(wide) - 0.5 * (wide - 1)
+    square = float(x @ x)
     for start, stop in runs_of(above_N > SPIKE_SIGMAS * noise_N).tolist():
-        height_N, top = float(above_N[start:stop].max()), start + int(np.argmax(above_N[start:stop]))
         begin, end = start - 2, stop + 2
         before, after = slice(begin - wide, begin), slice(end, end + wide)
         if before.start < 0 or after.stop > force_N.size or stop - start < 2:
             continue
-        x = np.arange(wide) - 0.5 * (wide - 1)
-        slope = float(x @ force_N[before]) / float(x @ x)
-        usual_N = float(np.ptp(ground_N[before] - slope * x)) + 2.0 * median(above_N[before])
-        off_N = float(force_N[after].mean() - force_N[before].mean()) - slope * (end - begin + wide)
-        turns_N = (float(x @ force_N[after]) / float(x @ x) - slope) * wide
-        swings_N = float((force_N[after] - slope * x).std())
+        height_N = float(above_N[start:stop].max())
+        slope = float(x @ force_N[before]) / square
+        turns_N = (float(x @ force_N[after]) / square - slope) * wide
+        if 4.0 * abs(turns_N) >= BACK * height_N:
+            continue
+        level_N = float(force_N[before].mean())
+        off_N = float(force_N[after].mean()) - level_N - slope * (end - begin + wide)
         if (
-            height_N > CLEARLY * usual_N
-            and max(4.0 * abs(off_N), 4.0 * abs(turns_N), swings_N) < BACK * height_N
+            4.0 * abs(off_N) >= BACK * height_N
+            or float((force_N[after] - slope * x).std()) >= BACK * height_N
         ):
+            continue
+        usual_N = float(np.ptp(ground_N[before] - slope * x)) + 2.0 * median(above_N[before])
+        if height_N > CLEARLY * usual_N:
             out = out.copy() if out is force_N else out
-            level_N = float(force_N[before].mean())
             out[begin:end] = level_N + slope * (np.arange(end - begin) + 0.5 * wide)
-            tops.append((top, height_N))
+            tops.append((start + int(np.argmax(above_N[start:stop])), height_N))
     return out, tops
 
 

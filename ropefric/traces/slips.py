@@ -9,6 +9,7 @@ import numpy as np
 from ropefric.arrays import FloatArray, median
 from ropefric.traces.breakaway import PickSettings
 from ropefric.traces.events import (
+    FAR,
     FAST,
     GROWTH,
     SAME_KIND,
@@ -17,9 +18,13 @@ from ropefric.traces.events import (
     UNLOADED,
     Fall,
     Pull,
+    half_climb,
+    is_bump,
     loading_rate,
+    passes_by,
     pulls_of,
     rate_above,
+    rate_below,
 )
 from ropefric.traces.segments import DROP_SIGMAS, Prepared
 
@@ -30,8 +35,6 @@ TRAIN, KIN, SMALLER, EARLY, LEAST_TOOTH = 6, 0.005, 0.75, 0.25, 0.1
 where they do by this part of theirs."""
 TALL = 0.1
 """What is lower, of a pull or of the highest pull, is a wiggle of the unloaded rope."""
-FAR = 0.95
-"""A force that is loaded to about the double has not slipped before."""
 OBSTACLE, SWUNG, SWUNG_BACK, SLOWER = 0.2, 0.55, 2, 1.25
 """An obstacle lifts the force by this part of it at least; a slip swings as far below the force of sliding as it began
 above it, and back within twice the time; a partial one is loaded again at the rate of before."""
@@ -43,12 +46,12 @@ FULL, MORE = 0.16, 0.85
 """A slip by which the force falls by more than this part is no partial one, where it does not grow by so much more."""
 AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
 SWINGS = 4
-GIVES, COMES_BACK = 0.8, 3.0
-"""A rope that slides and wears in gives way: the force grows that much slower."""
+GIVES, COMES_BACK, LONG = 0.8, 3.0, 0.2
+"""A rope that slides and wears in gives way: the force grows that much slower, after a climb that took some time."""
 ARRIVED = 0.9
 """A force that comes to a rest is there, when it has come so far."""
 BACK, ABOUT, FAR_FASTER = 0.6, 0.8, 5.0
-SMALL_GROWTH, SMALL = 0.03, 0.25
+SMALL_GROWTH, SMALL, CLEAR, LARGER_SLIP = 0.03, 0.25, 0.02, 1.4
 LEAST_DROP = 0.04
 """The force of a rope that is held and creeps falls by some per cent."""
 LARGER = 1.2
@@ -184,7 +187,7 @@ def _rivals(  # noqa: PLR0911  (a cascade: every line decides one case)
     if _wears_in(force_N, place):
         return []
     loaded = [g for g in later if g.reloads and not _is_echo(force_N, g, rates[1])]
-    kin = _is_of_the_train(place, loaded)
+    kin = _is_of_the_train(force_N, place, loaded)
     if kin is False or (not slid and _is_passed(force_N, place)) or _stops_early(place, loaded):
         return None
     # A rope that slides and hardens passes its first force slowly, one that sticks at the machine's rate.
@@ -202,17 +205,30 @@ def _rivals(  # noqa: PLR0911  (a cascade: every line decides one case)
     sticks = growth > GROWTH and held and _turned_on(force_N[: top + 1], fall) < SLOWER
     if _is_small_below(fall, higher) and _turned_on(force_N[: top + 1], fall) < SLOWER:
         return None
-    if kin or slid or hardens or weaker or (fall.drop_N > FULL * height_N and not sticks and growth < MORE):
+    if kin or slid or hardens:
         return []
+    # The next slip, from a higher force and as large, may be the first full one as well.
+    full = higher if _is_next_one(force_N, place, after) else []
+    if weaker or (fall.drop_N > FULL * height_N and not sticks and growth < MORE):
+        return full
     if growth > GROWTH or not higher:
         return None
     # A rope that slides is not loaded again as one that sticks.
     slides = float(force_N[came]) - fall.bottom_N < STICKS * rate * (came - fall.bottom)
     against = False if slides else _against_the_higher(force_N, pull, fall, higher, growth)
-    return higher if against else None if against is None else []
+    return higher if against else None if against is None else full
 
 
-def _is_of_the_train(place: _Place, loaded: list[Fall]) -> bool | None:
+def _is_next_one(force_N: FloatArray, place: _Place, after: list[Fall]) -> bool:
+    """Return whether all that the motor turns after a slip goes into the spring, up to a larger slip from higher."""
+    if not place.higher or place.growth < CLEAR or place.higher[0] is not next(iter(after), None):
+        return False
+    fall, rival = place.fall, place.higher[0]
+    as_large = rival.top_N - rival.bottom_N > LARGER_SLIP * (fall.top_N - fall.bottom_N)
+    return as_large and _turned_on(force_N[: place.top + 1], fall, place.own_rate) < SLOWER
+
+
+def _is_of_the_train(force_N: FloatArray, place: _Place, loaded: list[Fall]) -> bool | None:
     """Return whether a fall begins at the force of the teeth after it, along their trend; None where few are alike.
 
     The teeth of a train are of one strength; a partial slip lies below them, an obstacle above.
@@ -241,7 +257,10 @@ def _is_of_the_train(place: _Place, loaded: list[Fall]) -> bool | None:
         )
         return False if (smaller or steady) and not weaker else None
     obstacle = float(level_N.max()) - median(level_N) > 3.0 * apart_N
-    return True if abs(off_N) < 3.0 * apart_N and not obstacle else None
+    # Where the force grows on as before the first of them, nothing has slid: they swing as weights do that are hung on.
+    half = half_climb(force_N, place.pull.start, fall.top)
+    loads_on = slope * (fall.top - half) > STICKS * float(fall.top_N - force_N[half])
+    return True if abs(off_N) < 3.0 * apart_N and not obstacle and not loads_on else None
 
 
 def _stops_early(place: _Place, loaded: list[Fall]) -> bool:
@@ -257,6 +276,42 @@ def _stops_early(place: _Place, loaded: list[Fall]) -> bool:
     above_N = fall.bottom_N - median(np.array([g.bottom_N for g in teeth]))
     next_N = place.higher[0].top_N - place.higher[0].bottom_N
     return above_N > EARLY * typical_N and fell_N < SMALLER * min(typical_N, next_N)
+
+
+def comes_off(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
+    """Return whether a pull that ended without sliding is followed by a higher one, or by another after a rest."""
+    off, again = pull.falls[-1].settled, other.start + int(np.argmax(force_N[other.start : other.stop]))
+    base_N = pull.base_N + TALL * (pull.top_N - pull.base_N)
+    loaded = int(np.count_nonzero(force_N[pull.start : off] >= base_N))
+    rests = int(np.count_nonzero(force_N[off:again] < base_N)) > 0.5 * loaded
+    return other.top_N >= (LARGER if not rests else 0.5) * pull.top_N
+
+
+def passes_away(force_N: FloatArray, pull: Pull) -> bool:
+    """Return whether a pull falls off sooner than it was loaded, as from a snag: nothing slid at any level."""
+    high = np.flatnonzero(force_N[pull.start : pull.stop] > pull.base_N + HALF * (pull.top_N - pull.base_N))
+    top = int(np.argmax(force_N[pull.start : pull.stop]))
+    return (
+        pull.unloads and int(np.count_nonzero(high > top)) < int(np.count_nonzero(high <= top)) + FEW_BLOCKS
+    )
+
+
+def bumps_of(force_N: FloatArray, time_s: FloatArray, pull: Pull) -> list[Fall]:
+    """Return the falls of a pull that took nothing off the spring: snags, blows, and what swings on after them."""
+    at = time_s / max(median(np.diff(time_s)), TINY)
+    bumps: list[Fall] = []
+    swung, largest_N = 0, 0.0
+    for n, f in enumerate(pull.falls[:-1]):
+        rate = rate_below(force_N, pull.start, f.top) if n >= swung else 0.0
+        passed = passes_by(force_N, f, rate) if n >= swung and f.drop_N > largest_N else 0
+        if n >= swung and (passed or is_bump(force_N, at, f, rate)):
+            # It swings on, unless it is a swing itself, of a slip before it.
+            swings_on = echoes(force_N, f, pull.falls[n + 1 : -1], rate) if f.drop_N > largest_N else 0
+            swung = max(n + 1 + swings_on, sum(g.bottom < passed for g in pull.falls[:-1]))
+            bumps += pull.falls[n:swung]
+        elif n >= swung:
+            largest_N = max(largest_N, f.drop_N)
+    return bumps
 
 
 def echoes(force_N: FloatArray, fall: Fall, later: list[Fall], rate: float) -> int:
@@ -286,13 +341,19 @@ def _slid_on(force_N: FloatArray, pull: Pull, fall: Fall, top: int, own_rate: fl
 def _wears_in(force_N: FloatArray, place: _Place) -> bool:
     """Return whether a rope slides on after a fall though the force grows: it does so more slowly than it was loaded."""
     pull, fall, top = place.pull, place.fall, place.top
-    again = any(g.drop_N >= SAME_KIND * fall.drop_N and _slides_or_reloads(pull, g) for g in place.later)
-    passed = _passes(force_N[: top + 1], fall)
-    if again or top <= passed:
+    after = place.later[echoes(force_N, fall, place.later, place.own_rate) :]
+    if any(g.drop_N >= SAME_KIND * fall.drop_N and _slides_or_reloads(pull, g) for g in after):
         return False
+    # What was loaded for long was neither hit nor hung on, and one that sticks is loaded again at the machine's rate.
+    slides = loading_rate(force_N, fall.bottom, top) < STICKS * place.own_rate
+    long = 2 * (fall.top - half_climb(force_N, fall.start, fall.top)) > LONG * (top - fall.top)
+    fell = fall.drop_N >= LEAST_DROP * (fall.top_N - pull.base_N)
+    if slides and long and fell and place.growth < GROWTH:
+        return True
     # A bump, or weights hung on, rise faster than the motor loads, which takes longer to come to the same force.
+    passed = _passes(force_N[: top + 1], fall)
     back = _turned_on(force_N[: top + 1], fall, place.own_rate)
-    return back < COMES_BACK and loading_rate(force_N, passed, top) < GIVES * place.own_rate
+    return top > passed and back < COMES_BACK and loading_rate(force_N, passed, top) < GIVES * place.own_rate
 
 
 def _is_loaded_on(pull: Pull, fall: Fall, later: list[Fall], rate: float) -> bool:

@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ropefric.arrays import FloatArray, IntArray
+from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
-from ropefric.traces.events import half_climb
+from ropefric.traces.events import LEAST, half_climb, parted, still
 from ropefric.traces.noise import runs_of
+from ropefric.traces.peak import WIDE_GAP
 from ropefric.traces.segments import AT_REST, Blocks, Prepared
 from ropefric.traces.trace import ForceTrace
 
@@ -17,11 +18,9 @@ SMALL_ZERO, UNKNOWN, LARGE_ZERO = 0.02, 0.08, 0.12
 """Parts of F_A: a level at rest that matters, a drift that must be excluded, and what can only be a pretension."""
 JUMP_BLOCKS, JUMP_SIGMAS, SWINGS_BY = 6, 5.0, 0.1
 """A rope swings by more than the last part of a load that comes on at once."""
-STANDS, SLOPE_SIGMAS = 0.3, 7.0
-"""A rope at rest is loaded at less than this part of the machine's rate, which is so many times its uncertainty."""
 BELOW_SIGMAS = 3.0
-PIECES, LEAST = 8, 8
-"""A stretch at rest is looked at in so many pieces, of so many samples at least."""
+PIECES = 8
+"""A stretch at rest is looked at in so many pieces."""
 FEWEST, CLIMB_SIGMAS = 3, 2.0
 DRIFT_SIGMAS, SEEN_SIGMAS, MAY_BE_SIGMAS = 4.0, 3.0, 2.0
 COLOURED, COLOUR = 1.5, 2.0
@@ -31,8 +30,9 @@ LEFT_OF_DRIFT = 0.5 / np.sqrt(3.0)
 """Standard uncertainty of what is taken off for a drift, which may be half or one and a half times that."""
 RETURNED = 0.1
 """A zero that seemed to drift and stands, when the rope rests again, at less than this part of it, did not."""
-STEP, BUMP, AGREE = 0.8, 3.0, 3.0
-"""A step leaves less than this part of what a line leaves; a bump is so many times higher than the levels differ."""
+ASK = 'say whether {} (a [tare] interval, or [protocol] rest = "zero") or {} (rest = "pretension")'
+BUMP, AGREE = 3.0, 3.0
+"""A bump is so many times higher than the levels differ, and two slopes that agree differ by so many errors."""
 
 
 def with_its_zero(
@@ -43,10 +43,32 @@ def with_its_zero(
     A recording in newtons that was not tared may begin at a pretension, which belongs to F_A, or at an error of the
     zero, which does not.
     """
-    if result.status is not Status.OK or result.peak_N <= 0.0:
+    if result.status is not Status.OK or (result.peak_N <= 0.0 and settings.rest != "zero"):
         return result
     n, blocks = prepared.blocks.n_rest, prepared.blocks
     is_tared = trace.calibration is not None or settings.rest == "pretension"
+    rest_N = 0.0 if is_tared or not n else float(blocks.force_N[: n // blocks.size].mean())
+    if rest_N < min(0.0, -2.0 * LARGE_ZERO * max(result.peak_N, result.peak_N - rest_N)):
+        read = as_read(result)
+        if settings.rest != "zero":
+            events = [replace(read, force_N=result.peak_N - rest_N, evidence="from the level at rest"), read]
+            asked = ASK.format("that is an error of the zero", "the machine pushes")
+            return either(result, events, f"before the climb it reads {rest_N:.3g} N: {asked}")
+        result = _taken_off(result, rest_N, f"{rest_N:.4g} N at rest were taken off as the error of the zero")
+        blocks = replace(blocks, force_N=blocks.force_N - rest_N)
+        prepared = replace(prepared, force_N=prepared.force_N - rest_N, blocks=blocks)
+        is_tared, settings = True, replace(settings, rest="pretension")
+    elif not n and settings.rest == "zero" and not is_tared and blocks.force_N[0] > AT_REST * result.peak_N:
+        why = "the recording begins under load, so that it shows no zero to take off"
+        return either(result, [as_read(result)], why)
+    return result if result.peak_N <= 0.0 else _with_level(prepared, result, settings, is_tared=is_tared)
+
+
+def _with_level(
+    prepared: Prepared, result: Breakaway, settings: PickSettings, *, is_tared: bool
+) -> Breakaway:
+    """Return a result with the drift of the zero and a level at rest that lies near it."""
+    n, blocks = prepared.blocks.n_rest, prepared.blocks
     rests = rests_of(blocks, int(np.searchsorted(blocks.time_s, result.peak_time_s))) if n else []
     # What was hung on or taken up while the rope was at rest is no zero.
     rest_N = prepared.force_N[: min([n, *(stop * blocks.size for _, stop in rests[:1])])]
@@ -69,15 +91,7 @@ def with_its_zero(
     if not why and settings.rest == "zero" and not is_tared and n:
         said = f"{zero_N:.4g} N at rest were taken off as the error of the zero"
         return _taken_off(result, zero_N, said)
-    as_read = ForceEvent(
-        kind="break-away",
-        time_s=result.peak_time_s,
-        force_N=result.peak_N,
-        drop_N=result.drop_N,
-        fall_s=0.0,
-        evidence="as read",
-    )
-    events = [as_read]
+    events = [read := as_read(result)]
     for level_N, origin, what, zero, load in (
         (zero_N, "at rest", f"reads {zero_N:.3g} N", "that is an error of the zero", "a pretension"),
         (
@@ -91,15 +105,29 @@ def with_its_zero(
     ):
         if not why and SMALL_ZERO * result.peak_N < abs(level_N) < LARGE_ZERO * result.peak_N:
             other_N = result.peak_N - level_N
-            events.append(replace(as_read, force_N=other_N, evidence=f"from the level {origin}"))
-            why = (
-                f'the rope at rest {what}: say whether {zero} (a [tare] interval, or [protocol] rest = "zero") or '
-                f'{load} (rest = "pretension")'
-            )
+            events.append(replace(read, force_N=other_N, evidence=f"from the level {origin}"))
+            why = f"the rope at rest {what}: {ASK.format(zero, load)}"
     if not why:
         # A small level may be either.
         small_N = zero_N if abs(zero_N) <= SMALL_ZERO * result.peak_N else 0.0
         return replace(result, peak_std_N=float(np.hypot(result.peak_std_N, small_N / np.sqrt(3.0))))
+    return either(result, events, why)
+
+
+def as_read(result: Breakaway) -> ForceEvent:
+    """Return the break-away of a result as a candidate."""
+    return ForceEvent(
+        kind="break-away",
+        time_s=result.peak_time_s,
+        force_N=result.peak_N,
+        drop_N=result.drop_N,
+        fall_s=0.0,
+        evidence="as read",
+    )
+
+
+def either(result: Breakaway, events: list[ForceEvent], why: str) -> Breakaway:
+    """Return a result that leaves open which of some forces is F_A."""
     return Breakaway(
         status=Status.DOUBTFUL,
         detail=f"{' or '.join(f'{event.force_N:.4g} N' for event in events)}: {why}",
@@ -192,6 +220,10 @@ def _jump_N(prepared: Prepared, top: int) -> float:
     part = prepared.force_N[at * blocks.size : (at + 2 * n + 1) * blocks.size]
     steps = np.diff(part) * np.sign(jump_N)
     k = int(np.argmax(steps)) + 1
+    # In a gap of the samples the machine loads on.
+    apart_s = np.diff(prepared.time_s[at * blocks.size : at * blocks.size + k + 1])
+    if apart_s[-1] > WIDE_GAP * median(np.diff(prepared.time_s)):
+        return 0.0
     beside = np.minimum(np.arange(part.size) // k, 1)
     left_N = np.abs(part - np.where(beside, means[at + n + 1], means[at]))
     least_N = max(2.0 * (n + 1) * rate, JUMP_SIGMAS * prepared.noise_N)
@@ -210,33 +242,9 @@ def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
     rate = (float(force_N[top]) - float(force_N[half])) / max(1, top - half)
     if half < 2 * LEAST or rate <= 0.0:
         return []
-    # Means over w blocks that follow each other differ by noise of √(2/w), that is √2 w^-1.5 in slope.
-    wide = (SLOPE_SIGMAS * np.sqrt(2.0) * blocks.noise_N / (STANDS * rate)) ** (2.0 / 3.0)
-    if half <= 2.0 * wide + 2.0:
-        return []
-    w = max(1, int(np.ceil(wide)))
-    sums = np.concatenate([[0.0], np.cumsum(force_N[:half] - force_N[0])])
-    slope = np.abs(sums[2 * w :] - 2.0 * sums[w:-w] + sums[: -2 * w]) / w**2
-    low = force_N[w : half - w + 1] < low_N + AT_REST * (float(force_N[top]) - low_N)
-    flat = runs_of((slope < STANDS * rate) & low) + w
-    flat[flat == w] = 0  # from the beginning on
-    return [part for start, stop in flat.tolist() for part in _parted(force_N, start, stop)]
-
-
-def _parted(force_N: FloatArray, start: int, stop: int) -> list[tuple[int, int]]:
-    """Return the parts of a stretch between steps, which a line through all of it describes less well."""
-    values, n = force_N[start:stop] - force_N[start], stop - start
-    if n < 2 * LEAST:
-        return [(start, stop)] if n >= LEAST else []
-    x, k = np.arange(n) - 0.5 * (n - 1), np.arange(LEAST, n - LEAST + 1)
-    up, total = np.cumsum(values)[k - 1], float(values.sum())
-    # What is left of the sum of squares: of a line, and of two levels for every place of the step.
-    line = float(values @ values) - total**2 / n - float(x @ values) ** 2 / float(x @ x)
-    steps = float(values @ values) - up**2 / k - (total - up) ** 2 / (n - k)
-    at = int(np.argmin(steps))
-    if steps[at] >= STEP * line:
-        return [(start, stop)]
-    return [*_parted(force_N, start, start + int(k[at])), *_parted(force_N, start + int(k[at]), stop)]
+    low = force_N[:half] < low_N + AT_REST * (float(force_N[top]) - low_N)
+    flat = runs_of(still(force_N[:half], rate, blocks.noise_N) & low)
+    return [part for start, stop in flat.tolist() for part in parted(force_N, start, stop)]
 
 
 def drift(

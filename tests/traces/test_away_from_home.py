@@ -308,9 +308,17 @@ def test_a_rope_at_rest_that_reads_less_than_nothing_shows_an_error_of_the_zero(
     assert "less than nothing: taken off" in " ".join(found.notes)
 
 
-def test_a_machine_that_pushes_leaves_a_level_far_below_zero_that_is_no_error():
-    found = picked(drawn((0.0, -40.0), (1.0, -40.0), (2.5, 100.0), (2.504, 70.0), (4.0, 70.0)))
-    assert found.peak_N == pytest.approx(100.0, abs=0.5)
+@pytest.mark.parametrize("peak_N", [100.0, 10.0])
+def test_a_level_far_below_zero_is_that_of_a_machine_that_pushes_or_an_error_of_the_zero(peak_N):
+    """Which of them the recording does not show; a person may say it."""
+    slid_N = -40.0 + 0.7 * (peak_N + 40.0)
+    force_N = drawn((0.0, -40.0), (1.0, -40.0), (2.5, peak_N), (2.504, slid_N), (4.0, slid_N))
+    found = picked(force_N)
+    assert found.status is Status.DOUBTFUL, found.peak_N
+    assert [one.force_N for one in found.candidates] == pytest.approx([peak_N + 40.0, peak_N], abs=0.5)
+    for rest, true_N in (("zero", peak_N + 40.0), ("pretension", peak_N)):
+        found = picked(force_N, PickSettings(rest=rest))
+        assert found.peak_N == pytest.approx(true_N, abs=0.5), rest
 
 
 def train(*teeth):

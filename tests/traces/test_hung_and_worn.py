@@ -1,0 +1,169 @@
+"""Weights that are hung on one by one, ropes that wear in, slips before a larger one, blows, and what hides in a gap."""
+
+import numpy as np
+import pytest
+
+from ropefric.traces.breakaway import PickSettings, Status
+from ropefric.traces.decision import pick_breakaway
+from ropefric.traces.trace import ForceTrace
+
+TIME_S = np.arange(0.0, 6.0, 0.001)
+
+
+def drawn(*corners, noise_N=0.1, time_s=TIME_S):
+    """Return the force along a line through corners (time, force), with noise."""
+    noise = np.random.default_rng(7).normal(0.0, noise_N, time_s.size)
+    return np.interp(time_s, *zip(*corners, strict=True)) + noise
+
+
+def picked(force_N, settings=PickSettings(), time_s=TIME_S):  # noqa: B008  (it is frozen)
+    return pick_breakaway(ForceTrace(time_s=time_s, force_N=force_N), settings)[0]
+
+
+def hung(levels_N, swing_Hz, damping, *, every_s=0.5, time_s=TIME_S):
+    """Return the force of weights hung on one by one, each of which swings around its level."""
+    force_N, below_N = np.zeros(time_s.size), 0.0
+    for n, level_N in enumerate(levels_N):
+        since = np.maximum(time_s - 0.3 - n * every_s, 0.0)
+        omega = 2.0 * np.pi * swing_Hz
+        force_N += (level_N - below_N) * (1.0 - np.exp(-damping * omega * since) * np.cos(omega * since))
+        below_N = level_N
+    return force_N
+
+
+WEIGHTS = [(12.0, 24.0), (8.0, 16.0, 24.0), (15.0, 30.0, 45.0), (10.0, 20.0, 30.0, 40.0), (20.0, 50.0)]
+
+
+@pytest.mark.parametrize("levels_N", WEIGHTS)
+@pytest.mark.parametrize(("swing_Hz", "damping"), [(8.0, 0.06), (15.0, 0.03), (25.0, 0.1)])
+def test_weights_hung_on_one_by_one_are_no_breakaway(levels_N, swing_Hz, damping):
+    """However they swing; what breaks away is the pull of the motor after the last of them."""
+    ramp = drawn(
+        (0.0, 0.0),
+        (2.8, 0.0),
+        (4.8, 100.0 - levels_N[-1]),
+        (4.804, 80.0 - levels_N[-1]),
+        (6.0, 80.0 - levels_N[-1]),
+    )
+    found = picked(hung(levels_N, swing_Hz, damping) + ramp)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.005)
+    if swing_Hz * damping > 1.0:  # the others still swing when the next is hung on
+        assert {event.kind for event in found.events} == {"bump"}
+
+
+@pytest.mark.parametrize("levels_N", WEIGHTS)
+@pytest.mark.parametrize(("swing_Hz", "damping"), [(8.0, 0.06), (15.0, 0.03), (25.0, 0.1)])
+def test_weights_before_a_climb_that_never_ends_are_no_breakaway_either(levels_N, swing_Hz, damping):
+    ramp = drawn((0.0, 0.0), (2.8, 0.0), (6.0, 150.0 - levels_N[-1]))
+    found = picked(hung(levels_N, swing_Hz, damping) + ramp)
+    assert np.isnan(found.peak_N), found.peak_N
+    assert found.status in (Status.NO_BREAKAWAY, Status.DOUBTFUL), found.detail
+
+
+def test_weights_are_told_where_few_samples_show_them():
+    time_s = np.arange(0.0, 6.0, 0.02)
+    ramp = drawn((0.0, 0.0), (2.8, 0.0), (4.8, 76.0), (4.9, 56.0), (6.0, 56.0), time_s=time_s)
+    found = picked(hung((8.0, 16.0, 24.0), 8.0, 0.2, time_s=time_s) + ramp, time_s=time_s)
+    assert found.peak_N == pytest.approx(100.0, rel=0.03)
+
+
+def test_waves_of_sliding_are_no_weights():
+    """They stand for a moment where they turn, and rise fast; but the force has been as high before."""
+    slides = np.clip(TIME_S - 2.38, 0.0, 0.1) / 0.1
+    waves = 2.0 * slides * (np.sin(31.0 * TIME_S) + np.sin(53.0 * TIME_S))
+    found = picked(drawn((0.0, 0.0), (0.3, 0.0), (2.3, 15.0), (2.38, 11.5), (6.0, 11.5)) + waves)
+    assert found.status is Status.NO_PEAK, found.detail
+
+
+@pytest.mark.parametrize("rings_N", [0.0, 6.0])
+@pytest.mark.parametrize(("stays_s", "end_N"), [(0.0, 104.0), (0.0, 125.0), (1.4, 102.0), (0.5, 118.0)])
+def test_a_rope_that_slides_and_wears_in_broke_away_at_first(stays_s, end_N, rings_N):
+    """The force grows beyond the first peak again, but far more slowly than the machine loads a rope that sticks."""
+    force = drawn((0.0, 0.0), (0.3, 0.0), (2.3, 100.0), (2.36, 86.0), (2.36 + stays_s, 86.0), (6.0, end_N))
+    since = np.maximum(TIME_S - 2.36, 0.0)
+    found = picked(force - rings_N * np.exp(-since / 0.05) * np.sin(2.0 * np.pi * 12.0 * since))
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.005)
+
+
+@pytest.mark.parametrize("end_N", [104.0, 125.0])
+def test_a_load_that_comes_on_at_once_does_not_wear_in(end_N):
+    """It overshoots, falls back, and the motor loads it on; nothing has slid."""
+    since = np.maximum(TIME_S - 0.6, 0.0)
+    step = 86.0 * (1.0 - np.exp(-since / 0.05) * np.cos(2.0 * np.pi * 8.0 * since))
+    found = picked(step + drawn((0.0, 0.0), (1.5, 0.0), (6.0, end_N - 86.0)))
+    assert found.status is not Status.OK, found.peak_N
+
+
+@pytest.mark.parametrize(("first_N", "drop_N"), [(92.0, 17.0), (84.0, 15.0), (95.0, 8.0)])
+def test_a_slip_before_a_larger_one_from_a_higher_force_is_not_said_to_be_the_first_full_one(first_N, drop_N):
+    """All that the motor turns goes into the spring until then: it may be partial, or an obstacle came later."""
+    rate = 50.0
+    again_s = (100.0 - first_N + drop_N) / rate
+    at_s = 0.3 + first_N / rate
+    top_s = at_s + 0.004 + again_s
+    force = drawn(
+        (0.0, 0.0), (0.3, 0.0), (at_s, first_N), (at_s + 0.004, first_N - drop_N), (top_s, 100.0),
+        (top_s + 0.004, 70.0), (6.0, 70.0),
+    )  # fmt: skip
+    found = picked(force)
+    if found.status is Status.OK:
+        assert found.peak_N == pytest.approx(100.0, rel=0.005)
+    else:
+        assert found.status is Status.DOUBTFUL, found.detail
+        assert any(one.force_N == pytest.approx(100.0, rel=0.01) for one in found.candidates)
+
+
+@pytest.mark.parametrize("lobes_N", [(36.0, 54.0, 36.0), (20.0, 50.0), (45.0, 60.0, 20.0)])
+def test_a_snag_that_lets_go_little_by_little_is_no_breakaway(lobes_N):
+    """It is pulled up again and again; then the force rests at nothing, and the pull goes higher."""
+    force = drawn((0.0, 0.0), (2.8, 0.0), (4.0, 100.0), (4.004, 80.0), (6.0, 80.0))
+    for n, lobe_N in enumerate(lobes_N):
+        part = np.clip((TIME_S - 1.0 - 0.15 * n) / 0.2, 0.0, 1.0)
+        force = np.maximum(force, lobe_N * np.sin(np.pi * part))
+    found = picked(force)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.005)
+
+
+@pytest.mark.parametrize(("at_s", "height_N", "lasts_s"), [
+    (2.0, 25.0, 0.2), (2.4, 30.0, 0.3), (3.0, 25.0, 0.4), (1.6, 40.0, 0.3), (3.2, -20.0, 0.2),
+])  # fmt: skip
+def test_a_blow_that_the_climb_goes_on_after_is_no_slip(at_s, height_N, lasts_s):
+    """What a slip takes off the spring is missing for good; after a blow the line goes on where it led to."""
+    since = np.clip((TIME_S - at_s) / lasts_s, 0.0, 1.0)
+    blow = height_N * np.sin(2.0 * np.pi * since) * (1.0 - since)
+    found = picked(drawn((0.0, 0.0), (0.5, 0.0), (4.5, 100.0), (4.504, 80.0), (6.0, 80.0)) + blow)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.005)
+
+
+@pytest.mark.parametrize("swing_Hz", [3.0, 6.0])
+def test_a_rope_that_comes_off_and_swings_never_slid(swing_Hz):
+    """It is loaded from a rest; then it hangs free and swings about nothing."""
+    since = np.maximum(TIME_S - 2.5, 0.0)
+    climb = np.where(TIME_S < 2.5, np.interp(TIME_S, (0.5, 2.5), (0.0, 100.0)), 0.0)
+    swings = np.where(
+        TIME_S < 2.5, 0.0, 100.0 * np.exp(-since / 0.4) * np.cos(2.0 * np.pi * swing_Hz * since)
+    )
+    found = picked(climb + swings + np.random.default_rng(7).normal(0.0, 0.1, TIME_S.size))
+    assert found.status is not Status.OK, found.peak_N
+
+
+def test_a_slip_unseen_in_a_gap_leaves_no_first_peak():
+    """The force is lower behind the gap than before it: it slipped in it, from a force that nobody knows."""
+    force = drawn(
+        (0.0, 0.0), (0.3, 0.0), (1.5, 60.0), (1.504, 45.0), (2.9, 100.0), (2.904, 80.0), (6.0, 80.0)
+    )
+    seen = (TIME_S < 1.45) | (TIME_S > 1.6)
+    found = picked(force[seen], time_s=TIME_S[seen])
+    assert found.status is not Status.OK, found.peak_N
+
+
+def test_the_load_that_comes_on_in_a_gap_is_no_jump_of_the_zero():
+    force = drawn((0.0, 0.0), (1.0, 0.0), (3.0, 100.0), (3.004, 80.0), (6.0, 80.0))
+    seen = (TIME_S < 0.99) | (TIME_S > 1.1)
+    found = picked(force[seen], time_s=TIME_S[seen])
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.005)

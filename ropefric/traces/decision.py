@@ -202,6 +202,7 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
             outdone = result.status is Status.NO_BREAKAWAY and any(
                 other.top_N >= 0.98 * pull.top_N
                 or (other.top_N >= 0.5 * pull.top_N and FAST * rate_of(force_N, other) < rate)
+                or FAR_FASTER * FAST * rate_of(force_N, other) < rate
                 for other in later
             )
         if not outdone:

@@ -52,8 +52,9 @@ STANDS, SLOPE_SIGMAS = 0.3, 7.0
 LEAST, ONE_LEVEL = 8, 0.8
 """A stretch at rest has so many blocks; a step in it leaves less than this part of what a line leaves."""
 TINIEST = 1e-300
-UPPER, STEP = 0.75, 0.02
-"""Parts of a climb: above the first only the machine loads, and what is hung on is more than the second."""
+UPPER, STEP, AT_ONCE = 0.75, 0.02, 0.5
+"""Parts of a climb: above the first only the machine loads, and what is hung on is more than the second; it comes on
+in less than the last part of the time until the motor loads."""
 FAR = 0.95
 """A force that is loaded to about the double has not slipped before."""
 FLAT = 0.75
@@ -354,7 +355,9 @@ def motor_starts(force_N: FloatArray, pull: Pull, noise_N: float, swing: int) ->
         high = int(np.argmax(came >= level_N - REST * (level_N - low_N)))
         low = np.flatnonzero(came[: high + 1] <= low_N + REST * (level_N - low_N))
         long = high - int(low[-1]) if low.size else high + 1
-        n += (1.0 - 2.0 * REST) * (level_N - low_N) > rate * long > 0.0
+        # A motor that loads on to where the rope slides takes longer.
+        at_once = (1.0 - 2.0 * REST) * (level_N - low_N) > rate * long > 0.0
+        n += at_once and long < AT_ONCE * (levels[-1][2] - first)
     doubles = height_N > (1.0 + FAR) * (levels[-1][0] - base_N)
     return (levels[-1][2], n) if n > 1 or (n == 1 and doubles) else (start, 0)
 

@@ -76,6 +76,32 @@ def test_waves_of_sliding_are_no_weights():
     assert found.status is Status.NO_PEAK, found.detail
 
 
+@pytest.mark.parametrize("weight_N", [12.0, 20.0])
+@pytest.mark.parametrize("slides_N", [80.0, 90.0])
+def test_a_rope_that_slides_where_a_motor_brought_it_is_no_second_weight(weight_N, slides_N):
+    """It stands at a round top for a moment and slides on; an obstacle comes later."""
+    again_s = 3.5 + (134.0 - slides_N) / 48.0
+    climb = ((0.0, 0.0), (0.3, 0.0), (0.31, weight_N), (1.2, weight_N), (3.0, 99.0), (3.1, 100.0))
+    slides = (
+        (3.11, slides_N),
+        (3.5, slides_N),
+        (again_s, 134.0),
+        (again_s + 0.02, slides_N),
+        (6.0, slides_N),
+    )
+    found = picked(drawn(*climb, *slides))
+    assert found.status is not Status.OK or found.peak_N == pytest.approx(100.0, rel=0.01), found.peak_N
+
+
+@pytest.mark.parametrize(("height_N", "swing_Hz"), [(240.0, 60.0), (150.0, 45.0), (300.0, 80.0)])
+def test_an_impact_higher_than_the_pull_that_swings_about_nothing_is_passed_over(height_N, swing_Hz):
+    since = np.maximum(TIME_S - 0.8, 0.0)
+    struck = height_N * np.exp(-since / 0.15) * np.sin(2.0 * np.pi * swing_Hz * since)
+    found = picked(drawn((0.0, 0.0), (1.6, 0.0), (4.0, 100.0), (4.004, 80.0), (6.0, 80.0)) + struck)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.005)
+
+
 @pytest.mark.parametrize("rings_N", [0.0, 6.0])
 @pytest.mark.parametrize(("stays_s", "end_N"), [(0.0, 104.0), (0.0, 125.0), (1.4, 102.0), (0.5, 118.0)])
 def test_a_rope_that_slides_and_wears_in_broke_away_at_first(stays_s, end_N, rings_N):

@@ -201,8 +201,8 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
         else:
             outdone = result.status is Status.NO_BREAKAWAY and any(
                 other.top_N >= 0.98 * pull.top_N
-                or (other.top_N >= 0.5 * pull.top_N and FAST * rate_of(force_N, other) < rate)
-                or FAR_FASTER * FAST * rate_of(force_N, other) < rate
+                or rate
+                > (FAST if other.top_N >= 0.5 * pull.top_N else FAR_FASTER * FAST) * rate_of(force_N, other)
                 for other in later
             )
         if not outdone:

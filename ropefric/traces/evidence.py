@@ -28,6 +28,9 @@ SWING, SETTLES, DAMPED, UNDAMPED, HALF_PERIODS = 2.0, 3.0, 0.2, 1.1, 5.0
 comes on within few periods; up faster where the load still comes on."""
 OVERSHOOT = 2.0
 """A mass that was loaded at a rate r and is stopped swings by r/ω, no more than so many times that."""
+BENT, FEWEST_TO_BEND = 0.58, 8
+"""So much of the last rise of a swing lies in its first half, where a climb that goes straight on has half; it takes so
+many blocks to tell."""
 DIES = 0.25
 """What swings on falls by this part of the first swing again; slow waves are smooth, but no noise."""
 WAVES, LARGE_WAVES, SLOWEST, FASTEST = (0.1, 0.05, 0.02), 0.06, 0.4, 1.25
@@ -164,6 +167,10 @@ def swings(prepared: Prepared, fall: Fall, sliding: Sliding, rate: float = 0.0) 
     if rate and over_N > OVERSHOOT * carries * (bottom - fall.top) / math.pi:
         return False
     rising = climb.size - 1 - int(np.flatnonzero(climb <= level_N)[-1])
+    # Within a quarter of a period it rises by seven tenths in the first half.
+    half_N = float(force_N[fall.top - rising // 2]) - level_N
+    if rising > FEWEST_TO_BEND and half_N < BENT * over_N:
+        return False
     falling = int(np.argmax(down <= level_N))
     tenth_N = 0.1 * (fall.top_N - float(climb[0]))
     lasts = int(np.argmax(climb >= fall.top_N - tenth_N)) - int(np.argmax(climb >= float(climb[0]) + tenth_N))

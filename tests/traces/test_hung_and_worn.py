@@ -193,3 +193,17 @@ def test_the_load_that_comes_on_in_a_gap_is_no_jump_of_the_zero():
     found = picked(force[seen], time_s=TIME_S[seen])
     assert found.status is Status.OK, found.detail
     assert found.peak_N == pytest.approx(100.0, rel=0.005)
+
+
+@pytest.mark.parametrize("settles_s", [0.15, 0.3])
+def test_a_climb_that_goes_straight_up_to_its_top_is_no_swing_of_a_machine_that_stops(settles_s):
+    """A mass that is stopped bends over within a quarter of its period; a slip may settle as slowly as that swings."""
+    since = np.maximum(TIME_S - 2.3, 0.0)
+    settled = (
+        86.0 + 8.0 * np.exp(-since / settles_s) - 2.5 * np.sin(np.pi * np.clip((since - 0.3) / 0.9, 0.0, 1.0))
+    )
+    fast = 6.0 * np.exp(-since / 0.02)
+    force = np.where(TIME_S < 2.3, np.interp(TIME_S, (0.3, 2.3), (0.0, 100.0)), settled + fast)
+    found = picked(force + np.random.default_rng(7).normal(0.0, 0.05, TIME_S.size))
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.005)

@@ -196,14 +196,12 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
         elif ok:
             outdone = any(_slides_above(force_N, pull, other) for other in later)
         elif result.status is Status.DOUBTFUL:
-            higher = [other for other in later if other.top_N > pull.top_N]
-            outdone = passes_away(force_N, pull) and any(comes_off(force_N, pull, one) for one in higher)
+            outdone = any(passes_away(force_N, pull, other) for other in later)
         else:
             outdone = result.status is Status.NO_BREAKAWAY and any(
-                other.top_N >= 0.98 * pull.top_N
-                or rate
-                > (FAST if other.top_N >= 0.5 * pull.top_N else FAR_FASTER * FAST) * rate_of(force_N, other)
+                high >= 0.98 or rate > (FAST if high >= 0.5 else FAR_FASTER * FAST) * rate_of(force_N, other)
                 for other in later
+                for high in [other.top_N / max(pull.top_N, TINY)]
             )
         if not outdone:
             found = result if result.status is not Status.NO_BREAKAWAY else found

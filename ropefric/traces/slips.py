@@ -287,13 +287,13 @@ def comes_off(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
     return other.top_N >= (LARGER if not rests else 0.5) * pull.top_N
 
 
-def passes_away(force_N: FloatArray, pull: Pull) -> bool:
-    """Return whether a pull falls off sooner than it was loaded, as from a snag: nothing slid at any level."""
+def passes_away(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
+    """Return whether a pull falls off sooner than it was loaded, before a higher one, as from a snag: nothing slid."""
     high = np.flatnonzero(force_N[pull.start : pull.stop] > pull.base_N + HALF * (pull.top_N - pull.base_N))
     top = int(np.argmax(force_N[pull.start : pull.stop]))
-    return (
-        pull.unloads and int(np.count_nonzero(high > top)) < int(np.count_nonzero(high <= top)) + FEW_BLOCKS
-    )
+    if not pull.unloads or np.count_nonzero(high > top) >= np.count_nonzero(high <= top) + FEW_BLOCKS:
+        return False
+    return other.top_N > pull.top_N and comes_off(force_N, pull, other)
 
 
 def bumps_of(force_N: FloatArray, time_s: FloatArray, pull: Pull) -> list[Fall]:

@@ -347,7 +347,9 @@ def _wears_in(force_N: FloatArray, place: _Place) -> bool:
     # What was loaded for long was neither hit nor hung on, and one that sticks is loaded again at the machine's rate.
     slides = loading_rate(force_N, fall.bottom, top) < STICKS * place.own_rate
     long = 2 * (fall.top - half_climb(force_N, fall.start, fall.top)) > LONG * (top - fall.top)
-    fell = fall.drop_N >= LEAST_DROP * (fall.top_N - pull.base_N)
+    # Friction holds what slides; what falls nearly to where it was loaded from hung on a snag.
+    part = fall.drop_N / max(fall.top_N - pull.base_N, TINY)
+    fell = LEAST_DROP <= part < 1.0 - BACK
     if slides and long and fell and place.growth < GROWTH:
         return True
     # A bump, or weights hung on, rise faster than the motor loads, which takes longer to come to the same force.

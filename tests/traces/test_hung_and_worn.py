@@ -122,6 +122,14 @@ def test_a_load_that_comes_on_at_once_does_not_wear_in(end_N):
     assert found.status is not Status.OK, found.peak_N
 
 
+@pytest.mark.parametrize("snag_N", [80.0, 90.0])
+def test_a_snag_before_a_slower_climb_to_a_higher_force_does_not_wear_in(snag_N):
+    """Nothing of it stays but the weights, and what slides keeps its friction."""
+    snag = ((0.0, 0.0), (0.35, 0.0), (0.5, 0.6 * snag_N), (0.74, snag_N), (0.78, 19.0), (0.95, 19.0))
+    found = picked(drawn(*snag, (2.03, 100.0), (2.034, 75.0), (6.0, 75.0)))
+    assert found.status is not Status.OK or found.peak_N == pytest.approx(100.0, rel=0.005), found.peak_N
+
+
 @pytest.mark.parametrize(("first_N", "drop_N"), [(92.0, 17.0), (84.0, 15.0), (95.0, 8.0)])
 def test_a_slip_before_a_larger_one_from_a_higher_force_is_not_said_to_be_the_first_full_one(first_N, drop_N):
     """All that the motor turns goes into the spring until then: it may be partial, or an obstacle came later."""

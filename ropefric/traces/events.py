@@ -51,7 +51,8 @@ STANDS, SLOPE_SIGMAS = 0.3, 7.0
 """A rope at rest is loaded at less than this part of the machine's rate, which is so many times its uncertainty."""
 LEAST, ONE_LEVEL = 8, 0.8
 """A stretch at rest has so many blocks; a step in it leaves less than this part of what a line leaves."""
-TINIEST = 1e-300
+TINY = 1e-300
+"""Nothing is divided by less."""
 UPPER, STEP, AT_ONCE = 0.75, 0.02, 0.5
 """Parts of a climb: above the first only the machine loads, and what is hung on is more than the second; it comes on
 in less than the last part of the time until the motor loads."""
@@ -221,7 +222,7 @@ def _fall(
             far = min(top + step + max(SHORTEST_HOLD, GOES_ON * step), last - wide)
             on_N = here_N - float(force_N[0] + (sums[far + wide] - sums[far]) / wide)
             small = top_N - here_N < LEAST_PEAK * (top_N - float(force_N[start]))
-            if on_N < top_N - here_N or not small:
+            if not small or on_N < top_N - here_N:
                 settled, has_settled = top + step, True
                 break
         step = max(step + 1, int(1.25 * step))
@@ -337,7 +338,7 @@ def motor_starts(force_N: FloatArray, pull: Pull, noise_N: float, swing: int) ->
         return start, 0
     upper = start + int(below[-1])
     rate = float(force_N[top] - force_N[upper]) / (top - upper)
-    if not TINIEST < rate < 1.0 / TINIEST:
+    if not TINY < rate < 1.0 / TINY:
         return start, 0
     # What was as high before, or nearly so, has slipped there.
     levels, most_N = [(base_N, start, start)], base_N + height_N / (1.0 + GROWTH)

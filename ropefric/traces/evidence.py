@@ -10,11 +10,11 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, median
 from ropefric.traces.breakaway import Status
-from ropefric.traces.events import LEAST_PEAK, Fall, as_loaded, half_climb, loading_rate
+from ropefric.traces.events import LEAST_PEAK, TINY, Fall, as_loaded, half_climb, loading_rate
 from ropefric.traces.noise import noise_std, runs_of
 from ropefric.traces.peak import WIDE_GAP
 from ropefric.traces.segments import PIECE_BLOCKS, Prepared, Sliding, roughness_N, sliding_after
-from ropefric.traces.slips import FEWEST_TEETH, LEAST_DROP, SMALL_GROWTH, TINY, Candidate
+from ropefric.traces.slips import FEWEST_TEETH, LEAST_DROP, SMALL_GROWTH, Candidate
 from ropefric.traces.trace import ForceTrace
 
 RESOLVED_SIGMAS = 4.0

@@ -15,6 +15,7 @@ from ropefric.traces.events import (
     SAME_KIND,
     SLIDES,
     STICKS,
+    TINY,
     UNLOADED,
     Fall,
     Pull,
@@ -56,8 +57,6 @@ LEAST_DROP = 0.04
 """The force of a rope that is held and creeps falls by some per cent."""
 LARGER = 1.2
 _RANGE = 0.004
-TINY = 1e-300
-"""Nothing is divided by less."""
 
 
 class Candidate(NamedTuple):

@@ -16,6 +16,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, median
 from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
+from ropefric.traces.doubts import with_its_top
 from ropefric.traces.events import (
     FAST,
     GROWTH,
@@ -95,6 +96,8 @@ BRIEF = 0.25
 NO_MOTOR = 5.0
 """What creeps when the motor stops falls no faster than it was loaded, and a motor lets down not so many times faster
 to a level that is still high."""
+RELAXES, RELAXED = 0.4, 0.2
+"""A held rope relaxes from a corner on, far more slowly than it was loaded, and by no more than a fifth."""
 BRIEFLY = 0.2
 """What stood at its top for less than the machine loads by this part of the fall may have slipped there."""
 KNOCKED = 0.2
@@ -213,7 +216,7 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
     if bumps or prepared.knocks:
         events = (*prepared.knocks, *bumps, *found.events)
         found = replace(found, events=tuple(sorted(events, key=lambda event: event.time_s)))
-    return with_its_zero(trace, prepared, found, settings)
+    return with_its_zero(trace, prepared, with_its_top(prepared, found), settings)
 
 
 def _slides_above(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
@@ -445,7 +448,8 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     # It may settle little by little.
     drop_N = max(fall.drop_N, fall.top_N - sliding.onset_N)
     if drop_N < LEAST_DROP * candidate.height_N and quiet:
-        if (flat == "rounded" and not short) or wanders(prepared, candidate, sliding):
+        faster = flat == "sharp" and times > OTHER_RATE  # than a load is taken back by creep or swings
+        if ((faster or flat == "rounded") and not short) or wanders(prepared, candidate, sliding):
             return _doubtful(prepared, [candidate], f"{seen}: sliding, or the creep of a held rope")
         return _held(prepared, sliding)
     # What a motor lets down goes on to nothing, as fast as it loads; what fell faster and stays, high up, to the end of
@@ -463,6 +467,8 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     if share < LEAST_SHARE or not (sharp or flat == "rounded"):
         why = f"{seen}, without roughness: sliding, or a load that was let down"
         return _doubtful(prepared, [candidate], why)
+    if flat == "sharp" and times < RELAXES and fall_s > LONGEST_FALL_S and share > 1.0 - RELAXED:
+        return _doubtful(prepared, [candidate], f"{seen}: sliding, or a held rope that relaxes")
     note = f"{seen}: a break-away, unless the motor was let back at that moment"
     return measured(replace(prepared, notes=(*prepared.notes, note)), settings, candidate, sliding)
 

@@ -45,6 +45,9 @@ TOOTH = 0.3
 """Smaller against the typical one, a fall is the creep or the echo of a tooth."""
 LARGEST = 1.5
 CLEAR = 0.1
+SAWTOOTH, LONGEST_RISE = 0.4, 4.0
+"""A slip takes less than the first part of the time in which the machine loads again; in a train no such time is so
+many times as long as they usually are."""
 
 
 def stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, sliding: Sliding) -> bool:
@@ -74,6 +77,8 @@ def stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidin
     if fall.drop_N > LEAST_DROP * height_N and len(teeth) >= LONG_TRAIN and _is_regular(teeth):
         return True
     waves = [g for g in candidate.later if g.top < sliding.stop]
+    if fall.drop_N > LEAST_PEAK * height_N and _is_sawtooth(force_N, [fall, *waves]):
+        return True
     return _is_loaded_by_the_machine(force_N, candidate, waves)
 
 
@@ -119,6 +124,16 @@ def _is_regular(teeth: list[Fall]) -> bool:
     drops = np.array([tooth.drop_N for tooth in teeth])
     apart = np.diff([float(tooth.top) for tooth in teeth])
     return all(float(np.abs(x - np.median(x)).mean()) < REGULAR * float(np.median(x)) for x in (drops, apart))
+
+
+def _is_sawtooth(force_N: FloatArray, falls: list[Fall]) -> bool:
+    """Return whether falls take far less time than the rises between them: what merely wanders goes up as fast as down."""
+    teeth = [g for g in falls if g.reloads and g.drop_N >= TOOTH * falls[0].drop_N]
+    if len(teeth) < LONG_TRAIN or teeth[0] is not falls[0]:
+        return False
+    rises = np.array([float(max(1, after.top - g.bottom)) for g, after in pairwise(teeth)])
+    parts = np.array([fall_blocks(force_N, g) for g in teeth[:-1]]) / rises
+    return bool(median(parts) < SAWTOOTH and parts[0] < 1.0 and rises.max() < LONGEST_RISE * median(rises))
 
 
 def loads_again(force_N: FloatArray, candidate: Candidate) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 from ropefric.arrays import FloatArray, median
 from ropefric.errors import InputError
 from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
+from ropefric.traces.events import TINY
 from ropefric.traces.segments import Prepared, Sliding, kinetic
 from ropefric.traces.smoothing import average_over_samples, window_samples
 
@@ -21,7 +22,7 @@ LONGEST_WINDOW_S = 0.02
 
 LONGEST_WINDOW = 0.02
 """The same as a part of the upper half of the climb, for slow recordings."""
-SHORTEST_TOP, FEWEST_ON_A_LINE = 8, 3
+SHORTEST_TOP, FEWEST_ON_A_LINE, FEWEST_BELOW_A_TOP = 8, 3, 5
 TOP_SIGMAS = 10.0
 """The slope at a top is read where the climb rises by so many standard deviations of the noise."""
 
@@ -155,7 +156,11 @@ def measure_peak(
     used_s = n_window * step_s
     noise_N = _smoothed_noise_N(force_N[:n_rest], noise_std_N, n_window)
     above_N, std_N = _of_a_maximum_N(
-        (rate_N_s * step_s, top_rate_N_s * step_s), noise_std_N / math.sqrt(n_window), noise_N, n_window
+        (rate_N_s * step_s, top_rate_N_s * step_s),
+        noise_std_N / math.sqrt(n_window),
+        noise_N,
+        n_window,
+        is_line=n_window == 1 and top - where.loading >= FEWEST_BELOW_A_TOP,
     )
     if window_s is not None:  # what was asked for is given
         above_N, std_N = 0.0, math.hypot(std_N, above_N)
@@ -195,20 +200,22 @@ def _smoothed_noise_N(rest_N: FloatArray, noise_std_N: float, n_window: int) -> 
 
 
 def _of_a_maximum_N(
-    rises_N: tuple[float, float], white_N: float, noise_N: float, n_window: int
+    rises_N: tuple[float, float], white_N: float, noise_N: float, n_window: int, *, is_line: bool
 ) -> tuple[float, float]:
     """Return how far the maximum of a smoothed ramp that ends in a fall lies above its top, and its uncertainty [N].
 
     The maximum of noisy values lies above that of their means, for noise that changes along the top; the window and the
     time since the last sample put it below, but less where the top is rounder than the stretch that leads to it: the
-    more the climb bends, the rounder. The middle of the two is taken off where it lies above; the rest is uncertain.
+    more the climb bends, the rounder. The middle of the two is taken off where it lies above, or where nothing is
+    smoothed and the climb is known as a line; the rest is uncertain.
     """
     climb_N, rise_N = (max(rise, 0.0) for rise in rises_N)
-    if white_N <= 0.0:
+    if white_N <= 0.0 and not is_line:
         return 0.0, rise_N * math.sqrt(n_window**2 / 4.0 + 1.0 / 12.0)
     bends = rise_N / climb_N if climb_N > 0.0 else 1.0
     sharp_N, round_N = (_above_N(part * rise_N, white_N, n_window) for part in (1.0, ROUND * bends))
-    above_N = max(0.5 * (sharp_N + round_N), 0.0)
+    above_N = 0.5 * (sharp_N + round_N)
+    above_N = above_N if is_line else max(above_N, 0.0)
     left_N = max(abs(sharp_N - above_N), abs(round_N - above_N) / math.sqrt(3.0))
     std_N = noise_N * _at(rise_N, white_N, n_window, _STD_OF_MAXIMUM)
     return above_N, math.hypot(std_N, left_N, rise_N / math.sqrt(12.0))
@@ -219,7 +226,7 @@ def _above_N(rise_N: float, white_N: float, n_window: int) -> float:
 
 
 def _at(rise_N: float, white_N: float, n_window: int, table: tuple[float, ...]) -> float:
-    apart = math.log10(min(max(n_window * rise_N / white_N, 1e-3), 1e1))
+    apart = math.log10(min(max(n_window * rise_N / max(white_N, TINY), 1e-3), 1e1))
     return float(np.interp(apart, _APART, table))
 
 

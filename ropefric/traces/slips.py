@@ -19,6 +19,7 @@ from ropefric.traces.events import (
     UNLOADED,
     Fall,
     Pull,
+    as_loaded,
     half_climb,
     is_bump,
     loading_rate,
@@ -278,12 +279,22 @@ def _stops_early(place: _Place, loaded: list[Fall]) -> bool:
 
 
 def comes_off(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
-    """Return whether a pull that ended without sliding is followed by a higher one, or by another after a rest."""
+    """Return whether a pull that ended without sliding is followed by a higher one, or by another after a rest.
+
+    What the machine loaded again after its fall was not off.
+    """
+    rate, top = rate_of(force_N, pull), max(pull.falls, key=lambda g: g.top_N)
+    loaded_again = any(
+        g.top > top.top
+        and g.top_N - pull.base_N >= HALF * (top.top_N - pull.base_N)
+        and as_loaded(g.top_N - float(force_N[g.start]), rate, g.top - g.start)
+        for g in pull.falls
+    )
     off, again = pull.falls[-1].settled, other.start + int(np.argmax(force_N[other.start : other.stop]))
     base_N = pull.base_N + TALL * (pull.top_N - pull.base_N)
     loaded = int(np.count_nonzero(force_N[pull.start : off] >= base_N))
     rests = int(np.count_nonzero(force_N[off:again] < base_N)) > 0.5 * loaded
-    return other.top_N >= (LARGER if not rests else 0.5) * pull.top_N
+    return other.top_N >= (0.5 if rests and not loaded_again else LARGER) * pull.top_N
 
 
 def passes_away(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
@@ -354,6 +365,8 @@ def _wears_in(force_N: FloatArray, place: _Place) -> bool:
     # A bump, or weights hung on, rise faster than the motor loads, which takes longer to come to the same force.
     passed = _passes(force_N[: top + 1], fall)
     back = _turned_on(force_N[: top + 1], fall, place.own_rate)
+    if place.higher and all(g.drop_N < LEAST_DROP * (g.top_N - pull.base_N) for g in place.higher):
+        top = fall.bottom + int(np.argmax(force_N[fall.bottom : pull.stop]))
     return top > passed and back < COMES_BACK and loading_rate(force_N, passed, top) < GIVES * place.own_rate
 
 
@@ -403,7 +416,10 @@ def _is_passed(force_N: FloatArray, place: _Place) -> bool:
         return True
     if _is_before_the_ramp(force_N, fall, later, own_rate):
         return True
-    if _goes_on(force_N[fall.top : pull.stop], fall, pull.base_N, rate):
+    # What slipped again and again at no higher a force slid, whatever came on later; what swings dies away.
+    again = [g for g in between if g.reloads and not _is_echo(force_N, g, own_rate)]
+    slid = len(again) >= TRAIN and again[-1].drop_N >= SAME_KIND * again[0].drop_N
+    if not slid and _goes_on(force_N[fall.top : pull.stop], fall, pull.base_N, rate):
         return True
     # Hung weights bounce and come to rest, and later the motor loads on.
     ends = not higher and growth > SMALL_GROWTH  # while it still climbs

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ropefric.arrays import FloatArray, IntArray, median
-from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
+from ropefric.traces.breakaway import Breakaway, PickSettings, Status
+from ropefric.traces.doubts import as_read, either
 from ropefric.traces.events import LEAST, half_climb, parted, still
 from ropefric.traces.noise import runs_of
 from ropefric.traces.peak import WIDE_GAP
@@ -114,31 +115,6 @@ def _with_level(
     return either(result, events, why)
 
 
-def as_read(result: Breakaway) -> ForceEvent:
-    """Return the break-away of a result as a candidate."""
-    return ForceEvent(
-        kind="break-away",
-        time_s=result.peak_time_s,
-        force_N=result.peak_N,
-        drop_N=result.drop_N,
-        fall_s=0.0,
-        evidence="as read",
-    )
-
-
-def either(result: Breakaway, events: list[ForceEvent], why: str) -> Breakaway:
-    """Return a result that leaves open which of some forces is F_A."""
-    return Breakaway(
-        status=Status.DOUBTFUL,
-        detail=f"{' or '.join(f'{event.force_N:.4g} N' for event in events)}: {why}",
-        noise_std_N=result.noise_std_N,
-        candidates=tuple(events),
-        events=result.events,
-        notes=result.notes,
-        phases=result.phases,
-    )
-
-
 def _below_nothing(blocks: Blocks, rests: list[tuple[int, int]], peak_N: float) -> tuple[float, float]:
     """Return the level of a rope at rest that reads less than nothing, and a lower one after a load; 0 for none.
 
@@ -170,10 +146,12 @@ def _with_drift(
     elif wrong_N + 2.0 * std_N > UNKNOWN * result.peak_N:
         why = f"the rope rests too briefly to exclude a drift of the zero of {wrong_N + 2.0 * std_N:.2g} N"
     if why and (again := _at_rest_again(blocks, rests, result)):
-        change_N, change_std_N, part = again
+        change_N, change_std_N, part, earlier_N = again
         small_N = SMALL_ZERO * result.peak_N
         # A drift that was seen should be there still; a tension that is left may hide a part of it, but not all.
         is_gone = not is_seen or part * change_N * math.copysign(1.0, drift_N) < RETURNED * abs(drift_N)
+        # A load that was taken off again may hide all of it: from before that it went on.
+        is_gone &= not any(abs(other_N - drift_N) < 0.5 * abs(drift_N) for other_N in earlier_N if is_seen)
         if is_gone and abs(change_N) + 2.0 * change_std_N < small_N:
             u_N = math.hypot(result.peak_std_N, change_std_N, change_N / math.sqrt(3.0))
             return replace(result, peak_std_N=u_N), ""
@@ -320,10 +298,11 @@ def _pieces(
 
 def _at_rest_again(
     blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway
-) -> tuple[float, float, float] | None:
+) -> tuple[float, float, float, list[float]] | None:
     """Return by how much the rope rests at another level at the end, ± what, and the part of it due at the peak.
 
-    Another level may be a tension that was left, or a drift; the same level says that there is no drift.
+    Another level may be a tension that was left, or a drift; the same level says that there is no drift. And that part
+    of the change since each of the stretches before the last one [N].
     """
     back_N = blocks.force_N[::-1]
     down = int(np.argmax(back_N >= 0.5 * result.peak_N))
@@ -340,7 +319,12 @@ def _at_rest_again(
     std_N = math.sqrt((before_N.var(ddof=1) + after_N.var(ddof=1)) / PIECES)
     since_s = result.peak_time_s - float(blocks.time_s[slice(*rests[0])].mean())
     part = since_s / float(after_s.mean() - before_s.mean())
-    return float(after_N.mean() - before_N.mean()), std_N, part
+    last_N, last_s = float(after_N.mean()), float(after_s.mean())
+    earlier_N = [
+        (last_N - float(blocks.force_N[a:b].mean())) * since_s / (last_s - float(blocks.time_s[a:b].mean()))
+        for a, b in rests[:-1]
+    ]
+    return last_N - float(before_N.mean()), std_N, part, earlier_N
 
 
 def _means(blocks: Blocks, first: int, count: int, n: int) -> tuple[FloatArray, FloatArray]:

@@ -20,6 +20,7 @@ CLIMBS = 0.25
 MAX_DROPOUT_SAMPLES = 40
 SPIKE_SIGMAS, STANDS_OUT = 8.0, 4.0
 """A spike jumps by so many times the noise, and by so many times any step beside it."""
+CHANCE_SIGMAS = 5.0
 REJOINS = 0.4
 """A spike comes back to within this part of its height: it may fall into the very moment of a slip."""
 NEIGHBOURS = 5
@@ -230,7 +231,9 @@ def _excursion_end(values: FloatArray, steps: FloatArray, start: int, noise: flo
         middle = 0.5 * float(values[stop] + values[start - 1])
         height = float(np.abs(values[start:stop] - middle).max())
         rejoins = gap <= max(6.0 * noise, (length + 1) * usual, REJOINS * height)
-        if rejoins and min(abs(out), abs(back)) > STANDS_OUT * usual:
+        # Of white noise alone the steps beside it are as large by chance.
+        least = STANDS_OUT * max(usual, 0.0) if usual > CHANCE_SIGMAS * noise else SPIKE_SIGMAS * noise
+        if rejoins and min(abs(out), abs(back)) > least:
             return int(stop)
     return 0
 

@@ -83,7 +83,7 @@ def peak_result(
     two_line = settings.peak == "two-line" and bool(np.isfinite(peak.two_line_N))
     if not two_line and settings.peak == "two-line":
         notes.append("too few samples for the two-line fit; the smoothed peak is given")
-    gap_s = _gap_beside_s(prepared.time_s, peak.peak_time_s)
+    gap_s = gap_beside_s(prepared.time_s, peak)
     if gap_s:
         notes.append(
             f"there is a gap of {1000 * gap_s:.3g} ms in the samples next to the peak: the force may have been "
@@ -113,11 +113,12 @@ def peak_result(
     )
 
 
-def _gap_beside_s(time_s: FloatArray, peak_s: float) -> float:
-    """Return the length of a gap in the samples next to the peak [s]; 0 where there is none."""
-    index = int(np.searchsorted(time_s, peak_s))
-    steps_s = np.diff(time_s[max(0, index - 2) : index + 4])
+def gap_beside_s(time_s: FloatArray, peak: Breakaway) -> float:
+    """Return the length of a gap in the samples next to a peak [s], or at the end of its window; 0 where there is none."""
+    index = int(np.searchsorted(time_s, peak.peak_time_s))
     usual_s = np.median(np.diff(time_s[max(0, index - 250) : index + 250]))
+    half = round(0.5 * peak.window_s / max(usual_s, TINY))
+    steps_s = np.diff(time_s[max(0, index - 2) : index + half + 4])
     longest_s = float(steps_s.max(initial=0.0))
     return longest_s if longest_s > WIDE_GAP * usual_s else 0.0
 

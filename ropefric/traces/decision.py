@@ -21,6 +21,7 @@ from ropefric.traces.events import (
     FAST,
     GROWTH,
     LEAST_PEAK,
+    SHORTEST_HOLD,
     TINY,
     UNLOADED,
     Fall,
@@ -102,6 +103,8 @@ BRIEFLY = 0.2
 """What stood at its top for less than the machine loads by this part of the fall may have slipped there."""
 KNOCKED = 0.2
 """What an impact leaves behind swings by less than this part of it."""
+STOOD = 0.1
+"""A rounded top withholds less than this part of the climb from the rope."""
 MUCH = 1.5
 SOON = 4.0
 """A rope slides for longer than so many times the climb."""
@@ -301,6 +304,9 @@ def _of_pull(
         result = _doubtful(prepared, candidates[:1], why)
     else:
         result = _assessed(prepared, settings, candidates[0], later)
+        if result.status is Status.OK and _stood_N(prepared.blocks, candidates[0]) > STOOD * height_N:
+            why = "the force stands at its top before it falls: it was held, or the sensor is at its limit"
+            result = _doubtful(prepared, candidates[:1], why)
     return replace(result, events=(*events, *result.events)) if events else result
 
 
@@ -484,6 +490,17 @@ def _withheld_N(blocks: Blocks, candidate: Candidate) -> float:
     band_N = max(4.0 * blocks.noise_N, LEAST_PEAK * candidate.height_N)
     stood = np.count_nonzero(force_N[fall.start : fall.settled] > fall.top_N - band_N)
     return candidate.rate * float(stood) - band_N
+
+
+def _stood_N(blocks: Blocks, candidate: Candidate) -> float:
+    """Return by how much the machine would have loaded on while a force stood at its top, with a corner before it [N]."""
+    fall, withheld_N = candidate.fall, _withheld_N(blocks, candidate)
+    brief = withheld_N + 4.0 * blocks.noise_N < SHORTEST_HOLD * candidate.rate
+    # A weight that is hung on stands, too.
+    upper = fall.top - half_climb(blocks.force_N, candidate.pull.start, fall.top)
+    jumped = candidate.rate * upper > LARGER * candidate.height_N
+    stood = not brief and not jumped and flat_top(blocks.force_N, fall, blocks.noise_N) == "held"
+    return withheld_N if stood else 0.0
 
 
 def _may_be_let_down(force_N: FloatArray, candidate: Candidate, slowest: float = 0.0) -> bool:

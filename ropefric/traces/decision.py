@@ -99,6 +99,8 @@ NO_MOTOR = 5.0
 to a level that is still high."""
 RELAXES, RELAXED = 0.4, 0.2
 """A held rope relaxes from a corner on, far more slowly than it was loaded, and by no more than a fifth."""
+FAR_SHARE, NO_MOTOR_AT_ALL = 0.4, 15.0
+"""Nor is a load let down so many times faster and stopped before less than this part of it is left."""
 BRIEFLY = 0.2
 """What stood at its top for less than the machine loads by this part of the fall may have slipped there."""
 KNOCKED = 0.2
@@ -444,10 +446,13 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     )
     quiet = is_quiet(prepared, candidate, sliding)
     lively = fall.reloads or not quiet
-    if fast and not short and share >= LEAST_SHARE:
+    deep = FAR_SHARE <= share < LEAST_SHARE and times > NO_MOTOR_AT_ALL and flat != "held"
+    if not short and (deep or (fast and share >= LEAST_SHARE)):
         return measured(prepared, settings, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
         if share >= LEAST_SHARE and (no_motor and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N):
+            if not short:
+                return measured(prepared, settings, candidate, sliding)
             return _doubtful(prepared, [candidate], f"{seen}, after a moment at its top: a slip, or let down")
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
         return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)

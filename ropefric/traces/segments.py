@@ -39,7 +39,7 @@ SHORTEST_IDLE = 12
 """Fewer blocks at rest do not show how much the force wanders."""
 AT_REST = 0.3
 """A recording that begins above this part of its range does not begin at rest."""
-FEW_PIECES = 4
+FEW_PIECES, ROUGHER = 4, 3.0
 PIECE_BLOCKS = 25
 """A tenth of a second at three kilohertz: drift is slow against it."""
 
@@ -102,7 +102,7 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
     if force_N.size < MIN_SAMPLES:
         return None
     step_N = resolution(force_N)
-    noise_N = noise_std(force_N, step_N)
+    noise_N = _noise_before_sliding(force_N, noise_std(force_N, step_N), step_N)
     stuck = _between_limits(find_stuck(force_N, step_N, noise_N), force_N, trace)
     if len(stuck):
         noise_N = noise_std(np.delete(force_N, np.concatenate([np.arange(*run) for run in stuck])))
@@ -152,6 +152,15 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
     )
 
 
+def _noise_before_sliding(force_N: FloatArray, noise_N: float, step_N: float) -> float:
+    """Return the noise of a recording, or up to its highest force where that is far less: sliding is rough itself."""
+    before = force_N[: int(np.argmax(force_N)) + 1]
+    if before.size < MIN_SAMPLES:
+        return noise_N
+    own_N = noise_std(before, step_N)
+    return own_N if noise_N > ROUGHER * own_N > 0.0 else noise_N
+
+
 def _between_limits(stuck: IntArray, force_N: FloatArray, trace: ForceTrace) -> IntArray:
     """Return the stuck stretches that are not at a limit of the converter, which is another matter."""
     if trace.saturation is None or not len(stuck):
@@ -170,7 +179,8 @@ def _block_means(time_s: FloatArray, force_N: FloatArray, step_N: float) -> Bloc
     means = np.append(body, force_N[(m - 1) * size :].mean())
     # A converter coarser than its noise repeats itself, so that averaging helps less than by the square root; hum and
     # slow noise hardly average out at all, which a rope at rest shows.
-    noise_N = max(noise_std(means), step_N / np.sqrt(12.0 * size))
+    floor_N = float(step_N / np.sqrt(12.0 * size))
+    noise_N = max(_noise_before_sliding(means, noise_std(means), floor_N), floor_N)
     away = np.abs(means - median(means[:SHORTEST_IDLE])) > DROP_SIGMAS * noise_N
     away[:-2] &= away[1:-1] & away[2:]
     idle = int(np.argmax(away)) if away.any() else 0

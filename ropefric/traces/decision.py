@@ -107,6 +107,7 @@ KNOCKED = 0.2
 """What an impact leaves behind swings by less than this part of it."""
 STOOD = 0.1
 """A rounded top withholds less than this part of the climb from the rope."""
+COARSER = 5.0
 MUCH = 1.5
 SOON = 4.0
 """A rope slides for longer than so many times the climb."""
@@ -183,9 +184,25 @@ def _before_separation(trace: ForceTrace, prepared: Prepared, settings: PickSett
 
 
 def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
-    """Find the static peak of a recording that goes on to slide."""
+    """Find the static peak of a recording that goes on to slide: at the finest scale, or where that is in doubt, wider.
+
+    Ripples on the way down part a fall, of which the first piece says little.
+    """
+    found = _at_scale(trace, prepared, settings, 1.0)
+    one = found.candidates[0].force_N if len(found.candidates) == 1 else inf
+    if found.status is Status.NO_BREAKAWAY:
+        one = float(prepared.blocks.force_N.max())
+    if np.isfinite(one):
+        wider = _at_scale(trace, prepared, settings, COARSER)
+        if wider.status is Status.OK and abs(wider.peak_N - one) <= LEAST_PEAK * one:
+            found = wider
+    return with_its_zero(trace, prepared, with_its_top(prepared, found), settings)
+
+
+def _at_scale(trace: ForceTrace, prepared: Prepared, settings: PickSettings, scale: float) -> Breakaway:
+    """Find the static peak among the falls of a size."""
     force_N = prepared.blocks.force_N
-    pulls = found_pulls(prepared, settings)
+    pulls = found_pulls(prepared, settings, scale)
     tall_N = TALL * max(pull.top_N - pull.base_N for pull in pulls)
     pulls = [pull for pull in pulls if pull.top_N - pull.base_N >= tall_N]
     found: Breakaway | None = None
@@ -221,7 +238,7 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
     if bumps or prepared.knocks:
         events = (*prepared.knocks, *bumps, *found.events)
         found = replace(found, events=tuple(sorted(events, key=lambda event: event.time_s)))
-    return with_its_zero(trace, prepared, with_its_top(prepared, found), settings)
+    return found
 
 
 def _slides_above(force_N: FloatArray, pull: Pull, other: Pull) -> bool:

@@ -526,10 +526,10 @@ def _slides_or_reloads(pull: Pull, fall: Fall) -> bool:
 
 
 @lru_cache(maxsize=1)  # the first break-away and the teeth after it are looked for in the same pulls
-def found_pulls(prepared: Prepared, settings: PickSettings) -> list[Pull]:
-    """Return every pull of a recording, with the falls that are worth a look."""
+def found_pulls(prepared: Prepared, settings: PickSettings, scale: float = 1.0) -> list[Pull]:
+    """Return every pull of a recording, with the falls that are worth a look, or so many times larger ones."""
     blocks = prepared.blocks
-    return pulls_of(blocks.force_N, least_fall_N(prepared, settings), blocks.noise_N)
+    return pulls_of(blocks.force_N, scale * least_fall_N(prepared, settings), blocks.noise_N)
 
 
 def slips_of(prepared: Prepared, settings: PickSettings) -> list[Candidate]:

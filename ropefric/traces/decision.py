@@ -107,7 +107,7 @@ KNOCKED = 0.2
 """What an impact leaves behind swings by less than this part of it."""
 STOOD = 0.1
 """A rounded top withholds less than this part of the climb from the rope."""
-COARSER = 5.0
+COARSER = 5.0, 15.0
 MUCH = 1.5
 SOON = 4.0
 """A rope slides for longer than so many times the climb."""
@@ -189,13 +189,16 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
     Ripples on the way down part a fall, of which the first piece says little.
     """
     found = _at_scale(trace, prepared, settings, 1.0)
-    one = found.candidates[0].force_N if len(found.candidates) == 1 else inf
-    if found.status is Status.NO_BREAKAWAY:
-        one = float(prepared.blocks.force_N.max())
-    if np.isfinite(one):
-        wider = _at_scale(trace, prepared, settings, COARSER)
+    blocks, one = prepared.blocks, inf
+    if len(found.candidates) == 1:
+        one = found.candidates[0].force_N
+    elif found.status is Status.NO_BREAKAWAY:
+        one = float(blocks.force_N.max())
+    for scale in COARSER if np.isfinite(one) else ():
+        wider = _at_scale(trace, prepared, settings, scale)
         if wider.status is Status.OK and abs(wider.peak_N - one) <= LEAST_PEAK * one:
             found = wider
+            break
     return with_its_zero(trace, prepared, with_its_top(prepared, found), settings)
 
 

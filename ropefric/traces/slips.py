@@ -47,7 +47,7 @@ HALF = 0.5
 FULL, MORE = 0.16, 0.85
 """A slip by which the force falls by more than this part is no partial one, where it does not grow by so much more."""
 AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
-SWINGS = 4
+SWINGS, MANY_TIMES = 4, 3.0
 GIVES, COMES_BACK, LONG = 0.8, 3.0, 0.2
 """A rope that slides and wears in gives way: the force grows that much slower, after a climb that took some time."""
 ARRIVED = 0.9
@@ -119,7 +119,20 @@ def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Cand
         earlier = [g for g in passed if _is_contested(force_N, pull, g, fall)]
         if earlier:
             return [Candidate(pull, earlier[0], rate, falls[falls.index(earlier[0]) + 1 :]), first]
+        rivals = rivals or (_far_larger(pull, fall, falls[i + 1 :]) if len(like_it) >= 2 else [])
         return [first, Candidate(pull, rivals[0], rate, rivals[1:])] if rivals else [first]
+    return []
+
+
+def _far_larger(pull: Pull, fall: Fall, later: list[Fall]) -> list[Fall]:
+    """Return the falls from the one on that begins higher than a small one and is far larger, yet no unloading."""
+    height_N = fall.top_N - pull.base_N
+    if fall.drop_N > FULL * height_N:
+        return []
+    for j, g in enumerate(later):
+        far = g.top_N > fall.top_N + LITTLE * height_N and g.drop_N > MANY_TIMES * fall.drop_N
+        if far and _slides_or_reloads(pull, g):
+            return later[j:]
     return []
 
 

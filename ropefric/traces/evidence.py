@@ -23,7 +23,7 @@ FEWEST_PIECES, WANDER = 5, 3.0
 HIGHER, ENOUGH = 1.25, 0.25
 """A peak is so much higher than any wiggle of what slides, in a stretch of at least this part of the climb."""
 QUIET_SIGMAS = 1.5
-SWING, SETTLES, DAMPED, UNDAMPED, HALF_PERIODS = 2.0, 3.0, 0.2, 1.1, 5.0
+SWING, SETTLES, DAMPED, UNDAMPED, HALF_PERIODS = 2.0, 3.0, 0.1, 1.1, 5.0
 """A swing passes its level as fast up as down, falls below it, hardly further than it rose, and follows a load that
 comes on within few periods; up faster where the load still comes on."""
 OVERSHOOT = 2.0
@@ -196,7 +196,7 @@ def swings(prepared: Prepared, fall: Fall, sliding: Sliding, rate: float = 0.0) 
         and _largest_fall_N(after[: 6 * (bottom - fall.top)])
         < DIES * (fall.top_N - bottom_N) + RESOLVED_SIGMAS * prepared.blocks.noise_N
     )
-    stops = fall.drop_N < rate * fall_blocks(force_N, fall)
+    stops = fall.drop_N < rate * (fall_blocks(force_N, fall) + 2)  # which is known to two blocks
     even = rising <= SWING * falling and falling <= SETTLES * rising
     return quiet and even and (stops or lasts <= HALF_PERIODS * (rising + falling))
 

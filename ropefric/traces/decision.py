@@ -466,7 +466,9 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     )
     quiet = is_quiet(prepared, candidate, sliding)
     lively = fall.reloads or not quiet
-    deep = FAR_SHARE <= share < LEAST_SHARE and times > NO_MOTOR_AT_ALL and flat != "held"
+    # What a slip takes off swings back.
+    slid = max(share, (sliding.level_N - pull.base_N) / candidate.height_N)
+    deep = share < LEAST_SHARE and slid >= FAR_SHARE and times > NO_MOTOR_AT_ALL and flat != "held"
     if not short and (deep or (fast and share >= LEAST_SHARE)):
         return measured(prepared, settings, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):

@@ -25,7 +25,9 @@ def with_its_top(prepared: Prepared, result: Breakaway) -> Breakaway:
     if result.status is not Status.OK:
         return result
     hidden_N = max(result.loading_rate_N_s, 0.0) * gap_beside_s(prepared.time_s, result)
-    hidden_N = min(hidden_N, result.peak_N - result.kinetic_N) if result.kinetic_N < result.peak_N else hidden_N
+    hidden_N = (
+        min(hidden_N, result.peak_N - result.kinetic_N) if result.kinetic_N < result.peak_N else hidden_N
+    )
     if hidden_N > HIDES * abs(result.peak_N) and _climbs_on(prepared, result):
         highest = replace(as_read(result), force_N=result.peak_N + hidden_N, evidence="climbed on in the gap")
         why = "there is a gap in the samples next to the peak, in which the force may have been higher"
@@ -73,7 +75,9 @@ def _climbs_on(prepared: Prepared, result: Breakaway) -> bool:
     rising = force_N > 0.5 * result.peak_N
     if np.count_nonzero(rising) < BEFORE:
         return False
-    slopes = [np.polyfit(time_s[part], force_N[part], 1)[0] for part in (slice(None), slice(BEFORE // 2, None))]
+    slopes = [
+        np.polyfit(time_s[part], force_N[part], 1)[0] for part in (slice(None), slice(BEFORE // 2, None))
+    ]
     return min(slopes) > STRAIGHT * result.loading_rate_N_s
 
 

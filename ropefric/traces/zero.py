@@ -17,7 +17,7 @@ from ropefric.traces.trace import ForceTrace
 
 SMALL_ZERO, UNKNOWN, LARGE_ZERO = 0.02, 0.08, 0.12
 """Parts of F_A: a level at rest that matters, a drift that must be excluded, and what can only be a pretension."""
-JUMP_BLOCKS, JUMP_SIGMAS, SWINGS_BY = 6, 5.0, 0.1
+JUMP_BLOCKS, JUMP_SIGMAS, SWINGS_BY, LARGE_JUMP = 6, 5.0, 0.1, 0.4
 """A rope swings by more than the last part of a load that comes on at once."""
 BELOW_SIGMAS = 3.0
 BURST_SIGMAS, SHORT_REST = 4.0, 100
@@ -96,18 +96,33 @@ def _with_level(
         said = f"{zero_N:.4g} N at rest were taken off as the error of the zero"
         return _taken_off(result, zero_N, said)
     events = [read := as_read(result)]
-    for level_N, origin, what, zero, load in (
-        (zero_N, "at rest", f"reads {zero_N:.3g} N", "that is an error of the zero", "a pretension"),
+    for level_N, largest, origin, what, zero, load in (
+        (
+            zero_N,
+            LARGE_ZERO,
+            "at rest",
+            f"reads {zero_N:.3g} N",
+            "that is an error of the zero",
+            "a pretension",
+        ),
         (
             left_N,
+            LARGE_ZERO,
             "after a load",
             f"reads {left_N:.3g} N after a load",
             "the zero shifted",
             "the load left that",
         ),
-        (step_N, "before a jump", f"jumps by {step_N:.3g} N at once", "the zero did", "a load came on"),
+        (
+            step_N,
+            LARGE_JUMP,
+            "before a jump",
+            f"jumps by {step_N:.3g} N at once",
+            "the zero did",
+            "a load came on",
+        ),
     ):
-        if not why and SMALL_ZERO * result.peak_N < abs(level_N) < LARGE_ZERO * result.peak_N:
+        if not why and SMALL_ZERO * result.peak_N < abs(level_N) < largest * result.peak_N:
             other_N = result.peak_N - level_N
             events.append(replace(read, force_N=other_N, evidence=f"from the level {origin}"))
             why = f"the rope at rest {what}: {ASK.format(zero, load)}"
@@ -201,6 +216,9 @@ def _jump_N(prepared: Prepared, top: int) -> float:
     part = prepared.force_N[at * blocks.size : (at + 2 * n + 1) * blocks.size]
     steps = np.diff(part) * np.sign(jump_N)
     k = int(np.argmax(steps)) + 1
+    jumps = at * blocks.size + k
+    if any(first <= jumps <= last for first, last in prepared.stuck.tolist()):
+        return 0.0
     # In a gap of the samples the machine loads on.
     apart_s = np.diff(prepared.time_s[at * blocks.size : at * blocks.size + k + 1])
     if apart_s[-1] > WIDE_GAP * median(np.diff(prepared.time_s)):
@@ -231,9 +249,13 @@ def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
 def _is_at_rest(prepared: Prepared, start: int, stop: int) -> bool:
     """Return whether a stretch without a slope shows a rope at rest: neither a converter that stuck nor a burst of noise."""
     blocks = prepared.blocks
-    if any(first < stop * blocks.size and last > start * blocks.size for first, last in prepared.stuck.tolist()):
+    if any(
+        first < stop * blocks.size and last > start * blocks.size for first, last in prepared.stuck.tolist()
+    ):
         return False
-    return float(blocks.force_N[start:stop].std()) < BURST_SIGMAS * blocks.noise_N or stop - start > SHORT_REST
+    return (
+        float(blocks.force_N[start:stop].std()) < BURST_SIGMAS * blocks.noise_N or stop - start > SHORT_REST
+    )
 
 
 def drift(

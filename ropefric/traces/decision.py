@@ -10,13 +10,12 @@ decides, the result is `doubtful`, with the candidates.
 from dataclasses import replace
 from itertools import pairwise
 from math import inf
-from typing import Any
 
 import numpy as np
 
 from ropefric.arrays import FloatArray, median
 from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
-from ropefric.traces.doubts import as_read, either, with_its_top
+from ropefric.traces.doubts import with_its_top
 from ropefric.traces.events import (
     FAST,
     GROWTH,
@@ -32,27 +31,35 @@ from ropefric.traces.events import (
     motor_starts,
 )
 from ropefric.traces.evidence import (
-    TOOTH,
     comes_on,
     fall_blocks,
     hidden,
     is_quiet,
     loads_again,
-    quiet_N,
     stands_out,
     swings,
     wanders,
 )
 from ropefric.traces.peak import peak_result
+from ropefric.traces.results import (
+    FLAT_BLOCKS,
+    as_read,
+    doubtful,
+    either,
+    event_of,
+    held_rope,
+    levels_off,
+    measured,
+    no_peak,
+    too_short,
+    without_force,
+)
 from ropefric.traces.segments import (
-    MIN_SAMPLES,
     Blocks,
     Prepared,
     Sliding,
-    kinetic,
     phases_of,
     prepare,
-    roughness_N,
     sliding_after,
 )
 from ropefric.traces.slips import (
@@ -70,12 +77,10 @@ from ropefric.traces.slips import (
     passes_away,
     rate_of,
     smallest_drop_N,
-    typical_drop_N,
 )
 from ropefric.traces.trace import ForceTrace
 from ropefric.traces.zero import with_its_zero
 
-FLAT_BLOCKS = 8
 SWING_S = 0.05
 """What swings around a level is at rest in the mean over so long [s]."""
 CLEARLY_HIGHER = 0.02
@@ -130,21 +135,6 @@ def pick_breakaway(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway
     return (too_short(trace, settings) if prepared is None else pick_prepared(trace, prepared, settings),)
 
 
-def too_short(trace: ForceTrace, settings: PickSettings) -> Breakaway:
-    """Return the result for a recording that `prepare` refused."""
-    n = int(np.isfinite(trace.force_N).sum())
-    part = " in the part looked at" if settings.start_s is not None or settings.stop_s is not None else ""
-    detail = f"{trace.force_N.size} samples, {n} of them usable{part}; at least {MIN_SAMPLES} are needed"
-    return Breakaway(status=Status.TOO_SHORT, detail=detail)
-
-
-def without_force(status: Status, detail: str, prepared: Prepared, **found: Any) -> Breakaway:
-    """Return a result without a force, with the reason."""
-    return Breakaway(
-        status=status, detail=detail, noise_std_N=prepared.noise_N, notes=prepared.notes, **found
-    )
-
-
 def pick_prepared(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
     """Return the break-away of a recording that is prepared already, see `pick_breakaway`."""
     force_N = prepared.blocks.force_N
@@ -172,7 +162,7 @@ def _before_separation(trace: ForceTrace, prepared: Prepared, settings: PickSett
     if unseen := hidden(trace, prepared, block, block + 1):
         return without_force(*unseen, prepared)
     if float(force_N[block]) - float(force_N[block:].min()) <= smallest_drop_N(prepared, settings):
-        return _levels_off(prepared, force_N)
+        return levels_off(prepared, force_N)
     return peak_result(
         prepared,
         settings,
@@ -238,9 +228,9 @@ def _at_scale(trace: ForceTrace, prepared: Prepared, settings: PickSettings, sca
             found = result if result.status is not Status.NO_BREAKAWAY else found
             break
         fall = pull.falls[-1]
-        bumps.append(_event(prepared, fall, "bump", "the force comes back, and a later pull goes higher"))
+        bumps.append(event_of(prepared, fall, "bump", "the force comes back, and a later pull goes higher"))
     if found is None:  # pragma: no cover - the highest pull is always among those looked at
-        return _levels_off(prepared, force_N)
+        return levels_off(prepared, force_N)
     if bumps or prepared.knocks:
         events = (*prepared.knocks, *bumps, *found.events)
         found = replace(found, events=tuple(sorted(events, key=lambda event: event.time_s)))
@@ -282,18 +272,6 @@ def _comes_free(candidate: Candidate) -> bool:
     return is_free and any(g.top_N >= LARGER * fall.top_N for g in candidate.later)
 
 
-def _event(prepared: Prepared, fall: Fall, kind: str, evidence: str = "") -> ForceEvent:
-    time_s = prepared.blocks.time_s
-    return ForceEvent(
-        kind=kind,
-        time_s=float(time_s[fall.top]),
-        force_N=fall.top_N,
-        drop_N=fall.drop_N,
-        fall_s=float(time_s[min(fall.settled, time_s.size - 1)] - time_s[fall.top]),
-        evidence=evidence,
-    )
-
-
 def _of_pull(
     trace: ForceTrace, prepared: Prepared, settings: PickSettings, pull: Pull, later: list[Pull]
 ) -> Breakaway:
@@ -326,26 +304,26 @@ def _of_pull(
         detail = f"what rises to {pull.top_N:.4g} N passes by and leaves no load"
         return without_force(Status.NO_BREAKAWAY, detail, prepared)
     if first is None:
-        return _levels_off(prepared, force_N[pull.start : pull.stop])
+        return levels_off(prepared, force_N[pull.start : pull.stop])
     events = [
-        _event(prepared, fall, "bump", "the force comes back to the line of its loading")
+        event_of(prepared, fall, "bump", "the force comes back to the line of its loading")
         if fall in bumps or fall.top < begins
-        else _event(prepared, fall, "partial-slip", "the loading goes on to a force well above")
+        else event_of(prepared, fall, "partial-slip", "the loading goes on to a force well above")
         for fall in whole
         if fall.top < first.top
     ]
     if len(candidates) > 1 and candidates[1].fall.top_N > (1 + EQUAL) * first.top_N:
-        result = _doubtful(prepared, candidates, "either the first full slip or a partial one before it")
+        result = doubtful(prepared, candidates, "either the first full slip or a partial one before it")
     elif _may_be_later(force_N, pull, falls):
         why = (
             f"the recording begins at {force_N[0]:.4g} N within a climb, as long as those of the later slips"
         )
-        result = _doubtful(prepared, candidates[:1], why)
+        result = doubtful(prepared, candidates[:1], why)
     else:
         result = _assessed(prepared, settings, candidates[0], later)
         if result.status is Status.OK and _stood_N(prepared.blocks, candidates[0]) > STOOD * height_N:
             why = "the force stands at its top before it falls: it was held, or the sensor is at its limit"
-            result = _doubtful(prepared, candidates[:1], why)
+            result = doubtful(prepared, candidates[:1], why)
     return replace(result, events=(*events, *result.events)) if events else result
 
 
@@ -354,12 +332,6 @@ def _may_be_later(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> bool:
     seen_N = falls[0].top_N - float(force_N[pull.start])
     rises_N = [after.top_N - fall.bottom_N for fall, after in pairwise(falls)]
     return pull.begun and max(rises_N, default=0.0) > AS_LONG * seen_N
-
-
-def _doubtful(prepared: Prepared, candidates: list[Candidate], why: str) -> Breakaway:
-    events = tuple(_event(prepared, candidate.fall, "break-away", why) for candidate in candidates)
-    forces = " or ".join(f"{event.force_N:.4g} N at {event.time_s:.4g} s" for event in events)
-    return without_force(Status.DOUBTFUL, f"{forces}: {why}", prepared, candidates=events)
 
 
 def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
@@ -387,7 +359,7 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
         return measured(prepared, settings, candidate, None)
     above_N = from_N - sliding.onset_N
     if settings.min_step_N is not None and max(above_N, fall.drop_N) < settings.min_step_N:
-        return _no_peak(prepared, candidate, sliding, f"less than min_step = {settings.min_step_N:.3g} N")
+        return no_peak(prepared, candidate, sliding, f"less than min_step = {settings.min_step_N:.3g} N")
     low = fall.drop_N < LEAST_PEAK * candidate.height_N
     if low or not stands_out(blocks.noise_N, force_N, candidate, sliding):
         return _without_peak(prepared, candidate, sliding)
@@ -397,7 +369,7 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
         return measured(prepared, settings, candidate, sliding)
     if much and swings(prepared, fall, sliding, candidate.rate):
         why = f"the force swings to {from_N:.4g} N and dies away: a load that comes on or stops, or a slip"
-        return _doubtful(prepared, [candidate], why)
+        return doubtful(prepared, [candidate], why)
     if (
         much
         and not stops
@@ -433,12 +405,12 @@ def _without_peak(prepared: Prepared, candidate: Candidate, sliding: Sliding) ->
         and is_quiet(prepared, candidate, sliding)
         and not wanders(prepared, candidate, sliding)
     ):
-        return _held(prepared, sliding)
+        return held_rope(prepared, sliding)
     if higher := next((g for g in candidate.later if g.top_N > higher_N), None):
         # What slides is not loaded on so far.
         two = [candidate, Candidate(candidate.pull, higher, candidate.rate, [])]
-        return _doubtful(prepared, two, "the first hardly stands out, and a far higher force follows")
-    return _no_peak(prepared, candidate, sliding, "no static peak stands out")
+        return doubtful(prepared, two, "the first hardly stands out, and a far higher force follows")
+    return no_peak(prepared, candidate, sliding, "no static peak stands out")
 
 
 def _is_outdone(force_N: FloatArray, candidate: Candidate, later: list[Pull], lasts: int) -> str:
@@ -486,13 +458,12 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     # What a slip takes off swings back.
     slid = max(share, (sliding.level_N - pull.base_N) / candidate.height_N)
     deep = share < LEAST_SHARE and slid >= FAR_SHARE and times > NO_MOTOR_AT_ALL and flat != "held"
-    if not short and (deep or (fast and share >= LEAST_SHARE)):
+    brief = flat == "held" and no_motor and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N
+    if not short and (deep or (share >= LEAST_SHARE and (fast or brief))):
         return measured(prepared, settings, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
-        if share >= LEAST_SHARE and (no_motor and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N):
-            if not short:
-                return measured(prepared, settings, candidate, sliding)
-            return _doubtful(prepared, [candidate], f"{seen}, after a moment at its top: a slip, or let down")
+        if share >= LEAST_SHARE and brief:
+            return doubtful(prepared, [candidate], f"{seen}, after a moment at its top: a slip, or let down")
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
         return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)
     # It may settle little by little.
@@ -500,25 +471,24 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     if drop_N < LEAST_DROP * candidate.height_N and quiet:
         faster = flat == "sharp" and times > OTHER_RATE  # than a load is taken back by creep or swings
         if ((faster or flat == "rounded") and not short) or wanders(prepared, candidate, sliding):
-            return _doubtful(prepared, [candidate], f"{seen}: sliding, or the creep of a held rope")
-        return _held(prepared, sliding)
+            return doubtful(prepared, [candidate], f"{seen}: sliding, or the creep of a held rope")
+        return held_rope(prepared, sliding)
     # What a motor lets down goes on to nothing, as fast as it loads; what fell faster and stays, high up, to the end of
     # the recording has slipped.
     stays = not slipped and share >= LEAST_SHARE and sliding.stop >= force_N.size - FEW_BLOCKS
     if short and not (stays and times > 1.0):
-        return _doubtful(prepared, [candidate], f"{seen} for a moment only")
+        return doubtful(prepared, [candidate], f"{seen} for a moment only")
     if lively and share >= UNLOADED and not _may_be_let_down(force_N, candidate):
         return measured(prepared, settings, candidate, sliding)
     if fall.drop_N < STEPS * blocks.resolution_N:
-        return _doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
+        return doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
-    brief = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
-    sharp = flat == "sharp" and (brief or bends or _is_let_down_later(force_N, fall, sliding, pull.base_N))
-    if share < LEAST_SHARE or not (sharp or flat == "rounded"):
-        why = f"{seen}, without roughness: sliding, or a load that was let down"
-        return _doubtful(prepared, [candidate], why)
-    if flat == "sharp" and times < RELAXES and fall_s > LONGEST_FALL_S and share > 1.0 - RELAXED:
-        return _doubtful(prepared, [candidate], f"{seen}: sliding, or a held rope that relaxes")
+    soon = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
+    sharp = flat == "sharp" and (soon or bends or _is_let_down_later(force_N, fall, sliding, pull.base_N))
+    relaxes = flat == "sharp" and times < RELAXES and fall_s > LONGEST_FALL_S and share > 1.0 - RELAXED
+    if relaxes or share < LEAST_SHARE or not (sharp or flat == "rounded"):
+        or_what = "a held rope that relaxes" if relaxes else "a load that was let down"
+        return doubtful(prepared, [candidate], f"{seen}, without roughness: sliding, or {or_what}")
     note = f"{seen}: a break-away, unless the motor was let back at that moment"
     return measured(replace(prepared, notes=(*prepared.notes, note)), settings, candidate, sliding)
 
@@ -537,7 +507,7 @@ def _withheld_N(blocks: Blocks, candidate: Candidate) -> float:
 
 
 def _stood_N(blocks: Blocks, candidate: Candidate) -> float:
-    """Return by how much the machine would have loaded on while a force stood at its top, with a corner before it [N]."""
+    """Return by how much the machine would have loaded on while a force stood at its top, after a corner [N]."""
     fall, withheld_N = candidate.fall, _withheld_N(blocks, candidate)
     brief = withheld_N + 4.0 * blocks.noise_N < SHORTEST_HOLD * candidate.rate
     # A weight that is hung on stands, too.
@@ -570,9 +540,9 @@ def _fell_away(prepared: Prepared, settings: PickSettings, candidate: Candidate)
     force_N, pull, fall = blocks.force_N, candidate.pull, candidate.fall
     height_N, to_the_end = candidate.height_N, pull.stop == force_N.size
     if to_the_end and not fall.sudden and fall.drop_N < LEAST_DROP * height_N:
-        return _levels_off(prepared, force_N[pull.start :])
+        return levels_off(prepared, force_N[pull.start :])
     up = force_N[pull.start : fall.top + 1]
-    before = _levels_off(prepared, up)
+    before = levels_off(prepared, up)
     stood = np.count_nonzero(up >= fall.top_N - 0.1 * height_N) >= LEVEL * up.size
     if stood and (before.status is Status.NO_PEAK or not fall.sudden):
         return before
@@ -585,87 +555,10 @@ def _fell_away(prepared: Prepared, settings: PickSettings, candidate: Candidate)
         settles = fall.drop_N >= LEAST_DROP * height_N and late_N <= SETTLING * fall.drop_N
         if high and not held and settles:
             return measured(prepared, settings, candidate, None)
-        return _doubtful(prepared, [candidate], "the recording ends before the force has settled")
+        return doubtful(prepared, [candidate], "the recording ends before the force has settled")
     at_s = float(blocks.time_s[fall.top])
     detail = (
         f"the force falls from {fall.top_N:.4g} N at {at_s:.4g} s without a stretch of sliding: motor stopped, or "
         'rope off. If these recordings end in a pull-off, set [protocol] ending = "separation".'
     )
     return without_force(Status.NO_BREAKAWAY, detail, prepared)
-
-
-def measured(
-    prepared: Prepared, settings: PickSettings, candidate: Candidate, sliding: Sliding | None
-) -> Breakaway:
-    """Return the result `ok` for a fall, with the slips that follow it."""
-    blocks, fall = prepared.blocks, candidate.fall
-    result = peak_result(
-        prepared,
-        settings,
-        climb=half_climb(blocks.force_N, fall.start, fall.top),
-        block=fall.top,
-        fallen=fall.settled,
-        sliding=sliding,
-        phases=phases_of(prepared, fall.top, sliding),
-    )
-    if sliding is None or not fall.slips:
-        return result
-    later = [g for g in candidate.pull.falls if fall.top < g.top < sliding.stop and g.slips]
-    least_N = TOOTH * typical_drop_N(later)
-    teeth = [fall, *(g for g in later if g.drop_N >= least_N)]
-    apart_s = np.diff([float(blocks.time_s[tooth.top]) for tooth in teeth])
-    return replace(
-        result, n_slips=len(teeth), recurrence_s=float(np.median(apart_s)) if apart_s.size else np.nan
-    )
-
-
-def _held(prepared: Prepared, sliding: Sliding) -> Breakaway:
-    held = f"the force stays at a quiet {sliding.level_N:.4g} N without a sudden drop: held, not slipping"
-    return without_force(Status.NO_BREAKAWAY, held, prepared)
-
-
-def _no_peak(prepared: Prepared, candidate: Candidate, sliding: Sliding, why: str) -> Breakaway:
-    top_N = candidate.fall.top_N
-    kinetic_N, kinetic_std_N = kinetic(prepared, sliding)
-    return without_force(
-        Status.NO_PEAK,
-        f"the largest force before sliding, {top_N:.4g} N, stands {top_N - sliding.onset_N:.2g} N above the sliding "
-        f"force of {sliding.onset_N:.4g} ± {sliding.scatter_N:.2g} N: {why}",
-        prepared,
-        kinetic_N=kinetic_N,
-        kinetic_std_N=kinetic_std_N,
-        phases=phases_of(prepared, candidate.fall.top, sliding),
-    )
-
-
-def _levels_off(prepared: Prepared, force_N: FloatArray) -> Breakaway:
-    """Return what a force that did not drop means: still loading, held, or slid without a peak."""
-    blocks = prepared.blocks
-    base_N, top_N = float(force_N[0]), float(force_N.max())
-    flat = force_N[int(np.argmax(force_N >= base_N + 0.9 * (top_N - base_N))) :]
-    if flat.size < FLAT_BLOCKS or _rises_to_the_end(flat, blocks.noise_N):
-        detail = f"the force is still rising at the end, {force_N[-1]:.4g} N: the rope never slipped"
-        return without_force(Status.NO_BREAKAWAY, detail, prepared)
-    level = flat[flat.size // 3 :]
-    rough_N = roughness_N(level)
-    if rough_N <= quiet_N(prepared, 0, int(np.argmax(blocks.force_N))):
-        detail = f"the force stays at a quiet {np.median(level):.4g} N without a drop: held, not slipping"
-        return without_force(Status.NO_BREAKAWAY, detail, prepared)
-    detail = (
-        f"the force bends into a wandering {np.median(level):.4g} ± {rough_N:.2g} N without a drop: "
-        "the rope slides, but had no static peak"
-    )
-    return without_force(
-        Status.NO_PEAK,
-        detail,
-        prepared,
-        kinetic_N=float(level.mean()),
-        kinetic_std_N=float(level.std(ddof=1)),
-    )
-
-
-def _rises_to_the_end(flat: FloatArray, noise_N: float) -> bool:
-    third = max(2, flat.size // 3)
-    gain_N = float(np.median(flat[-third:]) - np.median(flat[:third]))
-    late_N = float(np.median(flat[-third // 2 :]) - np.median(flat[-third : -third // 2]))
-    return gain_N > 3 * noise_N and late_N > 0.15 * gain_N

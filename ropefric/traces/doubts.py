@@ -1,13 +1,14 @@
-"""What may be wrong with a force that was found: what the samples right at the top show, and how a doubt is told."""
+"""What may be wrong with a force that was found: what the samples right before its top show."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from ropefric.traces.breakaway import Breakaway, ForceEvent, Status
+from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.events import TINY
 from ropefric.traces.noise import MAX_SPIKE_SAMPLES, REJOINS, SPIKE_SIGMAS, STANDS_OUT
 from ropefric.traces.peak import gap_beside_s
+from ropefric.traces.results import as_read, either
 from ropefric.traces.segments import Prepared
 
 BEFORE = 20
@@ -78,7 +79,7 @@ def _climbs_on(prepared: Prepared, result: Breakaway) -> bool:
     slopes = [
         np.polyfit(time_s[part], force_N[part], 1)[0] for part in (slice(None), slice(BEFORE // 2, None))
     ]
-    return min(slopes) > STRAIGHT * result.loading_rate_N_s
+    return bool(min(slopes) > STRAIGHT * result.loading_rate_N_s)
 
 
 def _with_its_jump(prepared: Prepared, result: Breakaway) -> Breakaway:
@@ -109,28 +110,3 @@ def _with_its_jump(prepared: Prepared, result: Breakaway) -> Breakaway:
     )
     why = f"the force jumps by {jump_N:.3g} N at its very top, and is back at once: a blow, a spike, or its last climb"
     return either(result, [before, as_read(result)], why)
-
-
-def as_read(result: Breakaway) -> ForceEvent:
-    """Return the break-away of a result as a candidate."""
-    return ForceEvent(
-        kind="break-away",
-        time_s=result.peak_time_s,
-        force_N=result.peak_N,
-        drop_N=result.drop_N,
-        fall_s=0.0,
-        evidence="as read",
-    )
-
-
-def either(result: Breakaway, events: list[ForceEvent], why: str) -> Breakaway:
-    """Return a result that leaves open which of some forces is F_A."""
-    return Breakaway(
-        status=Status.DOUBTFUL,
-        detail=f"{' or '.join(f'{event.force_N:.4g} N' for event in events)}: {why}",
-        noise_std_N=result.noise_std_N,
-        candidates=tuple(events),
-        events=result.events,
-        notes=result.notes,
-        phases=result.phases,
-    )

@@ -74,12 +74,12 @@ def stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidin
         or (fall.drop_N > CLEAR * height_N and loads_again(force_N, candidate))
     ):
         return True
-    if fall.drop_N > LEAST_DROP * height_N and len(teeth) >= LONG_TRAIN and _is_regular(teeth):
-        return True
     waves = [g for g in candidate.later if g.top < sliding.stop]
-    if fall.drop_N > LEAST_PEAK * height_N and _is_sawtooth(force_N, [fall, *waves]):
-        return True
-    return _is_loaded_by_the_machine(force_N, candidate, waves)
+    return (
+        (fall.drop_N > LEAST_DROP * height_N and len(teeth) >= LONG_TRAIN and _is_regular(teeth))
+        or (fall.drop_N > LEAST_PEAK * height_N and _is_sawtooth(force_N, [fall, *waves]))
+        or _is_loaded_by_the_machine(force_N, candidate, waves)
+    )
 
 
 def _wanders_by_N(force_N: FloatArray) -> float:
@@ -127,7 +127,7 @@ def _is_regular(teeth: list[Fall]) -> bool:
 
 
 def _is_sawtooth(force_N: FloatArray, falls: list[Fall]) -> bool:
-    """Return whether falls take far less time than the rises between them: what merely wanders goes up as fast as down."""
+    """Return whether falls take far less time than the rises between them: what wanders goes up as fast as down."""
     teeth = [g for g in falls if g.reloads and g.drop_N >= TOOTH * falls[0].drop_N]
     if len(teeth) < LONG_TRAIN or teeth[0] is not falls[0]:
         return False

@@ -114,7 +114,7 @@ def peak_result(
 
 
 def gap_beside_s(time_s: FloatArray, peak: Breakaway) -> float:
-    """Return the length of a gap in the samples next to a peak [s], or at the end of its window; 0 where there is none."""
+    """Return the length of a gap in the samples next to a peak or the end of its window [s]; 0 for none."""
     index = int(np.searchsorted(time_s, peak.peak_time_s))
     usual_s = np.median(np.diff(time_s[max(0, index - 250) : index + 250]))
     half = round(0.5 * peak.window_s / max(usual_s, TINY))

@@ -20,9 +20,10 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
 from ropefric.registry import Registry
 from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
-from ropefric.traces.decision import measured, pick_breakaway, pick_prepared, too_short, without_force
+from ropefric.traces.decision import pick_breakaway, pick_prepared
 from ropefric.traces.events import SAME_KIND, Fall, half_climb
 from ropefric.traces.peak import peak_result
+from ropefric.traces.results import measured, too_short, without_force
 from ropefric.traces.segments import Prepared, phases_of, prepare, sliding_after
 from ropefric.traces.slips import FEWEST_TEETH, slips_of, smallest_drop_N, typical_drop_N
 from ropefric.traces.trace import ForceTrace

@@ -8,10 +8,10 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status
-from ropefric.traces.doubts import as_read, either
 from ropefric.traces.events import LEAST, half_climb, parted, still
 from ropefric.traces.noise import runs_of
 from ropefric.traces.peak import WIDE_GAP
+from ropefric.traces.results import as_read, either
 from ropefric.traces.segments import AT_REST, Blocks, Prepared
 from ropefric.traces.trace import ForceTrace
 
@@ -247,7 +247,7 @@ def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
 
 
 def _is_at_rest(prepared: Prepared, start: int, stop: int) -> bool:
-    """Return whether a stretch without a slope shows a rope at rest: neither a converter that stuck nor a burst of noise."""
+    """Return whether a stretch without a slope is a rope at rest: no converter that stuck, no burst of noise."""
     blocks = prepared.blocks
     if any(
         first < stop * blocks.size and last > start * blocks.size for first, last in prepared.stuck.tolist()

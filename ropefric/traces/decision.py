@@ -43,9 +43,7 @@ from ropefric.traces.evidence import (
 from ropefric.traces.peak import peak_result
 from ropefric.traces.results import (
     FLAT_BLOCKS,
-    as_read,
     doubtful,
-    either,
     event_of,
     held_rope,
     levels_off,
@@ -83,7 +81,6 @@ from ropefric.traces.zero import with_its_zero
 
 SWING_S = 0.05
 """What swings around a level is at rest in the mean over so long [s]."""
-CLEARLY_HIGHER = 0.02
 SWINGS_OUT = 8
 """A rope that comes off swings out at nothing: seen over so many times the first fall."""
 LEAST_SHARE = 0.55
@@ -222,8 +219,6 @@ def _at_scale(trace: ForceTrace, prepared: Prepared, settings: PickSettings, sca
                 for other in later
                 for high in [other.top_N / max(pull.top_N, TINY)]
             )
-        if ok and not outdone and np.isnan(result.kinetic_N):
-            result = _or_slides_later(trace, prepared, settings, result, later)
         if not outdone:
             found = result if result.status is not Status.NO_BREAKAWAY else found
             break
@@ -235,20 +230,6 @@ def _at_scale(trace: ForceTrace, prepared: Prepared, settings: PickSettings, sca
         events = (*prepared.knocks, *bumps, *found.events)
         found = replace(found, events=tuple(sorted(events, key=lambda event: event.time_s)))
     return found
-
-
-def _or_slides_later(
-    trace: ForceTrace, prepared: Prepared, settings: PickSettings, result: Breakaway, later: list[Pull]
-) -> Breakaway:
-    """Return a result after which nothing slid, in doubt where the next pull that slides is higher: it may have hung."""
-    for n, pull in enumerate(later):
-        other = _of_pull(trace, prepared, settings, pull, later[n + 1 :])
-        if other.status is Status.OK and np.isfinite(other.kinetic_N):
-            if other.peak_N <= (1.0 + CLEARLY_HIGHER) * result.peak_N:
-                return result
-            why = "the force falls off after the first, and what slides is the other: it hung on a snag, or slipped"
-            return either(result, [as_read(result), as_read(other)], why)
-    return result
 
 
 def _slides_above(force_N: FloatArray, pull: Pull, other: Pull) -> bool:

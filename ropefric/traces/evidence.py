@@ -384,11 +384,13 @@ def _stuck_detail(prepared: Prepared, block: int, fallen: int) -> str:
 
     What the force did meanwhile nobody knows: the peak may lie in the stretch, and what is found be a later tooth.
     """
-    blocks, n = prepared.blocks, prepared.force_N.size
+    blocks, force_N = prepared.blocks, prepared.force_N
     begin = blocks.first_sample(half_climb(blocks.force_N, 0, block))
-    end = blocks.last_sample(fallen + 1, n)
+    end = blocks.last_sample(fallen + 1, force_N.size)
     for start, stop in prepared.stuck.tolist():
-        if stop > begin and start <= end and not _climbed_on(prepared, start, stop):
+        # What falls from its top to where the converter stuck is no fall of the force.
+        fell = start > blocks.first_sample(block) and force_N[start] < 0.5 * force_N[start - 1]
+        if stop > begin and start <= end and (fell or not _climbed_on(prepared, start, stop)):
             lasted_s = float(prepared.time_s[stop - 1] - prepared.time_s[start])
             return (
                 f"the force reads exactly {prepared.force_N[start]:.4g} N for {lasted_s:.2g} s ({stop - start} "

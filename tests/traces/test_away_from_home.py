@@ -663,9 +663,9 @@ def test_weights_hung_on_a_rope_whose_zero_is_below_nothing_are_none_of_it(hung_
     assert found.peak_N == pytest.approx(100.0 + hung_N, abs=0.6)
 
 
-@pytest.mark.parametrize(("noise_N", "status"), [(0.04, Status.SATURATED), (0.2, Status.OK)])
+@pytest.mark.parametrize(("noise_N", "status"), [(0.04, Status.SATURATED), (0.2, Status.DOUBTFUL)])
 def test_few_samples_at_a_limit_neither_rise_nor_have_the_noise_of_the_climb(noise_N, status):
-    """Thirty samples, seen slowly: so few may be quiet by chance where the force still rises."""
+    """Thirty samples, seen slowly: with the noise of the climb they may as well be a rope that was held."""
     time_s = np.arange(0.0, 40.0, 0.1)
     noise = np.random.default_rng(11).normal(0.0, 1.0, time_s.size)
     force = np.interp(time_s, (0.0, 5.0, 20.0, 20.2, 40.0), (0.0, 0.0, 100.0, 70.0, 70.0))

@@ -186,7 +186,7 @@ def test_a_gap_beside_the_peak_is_said():
     keep = (trace.time_s < 1.999) | (trace.time_s > 2.2)
     gappy = ForceTrace(time_s=trace.time_s[keep], force_N=trace.force_N[keep])
     (result,) = pick_breakaway(gappy, AUTO)
-    assert result.status is Status.OK
+    assert result.status is Status.DOUBTFUL  # it climbs at 133 N/s into a gap of 0.2 s
     assert any("gap of 20" in note for note in result.notes)
 
 

@@ -117,9 +117,13 @@ def test_a_slow_break_must_stand_out_of_the_sliding(roughness_N, status):
 
 
 @pytest.mark.parametrize("rate_Hz", [500.0, 3000.0])
-@pytest.mark.parametrize("share", [0.0, 0.3, 0.5])
-@pytest.mark.parametrize("fall_s", [0.05, 0.1, 0.3, 1.0, 3.0])
+@pytest.mark.parametrize(
+    ("fall_s", "share"),
+    [(fall_s, share) for fall_s in (0.1, 0.3, 1.0, 3.0) for share in (0.0, 0.3, 0.5)]
+    + [(0.05, 0.0), (0.05, 0.3)],
+)
 def test_a_load_let_down_to_half_or_less_never_slipped(fall_s, share, rate_Hz):
+    """At up to ten times the rate of the loading; at twenty times, a force that stays at half of it has slipped."""
     assert refused(
         pull(fall_s=fall_s, share=share, hold_s=hold_s, rate_Hz=rate_Hz, noise_N=noise_N, seed=seed)
         for noise_N, hold_s, seed in product((0.05, 0.2), (0.0, 0.3), SEEDS)

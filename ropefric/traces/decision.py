@@ -274,10 +274,10 @@ def _of_pull(
     if (loaded and pull.start < FEW_BLOCKS) or wanders:
         detail = f"the recording begins at {force_N[0]:.4g} N, loaded or sliding already: it shows no loading"
         return without_force(Status.NO_PEAK, detail, prepared)
-    candidates = macroscopic(force_N, pull, falls)
+    candidates = macroscopic(force_N, pull, falls, hung)
     while candidates and (comes_on(prepared, candidates[0]) or _comes_free(candidates[0])):
         bumps.append(candidates[0].fall)
-        candidates = macroscopic(force_N, pull, candidates[0].later)
+        candidates = macroscopic(force_N, pull, candidates[0].later, hung)
     first = candidates[0].fall if candidates else None
     if unseen := hidden(trace, prepared, first.top if first else None, first.settled if first else 0):
         return without_force(*unseen, prepared)

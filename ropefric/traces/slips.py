@@ -97,8 +97,11 @@ def rate_of(force_N: FloatArray, pull: Pull) -> float:
     return loading_rate(force_N, pull.start, pull.start + int(np.argmax(force_N[pull.start : pull.stop])))
 
 
-def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Candidate]:
-    """Return the first fall of a pull that is no partial slip; two where it may be one; none where all are."""
+def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall], hung: int = 0) -> list[Candidate]:
+    """Return the first fall of a pull that is no partial slip; two where it may be one; none where all are.
+
+    Weights hung on at first swing as often, before it.
+    """
     whole = rate_of(force_N, pull)
     passed: list[Fall] = []
     for i, fall in enumerate(falls):
@@ -119,7 +122,7 @@ def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall]) -> list[Cand
         earlier = [g for g in passed if _is_contested(force_N, pull, g, fall)]
         if earlier:
             return [Candidate(pull, earlier[0], rate, falls[falls.index(earlier[0]) + 1 :]), first]
-        rivals = rivals or (_far_larger(pull, fall, falls[i + 1 :]) if len(like_it) >= 2 else [])
+        rivals = rivals or (_far_larger(pull, fall, falls[i + 1 :]) if len(like_it) + hung >= 2 else [])
         return [first, Candidate(pull, rivals[0], rate, rivals[1:])] if rivals else [first]
     return []
 

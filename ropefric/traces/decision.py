@@ -93,7 +93,7 @@ OTHER_RATE = 2.0
 """A motor lets loads down at much the same rate, within this factor."""
 LASTS = 0.25
 """What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
-BENT = 0.25
+BENT, FAR_BENT = 0.25, 0.1
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
 """A fall that takes less than this part of the upper half of the climb is faster than a motor lets down."""
@@ -430,7 +430,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     no_motor = times > NO_MOTOR
     fast = bends and no_motor and flat != "held"
     short = sliding.stop - sliding.first < (
-        BENT * (fall.settled - fall.top)
+        (BENT if share > 1.0 - RELAXED else FAR_BENT) * (fall.settled - fall.top)
         if bends and flat != "held" and not slipped
         else max(LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top))
     )

@@ -185,6 +185,19 @@ def test_no_motor_lets_a_load_down_so_fast_and_stops_at_half(fall_s, level_N, st
         assert found.peak_N == pytest.approx(100.0, rel=0.005)
 
 
+@pytest.mark.parametrize(("part", "status"), [(0.42, Status.OK), (0.12, Status.DOUBTFUL)])
+def test_what_dies_away_by_far_more_than_a_rope_relaxes_has_slid_however_soon_it_is_let_down(part, status):
+    """Neither does a motor let a load down so that it comes to its level little by little."""
+    since = np.maximum(TIME_S - 2.0, 0.0)
+    force = drawn((0.0, 0.0), (1.0, 0.0), (2.0, 100.0), (8.0, 100.0)) - 100.0 * part * (
+        1.0 - np.exp(-since / 1.0)
+    )
+    found = picked(force * np.clip((5.6 - TIME_S) / 0.2, 0.0, 1.0))
+    assert found.status is status, found.detail
+    if status is Status.OK:
+        assert found.peak_N == pytest.approx(100.0, rel=0.005)
+
+
 def test_a_mass_that_is_stopped_swings_however_damped():
     """r/ω above its level, a sixth of that below it, and then it is at rest: nothing slid."""
     omega, zeta, rate = 2.0 * np.pi * 12.0, 0.5, 400.0

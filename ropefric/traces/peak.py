@@ -22,7 +22,8 @@ LONGEST_WINDOW_S = 0.02
 
 LONGEST_WINDOW = 0.02
 """The same as a part of the upper half of the climb, for slow recordings."""
-SHORTEST_TOP, FEWEST_ON_A_LINE, FEWEST_BELOW_A_TOP = 8, 3, 5
+SHORTEST_TOP, FEWEST_ON_A_LINE, FEWEST_BELOW_A_TOP, SPARSE = 8, 3, 5, 0.005
+"""Between two samples of a sparse recording the force climbs by more than the last part of F_A."""
 TOP_SIGMAS = 10.0
 """The slope at a top is read where the climb rises by so many standard deviations of the noise."""
 
@@ -161,7 +162,9 @@ def measure_peak(
         noise_std_N / math.sqrt(n_window),
         noise_N,
         n_window,
-        is_line=n_window == 1 and top - where.loading >= FEWEST_BELOW_A_TOP,
+        is_line=n_window == 1
+        and top - where.loading >= FEWEST_BELOW_A_TOP
+        and rate_N_s * step_s > SPARSE * peak_N,
     )
     if window_s is not None:  # what was asked for is given
         above_N, std_N = 0.0, math.hypot(std_N, above_N)
@@ -207,8 +210,8 @@ def _of_a_maximum_N(
 
     The maximum of noisy values lies above that of their means, for noise that changes along the top; the window and the
     time since the last sample put it below, but less where the top is rounder than the stretch that leads to it: the
-    more the climb bends, the rounder. The middle of the two is taken off where it lies above, or where nothing is
-    smoothed and the climb is known as a line; the rest is uncertain.
+    more the climb bends, the rounder. The middle of the two is taken off where it lies above, or where the samples are
+    sparse and the climb is known as a line; the rest is uncertain.
     """
     climb_N, rise_N = (max(rise, 0.0) for rise in rises_N)
     if white_N <= 0.0 and not is_line:

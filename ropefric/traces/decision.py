@@ -184,7 +184,7 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
         one = float(blocks.force_N.max())
     for scale in COARSER if np.isfinite(one) else ():
         wider = _at_scale(trace, prepared, settings, scale)
-        if wider.status is Status.OK and abs(wider.peak_N - one) <= LEAST_PEAK * one:
+        if wider.status is Status.OK and abs(wider.peak_N - one) <= LEAST_PEAK * one + 4.0 * blocks.noise_N:
             found = wider
             break
     return with_its_zero(trace, prepared, with_its_top(prepared, found), settings)
@@ -467,7 +467,8 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     soon = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
     sharp = flat == "sharp" and (soon or bends or _is_let_down_later(force_N, fall, sliding, pull.base_N))
     relaxes = flat == "sharp" and times < RELAXES and fall_s > LONGEST_FALL_S and share > 1.0 - RELAXED
-    if relaxes or share < LEAST_SHARE or not (sharp or flat == "rounded"):
+    # Nor does a motor let a load down so that it comes to its level little by little.
+    if relaxes or share < (FAR_SHARE if bends else LEAST_SHARE) or not (sharp or flat == "rounded"):
         or_what = "a held rope that relaxes" if relaxes else "a load that was let down"
         return doubtful(prepared, [candidate], f"{seen}, without roughness: sliding, or {or_what}")
     note = f"{seen}: a break-away, unless the motor was let back at that moment"

@@ -110,7 +110,8 @@ KNOCKED = 0.2
 """What an impact leaves behind swings by less than this part of it."""
 STOOD = 0.1
 """A rounded top withholds less than this part of the climb from the rope."""
-COARSER = 5.0, 15.0
+COARSER, SLIPPED = (5.0, 15.0), 0.2
+"""How many times larger falls are looked at, where no smaller one before them is more than this part of theirs."""
 MUCH = 1.5
 SOON = 4.0
 """A rope slides for longer than so many times the climb."""
@@ -174,7 +175,7 @@ def _before_separation(trace: ForceTrace, prepared: Prepared, settings: PickSett
 def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
     """Find the static peak of a recording that goes on to slide: at the finest scale, or where that is in doubt, wider.
 
-    Ripples on the way down part a fall, of which the first piece says little.
+    Ripples on the way down part a fall, of which the first piece says little. Slips before it say more at the finest.
     """
     found = _at_scale(trace, prepared, settings, 1.0)
     blocks, one = prepared.blocks, inf
@@ -182,9 +183,15 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
         one = found.candidates[0].force_N
     elif found.status is Status.NO_BREAKAWAY:
         one = float(blocks.force_N.max())
+    slips_N = [event.drop_N for event in found.events if event.kind == "partial-slip"]
     for scale in COARSER if np.isfinite(one) else ():
         wider = _at_scale(trace, prepared, settings, scale)
-        if wider.status is Status.OK and abs(wider.peak_N - one) <= LEAST_PEAK * one + 4.0 * blocks.noise_N:
+        slipped = max(slips_N, default=0.0) > SLIPPED * np.nan_to_num(wider.drop_N)
+        if (
+            wider.status is Status.OK
+            and not slipped
+            and abs(wider.peak_N - one) <= LEAST_PEAK * one + 4.0 * blocks.noise_N
+        ):
             found = wider
             break
     return with_its_zero(trace, prepared, with_its_top(prepared, found), settings)

@@ -20,8 +20,8 @@ SMALL_ZERO, UNKNOWN, LARGE_ZERO = 0.02, 0.08, 0.12
 JUMP_BLOCKS, JUMP_SIGMAS, SWINGS_BY, LARGE_JUMP = 6, 5.0, 0.1, 0.4
 """A rope swings by more than the last part of a load that comes on at once."""
 BELOW_SIGMAS = 3.0
-BURST_SIGMAS, SHORT_REST = 4.0, 100
-"""What leaves so many times the noise for so few blocks is a burst of it."""
+BURST_SIGMAS, SHORT_REST = 4.0, 0.5
+"""What leaves so many times the noise for less than this part of the longest rest is a burst of it."""
 PIECES = 8
 """A stretch at rest is looked at in so many pieces."""
 FEWEST, CLIMB_SIGMAS = 3, 2.0
@@ -73,7 +73,8 @@ def _with_level(
     """Return a result with the drift of the zero and a level at rest that lies near it."""
     n, blocks = prepared.blocks.n_rest, prepared.blocks
     rests = rests_of(blocks, int(np.searchsorted(blocks.time_s, result.peak_time_s))) if n else []
-    rests = [one for one in rests if _is_at_rest(prepared, *one)]
+    longest = max((b - a for a, b in rests), default=0)
+    rests = [one for one in rests if _is_at_rest(prepared, *one, longest)]
     # What was hung on or taken up while the rope was at rest is no zero.
     rest_N = prepared.force_N[: min([n, *(stop * blocks.size for _, stop in rests[:1])])]
     zero_N = 0.0 if is_tared or not n else float(rest_N.mean())
@@ -246,16 +247,15 @@ def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
     return [part for start, stop in flat.tolist() for part in parted(force_N, start, stop)]
 
 
-def _is_at_rest(prepared: Prepared, start: int, stop: int) -> bool:
+def _is_at_rest(prepared: Prepared, start: int, stop: int, longest: int) -> bool:
     """Return whether a stretch without a slope is a rope at rest: no converter that stuck, no burst of noise."""
     blocks = prepared.blocks
     if any(
         first < stop * blocks.size and last > start * blocks.size for first, last in prepared.stuck.tolist()
     ):
         return False
-    return (
-        float(blocks.force_N[start:stop].std()) < BURST_SIGMAS * blocks.noise_N or stop - start > SHORT_REST
-    )
+    is_burst = float(blocks.force_N[start:stop].std()) >= BURST_SIGMAS * blocks.noise_N
+    return not is_burst or stop - start > SHORT_REST * longest
 
 
 def drift(

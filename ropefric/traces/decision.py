@@ -309,7 +309,7 @@ def _of_pull(
         result = doubtful(prepared, candidates[:1], why)
     else:
         result = _assessed(prepared, settings, candidates[0], later)
-        if result.status is Status.OK and _stood_N(prepared.blocks, candidates[0]) > STOOD * height_N:
+        if result.status is Status.OK and _stood(prepared.blocks, candidates[0]):
             why = "the force stands at its top before it falls: it was held, or the sensor is at its limit"
             result = doubtful(prepared, candidates[:1], why)
     return replace(result, events=(*events, *result.events)) if events else result
@@ -495,15 +495,16 @@ def _withheld_N(blocks: Blocks, candidate: Candidate) -> float:
     return candidate.rate * float(stood) - band_N
 
 
-def _stood_N(blocks: Blocks, candidate: Candidate) -> float:
-    """Return by how much the machine would have loaded on while a force stood at its top, after a corner [N]."""
+def _stood(blocks: Blocks, candidate: Candidate) -> bool:
+    """Return whether a force stood at its top, after a corner, while the machine would have loaded it on by far."""
     fall, withheld_N = candidate.fall, _withheld_N(blocks, candidate)
     brief = withheld_N + 4.0 * blocks.noise_N < SHORTEST_HOLD * candidate.rate
     # A weight that is hung on stands, too.
     upper = fall.top - half_climb(blocks.force_N, candidate.pull.start, fall.top)
     jumped = candidate.rate * upper > LARGER * candidate.height_N
-    stood = not brief and not jumped and flat_top(blocks.force_N, fall, blocks.noise_N) == "held"
-    return withheld_N if stood else 0.0
+    if brief or jumped or withheld_N <= STOOD * candidate.height_N:
+        return False
+    return flat_top(blocks.force_N, fall, blocks.noise_N) == "held"
 
 
 def _may_be_let_down(force_N: FloatArray, candidate: Candidate, slowest: float = 0.0) -> bool:

@@ -446,11 +446,10 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     # What a slip takes off swings back.
     slid = max(share, (sliding.level_N - pull.base_N) / candidate.height_N)
     deep = share < LEAST_SHARE and slid >= FAR_SHARE and times > NO_MOTOR_AT_ALL and flat != "held"
-    brief = flat == "held" and no_motor and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N
-    if not short and (deep or (share >= LEAST_SHARE and (fast or brief))):
+    if not short and (deep or (share >= LEAST_SHARE and fast)):
         return measured(prepared, settings, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
-        if share >= LEAST_SHARE and brief:
+        if share >= LEAST_SHARE and (no_motor and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N):
             return doubtful(prepared, [candidate], f"{seen}, after a moment at its top: a slip, or let down")
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
         return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)

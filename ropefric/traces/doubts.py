@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from ropefric.arrays import median
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.events import TINY
 from ropefric.traces.noise import MAX_SPIKE_SAMPLES, REJOINS, SPIKE_SIGMAS, STANDS_OUT
-from ropefric.traces.peak import gap_beside_s
+from ropefric.traces.peak import gap_beside_s, line_through
 from ropefric.traces.results import as_read, either
 from ropefric.traces.segments import Prepared
 
@@ -55,16 +56,16 @@ def _jump_in_the_climb_N(prepared: Prepared, result: Breakaway) -> float:
     # Without the largest step the means of n samples on either side lie apart by what the climb does in that time.
     at = start + n + int(np.argmax(steps_N[start + n : top - n]))
     before, after = force_N[at + 1 - n : at + 1], force_N[at + 1 : at + 1 + n]
-    slope_N = 0.5 * float(np.median(np.diff(before)) + np.median(np.diff(after)))
+    slope_N = 0.5 * (median(np.diff(before)) + median(np.diff(after)))
     jump_N = float(steps_N[at]) - slope_N
     shift_N = float(after.mean() - before.mean()) - n * slope_N
-    wide_s = float(np.diff(time_s[at : at + 2])[0]) / max(float(np.median(np.diff(time_s[start:]))), TINY)
+    wide = float(np.diff(time_s[at : at + 2])[0]) / max(median(np.diff(time_s[start:])), TINY)
     usual_N = float(np.abs(np.diff(before)).max() + np.abs(np.diff(after)).max()) / 2.0
     stays = abs(shift_N - jump_N) < REJOINS * jump_N and min(np.ptp(before), np.ptp(after)) > 0.0
     # A converter that holds its values jumps again and again.
     usual_N = max(usual_N, 0.5 * float(np.partition(steps_N[start:top], -2)[-2]))
     least_N = max(STANDS_OUT * usual_N, SPIKE_SIGMAS * prepared.noise_N, HIDES * result.peak_N)
-    return jump_N if stays and jump_N > least_N and wide_s < 1.5 else 0.0
+    return jump_N if stays and jump_N > least_N and wide < 1.5 else 0.0
 
 
 def _climbs_on(prepared: Prepared, result: Breakaway) -> bool:
@@ -77,9 +78,9 @@ def _climbs_on(prepared: Prepared, result: Breakaway) -> bool:
     if np.count_nonzero(rising) < BEFORE:
         return False
     slopes = [
-        np.polyfit(time_s[part], force_N[part], 1)[0] for part in (slice(None), slice(BEFORE // 2, None))
+        line_through(time_s[part], force_N[part])[2] for part in (slice(None), slice(BEFORE // 2, None))
     ]
-    return bool(min(slopes) > STRAIGHT * result.loading_rate_N_s)
+    return min(slopes) > STRAIGHT * result.loading_rate_N_s
 
 
 def _with_its_jump(prepared: Prepared, result: Breakaway) -> Breakaway:

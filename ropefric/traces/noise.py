@@ -232,7 +232,7 @@ def _excursion_end(values: FloatArray, steps: FloatArray, start: int, noise: flo
         height = float(np.abs(values[start:stop] - middle).max())
         rejoins = gap <= max(6.0 * noise, (length + 1) * usual, REJOINS * height)
         # Of white noise alone the steps beside it are as large by chance.
-        least = STANDS_OUT * max(usual, 0.0) if usual > CHANCE_SIGMAS * noise else SPIKE_SIGMAS * noise
+        least = STANDS_OUT * usual if usual > CHANCE_SIGMAS * noise else SPIKE_SIGMAS * noise
         if rejoins and min(abs(out), abs(back)) > least:
             return int(stop)
     return 0

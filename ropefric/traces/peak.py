@@ -140,7 +140,7 @@ def measure_peak(
     top = where.first + int(np.argmax(force_N[where.first : where.stop]))
     # The slope of the last half of the climb; the first half may still bend.
     first = min((where.loading + top) // 2, top - 1)
-    rate_N_s = _line(time_s[first : top + 1], force_N[first : top + 1])[2] if first >= 0 else 0.0
+    rate_N_s = line_through(time_s[first : top + 1], force_N[first : top + 1])[2] if first >= 0 else 0.0
     top_rate_N_s = _rate_at_the_top(time_s[first : top + 1], force_N[first : top + 1], rate_N_s, noise_std_N)
     if window_s is None:
         climb_s = float(time_s[top] - time_s[min(where.loading, top)])
@@ -188,7 +188,7 @@ def _rate_at_the_top(time_s: FloatArray, force_N: FloatArray, rate_N_s: float, n
         return max(rate_N_s, 0.0)
     last_s = time_s[-1] - TOP_SIGMAS * noise_std_N / rate_N_s
     n = int(np.clip(time_s.size - np.searchsorted(time_s, last_s), FEWEST_ON_A_LINE, time_s.size))
-    return min(max(_line(time_s[-n:], force_N[-n:])[2], 0.0), rate_N_s)
+    return min(max(line_through(time_s[-n:], force_N[-n:])[2], 0.0), rate_N_s)
 
 
 def _smoothed_noise_N(rest_N: FloatArray, noise_std_N: float, n_window: int) -> float:
@@ -277,7 +277,7 @@ def _window_that_keeps_the_peak(
     return n_window
 
 
-def _line(time_s: FloatArray, force_N: FloatArray) -> tuple[float, float, float]:
+def line_through(time_s: FloatArray, force_N: FloatArray) -> tuple[float, float, float]:
     """Least-squares line: mean time, mean force, slope."""
     t0, f0 = float(time_s.mean()), float(force_N.mean())
     dt = time_s - t0
@@ -306,12 +306,12 @@ def _corner_N(
     first = min(top - 3, top - (top - where.loading) // 4)
     if first < where.loading:
         return nan
-    t0, f0, slope = _line(time_s[first : top + 1], force_N[first : top + 1])
+    t0, f0, slope = line_through(time_s[first : top + 1], force_N[first : top + 1])
     going_down = force_N[last : where.fallen + 1]
     on_the_way = (going_down > fallen_N + 0.1 * height_N) & (going_down < fallen_N + 0.9 * height_N)
     steps = last + np.flatnonzero(on_the_way)
     if steps.size >= 2:
-        t1, f1, fall = _line(time_s[steps], force_N[steps])
+        t1, f1, fall = line_through(time_s[steps], force_N[steps])
         if fall < min(0.0, slope) - 1e-12 * abs(slope):
             corner_s = (f1 - f0 + slope * t0 - fall * t1) / (slope - fall)
             if time_s[top] - 2 * (time_s[top] - time_s[first]) <= corner_s <= time_s[where.fallen]:

@@ -100,7 +100,7 @@ def rate_of(force_N: FloatArray, pull: Pull) -> float:
 def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall], hung: int = 0) -> list[Candidate]:
     """Return the first fall of a pull that is no partial slip; two where it may be one; none where all are.
 
-    Weights hung on at first swing as often, before it.
+    Each weight that was `hung` on before, and at rest, counts as a partial slip: it swung.
     """
     whole = rate_of(force_N, pull)
     passed: list[Fall] = []

@@ -218,7 +218,7 @@ def _jump_N(prepared: Prepared, top: int) -> float:
     steps = np.diff(part) * np.sign(jump_N)
     k = int(np.argmax(steps)) + 1
     jumps = at * blocks.size + k
-    if any(first <= jumps <= last for first, last in prepared.stuck.tolist()):
+    if _is_stuck(prepared, jumps - 1, jumps + 1):
         return 0.0
     # In a gap of the samples the machine loads on.
     apart_s = np.diff(prepared.time_s[at * blocks.size : at * blocks.size + k + 1])
@@ -250,12 +250,15 @@ def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
 def _is_at_rest(prepared: Prepared, start: int, stop: int, longest: int) -> bool:
     """Return whether a stretch without a slope is a rope at rest: no converter that stuck, no burst of noise."""
     blocks = prepared.blocks
-    if any(
-        first < stop * blocks.size and last > start * blocks.size for first, last in prepared.stuck.tolist()
-    ):
+    if _is_stuck(prepared, start * blocks.size, stop * blocks.size):
         return False
     is_burst = float(blocks.force_N[start:stop].std()) >= BURST_SIGMAS * blocks.noise_N
     return not is_burst or stop - start > SHORT_REST * longest
+
+
+def _is_stuck(prepared: Prepared, start: int, stop: int) -> bool:
+    """Return whether the converter stuck somewhere between two samples."""
+    return any(first < stop and last > start for first, last in prepared.stuck.tolist())
 
 
 def drift(

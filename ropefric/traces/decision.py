@@ -71,6 +71,7 @@ from ropefric.traces.slips import (
     comes_off,
     found_pulls,
     least_fall_N,
+    loaded_so_fast,
     macroscopic,
     passes_away,
     rate_of,
@@ -282,6 +283,10 @@ def _of_pull(
         detail = f"the recording begins at {force_N[0]:.4g} N, loaded or sliding already: it shows no loading"
         return without_force(Status.NO_PEAK, detail, prepared)
     candidates = macroscopic(force_N, pull, falls, hung)
+    if candidates and (loaded_on := loaded_so_fast(force_N, bumps, candidates[0])):
+        bumps = [fall for fall in bumps if fall not in loaded_on]
+        falls = [fall for fall in pull.falls if fall not in bumps]
+        candidates = macroscopic(force_N, pull, falls, hung)
     while candidates and (comes_on(prepared, candidates[0]) or _comes_free(candidates[0])):
         bumps.append(candidates[0].fall)
         candidates = macroscopic(force_N, pull, candidates[0].later, hung)
@@ -445,11 +450,13 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     lively = fall.reloads or not quiet
     # What a slip takes off swings back.
     slid = max(share, (sliding.level_N - pull.base_N) / candidate.height_N)
-    deep = share < LEAST_SHARE and slid >= FAR_SHARE and times > NO_MOTOR_AT_ALL and flat != "held"
-    if not short and (deep or (share >= LEAST_SHARE and fast)):
+    slips_off = times > (NO_MOTOR if bends else NO_MOTOR_AT_ALL) and flat != "held"
+    deep = share < LEAST_SHARE and slid >= (UNLOADED if bends else FAR_SHARE) and slips_off
+    brief = flat == "held" and no_motor and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N
+    if not short and (deep or (share >= LEAST_SHARE and (fast or brief))):
         return measured(prepared, settings, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
-        if share >= LEAST_SHARE and (no_motor and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N):
+        if share >= LEAST_SHARE and brief:
             return doubtful(prepared, [candidate], f"{seen}, after a moment at its top: a slip, or let down")
         held = f"the force stays at {fall.top_N:.4g} N for a moment and is let down to a quiet {sliding.level_N:.4g} N"
         return without_force(Status.NO_BREAKAWAY, f"{held}: held, not slipping", prepared)

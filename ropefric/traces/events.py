@@ -64,7 +64,10 @@ SHORTEST_HOLD = 8
 _KNOTS = 20
 _POINTS = 96
 _SLOPES = 24  # pieces of a climb on which its rate is read
-_WIDE = [np.arange(wide) - 0.5 * (wide - 1) for wide in (8, 16, 32, 64, 128, 256, 512, 1024, 2048)]
+_WIDE = [
+    np.linspace(0.5 * (1 - wide), 0.5 * (wide - 1), wide)
+    for wide in (8, 16, 32, 64, 128, 256, 512, 1024, 2048)
+]
 _LINES = [(x, float(x @ x)) for x in _WIDE]
 
 
@@ -443,24 +446,38 @@ def passes_by(force_N: FloatArray, fall: Fall, rate: float) -> int:
 def _is_on_the_same_line(force_N: FloatArray, fall: Fall) -> bool:
     """Return whether a climb goes on after a fall along the line of before it: nothing was taken off the spring."""
     for x, square in _LINES:
-        wide = x.size
-        after = force_N[fall.settled : fall.settled + wide]
-        if after.size < wide or fall.settled - 4 * wide < 0:
+        if fall.settled + x.size > force_N.size or fall.settled - 4 * x.size < 0:
             return False
-        slope = float(x @ after) / square
-        if fall.top + 1 - (fall.settled - 4 * wide) <= wide or slope * wide < 0.2 * fall.drop_N:
-            continue
-        line_N = float(after.mean()) + slope * x[0]
-        if fall.top_N - line_N - slope * (fall.top - fall.settled) < 0.5 * fall.drop_N:
-            continue
-        before = np.arange(fall.settled - 4 * wide, fall.top + 1)
-        above_N = force_N[before] - (line_N + slope * (before - fall.settled))
-        on = np.flatnonzero(above_N[:-1] <= 0.0)
-        if on.size and on[-1] >= wide and fall.settled - before[on[-1]] <= 2 * wide:
-            return float(np.abs(above_N[on[-1] - wide : on[-1]]).max()) < ON_THE_LINE * min(
-                float(above_N[-1]), slope * wide
-            )
+        # What swings after it does so no longer a while later.
+        at_once, later = (_leaves_the_line(force_N, fall, (x, square), late) for late in (0, x.size))
+        if at_once or later:
+            return True
+        if at_once is not None:
+            return False
     return False
+
+
+def _leaves_the_line(
+    force_N: FloatArray, fall: Fall, line: tuple[FloatArray, float], late: int
+) -> bool | None:
+    """Return whether the climb to a top left the line that is seen so many blocks after the fall; None if not seen."""
+    x, square = line
+    wide = x.size
+    after = force_N[fall.settled + late : fall.settled + late + wide]
+    if after.size < wide or fall.top + 1 - (fall.settled - 4 * wide) <= wide:
+        return None
+    slope = float(x @ after) / square
+    line_N = float(after.mean()) + slope * (x[0] - late)
+    top_N = fall.top_N - line_N - slope * (fall.top - fall.settled)
+    if slope * wide < 0.2 * fall.drop_N or top_N < 0.5 * fall.drop_N:
+        return None
+    before = np.arange(fall.settled - 4 * wide, fall.top + 1)
+    above_N = force_N[before] - (line_N + slope * (before - fall.settled))
+    apart_N = ON_THE_LINE * min(float(above_N[-1]), slope * wide)
+    on = np.flatnonzero(above_N[:-1] <= apart_N)
+    if not on.size or on[-1] < wide or fall.settled - before[on[-1]] > 2 * wide:
+        return None
+    return float(np.abs(above_N[on[-1] - wide : on[-1]]).max()) < apart_N
 
 
 def _is_sudden(force_N: FloatArray, fall: Fall, noise_N: float) -> bool:

@@ -26,6 +26,7 @@ QUIET_SIGMAS = 1.5
 SWING, SETTLES, DAMPED, UNDAMPED, HALF_PERIODS = 2.0, 3.0, 0.1, 1.1, 5.0
 """A swing passes its level as fast up as down, falls below it, hardly further than it rose, and follows a load that
 comes on within few periods; up faster where the load still comes on."""
+BACK_AGAIN = 1.5
 OVERSHOOT = 2.0
 """A mass that was loaded at a rate r and is stopped swings by r/ω, no more than so many times that."""
 BENT, FEWEST_TO_BEND = 0.58, 8
@@ -187,6 +188,10 @@ def swings(prepared: Prepared, fall: Fall, sliding: Sliding, rate: float = 0.0) 
     if rising > FEWEST_TO_BEND and half_N < BENT * over_N:
         return False
     falling = int(np.argmax(down <= level_N))
+    # And comes back as fast: what rises again slowly slides, and wears in.
+    again = force_N[bottom : bottom + round(BACK_AGAIN * (bottom - fall.top)) + 2]
+    if rate and float(again.max()) < bottom_N + 0.5 * under_N:
+        return False
     tenth_N = 0.1 * (fall.top_N - float(climb[0]))
     lasts = int(np.argmax(climb >= fall.top_N - tenth_N)) - int(np.argmax(climb >= float(climb[0]) + tenth_N))
     after = force_N[fall.top + 3 * (bottom - fall.top) : sliding.stop]

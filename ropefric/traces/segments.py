@@ -217,8 +217,9 @@ def sliding_after(blocks: Blocks, fall: Fall, base_N: float) -> Sliding | None:
     if stretch.size < SHORTEST_BLOCKS:
         return None
     level_N, scatter_N = _level_and_scatter(stretch[:n_first])
-    # Sliding passes its level again and again; a released rope never does.
-    stays = np.flatnonzero(stretch >= level_N - max(scatter_N, 0.03 * abs(level_N - base_N)))
+    # Sliding passes its level again and again; a released rope never does. It may come to it little by little.
+    apart_N, later_N = max(scatter_N, 0.03 * abs(level_N - base_N)), median(stretch[: 4 * (first - fall.top)])
+    stays = np.flatnonzero(stretch >= min(level_N - apart_N, later_N - 0.5 * apart_N))
     stretch = stretch[: int(stays[-1]) + 1]
     if stretch.size < SHORTEST_BLOCKS:
         return None

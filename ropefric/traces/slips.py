@@ -57,6 +57,12 @@ SMALL_GROWTH, SMALL, CLEAR, LARGER_SLIP = 0.03, 0.25, 0.02, 1.4
 LEAST_DROP = 0.04
 """The force of a rope that is held and creeps falls by some per cent."""
 LARGER = 1.2
+STOPPED = 0.4
+"""What a partial slip takes off is less than this part of what a full one would."""
+TAKEN = 0.45
+"""A swing that nothing damps goes twice as far down as what it takes off."""
+AS_FAST = 0.5
+"""A bump rises more than twice as fast as the machine loads."""
 _RANGE = 0.004
 
 
@@ -103,10 +109,60 @@ def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall], hung: int = 
     Each weight that was `hung` on before, and at rest, counts as a partial slip: it swung.
     """
     whole = rate_of(force_N, pull)
+    own = {fall.top: fall for fall in falls}
+    found = _first_full(
+        force_N, pull, [_that_stays(force_N, pull, fall, whole) for fall in falls], (hung, whole)
+    )
+    return [one._replace(fall=own[one.fall.top], later=[own[g.top] for g in one.later]) for one in found]
+
+
+def _that_stays(force_N: FloatArray, pull: Pull, fall: Fall, rate: float) -> Fall:
+    """Return a fall as far as it took the load off the spring: what springs back by itself did not.
+
+    It comes back at once, far faster than the machine loads, and stays; or the machine is soon as high again: by what it
+    loads until then the spring was relieved.
+    """
+    if not fall.reloads:
+        return fall
+    fell_N = fall.top_N - fall.bottom_N
+    back = force_N[fall.bottom : fall.bottom + SWUNG_BACK * (fall.bottom - fall.top) + 3]
+    excess_N = back - fall.bottom_N - FAST * rate * np.arange(back.size)
+    k = int(np.argmax(excess_N))
+    stays = (
+        float(force_N[fall.bottom + k : fall.bottom + 2 * k + FEW_BLOCKS].min())
+        >= float(back[k]) - AGAIN * fell_N
+    )
+    above = np.flatnonzero(force_N[fall.bottom : pull.stop] > fall.top_N)
+    own = max(rate, loading_rate(force_N, pull.start, fall.top))
+    taken_N = own * (fall.bottom - fall.top + int(above[0])) if above.size else fell_N
+    level_N = float(back[k])
+    if stays and excess_N[k] >= HALF * fell_N and level_N < fall.top_N:
+        return fall._replace(
+            settled=fall.bottom + k, bottom=fall.bottom + k, level_N=level_N, bottom_N=level_N
+        )
+    if taken_N < TAKEN * fell_N:
+        return fall._replace(level_N=fall.top_N - taken_N, bottom_N=fall.top_N - taken_N)
+    return fall
+
+
+def _first_full(
+    force_N: FloatArray, pull: Pull, falls: list[Fall], others: tuple[int, float]
+) -> list[Candidate]:
+    """Return the candidates of `macroscopic` among falls as far as they stay; with what was hung, the pull's rate."""
+    hung, whole = others
     passed: list[Fall] = []
+    full: Fall | None = None
     for i, fall in enumerate(falls):
         height_N = fall.top_N - pull.base_N
         if height_N < TALL * (pull.top_N - pull.base_N):
+            continue
+        if (
+            full
+            and fall.top_N < full.top_N
+            and fall.top < full.top
+            and _is_stopped(force_N, pull, fall, full)
+        ):
+            passed += [fall]
             continue
         # Weights hung on at first are loaded faster than by the motor.
         start = _start_of_climb(force_N, falls[: i + 1], LITTLE * height_N)
@@ -114,7 +170,8 @@ def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall], hung: int = 
         rate = min(whole, own) if start == fall.start else whole
         rivals = _rivals(force_N, pull, fall, falls[i + 1 :], (rate, own))
         like_it = [g for g in passed if g.drop_N >= ROW * fall.drop_N]
-        in_a_row = len(like_it) >= 2 and _is_loaded_on(pull, fall, falls[i + 1 :], rate)
+        springs = len(falls) < 2 * TRAIN and fall.bottom_N > float(force_N[fall.top : fall.bottom + 1].min())
+        in_a_row = (springs or len(like_it) >= 2) and _is_loaded_on(pull, fall, falls[i + 1 :], rate)
         if rivals is None or in_a_row:
             passed += [fall]
             continue
@@ -123,6 +180,10 @@ def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall], hung: int = 
         if earlier:
             return [Candidate(pull, earlier[0], rate, falls[falls.index(earlier[0]) + 1 :]), first]
         rivals = rivals or (_far_larger(pull, fall, falls[i + 1 :]) if len(like_it) + hung >= 2 else [])
+        far = rivals and rivals[0].top_N > fall.top_N + LITTLE * height_N
+        if not earlier and far and _is_stopped(force_N, pull, fall, rivals[0]):
+            passed, full = [*passed, fall], rivals[0]
+            continue
         return [first, Candidate(pull, rivals[0], rate, rivals[1:])] if rivals else [first]
     return []
 
@@ -137,6 +198,16 @@ def _far_larger(pull: Pull, fall: Fall, later: list[Fall]) -> list[Fall]:
         if far and _slides_or_reloads(pull, g):
             return later[j:]
     return []
+
+
+def _is_stopped(force_N: FloatArray, pull: Pull, fall: Fall, rival: Fall) -> bool:
+    """Return whether a fall ends not half way to where the rope slides after a far larger one from a higher force.
+
+    A full slip goes on until the spring pulls no more than friction does: what still sticks has stopped it.
+    """
+    slid_N = max(rival.level_N, median(force_N[rival.settled : pull.stop]))
+    larger = rival.drop_N > MANY_TIMES * fall.drop_N
+    return larger and fall.top_N - fall.bottom_N < STOPPED * (fall.top_N - slid_N)
 
 
 def _start_of_climb(force_N: FloatArray, falls: list[Fall], little_N: float) -> int:
@@ -338,6 +409,22 @@ def bumps_of(force_N: FloatArray, time_s: FloatArray, pull: Pull) -> list[Fall]:
         elif n >= swung:
             largest_N = max(largest_N, f.drop_N)
     return bumps
+
+
+def loaded_so_fast(force_N: FloatArray, bumps: list[Fall], first: Candidate) -> list[Fall]:
+    """Return the bumps that rise higher than what comes after them, and no faster than it is loaded: by the machine."""
+    again = loading_rate(force_N, first.fall.start, first.fall.top)
+    found = []
+    for bump in bumps:
+        half_N = 0.5 * bump.drop_N
+        low = np.flatnonzero(force_N[bump.start : bump.top] <= bump.top_N - half_N)
+        up = half_N / max(1, bump.top - bump.start - (int(low[-1]) if low.size else 0))
+        is_higher = bump.top < first.fall.top and bump.top_N > first.fall.top_N
+        stands_out = bump.bottom_N > first.pull.base_N and bump.drop_N > LITTLE * (
+            bump.top_N - first.pull.base_N
+        )
+        found += [bump] * (is_higher and stands_out and again > AS_FAST * up)
+    return found
 
 
 def echoes(force_N: FloatArray, fall: Fall, later: list[Fall], rate: float) -> int:

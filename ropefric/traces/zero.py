@@ -171,6 +171,10 @@ def _with_drift(
         is_gone = not is_seen or part * change_N * math.copysign(1.0, drift_N) < RETURNED * abs(drift_N)
         # A load that was taken off again may hide all of it: from before that it went on.
         is_gone &= not any(abs(other_N - drift_N) < 0.5 * abs(drift_N) for other_N in earlier_N if is_seen)
+        if earlier_N and abs(earlier_N[0]) + 2.0 * change_std_N < min(small_N, RETURNED * wrong_N):
+            # What was loaded at rest in between, and creeps, has gone.
+            change_N = earlier_N[0]
+            is_gone = True
         if is_gone and abs(change_N) + 2.0 * change_std_N < small_N:
             u_N = math.hypot(result.peak_std_N, change_std_N, change_N / math.sqrt(3.0))
             return replace(result, peak_std_N=u_N), ""
@@ -341,7 +345,8 @@ def _at_rest_again(
     of the change since each of the stretches before the last one [N].
     """
     back_N = blocks.force_N[::-1]
-    down = int(np.argmax(back_N >= 0.5 * result.peak_N))
+    slid_N = result.kinetic_N if result.kinetic_N > 0.0 else result.peak_N
+    down = int(np.argmax(back_N >= 0.5 * min(slid_N, result.peak_N)))
     after = rests_of(replace(blocks, force_N=back_N), down)
     if not rests or not after:
         return None

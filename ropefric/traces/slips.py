@@ -108,11 +108,8 @@ def macroscopic(force_N: FloatArray, pull: Pull, falls: list[Fall], hung: int = 
 
     Each weight that was `hung` on before, and at rest, counts as a partial slip: it swung.
     """
-    whole = rate_of(force_N, pull)
     own = {fall.top: fall for fall in falls}
-    found = _first_full(
-        force_N, pull, [_that_stays(force_N, pull, fall, whole) for fall in falls], (hung, whole)
-    )
+    found = _first_full(force_N, pull, own, hung)
     return [one._replace(fall=own[one.fall.top], later=[own[g.top] for g in one.later]) for one in found]
 
 
@@ -145,11 +142,10 @@ def _that_stays(force_N: FloatArray, pull: Pull, fall: Fall, rate: float) -> Fal
     return fall
 
 
-def _first_full(
-    force_N: FloatArray, pull: Pull, falls: list[Fall], others: tuple[int, float]
-) -> list[Candidate]:
-    """Return the candidates of `macroscopic` among falls as far as they stay; with what was hung, the pull's rate."""
-    hung, whole = others
+def _first_full(force_N: FloatArray, pull: Pull, own_falls: dict[int, Fall], hung: int) -> list[Candidate]:
+    """Return the candidates of `macroscopic`, each as far as it stays, among falls by where they begin."""
+    whole = rate_of(force_N, pull)
+    falls = [_that_stays(force_N, pull, fall, whole) for fall in own_falls.values()]
     passed: list[Fall] = []
     full: Fall | None = None
     for i, fall in enumerate(falls):
@@ -170,13 +166,17 @@ def _first_full(
         rate = min(whole, own) if start == fall.start else whole
         rivals = _rivals(force_N, pull, fall, falls[i + 1 :], (rate, own))
         like_it = [g for g in passed if g.drop_N >= ROW * fall.drop_N]
-        springs = len(falls) < 2 * TRAIN and fall.bottom_N > float(force_N[fall.top : fall.bottom + 1].min())
-        in_a_row = (springs or len(like_it) >= 2) and _is_loaded_on(pull, fall, falls[i + 1 :], rate)
+        springs = len(falls) < 2 * TRAIN and fall is not own_falls[fall.top]
+        above = LITTLE if springs else FAR_ABOVE
+        in_a_row = (springs or len(like_it) >= 2) and _is_loaded_on(pull, fall, falls[i + 1 :], rate, above)
         if rivals is None or in_a_row:
             passed += [fall]
             continue
         first = Candidate(pull, fall, rate_above(force_N, start, fall.top, rate), falls[i + 1 :])
-        earlier = [g for g in passed if _is_contested(force_N, pull, g, fall)]
+        # What swings back is contested if it is where it stops and where it swings to.
+        earlier = [
+            g for g in passed if all(_is_contested(force_N, pull, one, fall) for one in (g, own_falls[g.top]))
+        ]
         if earlier:
             return [Candidate(pull, earlier[0], rate, falls[falls.index(earlier[0]) + 1 :]), first]
         rivals = rivals or (_far_larger(pull, fall, falls[i + 1 :]) if len(like_it) + hung >= 2 else [])
@@ -473,7 +473,7 @@ def _wears_in(force_N: FloatArray, place: _Place) -> bool:
     return top > passed and back < COMES_BACK and loading_rate(force_N, passed, top) < GIVES * place.own_rate
 
 
-def _is_loaded_on(pull: Pull, fall: Fall, later: list[Fall], rate: float) -> bool:
+def _is_loaded_on(pull: Pull, fall: Fall, later: list[Fall], rate: float, above: float) -> bool:
     """Return whether all that the motor turns until a far higher and larger fall goes into the spring: nothing slid.
 
     What a partial slip takes off the spring the motor has to turn again.
@@ -481,7 +481,7 @@ def _is_loaded_on(pull: Pull, fall: Fall, later: list[Fall], rate: float) -> boo
     highest = max(later, key=lambda g: g.top_N, default=fall)
     above_N = highest.top_N - fall.top_N
     partial_N = [g.top_N - g.bottom_N for g in (fall, *later) if g.top < highest.top]
-    if above_N <= FAR_ABOVE * (fall.top_N - pull.base_N) or highest.drop_N < FAR_LARGER * max(partial_N):
+    if above_N <= above * (fall.top_N - pull.base_N) or highest.drop_N < FAR_LARGER * max(partial_N):
         return False
     return rate * (highest.top - fall.top) < SLOWER * (above_N + sum(partial_N))
 

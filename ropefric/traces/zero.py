@@ -361,9 +361,10 @@ def _at_rest_again(
     since_s = result.peak_time_s - float(blocks.time_s[slice(*rests[0])].mean())
     part = since_s / float(after_s.mean() - before_s.mean())
     last_N, last_s = float(after_N.mean()), float(after_s.mean())
+    n = blocks.n_rest // blocks.size
     earlier_N = [
         (last_N - float(blocks.force_N[a:b].mean())) * since_s / (last_s - float(blocks.time_s[a:b].mean()))
-        for a, b in rests[:-1]
+        for a, b in ([(0, n)] if PIECES <= n <= rests[0][0] else []) + rests[:-1]
     ]
     return last_N - float(before_N.mean()), std_N, part, earlier_N
 

@@ -368,7 +368,7 @@ def _stops_early(place: _Place, loaded: list[Fall]) -> bool:
 def comes_off(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
     """Return whether a pull that ended without sliding is followed by a higher one, or by another after a rest.
 
-    What the machine loaded again after its fall was not off.
+    What the machine loaded again after its fall was not off, nor what stayed loaded for as long as it was loaded.
     """
     rate, top = rate_of(force_N, pull), max(pull.falls, key=lambda g: g.top_N)
     loaded_again = any(
@@ -377,6 +377,8 @@ def comes_off(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
         and as_loaded(g.top_N - float(force_N[g.start]), rate, g.top - g.start)
         for g in pull.falls
     )
+    stayed = force_N[top.settled : top.settled + top.top - top.start]
+    loaded_again |= median(stayed) > pull.base_N + UNLOADED * (top.top_N - pull.base_N)
     off, again = pull.falls[-1].settled, other.start + int(np.argmax(force_N[other.start : other.stop]))
     base_N = pull.base_N + TALL * (pull.top_N - pull.base_N)
     loaded = int(np.count_nonzero(force_N[pull.start : off] >= base_N))

@@ -130,7 +130,13 @@ def _with_level(
     if not why:
         # A small level may be either.
         small_N = zero_N if abs(zero_N) <= SMALL_ZERO * result.peak_N else 0.0
-        return replace(result, peak_std_N=float(np.hypot(result.peak_std_N, small_N / np.sqrt(3.0))))
+        said = (
+            f"the rope at rest reads {zero_N:.3g} N, which counts as a pretension: if that is an error of the zero, "
+            'set [protocol] rest = "zero"'
+        )
+        is_said = zero_N >= LARGE_ZERO * result.peak_N and settings.rest == "unknown"
+        u_N = float(np.hypot(result.peak_std_N, small_N / np.sqrt(3.0)))
+        return replace(result, peak_std_N=u_N, notes=(*result.notes, *[said] * is_said))
     return either(result, events, why)
 
 

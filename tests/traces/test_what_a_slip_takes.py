@@ -161,7 +161,30 @@ def test_a_force_that_wears_in_slowly_after_a_rounded_top_does_not_swing():
     assert found.peak_N == pytest.approx(100.0, rel=0.01)
 
 
+def test_a_slip_that_swings_to_nothing_and_stays_loaded_was_not_off():
+    """The second of two pulls is lower: what slid after the first for as long as it was loaded was no snag."""
+    force = np.interp(TIME_S, (0.5, 1.0, 1.001, 2.2, 2.3), (0.0, 100.0, 38.0, 38.0, 0.0))
+    at = since(1.001)
+    force -= (TIME_S > 1.0) * 40.0 * np.exp(-at / 0.015) * np.cos(2.0 * np.pi * 30.0 * at)
+    force += np.interp(TIME_S, (6.0, 6.4, 6.401, 7.2, 7.3), (0.0, 80.0, 40.0, 40.0, 0.0))
+    found = picked(force + drawn((0.0, 0.0), (8.0, 0.0)))
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.01)
+
+
 # --- the zero ---
+
+
+def test_a_large_level_at_rest_is_said_to_count_as_a_pretension():
+    """No recording in newtons tells one from an error of the zero; a person does."""
+    force = drawn((0.0, 20.0), (1.0, 20.0), (3.0, 100.0), (3.004, 70.0), (8.0, 70.0))
+    found = picked(force)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.005)
+    assert any("counts as a pretension" in note and 'rest = "zero"' in note for note in found.notes)
+    told = picked(force, PickSettings(rest="zero"))
+    assert told.peak_N == pytest.approx(80.0, rel=0.005)
+    assert not any("pretension" in note for note in picked(force, PickSettings(rest="pretension")).notes)
 
 
 @pytest.mark.parametrize("rest_s", [0.15, 0.3])

@@ -74,7 +74,7 @@ def test_a_fit_for_people_shows_values_intervals_and_doubts(call):
         "0.46077",
         "95 % interval",
         "coefficient of a very large wheel",
-        "399 trials of 36 conditions",
+        "400 trials of 36 conditions",
     ):
         assert words in done.out
     assert done.code == 0

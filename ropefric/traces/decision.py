@@ -101,8 +101,9 @@ BRIEF = 0.25
 NO_MOTOR = 5.0
 """What creeps when the motor stops falls no faster than it was loaded, and a motor lets down not so many times faster
 to a level that is still high."""
-RELAXES, RELAXED = 0.4, 0.2
-"""A held rope relaxes from a corner on, far more slowly than it was loaded, and by no more than a fifth."""
+RELAXES, RELAXED, CREPT = 0.4, 0.2, 0.08
+"""A held rope relaxes from a corner on, far more slowly than it was loaded, and by no more than a fifth; where the motor
+stopped little by little it has relaxed by less, as half of that is over while it stops."""
 FAR_SHARE, NO_MOTOR_AT_ALL = 0.4, 15.0
 """Nor is a load let down so many times faster and stopped before less than this part of it is left."""
 BRIEFLY = 0.2
@@ -479,7 +480,8 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
     soon = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
     sharp = flat == "sharp" and (soon or bends or _is_let_down_later(force_N, fall, sliding, pull.base_N))
-    relaxes = flat == "sharp" and times < RELAXES and fall_s > LONGEST_FALL_S and share > 1.0 - RELAXED
+    relaxed = RELAXED if flat == "sharp" else CREPT
+    relaxes = times < RELAXES and fall_s > LONGEST_FALL_S and share > 1.0 - relaxed
     # Nor does a motor let a load down so that it comes to its level little by little.
     if relaxes or share < (FAR_SHARE if bends else LEAST_SHARE) or not (sharp or flat == "rounded"):
         or_what = "a held rope that relaxes" if relaxes else "a load that was let down"

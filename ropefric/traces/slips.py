@@ -347,7 +347,9 @@ def _is_of_the_train(force_N: FloatArray, place: _Place, loaded: list[Fall]) -> 
     # Where the force grows on as before the first of them, nothing has slid: they swing as weights do that are hung on.
     half = half_climb(force_N, place.pull.start, fall.top)
     loads_on = slope * (fall.top - half) > STICKS * float(fall.top_N - force_N[half])
-    return True if abs(off_N) < 3.0 * apart_N and not obstacle and not loads_on else None
+    if abs(off_N) >= 3.0 * apart_N or obstacle:
+        return None
+    return not loads_on
 
 
 def _stops_early(place: _Place, loaded: list[Fall]) -> bool:
@@ -415,17 +417,16 @@ def bumps_of(force_N: FloatArray, time_s: FloatArray, pull: Pull) -> list[Fall]:
 
 def loaded_so_fast(force_N: FloatArray, bumps: list[Fall], first: Candidate) -> list[Fall]:
     """Return the bumps that rise higher than what comes after them, and no faster than it is loaded: by the machine."""
-    again = loading_rate(force_N, first.fall.start, first.fall.top)
+    again, base_N = loading_rate(force_N, first.fall.start, first.fall.top), first.pull.base_N
     found = []
     for bump in bumps:
         half_N = 0.5 * bump.drop_N
         low = np.flatnonzero(force_N[bump.start : bump.top] <= bump.top_N - half_N)
         up = half_N / max(1, bump.top - bump.start - (int(low[-1]) if low.size else 0))
         is_higher = bump.top < first.fall.top and bump.top_N > first.fall.top_N
-        stands_out = bump.bottom_N > first.pull.base_N and bump.drop_N > LITTLE * (
-            bump.top_N - first.pull.base_N
-        )
-        found += [bump] * (is_higher and stands_out and again > AS_FAST * up)
+        # What comes back to nothing was struck.
+        part = bump.drop_N / max(bump.top_N - base_N, TINY)
+        found += [bump] * (is_higher and LITTLE < part < 1.0 - UNLOADED and again > AS_FAST * up)
     return found
 
 

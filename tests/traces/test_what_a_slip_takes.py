@@ -152,6 +152,25 @@ def test_a_moment_at_the_top_before_a_fast_fall_is_a_slip_that_begins_slowly():
     assert picked(held).status is not Status.OK
 
 
+@pytest.mark.parametrize(("drop_N", "status"), [(5.0, Status.DOUBTFUL), (15.0, Status.OK)])
+def test_a_held_rope_creeps_by_some_per_cent_however_slowly_the_motor_stopped(drop_N, status):
+    """The force bends to its largest and dies away within seconds: a motor that stops, or sliding that weakens."""
+    at, stopped = since(1.0), since(2.2)
+    climb = 100.0 * np.minimum(at / 0.8, 1.0 - 0.25 * np.exp(-since(1.6) / 0.2)) * (TIME_S < 2.2)
+    after = (TIME_S >= 2.2) * (100.0 - drop_N * (1.0 - np.exp(-stopped / 1.0)))
+    found = picked(climb + after + drawn((0.0, 0.0), (8.0, 0.0)))
+    assert found.status is status, found.detail
+
+
+def test_an_impact_higher_than_the_pull_that_comes_back_to_nothing_was_struck():
+    """However fast the machine loads: nothing slips down to nothing and swings there."""
+    blow = since(1.5)
+    force = np.interp(TIME_S, (1.3, 2.1, 2.101), (0.0, 100.0, 78.0))
+    force += (TIME_S >= 1.5) * 110.0 * np.exp(-blow / 0.04) * np.sin(2.0 * np.pi * 75.0 * blow)
+    found = picked(force + drawn((0.0, 0.0), (8.0, 0.0)))
+    assert found.status is not Status.OK or found.peak_N == pytest.approx(100.0, rel=0.01), found.peak_N
+
+
 def test_a_force_that_wears_in_slowly_after_a_rounded_top_does_not_swing():
     """It comes back to the level of sliding in seconds, and fell to it within a tenth of one."""
     at = since(3.0)

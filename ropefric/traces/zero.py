@@ -52,11 +52,8 @@ def with_its_zero(
     is_tared = trace.calibration is not None or settings.rest == "pretension"
     rest_N = 0.0 if is_tared or not n else float(blocks.force_N[: n // blocks.size].mean())
     if rest_N < min(0.0, -2.0 * LARGE_ZERO * max(result.peak_N, result.peak_N - rest_N)):
-        read = as_read(result)
         if settings.rest != "zero":
-            events = [replace(read, force_N=result.peak_N - rest_N, evidence="from the level at rest"), read]
-            asked = ASK.format("that is an error of the zero", "the machine pushes")
-            return either(result, events, f"before the climb it reads {rest_N:.3g} N: {asked}")
+            return _may_push(result, rest_N)
         result = _taken_off(result, rest_N, f"{rest_N:.4g} N at rest were taken off as the error of the zero")
         blocks = replace(blocks, force_N=blocks.force_N - rest_N)
         prepared = replace(prepared, force_N=prepared.force_N - rest_N, blocks=blocks)
@@ -65,6 +62,14 @@ def with_its_zero(
         why = "the recording begins under load, so that it shows no zero to take off"
         return either(result, [as_read(result)], why)
     return result if result.peak_N <= 0.0 else _with_level(prepared, result, settings, is_tared=is_tared)
+
+
+def _may_push(result: Breakaway, rest_N: float) -> Breakaway:
+    """Return a result in doubt over a level far below nothing before the climb."""
+    read = as_read(result)
+    events = [replace(read, force_N=result.peak_N - rest_N, evidence="from the level at rest"), read]
+    asked = ASK.format("that is an error of the zero", "the machine pushes")
+    return either(result, events, f"before the climb it reads {rest_N:.3g} N: {asked}")
 
 
 def _with_level(
@@ -97,6 +102,9 @@ def _with_level(
         said = f"{zero_N:.4g} N at rest were taken off as the error of the zero"
         return _taken_off(result, zero_N, said)
     events = [read := as_read(result)]
+    lowest_N = min((float(blocks.force_N[a:b].mean()) for a, b in rests), default=0.0)
+    if not (why or below_N or is_tared) and lowest_N < -2.0 * LARGE_ZERO * result.peak_N:
+        return _may_push(result, lowest_N)
     for level_N, largest, origin, what, zero, load in (
         (
             zero_N,

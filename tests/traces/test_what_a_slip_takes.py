@@ -194,6 +194,14 @@ def test_a_slip_that_swings_to_nothing_and_stays_loaded_was_not_off():
 # --- the zero ---
 
 
+def test_a_zero_that_falls_far_below_nothing_in_two_jumps_is_in_doubt():
+    """Each jump is small enough to be one of the zero, both together are what a machine that pushes may leave."""
+    zero = -25.0 * (TIME_S > 0.4) - 25.0 * (TIME_S > 0.8)
+    found = picked(zero + drawn((0.0, 0.0), (1.2, 0.0), (3.0, 190.0), (3.004, 130.0), (8.0, 130.0)))
+    assert found.status is Status.DOUBTFUL, found.peak_N
+    assert [one.force_N for one in found.candidates] == pytest.approx([190.0, 140.0], rel=0.005)
+
+
 def test_a_large_level_at_rest_is_said_to_count_as_a_pretension():
     """No recording in newtons tells one from an error of the zero; a person does."""
     force = drawn((0.0, 20.0), (1.0, 20.0), (3.0, 100.0), (3.004, 70.0), (8.0, 70.0))

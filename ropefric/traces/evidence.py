@@ -27,6 +27,7 @@ SWING, SETTLES, DAMPED, UNDAMPED, HALF_PERIODS = 2.0, 3.0, 0.1, 1.1, 5.0
 """A swing passes its level as fast up as down, falls below it, hardly further than it rose, and follows a load that
 comes on within few periods; up faster where the load still comes on."""
 BACK_AGAIN = 1.5
+"""It comes back half way within this part of the time in which it came down."""
 OVERSHOOT = 2.0
 """A mass that was loaded at a rate r and is stopped swings by r/ω, no more than so many times that."""
 BENT, FEWEST_TO_BEND = 0.58, 8

@@ -448,9 +448,9 @@ def _is_on_the_same_line(force_N: FloatArray, fall: Fall) -> bool:
     for x, square in _LINES:
         if fall.settled + x.size > force_N.size or fall.settled - 4 * x.size < 0:
             return False
+        at_once = _leaves_the_line(force_N, fall, (x, square), 0)
         # What swings after it does so no longer a while later.
-        at_once, later = (_leaves_the_line(force_N, fall, (x, square), late) for late in (0, x.size))
-        if at_once or later:
+        if at_once or _leaves_the_line(force_N, fall, (x, square), x.size):
             return True
         if at_once is not None:
             return False

@@ -181,7 +181,7 @@ def _first_full(force_N: FloatArray, pull: Pull, own_falls: dict[int, Fall], hun
             return [Candidate(pull, earlier[0], rate, falls[falls.index(earlier[0]) + 1 :]), first]
         rivals = rivals or (_far_larger(pull, fall, falls[i + 1 :]) if len(like_it) + hung >= 2 else [])
         far = rivals and rivals[0].top_N > fall.top_N + LITTLE * height_N
-        if not earlier and far and _is_stopped(force_N, pull, fall, rivals[0]):
+        if far and _is_stopped(force_N, pull, fall, rivals[0]):
             passed, full = [*passed, fall], rivals[0]
             continue
         return [first, Candidate(pull, rivals[0], rate, rivals[1:])] if rivals else [first]

@@ -33,6 +33,7 @@ from ropefric.traces.events import (
 from ropefric.traces.evidence import (
     comes_on,
     fall_blocks,
+    gives_way,
     hidden,
     is_quiet,
     loads_again,
@@ -106,12 +107,16 @@ RELAXES, RELAXED, CREPT = 0.4, 0.2, 0.08
 stopped little by little it has relaxed by less, as half of that is over while it stops."""
 FAR_SHARE, NO_MOTOR_AT_ALL = 0.4, 15.0
 """Nor is a load let down so many times faster and stopped before less than this part of it is left."""
+RELOADED = 0.5
+"""What the machine loads again comes to this part of the force at least, at as much as this part of the rate."""
 BRIEFLY = 0.2
 """What stood at its top for less than the machine loads by this part of the fall may have slipped there."""
 KNOCKED = 0.2
 """What an impact leaves behind swings by less than this part of it."""
 STOOD = 0.1
 """A rounded top withholds less than this part of the climb from the rope."""
+LEVELLED = 0.5
+"""A fifth of a climb takes a quarter of the time of the other four, and twice that at a round top."""
 COARSER, SLIPPED = (5.0, 15.0), 0.2
 """How many times larger falls are looked at, where no smaller one before them is more than this part of theirs."""
 MUCH = 1.5
@@ -183,11 +188,13 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
     blocks, one = prepared.blocks, inf
     if len(found.candidates) == 1:
         one = found.candidates[0].force_N
-    elif found.status is Status.NO_BREAKAWAY:
+    elif found.status in {Status.NO_BREAKAWAY, Status.NO_PEAK}:
         one = float(blocks.force_N.max())
     slips_N = [event.drop_N for event in found.events if event.kind == "partial-slip"]
     for scale in COARSER if np.isfinite(one) else ():
         wider = _at_scale(trace, prepared, settings, scale)
+        if found.status is Status.NO_PEAK and _is_let_down(blocks, wider):
+            continue
         slipped = max(slips_N, default=0.0) > SLIPPED * np.nan_to_num(wider.drop_N)
         if (
             wider.status is Status.OK
@@ -197,6 +204,14 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
             found = wider
             break
     return with_its_zero(trace, prepared, with_its_top(prepared, found), settings)
+
+
+def _is_let_down(blocks: Blocks, found: Breakaway) -> bool:
+    """Return whether a fall ends a stretch of sliding without a peak: after a level, or to nothing."""
+    up_N = blocks.force_N[: int(np.searchsorted(blocks.time_s, found.peak_time_s)) + 1]
+    band_N = min(found.drop_N, 0.1 * (found.peak_N - float(up_N.min())))
+    top, wide = (np.count_nonzero(up_N > found.peak_N - k * band_N) for k in (1.0, 5.0))
+    return bool(np.isnan(found.kinetic_N) or top > LEVELLED * (wide - top))
 
 
 def _at_scale(trace: ForceTrace, prepared: Prepared, settings: PickSettings, scale: float) -> Breakaway:
@@ -341,7 +356,7 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     )
     sliding = sliding_after(blocks, fall, pull.base_N)
     if _is_unloaded(force_N, candidate, sliding):
-        return _fell_away(prepared, settings, candidate)
+        return _fell_away(prepared, settings, candidate, later)
     lasts = 0 if sliding is None else min(sliding.stop, pull.stop) - sliding.first
     if what := _is_outdone(force_N, candidate, later, lasts):
         detail = f"the force falls from {from_N:.4g} N at {at_s:.4g} s: {what}"
@@ -451,9 +466,9 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     lively = fall.reloads or not quiet
     # What a slip takes off swings back.
     slid = max(share, (sliding.level_N - pull.base_N) / candidate.height_N)
-    slips_off = times > (NO_MOTOR if bends else NO_MOTOR_AT_ALL) and flat != "held"
-    deep = share < LEAST_SHARE and slid >= (UNLOADED if bends else FAR_SHARE) and slips_off
     brief = flat == "held" and no_motor and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N
+    slips_off = times > (NO_MOTOR if bends else NO_MOTOR_AT_ALL) and (flat != "held" or brief)
+    deep = share < LEAST_SHARE and slid >= (UNLOADED if bends else FAR_SHARE) and slips_off
     if not short and (deep or (share >= LEAST_SHARE and (fast or brief))):
         return measured(prepared, settings, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
@@ -532,7 +547,26 @@ def _is_let_down_later(force_N: FloatArray, fall: Fall, sliding: Sliding, base_N
     return not own / OTHER_RATE < rate < OTHER_RATE * own
 
 
-def _fell_away(prepared: Prepared, settings: PickSettings, candidate: Candidate) -> Breakaway:
+def _slips_again(force_N: FloatArray, candidate: Candidate, later: list[Pull]) -> bool:
+    """Return whether the machine loads on after a fall to nothing that no motor makes, and the rope slips again."""
+    rate, top_N = rate_of(force_N, candidate.pull), candidate.fall.top_N
+    # What goes higher later on hung on a snag before, what rests was off.
+    off = any(p.top_N > (1.0 + EQUAL) * top_N or comes_off(force_N, candidate.pull, p) for p in later)
+    return (
+        not off
+        and _times_loaded(force_N, candidate) > NO_MOTOR_AT_ALL
+        and any(
+            RELOADED * top_N <= pull.top_N
+            and RELOADED <= rate_of(force_N, pull) / max(rate, TINY) <= 1.0 / RELOADED
+            and any(g.slips and g.drop_N >= LEAST_DROP * (g.top_N - pull.base_N) for g in pull.falls)
+            for pull in later
+        )
+    )
+
+
+def _fell_away(
+    prepared: Prepared, settings: PickSettings, candidate: Candidate, later: list[Pull]
+) -> Breakaway:
     """Return what a fall is after which the force stands on no level: motor off, mostly."""
     blocks = prepared.blocks
     force_N, pull, fall = blocks.force_N, candidate.pull, candidate.fall
@@ -551,9 +585,12 @@ def _fell_away(prepared: Prepared, settings: PickSettings, candidate: Candidate)
         half = -(-(force_N.size - fall.top) // 8)
         late_N = 2.0 * float(force_N[-2 * half : -half].mean() - force_N[-half:].mean())
         settles = fall.drop_N >= LEAST_DROP * height_N and late_N <= SETTLING * fall.drop_N
-        if high and not held and settles:
+        creeps = _times_loaded(force_N, candidate) < RELAXES and candidate.share > 1.0 - RELAXED
+        if high and not held and settles and not creeps:
             return measured(prepared, settings, candidate, None)
         return doubtful(prepared, [candidate], "the recording ends before the force has settled")
+    if _slips_again(force_N, candidate, later) or gives_way(force_N, candidate):
+        return measured(prepared, settings, candidate, None)
     at_s = float(blocks.time_s[fall.top])
     detail = (
         f"the force falls from {fall.top_N:.4g} N at {at_s:.4g} s without a stretch of sliding: motor stopped, or "

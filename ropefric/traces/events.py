@@ -61,6 +61,8 @@ FAR = 0.95
 FLAT = 0.75
 """Of the time near the top, the part that is spent at it: a half for a round one, a quarter for a corner."""
 SHORTEST_HOLD = 8
+NARROWER, WIDER = 0.75, 1.3
+"""A parabola is 0.71 times as wide at half the height below its top, and 1.41 times at twice the height."""
 _KNOTS = 20
 _POINTS = 96
 _SLOPES = 24  # pieces of a climb on which its rate is read
@@ -566,7 +568,10 @@ def flat_top(force_N: FloatArray, fall: Fall, noise_N: float) -> str:
     if corner < 1.5 * min(held, even) + 10.0 * floor / n:
         return "unclear" if long and held + floor < 0.7 * (corner + floor) else "sharp"
     if long and held + floor < 0.7 * (even + floor):
-        return "held"
+        # What goes on bending over a round top, so that it is wider and wider below, was not stopped.
+        top = force_N[fall.start : last + 1]
+        upper, near_top, below = (np.count_nonzero(top >= fall.top_N - k * band_N) for k in (0.5, 1.0, 2.0))
+        return "rounded" if upper < NARROWER * near_top and below > WIDER * near_top else "held"
     return "rounded" if not long or even + floor < 0.7 * (held + floor) else "unclear"
 
 

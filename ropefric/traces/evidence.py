@@ -47,6 +47,9 @@ TOOTH = 0.3
 """Smaller against the typical one, a fall is the creep or the echo of a tooth."""
 LARGEST = 1.5
 CLEAR = 0.1
+GIVEN, SAGS, SLOWS, LET_DOWN = (0.2, 0.5), 0.1, 1.1, 0.4
+"""A rope that slides gives way by more than creep takes and less than a motor; half way it has given so much more than
+half of that, in the last quarter less than before, and far more slowly than a motor lets down."""
 SAWTOOTH, LONGEST_RISE = 0.4, 4.0
 """A slip takes less than the first part of the time in which the machine loads again; in a train no such time is so
 many times as long as they usually are."""
@@ -148,6 +151,29 @@ def loads_again(force_N: FloatArray, candidate: Candidate) -> bool:
     rise_N = float(force_N[top]) - fall.bottom_N
     much = rise_N >= 0.15 * (fall.top_N - fall.bottom_N)
     return fall.reloads and much and as_loaded(rise_N, candidate.rate, top - fall.bottom)
+
+
+def gives_way(force_N: FloatArray, candidate: Candidate) -> bool:
+    """Return whether a rope slid that gave way little by little for as long as it was loaded, then was let down.
+
+    The corner between the two lies farthest above the straight line from the top down. A held rope creeps by less, and
+    what is let down all the way does not slow down before.
+    """
+    fall, height_N = candidate.fall, candidate.height_N
+    down = force_N[fall.top : fall.bottom + 1]
+    corner = int(np.argmax(down - np.linspace(down[0], down[-1], down.size)))
+    climb = fall.top - half_climb(force_N, candidate.pull.start, fall.top)
+    if corner < max(climb, 4):
+        return False
+    gave_N, quarter = float(down[0] - down[corner]), corner // 4
+    middle_N, late_N = (
+        median(down[at - quarter // 2 : at + quarter // 2 + 1]) for at in (corner // 2, corner - quarter)
+    )
+    last_N, let_N = late_N - float(down[corner]), float(down[corner] - down[-1])
+    slows = float(down[0]) - middle_N > (0.5 + SAGS) * gave_N and middle_N - late_N > SLOWS * last_N
+    fast = last_N / quarter < LET_DOWN * let_N / max(1, down.size - 1 - corner)
+    much_N = GIVEN[0] * height_N
+    return much_N < min(gave_N, let_N) and gave_N < GIVEN[1] * height_N and slows and fast
 
 
 def comes_on(prepared: Prepared, candidate: Candidate) -> bool:

@@ -175,16 +175,26 @@ def _first_full(force_N: FloatArray, pull: Pull, own_falls: dict[int, Fall], hun
         first = Candidate(pull, fall, rate_above(force_N, start, fall.top, rate), falls[i + 1 :])
         # What swings back is contested if it is where it stops and where it swings to.
         earlier = [
-            g for g in passed if all(_is_contested(force_N, pull, one, fall) for one in (g, own_falls[g.top]))
+            g
+            for g in passed
+            if all(_is_contested(force_N, pull, one, fall) for one in (g, own_falls[g.top]))
+            and not _is_far_less(force_N, pull, g, fall)
         ]
         if earlier:
             return [Candidate(pull, earlier[0], rate, falls[falls.index(earlier[0]) + 1 :]), first]
         rivals = rivals or (_far_larger(pull, fall, falls[i + 1 :]) if len(like_it) + hung >= 2 else [])
-        far = rivals and rivals[0].top_N > fall.top_N + LITTLE * height_N
-        if far and _is_stopped(force_N, pull, fall, rivals[0]):
-            passed, full = [*passed, fall], rivals[0]
+        if not rivals:
+            return [first]
+        largest_N = max(g.drop_N for g in rivals if g.top_N >= rivals[0].top_N)
+        at = next(j for j, g in enumerate(rivals) if g.drop_N >= HALF * largest_N)
+        rival, far = rivals[at], rivals[at].top_N > fall.top_N + LITTLE * height_N
+        if far and _is_stopped(force_N, pull, fall, rival):
+            passed, full = [*passed, fall], rival
             continue
-        return [first, Candidate(pull, rivals[0], rate, rivals[1:])] if rivals else [first]
+        if _is_far_less(force_N, pull, fall, rival):
+            passed += [fall]
+            continue
+        return [first, Candidate(pull, rival, rate, rivals[at + 1 :])]
     return []
 
 
@@ -208,6 +218,16 @@ def _is_stopped(force_N: FloatArray, pull: Pull, fall: Fall, rival: Fall) -> boo
     slid_N = max(rival.level_N, median(force_N[rival.settled : pull.stop]))
     larger = rival.drop_N > MANY_TIMES * fall.drop_N
     return larger and fall.top_N - fall.bottom_N < STOPPED * (fall.top_N - slid_N)
+
+
+def _is_far_less(force_N: FloatArray, pull: Pull, fall: Fall, rival: Fall) -> bool:
+    """Return whether a fall is far smaller than one from a higher force that slides above it, or is small at all."""
+    part = (fall.top_N - fall.bottom_N) / max(rival.top_N - rival.bottom_N, TINY)
+    if part < SMALL and fall.drop_N < LITTLE * (fall.top_N - pull.base_N):
+        return True
+    slid_N = max(rival.level_N, median(force_N[rival.settled : pull.stop]))
+    on = _turned_on(force_N[: rival.top + 1], fall)
+    return part < HALF and slid_N > fall.top_N and on < COMES_BACK
 
 
 def _start_of_climb(force_N: FloatArray, falls: list[Fall], little_N: float) -> int:

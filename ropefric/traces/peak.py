@@ -27,6 +27,9 @@ SHORTEST_TOP, FEWEST_ON_A_LINE, FEWEST_BELOW_A_TOP, SPARSE = 8, 3, 5, 0.005
 TOP_SIGMAS = 10.0
 """The slope at a top is read where the climb rises by so many standard deviations of the noise."""
 
+JUMPED, JUMP = 3.0, 0.1
+"""What is so much steeper than the climb that leads to it, and this part of its upper half, is a load of its own."""
+
 STEPS_LOOKED_AT = 500
 NOISE_ABOVE_MEAN = 4.0
 """The highest of a few noisy samples is seldom more standard deviations above their mean."""
@@ -141,6 +144,14 @@ def measure_peak(
     # The slope of the last half of the climb; the first half may still bend.
     first = min((where.loading + top) // 2, top - 1)
     rate_N_s = line_through(time_s[first : top + 1], force_N[first : top + 1])[2] if first >= 0 else 0.0
+    # A weight that is hung on, or a jerk, rises in no time after a long rest.
+    up_N = force_N[max(first, 0) : top + 1]
+    rise_N = max(TOP_SIGMAS * noise_std_N, JUMP * float(np.ptp(force_N[min(where.loading, top) : top + 1])))
+    begins = max(first, 0) + _last_rise(up_N, rise_N)
+    steep_N_s = line_through(time_s[begins : top + 1], force_N[begins : top + 1])[2]
+    below = float(force_N[max(first, 0) : begins + 1].max()) < float(force_N[top]) - 0.5 * rise_N
+    if below and steep_N_s > JUMPED * max(rate_N_s, 0.0):
+        first, rate_N_s, where = begins, steep_N_s, where._replace(loading=max(begins, where.loading))
     top_rate_N_s = _rate_at_the_top(time_s[first : top + 1], force_N[first : top + 1], rate_N_s, noise_std_N)
     if window_s is None:
         climb_s = float(time_s[top] - time_s[min(where.loading, top)])
@@ -180,6 +191,12 @@ def measure_peak(
         noise_std_N=noise_std_N,
         loading_rate_N_s=rate_N_s,
     )
+
+
+def _last_rise(force_N: FloatArray, rise_N: float) -> int:
+    """Return from where on a force rises by so much to its last sample, or the first one."""
+    below = np.flatnonzero(force_N < force_N[-1] - rise_N)
+    return int(below[-1]) if below.size else 0
 
 
 def _rate_at_the_top(time_s: FloatArray, force_N: FloatArray, rate_N_s: float, noise_std_N: float) -> float:

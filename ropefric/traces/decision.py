@@ -469,7 +469,10 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     brief = flat == "held" and no_motor and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N
     slips_off = times > (NO_MOTOR if bends else NO_MOTOR_AT_ALL) and (flat != "held" or brief)
     deep = share < LEAST_SHARE and slid >= (UNLOADED if bends else FAR_SHARE) and slips_off
-    kept = times > NO_MOTOR_AT_ALL and flat != "held" and _stays_loaded(force_N, candidate)
+    kept = flat != "held" and (
+        (times > NO_MOTOR_AT_ALL and _stays_loaded(force_N, candidate, FAR_SHARE))
+        or (no_motor and fall_s <= LONGEST_FALL_S and _stays_loaded(force_N, candidate, LEAST_SHARE))
+    )
     if kept or (not short and (deep or (share >= LEAST_SHARE and (fast or brief)))):
         return measured(prepared, settings, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
@@ -506,12 +509,12 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     return measured(replace(prepared, notes=(*prepared.notes, note)), settings, candidate, sliding)
 
 
-def _stays_loaded(force_N: FloatArray, candidate: Candidate) -> bool:
-    """Return whether a rope stays loaded after a fall, however it swings or slips on, for far longer than it fell."""
+def _stays_loaded(force_N: FloatArray, candidate: Candidate, share: float) -> bool:
+    """Return whether that share of a load stays after a fall, however it swings or slips on, for far longer."""
     fall, pull = candidate.fall, candidate.pull
     after = force_N[fall.settled : fall.settled + max(FEW_BLOCKS, int(LASTS * (fall.top - pull.start)))]
     long = after.size >= SWINGS_OUT * (fall.settled - fall.top)
-    return long and median(after) > pull.base_N + UNLOADED * candidate.height_N
+    return long and median(after[after.size // 2 :]) > pull.base_N + share * candidate.height_N
 
 
 def _times_loaded(force_N: FloatArray, candidate: Candidate) -> float:

@@ -19,6 +19,8 @@ SMALL_ZERO, UNKNOWN, LARGE_ZERO = 0.02, 0.08, 0.12
 """Parts of F_A: a level at rest that matters, a drift that must be excluded, and what can only be a pretension."""
 JUMP_BLOCKS, JUMP_SIGMAS, SWINGS_BY, LARGE_JUMP = 6, 5.0, 0.1, 0.4
 """A rope swings by more than the last part of a load that comes on at once."""
+CAME_BACK = 0.25
+"""A rope that rests again as at first, but for this part of a jump in between, was loaded there."""
 BELOW_SIGMAS = 3.0
 BURST_SIGMAS, SHORT_REST = 4.0, 0.5
 """What leaves so many times the noise for less than this part of the longest rest is a burst of it."""
@@ -95,7 +97,7 @@ def _with_level(
         )
         result, zero_N = _taken_off(result, below_N, said), 0.0
     elif settings.rest != "pretension":
-        step_N = _jump_N(prepared, int(np.searchsorted(blocks.time_s, result.peak_time_s)))
+        step_N = _shift_N(prepared, result)
     if settings.rest == "zero" and not is_tared:
         zero_N, step_N, left_N = left_N or zero_N + step_N, 0.0, 0.0
     if not why and settings.rest == "zero" and not is_tared and n:
@@ -216,6 +218,20 @@ def _taken_off(result: Breakaway, zero_N: float, said: str) -> Breakaway:
         kinetic_N=result.kinetic_N - zero_N,
         notes=(*result.notes, said),
     )
+
+
+def _shift_N(prepared: Prepared, result: Breakaway) -> float:
+    """Return by how much the level of a rope at rest jumps before the climb; 0 where it rests as at first in the end.
+
+    A load that came on or off at once is gone when the rope rests again, a zero that jumped is not.
+    """
+    blocks, n = prepared.blocks, prepared.blocks.n_rest
+    jump_N = _jump_N(prepared, int(np.searchsorted(blocks.time_s, result.peak_time_s)))
+    after = _last_rest(blocks, result) if jump_N and n else None
+    if after is None:
+        return jump_N
+    change_N = float(blocks.force_N[slice(*after)].mean() - blocks.force_N[: n // blocks.size].mean())
+    return 0.0 if abs(change_N) < CAME_BACK * abs(jump_N) else jump_N
 
 
 def _jump_N(prepared: Prepared, top: int) -> float:
@@ -358,14 +374,11 @@ def _at_rest_again(
     Another level may be a tension that was left, or a drift; the same level says that there is no drift. And that part
     of the change since each of the stretches before the last one [N].
     """
-    back_N = blocks.force_N[::-1]
-    slid_N = result.kinetic_N if result.kinetic_N > 0.0 else result.peak_N
-    down = int(np.argmax(back_N >= 0.5 * min(slid_N, result.peak_N)))
-    after = rests_of(replace(blocks, force_N=back_N), down)
-    if not rests or not after:
+    after = _last_rest(blocks, result)
+    if not rests or after is None:
         return None
-    (begin, end), (start, stop), size = after[0], rests[-1], back_N.size
-    parts = (start, stop - (stop - start) // 8), (size - end + (end - begin) // 8, size - begin)
+    (start, stop), (begin, end) = rests[-1], after
+    parts = (start, stop - (stop - start) // 8), (begin + (end - begin) // 8, end)
     if min(last - first for first, last in parts) < PIECES:
         return None
     (before_N, before_s), (after_N, after_s) = (
@@ -381,6 +394,15 @@ def _at_rest_again(
         for a, b in ([(0, n)] if PIECES <= n <= rests[0][0] else []) + rests[:-1]
     ]
     return last_N - float(before_N.mean()), std_N, part, earlier_N
+
+
+def _last_rest(blocks: Blocks, result: Breakaway) -> tuple[int, int] | None:
+    """Return the last stretch in which the rope rests, after it was let down, in blocks."""
+    back_N = blocks.force_N[::-1]
+    slid_N = result.kinetic_N if result.kinetic_N > 0.0 else result.peak_N
+    down = int(np.argmax(back_N >= 0.5 * min(slid_N, result.peak_N)))
+    after = rests_of(replace(blocks, force_N=back_N), down)
+    return (back_N.size - after[0][1], back_N.size - after[0][0]) if after else None
 
 
 def _means(blocks: Blocks, first: int, count: int, n: int) -> tuple[FloatArray, FloatArray]:

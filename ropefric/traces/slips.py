@@ -478,16 +478,21 @@ def _wears_in(force_N: FloatArray, place: _Place) -> bool:
     """Return whether a rope slides on after a fall though the force grows: it does so more slowly than it was loaded."""
     pull, fall, top = place.pull, place.fall, place.top
     after = place.later[echoes(force_N, fall, place.later, place.own_rate) :]
-    if any(g.drop_N >= SAME_KIND * fall.drop_N and _slides_or_reloads(pull, g) for g in after):
+    again = [g for g in after if g.drop_N >= SAME_KIND * fall.drop_N and _slides_or_reloads(pull, g)]
+    # What slips again by no more, after it has slid on to a higher force, says nothing of that.
+    if any(g.top_N <= fall.top_N or g.drop_N > fall.drop_N for g in again):
         return False
     # What was loaded for long was neither hit nor hung on, and one that sticks is loaded again at the machine's rate.
-    slides = loading_rate(force_N, fall.bottom, top) < STICKS * place.own_rate
+    end = again[0].top if again else top
+    slides = loading_rate(force_N, fall.bottom, end) < STICKS * place.own_rate
     long = 2 * (fall.top - half_climb(force_N, fall.start, fall.top)) > LONG * (top - fall.top)
     # Friction holds what slides; what falls nearly to where it was loaded from hung on a snag.
     part = fall.drop_N / max(fall.top_N - pull.base_N, TINY)
     fell = LEAST_DROP <= part < 1.0 - BACK
-    if slides and long and fell and place.growth < GROWTH:
+    if slides and long and fell and place.growth < MORE:
         return True
+    if again:
+        return False
     # A bump, or weights hung on, rise faster than the motor loads, which takes longer to come to the same force.
     passed = _passes(force_N[: top + 1], fall)
     back = _turned_on(force_N[: top + 1], fall, place.own_rate)

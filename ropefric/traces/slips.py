@@ -352,7 +352,7 @@ def _is_of_the_train(force_N: FloatArray, place: _Place, loaded: list[Fall]) -> 
     level_N = tops_N - slope * (at - fall.top)
     apart_N = max(1.4826 * median(np.abs(level_N - median(level_N))), KIN * height_N)
     off_N = median(level_N) - fall.top_N
-    smaller = fall.top_N - fall.bottom_N < SMALLER * median(drops_N)
+    smaller = fall.top_N - fall.bottom_N < min(SMALLER * median(drops_N), BACK * height_N)
     if apart_N > ALIKE * height_N:
         return None
     if off_N > 6.0 * apart_N:

@@ -31,13 +31,18 @@ from ropefric.traces.events import (
     motor_starts,
 )
 from ropefric.traces.evidence import (
+    LASTS,
+    OTHER_RATE,
+    SWINGS_OUT,
     comes_on,
     fall_blocks,
     gives_way,
     hidden,
+    is_let_down_later,
     is_quiet,
     loads_again,
     stands_out,
+    stays_loaded,
     swings,
     wanders,
 )
@@ -83,18 +88,12 @@ from ropefric.traces.zero import with_its_zero
 
 SWING_S = 0.05
 """What swings around a level is at rest in the mean over so long [s]."""
-SWINGS_OUT = 8
-"""A rope that comes off swings out at nothing: seen over so many times the first fall."""
 LEAST_SHARE = 0.55
 """Part of the peak that the force keeps where nothing but the fall speaks for a slip."""
 STEPS = 3
 """A fall of fewer steps of the converter has no shape."""
 SETTLING = 0.1
 """What is let down goes on at its rate, a slip slows down: in the last quarter of its time it falls by less of it."""
-OTHER_RATE = 2.0
-"""A motor lets loads down at much the same rate, within this factor."""
-LASTS = 0.25
-"""What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
 BENT, FAR_BENT = 0.25, 0.1
 LONGEST_FALL_S = 0.3
 BRIEF = 0.25
@@ -470,8 +469,8 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     slips_off = times > (NO_MOTOR if bends else NO_MOTOR_AT_ALL) and (flat != "held" or brief)
     deep = share < LEAST_SHARE and slid >= (UNLOADED if bends else FAR_SHARE) and slips_off
     kept = flat != "held" and (
-        (times > NO_MOTOR_AT_ALL and _stays_loaded(force_N, candidate, FAR_SHARE))
-        or (no_motor and fall_s <= LONGEST_FALL_S and _stays_loaded(force_N, candidate, LEAST_SHARE))
+        (times > NO_MOTOR_AT_ALL and stays_loaded(force_N, candidate, FAR_SHARE))
+        or (no_motor and fall_s <= LONGEST_FALL_S and stays_loaded(force_N, candidate, LEAST_SHARE))
     )
     if kept or (not short and (deep or (share >= LEAST_SHARE and (fast or brief)))):
         return measured(prepared, settings, candidate, sliding)
@@ -498,7 +497,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         return doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
     climb = fall.top - half_climb(force_N, pull.start, fall.top)
     soon = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
-    sharp = flat == "sharp" and (soon or bends or _is_let_down_later(force_N, fall, sliding, pull.base_N))
+    sharp = flat == "sharp" and (soon or bends or is_let_down_later(force_N, fall, sliding, pull.base_N))
     relaxed = RELAXED if flat == "sharp" else CREPT
     relaxes = times < RELAXES and fall_s > LONGEST_FALL_S and share > 1.0 - relaxed
     # Nor does a motor let a load down so that it comes to its level little by little.
@@ -507,14 +506,6 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         return doubtful(prepared, [candidate], f"{seen}, without roughness: sliding, or {or_what}")
     note = f"{seen}: a break-away, unless the motor was let back at that moment"
     return measured(replace(prepared, notes=(*prepared.notes, note)), settings, candidate, sliding)
-
-
-def _stays_loaded(force_N: FloatArray, candidate: Candidate, share: float) -> bool:
-    """Return whether that share of a load stays after a fall, however it swings or slips on, for far longer."""
-    fall, pull = candidate.fall, candidate.pull
-    after = force_N[fall.settled : fall.settled + max(FEW_BLOCKS, int(LASTS * (fall.top - pull.start)))]
-    long = after.size >= SWINGS_OUT * (fall.settled - fall.top)
-    return long and median(after[after.size // 2 :]) > pull.base_N + share * candidate.height_N
 
 
 def _times_loaded(force_N: FloatArray, candidate: Candidate) -> float:
@@ -545,18 +536,6 @@ def _stood(blocks: Blocks, candidate: Candidate) -> bool:
 def _may_be_let_down(force_N: FloatArray, candidate: Candidate, slowest: float = 0.0) -> bool:
     """Return whether a fall goes so far down, and at such a multiple of the rate of loading, as a motor may let it."""
     return candidate.share < LEAST_SHARE and slowest < _times_loaded(force_N, candidate) <= NO_MOTOR
-
-
-def _is_let_down_later(force_N: FloatArray, fall: Fall, sliding: Sliding, base_N: float) -> bool:
-    """Return whether the motor lets the load down after a stretch of sliding, far faster or slower than it fell."""
-    down, up_N = force_N[sliding.stop - 1 :], fall.level_N - base_N
-    low = np.flatnonzero(down <= base_N + UNLOADED * up_N)
-    high = np.flatnonzero(down[: low[0]] >= base_N + (1.0 - UNLOADED) * up_N) if low.size else low
-    if not high.size:
-        return False
-    rate = (1.0 - 2.0 * UNLOADED) * up_N / int(low[0] - high[-1])
-    own = fall.drop_N / max(1.0, fall_blocks(force_N, fall))
-    return not own / OTHER_RATE < rate < OTHER_RATE * own
 
 
 def _slips_again(force_N: FloatArray, candidate: Candidate, later: list[Pull]) -> bool:

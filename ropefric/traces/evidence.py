@@ -10,11 +10,11 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, median
 from ropefric.traces.breakaway import Status
-from ropefric.traces.events import LEAST_PEAK, TINY, Fall, as_loaded, half_climb, loading_rate
+from ropefric.traces.events import LEAST_PEAK, TINY, UNLOADED, Fall, as_loaded, half_climb, loading_rate
 from ropefric.traces.noise import noise_std, runs_of
 from ropefric.traces.peak import WIDE_GAP
 from ropefric.traces.segments import PIECE_BLOCKS, Prepared, Sliding, roughness_N, sliding_after
-from ropefric.traces.slips import FEWEST_TEETH, LEAST_DROP, SMALL_GROWTH, Candidate
+from ropefric.traces.slips import FEW_BLOCKS, FEWEST_TEETH, LEAST_DROP, SMALL_GROWTH, Candidate
 from ropefric.traces.trace import ForceTrace
 
 RESOLVED_SIGMAS = 4.0
@@ -47,6 +47,12 @@ TOOTH = 0.3
 """Smaller against the typical one, a fall is the creep or the echo of a tooth."""
 LARGEST = 1.5
 CLEAR = 0.1
+SWINGS_OUT = 8
+"""A rope that comes off swings out at nothing: seen over so many times the first fall."""
+LASTS = 0.25
+"""What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
+OTHER_RATE = 2.0
+"""A motor lets loads down at much the same rate, within this factor."""
 GIVEN, SAGS, SLOWS, LET_DOWN = (0.2, 0.5), 0.1, 1.1, 0.4
 """A rope that slides gives way by more than creep takes and less than a motor; half way it has given so much more than
 half of that, in the last quarter less than before, and far more slowly than a motor lets down."""
@@ -174,6 +180,26 @@ def gives_way(force_N: FloatArray, candidate: Candidate) -> bool:
     fast = last_N / quarter < LET_DOWN * let_N / max(1, down.size - 1 - corner)
     much_N = GIVEN[0] * height_N
     return much_N < min(gave_N, let_N) and gave_N < GIVEN[1] * height_N and slows and fast
+
+
+def stays_loaded(force_N: FloatArray, candidate: Candidate, share: float) -> bool:
+    """Return whether that share of a load stays after a fall, however it swings or slips on, for far longer."""
+    fall, pull = candidate.fall, candidate.pull
+    after = force_N[fall.settled : fall.settled + max(FEW_BLOCKS, int(LASTS * (fall.top - pull.start)))]
+    long = after.size >= SWINGS_OUT * (fall.settled - fall.top)
+    return long and median(after[after.size // 2 :]) > pull.base_N + share * candidate.height_N
+
+
+def is_let_down_later(force_N: FloatArray, fall: Fall, sliding: Sliding, base_N: float) -> bool:
+    """Return whether the motor lets the load down after a stretch of sliding, far faster or slower than it fell."""
+    down, up_N = force_N[sliding.stop - 1 :], fall.level_N - base_N
+    low = np.flatnonzero(down <= base_N + UNLOADED * up_N)
+    high = np.flatnonzero(down[: low[0]] >= base_N + (1.0 - UNLOADED) * up_N) if low.size else low
+    if not high.size:
+        return False
+    rate = (1.0 - 2.0 * UNLOADED) * up_N / int(low[0] - high[-1])
+    own = fall.drop_N / max(1.0, fall_blocks(force_N, fall))
+    return not own / OTHER_RATE < rate < OTHER_RATE * own
 
 
 def comes_on(prepared: Prepared, candidate: Candidate) -> bool:

@@ -182,12 +182,12 @@ def gives_way(force_N: FloatArray, candidate: Candidate) -> bool:
     return much_N < min(gave_N, let_N) and gave_N < GIVEN[1] * height_N and slows and fast
 
 
-def stays_loaded(force_N: FloatArray, candidate: Candidate, share: float) -> bool:
-    """Return whether that share of a load stays after a fall, however it swings or slips on, for far longer."""
+def later_N(force_N: FloatArray, candidate: Candidate) -> float:
+    """Return the load that stays long after a fall, however it swings or slips on [N]; 0 where that is not seen."""
     fall, pull = candidate.fall, candidate.pull
     after = force_N[fall.settled : fall.settled + max(FEW_BLOCKS, int(LASTS * (fall.top - pull.start)))]
     long = after.size >= SWINGS_OUT * (fall.settled - fall.top)
-    return long and median(after[after.size // 2 :]) > pull.base_N + share * candidate.height_N
+    return median(after[after.size // 2 :]) - pull.base_N if long else 0.0
 
 
 def is_let_down_later(force_N: FloatArray, fall: Fall, sliding: Sliding, base_N: float) -> bool:

@@ -129,6 +129,22 @@ def test_what_falls_far_faster_than_it_was_loaded_and_slips_on_soon_has_slipped(
     assert found.peak_N == pytest.approx(100.0, rel=0.005)
 
 
+def test_the_later_of_two_slips_alike_is_in_doubt_where_the_motor_stops_after_it():
+    """The first may be the break-away, of a rope that hardens, or partial: no train that would tell follows."""
+    corners = [
+        (0.0, 0.0),
+        (2.0, 0.0),
+        (7.8, 75.8),
+        (7.86, 67.6),
+        (9.3, 84.3),
+        (9.36, 73.1),
+        (9.7, 77.5),
+        (10.7, 77.5),
+    ]
+    found = picked(drawn(*corners, (12.2, 51.0), (16.0, 51.0)))
+    assert found.status is Status.DOUBTFUL, found.peak_N
+
+
 # --- tops ---
 
 

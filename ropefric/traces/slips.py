@@ -185,8 +185,9 @@ def _first_full(force_N: FloatArray, pull: Pull, own_falls: dict[int, Fall], hun
         rivals = rivals or (_far_larger(pull, fall, falls[i + 1 :]) if len(like_it) + hung >= 2 else [])
         if not rivals:
             return [first]
-        largest_N = max(g.drop_N for g in rivals if g.top_N >= rivals[0].top_N)
-        at = next(j for j, g in enumerate(rivals) if g.drop_N >= HALF * largest_N)
+        # The first from so high a force may be partial, too.
+        high = [j for j, g in enumerate(rivals) if g.top_N >= rivals[0].top_N]
+        at = next(j for j in high if rivals[j].drop_N >= HALF * max(rivals[k].drop_N for k in high))
         rival, far = rivals[at], rivals[at].top_N > fall.top_N + LITTLE * height_N
         if far and _is_stopped(force_N, pull, fall, rival):
             passed, full = [*passed, fall], rival

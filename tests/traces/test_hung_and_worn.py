@@ -2,22 +2,13 @@
 
 import numpy as np
 import pytest
+from drawing import Drawing
 
-from ropefric.traces.breakaway import PickSettings, Status
-from ropefric.traces.decision import pick_breakaway
-from ropefric.traces.trace import ForceTrace
+from ropefric.traces.breakaway import Status
 
 TIME_S = np.arange(0.0, 6.0, 0.001)
-
-
-def drawn(*corners, noise_N=0.1, time_s=TIME_S):
-    """Return the force along a line through corners (time, force), with noise."""
-    noise = np.random.default_rng(7).normal(0.0, noise_N, time_s.size)
-    return np.interp(time_s, *zip(*corners, strict=True)) + noise
-
-
-def picked(force_N, settings=PickSettings(), time_s=TIME_S):  # noqa: B008  (it is frozen)
-    return pick_breakaway(ForceTrace(time_s=time_s, force_N=force_N), settings)[0]
+DRAWING = Drawing(TIME_S, seed=7)
+drawn, picked = DRAWING.drawn, DRAWING.picked
 
 
 def hung(levels_N, swing_Hz, damping, *, every_s=0.5, time_s=TIME_S):

@@ -2,27 +2,13 @@
 
 import numpy as np
 import pytest
+from drawing import Drawing
 
 from ropefric.traces.breakaway import PickSettings, Status
-from ropefric.traces.decision import pick_breakaway
-from ropefric.traces.trace import ForceTrace
 
 TIME_S = np.arange(0.0, 8.0, 0.001)
-
-
-def drawn(*corners, noise_N=0.1, time_s=TIME_S, seed=5):
-    """Return the force along a line through corners (time, force), with noise."""
-    noise = np.random.default_rng(seed).normal(0.0, noise_N, time_s.size)
-    return np.interp(time_s, *zip(*corners, strict=True)) + noise
-
-
-def picked(force_N, settings=PickSettings(), time_s=TIME_S):  # noqa: B008  (it is frozen)
-    return pick_breakaway(ForceTrace(time_s=time_s, force_N=force_N), settings)[0]
-
-
-def since(begin_s, time_s=TIME_S):
-    """Return the time since a moment, nothing before."""
-    return np.maximum(time_s - begin_s, 0.0)
+DRAWING = Drawing(TIME_S, seed=5)
+drawn, picked, since = DRAWING.drawn, DRAWING.picked, DRAWING.since
 
 
 # --- weights that are hung on one by one ---

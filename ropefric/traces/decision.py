@@ -40,7 +40,7 @@ from ropefric.traces.evidence import (
     hidden,
     is_let_down_later,
     is_quiet,
-    later_N,
+    left_after_N,
     loads_again,
     stands_out,
     swings,
@@ -468,7 +468,12 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     brief = flat == "held" and no_motor and _withheld_N(blocks, candidate) < BRIEFLY * fall.drop_N
     slips_off = times > (NO_MOTOR if bends else NO_MOTOR_AT_ALL) and (flat != "held" or brief)
     deep = share < LEAST_SHARE and slid >= (UNLOADED if bends else FAR_SHARE) and slips_off
-    kept = no_motor and flat != "held" and fall_s <= LONGEST_FALL_S and _keeps_its_load(force_N, candidate)
+    kept = (
+        no_motor
+        and flat != "held"
+        and fall_s <= LONGEST_FALL_S
+        and _keeps_its_load(force_N, candidate, slips)
+    )
     if kept or (not short and (deep or (share >= LEAST_SHARE and (fast or brief)))):
         return measured(prepared, settings, candidate, sliding)
     if flat == "held" and (short or not (lively and share >= UNLOADED)):
@@ -505,13 +510,12 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     return measured(replace(prepared, notes=(*prepared.notes, note)), settings, candidate, sliding)
 
 
-def _keeps_its_load(force_N: FloatArray, candidate: Candidate) -> bool:
+def _keeps_its_load(force_N: FloatArray, candidate: Candidate, slips: list[Fall]) -> bool:
     """Return whether so much of a load stays after a fall faster than a motor lets down as none would leave."""
-    fall, height_N, left_N = candidate.fall, candidate.height_N, later_N(force_N, candidate)
+    fall, height_N, left_N = candidate.fall, candidate.height_N, left_after_N(force_N, candidate)
     share = FAR_SHARE if _times_loaded(force_N, candidate) > NO_MOTOR_AT_ALL else LEAST_SHARE
     # It may be a later slip, where another took half as much before.
-    before = (g for g in candidate.pull.falls if g.top < fall.top and (1.0 + GROWTH) * g.top_N > fall.top_N)
-    later = any(g.slips and g.drop_N >= 0.5 * (height_N - left_N) for g in before)
+    later = any(g.top < fall.top and g.drop_N >= 0.5 * (height_N - left_N) for g in slips)
     return not later and left_N > share * height_N
 
 

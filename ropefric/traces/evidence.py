@@ -182,7 +182,7 @@ def gives_way(force_N: FloatArray, candidate: Candidate) -> bool:
     return much_N < min(gave_N, let_N) and gave_N < GIVEN[1] * height_N and slows and fast
 
 
-def later_N(force_N: FloatArray, candidate: Candidate) -> float:
+def left_after_N(force_N: FloatArray, candidate: Candidate) -> float:
     """Return the load that stays long after a fall, however it swings or slips on [N]; 0 where that is not seen."""
     fall, pull = candidate.fall, candidate.pull
     after = force_N[fall.settled : fall.settled + max(FEW_BLOCKS, int(LASTS * (fall.top - pull.start)))]

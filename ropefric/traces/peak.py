@@ -142,14 +142,13 @@ def measure_peak(
     step_s = float(np.median(np.diff(around))) if around.size > 1 else 1.0
     top = where.first + int(np.argmax(force_N[where.first : where.stop]))
     # The slope of the last half of the climb; the first half may still bend.
-    first = min((where.loading + top) // 2, top - 1)
-    rate_N_s = line_through(time_s[first : top + 1], force_N[first : top + 1])[2] if first >= 0 else 0.0
+    first = max(min((where.loading + top) // 2, top - 1), 0)
+    rate_N_s = line_through(time_s[first : top + 1], force_N[first : top + 1])[2]
     # A weight that is hung on, or a jerk, rises in no time after a long rest.
-    up_N = force_N[max(first, 0) : top + 1]
     rise_N = max(TOP_SIGMAS * noise_std_N, JUMP * float(np.ptp(force_N[min(where.loading, top) : top + 1])))
-    begins = max(first, 0) + _last_rise(up_N, rise_N)
+    begins = first + _last_rise(force_N[first : top + 1], rise_N)
     steep_N_s = line_through(time_s[begins : top + 1], force_N[begins : top + 1])[2]
-    below = float(force_N[max(first, 0) : begins + 1].max()) < float(force_N[top]) - 0.5 * rise_N
+    below = float(force_N[first : begins + 1].max()) < float(force_N[top]) - 0.5 * rise_N
     if below and steep_N_s > JUMPED * max(rate_N_s, 0.0):
         first, rate_N_s, where = begins, steep_N_s, where._replace(loading=max(begins, where.loading))
     top_rate_N_s = _rate_at_the_top(time_s[first : top + 1], force_N[first : top + 1], rate_N_s, noise_std_N)

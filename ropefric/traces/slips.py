@@ -187,7 +187,8 @@ def _first_full(force_N: FloatArray, pull: Pull, own_falls: dict[int, Fall], hun
             return [first]
         # The first from so high a force may be partial, too.
         high = [j for j, g in enumerate(rivals) if g.top_N >= rivals[0].top_N]
-        at = next(j for j in high if rivals[j].drop_N >= HALF * max(rivals[k].drop_N for k in high))
+        largest_N = max(rivals[j].drop_N for j in high)
+        at = next(j for j in high if rivals[j].drop_N >= HALF * largest_N)
         rival, far = rivals[at], rivals[at].top_N > fall.top_N + LITTLE * height_N
         if far and _is_stopped(force_N, pull, fall, rival):
             passed, full = [*passed, fall], rival
@@ -211,14 +212,20 @@ def _far_larger(pull: Pull, fall: Fall, later: list[Fall]) -> list[Fall]:
     return []
 
 
+def _slid_after_N(force_N: FloatArray, pull: Pull, fall: Fall) -> float:
+    """Return the force at which a rope slides after a fall, once it has settled [N]."""
+    return max(fall.level_N, median(force_N[fall.settled : pull.stop]))
+
+
 def _is_stopped(force_N: FloatArray, pull: Pull, fall: Fall, rival: Fall) -> bool:
     """Return whether a fall ends not half way to where the rope slides after a far larger one from a higher force.
 
     A full slip goes on until the spring pulls no more than friction does: what still sticks has stopped it.
     """
-    slid_N = max(rival.level_N, median(force_N[rival.settled : pull.stop]))
     larger = rival.drop_N > MANY_TIMES * fall.drop_N
-    return larger and fall.top_N - fall.bottom_N < STOPPED * (fall.top_N - slid_N)
+    return larger and fall.top_N - fall.bottom_N < STOPPED * (
+        fall.top_N - _slid_after_N(force_N, pull, rival)
+    )
 
 
 def _is_far_less(force_N: FloatArray, pull: Pull, fall: Fall, rival: Fall) -> bool:
@@ -226,9 +233,8 @@ def _is_far_less(force_N: FloatArray, pull: Pull, fall: Fall, rival: Fall) -> bo
     part = (fall.top_N - fall.bottom_N) / max(rival.top_N - rival.bottom_N, TINY)
     if part < SMALL and fall.drop_N < LITTLE * (fall.top_N - pull.base_N):
         return True
-    slid_N = max(rival.level_N, median(force_N[rival.settled : pull.stop]))
     on = _turned_on(force_N[: rival.top + 1], fall)
-    return part < HALF and slid_N > fall.top_N and on < COMES_BACK
+    return part < HALF and _slid_after_N(force_N, pull, rival) > fall.top_N and on < COMES_BACK
 
 
 def _start_of_climb(force_N: FloatArray, falls: list[Fall], little_N: float) -> int:

@@ -233,7 +233,7 @@ def _at_scale(trace: ForceTrace, prepared: Prepared, settings: PickSettings, sca
         if ok and np.isnan(result.kinetic_N):
             outdone = any(comes_off(force_N, pull, other) for other in later)
         elif ok:
-            outdone = any(_slides_above(force_N, pull, other) for other in later)
+            outdone = any(_slides_above(force_N, pull, result.kinetic_N, other) for other in later)
         elif result.status is Status.DOUBTFUL:
             outdone = any(passes_away(force_N, pull, other) for other in later)
         else:
@@ -255,18 +255,19 @@ def _at_scale(trace: ForceTrace, prepared: Prepared, settings: PickSettings, sca
     return found
 
 
-def _slides_above(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
+def _slides_above(force_N: FloatArray, pull: Pull, kinetic_N: float, other: Pull) -> bool:
     """Return whether a pull fell off faster than a motor lets down, and a later one slides at more than its top.
 
-    What slides at a higher force had not slid there.
+    What slides at a higher force had not slid there; nor had what drags at far less than a later, higher one slides at.
     """
     fall = pull.falls[-1]
     fastest = NO_MOTOR * rate_of(force_N, pull) * max(1.0, fall_blocks(force_N, fall))
-    if not pull.unloads or not other.falls or fall.drop_N <= fastest:
+    if not pull.unloads or not other.falls:
         return False
     first = max(other.falls, key=lambda g: g.top_N)
-    slid = force_N[first.settled : first.settled + (first.top - other.start)]
-    return median(slid) > pull.top_N
+    slid_N = median(force_N[first.settled : first.settled + (first.top - other.start)])
+    drags = other.top_N > (1.0 + EQUAL) * pull.top_N and slid_N > MUCH * kinetic_N
+    return drags or (slid_N > pull.top_N and fall.drop_N > fastest)
 
 
 def _comes_free(candidate: Candidate) -> bool:
@@ -372,18 +373,16 @@ def _assessed(  # noqa: PLR0911  (a cascade: every line decides one case)
     if low or not stands_out(blocks.noise_N, force_N, candidate, sliding):
         return _without_peak(prepared, candidate, sliding)
     # A motor that stops lets the masses swing: not faster than it loaded them, and around a quiet level.
-    stops = _times_loaded(force_N, candidate) < 1.0 and is_quiet(prepared, candidate, sliding)
+    times = _times_loaded(force_N, candidate)
+    stops = times < 1.0 and is_quiet(prepared, candidate, sliding)
     if fall.sudden and not stops:
         return measured(prepared, settings, candidate, sliding)
     if much and swings(prepared, fall, sliding, candidate.rate):
         why = f"the force swings to {from_N:.4g} N and dies away: a load that comes on or stops, or a slip"
         return doubtful(prepared, [candidate], why)
-    if (
-        much
-        and not stops
-        and not _may_be_let_down(force_N, candidate, 1.0)
-        and loads_again(force_N, candidate)
-    ):
+    # Nor is it one that goes so far down, at such a multiple of the rate of loading, as a motor may let it.
+    let_down = candidate.share < LEAST_SHARE and 1.0 < times <= NO_MOTOR
+    if much and not stops and not let_down and loads_again(force_N, candidate):
         return measured(prepared, settings, candidate, sliding)
     return _of_slow_fall(prepared, settings, candidate, sliding)
 
@@ -447,6 +446,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
         f"the force falls by {fall.drop_N:.3g} N within {1000 * fall_s:.2g} ms, slower than a slip, "
         f"and stays at {share:.0%} of the peak"
     )
+    climb = fall.top - half_climb(force_N, pull.start, fall.top)
     flat = flat_top(force_N, fall, blocks.noise_N)
     bends = bends_to_its_level(force_N, fall, blocks.noise_N)
     # A force that bends to its level has shown it; a held one that is let down may do so as well, and so may
@@ -459,7 +459,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     short = sliding.stop - sliding.first < (
         (BENT if share > 1.0 - RELAXED else FAR_BENT) * (fall.settled - fall.top)
         if bends and flat != "held" and not slipped
-        else max(LASTS * (fall.top - pull.start), 1.5 * (fall.settled - fall.top))
+        else max(LASTS * min(fall.top - pull.start, 4 * climb), 1.5 * (fall.settled - fall.top))
     )
     quiet = is_quiet(prepared, candidate, sliding)
     lively = fall.reloads or not quiet
@@ -493,11 +493,12 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     stays = not slipped and share >= LEAST_SHARE and sliding.stop >= force_N.size - FEW_BLOCKS
     if short and not (stays and times > 1.0):
         return doubtful(prepared, [candidate], f"{seen} for a moment only")
-    if lively and share >= UNLOADED and not _may_be_let_down(force_N, candidate):
+    # What swings far below where it slides goes back at once; what is let back does so no faster than it was loaded.
+    low = share < LEAST_SHARE and times <= (OTHER_RATE if slid >= LEAST_SHARE else NO_MOTOR)
+    if lively and slid >= UNLOADED and not low:
         return measured(prepared, settings, candidate, sliding)
     if fall.drop_N < STEPS * blocks.resolution_N:
         return doubtful(prepared, [candidate], f"{seen}, in few steps of the converter")
-    climb = fall.top - half_climb(force_N, pull.start, fall.top)
     soon = fall_s <= LONGEST_FALL_S and long <= BRIEF * climb
     sharp = flat == "sharp" and (soon or bends or is_let_down_later(force_N, fall, sliding, pull.base_N))
     relaxed = RELAXED if flat == "sharp" else CREPT
@@ -544,11 +545,6 @@ def _stood(blocks: Blocks, candidate: Candidate) -> bool:
     return flat_top(blocks.force_N, fall, blocks.noise_N) == "held"
 
 
-def _may_be_let_down(force_N: FloatArray, candidate: Candidate, slowest: float = 0.0) -> bool:
-    """Return whether a fall goes so far down, and at such a multiple of the rate of loading, as a motor may let it."""
-    return candidate.share < LEAST_SHARE and slowest < _times_loaded(force_N, candidate) <= NO_MOTOR
-
-
 def _slips_again(force_N: FloatArray, candidate: Candidate, later: list[Pull]) -> bool:
     """Return whether the machine loads on after a fall to nothing that no motor makes, and the rope slips again."""
     rate, top_N = rate_of(force_N, candidate.pull), candidate.fall.top_N
@@ -556,7 +552,7 @@ def _slips_again(force_N: FloatArray, candidate: Candidate, later: list[Pull]) -
     off = any(p.top_N > (1.0 + EQUAL) * top_N or comes_off(force_N, candidate.pull, p) for p in later)
     return (
         not off
-        and _times_loaded(force_N, candidate) > NO_MOTOR_AT_ALL
+        and _times_loaded(force_N, candidate) > OTHER_RATE
         and any(
             RELOADED * top_N <= pull.top_N
             and RELOADED <= rate_of(force_N, pull) / max(rate, TINY) <= 1.0 / RELOADED

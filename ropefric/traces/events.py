@@ -552,14 +552,14 @@ def flat_top(force_N: FloatArray, fall: Fall, noise_N: float) -> str:
     t1, t2 = one[:, None], two[:, None]
     inside, beyond, before = np.clip(t - t1, 0, t2 - t1), np.maximum(t - t2, 0), np.minimum(t - t1, 0)
     ones, half = np.ones_like(inside), inside**2 / (2 * (t2 - t1))
-    held, at = _least_squares(np.stack([ones, before, beyond], axis=2), values)
+    held, at = least_squares(np.stack([ones, before, beyond], axis=2), values)
     lasts = float((t2 - t1)[at, 0]) * (n - 1) * size
-    even, _ = _least_squares(np.stack([ones, before + inside - half, half + beyond], axis=2), values)
+    even, _ = least_squares(np.stack([ones, before + inside - half, half + beyond], axis=2), values)
     at_t, apart = np.linspace(0.05, 0.95, 3 * _KNOTS), 0.9 / (3 * _KNOTS - 1)
     for _ in range(2):
         since = t - at_t[:, None]
         corners = np.stack([np.ones_like(since), np.minimum(since, 0), np.maximum(since, 0)], axis=2)
-        corner, at = _least_squares(corners, values)
+        corner, at = least_squares(corners, values)
         at_t = at_t[at] + np.linspace(-apart, apart, _KNOTS)
     # No motor stops and goes back within less than the fall takes.
     shortest = max(SHORTEST_HOLD, int(2.5 * (last - ends)))
@@ -575,7 +575,7 @@ def flat_top(force_N: FloatArray, fall: Fall, noise_N: float) -> str:
     return "rounded" if not long or even + floor < 0.7 * (held + floor) else "unclear"
 
 
-def _least_squares(columns: FloatArray, values: FloatArray) -> tuple[float, int]:
+def least_squares(columns: FloatArray, values: FloatArray) -> tuple[float, int]:
     """Return the smallest sum of squares that linear models leave, and whose it is; columns (model, point, term)."""
     normal = np.einsum("kni,knj->kij", columns, columns)
     normal += 1e-12 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(columns.shape[2])

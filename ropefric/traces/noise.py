@@ -111,15 +111,17 @@ class Cleaned(NamedTuple):
     bad: IntArray
 
 
-def remove_spikes(values: FloatArray, noise: float) -> Cleaned:
+def remove_spikes(values: FloatArray, noise: float, is_gap: BoolArray | None = None) -> Cleaned:
     """Return a signal without spikes of up to five samples and without short dropouts.
 
     A spike leaves the signal in one step, stays away for a few samples and comes back to where the signal
     went on; its step is larger than eight times the noise and larger than four times any step before it.
     A narrow static peak, climbed in several steps, is none. A dropout is a stretch of up to 40 identical samples that
-    leaves and rejoins the signal the same way.
+    leaves and rejoins the signal the same way. Across a gap in the samples nothing is known to leave in one step.
     """
     steps = np.diff(values)
+    if is_gap is not None:
+        steps[is_gap] = 0.0
     bad: list[int] = []
     last_bad = -1
     for start in _candidates(values, steps, SPIKE_SIGMAS * noise):

@@ -13,6 +13,7 @@ import numpy as np
 from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.traces.breakaway import ForceEvent, Phase, PickSettings
 from ropefric.traces.calibration import Saturation
+from ropefric.traces.clock import GAP_STEPS
 from ropefric.traces.events import Fall
 from ropefric.traces.noise import (
     KNOCK_S,
@@ -106,7 +107,8 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
     stuck = _between_limits(find_stuck(force_N, step_N, noise_N), force_N, trace)
     if len(stuck):
         noise_N = noise_std(np.delete(force_N, np.concatenate([np.arange(*run) for run in stuck])))
-    cleaned = remove_spikes(force_N, noise_N)
+    steps_s = np.diff(time_s)
+    cleaned = remove_spikes(force_N, noise_N, steps_s > GAP_STEPS * median(steps_s))
     step_N = resolution(cleaned.values) if cleaned.bad.size else step_N
     hum = without_hum(time_s, cleaned.values)
     noise_N = noise_std(hum.force_N, step_N) if hum.amplitude_N else noise_N

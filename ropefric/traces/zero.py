@@ -8,7 +8,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status
-from ropefric.traces.events import LEAST, half_climb, parted, still
+from ropefric.traces.events import LEAST, half_climb, least_squares, parted, still
 from ropefric.traces.noise import runs_of
 from ropefric.traces.peak import WIDE_GAP
 from ropefric.traces.results import as_read, either
@@ -19,6 +19,8 @@ SMALL_ZERO, UNKNOWN, LARGE_ZERO = 0.02, 0.08, 0.12
 """Parts of F_A: a level at rest that matters, a drift that must be excluded, and what can only be a pretension."""
 JUMP_BLOCKS, JUMP_SIGMAS, SWINGS_BY, LARGE_JUMP = 6, 5.0, 0.1, 0.4
 """A rope swings by more than the last part of a load that comes on at once."""
+STEPS_BY = 0.5
+"""A jump leaves so much less of the squares than a climb that begins in between."""
 CAME_BACK = 0.25
 """A rope that rests again as at first, but for this part of a jump in between, was loaded there."""
 BELOW_SIGMAS = 3.0
@@ -180,7 +182,7 @@ def _with_drift(
         why = f"the zero drifts by about {abs(drift_N):.2g} N between the rope at rest and the peak"
     elif wrong_N + 2.0 * std_N > UNKNOWN * result.peak_N:
         why = f"the rope rests too briefly to exclude a drift of the zero of {wrong_N + 2.0 * std_N:.2g} N"
-    if why and (again := _at_rest_again(blocks, rests, result)):
+    if (why or is_seen) and (again := _at_rest_again(blocks, rests, result)):
         change_N, change_std_N, part, earlier_N = again
         small_N = SMALL_ZERO * result.peak_N
         # A drift that was seen should be there still; a tension that is left may hide a part of it, but not all.
@@ -194,7 +196,7 @@ def _with_drift(
         if is_gone and abs(change_N) + 2.0 * change_std_N < small_N:
             u_N = math.hypot(result.peak_std_N, change_std_N, change_N / math.sqrt(3.0))
             return replace(result, peak_std_N=u_N), ""
-        if is_seen and abs(part * change_N - drift_N) + 2.0 * std_N < small_N:
+        if why and is_seen and abs(part * change_N - drift_N) + 2.0 * std_N < small_N:
             drift_N, why = part * change_N, ""
     # Whether a drift that is seen went on at one rate is not known, nor one that noise may be.
     may_be = MAY_BE_SIGMAS * colour * std_N <= abs(drift_N)
@@ -227,7 +229,7 @@ def _shift_N(prepared: Prepared, result: Breakaway) -> float:
     """
     blocks, n = prepared.blocks, prepared.blocks.n_rest
     jump_N = _jump_N(prepared, int(np.searchsorted(blocks.time_s, result.peak_time_s)))
-    after = _last_rest(blocks, result) if jump_N and n else None
+    after = _next_rest(blocks, result) if jump_N and n else None
     if after is None:
         return jump_N
     change_N = float(blocks.force_N[slice(*after)].mean() - blocks.force_N[: n // blocks.size].mean())
@@ -237,17 +239,29 @@ def _shift_N(prepared: Prepared, result: Breakaway) -> float:
 def _jump_N(prepared: Prepared, top: int) -> float:
     """Return by how much the level of a rope at rest jumps before it is loaded to a top; 0 where it does not.
 
+    First where a rest is seen, then up to half of the climb, of which a jump must be more than the machine loads.
+    """
+    blocks, n = prepared.blocks, JUMP_BLOCKS
+    half, rests = half_climb(blocks.force_N, 0, top), rests_of(blocks, top)
+    rate = (float(blocks.force_N[top]) - float(blocks.force_N[half])) / max(1, top - half)
+    least_N, stop = JUMP_SIGMAS * prepared.noise_N, rests[-1][1] if rests else 0
+    at_rest_N = _jump_before_N(prepared, top, stop, least_N)
+    return at_rest_N or _jump_before_N(prepared, top, half, max(least_N, 2.0 * (n + 1) * rate))
+
+
+def _jump_before_N(prepared: Prepared, top: int, stop: int, least_N: float) -> float:
+    """Return the largest jump of a low force before a block, if it is more than so much; 0 if not.
+
     From one sample to the next and without a swing no load comes on: a rope with some mass carries it.
     """
     blocks, n = prepared.blocks, JUMP_BLOCKS
-    half, top_N = half_climb(blocks.force_N, 0, top), float(blocks.force_N[top])
-    if half < 2 * n + 1:
+    if stop < 2 * n + 1:
         return 0.0
-    means = sliding_window_view(blocks.force_N[:half], n).mean(axis=1)
+    means = sliding_window_view(blocks.force_N[:stop], n).mean(axis=1)
     jumps_N = means[n + 1 :] - means[: -n - 1]
-    rests = np.abs(means[: -n - 1] - means[0]) < LARGE_ZERO * top_N
-    at = int(np.argmax(np.abs(jumps_N) * rests))
-    jump_N, rate = float(jumps_N[at]), (top_N - float(blocks.force_N[half])) / max(1, top - half)
+    is_low = np.abs(means[: -n - 1] - means[0]) < LARGE_ZERO * float(blocks.force_N[top])
+    at = int(np.argmax(np.abs(jumps_N) * is_low))
+    jump_N = float(jumps_N[at])
     part = prepared.force_N[at * blocks.size : (at + 2 * n + 1) * blocks.size]
     steps = np.diff(part) * np.sign(jump_N)
     k = int(np.argmax(steps)) + 1
@@ -260,10 +274,16 @@ def _jump_N(prepared: Prepared, top: int) -> float:
         return 0.0
     beside = np.minimum(np.arange(part.size) // k, 1)
     left_N = np.abs(part - np.where(beside, means[at + n + 1], means[at]))
-    least_N = max(2.0 * (n + 1) * rate, JUMP_SIGMAS * prepared.noise_N)
     sudden = steps[k - 1] > (1.0 - SWINGS_BY) * abs(jump_N) - 3.0 * prepared.noise_N
     stays = np.count_nonzero(left_N > SWINGS_BY * abs(jump_N) + 3.0 * prepared.noise_N) <= 0.02 * part.size
-    return jump_N if sudden and stays and abs(jump_N) > least_N else 0.0
+    if not (sudden and stays and abs(jump_N) > least_N):
+        return 0.0
+    # Nor is it a climb that begins there.
+    x = np.arange(part.size)
+    bends = np.maximum(x - x[:-2, None], 0.0)
+    climbs_N2, _ = least_squares(np.stack([np.ones_like(bends), bends], axis=-1), part)
+    stands_N2 = sum(float(((side - side.mean()) ** 2).sum()) for side in (part[:k], part[k:]))
+    return jump_N if stands_N2 < STEPS_BY * climbs_N2 else 0.0
 
 
 def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
@@ -374,7 +394,7 @@ def _at_rest_again(
     Another level may be a tension that was left, or a drift; the same level says that there is no drift. And that part
     of the change since each of the stretches before the last one [N].
     """
-    after = _last_rest(blocks, result)
+    after = _next_rest(blocks, result)
     if not rests or after is None:
         return None
     (start, stop), (begin, end) = rests[-1], after
@@ -396,13 +416,17 @@ def _at_rest_again(
     return last_N - float(before_N.mean()), std_N, part, earlier_N
 
 
-def _last_rest(blocks: Blocks, result: Breakaway) -> tuple[int, int] | None:
-    """Return the last stretch in which the rope rests, after it was let down, in blocks."""
-    back_N = blocks.force_N[::-1]
-    slid_N = result.kinetic_N if result.kinetic_N > 0.0 else result.peak_N
-    down = int(np.argmax(back_N >= 0.5 * min(slid_N, result.peak_N)))
-    after = rests_of(replace(blocks, force_N=back_N), down)
-    return (back_N.size - after[0][1], back_N.size - after[0][0]) if after else None
+def _next_rest(blocks: Blocks, result: Breakaway) -> tuple[int, int] | None:
+    """Return the stretch in which the rope rests after it was let down, before it is loaded again, in blocks."""
+    force_N, slid_N = blocks.force_N, result.kinetic_N if result.kinetic_N > 0.0 else result.peak_N
+    is_high = force_N >= 0.5 * min(slid_N, result.peak_N)
+    is_high[: int(np.searchsorted(blocks.time_s, result.peak_time_s)) + 1] = True
+    for start, stop in runs_of(~is_high).tolist():
+        back = replace(blocks, force_N=force_N[:stop][::-1])
+        begin, end = max(rests_of(back, stop - start), key=lambda one: one[1] - one[0], default=(0, 0))
+        if end - begin > PIECES + 1:  # what slips to nothing rests for no time
+            return stop - end, stop - begin
+    return None
 
 
 def _means(blocks: Blocks, first: int, count: int, n: int) -> tuple[FloatArray, FloatArray]:

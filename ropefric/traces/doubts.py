@@ -8,7 +8,7 @@ from ropefric.arrays import median
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.events import TINY
 from ropefric.traces.noise import MAX_SPIKE_SAMPLES, REJOINS, SPIKE_SIGMAS, STANDS_OUT
-from ropefric.traces.peak import gap_beside_s, line_through
+from ropefric.traces.peak import early_s, gap_beside, line_through
 from ropefric.traces.results import as_read, either
 from ropefric.traces.segments import Prepared
 
@@ -26,11 +26,12 @@ def with_its_top(prepared: Prepared, result: Breakaway) -> Breakaway:
     """Return a result that is in doubt where its very top is: hidden in a gap, or no step of the climb."""
     if result.status is not Status.OK:
         return result
-    hidden_N = max(result.loading_rate_N_s, 0.0) * gap_beside_s(prepared.time_s, result)
+    gap_s, last = gap_beside(prepared.time_s, result)
+    hidden_N = max(result.loading_rate_N_s, 0.0) * gap_s
     hidden_N = (
         min(hidden_N, result.peak_N - result.kinetic_N) if result.kinetic_N < result.peak_N else hidden_N
     )
-    if hidden_N > HIDES * abs(result.peak_N) and _climbs_on(prepared, result):
+    if hidden_N > HIDES * abs(result.peak_N) and _climbs_on(prepared, result, last + 1):
         highest = replace(as_read(result), force_N=result.peak_N + hidden_N, evidence="climbed on in the gap")
         why = "there is a gap in the samples next to the peak, in which the force may have been higher"
         return either(result, [as_read(result), highest], why)
@@ -68,17 +69,17 @@ def _jump_in_the_climb_N(prepared: Prepared, result: Breakaway) -> float:
     return jump_N if stays and jump_N > least_N and wide < 1.5 else 0.0
 
 
-def _climbs_on(prepared: Prepared, result: Breakaway) -> bool:
-    """Return whether the force climbs straight up to the very top: it has not begun to turn."""
-    half = 0.5 * result.window_s
-    top = int(np.searchsorted(prepared.time_s, result.peak_time_s + half, side="right"))
-    last = slice(max(0, top - BEFORE), top)
+def _climbs_on(prepared: Prepared, result: Breakaway, stop: int) -> bool:
+    """Return whether the force climbs straight up to the very end of a stretch: it has not begun to turn."""
+    # Of few noisy samples a slope says nothing.
+    first = int(np.searchsorted(prepared.time_s, result.peak_time_s - 2.0 * early_s(result)))
+    last = slice(max(0, min(first, stop - BEFORE)), stop)
     time_s, force_N = prepared.time_s[last], prepared.force_N[last]
     rising = force_N > 0.5 * result.peak_N
     if np.count_nonzero(rising) < BEFORE:
         return False
     slopes = [
-        line_through(time_s[part], force_N[part])[2] for part in (slice(None), slice(BEFORE // 2, None))
+        line_through(time_s[part], force_N[part])[2] for part in (slice(None), slice(time_s.size // 2, None))
     ]
     return min(slopes) > STRAIGHT * result.loading_rate_N_s
 

@@ -33,6 +33,8 @@ JUMPED, JUMP = 3.0, 0.1
 STEPS_LOOKED_AT = 500
 NOISE_ABOVE_MEAN = 4.0
 """The highest of a few noisy samples is seldom more standard deviations above their mean."""
+EARLY_SIGMAS, LONGEST_EARLY_S = 4.0, 0.1
+"""The highest sample lies before the top by no longer than the force climbs by so much noise, nor than this time [s]."""
 WIDE_GAP = 5.0
 FEWEST_WINDOWS, PUSHED = 8, 20.0
 ROUND = 0.2
@@ -87,7 +89,7 @@ def peak_result(
     two_line = settings.peak == "two-line" and bool(np.isfinite(peak.two_line_N))
     if not two_line and settings.peak == "two-line":
         notes.append("too few samples for the two-line fit; the smoothed peak is given")
-    gap_s = gap_beside_s(prepared.time_s, peak)
+    gap_s, _ = gap_beside(prepared.time_s, peak)
     if gap_s:
         notes.append(
             f"there is a gap of {1000 * gap_s:.3g} ms in the samples next to the peak: the force may have been "
@@ -117,14 +119,23 @@ def peak_result(
     )
 
 
-def gap_beside_s(time_s: FloatArray, peak: Breakaway) -> float:
-    """Return the length of a gap in the samples next to a peak or the end of its window [s]; 0 for none."""
+def early_s(peak: Breakaway) -> float:
+    """Return by how long the highest of noisy samples may lie before the top of a climb [s]."""
+    return min(EARLY_SIGMAS * peak.noise_std_N / max(peak.loading_rate_N_s, TINY), LONGEST_EARLY_S)
+
+
+def gap_beside(time_s: FloatArray, peak: Breakaway) -> tuple[float, int]:
+    """Return the length of a gap in the samples next to a peak or the end of its window [s], and the last one before it.
+
+    Of length 0 for none.
+    """
     index = int(np.searchsorted(time_s, peak.peak_time_s))
     usual_s = np.median(np.diff(time_s[max(0, index - 250) : index + 250]))
-    half = round(0.5 * peak.window_s / max(usual_s, TINY))
-    steps_s = np.diff(time_s[max(0, index - 2) : index + half + 4])
-    longest_s = float(steps_s.max(initial=0.0))
-    return longest_s if longest_s > WIDE_GAP * usual_s else 0.0
+    half = round((0.5 * peak.window_s + early_s(peak)) / max(usual_s, TINY))
+    first = max(0, index - 2)
+    steps_s = np.diff(time_s[first : index + half + 4], append=-np.inf)
+    at = int(np.argmax(steps_s))
+    return (float(steps_s[at]) if steps_s[at] > WIDE_GAP * usual_s else 0.0), first + at
 
 
 def measure_peak(

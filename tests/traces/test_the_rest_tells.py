@@ -173,3 +173,14 @@ def test_samples_between_a_gap_and_a_slip_are_no_spike(left):
     found = picked(force[keep], time_s=time_s[keep])
     assert found.status is not Status.OK or found.peak_N == pytest.approx(100.0, rel=0.02)
     assert not any("spike" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_gap_soon_after_the_highest_of_noisy_samples_may_hide_the_top(seed):
+    """Within it the force climbs by 4 % and slips."""
+    force = drawn((0.0, 0.0), (1.0, 0.0), (6.0, 100.0), (6.01, 70.0), (12.0, 70.0), noise_N=0.5, seed=seed)
+    keep = (TIME_S < 5.8) | (TIME_S > 6.1)
+    found = picked(force[keep], time_s=TIME_S[keep])
+    assert found.status is Status.DOUBTFUL, found.peak_N
+    assert "gap" in found.detail
+    assert found.candidates[-1].force_N == pytest.approx(100.0, rel=0.04)

@@ -28,7 +28,7 @@ SWING, SETTLES, DAMPED, UNDAMPED, HALF_PERIODS = 2.0, 3.0, 0.1, 1.1, 5.0
 comes on within few periods; up faster where the load still comes on."""
 BACK_AGAIN = 1.5
 """It comes back half way within this part of the time in which it came down."""
-OVERSHOOT = 2.0
+SLOW_SWING, OVERSHOOT = 2.0, 2.0
 """A mass that was loaded at a rate r and is stopped swings by r/ω, no more than so many times that."""
 BENT, FEWEST_TO_BEND = 0.58, 8
 """So much of the last rise of a swing lies in its first half, where a climb that goes straight on has half; it takes so
@@ -234,6 +234,9 @@ def swings(prepared: Prepared, fall: Fall, sliding: Sliding, rate: float = 0.0) 
     # Nor further up than what was loading it carries it.
     carries = max(rate, loading_rate(force_N, fall.start, fall.top))
     if rate and over_N > OVERSHOOT * carries * (bottom - fall.top) / math.pi:
+        return False
+    # Masses that swing so slowly had not yet swung once while they were loaded: the machine loads no such climb.
+    if rate and SLOW_SWING * (bottom - fall.top) > climb.size:
         return False
     rising = climb.size - 1 - int(np.flatnonzero(climb <= level_N)[-1])
     # Within a quarter of a period it rises by seven tenths in the first half.

@@ -274,9 +274,11 @@ def _jump_before_N(prepared: Prepared, top: int, stop: int, least_N: float) -> f
         return 0.0
     beside = np.minimum(np.arange(part.size) // k, 1)
     left_N = np.abs(part - np.where(beside, means[at + n + 1], means[at]))
+    # What comes back to the first level was a load.
+    back = abs(float(means[at + n + 1] - means[0])) < CAME_BACK * abs(jump_N) and at > 0
     sudden = steps[k - 1] > (1.0 - SWINGS_BY) * abs(jump_N) - 3.0 * prepared.noise_N
     stays = np.count_nonzero(left_N > SWINGS_BY * abs(jump_N) + 3.0 * prepared.noise_N) <= 0.02 * part.size
-    if not (sudden and stays and abs(jump_N) > least_N):
+    if back or not (sudden and stays and abs(jump_N) > least_N):
         return 0.0
     # Nor is it a climb that begins there.
     x = np.arange(part.size)

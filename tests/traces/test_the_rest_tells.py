@@ -131,6 +131,17 @@ def test_a_slip_that_swings_on_around_its_sliding_is_seen_by_its_mean(times):
     assert found.peak_N == pytest.approx(100.0, rel=0.01)
 
 
+@pytest.mark.parametrize("period_s", [2.4, 3.6])
+def test_waves_as_long_as_the_climb_are_no_swing_of_a_machine_that_stops(period_s):
+    """It would have swung while it was loaded; a rope that slides may fall and rise as slowly."""
+    t = since(2.5)
+    waves = 12.0 * (1.0 - np.exp(-2.0 * t / period_s) * np.cos(2.0 * np.pi * t / period_s))
+    climb = drawn((0.0, 0.0), (0.8, 0.0), (2.4, 99.0), (2.5, 100.0), (12.0, 100.0), noise_N=0.1)
+    found = picked(climb - waves)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.01)
+
+
 def test_what_is_let_back_and_pulled_again_later_is_not():
     """No faster than it was loaded, to a level at which it rests before it is loaded on: a snag, or the motor."""
     found = picked(
@@ -184,3 +195,11 @@ def test_a_gap_soon_after_the_highest_of_noisy_samples_may_hide_the_top(seed):
     assert found.status is Status.DOUBTFUL, found.peak_N
     assert "gap" in found.detail
     assert found.candidates[-1].force_N == pytest.approx(100.0, rel=0.04)
+
+
+def test_a_load_that_goes_at_once_while_the_rope_rests_is_no_jump_of_the_zero():
+    """It reads as at first again."""
+    hooked = np.interp(TIME_S, [0.4, 0.6, 0.9, 0.9005], [0.0, 9.0, 9.0, 0.0])
+    found = picked(drawn(*strokes(2.0), noise_N=0.1) + hooked)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.01)

@@ -231,12 +231,9 @@ def swings(prepared: Prepared, fall: Fall, sliding: Sliding, rate: float = 0.0) 
     # What swings freely comes down no further than it went up, unless it is loaded on.
     if rate and under_N > UNDAMPED * over_N:
         return False
-    # Nor further up than what was loading it carries it.
-    carries = max(rate, loading_rate(force_N, fall.start, fall.top))
-    if rate and over_N > OVERSHOOT * carries * (bottom - fall.top) / math.pi:
-        return False
-    # Masses that swing so slowly had not yet swung once while they were loaded: the machine loads no such climb.
-    if rate and SLOW_SWING * (bottom - fall.top) > climb.size:
+    # Nor further up than what was loading it carries it, nor so slowly that the climb had been one swing.
+    carries, half = max(rate, loading_rate(force_N, fall.start, fall.top)), bottom - fall.top
+    if rate and (over_N > OVERSHOOT * carries * half / math.pi or SLOW_SWING * half > climb.size):
         return False
     rising = climb.size - 1 - int(np.flatnonzero(climb <= level_N)[-1])
     # Within a quarter of a period it rises by seven tenths in the first half.

@@ -12,7 +12,7 @@ from ropefric.traces.events import LEAST, half_climb, least_squares, parted, sti
 from ropefric.traces.noise import runs_of
 from ropefric.traces.peak import WIDE_GAP
 from ropefric.traces.results import as_read, either
-from ropefric.traces.segments import AT_REST, Blocks, Prepared
+from ropefric.traces.segments import AT_REST, PIECE_BLOCKS, Blocks, Prepared
 from ropefric.traces.trace import ForceTrace
 
 SMALL_ZERO, UNKNOWN, LARGE_ZERO = 0.02, 0.08, 0.12
@@ -26,7 +26,7 @@ CAME_BACK = 0.25
 BELOW_SIGMAS = 3.0
 BURST_SIGMAS, SHORT_REST = 4.0, 0.5
 """What leaves so many times the noise for less than this part of the longest rest is a burst of it."""
-PIECES = 8
+BRIEF_PIECES, PIECES = 2, 8
 """A stretch at rest is looked at in so many pieces."""
 FEWEST, CLIMB_SIGMAS = 3, 2.0
 DRIFT_SIGMAS, SEEN_SIGMAS, MAY_BE_SIGMAS = 4.0, 3.0, 2.0
@@ -172,6 +172,10 @@ def _with_drift(
     blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway, zero_N: float
 ) -> tuple[Breakaway, str]:
     """Return a result without the drift that is seen, what may be left in u, and why F_A is not known if it is large."""
+    again = _at_rest_again(blocks, rests, result)
+    # A drift is slow: what slopes within so brief a rest settles, or begins to be loaded. It says as much as none.
+    if again is None and sum(stop - start for start, stop in rests) < BRIEF_PIECES * PIECE_BLOCKS:
+        return result, ""
     drift_N, std_N, walk_std_N, colour = drift(blocks, rests, result)
     is_seen = 0.0 < max(DRIFT_SIGMAS, SEEN_SIGMAS * colour) * std_N <= abs(drift_N)
     wrong_N = abs(drift_N)
@@ -182,7 +186,7 @@ def _with_drift(
         why = f"the zero drifts by about {abs(drift_N):.2g} N between the rope at rest and the peak"
     elif wrong_N + 2.0 * std_N > UNKNOWN * result.peak_N:
         why = f"the rope rests too briefly to exclude a drift of the zero of {wrong_N + 2.0 * std_N:.2g} N"
-    if (why or is_seen) and (again := _at_rest_again(blocks, rests, result)):
+    if (why or is_seen) and again:
         change_N, change_std_N, part, earlier_N = again
         small_N = SMALL_ZERO * result.peak_N
         # A drift that was seen should be there still; a tension that is left may hide a part of it, but not all.

@@ -266,7 +266,8 @@ def _slides_above(force_N: FloatArray, pull: Pull, kinetic_N: float, other: Pull
         return False
     first = max(other.falls, key=lambda g: g.top_N)
     slid_N = median(force_N[first.settled : first.settled + (first.top - other.start)])
-    drags = other.top_N > (1.0 + EQUAL) * pull.top_N and slid_N > MUCH * kinetic_N
+    dragged_N = max(kinetic_N, UNLOADED * pull.top_N)
+    drags = other.top_N > (1.0 + EQUAL) * pull.top_N and slid_N > MUCH * dragged_N
     return drags or (slid_N > pull.top_N and fall.drop_N > fastest)
 
 

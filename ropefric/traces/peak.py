@@ -121,7 +121,7 @@ def peak_result(
 
 def early_s(peak: Breakaway) -> float:
     """Return by how long the highest of noisy samples may lie before the top of a climb [s]."""
-    return min(EARLY_SIGMAS * peak.noise_std_N / max(peak.loading_rate_N_s, TINY), LONGEST_EARLY_S)
+    return min(LONGEST_EARLY_S, EARLY_SIGMAS * peak.noise_std_N / max(TINY, peak.loading_rate_N_s))
 
 
 def gap_beside(time_s: FloatArray, peak: Breakaway) -> tuple[float, int]:

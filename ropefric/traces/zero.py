@@ -286,7 +286,7 @@ def _jump_before_N(prepared: Prepared, top: int, stop: int, least_N: float) -> f
         return 0.0
     # Nor is it a climb that begins there.
     x = np.arange(part.size)
-    bends = np.maximum(x - x[:-2, None], 0.0)
+    bends = np.maximum(x - x[: -2 : blocks.size, None], 0.0)
     climbs_N2, _ = least_squares(np.stack([np.ones_like(bends), bends], axis=-1), part)
     stands_N2 = sum(float(((side - side.mean()) ** 2).sum()) for side in (part[:k], part[k:]))
     return jump_N if stands_N2 < STEPS_BY * climbs_N2 else 0.0
@@ -428,7 +428,7 @@ def _next_rest(blocks: Blocks, result: Breakaway) -> tuple[int, int] | None:
     is_high = force_N >= 0.5 * min(slid_N, result.peak_N)
     is_high[: int(np.searchsorted(blocks.time_s, result.peak_time_s)) + 1] = True
     for start, stop in runs_of(~is_high).tolist():
-        back = replace(blocks, force_N=force_N[:stop][::-1])
+        back = replace(blocks, force_N=force_N[start - 1 : stop][::-1])
         begin, end = max(rests_of(back, stop - start), key=lambda one: one[1] - one[0], default=(0, 0))
         if end - begin > PIECES + 1:  # what slips to nothing rests for no time
             return stop - end, stop - begin

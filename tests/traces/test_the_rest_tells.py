@@ -50,12 +50,16 @@ def test_a_drift_at_rest_that_is_gone_later_is_not_taken_off(drift_N):
     assert "taken off" not in " ".join(found.notes)
 
 
-@pytest.mark.parametrize("slope_N_s", [-4.0, -2.0, 2.0])
-@pytest.mark.parametrize("rest_s", [0.1, 0.16])
+@pytest.mark.parametrize("slope_N_s", [-3.0, 2.0, 4.0])
+@pytest.mark.parametrize("rest_s", [0.16, 0.19])
 def test_what_slopes_within_a_fifth_of_a_second_is_no_drift(slope_N_s, rest_s):
-    """It would come to several percent at the peak; a recording that begins within the climb shows no rest at all."""
+    """It would come to several percent at the peak; a recording that begins within the climb shows no rest at all.
+
+    Sliding, here one that gets easier, does not tell.
+    """
     settles = slope_N_s * np.minimum(TIME_S - rest_s, 0.0)
-    found = picked(drawn(*strokes(rest_s)[:-2], (12.0, 70.0), noise_N=0.03) + settles)
+    slides = ((rest_s + 2.0, 100.0), (rest_s + 2.004, 75.0), (7.0, 62.0), (12.0, 55.0))
+    found = picked(drawn((0.0, 0.0), (rest_s, 0.0), *slides, noise_N=0.05) + settles)
     assert found.status is Status.OK, found.detail
     assert found.peak_N == pytest.approx(100.0, rel=0.01)
 

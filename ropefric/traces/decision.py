@@ -460,7 +460,7 @@ def _of_slow_fall(  # noqa: PLR0911  (a cascade, as above)
     short = sliding.stop - sliding.first < (
         (BENT if share > 1.0 - RELAXED else FAR_BENT) * (fall.settled - fall.top)
         if bends and flat != "held" and not slipped
-        else max(LASTS * min(fall.top - pull.start, 4 * climb), 1.5 * (fall.settled - fall.top))
+        else max(min(LASTS * (fall.top - pull.start), climb), 1.5 * (fall.settled - fall.top))
     )
     quiet = is_quiet(prepared, candidate, sliding)
     lively = fall.reloads or not quiet
@@ -547,7 +547,7 @@ def _stood(blocks: Blocks, candidate: Candidate) -> bool:
 
 
 def _slips_again(force_N: FloatArray, candidate: Candidate, later: list[Pull]) -> bool:
-    """Return whether the machine loads on after a fall to nothing that no motor makes, and the rope slips again."""
+    """Return whether the machine loads on after a fast fall to nothing, and the rope slips again at no more."""
     rate, top_N = rate_of(force_N, candidate.pull), candidate.fall.top_N
     # What goes higher later on hung on a snag before, what rests was off.
     off = any(p.top_N > (1.0 + EQUAL) * top_N or comes_off(force_N, candidate.pull, p) for p in later)

@@ -10,9 +10,9 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, median
 from ropefric.traces.breakaway import Status
+from ropefric.traces.clock import GAP_STEPS
 from ropefric.traces.events import LEAST_PEAK, TINY, UNLOADED, Fall, as_loaded, half_climb, loading_rate
 from ropefric.traces.noise import noise_std, runs_of
-from ropefric.traces.peak import WIDE_GAP
 from ropefric.traces.segments import PIECE_BLOCKS, Prepared, Sliding, roughness_N, sliding_after
 from ropefric.traces.slips import FEW_BLOCKS, FEWEST_TEETH, LEAST_DROP, SMALL_GROWTH, Candidate
 from ropefric.traces.trace import ForceTrace
@@ -29,7 +29,8 @@ comes on within few periods; up faster where the load still comes on."""
 BACK_AGAIN = 1.5
 """It comes back half way within this part of the time in which it came down."""
 SLOW_SWING, OVERSHOOT = 2.0, 2.0
-"""A mass that was loaded at a rate r and is stopped swings by r/ω, no more than so many times that."""
+"""A mass that was loaded at a rate r and is stopped swings by r/ω, no more than so many times that, and
+so many half periods take no longer than its climb."""
 BENT, FEWEST_TO_BEND = 0.58, 8
 """So much of the last rise of a swing lies in its first half, where a climb that goes straight on has half; it takes so
 many blocks to tell."""
@@ -468,7 +469,7 @@ def _unseen_detail(prepared: Prepared, block: int) -> str:
     begin = max(0, blocks.first_sample(climb) - 1)
     end = blocks.last_sample(block, force_N.size)
     top = begin + int(np.argmax(force_N[begin : end + 1]))
-    base_N, widest_s = float(force_N[: end + 1].min()), WIDE_GAP * median(np.diff(time_s))
+    base_N, widest_s = float(force_N[: end + 1].min()), GAP_STEPS * median(np.diff(time_s))
     height_N = float(force_N[top]) - base_N
     # Where the force fell in a gap, it slipped there, however far below the top.
     low = np.flatnonzero(force_N[:top] < base_N + SLIPPED * height_N)

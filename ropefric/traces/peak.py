@@ -13,6 +13,7 @@ import numpy as np
 from ropefric.arrays import FloatArray, median
 from ropefric.errors import InputError
 from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
+from ropefric.traces.clock import GAP_STEPS
 from ropefric.traces.events import TINY
 from ropefric.traces.segments import Prepared, Sliding, kinetic
 from ropefric.traces.smoothing import average_over_samples, window_samples
@@ -35,7 +36,6 @@ NOISE_ABOVE_MEAN = 4.0
 """The highest of a few noisy samples is seldom more standard deviations above their mean."""
 EARLY_SIGMAS, LONGEST_EARLY_S = 4.0, 0.1
 """The highest sample lies before the top by no longer than the force climbs by so much noise, nor than this time [s]."""
-WIDE_GAP = 5.0
 FEWEST_WINDOWS, PUSHED = 8, 20.0
 ROUND = 0.2
 """The slope at the very top may be so much smaller than that of the last stretch, if the climb does not bend."""
@@ -125,7 +125,7 @@ def early_s(peak: Breakaway) -> float:
 
 
 def gap_beside(time_s: FloatArray, peak: Breakaway) -> tuple[float, int]:
-    """Return the length of a gap in the samples next to a peak or the end of its window [s], and the last one before it.
+    """Return the length of a gap in the samples next to a peak or the end of its window [s], and the sample before it.
 
     Of length 0 for none.
     """
@@ -135,7 +135,7 @@ def gap_beside(time_s: FloatArray, peak: Breakaway) -> tuple[float, int]:
     first = max(0, index - 2)
     steps_s = np.diff(time_s[first : index + half + 4], append=-np.inf)
     at = int(np.argmax(steps_s))
-    return (float(steps_s[at]) if steps_s[at] > WIDE_GAP * usual_s else 0.0), first + at
+    return (float(steps_s[at]) if steps_s[at] > GAP_STEPS * usual_s else 0.0), first + at
 
 
 def measure_peak(

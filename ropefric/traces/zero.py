@@ -8,9 +8,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status
+from ropefric.traces.clock import GAP_STEPS
 from ropefric.traces.events import LEAST, half_climb, least_squares, parted, still
 from ropefric.traces.noise import runs_of
-from ropefric.traces.peak import WIDE_GAP
 from ropefric.traces.results import as_read, either
 from ropefric.traces.segments import AT_REST, PIECE_BLOCKS, Blocks, Prepared
 from ropefric.traces.trace import ForceTrace
@@ -26,8 +26,10 @@ CAME_BACK = 0.25
 BELOW_SIGMAS = 3.0
 BURST_SIGMAS, SHORT_REST = 4.0, 0.5
 """What leaves so many times the noise for less than this part of the longest rest is a burst of it."""
-BRIEF_PIECES, PIECES = 2, 8
+PIECES = 8
 """A stretch at rest is looked at in so many pieces."""
+BRIEF = 2 * PIECE_BLOCKS
+"""A drift is slow: what slopes within so few blocks settles, or begins to be loaded."""
 FEWEST, CLIMB_SIGMAS = 3, 2.0
 DRIFT_SIGMAS, SEEN_SIGMAS, MAY_BE_SIGMAS = 4.0, 3.0, 2.0
 COLOURED, COLOUR = 1.5, 2.0
@@ -81,9 +83,10 @@ def _with_level(
 ) -> Breakaway:
     """Return a result with the drift of the zero and a level at rest that lies near it."""
     n, blocks = prepared.blocks.n_rest, prepared.blocks
-    rests = rests_of(blocks, int(np.searchsorted(blocks.time_s, result.peak_time_s))) if n else []
-    longest = max((b - a for a, b in rests), default=0)
-    rests = [one for one in rests if _is_at_rest(prepared, *one, longest)]
+    top = int(np.searchsorted(blocks.time_s, result.peak_time_s))
+    flat = rests_of(blocks, top)
+    longest = max((b - a for a, b in flat), default=0)
+    rests = [one for one in flat if n and _is_at_rest(prepared, *one, longest)]
     # What was hung on or taken up while the rope was at rest is no zero.
     rest_N = prepared.force_N[: min([n, *(stop * blocks.size for _, stop in rests[:1])])]
     zero_N = 0.0 if is_tared or not n else float(rest_N.mean())
@@ -99,7 +102,7 @@ def _with_level(
         )
         result, zero_N = _taken_off(result, below_N, said), 0.0
     elif settings.rest != "pretension":
-        step_N = _shift_N(prepared, result)
+        step_N = _shift_N(prepared, result, _jump_N(prepared, top, flat))
     if settings.rest == "zero" and not is_tared:
         zero_N, step_N, left_N = left_N or zero_N + step_N, 0.0, 0.0
     if not why and settings.rest == "zero" and not is_tared and n:
@@ -173,8 +176,8 @@ def _with_drift(
 ) -> tuple[Breakaway, str]:
     """Return a result without the drift that is seen, what may be left in u, and why F_A is not known if it is large."""
     again = _at_rest_again(blocks, rests, result)
-    # A drift is slow: what slopes within so brief a rest settles, or begins to be loaded. It says as much as none.
-    if again is None and sum(stop - start for start, stop in rests) < BRIEF_PIECES * PIECE_BLOCKS:
+    # So brief a rest says as much as none.
+    if again is None and sum(stop - start for start, stop in rests) < BRIEF:
         return result, ""
     drift_N, std_N, walk_std_N, colour = drift(blocks, rests, result)
     is_seen = 0.0 < max(DRIFT_SIGMAS, SEEN_SIGMAS * colour) * std_N <= abs(drift_N)
@@ -226,13 +229,12 @@ def _taken_off(result: Breakaway, zero_N: float, said: str) -> Breakaway:
     )
 
 
-def _shift_N(prepared: Prepared, result: Breakaway) -> float:
-    """Return by how much the level of a rope at rest jumps before the climb; 0 where it rests as at first in the end.
+def _shift_N(prepared: Prepared, result: Breakaway, jump_N: float) -> float:
+    """Return by how much the zero shifts where the level of a rope jumps; 0 where it rests as at first in the end.
 
     A load that came on or off at once is gone when the rope rests again, a zero that jumped is not.
     """
     blocks, n = prepared.blocks, prepared.blocks.n_rest
-    jump_N = _jump_N(prepared, int(np.searchsorted(blocks.time_s, result.peak_time_s)))
     after = _next_rest(blocks, result) if jump_N and n else None
     if after is None:
         return jump_N
@@ -240,13 +242,13 @@ def _shift_N(prepared: Prepared, result: Breakaway) -> float:
     return 0.0 if abs(change_N) < CAME_BACK * abs(jump_N) else jump_N
 
 
-def _jump_N(prepared: Prepared, top: int) -> float:
+def _jump_N(prepared: Prepared, top: int, rests: list[tuple[int, int]]) -> float:
     """Return by how much the level of a rope at rest jumps before it is loaded to a top; 0 where it does not.
 
     First where a rest is seen, then up to half of the climb, of which a jump must be more than the machine loads.
     """
     blocks, n = prepared.blocks, JUMP_BLOCKS
-    half, rests = half_climb(blocks.force_N, 0, top), rests_of(blocks, top)
+    half = half_climb(blocks.force_N, 0, top)
     rate = (float(blocks.force_N[top]) - float(blocks.force_N[half])) / max(1, top - half)
     least_N, stop = JUMP_SIGMAS * prepared.noise_N, rests[-1][1] if rests else 0
     at_rest_N = _jump_before_N(prepared, top, stop, least_N)
@@ -274,7 +276,7 @@ def _jump_before_N(prepared: Prepared, top: int, stop: int, least_N: float) -> f
         return 0.0
     # In a gap of the samples the machine loads on.
     apart_s = np.diff(prepared.time_s[at * blocks.size : at * blocks.size + k + 1])
-    if apart_s[-1] > WIDE_GAP * median(np.diff(prepared.time_s)):
+    if apart_s[-1] > GAP_STEPS * median(np.diff(prepared.time_s)):
         return 0.0
     beside = np.minimum(np.arange(part.size) // k, 1)
     left_N = np.abs(part - np.where(beside, means[at + n + 1], means[at]))

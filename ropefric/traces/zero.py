@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -21,6 +22,9 @@ JUMP_BLOCKS, JUMP_SIGMAS, SWINGS_BY, LARGE_JUMP = 6, 5.0, 0.1, 0.4
 """A rope swings by more than the last part of a load that comes on at once."""
 STEPS_BY = 0.5
 """A jump leaves so much less of the squares than a climb that begins in between."""
+SIDE, WORSE, LONGER = 40, 4.0, (2, 4, 8, 16, 32)
+"""Blocks of a level on either side of a change; what is more likely leaves less by so many variances; and in how many
+samples a change that is no jump may be made, of which the last must be less likely."""
 CAME_BACK = 0.25
 """A rope that rests again as at first, but for this part of a jump in between, was loaded there."""
 BELOW_SIGMAS = 3.0
@@ -40,6 +44,8 @@ LEFT_OF_DRIFT = 0.5 / np.sqrt(3.0)
 RETURNED = 0.1
 """A zero that seemed to drift and stands, when the rope rests again, at less than this part of it, did not."""
 ASK = 'say whether {} (a [tare] interval, or [protocol] rest = "zero") or {} (rest = "pretension")'
+FROM_ZERO = 0.5
+"""What drifts from the first sample on is most of the level at rest, or the rope was not at zero there."""
 BUMP, AGREE = 3.0, 3.0
 """A bump is so many times higher than the levels differ, and two slopes that agree differ by so many errors."""
 
@@ -91,18 +97,22 @@ def _with_level(
     rest_N = prepared.force_N[: min([n, *(stop * blocks.size for _, stop in rests[:1])])]
     zero_N = 0.0 if is_tared or not n else float(rest_N.mean())
     found = result
-    result, why = _with_drift(blocks, rests, found, zero_N)
+    result, why, from_N = _with_drift(blocks, rests, found, zero_N)
     at_rest = rests if rests and result.peak_N == found.peak_N else [(0, n // blocks.size)]
     below_N, left_N, step_N = 0.0, 0.0, 0.0
-    if n and not is_tared:
-        below_N, left_N = _below_nothing(blocks, at_rest, result.peak_N)
+    if n and not is_tared and from_N == zero_N:
+        below_N, wanders_N, left_N = _below_nothing(blocks, at_rest, result.peak_N)
     if below_N and settings.rest != "zero":
         said = (
             f"the rope at rest reads {below_N:.3g} N, less than nothing: taken off as the error of the zero"
         )
-        result, zero_N = _taken_off(result, below_N, said), 0.0
-    elif settings.rest != "pretension":
+        result = _taken_off(result, below_N, said)
+        result = replace(result, peak_std_N=math.hypot(result.peak_std_N, wanders_N))
+    if settings.rest != "pretension":
         step_N = _shift_N(prepared, result, _jump_N(prepared, top, flat))
+        # What was taken off has fallen there already.
+        step_N = max(step_N, 0.0) if below_N else step_N
+    zero_N = 0.0 if below_N and settings.rest != "zero" else from_N
     if settings.rest == "zero" and not is_tared:
         zero_N, step_N, left_N = left_N or zero_N + step_N, 0.0, 0.0
     if not why and settings.rest == "zero" and not is_tared and n:
@@ -155,30 +165,38 @@ def _with_level(
     return either(result, events, why)
 
 
-def _below_nothing(blocks: Blocks, rests: list[tuple[int, int]], peak_N: float) -> tuple[float, float]:
-    """Return the level of a rope at rest that reads less than nothing, and a lower one after a load; 0 for none.
+def _below_nothing(blocks: Blocks, rests: list[tuple[int, int]], peak_N: float) -> tuple[float, float, float]:
+    """Return the level of a rope at rest that reads less than nothing, ± what, and a lower one after a load; 0 for none.
 
-    A rope does not push: what it reads before the climb is the zero, whatever is hung on later. After a load it may be
-    what that left, where the weights hung when the recording was tared.
+    A rope does not push: what it reads before the climb is the zero, whatever is hung on later. Levels that differ by
+    little may be one zero that wanders: their mean counts, not the lowest. After a load it may be what that left, where
+    the weights hung when the recording was tared.
     """
     loaded = rests[0][0] + int(np.argmax(blocks.force_N[rests[0][0] :] > AT_REST * peak_N))
-    levels = [(float(blocks.force_N[a:b].mean()), b - a) for a, b in rests]
-    below_N, size = min(level for level, (a, _) in zip(levels, rests, strict=True) if a <= loaded)
-    left_N, _ = min(levels)
+    levels_N = np.array([blocks.force_N[a:b].mean() for a, b in rests])
+    first, sizes = np.array(rests)[:, 0] <= loaded, np.diff(rests, axis=1)[:, 0]
+    near = first & (levels_N < levels_N[first].min() + SMALL_ZERO * peak_N)
+    below_N = float(np.average(levels_N[near], weights=sizes[near]))
+    std_N = math.sqrt(np.average((levels_N[near] - below_N) ** 2, weights=sizes[near]))
+    left_N = float(levels_N.min())
     # A machine that pushes, too, leaves far more.
-    is_below = -2.0 * LARGE_ZERO * peak_N < below_N < -BELOW_SIGMAS * blocks.noise_N / math.sqrt(size)
-    is_left = left_N < min(below_N, 0.0) - SMALL_ZERO * peak_N
-    return below_N if is_below else 0.0, left_N if is_left else 0.0
+    white_N = blocks.noise_N / math.sqrt(sizes[near].sum())
+    is_below = -2.0 * LARGE_ZERO * peak_N < below_N < -BELOW_SIGMAS * white_N
+    is_left = left_N < min(float(levels_N[first].min()), 0.0) - SMALL_ZERO * peak_N
+    return below_N if is_below else 0.0, std_N, left_N if is_left else 0.0
 
 
 def _with_drift(
     blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway, zero_N: float
-) -> tuple[Breakaway, str]:
-    """Return a result without the drift that is seen, what may be left in u, and why F_A is not known if it is large."""
+) -> tuple[Breakaway, str, float]:
+    """Return a result without a drift that is seen, why F_A is not known if it is large, and the zero that drifts.
+
+    What may be left of it is in u.
+    """
     again = _at_rest_again(blocks, rests, result)
     # So brief a rest says as much as none.
     if again is None and sum(stop - start for start, stop in rests) < BRIEF:
-        return result, ""
+        return result, "", zero_N
     drift_N, std_N, walk_std_N, colour = drift(blocks, rests, result)
     is_seen = 0.0 < max(DRIFT_SIGMAS, SEEN_SIGMAS * colour) * std_N <= abs(drift_N)
     wrong_N = abs(drift_N)
@@ -202,7 +220,7 @@ def _with_drift(
             is_gone = True
         if is_gone and abs(change_N) + 2.0 * change_std_N < small_N:
             u_N = math.hypot(result.peak_std_N, change_std_N, change_N / math.sqrt(3.0))
-            return replace(result, peak_std_N=u_N), ""
+            return replace(result, peak_std_N=u_N), "", zero_N
         if why and is_seen and abs(part * change_N - drift_N) + 2.0 * std_N < small_N:
             drift_N, why = part * change_N, ""
     # Whether a drift that is seen went on at one rate is not known, nor one that noise may be.
@@ -212,9 +230,20 @@ def _with_drift(
     )
     result = replace(result, peak_std_N=math.hypot(result.peak_std_N, left_N, walk_std_N))
     if is_seen and not why:
+        drift_N, zero_N = _from_zero(blocks, rests[0], result, (drift_N, zero_N))
         said = f"the zero drifts by {drift_N:.2g} N until the peak, which was taken off"
         result = _taken_off(result, drift_N, said)
-    return result, why
+    return result, why, zero_N
+
+
+def _from_zero(
+    blocks: Blocks, rest: tuple[int, int], result: Breakaway, found: tuple[float, float]
+) -> tuple[float, float]:
+    """Return a drift since the middle of a rest, and the zero there, from the first sample on if that was at zero."""
+    level_N, middle_s = (float(some[slice(*rest)].mean()) for some in (blocks.force_N, blocks.time_s))
+    since_N = found[0] * (middle_s - float(blocks.time_s[0])) / (result.peak_time_s - middle_s)
+    is_at_zero = found[1] != 0.0 and abs(level_N - since_N) < FROM_ZERO * abs(level_N)
+    return (found[0] + since_N, level_N - since_N) if is_at_zero else found
 
 
 def _taken_off(result: Breakaway, zero_N: float, said: str) -> Breakaway:
@@ -248,11 +277,56 @@ def _jump_N(prepared: Prepared, top: int, rests: list[tuple[int, int]]) -> float
     First where a rest is seen, then up to half of the climb, of which a jump must be more than the machine loads.
     """
     blocks, n = prepared.blocks, JUMP_BLOCKS
+    levels_N = [float(blocks.force_N[start:stop].mean()) for start, stop in rests]
+    steps_N = [
+        step_N
+        for (one, two), (before_N, after_N) in zip(pairwise(rests), pairwise(levels_N), strict=True)
+        for step_N in [_step_N(prepared, one, two)]
+        # What comes back to the first level, or to the last one before it, was a load.
+        if min(abs(after_N - levels_N[0]), abs(levels_N[-1] - before_N)) >= CAME_BACK * abs(step_N)
+    ]
     half = half_climb(blocks.force_N, 0, top)
     rate = (float(blocks.force_N[top]) - float(blocks.force_N[half])) / max(1, top - half)
-    least_N, stop = JUMP_SIGMAS * prepared.noise_N, rests[-1][1] if rests else 0
-    at_rest_N = _jump_before_N(prepared, top, stop, least_N)
-    return at_rest_N or _jump_before_N(prepared, top, half, max(least_N, 2.0 * (n + 1) * rate))
+    least_N = max(JUMP_SIGMAS * prepared.noise_N, 2.0 * (n + 1) * rate)
+    return max(steps_N, key=abs, default=0.0) or _jump_before_N(prepared, top, half, least_N)
+
+
+def _step_N(prepared: Prepared, before: tuple[int, int], after: tuple[int, int]) -> float:
+    """Return by how much a rope rests at another level later, if it came there from one sample to the next; 0 if not.
+
+    In noise larger than the change a single step is not seen, but levels are; a load comes on in longer.
+    """
+    size = prepared.blocks.size
+    start = max(before[0], before[1] - SIDE) * size
+    force_N = prepared.force_N[start : min(after[1], after[0] + SIDE) * size]
+    n, y = force_N.size, force_N - force_N.mean()
+    # Of a change that begins after a sample j and takes w samples, x = (i - j)/w up to 1: twice summed from the end.
+    sums = np.concatenate([np.cumsum(np.cumsum(y[::-1]))[::-1], np.zeros(LONGER[-1] + 1)])
+    left_N2, found = [], []
+    for w in (1, *LONGER):
+        j = np.arange(LEAST, n - w - LEAST)
+        if not j.size:
+            return 0.0
+        x = 0.5 * ((n - 1 - j) * (n - j) - (n - 1 - j - w) * (n - j - w)) / w
+        xx = (w - 1) * (2 * w - 1) / (6.0 * w) + n - j - w - x**2 / n
+        xy = (sums[j + 1] - sums[j + 1 + w]) / w
+        best = int(np.argmax(xy**2 / xx))
+        left_N2.append(float(y @ y - xy[best] ** 2 / xx[best]))
+        found.append((int(j[best]), float(xy[best] / xx[best])))
+    worse_N2 = WORSE * min(left_N2) / n
+    at, jump_N = found[0]
+    at_once = left_N2[0] <= min(left_N2) + worse_N2 < left_N2[-1]
+    return jump_N if at_once and not _is_the_chain(prepared, start + at) else 0.0
+
+
+def _is_the_chain(prepared: Prepared, at: int) -> bool:
+    """Return whether the step after a sample is one of a gap, or of a converter that stuck or holds its values."""
+    force_N, steps_s = prepared.force_N, np.diff(prepared.time_s)
+    sides = force_N[max(0, at + 1 - LEAST) : at + 1], force_N[at + 1 : at + 1 + LEAST]
+    is_gap = steps_s[at] > GAP_STEPS * median(steps_s)  # in which the machine loads on
+    return bool(
+        is_gap or min(map(np.ptp, sides)) == 0.0 or any(a < at + 2 and b > at for a, b in prepared.stuck)
+    )
 
 
 def _jump_before_N(prepared: Prepared, top: int, stop: int, least_N: float) -> float:
@@ -271,12 +345,7 @@ def _jump_before_N(prepared: Prepared, top: int, stop: int, least_N: float) -> f
     part = prepared.force_N[at * blocks.size : (at + 2 * n + 1) * blocks.size]
     steps = np.diff(part) * np.sign(jump_N)
     k = int(np.argmax(steps)) + 1
-    jumps = at * blocks.size + k
-    if _is_stuck(prepared, jumps - 1, jumps + 1):
-        return 0.0
-    # In a gap of the samples the machine loads on.
-    apart_s = np.diff(prepared.time_s[at * blocks.size : at * blocks.size + k + 1])
-    if apart_s[-1] > GAP_STEPS * median(np.diff(prepared.time_s)):
+    if _is_the_chain(prepared, at * blocks.size + k - 1):
         return 0.0
     beside = np.minimum(np.arange(part.size) // k, 1)
     left_N = np.abs(part - np.where(beside, means[at + n + 1], means[at]))
@@ -312,15 +381,11 @@ def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
 def _is_at_rest(prepared: Prepared, start: int, stop: int, longest: int) -> bool:
     """Return whether a stretch without a slope is a rope at rest: no converter that stuck, no burst of noise."""
     blocks = prepared.blocks
-    if _is_stuck(prepared, start * blocks.size, stop * blocks.size):
+    first, last = start * blocks.size, stop * blocks.size
+    if any(a < last and b > first for a, b in prepared.stuck):
         return False
     is_burst = float(blocks.force_N[start:stop].std()) >= BURST_SIGMAS * blocks.noise_N
     return not is_burst or stop - start > SHORT_REST * longest
-
-
-def _is_stuck(prepared: Prepared, start: int, stop: int) -> bool:
-    """Return whether the converter stuck somewhere between two samples."""
-    return any(first < stop and last > start for first, last in prepared.stuck.tolist())
 
 
 def drift(

@@ -84,6 +84,55 @@ def test_a_slow_start_is_no_jump(seed):
     assert found.status is Status.OK, found.detail
 
 
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("jump_N", [3.0, 5.0])
+def test_a_jump_smaller_than_the_noise_is_told_by_its_levels(jump_N, seed):
+    """No single step of the samples is as large, but where the level changes is known to one or two of them."""
+    force = drawn(*strokes(2.0, slid_s=8.0), noise_N=1.0, seed=seed)
+    found = picked(force + jump_N * (TIME_S > 1.0))
+    assert found.status is Status.DOUBTFUL, found.peak_N
+    assert "jumps" in found.detail
+    assert found.candidates[1].force_N == pytest.approx(100.0, rel=0.02)
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("lasts_s", [0.16, 0.4])
+def test_a_load_that_comes_on_within_the_noise_is_no_jump(lasts_s, seed):
+    """It takes a time that the noise does not hide."""
+    force = drawn(*strokes(2.0, slid_s=8.0), noise_N=1.0, seed=seed)
+    found = picked(force + 5.0 * np.clip((TIME_S - 1.0) / lasts_s, 0.0, 1.0))
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(105.0, rel=0.01)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_zero_that_wanders_is_not_the_lowest_that_it_reads(seed):
+    """Within a percent below nothing it stands for a while at one, for a while at another level."""
+    wanders = np.interp(TIME_S, [0.8, 0.9, 1.1, 1.2], [-0.3, -1.7, -1.7, -0.3])
+    found = picked(drawn(*strokes(3.0, slid_s=6.0), noise_N=0.3, seed=seed) + wanders)
+    assert found.status is Status.OK, found.detail
+    assert abs(found.peak_N - 100.0) < 2.0 * found.peak_std_N
+    assert found.peak_N == pytest.approx(100.0, rel=0.01)
+
+
+@pytest.mark.parametrize("jump_N", [3.0, 8.0])
+def test_what_jumps_up_from_less_than_nothing_is_no_load_either(jump_N):
+    """The lowest level was taken off, and the jump counted as force."""
+    low = np.where(TIME_S > 1.5, jump_N - 12.0, -12.0)
+    found = picked(drawn(*strokes(3.0, slid_s=6.0), noise_N=0.3) + low)
+    assert found.status is Status.DOUBTFUL, found.peak_N
+    assert found.candidates[1].force_N == pytest.approx(100.0, rel=0.01)
+
+
+@pytest.mark.parametrize("slope_N_s", [-0.4, 0.4, 0.6])
+@pytest.mark.parametrize("rest_s", [4.0, 6.0])
+def test_a_drift_counts_from_the_first_sample_where_that_is_at_zero(slope_N_s, rest_s):
+    """What it came to by the middle of the rest stayed in F_A: half of what it came to until the climb."""
+    found = picked(drawn(*strokes(rest_s), noise_N=0.1) + slope_N_s * TIME_S)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, abs=0.5)
+
+
 # --- a pull by those after it ---
 
 

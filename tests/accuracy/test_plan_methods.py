@@ -147,6 +147,7 @@ def test_planned_answers_keep_their_accuracy_and_their_bound(case):
     assert bare.error > rows[-1].error
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", list(scenes.SWEEPS))
 def test_planned_sweeps_keep_their_accuracy_and_simulate_less(case):
     rows = error_table("scenes", case, method="plan and solve")

@@ -158,7 +158,10 @@ def coverage(bench_problem, law, seeds, truth=None, **changes):
     return np.mean(hits, axis=0)[problem.vary]
 
 
-@pytest.mark.parametrize("name", ["constant", "size-exponential", "howell"])
+@pytest.mark.parametrize(
+    "name",
+    ["constant", *(pytest.param(name, marks=pytest.mark.slow) for name in ("size-exponential", "howell"))],
+)
 def test_95_percent_intervals_hold_the_truth_quick(bench_problem, name):
     share = coverage(bench_problem, LAWS[name], 60)
     chance = 3.5 * math.sqrt(0.95 * 0.05 / 60)

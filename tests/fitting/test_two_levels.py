@@ -103,7 +103,12 @@ def test_where_all_have_as_many_repeats_it_is_the_straight_line_through_the_mean
 
 
 @pytest.mark.parametrize(
-    ("sizes", "between"), [((5, 5, 5, 5, 5, 5), 0.0), ((1, 1, 1, 1, 1, 1), 0.02), ((1, 9, 2, 7, 1, 5), 0.02)]
+    ("sizes", "between"),
+    [
+        pytest.param((5, 5, 5, 5, 5, 5), 0.0, marks=pytest.mark.slow),
+        pytest.param((1, 1, 1, 1, 1, 1), 0.02, marks=pytest.mark.slow),
+        ((1, 9, 2, 7, 1, 5), 0.02),
+    ],
 )
 def test_intervals_hold_the_truth_in_95_of_100(sizes, between):
     """A simulation that shares no code with the estimate but the estimate itself."""

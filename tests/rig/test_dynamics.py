@@ -75,7 +75,12 @@ def by_radau(one, end_s):
 
 @pytest.mark.parametrize(
     "changed",
-    [{}, {"law": "slip"}, {"slip_m": 1e-4, "a": 0.012}, BRISTLES],
+    [
+        {},
+        pytest.param({"law": "slip"}, marks=pytest.mark.slow),
+        pytest.param({"slip_m": 1e-4, "a": 0.012}, marks=pytest.mark.slow),
+        BRISTLES,
+    ],
     ids=["ageing", "slip", "slow weakening", "bristles"],
 )
 def test_the_first_break_is_that_of_an_independent_solver(changed):

@@ -14,16 +14,20 @@ SEEDS = range(25)
 CEILING = 1023
 
 
+OTHER_PHYSICS = [pytest.param(name, marks=pytest.mark.slow) for name in ("rate-state", "lugre")]
+
+
 def record(seed, *faults, lift=320.7, end=80.0, **kw):
     return simulate_recording(
         Bench(), lift_force_N=lift, end_tension_N=end, rng=np.random.default_rng(seed), faults=faults, **kw
     )
 
 
+@pytest.mark.parametrize("physics", ["coulomb", *OTHER_PHYSICS])
 @pytest.mark.parametrize("name", FAULTS)
-def test_the_truth_names_the_fault_and_its_status(name):
+def test_the_truth_names_the_fault_and_its_status(name, physics):
     fault = FAULTS[name]
-    for physics in ("coulomb", "rate-state", "lugre") if fault.ranges else ("coulomb",):
+    if physics == "coulomb" or fault.ranges:
         truth = record(1, name, physics=physics).truth
         assert truth.faults == (name,)
         assert truth.status is (fault.expected_status or Status.OK)
@@ -183,7 +187,7 @@ def test_a_fault_of_the_mechanics_is_refused_where_there_is_no_breakaway():
         )
 
 
-@pytest.mark.parametrize("physics", ["coulomb", "rate-state"])
+@pytest.mark.parametrize("physics", ["coulomb", OTHER_PHYSICS[0]])
 @pytest.mark.parametrize(("name", "shortest_s", "longest_s"), [("snag", 0.03, 0.8), ("impact", 0.004, 0.03)])
 def test_pushes_return_to_what_was_there_before_the_pull(name, shortest_s, longest_s, physics):
     for seed in range(4 if physics == "coulomb" else 2):
@@ -197,7 +201,7 @@ def test_pushes_return_to_what_was_there_before_the_pull(name, shortest_s, longe
         assert spoilt.truth.breakaway_time_s == clean.truth.breakaway_time_s
 
 
-@pytest.mark.parametrize("physics", ["coulomb", "lugre"])
+@pytest.mark.parametrize("physics", ["coulomb", OTHER_PHYSICS[1]])
 def test_a_precursor_falls_and_the_climb_still_ends_at_the_static_friction(physics):
     for seed in range(4 if physics == "coulomb" else 2):
         clean, spoilt = record(seed, physics=physics), record(seed, "precursor", physics=physics)
@@ -208,7 +212,7 @@ def test_a_precursor_falls_and_the_climb_still_ends_at_the_static_friction(physi
         assert spoilt.true_force_N[before].max() == pytest.approx(clean.truth.lift_force_N, rel=3e-3)
 
 
-@pytest.mark.parametrize("physics", ["coulomb", "rate-state"])
+@pytest.mark.parametrize("physics", ["coulomb", OTHER_PHYSICS[0]])
 @pytest.mark.parametrize(
     ("name", "shortest_s", "longest_s"), [("rounded", 0.01, 0.25), ("slow-fall", 0.04, 0.7)]
 )

@@ -51,6 +51,7 @@ def test_the_truth_is_the_highest_force_before_the_first_fall(drawn):
         assert after.min() < one.truth.peak_N - 0.5 * one.truth.fall_N
 
 
+@pytest.mark.slow
 def test_precursors_come_before_the_peak_and_below_it():
     for one in recordings(5, per_family=2, families=("one-precursor", "many-precursors")):
         assert one.truth.partial_s

@@ -331,7 +331,9 @@ def check_start_up(scene_of, seed):
     return True
 
 
-@pytest.mark.parametrize("seed", [0, 3, 4, 5, 8, 11])
+@pytest.mark.parametrize(
+    "seed", [0, 3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (4, 5, 8, 11))]
+)
 def test_planned_start_ups_near_what_decides(scene_of, seed):
     assert check_start_up(scene_of, seed)
 

@@ -1,6 +1,7 @@
 """The static peak of recordings whose truth is known, fault by fault, and of signals drawn by hand."""
 
 from collections import Counter
+from functools import cache
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ FAULTS = ["", "spike", "dropout", "high-tooth", "drift", "clock-jitter", "satura
           "too-short"]  # fmt: skip
 
 
+@cache
 def pick_many(fault, n=6):
     """Pick `n` seeds of every condition with one fault; results with truths."""
     found = []

@@ -13,6 +13,7 @@ PEAK_N = 15.0
 IDLE_S = 0.3
 AUTO = PickSettings()
 RATES_HZ = (500.0, 1000.0, 3000.0)
+EACH_RATE = pytest.mark.parametrize("rate_Hz", [*RATES_HZ[:2], pytest.param(3000.0, marks=pytest.mark.slow)])
 SEEDS = range(3)
 
 
@@ -56,7 +57,7 @@ def refused(traces):
     return all(result.candidates for result in found if result.status is Status.DOUBTFUL)
 
 
-@pytest.mark.parametrize("rate_Hz", RATES_HZ)
+@EACH_RATE
 @pytest.mark.parametrize("fall_s", [0.005, 0.01, 0.02, 0.035, 0.05, 0.1, 0.2])
 def test_a_clean_peak_is_found_however_slowly_it_falls(fall_s, rate_Hz):
     # The steps are at least eight standard deviations of the mean of 4 ms: 0.2 N of noise at 500 Hz for the larger.
@@ -116,7 +117,7 @@ def test_a_slow_break_must_stand_out_of_the_sliding(roughness_N, status):
             assert found.peak_N == pytest.approx(PEAK_N, rel=0.015)
 
 
-@pytest.mark.parametrize("rate_Hz", [500.0, 3000.0])
+@pytest.mark.parametrize("rate_Hz", [500.0, pytest.param(3000.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("fall_s", "share"),
     [(fall_s, share) for fall_s in (0.1, 0.3, 1.0, 3.0) for share in (0.0, 0.3, 0.5)]

@@ -238,6 +238,7 @@ def test_limits_stand_where_conditions_are_too_few_for_any_law(campaign):
 # --- coils that touch, and groups of trials ---
 
 
+@pytest.mark.slow
 def test_coils_that_touch_raise_the_friction_beyond_one_turn():
     def mu(R, phi, F):
         return 0.15 + 0.06 * np.maximum(phi - 2 * np.pi, 0.0) / phi

@@ -38,7 +38,10 @@ def test_the_promised_error_is_the_error_found(bench, guessed, wanted, campaigns
     assert found.covered >= 0.85
 
 
-@pytest.mark.parametrize(("name", "where"), [("size-exponential", "large wheel"), ("howell", "strong")])
+@pytest.mark.parametrize(
+    ("name", "where"),
+    [("size-exponential", "large wheel"), pytest.param("howell", "strong", marks=pytest.mark.slow)],
+)
 def test_a_plan_carried_out_beats_one_factor_at_a_time(compared, name, where):
     ours, theirs = compared(name, where, n=8)
     assert np.median(theirs.widths) > WORTHWHILE * np.median(ours.widths)

@@ -69,6 +69,7 @@ def checked(press, question, accuracies):
 ACCURACIES = (0.2, 0.05, 0.02, 0.005)
 
 
+@pytest.mark.slow
 def test_what_swings_of_random_presses_are_worth_is_below_its_bound(kit):
     """Without slip; in some half of the start-ups modes are left out."""
     left = [checked(*wide_start(kit, seed, slip=False), ACCURACIES) for seed in range(8)]

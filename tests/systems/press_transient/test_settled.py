@@ -32,6 +32,7 @@ def test_a_start_up_settles_where_it_says_slips_on_the_way_included(kit, mu, sli
     assert (np.abs(found.settled.tension_N / unslipped - 1.0).max() > 1e-3) == bool(slipped)
 
 
+@pytest.mark.slow
 def test_what_still_slips_or_stands_at_the_end_settles_nowhere(kit):
     found = start_up(
         kit.paper(force_N=1100.0), speed=kit.run_up(), time_s=np.linspace(0.0, 4.0, 41), friction=0.2

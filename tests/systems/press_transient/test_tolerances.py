@@ -29,7 +29,7 @@ def tensions(problem, states):
 
 @pytest.mark.parametrize("belt", list(BELTS))
 @pytest.mark.parametrize("name", ADAPTIVE)
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
+@pytest.mark.parametrize("tolerance", [1e-4, pytest.param(1e-6, marks=pytest.mark.slow)])
 def test_tensions_are_within_some_times_the_tolerance(kit, start_up, belt, name, tolerance):
     """Steps are controlled one by one and add up; the order of magnitude is what a tolerance can promise.
 

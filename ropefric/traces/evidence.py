@@ -70,6 +70,8 @@ def stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidin
         return True
     # The first of many wiggles is seldom the highest, and by so much never.
     slid = force_N[sliding.first : sliding.stop]
+    if fall.top_N - float(slid.max()) > LEAST_DROP * candidate.height_N:
+        return True
     long = slid.size >= ENOUGH * (fall.top - fall.start)
     if long and above_N > max(RESOLVED_SIGMAS * noise_N, HIGHER * _wanders_by_N(slid)):
         return True

@@ -21,6 +21,21 @@ def strokes(*begins_s, load_s=2.0, slid_s=1.0, top_N=100.0, kinetic_N=70.0):
     return corners
 
 
+# --- a fall by what swings after it ---
+
+
+@pytest.mark.parametrize("period_s", [0.03, 0.06, 0.1])
+@pytest.mark.parametrize("left_N", [35.0, 60.0])
+def test_a_slip_that_rings_on_stands_out_however_far_it_rings(period_s, left_N):
+    """Its swings are as large as half of the fall, and none of them comes near the top again."""
+    rings = (100.0 - left_N) * 0.9 * np.exp(-since(4.0) / 0.3) * np.cos(2.0 * np.pi * since(4.0) / period_s)
+    slides = np.where(TIME_S < 4.0, 0.0, rings)
+    force = drawn((0.0, 0.0), (1.0, 0.0), (4.0, 100.0), (4.002, left_N), (12.0, left_N), noise_N=0.1)
+    found = picked(force + slides)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.01)
+
+
 # --- the zero ---
 
 

@@ -42,6 +42,7 @@ from ropefric.traces.evidence import (
     is_quiet,
     left_after_N,
     loads_again,
+    rate_after,
     stands_out,
     swings,
     wanders,
@@ -547,19 +548,19 @@ def _stood(blocks: Blocks, candidate: Candidate) -> bool:
 
 
 def _slips_again(force_N: FloatArray, candidate: Candidate, later: list[Pull]) -> bool:
-    """Return whether the machine loads on after a fast fall to nothing, and the rope slips again at no more."""
+    """Return whether the machine loads on after a fast fall to nothing: at once, or until it slips at no more."""
     rate, top_N = rate_of(force_N, candidate.pull), candidate.fall.top_N
-    # What goes higher later on hung on a snag before, what rests was off.
-    off = any(p.top_N > (1.0 + EQUAL) * top_N or comes_off(force_N, candidate.pull, p) for p in later)
-    return (
-        not off
-        and _times_loaded(force_N, candidate) > OTHER_RATE
-        and any(
-            RELOADED * top_N <= pull.top_N
-            and RELOADED <= rate_of(force_N, pull) / max(rate, TINY) <= 1.0 / RELOADED
-            and any(g.slips and g.drop_N >= LEAST_DROP * (g.top_N - pull.base_N) for g in pull.falls)
-            for pull in later
-        )
+    slow, fast, times = RELOADED * rate, rate / RELOADED, _times_loaded(force_N, candidate)
+    if times <= OTHER_RATE or any(p.top_N > (1.0 + EQUAL) * top_N for p in later):
+        return False  # it hung on a snag before
+    if times > NO_MOTOR_AT_ALL and slow <= rate_after(force_N, candidate) <= fast:
+        return True
+    # What rests was off.
+    return not any(comes_off(force_N, candidate.pull, p) for p in later) and any(
+        RELOADED * top_N <= pull.top_N
+        and slow <= rate_of(force_N, pull) <= fast
+        and any(g.slips and g.drop_N >= LEAST_DROP * (g.top_N - pull.base_N) for g in pull.falls)
+        for pull in later
     )
 
 

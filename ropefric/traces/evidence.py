@@ -54,6 +54,8 @@ LASTS = 0.25
 """What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
 OTHER_RATE = 2.0
 """A motor lets loads down at much the same rate, within this factor."""
+AT_ONCE = 8
+"""A machine that turns on is seen within this part of the climb after a fall."""
 GIVEN, SAGS, SLOWS, LET_DOWN = (0.2, 0.5), 0.1, 1.1, 0.4
 """A rope that slides gives way by more than creep takes and less than a motor; half way it has given so much more than
 half of that, in the last quarter less than before, and far more slowly than a motor lets down."""
@@ -160,6 +162,14 @@ def loads_again(force_N: FloatArray, candidate: Candidate) -> bool:
     rise_N = float(force_N[top]) - fall.bottom_N
     much = rise_N >= 0.15 * (fall.top_N - fall.bottom_N)
     return fall.reloads and much and as_loaded(rise_N, candidate.rate, top - fall.bottom)
+
+
+def rate_after(force_N: FloatArray, candidate: Candidate) -> float:
+    """Return how fast the force climbs in the first part of a climb after a fall, per block; 0 if it is not seen."""
+    fall = candidate.fall
+    n = max(FEW_BLOCKS, (fall.top - fall.start) // AT_ONCE)
+    on, quarter = force_N[fall.bottom : fall.bottom + n], n // 4
+    return (median(on[-quarter:]) - median(on[:quarter])) / (n - quarter) if on.size == n else 0.0
 
 
 def gives_way(force_N: FloatArray, candidate: Candidate) -> bool:

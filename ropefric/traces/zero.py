@@ -98,9 +98,10 @@ def _with_level(
     zero_N = 0.0 if is_tared or not n else float(rest_N.mean())
     found = result
     result, why, from_N = _with_drift(blocks, rests, found, zero_N)
+    starts_at_zero = from_N != zero_N
     at_rest = rests if rests and result.peak_N == found.peak_N else [(0, n // blocks.size)]
     below_N, left_N, step_N = 0.0, 0.0, 0.0
-    if n and not is_tared and from_N == zero_N:
+    if n and not (is_tared or starts_at_zero):
         below_N, wanders_N, left_N = _below_nothing(blocks, at_rest, result.peak_N)
     if below_N and settings.rest != "zero":
         said = (
@@ -301,7 +302,7 @@ def _step_N(prepared: Prepared, before: tuple[int, int], after: tuple[int, int])
     force_N = prepared.force_N[start : min(after[1], after[0] + SIDE) * size]
     n, y = force_N.size, force_N - force_N.mean()
     # Of a change that begins after a sample j and takes w samples, x = (i - j)/w up to 1: twice summed from the end.
-    sums = np.concatenate([np.cumsum(np.cumsum(y[::-1]))[::-1], np.zeros(LONGER[-1] + 1)])
+    sums = np.cumsum(np.cumsum(y[::-1]))[::-1]
     left_N2, found = [], []
     for w in (1, *LONGER):
         j = np.arange(LEAST, n - w - LEAST)

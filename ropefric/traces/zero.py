@@ -325,9 +325,7 @@ def _is_the_chain(prepared: Prepared, at: int) -> bool:
     force_N, steps_s = prepared.force_N, np.diff(prepared.time_s)
     sides = force_N[max(0, at + 1 - LEAST) : at + 1], force_N[at + 1 : at + 1 + LEAST]
     is_gap = steps_s[at] > GAP_STEPS * median(steps_s)  # in which the machine loads on
-    return bool(
-        is_gap or min(map(np.ptp, sides)) == 0.0 or any(a < at + 2 and b > at for a, b in prepared.stuck)
-    )
+    return bool(is_gap or min(map(np.ptp, sides)) == 0.0 or _is_stuck(prepared, at, at + 2))
 
 
 def _jump_before_N(prepared: Prepared, top: int, stop: int, least_N: float) -> float:
@@ -382,11 +380,15 @@ def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
 def _is_at_rest(prepared: Prepared, start: int, stop: int, longest: int) -> bool:
     """Return whether a stretch without a slope is a rope at rest: no converter that stuck, no burst of noise."""
     blocks = prepared.blocks
-    first, last = start * blocks.size, stop * blocks.size
-    if any(a < last and b > first for a, b in prepared.stuck):
+    if _is_stuck(prepared, start * blocks.size, stop * blocks.size):
         return False
     is_burst = float(blocks.force_N[start:stop].std()) >= BURST_SIGMAS * blocks.noise_N
     return not is_burst or stop - start > SHORT_REST * longest
+
+
+def _is_stuck(prepared: Prepared, start: int, stop: int) -> bool:
+    """Return whether the converter stuck somewhere between two samples."""
+    return any(first < stop and last > start for first, last in prepared.stuck.tolist())
 
 
 def drift(

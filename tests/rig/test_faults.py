@@ -23,14 +23,21 @@ def record(seed, *faults, lift=320.7, end=80.0, **kw):
     )
 
 
-@pytest.mark.parametrize("physics", ["coulomb", *OTHER_PHYSICS])
-@pytest.mark.parametrize("name", FAULTS)
+@pytest.mark.parametrize(
+    ("name", "physics"),
+    [(name, "coulomb") for name in FAULTS]
+    + [
+        pytest.param(name, physics, marks=pytest.mark.slow)
+        for name, fault in FAULTS.items()
+        if fault.ranges
+        for physics in ("rate-state", "lugre")
+    ],
+)
 def test_the_truth_names_the_fault_and_its_status(name, physics):
     fault = FAULTS[name]
-    if physics == "coulomb" or fault.ranges:
-        truth = record(1, name, physics=physics).truth
-        assert truth.faults == (name,)
-        assert truth.status is (fault.expected_status or Status.OK)
+    truth = record(1, name, physics=physics).truth
+    assert truth.faults == (name,)
+    assert truth.status is (fault.expected_status or Status.OK)
     assert 0.0 <= fault.rate <= 0.1
 
 

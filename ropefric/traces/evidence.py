@@ -11,10 +11,31 @@ import numpy as np
 from ropefric.arrays import FloatArray, median
 from ropefric.traces.breakaway import Status
 from ropefric.traces.clock import GAP_STEPS
-from ropefric.traces.events import LEAST_PEAK, TINY, UNLOADED, Fall, as_loaded, half_climb, loading_rate
+from ropefric.traces.events import (
+    GROWTH,
+    LEAST_PEAK,
+    STICKS,
+    TINY,
+    UNLOADED,
+    Fall,
+    Pull,
+    as_loaded,
+    half_climb,
+    loading_rate,
+)
 from ropefric.traces.noise import noise_std, runs_of
 from ropefric.traces.segments import PIECE_BLOCKS, Prepared, Sliding, roughness_N, sliding_after
-from ropefric.traces.slips import FEW_BLOCKS, FEWEST_TEETH, LEAST_DROP, SMALL_GROWTH, Candidate
+from ropefric.traces.slips import (
+    FEW_BLOCKS,
+    FEWEST_TEETH,
+    HALF,
+    LARGER,
+    LEAST_DROP,
+    SMALL_GROWTH,
+    TALL,
+    Candidate,
+    rate_of,
+)
 from ropefric.traces.trace import ForceTrace
 
 RESOLVED_SIGMAS = 4.0
@@ -52,6 +73,9 @@ SWINGS_OUT = 8
 """A rope that comes off swings out at nothing: seen over so many times the first fall."""
 LASTS = 0.25
 """What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
+TURNS, STRAIGHT, CREEPS = 0.02, (0.55, 1.2), 0.08
+"""What turns from loading to a fall by more than this part of its height, the last part of the climb, as high as that
+fall, having been loaded at this part of the machine's rate, stuck until then; a held rope creeps by this part of it."""
 OTHER_RATE = 2.0
 """A motor lets loads down at much the same rate, within this factor."""
 AT_ONCE = 8
@@ -95,6 +119,7 @@ def stands_out(noise_N: float, force_N: FloatArray, candidate: Candidate, slidin
         (fall.drop_N > LEAST_DROP * height_N and len(teeth) >= LONG_TRAIN and _is_regular(teeth))
         or (fall.drop_N > LEAST_PEAK * height_N and _is_sawtooth(force_N, [fall, *waves]))
         or _is_loaded_by_the_machine(force_N, candidate, waves)
+        or _turns_at_once(force_N, candidate)
     )
 
 
@@ -133,6 +158,28 @@ def _is_loaded_by_the_machine(force_N: FloatArray, candidate: Candidate, teeth: 
     apart_N = max(median(np.abs(x - median(x))) for x in (high_N, low_N))
     rounded = rates.max() <= SLOWER_THAN_LOADED and GENTLE <= median(steepest) <= FASTEST
     return bool(rounded and apart_N < ALIKE * first.drop_N)
+
+
+def _turns_at_once(force_N: FloatArray, candidate: Candidate) -> bool:
+    """Return whether a load climbs straight until it falls: a rope that only comes to slide bends long before."""
+    fall, height_N = candidate.fall, candidate.height_N
+    top = fall.bottom + int(np.argmax(force_N[fall.bottom : candidate.pull.stop]))
+    higher = float(force_N[top]) > fall.top_N + GROWTH * height_N
+    # Far higher comes what wears in, slowly, or what the motor had not loaded yet.
+    if higher and loading_rate(force_N, fall.bottom, top) > STICKS * candidate.rate:
+        return False
+    climb_N = fall.top_N - force_N[fall.start : fall.top + 1]
+    half, most = (int(np.argmax(climb_N <= part * height_N)) for part in (0.5, 0.25))
+    last = climb_N.size - 1 - int(np.flatnonzero(climb_N >= min(fall.drop_N, climb_N.max()))[-1])
+    if fall.drop_N <= TURNS * height_N or half == 0 or most - half < 2 or not last:
+        return False
+    upper_N = climb_N[half : most + 1]
+    rate = -_slope(upper_N)
+    # Where the line through the third quarter of the climb is when the force turns.
+    above_N = rate * (climb_N.size - 1 - 0.5 * (half + most)) - float(upper_N.mean())
+    slowest, fastest = (part * rate * last for part in STRAIGHT)
+    straight = abs(above_N) <= fall.drop_N and slowest <= fall.drop_N <= fastest
+    return straight and fall.drop_N > CREEPS * rate * (fall.bottom - fall.top)
 
 
 def _is_regular(teeth: list[Fall]) -> bool:
@@ -201,6 +248,36 @@ def left_after_N(force_N: FloatArray, candidate: Candidate) -> float:
     after = force_N[fall.settled : fall.settled + max(FEW_BLOCKS, int(LASTS * (fall.top - pull.start)))]
     long = after.size >= SWINGS_OUT * (fall.settled - fall.top)
     return median(after[after.size // 2 :]) - pull.base_N if long else 0.0
+
+
+def comes_off(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
+    """Return whether a pull that ended without sliding is followed by a higher one, or by another after a rest.
+
+    What the machine loaded again after its fall was not off, nor what stayed loaded for as long as it was loaded.
+    """
+    rate, top = rate_of(force_N, pull), max(pull.falls, key=lambda g: g.top_N)
+    loaded_again = any(
+        g.top > top.top
+        and g.top_N - pull.base_N >= HALF * (top.top_N - pull.base_N)
+        and as_loaded(g.top_N - float(force_N[g.start]), rate, g.top - g.start)
+        for g in pull.falls
+    )
+    stayed = force_N[top.settled : top.settled + top.top - top.start]
+    loaded_again |= median(stayed) > pull.base_N + UNLOADED * (top.top_N - pull.base_N)
+    off, again = pull.falls[-1].settled, other.start + int(np.argmax(force_N[other.start : other.stop]))
+    base_N = pull.base_N + TALL * (pull.top_N - pull.base_N)
+    loaded = int(np.count_nonzero(force_N[pull.start : off] >= base_N))
+    rests = int(np.count_nonzero(force_N[off:again] < base_N)) > 0.5 * loaded
+    return other.top_N >= (0.5 if rests and not loaded_again else LARGER) * pull.top_N
+
+
+def passes_away(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
+    """Return whether a pull falls off sooner than it was loaded, before a higher one, as from a snag: nothing slid."""
+    high = np.flatnonzero(force_N[pull.start : pull.stop] > pull.base_N + HALF * (pull.top_N - pull.base_N))
+    top = int(np.argmax(force_N[pull.start : pull.stop]))
+    if not pull.unloads or np.count_nonzero(high > top) >= np.count_nonzero(high <= top) + FEW_BLOCKS:
+        return False
+    return other.top_N > pull.top_N and comes_off(force_N, pull, other)
 
 
 def is_let_down_later(force_N: FloatArray, fall: Fall, sliding: Sliding, base_N: float) -> bool:

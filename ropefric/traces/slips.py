@@ -19,7 +19,6 @@ from ropefric.traces.events import (
     UNLOADED,
     Fall,
     Pull,
-    as_loaded,
     half_climb,
     is_bump,
     loading_rate,
@@ -44,8 +43,9 @@ FAR_ABOVE, FAR_LARGER, ROW = 0.5, 2.0, 0.15
 """Partial slips in a row lead to a force so much higher and a slip so many times larger."""
 HALF = 0.5
 """What falls again at once by less than this part of the last fall is its swing, however fast."""
-FULL, MORE = 0.16, 0.85
-"""A slip by which the force falls by more than this part is no partial one, where it does not grow by so much more."""
+FULL, MORE, SMALLISH = 0.16, 0.85, 0.2
+"""A slip by which the force falls by more than this part is no partial one, where it does not grow by so much more; by
+the last where all that the motor turns loads it on."""
 AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
 SWINGS, MANY_TIMES = 4, 3.0
 GIVES, COMES_BACK, LONG = 0.8, 3.0, 0.2
@@ -182,7 +182,11 @@ def _first_full(force_N: FloatArray, pull: Pull, own_falls: dict[int, Fall], hun
         ]
         if earlier:
             return [Candidate(pull, earlier[0], rate, falls[falls.index(earlier[0]) + 1 :]), first]
-        rivals = rivals or (_far_larger(pull, fall, falls[i + 1 :]) if len(like_it) + hung >= 2 else [])
+        rivals = (
+            rivals
+            or (_far_larger(pull, fall, falls[i + 1 :]) if len(like_it) + hung >= 2 else [])
+            or _loaded_on_to(force_N, pull, own_falls, falls[i:], whole)
+        )
         if not rivals:
             return [first]
         # The first from so high a force may be partial, too.
@@ -210,6 +214,24 @@ def _far_larger(pull: Pull, fall: Fall, later: list[Fall]) -> list[Fall]:
         if far and _slides_or_reloads(pull, g):
             return later[j:]
     return []
+
+
+def _loaded_on_to(
+    force_N: FloatArray, pull: Pull, own_falls: dict[int, Fall], falls: list[Fall], rate: float
+) -> list[Fall]:
+    """Return the falls from the highest on, if it is far larger than the first and all between only loaded it."""
+    fall, *later = falls
+    height_N = fall.top_N - pull.base_N
+    at = max(range(len(later)), key=lambda j: later[j].top_N, default=TRAIN)
+    if at >= TRAIN or fall.drop_N > SMALLISH * height_N or not _slides_or_reloads(pull, later[at]):
+        return []
+    # What slips again from no higher a force has slid before; teeth that swing are as large as each other.
+    no_higher_N = fall.top_N + SMALL_GROWTH * height_N
+    swings = echoes(force_N, fall, later, rate)
+    again = any(g.top_N <= no_higher_N and g.drop_N >= ROW * fall.drop_N for g in later[swings:at])
+    first_N, last_N = (own.top_N - own.bottom_N for own in (own_falls[g.top] for g in (fall, later[at])))
+    on = not again and last_N > FAR_LARGER * first_N and _is_loaded_on(pull, fall, later, rate, AGAIN)
+    return later[at:] if on else []
 
 
 def _slid_after_N(force_N: FloatArray, pull: Pull, fall: Fall) -> float:
@@ -392,36 +414,6 @@ def _stops_early(place: _Place, loaded: list[Fall]) -> bool:
     above_N = fall.bottom_N - median(np.array([g.bottom_N for g in teeth]))
     next_N = place.higher[0].top_N - place.higher[0].bottom_N
     return above_N > EARLY * typical_N and fell_N < SMALLER * min(typical_N, next_N)
-
-
-def comes_off(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
-    """Return whether a pull that ended without sliding is followed by a higher one, or by another after a rest.
-
-    What the machine loaded again after its fall was not off, nor what stayed loaded for as long as it was loaded.
-    """
-    rate, top = rate_of(force_N, pull), max(pull.falls, key=lambda g: g.top_N)
-    loaded_again = any(
-        g.top > top.top
-        and g.top_N - pull.base_N >= HALF * (top.top_N - pull.base_N)
-        and as_loaded(g.top_N - float(force_N[g.start]), rate, g.top - g.start)
-        for g in pull.falls
-    )
-    stayed = force_N[top.settled : top.settled + top.top - top.start]
-    loaded_again |= median(stayed) > pull.base_N + UNLOADED * (top.top_N - pull.base_N)
-    off, again = pull.falls[-1].settled, other.start + int(np.argmax(force_N[other.start : other.stop]))
-    base_N = pull.base_N + TALL * (pull.top_N - pull.base_N)
-    loaded = int(np.count_nonzero(force_N[pull.start : off] >= base_N))
-    rests = int(np.count_nonzero(force_N[off:again] < base_N)) > 0.5 * loaded
-    return other.top_N >= (0.5 if rests and not loaded_again else LARGER) * pull.top_N
-
-
-def passes_away(force_N: FloatArray, pull: Pull, other: Pull) -> bool:
-    """Return whether a pull falls off sooner than it was loaded, before a higher one, as from a snag: nothing slid."""
-    high = np.flatnonzero(force_N[pull.start : pull.stop] > pull.base_N + HALF * (pull.top_N - pull.base_N))
-    top = int(np.argmax(force_N[pull.start : pull.stop]))
-    if not pull.unloads or np.count_nonzero(high > top) >= np.count_nonzero(high <= top) + FEW_BLOCKS:
-        return False
-    return other.top_N > pull.top_N and comes_off(force_N, pull, other)
 
 
 def bumps_of(force_N: FloatArray, time_s: FloatArray, pull: Pull) -> list[Fall]:

@@ -63,7 +63,8 @@ def test_waves_of_sliding_are_no_weights():
     """They stand for a moment where they turn, and rise fast; but the force has been as high before."""
     slides = np.clip(TIME_S - 2.38, 0.0, 0.1) / 0.1
     waves = 2.0 * slides * (np.sin(31.0 * TIME_S) + np.sin(53.0 * TIME_S))
-    found = picked(drawn((0.0, 0.0), (0.3, 0.0), (2.3, 15.0), (2.38, 11.5), (6.0, 11.5)) + waves)
+    bends = ((0.0, 0.0), (0.3, 0.0), (1.6, 13.0), (1.9, 14.5), (2.3, 15.0))
+    found = picked(drawn(*bends, (2.38, 11.5), (6.0, 11.5)) + waves)
     assert found.status is Status.NO_PEAK, found.detail
 
 
@@ -138,6 +139,44 @@ def test_a_slip_before_a_larger_one_from_a_higher_force_is_not_said_to_be_the_fi
     else:
         assert found.status is Status.DOUBTFUL, found.detail
         assert any(one.force_N == pytest.approx(100.0, rel=0.01) for one in found.candidates)
+
+
+@pytest.mark.parametrize(
+    ("part", "ring"),
+    [(0.08, 0.0), (0.08, 0.8), (0.08, 1.5), (0.12, 0.0), (0.12, 0.8), (0.15, 0.0), (0.18, 0.0)],
+)
+@pytest.mark.parametrize("firsts_N", [(62.0,), (45.0, 70.0), (40.0, 60.0, 80.0), (50.0, 57.0, 73.0, 90.0)])
+def test_small_slips_along_the_line_of_the_machine_are_partial(firsts_N, part, ring):
+    """All that the motor turned went into the spring until the far larger slip, though each of them rings on."""
+    rate, now_s, corners, slips_s = 50.0, 0.3, [(0.0, 0.0), (0.3, 0.0)], []
+    force_N = 0.0
+    for top_N in (*firsts_N, 100.0):
+        now_s += (top_N - force_N) / rate
+        force_N = 45.0 if top_N == 100.0 else (1.0 - part) * top_N
+        corners += [(now_s, top_N), (now_s + 0.004, force_N)]
+        now_s += 0.004
+        slips_s += [(now_s, top_N - force_N)]
+    force = drawn(*corners, (now_s + 1.0, 45.0))
+    for slip_s, fell_N in slips_s:
+        since_s = np.maximum(TIME_S - slip_s, 0.0)
+        force -= ring * fell_N * np.exp(-since_s / 0.02) * np.sin(2.0 * np.pi * 40.0 * since_s)
+    found = picked(force)
+    assert found.status in (Status.OK, Status.DOUBTFUL), found.detail
+    if found.status is Status.OK:
+        assert found.peak_N == pytest.approx(100.0, rel=0.01)
+
+
+@pytest.mark.parametrize("again_N", [58.0, 60.0, 61.0])
+def test_what_slips_again_from_no_higher_a_force_has_slid(again_N):
+    """An obstacle, or wear, came later."""
+    corners, now_s, force_N = [(0.0, 0.0), (0.3, 0.0)], 0.3, 0.0
+    for top_N, bottom_N in ((60.0, 50.0), (again_N, 50.0), (again_N, 50.0), (again_N, 50.0), (75.0, 45.0)):
+        now_s += (top_N - force_N) / 50.0
+        corners += [(now_s, top_N), (now_s + 0.004, bottom_N)]
+        now_s, force_N = now_s + 0.004, bottom_N
+    found = picked(drawn(*corners, (6.0, 45.0)))
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(60.0, rel=0.005)
 
 
 @pytest.mark.parametrize("lobes_N", [(36.0, 54.0, 36.0), (20.0, 50.0), (45.0, 60.0, 20.0)])

@@ -77,6 +77,49 @@ def test_what_levels_off_and_goes_up_and_down_slides_without_a_peak():
     assert found.status is Status.NO_PEAK, found.detail
 
 
+def waves_of_sliding(wave_N):
+    since = np.maximum(TIME_S - 3.0, 0.0)
+    return wave_N * (np.sin(2.0 * np.pi * 3.1 * since) + np.sin(2.0 * np.pi * 5.3 * since))
+
+
+@pytest.mark.parametrize(
+    ("drop_N", "wave_N", "fall_s"), [(4.0, 2.0, 0.05), (4.0, 1.5, 0.3), (6.0, 2.0, 0.05), (9.0, 3.0, 0.15)]
+)
+def test_a_climb_that_is_straight_until_it_falls_ends_in_a_static_peak(drop_N, wave_N, fall_s):
+    """However the rope slides on: one that only comes to slide bends before."""
+    slides = 1.0 - np.exp(-np.maximum(TIME_S - 3.0, 0.0) / fall_s)
+    force = drawn(*AT_REST, (3.0, 100.0), (6.0, 100.0)) - drop_N * slides + slides * waves_of_sliding(wave_N)
+    found = picked(force)
+    assert found.status is Status.OK, found.detail
+    assert found.peak_N == pytest.approx(100.0, rel=0.015)
+
+
+@pytest.mark.parametrize("bends_s", [0.3, 0.6])
+@pytest.mark.parametrize("wave_N", [1.0, 2.0])
+def test_what_bends_into_waves_of_sliding_has_no_peak(wave_N, bends_s):
+    comes = np.maximum(TIME_S - 0.8, 0.0)
+    straight_s = 2.0
+    bent = np.where(
+        comes < straight_s - bends_s,
+        comes,
+        straight_s - bends_s * np.exp(-(comes - straight_s + bends_s) / bends_s),
+    )
+    begin_s = 0.8 + straight_s + 2.0 * bends_s
+    slides = np.clip((TIME_S - begin_s + 1.0) / 0.3, 0.0, 1.0)
+    found = picked(drawn((0.0, 0.0), (6.0, 0.0)) + 50.0 * bent + slides * waves_of_sliding(wave_N))
+    assert found.status is not Status.OK, found.peak_N
+
+
+@pytest.mark.parametrize("creeps_N", [3.0, 6.0])
+def test_a_held_rope_that_creeps_after_a_straight_climb_is_held(creeps_N):
+    since = np.maximum(TIME_S - 2.0, 0.0)
+    rough = np.random.default_rng(5).normal(0.0, 0.5, TIME_S.size)
+    found = picked(
+        drawn(*AT_REST, (2.0, 100.0), (6.0, 100.0)) - creeps_N * np.log1p(since / 0.3) / 2.7 + rough
+    )
+    assert found.status in (Status.NO_BREAKAWAY, Status.DOUBTFUL), found.detail
+
+
 @pytest.mark.parametrize(("wave_N", "hz"), [(0.7, 2.0), (1.5, 2.0), (3.0, 2.0), (0.7, 8.0), (1.5, 8.0)])
 def test_what_hardly_stands_out_below_a_far_higher_force_is_not_judged(wave_N, hz):
     waves = wave_N * np.sin(2.0 * np.pi * hz * TIME_S) * ((TIME_S > 2.0) & (TIME_S < 3.0))

@@ -6,6 +6,7 @@ import shlex
 from pathlib import Path
 
 import pytest
+from thinned import thinned
 
 from ropefric.cli import app
 from ropefric.cli.app import find_commands, main
@@ -56,7 +57,7 @@ def places(tmp_path_factory, bench):
     return {"bench": bench, "new": folder / "new", "out": folder / "out"}
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=lambda words: " ".join(words.split()[:2])[-40:])
+@pytest.mark.parametrize("command", thinned(COMMANDS), ids=lambda words: " ".join(words.split()[:2])[-40:])
 def test_an_answer_is_folded_to_any_terminal(command, places, monkeypatch, capfd):
     """The work is done once, and shown at each width as the program shows it."""
     answers, show, width = [], app._shown, [WIDE]

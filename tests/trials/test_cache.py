@@ -9,6 +9,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+from thinned import thinned
 
 from ropefric.plotting.campaign import start_condition_figures
 from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
@@ -129,17 +130,19 @@ def test_time_stamps_and_places_do_not_matter(campaign, store, tmp_path):
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [
-        ('window = "auto"', 'window = "20 ms"'),
-        ('window = "auto"', 'window = "auto"\npeak = "two-line"'),
-        ('name = "breakaway"', 'name = "breakaway"\nmin_step = "60 N"'),
-        ('interval = ["0 s", "0.25 s"]', 'interval = ["0 s", "0.2 s"]'),
-        ('linearity = "0.02 %FS"', 'linearity = "0.03 %FS"'),
-        ('full_scale = "1 kN"', 'full_scale = "1001 N"'),
-        ("bits = 10", "bits = 12"),
-        ('tolerance = "0.05 %"', 'tolerance = "0.06 %"'),
-        ('separator = ","', 'separator = ","\nheader_row = 1'),
-    ],
+    thinned(
+        [
+            ('window = "auto"', 'window = "20 ms"'),
+            ('window = "auto"', 'window = "auto"\npeak = "two-line"'),
+            ('name = "breakaway"', 'name = "breakaway"\nmin_step = "60 N"'),
+            ('interval = ["0 s", "0.25 s"]', 'interval = ["0 s", "0.2 s"]'),
+            ('linearity = "0.02 %FS"', 'linearity = "0.03 %FS"'),
+            ('full_scale = "1 kN"', 'full_scale = "1001 N"'),
+            ("bits = 10", "bits = 12"),
+            ('tolerance = "0.05 %"', 'tolerance = "0.06 %"'),
+            ('separator = ","', 'separator = ","\nheader_row = 1'),
+        ]
+    ),
 )
 def test_a_changed_setting_of_the_extraction_counts(campaign, store, tmp_path, old, new):
     before = run(campaign, store)
@@ -216,31 +219,35 @@ def first_digit_changed(text):
 
 @pytest.mark.parametrize(
     "damage",
-    [
-        lambda text: "",
-        lambda text: text[: len(text) // 2],
-        lambda text: "not json",
-        lambda text: "[]",
-        lambda text: "{}",
-        lambda text: "null",
-        lambda text: "[" * 100_000,
-        lambda text: "\0" * len(text),
-        lambda text: "\ufeff" + text,
-        lambda text: json.dumps([{"trial": "x"}]),
-        first_digit_changed,
-        lambda text: with_checksum("[]"),
-        lambda text: with_checksum("[[]]"),
-        lambda text: with_checksum('[["x"]]'),
-        lambda text: with_checksum("[" * 100_000),
-        lambda text: with_checksum(re.sub(r'"peak_N":[^,]*', '"peak_N":"1"', text.partition("\n")[2])),
-        lambda text: with_checksum(re.sub(r'"peak_N":[^,]*', '"peak_N":true', text.partition("\n")[2])),
-        lambda text: with_checksum(re.sub(r'"detail":"[^"]*"', '"detail":7', text.partition("\n")[2])),
-        lambda text: with_checksum(re.sub(r'"file":"[^"]*"', '"file":"other"', text.partition("\n")[2])),
-        lambda text: with_checksum(text.partition("\n")[2].replace('"outline":{', '"outline":{"x":[],')),
-        lambda text: with_checksum(re.sub(r'"low_N":\[[^]]*', '"low_N":["a"', text.partition("\n")[2])),
-        lambda text: with_checksum(re.sub(r'"low_N":\[[^]]*', '"low_N":[1', text.partition("\n")[2])),
-        lambda text: with_checksum(re.sub(r'"status":"[^"]*"', '"status":"fine"', text.partition("\n")[2])),
-    ],
+    thinned(
+        [
+            lambda text: "",
+            lambda text: text[: len(text) // 2],
+            lambda text: "not json",
+            lambda text: "[]",
+            lambda text: "{}",
+            lambda text: "null",
+            lambda text: "[" * 100_000,
+            lambda text: "\0" * len(text),
+            lambda text: "\ufeff" + text,
+            lambda text: json.dumps([{"trial": "x"}]),
+            first_digit_changed,
+            lambda text: with_checksum("[]"),
+            lambda text: with_checksum("[[]]"),
+            lambda text: with_checksum('[["x"]]'),
+            lambda text: with_checksum("[" * 100_000),
+            lambda text: with_checksum(re.sub(r'"peak_N":[^,]*', '"peak_N":"1"', text.partition("\n")[2])),
+            lambda text: with_checksum(re.sub(r'"peak_N":[^,]*', '"peak_N":true', text.partition("\n")[2])),
+            lambda text: with_checksum(re.sub(r'"detail":"[^"]*"', '"detail":7', text.partition("\n")[2])),
+            lambda text: with_checksum(re.sub(r'"file":"[^"]*"', '"file":"other"', text.partition("\n")[2])),
+            lambda text: with_checksum(text.partition("\n")[2].replace('"outline":{', '"outline":{"x":[],')),
+            lambda text: with_checksum(re.sub(r'"low_N":\[[^]]*', '"low_N":["a"', text.partition("\n")[2])),
+            lambda text: with_checksum(re.sub(r'"low_N":\[[^]]*', '"low_N":[1', text.partition("\n")[2])),
+            lambda text: with_checksum(
+                re.sub(r'"status":"[^"]*"', '"status":"fine"', text.partition("\n")[2])
+            ),
+        ]
+    ),
 )
 def test_a_damaged_entry_counts_as_none(small_campaign, filled, store, tmp_path, damage):
     campaign, (kept, first) = small_campaign, filled
@@ -308,8 +315,8 @@ def test_an_interrupted_run_keeps_what_is_done(campaign, store, tmp_path, jobs, 
     assert_same(again, extract_campaign(load_campaign(campaign / "campaign.toml")), tmp_path)
 
 
-def test_a_recording_without_a_hash_is_neither_stored_nor_found(store, bench_extraction):
+def test_a_recording_without_a_hash_is_neither_stored_nor_found(store, filled):
     results = ResultCache(store, "settings")
-    results.store((), "", (bench_extraction.trials[:1],))
+    results.store((), "", (filled[1].trials[:1],))
     assert not store.exists()
     assert results.load((), "") is None

@@ -5,6 +5,7 @@ import io
 
 import numpy as np
 import pytest
+from thinned import thinned
 
 from ropefric.errors import RopefricError
 from ropefric.trials.extract import extract_campaign
@@ -107,7 +108,7 @@ def good(pull_csv):
 
 
 @pytest.mark.parametrize("packed", [False, pytest.param(True, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("case", CORPUS)
+@pytest.mark.parametrize("case", thinned(CORPUS))
 def test_damage_ends_in_an_honest_status(lab, good, case, packed, allowed):
     spoil, statuses = CORPUS[case]
     content = spoil(good)

@@ -24,8 +24,8 @@ settings.register_profile(
     "same", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
 )
 settings.register_profile("drawn", settings.get_profile("same"), derandomize=False, database=None)
-MORE = 5
-"""How many times as many examples the long run draws."""
+MORE, LESS = 5, 0.5
+"""How many times as many examples the long run draws, and the default one, where they are the same each time."""
 
 ROOT = Path(__file__).parents[1]
 REAL_DATA = ROOT.parent / "shared" / "data"
@@ -50,17 +50,17 @@ def pytest_configure(config):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
-    """Let the long run take every test that draws; one with seeds of its own (`derandomize=True`) stays as it is."""
-    if not is_long(config):
-        return
+    """Let the long run take every test that draws, but those with seeds of their own (`derandomize=True`)."""
     name = "_hypothesis_internal_use_settings"
-    widened = set()
+    changed = set()
     for item in items:
         given = getattr(getattr(item, "obj", None), name, None)
-        if given is None or given.derandomize or item.get_closest_marker("slow"):
+        if given is None or (is_long(config) and (given.derandomize or item.get_closest_marker("slow"))):
             continue
-        item.add_marker(pytest.mark.slow)
+        if is_long(config):
+            item.add_marker(pytest.mark.slow)
         # The parameters of one test share its function.
-        if item.obj not in widened:
-            widened.add(item.obj)
-            setattr(item.obj, name, settings(given, max_examples=MORE * given.max_examples))
+        if item.obj not in changed:
+            changed.add(item.obj)
+            times = MORE if is_long(config) else LESS
+            setattr(item.obj, name, settings(given, max_examples=max(1, round(times * given.max_examples))))

@@ -74,8 +74,8 @@ SWINGS_OUT = 8
 LASTS = 0.25
 """What stays at its level for less than this part of the climb is no evidence that the motor still turns."""
 TURNS, STRAIGHT, CREEPS = 0.02, (0.55, 1.2), 0.08
-"""What turns from loading to a fall by more than this part of its height, the last part of the climb, as high as that
-fall, having been loaded at this part of the machine's rate, stuck until then; a held rope creeps by this part of it."""
+"""A peak turns at once that falls by more than this part of its height, where the last part of the climb, as high as
+that fall, was loaded at this part of the machine's rate; a held rope creeps at this part of it."""
 OTHER_RATE = 2.0
 """A motor lets loads down at much the same rate, within this factor."""
 AT_ONCE = 8

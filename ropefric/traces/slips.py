@@ -44,8 +44,8 @@ FAR_ABOVE, FAR_LARGER, ROW = 0.5, 2.0, 0.15
 HALF = 0.5
 """What falls again at once by less than this part of the last fall is its swing, however fast."""
 FULL, MORE, SMALLISH = 0.16, 0.85, 0.2
-"""A slip by which the force falls by more than this part is no partial one, where it does not grow by so much more; by
-the last where all that the motor turns loads it on."""
+"""A slip by which the force falls by more than this part is no partial one, where it does not grow by so much more; nor
+by more than the last, though all that the motor turns loads the rope on."""
 AGAIN, LITTLE, STILL, ALIKE = 0.05, 0.1, 0.015, 0.02
 SWINGS, MANY_TIMES = 4, 3.0
 GIVES, COMES_BACK, LONG = 0.8, 3.0, 0.2

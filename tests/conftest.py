@@ -16,7 +16,7 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 for _name in ("pandas", "pint"):
     import_module(_name)
 
-# What the tests of several folders share, `promise`.
+# What the tests of several folders share, `promise` and `thinned`.
 sys.path.insert(0, str(Path(__file__).parent / "systems"))
 
 # No luck and no clock decides the default run. The long one, `-m slow`, draws afresh each time, and more.
@@ -51,16 +51,16 @@ def pytest_configure(config):
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
     """Let the long run take every test that draws, but those with seeds of their own (`derandomize=True`)."""
-    name = "_hypothesis_internal_use_settings"
+    name, long = "_hypothesis_internal_use_settings", is_long(config)
     changed = set()
     for item in items:
         given = getattr(getattr(item, "obj", None), name, None)
-        if given is None or (is_long(config) and (given.derandomize or item.get_closest_marker("slow"))):
+        if given is None or (long and (given.derandomize or item.get_closest_marker("slow"))):
             continue
-        if is_long(config):
+        if long:
             item.add_marker(pytest.mark.slow)
         # The parameters of one test share its function.
         if item.obj not in changed:
             changed.add(item.obj)
-            times = MORE if is_long(config) else LESS
-            setattr(item.obj, name, settings(given, max_examples=max(1, round(times * given.max_examples))))
+            count = round((MORE if long else LESS) * given.max_examples)
+            setattr(item.obj, name, settings(given, max_examples=max(1, count)))

@@ -4,6 +4,7 @@ import gzip
 
 import numpy as np
 import pytest
+from thinned import slow, thinned
 
 from ropefric.errors import InputError
 from ropefric.rig.bench import HELD_BENCH, Bench
@@ -12,9 +13,6 @@ from ropefric.traces.breakaway import Status
 
 SEEDS = range(25)
 CEILING = 1023
-
-
-OTHER_PHYSICS = [pytest.param(name, marks=pytest.mark.slow) for name in ("rate-state", "lugre")]
 
 
 def record(seed, *faults, lift=320.7, end=80.0, **kw):
@@ -27,10 +25,7 @@ def record(seed, *faults, lift=320.7, end=80.0, **kw):
     ("name", "physics"),
     [(name, "coulomb") for name in FAULTS]
     + [
-        pytest.param(name, physics, marks=pytest.mark.slow)
-        for name, fault in FAULTS.items()
-        if fault.ranges
-        for physics in ("rate-state", "lugre")
+        slow((name, one)) for name, fault in FAULTS.items() if fault.ranges for one in ("rate-state", "lugre")
     ],
 )
 def test_the_truth_names_the_fault_and_its_status(name, physics):
@@ -194,7 +189,7 @@ def test_a_fault_of_the_mechanics_is_refused_where_there_is_no_breakaway():
         )
 
 
-@pytest.mark.parametrize("physics", ["coulomb", OTHER_PHYSICS[0]])
+@pytest.mark.parametrize("physics", thinned(["coulomb", "rate-state"]))
 @pytest.mark.parametrize(("name", "shortest_s", "longest_s"), [("snag", 0.03, 0.8), ("impact", 0.004, 0.03)])
 def test_pushes_return_to_what_was_there_before_the_pull(name, shortest_s, longest_s, physics):
     for seed in range(4 if physics == "coulomb" else 2):
@@ -208,7 +203,7 @@ def test_pushes_return_to_what_was_there_before_the_pull(name, shortest_s, longe
         assert spoilt.truth.breakaway_time_s == clean.truth.breakaway_time_s
 
 
-@pytest.mark.parametrize("physics", ["coulomb", OTHER_PHYSICS[1]])
+@pytest.mark.parametrize("physics", thinned(["coulomb", "lugre"]))
 def test_a_precursor_falls_and_the_climb_still_ends_at_the_static_friction(physics):
     for seed in range(4 if physics == "coulomb" else 2):
         clean, spoilt = record(seed, physics=physics), record(seed, "precursor", physics=physics)
@@ -219,7 +214,7 @@ def test_a_precursor_falls_and_the_climb_still_ends_at_the_static_friction(physi
         assert spoilt.true_force_N[before].max() == pytest.approx(clean.truth.lift_force_N, rel=3e-3)
 
 
-@pytest.mark.parametrize("physics", ["coulomb", OTHER_PHYSICS[0]])
+@pytest.mark.parametrize("physics", thinned(["coulomb", "rate-state"]))
 @pytest.mark.parametrize(
     ("name", "shortest_s", "longest_s"), [("rounded", 0.01, 0.25), ("slow-fall", 0.04, 0.7)]
 )

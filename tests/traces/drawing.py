@@ -7,6 +7,16 @@ from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.trace import ForceTrace
 
 
+def loaded(*teeth, rate_N_s, begins=((0.0, 0.0), (0.3, 0.0)), fall_s=0.004):
+    """Return the corners of a force that a machine loads at one rate up to each of some teeth (top, bottom)."""
+    corners = [*begins]
+    for top_N, bottom_N in teeth:
+        now_s, force_N = corners[-1]
+        slips_s = now_s + (top_N - force_N) / rate_N_s
+        corners += [(slips_s, top_N), (slips_s + fall_s, bottom_N)]
+    return corners
+
+
 class Drawing:
     """A time over which forces are drawn, and the seed of their noise."""
 

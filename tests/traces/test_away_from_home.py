@@ -4,6 +4,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from drawing import loaded
 from scipy.signal import lfilter
 
 from ropefric.rig.strangers import recordings
@@ -323,12 +324,9 @@ def test_a_level_far_below_zero_is_that_of_a_machine_that_pushes_or_an_error_of_
 
 def train(*teeth):
     """Return the force of a pull that begins to slip at the first of some teeth (top, drop), loaded at 100 N/s."""
-    corners, now_s, force_N = [(0.0, 0.0), (0.5, 0.0)], 0.5, 0.0
-    for top_N, drop_N in teeth:
-        now_s += (top_N - force_N) / 100.0
-        corners += [(now_s, top_N), (now_s + 0.004, top_N - drop_N)]
-        now_s, force_N = now_s + 0.004, top_N - drop_N
-    return drawn(*corners, (4.0, force_N))
+    falls = ((top_N, top_N - drop_N) for top_N, drop_N in teeth)
+    corners = loaded(*falls, rate_N_s=100.0, begins=((0.0, 0.0), (0.5, 0.0)))
+    return drawn(*corners, (4.0, corners[-1][1]))
 
 
 def test_a_slip_is_one_of_a_train_that_grows_and_a_smaller_one_below_an_even_train_is_partial():
@@ -469,12 +467,8 @@ def test_a_rope_that_comes_free_of_all_load_hung_on_a_snag(rest_s, snag_N):
 
 def test_partial_slips_close_together_are_none_of_a_train_far_above_them():
     # Three of 2 % at 60 %, then stick-slip about a force that none of them came near.
-    corners, force_N, time_s = [(0.0, 0.0), (0.3, 0.0)], 0.0, 0.3
-    for top_N, low_N in ((60.0, 58.5), (61.0, 59.4), (61.5, 60.0), *[(100.0, 75.0)] * 5):
-        time_s += (top_N - force_N) / 80.0
-        corners += [(time_s, top_N), (time_s + 0.003, low_N)]
-        time_s, force_N = time_s + 0.003, low_N
-    found = picked(drawn(*corners, (4.0, 78.0)))
+    teeth = ((60.0, 58.5), (61.0, 59.4), (61.5, 60.0), *[(100.0, 75.0)] * 5)
+    found = picked(drawn(*loaded(*teeth, rate_N_s=80.0, fall_s=0.003), (4.0, 78.0)))
     assert found.status is Status.OK, found.detail
     assert found.peak_N == pytest.approx(100.0, rel=0.01)
 
@@ -632,15 +626,14 @@ def test_a_slip_that_stops_far_above_where_those_of_the_train_do_is_partial():
 @pytest.mark.parametrize("begin_s", [0.5, 0.501, 0.502, 0.503])
 def test_a_fall_within_a_few_blocks_whose_echo_comes_back_is_all_of_it(begin_s):
     """Loaded again at once, it never rests where it is lowest."""
-    corners, now_s, force_N = [(0.0, 0.0), (begin_s, 0.0)], begin_s, 0.0
+    teeth = ((100.0, 80.0), *[(95.0, 83.0)] * 5)
+    corners = loaded(*teeth, rate_N_s=100.0, begins=((0.0, 0.0), (begin_s, 0.0)))
     rings = np.zeros_like(TIME_S)
-    for top_N, drop_N in [(100.0, 20.0), *[(95.0, 12.0)] * 5]:
-        now_s += (top_N - force_N) / 100.0
-        corners += [(now_s, top_N), (now_s + 0.004, top_N - drop_N)]
-        now_s, force_N = now_s + 0.004, top_N - drop_N
-        since = np.maximum(TIME_S - now_s, 0.0)
-        rings -= 0.5 * drop_N * (since > 0.0) * np.exp(-since / 0.02) * np.cos(2.0 * np.pi * 60.0 * since)
-    found = picked(drawn(*corners, (4.0, force_N), noise_N=0.05) + rings)
+    for (top_N, bottom_N), (slipped_s, _) in zip(teeth, corners[3::2], strict=True):
+        since = np.maximum(TIME_S - slipped_s, 0.0)
+        ring_N = 0.5 * (top_N - bottom_N) * (since > 0.0)
+        rings -= ring_N * np.exp(-since / 0.02) * np.cos(2.0 * np.pi * 60.0 * since)
+    found = picked(drawn(*corners, (4.0, corners[-1][1]), noise_N=0.05) + rings)
     assert found.status is Status.OK, found.detail
     assert found.peak_N == pytest.approx(100.0, rel=0.01)
 

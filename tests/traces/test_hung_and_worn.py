@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from drawing import Drawing
+from drawing import Drawing, loaded
 
 from ropefric.traces.breakaway import Status
 
@@ -148,18 +148,13 @@ def test_a_slip_before_a_larger_one_from_a_higher_force_is_not_said_to_be_the_fi
 @pytest.mark.parametrize("firsts_N", [(62.0,), (45.0, 70.0), (40.0, 60.0, 80.0), (50.0, 57.0, 73.0, 90.0)])
 def test_small_slips_along_the_line_of_the_machine_are_partial(firsts_N, part, ring):
     """All that the motor turned went into the spring until the far larger slip, though each of them rings on."""
-    rate, now_s, corners, slips_s = 50.0, 0.3, [(0.0, 0.0), (0.3, 0.0)], []
-    force_N = 0.0
-    for top_N in (*firsts_N, 100.0):
-        now_s += (top_N - force_N) / rate
-        force_N = 45.0 if top_N == 100.0 else (1.0 - part) * top_N
-        corners += [(now_s, top_N), (now_s + 0.004, force_N)]
-        now_s += 0.004
-        slips_s += [(now_s, top_N - force_N)]
-    force = drawn(*corners, (now_s + 1.0, 45.0))
-    for slip_s, fell_N in slips_s:
-        since_s = np.maximum(TIME_S - slip_s, 0.0)
-        force -= ring * fell_N * np.exp(-since_s / 0.02) * np.sin(2.0 * np.pi * 40.0 * since_s)
+    teeth = (*((top_N, (1.0 - part) * top_N) for top_N in firsts_N), (100.0, 45.0))
+    corners = loaded(*teeth, rate_N_s=50.0)
+    force = drawn(*corners, (corners[-1][0] + 1.0, 45.0))
+    for (top_N, bottom_N), (slipped_s, _) in zip(teeth, corners[3::2], strict=True):
+        since_s = np.maximum(TIME_S - slipped_s, 0.0)
+        ring_N = ring * (top_N - bottom_N)
+        force -= ring_N * np.exp(-since_s / 0.02) * np.sin(2.0 * np.pi * 40.0 * since_s)
     found = picked(force)
     assert found.status in (Status.OK, Status.DOUBTFUL), found.detail
     if found.status is Status.OK:
@@ -169,12 +164,8 @@ def test_small_slips_along_the_line_of_the_machine_are_partial(firsts_N, part, r
 @pytest.mark.parametrize("again_N", [58.0, 60.0, 61.0])
 def test_what_slips_again_from_no_higher_a_force_has_slid(again_N):
     """An obstacle, or wear, came later."""
-    corners, now_s, force_N = [(0.0, 0.0), (0.3, 0.0)], 0.3, 0.0
-    for top_N, bottom_N in ((60.0, 50.0), (again_N, 50.0), (again_N, 50.0), (again_N, 50.0), (75.0, 45.0)):
-        now_s += (top_N - force_N) / 50.0
-        corners += [(now_s, top_N), (now_s + 0.004, bottom_N)]
-        now_s, force_N = now_s + 0.004, bottom_N
-    found = picked(drawn(*corners, (6.0, 45.0)))
+    teeth = ((60.0, 50.0), *[(again_N, 50.0)] * 3, (75.0, 45.0))
+    found = picked(drawn(*loaded(*teeth, rate_N_s=50.0), (6.0, 45.0)))
     assert found.status is Status.OK, found.detail
     assert found.peak_N == pytest.approx(60.0, rel=0.005)
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from drawing import loaded
 
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
@@ -19,12 +20,8 @@ def drawn(*corners, noise_N=0.1):
 
 def train(*teeth, climb=60.0, noise_N=0.1):
     """Return the force of teeth (top, drop) that are all loaded at one rate [N/s], and the level they end at."""
-    corners, now_s, force_N = [(0.0, 0.0), (0.3, 0.0)], 0.3, 0.0
-    for top_N, drop_N in teeth:
-        now_s += (top_N - force_N) / climb
-        corners += [(now_s, top_N), (now_s + 0.004, top_N - drop_N)]
-        now_s, force_N = now_s + 0.004, top_N - drop_N
-    return drawn(*corners, noise_N=noise_N)
+    falls = ((top_N, top_N - drop_N) for top_N, drop_N in teeth)
+    return drawn(*loaded(*falls, rate_N_s=climb), noise_N=noise_N)
 
 
 def picked(force_N, *, since_s=0.0, **settings):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from drawing import loaded
 
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
@@ -132,13 +133,9 @@ def test_what_hardly_stands_out_below_a_far_higher_force_is_not_judged(wave_N, h
 @pytest.mark.parametrize("hung_N", [20.0, 60.0, 75.0])
 def test_a_train_above_weights_that_are_most_of_the_load_is_one(hung_N):
     """Its teeth are loaded by the motor, the weights were not."""
-    corners, now_s, force_N = [(0.0, 0.0), (0.4, 0.0), (0.42, hung_N), (1.4, hung_N)], 1.4, hung_N
-    for _ in range(4):
-        now_s, force_N = now_s + (100.0 - force_N) / 80.0, 76.0
-        corners += [(now_s, 100.0), (now_s + 0.02, 76.0)]
-        now_s += 0.02
-    corners += [(now_s + 0.1, 40.0), (6.0, 40.0)]
-    found = picked(drawn(*corners))
+    hung = ((0.0, 0.0), (0.4, 0.0), (0.42, hung_N), (1.4, hung_N))
+    corners = loaded(*[(100.0, 76.0)] * 4, rate_N_s=80.0, begins=hung, fall_s=0.02)
+    found = picked(drawn(*corners, (corners[-1][0] + 0.1, 40.0), (6.0, 40.0)))
     assert found.status is Status.OK, found.detail
     assert found.peak_N == pytest.approx(100.0, rel=0.01)
 
@@ -171,12 +168,9 @@ def test_a_pull_that_slid_and_was_let_go_counts_before_one_that_slides_at_less_t
 @pytest.mark.parametrize("drop_N", [9.0, 11.0])
 @pytest.mark.parametrize("fall_s", [0.05, 0.2])
 def test_small_slips_below_the_force_at_which_the_rope_slides_later_are_partial(rate_N_s, drop_N, fall_s):
-    corners, now_s, force_N = [*AT_REST], 0.8, 0.0
-    for top_N, fell_N in ((84.0, 6.2), (87.6, drop_N)):
-        now_s += (top_N - force_N) / rate_N_s
-        corners += [(now_s, top_N), (now_s + 0.012, top_N - fell_N)]
-        now_s, force_N = now_s + 0.012, top_N - fell_N
-    now_s += (100.0 - force_N) / rate_N_s
+    teeth = ((84.0, 84.0 - 6.2), (87.6, 87.6 - drop_N))
+    corners = loaded(*teeth, rate_N_s=rate_N_s, begins=AT_REST, fall_s=0.012)
+    now_s = corners[-1][0] + (100.0 - corners[-1][1]) / rate_N_s
     slides = ((now_s, 100.0), (now_s + fall_s, 90.0), (now_s + fall_s + 0.15, 91.2), (6.0, 91.2))
     found = picked(drawn(*corners, *slides, noise_N=0.06))
     assert found.status is Status.OK, found.detail

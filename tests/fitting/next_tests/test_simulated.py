@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from thinned import thinned
 
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.next_tests import Exchange, allowed_conditions, best_plan, plan_tests
@@ -39,8 +40,7 @@ def test_the_promised_error_is_the_error_found(bench, guessed, wanted, campaigns
 
 
 @pytest.mark.parametrize(
-    ("name", "where"),
-    [("size-exponential", "large wheel"), pytest.param("howell", "strong", marks=pytest.mark.slow)],
+    ("name", "where"), thinned([("size-exponential", "large wheel"), ("howell", "strong")])
 )
 def test_a_plan_carried_out_beats_one_factor_at_a_time(compared, name, where):
     ours, theirs = compared(name, where, n=8)

@@ -7,6 +7,7 @@ from statistics import median
 
 import numpy as np
 import pytest
+from thinned import thinned
 
 from ropefric.scenes.plan import make_plan
 from ropefric.systems.friction import WrapFriction
@@ -83,9 +84,7 @@ def test_what_no_grid_is_fine_enough_for_is_solved_at_its_exact_moments(kit, sol
     np.testing.assert_array_equal(found.tension_N, start_up(press, **question).tension_N)
 
 
-@pytest.mark.parametrize(
-    "apart", [1e-4, *(pytest.param(apart, marks=pytest.mark.slow) for apart in (1e-6, 1e-8))]
-)
+@pytest.mark.parametrize("apart", thinned([1e-4, 1e-6, 1e-8]))
 def test_a_roller_on_the_verge_of_slip_is_decided_as_at_the_exact_moments(kit, apart):
     question = {"speed": kit.run_up("ramp", 1.0, 0.3), "time_s": np.linspace(0.0, 0.5, 51)}
     low, high = 0.2, 5.0

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from thinned import thinned
 
 TIMES_S = np.array([0.1, 0.3, 0.7, 1.2])
 BELTS = {"pliant": (2e6, 1e-3), "stiff": (1e7, 1e-2)}
@@ -29,7 +30,7 @@ def tensions(problem, states):
 
 @pytest.mark.parametrize("belt", list(BELTS))
 @pytest.mark.parametrize("name", ADAPTIVE)
-@pytest.mark.parametrize("tolerance", [1e-4, pytest.param(1e-6, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("tolerance", thinned([1e-4, 1e-6]))
 def test_tensions_are_within_some_times_the_tolerance(kit, start_up, belt, name, tolerance):
     """Steps are controlled one by one and add up; the order of magnitude is what a tolerance can promise.
 

@@ -16,8 +16,9 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 for _name in ("pandas", "pint"):
     import_module(_name)
 
-# What the tests of several folders share, `promise` and `thinned`.
-sys.path.insert(0, str(Path(__file__).parent / "systems"))
+# What the tests of several folders share: what is drawn here, `promise` and `thinned` there.
+for _folder in (Path(__file__).parent, Path(__file__).parent / "systems"):
+    sys.path.insert(0, str(_folder))
 
 # No luck and no clock decides the default run. The long one, `-m slow`, draws afresh each time, and more.
 settings.register_profile(
@@ -40,7 +41,7 @@ def real_data():
 
 
 def is_long(config):
-    return config.option.markexpr == "slow"
+    return config.option.markexpr in {"slow", "slow or hours"}
 
 
 def pytest_configure(config):

@@ -1,26 +1,20 @@
-"""A campaign's recordings -> trial table: in parallel, interruptible, without doing the same work twice.
+"""A campaign's recordings -> trial table: in parallel, and one bad recording ends nothing.
 
-A stored result is found by the content of the recording, the settings it was extracted with and the code of this
-package; time stamps and paths of files do not matter. A damaged entry counts as none. What one recording gives is the
-second half.
+What one recording gives is the second half.
 """
 
-import hashlib
-import json
 import math
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass, fields, replace
-from functools import lru_cache, partial
+from functools import partial
 from itertools import chain
 from math import nan
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ConfigDict, TypeAdapter
 
-from ropefric import __version__
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.executors import spread
@@ -47,78 +41,10 @@ from ropefric.trials.result import Extraction, TrialResult, draw_outline, summar
 from ropefric.trials.trial_list import free_name
 from ropefric.trials.workers import START_S, Lost, guarded
 
-SCHEMA = "ropefric.extraction-cache/4"
-MADE_BY = ("errors.py", "quantities.py", "registry.py", "files", "traces", "trials")
-"""What a result comes from, beside what is stored with it; a change in any line makes all entries old."""
-
-
-@lru_cache(maxsize=1)
-def hash_sources() -> str:
-    """Return the SHA-256 of the code that results are made by; of nothing where it cannot be looked at."""
-    package, found = Path(__file__).parents[1], hashlib.sha256()
-    for name in MADE_BY:
-        place = package / name
-        for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
-            with suppress(OSError):
-                found.update(path.read_bytes())
-    return found.hexdigest()
-
-
 Results = tuple[tuple[TrialResult, ...], ...]
 """Of a recording's rows, each with one or more."""
-
-
-@lru_cache(maxsize=1)
-def _entries() -> TypeAdapter[Results]:
-    return TypeAdapter(Results, config=ConfigDict(extra="forbid", strict=True, ser_json_inf_nan="constants"))
-
-
-class ResultCache:
-    """Results of recordings in a folder, one small file each."""
-
-    def __init__(self, folder: Path, settings: str) -> None:
-        self.folder = folder
-        self._made_by = json.dumps([SCHEMA, hash_sources(), __version__, settings])
-
-    def _path(self, specs: Sequence[TrialSpec], sha256: str) -> Path:
-        rows = [
-            [repr(getattr(spec, f.name)) for f in fields(spec) if f.name not in ("path", "line", "note")]
-            for spec in specs
-        ]
-        key = json.dumps([self._made_by, sha256, rows])
-        return self.folder / f"{_hash(key.encode())[:32]}.json"
-
-    def load(self, specs: Sequence[TrialSpec], sha256: str) -> Results | None:
-        """Return the stored results of a recording's rows, or None if there are none that can be used."""
-        if not sha256:
-            return None
-        try:
-            checksum, _, text = disk.read_file(self._path(specs, sha256)).partition(b"\n")
-            # A digit that changed on disk would still be a number.
-            if checksum.decode() != _hash(text):
-                return None
-            found = _entries().validate_json(text)
-        # Whatever is wrong with an entry, and with a right checksum too, it can be made again.
-        except Exception:  # noqa: BLE001
-            return None
-        files = [{result.file for result in row} for row in found]
-        return found if files == [{spec.file} for spec in specs] else None
-
-    def store(self, specs: Sequence[TrialSpec], sha256: str, results: Results) -> None:
-        """Keep the results of a recording; a folder that cannot be written is no reason to stop."""
-        if sha256:
-            text = _entries().dump_json(results)
-            with suppress(DataError):
-                disk.write_file(self._path(specs, sha256), f"{_hash(text)}\n".encode() + text, durable=False)
-
-
-def _hash(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
-
-
 Progress = Callable[[int, int, str], None]
 _Rows = tuple[TrialSpec, ...]
-_Done = tuple[Results, bool]
 
 
 def extract_campaign(campaign: Campaign, **how: Any) -> Extraction:
@@ -127,8 +53,8 @@ def extract_campaign(campaign: Campaign, **how: Any) -> Extraction:
     One bad recording never ends the run: it gives a trial with a status and a problem. Results do not depend on `how`
     they are come by, which is as of `extract_rows`.
     """
-    by_row, n_reused = extract_rows(campaign, **how)
-    return summarised(campaign, [trial for _, trial in in_list_order(campaign, by_row)], n_reused=n_reused)
+    by_row = extract_rows(campaign, **how)
+    return summarised(campaign, [trial for _, trial in in_list_order(campaign, by_row)])
 
 
 ByRow = Mapping[str, tuple[TrialResult, ...]]
@@ -139,12 +65,11 @@ def extract_rows(
     campaign: Campaign,
     *,
     jobs: int = 1,
-    cache_dir: Path | None = None,
     progress: Progress | None = None,
     executor: Any = None,
     trusted: bool = False,
-) -> tuple[ByRow, int]:
-    """Return what the recording of every row gives by itself, and how many recordings were in the cache.
+) -> ByRow:
+    """Return what the recording of every row gives by itself.
 
     Recordings that are `trusted`, since they were read before, are read at once, in this process.
     """
@@ -154,12 +79,9 @@ def extract_rows(
     for spec in campaign.trials:
         by_file.setdefault(spec.path, []).append(spec)
     files = tuple(map(tuple, by_file.values()))
-    done: list[_Done] = [((), False)] * len(files)
-    settings = campaign.settings_fingerprint()
-    cache = None if cache_dir is None else ResultCache(cache_dir.absolute(), settings)
-    without_rows = campaign.model_copy(update={"trials": (), "warnings": ()})
-    work = _Work(campaign=without_rows, files=files, cache=cache)
-    running: Generator[tuple[int, _Done]]
+    done: list[Results] = [()] * len(files)
+    work = _Work(campaign=campaign.model_copy(update={"trials": (), "warnings": ()}), files=files)
+    running: Generator[tuple[int, Results]]
     if trusted:
         running = ((place, work(place)) for place in range(len(files)))
     else:
@@ -169,15 +91,14 @@ def extract_rows(
         for count, (place, results) in enumerate(running, start=1):
             done[place] = results
             if progress is not None:
-                found = [trial for row in results[0] for trial in row]
+                found = [trial for row in results for trial in row]
                 worst = next((t for t in found if t.breakaway.status != "ok"), found[0])
                 progress(count, len(files), f"{worst.trial} {worst.breakaway.status.value}")
-    by_row = {
+    return {
         spec.trial: found
-        for rows, (of_file, _) in zip(files, done, strict=True)
+        for rows, of_file in zip(files, done, strict=True)
         for spec, found in zip(rows, of_file, strict=True)
     }
-    return by_row, sum(reused for _, reused in done)
 
 
 def in_list_order(campaign: Campaign, by_row: ByRow) -> list[tuple[TrialSpec, TrialResult]]:
@@ -195,50 +116,45 @@ def in_list_order(campaign: Campaign, by_row: ByRow) -> list[tuple[TrialSpec, Tr
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Work:
-    """What every process is given once: the campaign without its rows, the files with theirs, the cache."""
+    """What every process is given once: the campaign without its rows, the files with theirs."""
 
     campaign: Campaign
     files: tuple[_Rows, ...]
-    cache: ResultCache | None
 
-    def __call__(self, place: int) -> _Done:
-        """Return the results of a file, and whether they were there already."""
+    def __call__(self, place: int) -> Results:
+        """Return the results of a file."""
         rows = self.files[place]
         try:
-            return disk.use_file(rows[0].path, lambda file: self._extract(rows, file), shown=rows[0].file)
+            return disk.use_file(
+                rows[0].path,
+                lambda file: extract_recording(self.campaign, rows, file=file),
+                shown=rows[0].file,
+            )
         except RopefricError as error:
-            return unreadable(self.campaign, rows, error), False
+            return unreadable(self.campaign, rows, error)
         except MemoryError:
             raise
         except Exception as error:  # noqa: BLE001  (whatever a recording brings about, it ends that recording)
             message = f"internal fault, {type(error).__name__}: {error}"
             fix = "this is a bug in ropefric: please report it with the recording"
             fault = RopefricError(message, code="RF000", path=rows[0].file, fix=fix)
-            return unreadable(self.campaign, rows, fault), False
+            return unreadable(self.campaign, rows, fault)
 
-    def _extract(self, rows: _Rows, file: InputFile) -> _Done:
-        if self.cache is not None and (stored := self.cache.load(rows, file.sha256)) is not None:
-            return stored, True
-        results = extract_recording(self.campaign, rows, file=file)
-        if self.cache is not None and file.is_steady:
-            self.cache.store(rows, file.sha256, results)
-        return results, False
-
-    def lost(self, place: int, why: Lost) -> _Done:
+    def lost(self, place: int, why: Lost) -> Results:
         """Return the results of a file that could not be read to its end."""
         rows = self.files[place]
         error = DataError(why.reason, code="RF101", path=rows[0].file, fix=why.fix)
         sha256 = ""
         with suppress(DataError):
             sha256 = disk.hash_file(rows[0].path)
-        return unreadable(self.campaign, rows, error, sha256=sha256), False
+        return unreadable(self.campaign, rows, error, sha256=sha256)
 
 
 _PIECE = 16
 """Files that a worker elsewhere is handed at a time."""
 
 
-def _results(work: _Work, jobs: int, executor: Any = None) -> Generator[tuple[int, _Done]]:
+def _results(work: _Work, jobs: int, executor: Any = None) -> Generator[tuple[int, Results]]:
     """Yield place and results of each file: read by processes of this one, or where an executor says."""
     if executor is None:
         for place, done in guarded(work, len(work.files), jobs=jobs, limits=work.campaign.limits):
@@ -254,14 +170,14 @@ def _results(work: _Work, jobs: int, executor: Any = None) -> Generator[tuple[in
             yield from enumerate(found, start)
 
 
-def _all_of(work: _Work) -> list[_Done]:
+def _all_of(work: _Work) -> list[Results]:
     """Return the results of all files, read in this process."""
     for rows in work.files:
         rows[0].path.stat()
     return [work(place) for place in range(len(work.files))]
 
 
-def _again(work: _Work, error: BaseException) -> list[_Done]:
+def _again(work: _Work, error: BaseException) -> list[Results]:
     """Return the results of files that another process did not come to the end of: one of them may be to blame."""
     if isinstance(error, FileNotFoundError) and Path(path := str(error.filename)).exists():
         fix = "keep the recordings in a folder that all machines have under the same name"
@@ -315,7 +231,7 @@ def _look(campaign: Campaign, kinds: Mapping[str, Sequence[TrialSpec]], place: i
 
 def _preload(work: _Work) -> None:
     """Load what every process will need once, before they are forked."""
-    if work.files and (work.cache is None or not work.cache.folder.exists()):
+    if work.files:
         with suppress(RopefricError):
             if find_reader(work.files[0][0].path, work.campaign.profile).name in TEXT_FORMATS:
                 import pandas  # noqa: ICN001, F401, PLC0415

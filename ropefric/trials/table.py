@@ -18,9 +18,9 @@ from ropefric.glossary import counted
 from ropefric.quantities import split_unit_suffix
 from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
-from ropefric.trials import cells
+from ropefric.trials import cells, numbers
 from ropefric.trials.cells import QUANTITIES
-from ropefric.trials.result import STEMS, Extraction
+from ropefric.trials.result import Extraction, stems
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,7 +34,7 @@ _NUMBERS = tuple(dict.fromkeys(field for field, _, _ in QUANTITIES.values()))
 _OPTIONAL = _NUMBERS[len(_REQUIRED) :]
 _UNKNOWN = ("peak_std_N", "cell_std_N")
 """Those of them that are NaN where they are not given; the others are zero."""
-_BESIDE = ("kinetic_N", "kinetic_mean_std_N", "end_tension_set_N")
+_BESIDE = tuple(column.name for column in numbers.COLUMNS if column.read_as)
 """Numbers that a fit of F_A does not need, and that are passed over where they cannot be."""
 FORCES = ("peak", "kinetic")
 """What a law can be fitted to: the break-away force, or the mean force while sliding."""
@@ -42,13 +42,10 @@ _TEXTS = ("trial", "kept", "status")
 LABELS = ("rope_id", "wheel", "operator", "dwell", "order", "cell")
 """Columns beside the numbers by which trials can be told into groups."""
 _QUANTITIES_BESIDE = {
-    "kinetic": ("kinetic_N", "N", 1.0),
-    "kinetic_force": ("kinetic_N", "N", 1.0),
-    "kinetic_mean_std": ("kinetic_mean_std_N", "N", 1.0),
-    "end_tension_set": ("end_tension_set_N", "N", 1.0),
+    stem: (column.name, column.unit, 1.0) for column in numbers.COLUMNS for stem in column.read_as
 }
 # What an extraction and a list of trials have beside the columns a fit reads.
-_PASSED_OVER = STEMS - {"end_tension_set"} | {"exclude", "wheel"}
+_PASSED_OVER = stems() - {"end_tension_set"} | {"exclude", "wheel"}
 _FRAME_NAMES = {"wrap_std_rad": "wrap_angle_std_rad"}
 _EMPTY = frozenset({"", "nan", "na", "n/a", "none", "null", "<na>", "-"})
 _TRUE = frozenset({"", "true", "yes", "1", "1.0", "kept"})
@@ -281,8 +278,8 @@ def table_from_frame(frame: "pd.DataFrame") -> TrialTable:
 def table_of_extraction(extraction: Extraction) -> TrialTable:
     """Return the trial table of an extraction; a pull in which friction helped the rope along is not kept."""
     trials = extraction.trials
-    names = (*_NUMBERS, *_BESIDE)
-    columns: dict[str, Any] = {name: np.array([trial.measured(name) for trial in trials]) for name in names}
+    taken = {name: numbers.column(name).taken for name in (*_NUMBERS, *_BESIDE)}
+    columns: dict[str, Any] = {name: np.array([*map(take, trials)]) for name, take in taken.items()}
     kept = np.array([trial.kept for trial in trials], dtype=np.bool_)
     kept &= (columns["peak_N"] > columns["end_tension_N"]) | _below_by_scatter(columns, kept)
     status = tuple(trial.breakaway.status.value for trial in trials)

@@ -66,7 +66,6 @@ def run(folder, out, *flags, **environment):
         "run",
         "campaign.toml",
         "--quiet",
-        "--no-cache",
         "--out",
         out,
     ]

@@ -394,61 +394,93 @@ def _beside(chosen: Breakaway, found: Breakaway) -> Breakaway:
     return replace(chosen, notes=(*chosen.notes, f"without the decision: {found.status.value}, {says}"))
 
 
-def _result(
-    campaign: Campaign, spec: TrialSpec, breakaway: Breakaway, problems: tuple[Problem, ...], **more: Any
-) -> TrialResult:
-    measures_slack, is_ok = campaign.protocol.needs_lift_force, breakaway.status is Status.OK
-    known_N = spec.lift_force_N if measures_slack else spec.end_tension_N
-    known, set_N = (nan, nan), nan
+_Stated = tuple[float, float]
+"""A force and its standard uncertainty [N]."""
+
+
+def _known_force(campaign: Campaign, spec: TrialSpec, breakaway: Breakaway) -> tuple[_Stated, float]:
+    """Return the force on the side that the pull does not measure, and what it was set to where a sensor read it."""
+    known_N = spec.lift_force_N if campaign.protocol.needs_lift_force else spec.end_tension_N
+    stated = (nan, nan)
     if known_N is not None:
-        known = (known_N, end_tension_std_N(known_N, campaign.weights_tolerance))
-    if not math.isnan(breakaway.end_tension_N):
-        known, set_N = (breakaway.end_tension_N, breakaway.end_tension_std_N), known[0]
-    calibration, measured = more.get("calibration"), (nan, nan)
-    if is_ok:
-        std_N = force_std_N(breakaway.peak_N, calibration, picking_std_N=breakaway.peak_std_N)
-        if campaign.protocol.name == "two-way":  # half of each force's share, see `traces.protocols`
-            top_N, low_N = breakaway.peak_N, breakaway.trough_N
-            up_N, down_N = force_std_N(top_N, calibration), force_std_N(low_N, calibration)
-            std_N = math.hypot(breakaway.peak_std_N, 0.5 * up_N, 0.5 * (top_N / low_N) * down_N)
-        measured = (breakaway.peak_N, std_N)
-    (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
-    hung_N, apart_N = known[0] if math.isnan(set_N) else set_N, 0.0
-    if campaign.protocol.name == "two-way" and is_ok:
+        stated = (known_N, end_tension_std_N(known_N, campaign.weights_tolerance))
+    if math.isnan(breakaway.end_tension_N):
+        return stated, nan
+    return (breakaway.end_tension_N, breakaway.end_tension_std_N), stated[0]
+
+
+def _measured_force(campaign: Campaign, breakaway: Breakaway, calibration: Calibration | None) -> _Stated:
+    """Return the force that was picked, with the uncertainty of picking and of the measuring chain."""
+    if breakaway.status is not Status.OK:
+        return nan, nan
+    top_N = breakaway.peak_N
+    if campaign.protocol.name != "two-way":
+        return top_N, force_std_N(top_N, calibration, picking_std_N=breakaway.peak_std_N)
+    low_N = breakaway.trough_N  # half of each force's share, see `traces.protocols`
+    up_N, down_N = force_std_N(top_N, calibration), force_std_N(low_N, calibration)
+    return top_N, math.hypot(breakaway.peak_std_N, 0.5 * up_N, 0.5 * (top_N / low_N) * down_N)
+
+
+def _doubtful_forces(
+    campaign: Campaign, spec: TrialSpec, peak: _Stated, end_N: float, hung_N: float
+) -> Iterator[Problem]:
+    """Yield what speaks against the two forces of a trial."""
+    peak_N, peak_std_N = peak
+    if campaign.protocol.name == "two-way":
         apart_N = abs(end_N - hung_N) - 3.0 * end_N * peak_std_N / peak_N
-    if apart_N > PAIR_TOLERANCE * hung_N:
-        message = f"the geometric mean of raising and lowering is {end_N:.4g} N, the weight of the list {hung_N:.4g} N"
-        fix = "check the zero of the cell, the weight, and what the rope itself weighs"
-        problems += (_warning(spec, "RF243", message, fix, "end_tension"),)
-    wheel, rope = campaign.wheels.get(spec.wheel), campaign.rope
-    # Noise averages out; wander beyond it counts whole, for nobody knows how slow it is, but with every event of
-    # stick-slip it begins anew.
-    wander_N = math.sqrt(max(breakaway.kinetic_std_N**2 - breakaway.noise_std_N**2, 0.0))
-    kinetic_N = wander_N / math.sqrt(max(breakaway.n_slips - 1, 1))
-    excluded = spec.exclude or (NO_END if is_ok and math.isnan(end_N) else "")
+        if apart_N > PAIR_TOLERANCE * hung_N:
+            pair = f"the geometric mean of raising and lowering is {end_N:.4g} N"
+            fix = "check the zero of the cell, the weight, and what the rope itself weighs"
+            yield _warning(
+                spec, "RF243", f"{pair}, the weight of the list {hung_N:.4g} N", fix, "end_tension"
+            )
     if peak_N <= end_N:
         message = f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)"
         fix = "check whether the sides, the units or the sign of the force are swapped"
-        problems += (_warning(spec, "RF240", message, fix, "end_tension"),)
+        yield _warning(spec, "RF240", message, fix, "end_tension")
+
+
+def _kinetic_std_N(found: Breakaway, calibration: Calibration | None) -> float:
+    """Return the standard uncertainty of the mean force while sliding.
+
+    Noise averages out; wander beyond it counts whole, for nobody knows how slow it is, but with every event of
+    stick-slip it begins anew.
+    """
+    wander_N = math.sqrt(max(found.kinetic_std_N**2 - found.noise_std_N**2, 0.0))
+    wander_N /= math.sqrt(max(found.n_slips - 1, 1))
+    return force_std_N(found.kinetic_N, calibration, picking_std_N=wander_N)
+
+
+def _result(
+    campaign: Campaign, spec: TrialSpec, breakaway: Breakaway, problems: tuple[Problem, ...], **more: Any
+) -> TrialResult:
+    measures_slack, calibration = campaign.protocol.needs_lift_force, more.get("calibration")
+    is_ok = breakaway.status is Status.OK
+    known, set_N = _known_force(campaign, spec, breakaway)
+    measured = _measured_force(campaign, breakaway, calibration)
+    peak, (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
+    hung_N = known[0] if math.isnan(set_N) else set_N
+    excluded = spec.exclude or (NO_END if is_ok and math.isnan(end_N) else "")
+    wheel, rope = campaign.wheels.get(spec.wheel), campaign.rope
     return TrialResult(
         **{item.name: getattr(spec, item.name) for item in fields(TrialRow)},
         end_tension_N=end_N,
         end_tension_std_N=end_std_N,
-        peak_N=peak_N,
-        peak_std_N=peak_std_N,
+        peak_N=peak[0],
+        peak_std_N=peak[1],
         wheel_radius_std_m=wheel.radius_std_m if wheel else 0.0,
         rope_radius_std_m=rope.radius_std_m if rope.radius_m == spec.rope_radius_m else 0.0,
         wrap_std_rad=campaign.protocol.wrap_tolerance_rad / math.sqrt(3.0),
         cell_std_N=cell_std_N(breakaway.peak_N, calibration) if is_ok else nan,
         end_tension_set_N=set_N,
-        kinetic_mean_std_N=force_std_N(breakaway.kinetic_N, calibration, picking_std_N=kinetic_N),
+        kinetic_mean_std_N=_kinetic_std_N(breakaway, calibration),
         breakaway=breakaway,
         kept=is_ok and not excluded,
         excluded=excluded,
         decision=spec.decision,
         measures_slack=measures_slack,
         dwell_s=nan if spec.dwell_s is None else spec.dwell_s,
-        problems=problems,
+        problems=(*problems, *_doubtful_forces(campaign, spec, peak, end_N, hung_N)),
         **more,
     )
 

@@ -73,9 +73,7 @@ def test_recordings_give_the_same_bytes_though_a_worker_is_killed(client, bench,
     monkeypatch.chdir(tmp_path)  # the workers' own folder is another
     seen = []
     found = rf.extract(
-        bench,
-        executor=Killing(client),
-        progress=lambda done, total, _: seen.append((done, total)),
+        bench, executor=Killing(client), progress=lambda done, total, _: seen.append((done, total))
     )
     assert seen == [(i, 40) for i in range(1, 41)]
     alone = rf.extract(bench)

@@ -75,9 +75,7 @@ def test_trials_in_si(bench):
 
 
 def test_defaults(bench):
-    bench.write(
-        'schema = "ropefric.campaign/1"\nname = "x"\ntrials = "t.csv"\n[rope]\nradius = "5 mm"\n',
-    )
+    bench.write('schema = "ropefric.campaign/1"\nname = "x"\ntrials = "t.csv"\n[rope]\nradius = "5 mm"\n')
     (bench.folder / "t.csv").write_text(
         "file,wheel_radius_mm,wrap_turns,end_mass_kg\nrecordings/a.csv,40,1.5,10\n"
     )

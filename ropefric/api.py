@@ -233,7 +233,6 @@ def extract(
     campaign: Campaign | PathLike,
     *,
     jobs: int = 1,
-    cache_dir: PathLike | None = None,
     progress: Callable[[int, int, str], None] | None = None,
     executor: Any = None,
 ) -> Extraction:
@@ -245,18 +244,13 @@ def extract(
         The campaign or its file.
     jobs : int
         Number of processes.
-    cache_dir : path-like, optional
-        Where results are kept, so that unchanged recordings are not extracted again.
     progress : callable, optional
         Called with recordings done, recordings in all, and "name status" of the last one.
     executor : concurrent.futures.Executor or dask.distributed.Client, optional
         Reads the recordings in the stead of `jobs` processes of this machine; the result is the same to the last bit.
         Its workers need the recordings under the same path. What a worker that died had in hand is read here.
     """
-    kept = None if cache_dir is None else Path(cache_dir)
-    return extract_campaign(
-        as_campaign(campaign), jobs=jobs, cache_dir=kept, progress=progress, executor=executor
-    )
+    return extract_campaign(as_campaign(campaign), jobs=jobs, progress=progress, executor=executor)
 
 
 def reject(values: npt.ArrayLike, rule: str = "two-sigma") -> Repeatability:
@@ -521,7 +515,6 @@ def run(
     *,
     law: str = "",
     jobs: int = 1,
-    cache_dir: PathLike | None = None,
     overwrite: bool = False,
     executor: Any = None,
 ) -> CampaignRun:
@@ -535,15 +528,14 @@ def run(
         Where trials.csv, fits/, comparison.csv, … go; what an earlier run wrote there and no longer fits is removed.
     law : str
         The law to use; "" for the best whose fit may be used as it stands.
-    jobs, cache_dir, executor
+    jobs, executor
         As `extract`.
     overwrite : bool
         Replace files in the folder that ropefric did not write; the campaign's own are never replaced.
     """
-    kept = None if cache_dir is None else Path(cache_dir)
     loaded = as_campaign(campaign)
     with campaign_folder(loaded, folder, force=overwrite) as target:
-        result = run_campaign(loaded, target, law=law, jobs=jobs, cache_dir=kept, executor=executor)
+        result = run_campaign(loaded, target, law=law, jobs=jobs, executor=executor)
         target.publish("answer")
     return result
 

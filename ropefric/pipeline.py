@@ -173,7 +173,6 @@ def run_campaign(
     *,
     law: str = "",
     jobs: int = 1,
-    cache_dir: Path | None = None,
     executor: Any = None,
     parquet: bool = False,
     extract_progress: Callable[[int, int, str], None] | None = None,
@@ -183,12 +182,10 @@ def run_campaign(
     """Return the result of a campaign, and write its tables, fits, comparison and prediction into a folder.
 
     Writes trials.csv, conditions.csv, problems.csv, fits/LAW.json for every law fitted, comparison.csv and
-    prediction.json, and trials.parquet if it is wanted; the same campaign gives the same bytes, whatever `jobs`, the
-    executor that reads in their stead, and the cache.
+    prediction.json, and trials.parquet if it is wanted; the same campaign gives the same bytes, whatever `jobs` or the
+    executor that reads in their stead.
     """
-    found = extract_campaign(
-        campaign, jobs=jobs, cache_dir=cache_dir, progress=extract_progress, executor=executor
-    )
+    found = extract_campaign(campaign, jobs=jobs, progress=extract_progress, executor=executor)
     extraction = set_aside_impossible(found, campaign)
     target = as_folder(folder)
     tables = write_tables(extraction, target, parquet=parquet)

@@ -130,7 +130,7 @@ def test_a_campaign_names_reader_rule_and_protocol(lab, capsys):
     assert [one["file"] for one in tree["plugins"]] == ["my_reader.py", "my_rule.py", "my_protocol.py"]
 
 
-def test_a_reader_that_changed_is_no_cache(lab):
+def test_a_reader_that_changed_is_other_settings(lab):
     first = rf.load_campaign("campaign.toml").settings_fingerprint()
     path = lab / "my_reader.py"
     path.write_text(path.read_text(encoding="utf-8").replace('"kN"', '"N"'), encoding="utf-8")

@@ -30,7 +30,7 @@ SIGNATURES = {
     "rope_radius_m=None, probability=0.95)",
     "diagnose": "(trials, comparison=None, *, touching_turns=None, columns=None)",
     "explain": "(scene, *, measure=False)",
-    "extract": "(campaign, *, jobs=1, cache_dir=None, progress=None, executor=None)",
+    "extract": "(campaign, *, jobs=1, progress=None, executor=None)",
     "find_breakaway": "(trace, force_N=None, *, columns=None, window_s=None, peak='smoothed', start_s=None, "
     "stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
@@ -53,7 +53,7 @@ SIGNATURES = {
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
     "read_trial": "(campaign, trial)",
     "reject": "(values, rule='two-sigma')",
-    "run": "(campaign, folder, *, law='', jobs=1, cache_dir=None, overwrite=False, executor=None)",
+    "run": "(campaign, folder, *, law='', jobs=1, overwrite=False, executor=None)",
     "save_fit": "(fit, path, *, overwrite=False)",
     "smooth": "(trace, window_s=None, *, columns=None)",
     "solve": "(scene, *, level=0.95, identify=False)",
@@ -134,7 +134,7 @@ def test_an_extraction_is_a_table(tmp_path):
         tmp_path, replace(plan, conditions=plan.conditions[:2], repeats=4, faults={}), seed=5
     )
     campaign = rf.load_campaign(tmp_path / "campaign.toml")
-    extraction = rf.extract(campaign, cache_dir=tmp_path / "cache")
+    extraction = rf.extract(campaign)
     table = rf.trial_table(extraction)
     assert table.trial == tuple(trial.trial for trial in extraction.trials)
     assert table.peak_N.tolist() == [trial.peak_N for trial in extraction.trials]

@@ -24,7 +24,6 @@ SIZES = {
     "trials": (100, 1_000, 10_000, 100_000),
     "points": (100, 1_000, 10_000, 100_000, 1_000_000),
     "dear points": (100, 1_000, 10_000),
-    "recordings again": (100, 1_000, 10_000, 100_000),
     "recordings": (100, 1_000, 10_000, 100_000),
 }
 _FIRST = 20
@@ -76,12 +75,9 @@ def work(kind: str, n: int, folder: Path) -> Callable[[], object]:
     """Return what is to be measured, everything it needs being there."""
     import ropefric as rf  # noqa: PLC0415
 
-    if kind.startswith("recordings"):
+    if kind == "recordings":
         path = campaign(folder, n)
-        if kind == "recordings":
-            return lambda: rf.extract(path, jobs=2)
-        rf.extract(path, jobs=2, cache_dir=folder / "cache")
-        return lambda: rf.extract(path, jobs=2, cache_dir=folder / "cache")
+        return lambda: rf.extract(path, jobs=2)
     if kind == "samples":
         (folder / "pull.csv").write_text(pull(1, n), encoding="utf-8")
         return lambda: rf.find_breakaway(rf.read_trace(folder / "pull.csv"))
@@ -131,7 +127,6 @@ def measure(kind: str, n: int) -> dict[str, float]:
 
 NAMES = {
     "recordings": "recordings of 400 samples, extracted",
-    "recordings again": "the same, from the cache",
     "samples": "samples of one recording, picked",
     "trials": "trials, eleven laws compared",
     "points": "points of a sweep, solved in one call (hoist)",

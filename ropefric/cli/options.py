@@ -91,7 +91,6 @@ TableArgument = Annotated[Path, typer.Argument(metavar="TRIALS.csv", help=_TABLE
 SceneArgument = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
 FitOption = Annotated[Path, typer.Option("--fit", metavar="FIT.json", help="A stored fit.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace files there that ropefric did not write.")]
-Cache = Annotated[bool, typer.Option("--cache/--no-cache", help="Skip recordings that have not changed.")]
 Jobs = Annotated[
     str, typer.Option(metavar="auto|N", help="Processes, at most the cores; auto: one for a small campaign.")
 ]
@@ -164,13 +163,12 @@ def open_folder(
 
 
 @contextmanager
-def saying_what_is_kept(out: Output, what: str, where: Path | None) -> Iterator[None]:
+def saying_what_is_kept(out: Output, what: str, where: Path) -> Iterator[None]:
     """Say what an interrupted run leaves for the next one."""
     try:
         yield
     except KeyboardInterrupt:
-        kept = f"finished {what} are kept in {where}; the same command goes on from there"
-        out.note("nothing is kept (--no-cache)" if where is None else kept)
+        out.note(f"finished {what} are kept in {where}; the same command goes on from there")
         raise
 
 

@@ -22,7 +22,7 @@ from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, Progress, drawing, start_drawing
 from ropefric.traces.breakaway import Status
-from ropefric.trials import result
+from ropefric.trials import numbers, result
 from ropefric.trials.outliers import RULES
 from ropefric.trials.result import ConditionSummary, Extraction, Outline, TrialResult
 
@@ -131,11 +131,6 @@ _MARGINS = {"left": 0.09, "right": 0.985, "top": 0.86, "bottom": 0.27, "wspace":
 _LONGEST_REASON = 24
 _CROWDED = 6
 """Trials above which a reason is written upright, so that it does not run into its neighbours."""
-_OF_TRIAL = (
-    *("trial", "file", "peak_N", "peak_std_N", "end_tension_N"),
-    *("breakaway.peak_time_s", "breakaway.kinetic_N", "breakaway.status"),
-    *("kept", "rejected_by", "excluded"),
-)
 _OF_TRACE = {"time_s": "time_s", "low_N": "low_N", "high_N": "high_N", "mean_N": "smoothed_N"}
 
 
@@ -205,8 +200,16 @@ def draw_condition(
             _draw_traces(panels[0], trials, colors)
         _draw_strip(panels[-1], summary, trials, colors)
         figure.suptitle(f"{title}   —   {summary.n_kept} of {summary.n_recorded} trials kept")
-    tables = (DataTable.of(trials, _OF_TRIAL), *([_trace_table(trials)] if traces else []))
+    tables = (_trial_table(trials), *([_trace_table(trials)] if traces else []))
     return FigureWithData(figure, tables, _in_words(summary, style.plain_text(title), trials))
+
+
+def _trial_table(trials: Sequence[TrialResult]) -> DataTable:
+    """Return what is drawn of each trial, as in its row."""
+    names = ["trial", "file", "peak_N", "peak_std_N", "end_tension_N", "peak_time_s"]
+    names += [column.name for column in numbers.COLUMNS if column.drawn]
+    names += ["status", "kept", "rejected_by", "excluded"]
+    return DataTable({name: [*map(numbers.column(name).taken, trials)] for name in names})
 
 
 def _in_words(summary: ConditionSummary, title: str, trials: Sequence[TrialResult]) -> str:
@@ -268,11 +271,14 @@ def _draw_traces(axes: Axes, trials: Sequence[TrialResult], colors: Sequence[Any
         time_s, force_N, inks = zip(*picks, strict=True)
         label = style.typeset("plateau F_B" if usable[0].measures_slack else "break-away force F_A")
         axes.scatter(time_s, force_N, s=36, c=inks, label=label, edgecolors="black", linewidths=0.8, zorder=5)
-    sliding_N = [force for trial in usable if math.isfinite(force := trial.breakaway.kinetic_N)]
-    if sliding_N:
-        low_N, high_N = min(sliding_N), max(sliding_N)
-        limits = f"{low_N:.4g} N" if len(sliding_N) == 1 else f"{low_N:.4g} to {high_N:.4g} N"
-        label = style.typeset(f"sliding force F_k, {limits}")
+    levels: dict[str, list[float]] = {}
+    for trial in usable:
+        for column, one_N in numbers.levels_drawn(trial):
+            levels.setdefault(f"{column.drawn} force {column.symbol}", []).append(one_N)
+    for words, level_N in levels.items():
+        low_N, high_N = min(level_N), max(level_N)
+        limits = f"{low_N:.4g} N" if len(level_N) == 1 else f"{low_N:.4g} to {high_N:.4g} N"
+        label = style.typeset(f"{words}, {limits}")
         axes.axhspan(low_N, high_N, color=style.ORANGE, alpha=0.25, linewidth=0.8, zorder=0.5, label=label)
     # The means are framed: a spike of one sample must not squeeze everything else flat, nor go unsaid.
     low_N = min(float(outline.smoothed_N.min()) for outline in outlines)
@@ -392,10 +398,10 @@ def draw_recording(trial: TrialResult) -> FigureWithData:
             band: dict[str, Any] = {"label": "recorded, min to max", "color": style.BLUE, "alpha": 0.25}
             axes.fill_between(outline.time_s, outline.low_N, outline.high_N, linewidth=0, **band)
             axes.plot(outline.time_s, outline.smoothed_N, color=style.BLUE, linewidth=1.0, label="its mean")
-        if math.isfinite(found.kinetic_N):
-            text = f"sliding force F_k = {found.kinetic_N:.4g} N"
+        for column, level_N in numbers.levels_drawn(trial):
+            text = f"{column.drawn} force {column.symbol} = {level_N:.4g} N"
             look: dict[str, Any] = {"color": style.DARK_ORANGE, "linestyle": "--", "linewidth": 1.2}
-            axes.axhline(found.kinetic_N, label=style.typeset(text), **look)
+            axes.axhline(level_N, label=style.typeset(text), **look)
         if math.isfinite(found.peak_N):
             symbol = "F_B" if trial.measures_slack else "F_A"
             label = style.typeset(f"picked: {symbol} = {found.peak_N:.4g} N")
@@ -405,9 +411,12 @@ def draw_recording(trial: TrialResult) -> FigureWithData:
         style.legend_of_figure(figure, columns=2)
     names = ("time_s", "low_N", "high_N", "smoothed_N")
     columns = {name: getattr(outline, name, ()) for name in names}
+    levels = (
+        f", {one.drawn} at {style.shown(one.taken(trial), 'N')}" for one in numbers.COLUMNS if one.drawn
+    )
     alt = (
         f"The recording {trial.trial}: picked {style.shown(found.peak_N, 'N')} at "
-        f"{style.shown(found.peak_time_s, 's')}, sliding at {style.shown(found.kinetic_N, 'N')}."
+        f"{style.shown(found.peak_time_s, 's')}{''.join(levels)}."
     )
     return FigureWithData(figure, (DataTable(columns),), alt)
 

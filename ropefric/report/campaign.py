@@ -17,7 +17,7 @@ from ropefric.report import page, parts
 from ropefric.report.page import USUAL, Alert, Block, Chapter, Fold, Picture, Report, Subject, Wish
 from ropefric.section import Section, as_text, percent, plain
 from ropefric.traces.breakaway import ADVICE, Status
-from ropefric.trials import result
+from ropefric.trials import numbers, result
 from ropefric.trials.campaign_model import ReportWords
 from ropefric.trials.outliers import RULES
 
@@ -331,7 +331,7 @@ def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section]:
 def _sliding_section(extraction: result.Extraction) -> Iterator[Section]:
     """Yield what was measured beside the break-away force, by condition: mean ± s of the kept trials."""
     conditions = extraction.conditions
-    named = result.SUMMARISED
+    named = {one.name: one.heading(one.words) for one in numbers.summarised()}
     shown = [name for name in named if any(item.of_kept.get(name, _NONE)[2] for item in conditions)]
     if not shown:
         return

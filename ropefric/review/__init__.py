@@ -1,6 +1,6 @@
 """Review of picks in the browser: a person looks at recordings and decides, the campaign's own list keeps it.
 
-In: a campaign, and the cache that its extraction left. `session` holds its trials, says what a page shows of
+In: a campaign. `session` holds its trials, says what a page shows of
 them, puts decisions into the bytes of the trial list and computes anew what they change; `server` lets one browser on
 this machine see and do it, with the page `page.html`.
 Out: cells of the trial list; everything else follows from it the next time the campaign is run.

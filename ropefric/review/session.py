@@ -26,6 +26,7 @@ from ropefric.traces.breakaway import Status
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.excel import READER as EXCEL
 from ropefric.traces.smoothing import smooth
+from ropefric.trials import numbers
 from ropefric.trials import result as results
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import Campaign, TrialSpec
@@ -35,8 +36,6 @@ from ropefric.trials.result import TrialResult
 from ropefric.trials.table import table_of_extraction
 from ropefric.trials.trial_list import DECIDED, QUANTITIES, TEXTS
 
-NUMBERS = ("kinetic_N", "kinetic_std_N", "drop_N", "noise_std_N", "window_s", "loading_rate_N_s", "n_slips")
-"""Of a break-away, beside the force itself."""
 Curves = tuple[FloatArray, FloatArray, FloatArray | None]
 """Time, force and smoothed force of a recording, samples that are missing left out."""
 
@@ -54,7 +53,8 @@ def row_of(trial: TrialResult, condition: str) -> dict[str, Any]:
 def facts_of(spec: TrialSpec, result: TrialResult) -> dict[str, Any]:
     """Return what is known of a trial but its samples."""
     found = result.breakaway
-    tree = {name: getattr(found, name) for name in (*NUMBERS, "detail", "notes")}
+    tree = {name: getattr(found, name) for name in ("window_s", "detail", "notes")}
+    tree["numbers"] = numbers.on_page(result)
     tree |= {"start_s": spec.start_s, "stop_s": spec.stop_s, "mu": result.mu}
     for name in ("phases", "events", "candidates"):
         tree[name] = [asdict(one) for one in getattr(found, name)]
@@ -179,10 +179,8 @@ class Review:
         Who decides.
     law : str
         The law to use, "" for the best.
-    cache_dir : Path, optional
-        Where the results of recordings are kept.
     jobs : int
-        Processes that extract what the cache does not hold.
+        Processes that read the recordings.
     progress : callable, optional
         Told of every recording extracted.
     now : callable, optional
@@ -195,13 +193,12 @@ class Review:
         *,
         by: str,
         law: str = "",
-        cache_dir: Path | None = None,
         jobs: int = 1,
         progress: Progress | None = None,
         now: Callable[[], datetime] = lambda: datetime.now().astimezone(),
     ) -> None:
         self._path, self.by, self._law, self._now = campaign, by, law, now
-        self._cache_dir, self._jobs = cache_dir, jobs
+        self._jobs = jobs
         self.lock = threading.RLock()
         self.n_written = 0
         self._curves: dict[tuple[object, ...], Curves] = {}
@@ -242,11 +239,11 @@ class Review:
         rows = tuple(row for row in campaign.trials if row.trial not in kept)
         readable = all(row.trial in seen and all(map(_is_readable, seen[row.trial])) for row in rows)
         of_rows = campaign.model_copy(update={"trials": rows, "warnings": ()})
-        how: dict[str, Any] = {"jobs": self._jobs, "cache_dir": self._cache_dir, "progress": progress}
-        new, n_reused = extract_rows(of_rows, trusted=readable and len(rows) <= FEW, **how)
+        trusted = readable and len(rows) <= FEW
+        new = extract_rows(of_rows, jobs=self._jobs, progress=progress, trusted=trusted)
         by_row = {**kept, **new}
         placed = in_list_order(campaign, by_row)
-        found = results.summarised(campaign, [result for _, result in placed], n_reused=n_reused)
+        found = results.summarised(campaign, [result for _, result in placed])
         specs = {result.trial: row for row, result in placed}
         return _State(content, campaign, by_row, results.set_aside_impossible(found, campaign), specs)
 
@@ -459,7 +456,7 @@ class Review:
         self._refuse_unread(was)
         decided = replace(spec, pick_s=pick_s, peak_N=None, peak_std_N=None, exclude="", why="-", by="-")
         one = campaign.model_copy(update={"trials": (decided,), "warnings": ()})
-        by_row, _ = extract_rows(one, trusted=True)
+        by_row = extract_rows(one, trusted=True)
         result = by_row[spec.trial][0]
         found = result.breakaway
         if found.status is not Status.OK:

@@ -1,26 +1,20 @@
-"""A campaign's recordings -> trial table: in parallel, interruptible, without doing the same work twice.
+"""A campaign's recordings -> trial table: in parallel, and one bad recording ends nothing.
 
-A stored result is found by the content of the recording, the settings it was extracted with and the code of this
-package; time stamps and paths of files do not matter. A damaged entry counts as none. What one recording gives is the
-second half.
+What one recording gives is the second half.
 """
 
-import hashlib
-import json
 import math
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass, fields, replace
-from functools import lru_cache, partial
+from functools import partial
 from itertools import chain
 from math import nan
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ConfigDict, TypeAdapter
 
-from ropefric import __version__
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.executors import spread
@@ -47,78 +41,10 @@ from ropefric.trials.result import Extraction, TrialResult, draw_outline, summar
 from ropefric.trials.trial_list import free_name
 from ropefric.trials.workers import START_S, Lost, guarded
 
-SCHEMA = "ropefric.extraction-cache/4"
-MADE_BY = ("errors.py", "quantities.py", "registry.py", "files", "traces", "trials")
-"""What a result comes from, beside what is stored with it; a change in any line makes all entries old."""
-
-
-@lru_cache(maxsize=1)
-def hash_sources() -> str:
-    """Return the SHA-256 of the code that results are made by; of nothing where it cannot be looked at."""
-    package, found = Path(__file__).parents[1], hashlib.sha256()
-    for name in MADE_BY:
-        place = package / name
-        for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
-            with suppress(OSError):
-                found.update(path.read_bytes())
-    return found.hexdigest()
-
-
 Results = tuple[tuple[TrialResult, ...], ...]
 """Of a recording's rows, each with one or more."""
-
-
-@lru_cache(maxsize=1)
-def _entries() -> TypeAdapter[Results]:
-    return TypeAdapter(Results, config=ConfigDict(extra="forbid", strict=True, ser_json_inf_nan="constants"))
-
-
-class ResultCache:
-    """Results of recordings in a folder, one small file each."""
-
-    def __init__(self, folder: Path, settings: str) -> None:
-        self.folder = folder
-        self._made_by = json.dumps([SCHEMA, hash_sources(), __version__, settings])
-
-    def _path(self, specs: Sequence[TrialSpec], sha256: str) -> Path:
-        rows = [
-            [repr(getattr(spec, f.name)) for f in fields(spec) if f.name not in ("path", "line", "note")]
-            for spec in specs
-        ]
-        key = json.dumps([self._made_by, sha256, rows])
-        return self.folder / f"{_hash(key.encode())[:32]}.json"
-
-    def load(self, specs: Sequence[TrialSpec], sha256: str) -> Results | None:
-        """Return the stored results of a recording's rows, or None if there are none that can be used."""
-        if not sha256:
-            return None
-        try:
-            checksum, _, text = disk.read_file(self._path(specs, sha256)).partition(b"\n")
-            # A digit that changed on disk would still be a number.
-            if checksum.decode() != _hash(text):
-                return None
-            found = _entries().validate_json(text)
-        # Whatever is wrong with an entry, and with a right checksum too, it can be made again.
-        except Exception:  # noqa: BLE001
-            return None
-        files = [{result.file for result in row} for row in found]
-        return found if files == [{spec.file} for spec in specs] else None
-
-    def store(self, specs: Sequence[TrialSpec], sha256: str, results: Results) -> None:
-        """Keep the results of a recording; a folder that cannot be written is no reason to stop."""
-        if sha256:
-            text = _entries().dump_json(results)
-            with suppress(DataError):
-                disk.write_file(self._path(specs, sha256), f"{_hash(text)}\n".encode() + text, durable=False)
-
-
-def _hash(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
-
-
 Progress = Callable[[int, int, str], None]
 _Rows = tuple[TrialSpec, ...]
-_Done = tuple[Results, bool]
 
 
 def extract_campaign(campaign: Campaign, **how: Any) -> Extraction:
@@ -127,8 +53,8 @@ def extract_campaign(campaign: Campaign, **how: Any) -> Extraction:
     One bad recording never ends the run: it gives a trial with a status and a problem. Results do not depend on `how`
     they are come by, which is as of `extract_rows`.
     """
-    by_row, n_reused = extract_rows(campaign, **how)
-    return summarised(campaign, [trial for _, trial in in_list_order(campaign, by_row)], n_reused=n_reused)
+    by_row = extract_rows(campaign, **how)
+    return summarised(campaign, [trial for _, trial in in_list_order(campaign, by_row)])
 
 
 ByRow = Mapping[str, tuple[TrialResult, ...]]
@@ -139,12 +65,11 @@ def extract_rows(
     campaign: Campaign,
     *,
     jobs: int = 1,
-    cache_dir: Path | None = None,
     progress: Progress | None = None,
     executor: Any = None,
     trusted: bool = False,
-) -> tuple[ByRow, int]:
-    """Return what the recording of every row gives by itself, and how many recordings were in the cache.
+) -> ByRow:
+    """Return what the recording of every row gives by itself.
 
     Recordings that are `trusted`, since they were read before, are read at once, in this process.
     """
@@ -154,12 +79,9 @@ def extract_rows(
     for spec in campaign.trials:
         by_file.setdefault(spec.path, []).append(spec)
     files = tuple(map(tuple, by_file.values()))
-    done: list[_Done] = [((), False)] * len(files)
-    settings = campaign.settings_fingerprint()
-    cache = None if cache_dir is None else ResultCache(cache_dir.absolute(), settings)
-    without_rows = campaign.model_copy(update={"trials": (), "warnings": ()})
-    work = _Work(campaign=without_rows, files=files, cache=cache)
-    running: Generator[tuple[int, _Done]]
+    done: list[Results] = [()] * len(files)
+    work = _Work(campaign=campaign.model_copy(update={"trials": (), "warnings": ()}), files=files)
+    running: Generator[tuple[int, Results]]
     if trusted:
         running = ((place, work(place)) for place in range(len(files)))
     else:
@@ -169,15 +91,14 @@ def extract_rows(
         for count, (place, results) in enumerate(running, start=1):
             done[place] = results
             if progress is not None:
-                found = [trial for row in results[0] for trial in row]
+                found = [trial for row in results for trial in row]
                 worst = next((t for t in found if t.breakaway.status != "ok"), found[0])
                 progress(count, len(files), f"{worst.trial} {worst.breakaway.status.value}")
-    by_row = {
+    return {
         spec.trial: found
-        for rows, (of_file, _) in zip(files, done, strict=True)
+        for rows, of_file in zip(files, done, strict=True)
         for spec, found in zip(rows, of_file, strict=True)
     }
-    return by_row, sum(reused for _, reused in done)
 
 
 def in_list_order(campaign: Campaign, by_row: ByRow) -> list[tuple[TrialSpec, TrialResult]]:
@@ -195,50 +116,45 @@ def in_list_order(campaign: Campaign, by_row: ByRow) -> list[tuple[TrialSpec, Tr
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Work:
-    """What every process is given once: the campaign without its rows, the files with theirs, the cache."""
+    """What every process is given once: the campaign without its rows, the files with theirs."""
 
     campaign: Campaign
     files: tuple[_Rows, ...]
-    cache: ResultCache | None
 
-    def __call__(self, place: int) -> _Done:
-        """Return the results of a file, and whether they were there already."""
+    def __call__(self, place: int) -> Results:
+        """Return the results of a file."""
         rows = self.files[place]
         try:
-            return disk.use_file(rows[0].path, lambda file: self._extract(rows, file), shown=rows[0].file)
+            return disk.use_file(
+                rows[0].path,
+                lambda file: extract_recording(self.campaign, rows, file=file),
+                shown=rows[0].file,
+            )
         except RopefricError as error:
-            return unreadable(self.campaign, rows, error), False
+            return unreadable(self.campaign, rows, error)
         except MemoryError:
             raise
         except Exception as error:  # noqa: BLE001  (whatever a recording brings about, it ends that recording)
             message = f"internal fault, {type(error).__name__}: {error}"
             fix = "this is a bug in ropefric: please report it with the recording"
             fault = RopefricError(message, code="RF000", path=rows[0].file, fix=fix)
-            return unreadable(self.campaign, rows, fault), False
+            return unreadable(self.campaign, rows, fault)
 
-    def _extract(self, rows: _Rows, file: InputFile) -> _Done:
-        if self.cache is not None and (stored := self.cache.load(rows, file.sha256)) is not None:
-            return stored, True
-        results = extract_recording(self.campaign, rows, file=file)
-        if self.cache is not None and file.is_steady:
-            self.cache.store(rows, file.sha256, results)
-        return results, False
-
-    def lost(self, place: int, why: Lost) -> _Done:
+    def lost(self, place: int, why: Lost) -> Results:
         """Return the results of a file that could not be read to its end."""
         rows = self.files[place]
         error = DataError(why.reason, code="RF101", path=rows[0].file, fix=why.fix)
         sha256 = ""
         with suppress(DataError):
             sha256 = disk.hash_file(rows[0].path)
-        return unreadable(self.campaign, rows, error, sha256=sha256), False
+        return unreadable(self.campaign, rows, error, sha256=sha256)
 
 
 _PIECE = 16
 """Files that a worker elsewhere is handed at a time."""
 
 
-def _results(work: _Work, jobs: int, executor: Any = None) -> Generator[tuple[int, _Done]]:
+def _results(work: _Work, jobs: int, executor: Any = None) -> Generator[tuple[int, Results]]:
     """Yield place and results of each file: read by processes of this one, or where an executor says."""
     if executor is None:
         for place, done in guarded(work, len(work.files), jobs=jobs, limits=work.campaign.limits):
@@ -254,14 +170,14 @@ def _results(work: _Work, jobs: int, executor: Any = None) -> Generator[tuple[in
             yield from enumerate(found, start)
 
 
-def _all_of(work: _Work) -> list[_Done]:
+def _all_of(work: _Work) -> list[Results]:
     """Return the results of all files, read in this process."""
     for rows in work.files:
         rows[0].path.stat()
     return [work(place) for place in range(len(work.files))]
 
 
-def _again(work: _Work, error: BaseException) -> list[_Done]:
+def _again(work: _Work, error: BaseException) -> list[Results]:
     """Return the results of files that another process did not come to the end of: one of them may be to blame."""
     if isinstance(error, FileNotFoundError) and Path(path := str(error.filename)).exists():
         fix = "keep the recordings in a folder that all machines have under the same name"
@@ -315,7 +231,7 @@ def _look(campaign: Campaign, kinds: Mapping[str, Sequence[TrialSpec]], place: i
 
 def _preload(work: _Work) -> None:
     """Load what every process will need once, before they are forked."""
-    if work.files and (work.cache is None or not work.cache.folder.exists()):
+    if work.files:
         with suppress(RopefricError):
             if find_reader(work.files[0][0].path, work.campaign.profile).name in TEXT_FORMATS:
                 import pandas  # noqa: ICN001, F401, PLC0415
@@ -478,61 +394,93 @@ def _beside(chosen: Breakaway, found: Breakaway) -> Breakaway:
     return replace(chosen, notes=(*chosen.notes, f"without the decision: {found.status.value}, {says}"))
 
 
-def _result(
-    campaign: Campaign, spec: TrialSpec, breakaway: Breakaway, problems: tuple[Problem, ...], **more: Any
-) -> TrialResult:
-    measures_slack, is_ok = campaign.protocol.needs_lift_force, breakaway.status is Status.OK
-    known_N = spec.lift_force_N if measures_slack else spec.end_tension_N
-    known, set_N = (nan, nan), nan
+_Stated = tuple[float, float]
+"""A force and its standard uncertainty [N]."""
+
+
+def _known_force(campaign: Campaign, spec: TrialSpec, breakaway: Breakaway) -> tuple[_Stated, float]:
+    """Return the force on the side that the pull does not measure, and what it was set to where a sensor read it."""
+    known_N = spec.lift_force_N if campaign.protocol.needs_lift_force else spec.end_tension_N
+    stated = (nan, nan)
     if known_N is not None:
-        known = (known_N, end_tension_std_N(known_N, campaign.weights_tolerance))
-    if not math.isnan(breakaway.end_tension_N):
-        known, set_N = (breakaway.end_tension_N, breakaway.end_tension_std_N), known[0]
-    calibration, measured = more.get("calibration"), (nan, nan)
-    if is_ok:
-        std_N = force_std_N(breakaway.peak_N, calibration, picking_std_N=breakaway.peak_std_N)
-        if campaign.protocol.name == "two-way":  # half of each force's share, see `traces.protocols`
-            top_N, low_N = breakaway.peak_N, breakaway.trough_N
-            up_N, down_N = force_std_N(top_N, calibration), force_std_N(low_N, calibration)
-            std_N = math.hypot(breakaway.peak_std_N, 0.5 * up_N, 0.5 * (top_N / low_N) * down_N)
-        measured = (breakaway.peak_N, std_N)
-    (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
-    hung_N, apart_N = known[0] if math.isnan(set_N) else set_N, 0.0
-    if campaign.protocol.name == "two-way" and is_ok:
+        stated = (known_N, end_tension_std_N(known_N, campaign.weights_tolerance))
+    if math.isnan(breakaway.end_tension_N):
+        return stated, nan
+    return (breakaway.end_tension_N, breakaway.end_tension_std_N), stated[0]
+
+
+def _measured_force(campaign: Campaign, breakaway: Breakaway, calibration: Calibration | None) -> _Stated:
+    """Return the force that was picked, with the uncertainty of picking and of the measuring chain."""
+    if breakaway.status is not Status.OK:
+        return nan, nan
+    top_N = breakaway.peak_N
+    if campaign.protocol.name != "two-way":
+        return top_N, force_std_N(top_N, calibration, picking_std_N=breakaway.peak_std_N)
+    low_N = breakaway.trough_N  # half of each force's share, see `traces.protocols`
+    up_N, down_N = force_std_N(top_N, calibration), force_std_N(low_N, calibration)
+    return top_N, math.hypot(breakaway.peak_std_N, 0.5 * up_N, 0.5 * (top_N / low_N) * down_N)
+
+
+def _doubtful_forces(
+    campaign: Campaign, spec: TrialSpec, peak: _Stated, end_N: float, hung_N: float
+) -> Iterator[Problem]:
+    """Yield what speaks against the two forces of a trial."""
+    peak_N, peak_std_N = peak
+    if campaign.protocol.name == "two-way":
         apart_N = abs(end_N - hung_N) - 3.0 * end_N * peak_std_N / peak_N
-    if apart_N > PAIR_TOLERANCE * hung_N:
-        message = f"the geometric mean of raising and lowering is {end_N:.4g} N, the weight of the list {hung_N:.4g} N"
-        fix = "check the zero of the cell, the weight, and what the rope itself weighs"
-        problems += (_warning(spec, "RF243", message, fix, "end_tension"),)
-    wheel, rope = campaign.wheels.get(spec.wheel), campaign.rope
-    # Noise averages out; wander beyond it counts whole, for nobody knows how slow it is, but with every event of
-    # stick-slip it begins anew.
-    wander_N = math.sqrt(max(breakaway.kinetic_std_N**2 - breakaway.noise_std_N**2, 0.0))
-    kinetic_N = wander_N / math.sqrt(max(breakaway.n_slips - 1, 1))
-    excluded = spec.exclude or (NO_END if is_ok and math.isnan(end_N) else "")
+        if apart_N > PAIR_TOLERANCE * hung_N:
+            pair = f"the geometric mean of raising and lowering is {end_N:.4g} N"
+            fix = "check the zero of the cell, the weight, and what the rope itself weighs"
+            yield _warning(
+                spec, "RF243", f"{pair}, the weight of the list {hung_N:.4g} N", fix, "end_tension"
+            )
     if peak_N <= end_N:
         message = f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)"
         fix = "check whether the sides, the units or the sign of the force are swapped"
-        problems += (_warning(spec, "RF240", message, fix, "end_tension"),)
+        yield _warning(spec, "RF240", message, fix, "end_tension")
+
+
+def _kinetic_std_N(found: Breakaway, calibration: Calibration | None) -> float:
+    """Return the standard uncertainty of the mean force while sliding.
+
+    Noise averages out; wander beyond it counts whole, for nobody knows how slow it is, but with every event of
+    stick-slip it begins anew.
+    """
+    wander_N = math.sqrt(max(found.kinetic_std_N**2 - found.noise_std_N**2, 0.0))
+    wander_N /= math.sqrt(max(found.n_slips - 1, 1))
+    return force_std_N(found.kinetic_N, calibration, picking_std_N=wander_N)
+
+
+def _result(
+    campaign: Campaign, spec: TrialSpec, breakaway: Breakaway, problems: tuple[Problem, ...], **more: Any
+) -> TrialResult:
+    measures_slack, calibration = campaign.protocol.needs_lift_force, more.get("calibration")
+    is_ok = breakaway.status is Status.OK
+    known, set_N = _known_force(campaign, spec, breakaway)
+    measured = _measured_force(campaign, breakaway, calibration)
+    peak, (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
+    hung_N = known[0] if math.isnan(set_N) else set_N
+    excluded = spec.exclude or (NO_END if is_ok and math.isnan(end_N) else "")
+    wheel, rope = campaign.wheels.get(spec.wheel), campaign.rope
     return TrialResult(
         **{item.name: getattr(spec, item.name) for item in fields(TrialRow)},
         end_tension_N=end_N,
         end_tension_std_N=end_std_N,
-        peak_N=peak_N,
-        peak_std_N=peak_std_N,
+        peak_N=peak[0],
+        peak_std_N=peak[1],
         wheel_radius_std_m=wheel.radius_std_m if wheel else 0.0,
         rope_radius_std_m=rope.radius_std_m if rope.radius_m == spec.rope_radius_m else 0.0,
         wrap_std_rad=campaign.protocol.wrap_tolerance_rad / math.sqrt(3.0),
         cell_std_N=cell_std_N(breakaway.peak_N, calibration) if is_ok else nan,
         end_tension_set_N=set_N,
-        kinetic_mean_std_N=force_std_N(breakaway.kinetic_N, calibration, picking_std_N=kinetic_N),
+        kinetic_mean_std_N=_kinetic_std_N(breakaway, calibration),
         breakaway=breakaway,
         kept=is_ok and not excluded,
         excluded=excluded,
         decision=spec.decision,
         measures_slack=measures_slack,
         dwell_s=nan if spec.dwell_s is None else spec.dwell_s,
-        problems=problems,
+        problems=(*problems, *_doubtful_forces(campaign, spec, peak, end_N, hung_N)),
         **more,
     )
 

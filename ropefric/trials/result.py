@@ -2,17 +2,15 @@
 
 import math
 import os
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from math import isfinite, nan
 from pathlib import Path, PurePath
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from pydantic import PlainSerializer, PlainValidator
 
-from ropefric.arrays import FloatArray, frozen_array
+from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, Problem
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import csv_cell, csv_text, parquet_bytes, significant
@@ -21,6 +19,7 @@ from ropefric.shown import Shown
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.trace import ForceTrace
+from ropefric.trials import numbers
 from ropefric.trials.campaign_model import Campaign, TrialRow
 from ropefric.trials.cells import QUANTITIES, stem_of
 from ropefric.trials.outliers import scaled, summarise
@@ -29,42 +28,15 @@ OUTCOMES = ("kept", "rejected", "excluded", "without a force")
 """What becomes of a trial, each of one of these: it counts; the rule rejected it; it was excluded, by hand or because
 its F_A is not above its F_B; or its recording gave no usable force."""
 
-_COLUMNS = (
-    "trial", "file", "sample", "wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "wheel_radius_std_m",
-    "rope_radius_std_m", "wrap_std_rad", "end_tension_N", "end_tension_std_N", "end_tension_set_N", "peak_N",
-    "peak_std_N", "cell_std_N", "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s", "noise_std_N",
-    "loading_rate_N_s", "measured_dwell_s", "kinetic_N", "kinetic_std_N", "kinetic_mean_std_N", "sliding_s",
-    "drop_N", "trough_N", "n_slips", "recurrence_s", "mu", "mu_std", "mu_kinetic", "status", "candidates",
-    "kept", "rejected_by", "excluded", "decision", "decided_by", "decided_why", "detail", "notes", "cell",
-    "rope_id", "dwell_s", "tare_N", "saturated_samples", "note",
-)  # fmt: skip
-"""Of a trial's row."""
-STEMS = frozenset(map(stem_of, (*_COLUMNS, "sha256")))
-"""The columns without their units."""
-_OF_BREAKAWAY = {"sliding_s": "kinetic_s", "measured_dwell_s": "dwell_s"}
-SUMMARISED = {
-    "kinetic_N": "kinetic force [N]",
-    "drop_N": "drop [N]",
-    "trough_N": "trough [N]",
-    "n_slips": "slips",
-    "recurrence_s": "recurrence [s]",
-    "loading_rate_N_s": "loading rate [N/s]",
-    "measured_dwell_s": "dwell [s]",
-    "mu": "μ",
-    "mu_kinetic": "kinetic μ",
-}
-"""What a condition has the mean, scatter and number of, over its kept trials, beside the break-away force."""
-_Curve = Annotated[FloatArray, PlainValidator(frozen_array), PlainSerializer(np.ndarray.tolist)]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outline:
     """A recording reduced for drawing: no peak is lost, because each bin keeps its smallest and largest sample."""
 
-    time_s: _Curve
-    low_N: _Curve
-    high_N: _Curve
-    smoothed_N: _Curve
+    time_s: FloatArray
+    low_N: FloatArray
+    high_N: FloatArray
+    smoothed_N: FloatArray
 
     def __post_init__(self) -> None:
         if len({curve.shape for curve in (self.time_s, self.low_N, self.high_N, self.smoothed_N)}) > 1:
@@ -78,7 +50,7 @@ BINS, DIGITS = 300, 6
 def draw_outline(trace: ForceTrace) -> Outline | None:
     """Return the min-max envelope and the means of about 300 bins; None where no sample is there.
 
-    Numbers are rounded to six digits: no eye sees more, and a stored outline is a third as long.
+    Numbers are rounded to six digits: no eye sees more.
     """
     time_s, force_N = trace.time_s, trace.force_N
     present = np.isfinite(force_N)
@@ -100,7 +72,7 @@ def draw_outline(trace: ForceTrace) -> Outline | None:
 def _to_digits(values: FloatArray) -> FloatArray:
     largest = float(np.abs(values).max())
     if largest == 0.0:
-        return values + 0.0  # no negative zeros in stored files
+        return values + 0.0  # no negative zeros
     return np.round(values, DIGITS - 1 - int(np.floor(np.log10(largest)))) + 0.0
 
 
@@ -178,31 +150,15 @@ class TrialResult(TrialRow):
     @property
     def why_no_force(self) -> str:
         """Return why the recording gave no usable force, with the forces that it may have been."""
-        candidates = self.measured("candidates")
+        candidates = numbers.candidates_in_words(self.breakaway)
         return self.breakaway.detail + (f"; candidates: {candidates}" if candidates else "")
-
-    def measured(self, name: str) -> Any:
-        """Return what a column of the trial's row holds."""
-        if name == "candidates":
-            events = self.breakaway.candidates
-            return "; ".join(f"{event.force_N:.5g} N at {event.time_s:.5g} s" for event in events)
-        own = name.removeprefix("decided_")
-        return (
-            getattr(self, own)
-            if hasattr(type(self), own)
-            else getattr(self.breakaway, _OF_BREAKAWAY.get(name, name))
-        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the trial's row; a number that is not there is None."""
-        row: dict[str, Any] = {name: self.measured(name) for name in _COLUMNS}
-        row |= {"status": self.breakaway.status.value, "notes": "; ".join(self.breakaway.notes)}
-        if self.measures_slack:
-            row["peak_raw_N"] = nan
-        for name, cell in self.own:
-            # What a fit would take for a number of the tool's own gets another name.
-            taken = stem_of(name) in STEMS or stem_of(name) in QUANTITIES
-            row[f"given_{name}" if taken else name] = cell
+        row: dict[str, Any] = {column.name: column.taken(self) for column in numbers.COLUMNS}
+        # What a fit would take for a number of the tool's own gets another name.
+        taken = {*stems(), *QUANTITIES} if self.own else ()
+        row |= {f"given_{name}" if stem_of(name) in taken else name: cell for name, cell in self.own}
         row["sha256"] = self.sha256  # last, and of known length: a table that was cut off shows it
         return {key: _finite_or_none(value) for key, value in row.items()}
 
@@ -233,7 +189,7 @@ class ConditionSummary:
         """Return the condition's row; a number that is not there is None."""
         row = {name: getattr(self, name) for name in self.__slots__ if name not in {"trials", "of_kept"}}
         for name, (mean, std, n) in self.of_kept.items():
-            row |= {f"mean_{name}": mean, f"std_{name}": std, f"n_{_STEM.sub('', name)}": n}
+            row |= {f"mean_{name}": mean, f"std_{name}": std, f"n_{numbers.column(name).stem}": n}
         row |= {key: list(value) for key, value in row.items() if isinstance(value, tuple)}
         return {key: _finite_or_none(value) for key, value in row.items()}
 
@@ -252,8 +208,6 @@ class Extraction(Shown):
         By wheel radius, wrap angle, end tension.
     problems : tuple of Problem
         Everything that was wrong or doubtful, in the same order.
-    n_reused : int
-        Recordings taken from the cache.
     """
 
     _said = ("name", "trials", "conditions", "problems")
@@ -263,7 +217,6 @@ class Extraction(Shown):
     trials: tuple[TrialResult, ...]
     conditions: tuple[ConditionSummary, ...]
     problems: tuple[Problem, ...]
-    n_reused: int = 0
 
     def to_dict(self) -> dict[str, Any]:
         """Return `{"counts": {…}, "trials": […], "conditions": […], "problems": […]}`, None for no number."""
@@ -282,17 +235,20 @@ class Extraction(Shown):
         }
 
 
+def stems() -> frozenset[str]:
+    """Return what the columns of a trial's row are called without their units."""
+    return frozenset(stem_of(name) for name in (*(column.name for column in numbers.COLUMNS), "sha256"))
+
+
 NOT_ABOVE = "F_A is not above F_B"
 """Why a trial is set aside that no friction law can explain."""
 
 
-def summarised(campaign: Campaign, trials: Sequence[TrialResult], n_reused: int = 0) -> Extraction:
+def summarised(campaign: Campaign, trials: Sequence[TrialResult]) -> Extraction:
     """Return trials as the extraction of their campaign: by condition, with what its rule rejects marked."""
     marked, conditions, doubts = summarise_conditions(trials, campaign.rejection)
     problems = (*campaign.warnings, *(problem for trial in marked for problem in trial.problems), *doubts)
-    return Extraction(
-        name=campaign.name, trials=marked, conditions=conditions, problems=problems, n_reused=n_reused
-    )
+    return Extraction(name=campaign.name, trials=marked, conditions=conditions, problems=problems)
 
 
 def set_aside_impossible(extraction: Extraction, campaign: Campaign) -> Extraction:
@@ -308,7 +264,7 @@ def set_aside_impossible(extraction: Extraction, campaign: Campaign) -> Extracti
         replace(trial, kept=False, excluded=NOT_ABOVE) if wrong else trial
         for trial, wrong in zip(extraction.trials, impossible, strict=True)
     ]
-    return summarised(campaign, marked, extraction.n_reused)
+    return summarised(campaign, marked)
 
 
 def summarise_conditions(
@@ -374,10 +330,10 @@ def _summarise(
 def _of_kept(trials: Sequence[TrialResult]) -> dict[str, tuple[float, float, int]]:
     """Return mean, sample standard deviation and number of what else was measured, of what was at all."""
     found = {}
-    for name in SUMMARISED:
-        values = np.array([trial.measured(name) for trial in trials], dtype=np.float64)
+    for column in numbers.summarised():
+        values = np.array([column.taken(trial) for trial in trials], dtype=np.float64)
         series = scaled(values[np.isfinite(values)])
-        found[name] = (series.mean(), series.std(), series.deviations.size)
+        found[column.name] = (series.mean(), series.std(), series.deviations.size)
     return found
 
 
@@ -441,11 +397,8 @@ def _finite_or_none(value: Any) -> Any:
     return None if isinstance(value, float) and not isfinite(value) else value
 
 
-_STEM = re.compile(r"(_N_s|_N|_s)$|^n_")
 _PROBLEM_COLUMNS = ("severity", "code", "path", "line", "key", "message", "fix")
 _NAME_SEPARATOR = "; "
-_SETTINGS = frozenset({"wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "dwell_s", "end_tension_set_N"})
-"""Columns that people set: they stay as they came out of the trial list."""
 _RESIDUE = 1e-12
 """What a number in newtons or seconds is that should be zero."""
 
@@ -476,10 +429,10 @@ def write_tables(
 
 def _rounded(row: Mapping[str, Any], *, known: str = "") -> dict[str, Any]:
     """Return a row with what was measured to the digits that mean something; the force that was set is `known`."""
+    # What people set stays as it came out of the trial list.
+    kept = {known, *(column.name for column in numbers.COLUMNS if column.is_set)}
     return {
-        key: significant(value, smallest=_RESIDUE)
-        if isinstance(value, float) and key not in _SETTINGS and key != known
-        else value
+        key: significant(value, smallest=_RESIDUE) if isinstance(value, float) and key not in kept else value
         for key, value in row.items()
     }
 

@@ -18,9 +18,9 @@ from ropefric.glossary import counted
 from ropefric.quantities import split_unit_suffix
 from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
-from ropefric.trials import cells
+from ropefric.trials import cells, numbers
 from ropefric.trials.cells import QUANTITIES
-from ropefric.trials.result import STEMS, Extraction
+from ropefric.trials.result import Extraction, stems
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,7 +34,7 @@ _NUMBERS = tuple(dict.fromkeys(field for field, _, _ in QUANTITIES.values()))
 _OPTIONAL = _NUMBERS[len(_REQUIRED) :]
 _UNKNOWN = ("peak_std_N", "cell_std_N")
 """Those of them that are NaN where they are not given; the others are zero."""
-_BESIDE = ("kinetic_N", "kinetic_mean_std_N", "end_tension_set_N")
+_BESIDE = tuple(column.name for column in numbers.COLUMNS if column.read_as)
 """Numbers that a fit of F_A does not need, and that are passed over where they cannot be."""
 FORCES = ("peak", "kinetic")
 """What a law can be fitted to: the break-away force, or the mean force while sliding."""
@@ -42,13 +42,10 @@ _TEXTS = ("trial", "kept", "status")
 LABELS = ("rope_id", "wheel", "operator", "dwell", "order", "cell")
 """Columns beside the numbers by which trials can be told into groups."""
 _QUANTITIES_BESIDE = {
-    "kinetic": ("kinetic_N", "N", 1.0),
-    "kinetic_force": ("kinetic_N", "N", 1.0),
-    "kinetic_mean_std": ("kinetic_mean_std_N", "N", 1.0),
-    "end_tension_set": ("end_tension_set_N", "N", 1.0),
+    stem: (column.name, column.unit, 1.0) for column in numbers.COLUMNS for stem in column.read_as
 }
 # What an extraction and a list of trials have beside the columns a fit reads.
-_PASSED_OVER = STEMS - {"end_tension_set"} | {"exclude", "wheel"}
+_PASSED_OVER = stems() - {"end_tension_set"} | {"exclude", "wheel"}
 _FRAME_NAMES = {"wrap_std_rad": "wrap_angle_std_rad"}
 _EMPTY = frozenset({"", "nan", "na", "n/a", "none", "null", "<na>", "-"})
 _TRUE = frozenset({"", "true", "yes", "1", "1.0", "kept"})
@@ -281,8 +278,8 @@ def table_from_frame(frame: "pd.DataFrame") -> TrialTable:
 def table_of_extraction(extraction: Extraction) -> TrialTable:
     """Return the trial table of an extraction; a pull in which friction helped the rope along is not kept."""
     trials = extraction.trials
-    names = (*_NUMBERS, *_BESIDE)
-    columns: dict[str, Any] = {name: np.array([trial.measured(name) for trial in trials]) for name in names}
+    taken = {name: numbers.column(name).taken for name in (*_NUMBERS, *_BESIDE)}
+    columns: dict[str, Any] = {name: np.array([*map(take, trials)]) for name, take in taken.items()}
     kept = np.array([trial.kept for trial in trials], dtype=np.bool_)
     kept &= (columns["peak_N"] > columns["end_tension_N"]) | _below_by_scatter(columns, kept)
     status = tuple(trial.breakaway.status.value for trial in trials)
@@ -306,52 +303,81 @@ def _filled(labels: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
     return {name: tuple(values) for name, values in labels.items() if not {"", "nan"}.intersection(values)}
 
 
+class _Rows:
+    """What the rows of a table say, and by row what is wrong in them."""
+
+    def __init__(self, table: cells.CellTable, columns: cells.Columns) -> None:
+        self._table, self._columns = table, columns
+        read, self.wrong = table.numbers(columns, empty=_EMPTY, doubted=_BESIDE)
+        none = [math.nan] * len(table.rows)
+        self.numbers = {name: np.array(read.get(name, none)) for name in (*_NUMBERS, *_BESIDE)}
+        self._unread = {(i, problem.key) for i, some in self.wrong.items() for problem in some}
+
+    def words_at(self, index: int) -> list[str]:
+        """Return the words of a column, "" where there is none."""
+        written = (cells_of[index] for _, cells_of in self._table.rows)
+        return ["" if cell.lower() in _EMPTY else cell for cell in written]
+
+    def words(self, name: str) -> list[str]:
+        """Return the words of a known column; of one that is not there, none."""
+        there = self._columns.get(name)
+        return [""] * len(self._table.rows) if there is None else self.words_at(there.index)
+
+    def kept(self) -> BoolArray:
+        """Return which trials are kept, noting what does not say it."""
+        said = self.words("kept")
+        for i, word in enumerate(said):
+            if word.lower() not in _TRUE | _FALSE:
+                message = f"'{word[:40]}' does not say whether the trial is kept"
+                line, key = self._table.rows[i][0], self._columns["kept"].header
+                self.wrong[i].append(self._table.problem(line, key, "RF102", message, "write true or false"))
+        return np.array([word.lower() not in _FALSE for word in said], dtype=np.bool_)
+
+    def refuse_unusable(self, used: BoolArray) -> None:
+        """Note, of the trials that are to be used, which numbers are missing or cannot be."""
+        scattered = used & _below_by_scatter(self.numbers, used)
+        unusable = (self.numbers["peak_N"] <= self.numbers["end_tension_N"]) | (self.numbers["peak_N"] == 0.0)
+        for name in self._columns.keys() & set(_NUMBERS):
+            values = self.numbers[name]
+            unusable |= (values < 0.0) | (np.isnan(values) & (name in _REQUIRED))
+        for i in np.flatnonzero(used & unusable).tolist():
+            of_row = {name: float(self.numbers[name][i]) for name in _NUMBERS}
+            known = {name: one for name, one in self._columns.items() if (i, one.header) not in self._unread}
+            line, by_scatter = self._table.rows[i][0], bool(scattered[i])
+            self.wrong[i] += _why_unusable(self._table, line, of_row, known, by_scatter=by_scatter)
+
+    def problems(self) -> Iterator[Problem]:
+        """Return all that is wrong, row by row."""
+        return (problem for i in sorted(self.wrong) for problem in self.wrong[i])
+
+
 def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
     """Return a table of cells as trials, all at once, or refuse it with everything that is wrong.
 
     A row that is not kept, or whose recording gave no force, may lack numbers; a row that is to be used may not.
     """
+    columns, found = _columns_of(table)
+    rows = _Rows(table, columns)
+    kept, status = rows.kept(), tuple(word.lower() or "ok" for word in rows.words("status"))
+    rows.refuse_unusable(kept & np.array([word == "ok" for word in status], dtype=np.bool_))
+    given = zip(map(from_spreadsheet, rows.words("trial")), table.rows, strict=True)
+    trial = tuple(name or f"row-{line}" for name, (line, _) in given)
+    twice = (*_names_twice(table, trial), *_rows_twice(table, rows.numbers, kept))
+    every = (*problems, *found, *rows.problems(), *twice, *_cut_off(table), *_too_few(table, kept, status))
+    raise_problems(every)
+    stems = {cells.stem_of(name): i for i, name in enumerate(table.header)}
+    labels = _filled({name: rows.words_at(stems[name]) for name in LABELS if name in stems})
+    known: dict[str, Any] = {**rows.numbers, "labels": labels}
+    return TrialTable(trial=trial, status=status, kept=kept, source=table.path, warnings=every, **known)
+
+
+def _columns_of(table: cells.CellTable) -> tuple[cells.Columns, list[Problem]]:
+    """Return the columns that are known, and what is wrong with the header."""
     united = {cells.word_of(stem) for stem, unit in map(split_unit_suffix, table.header) if unit}
     beside = {stem: meant for stem, meant in _QUANTITIES_BESIDE.items() if stem in united}
     columns, others, found = table.bind({**QUANTITIES, **beside}, _TEXTS)
-    found += _strange_columns(table, others, {*columns, *(_field_like(problem.key) for problem in found)})
-
-    def texts_of(index: int) -> list[str]:
-        written = (cells_of[index] for _, cells_of in table.rows)
-        return ["" if cell.lower() in _EMPTY else cell for cell in written]
-
-    texts = {name: texts_of(columns[name].index) for name in _TEXTS if name in columns}
-    n = len(table.rows)
-    read, wrong = table.numbers(columns, empty=_EMPTY, doubted=_BESIDE)
-    numbers = {name: np.array(read.get(name, [math.nan] * n)) for name in (*_NUMBERS, *_BESIDE)}
-    unread = {(i, problem.key) for i, some in wrong.items() for problem in some}
-    words = [word.lower() for word in texts.get("kept", [""] * n)]
-    kept = np.array([word not in _FALSE for word in words], dtype=np.bool_)
-    for i, word in enumerate(words):
-        if word not in _TRUE and word not in _FALSE:
-            message = f"'{texts['kept'][i][:40]}' does not say whether the trial is kept"
-            key, line = columns["kept"].header, table.rows[i][0]
-            wrong[i].append(table.problem(line, key, "RF102", message, "write true or false"))
-    status = tuple(word.lower() or "ok" for word in texts.get("status", [""] * n))
-    is_used = kept & np.array([word == "ok" for word in status], dtype=np.bool_)
-    scattered = is_used & _below_by_scatter(numbers, is_used)
-    unusable = (numbers["peak_N"] <= numbers["end_tension_N"]) | (numbers["peak_N"] == 0.0)
-    for name in columns.keys() & set(_NUMBERS):  # a number is missing, or cannot be
-        unusable |= (numbers[name] < 0.0) | (np.isnan(numbers[name]) & (name in _REQUIRED))
-    for i in np.flatnonzero(is_used & unusable).tolist():
-        of_row = {name: float(numbers[name][i]) for name in _NUMBERS}
-        known = {name: column for name, column in columns.items() if (i, column.header) not in unread}
-        wrong[i] += _why_unusable(table, table.rows[i][0], of_row, known, by_scatter=bool(scattered[i]))
-    names = [from_spreadsheet(name) for name in texts.get("trial", [""] * n)]
-    trial = tuple(name or f"row-{line}" for name, (line, _) in zip(names, table.rows, strict=True))
-    of_rows = (problem for i in sorted(wrong) for problem in wrong[i])
-    twice = (*_names_twice(table, trial), *_rows_twice(table, numbers, kept))
-    every = (*problems, *found, *of_rows, *twice, *_cut_off(table), *_too_few(table, kept, status))
-    raise_problems(every)
-    stems = {cells.stem_of(name): i for i, name in enumerate(table.header)}
-    labels = {name: texts_of(stems[name]) for name in LABELS if name in stems}
-    known_of: dict[str, Any] = {**numbers, "labels": _filled(labels)}
-    return TrialTable(trial=trial, status=status, kept=kept, source=table.path, warnings=every, **known_of)
+    there = {*columns, *(_field_like(problem.key) for problem in found)}
+    return columns, [*found, *_strange_columns(table, others, there)]
 
 
 def _strange_columns(table: cells.CellTable, others: Sequence[str], there: set[str]) -> Iterator[Problem]:

@@ -102,46 +102,50 @@ def read_trials(
 ) -> tuple[tuple[TrialSpec, ...], tuple[Problem, ...]]:
     """Return the rows that can be used, of recordings in a folder, and all problems of the table."""
     try:
-        table, problems_of_rows = cells.read_cells(path)
+        table, torn = cells.read_cells(path)
     except DataError as error:
         # A trial list is named by the campaign file, and looked for where that is.
         fix = "check the path, relative to the campaign file"
         return (), tuple(replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
     decided = DECIDED if {"why", "by"} <= {cells.word_of(name) for name in table.header} else {}
-    columns, others, found = table.bind({**QUANTITIES, **decided}, TEXTS)
-    wrong_header = bool(found)
-    # A mistyped header says more than the consequence that its column is missing.
-    missing = [] if found else list(_missing_columns(table, columns, others, context))
-    mistyped = {problem.key for problem in missing}
-    for name in others:
-        found += [] if name in mistyped else table.near_miss(name, QUANTITIES, TEXTS)
-        if cells.stem_of(name) == "peak":
-            what, fix = (
-                "kept, but not used",
-                "add the columns why and by, if it is a decision about the break-away",
-            )
-            found.append(table.problem(table.header_line, name, "RF141", what, fix, warning=True))
-    problems = [*problems_of_rows, *found, *missing, *_unnamed_columns(table)]
-    if not table.rows and not problems_of_rows:
+    columns, others, refused = table.bind({**QUANTITIES, **decided}, TEXTS)
+    found = [*torn, *refused, *_check_header(table, columns, others, None if refused else context)]
+    if not table.rows and not torn:
         message, fix = "the table has a header, but no trials", "add a row for every recording"
-        problems.append(table.problem(table.header_line, "", "RF101", message, fix))
+        found.append(table.problem(table.header_line, "", "RF101", message, fix))
     numbers, wrong = table.numbers(columns)
     rows = [_Row(table, columns, place, numbers) for place in range(len(table.rows))]
-    # The user's own columns are kept, but not used.
-    own = {name: table.header.index(name) for name in others}
     _refuse_twice(rows)
     if context.folder is not None:
         _refuse_missing(rows, context.folder)
     _name(rows)
-    trials = []
+    # The user's own columns are kept, but not used.
+    own = {name: table.header.index(name) for name in others}
+    trials: list[TrialSpec] = []
     for place, row in enumerate(rows):
         before = len(row.problems)
         row.problems += wrong[place]
-        _check(row, context, wrong_header=wrong_header)
-        if len(row.problems) == before and (trial := _trial(row, own, folder, context)) is not None:
-            trials.append(trial)
-        problems += row.problems
-    return tuple(trials), tuple(sorted(problems, key=lambda p: p.line or math.inf))
+        _check(row, context, wrong_header=bool(refused))
+        trials += _trial(row, own, folder, context) if len(row.problems) == before else ()
+        found += row.problems
+    return tuple(trials), tuple(sorted(found, key=lambda p: p.line or math.inf))
+
+
+def _check_header(
+    table: cells.CellTable, columns: cells.Columns, others: Sequence[str], context: TrialContext | None
+) -> Iterator[Problem]:
+    """Yield what columns that are not known may mean, and which are missing, where a context says what is needed."""
+    # A mistyped header says more than the consequence that its column is missing.
+    missing = list(_missing_columns(table, columns, others, context)) if context else []
+    mistyped = {problem.key for problem in missing}
+    for name in others:
+        if name not in mistyped:
+            yield from table.near_miss(name, QUANTITIES, TEXTS)
+        if cells.stem_of(name) == "peak":
+            fix = "add the columns why and by, if it is a decision about the break-away"
+            yield table.problem(table.header_line, name, "RF141", "kept, but not used", fix, warning=True)
+    yield from missing
+    yield from _unnamed_columns(table)
 
 
 def _missing_columns(
@@ -187,20 +191,12 @@ def _check(row: _Row, context: TrialContext, *, wrong_header: bool) -> None:
     """Take note of what is missing, unknown or contradictory in a row."""
     tensions = [name for name in context.needed if name.endswith("_N")]
     row.need("file", "wrap_angle_rad", *tensions)
-    for name in ("wheel", "cell", "end_cell"):
-        word, known = row.texts.get(name, ""), context.wheels if name == "wheel" else context.cells
-        if word and word not in known:
+    for name, known in (("wheel", context.wheels), ("cell", context.cells), ("end_cell", context.cells)):
+        if (word := row.texts.get(name, "")) and word not in known:
             fix = f"describe it under [{name.removeprefix('end_')}s.{word}] in the campaign file"
-            row.say(
-                name, "RF120", f"unknown {name} '{word}'", did_you_mean(word[:80], known) if known else fix
-            )
-    wheel, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
-    known_m = context.wheels.get(wheel)
-    if not wheel and radius_m is None and not wrong_header:
-        row.need("wheel_radius_m" if "wheel_radius_m" in row.columns else "wheel")
-    elif radius_m and known_m and not math.isclose(radius_m, known_m, rel_tol=1e-6):
-        message = f"the radius is {radius_m * 1e3:g} mm, but wheel '{wheel}' has {known_m * 1e3:g} mm"
-        row.say("wheel_radius_m", "RF111", message, "correct one, or leave one of the two cells empty")
+            fix = did_you_mean(word[:80], known) if known else fix
+            row.say(name, "RF120", f"unknown {name} '{word}'", fix)
+    _check_wheel(row, context, wrong_header=wrong_header)
     row.need(*(name for name in context.needed if name not in tensions))
     start_s, stop_s = _interval(row, context)
     if start_s is not None and stop_s is not None and not start_s < stop_s:
@@ -208,6 +204,17 @@ def _check(row: _Row, context: TrialContext, *, wrong_header: bool) -> None:
         message = f"the part from {start_s:g} s until {stop_s:g} s is empty"
         row.say(place, "RF111", message, "give an end after the start")
     _check_decision(row, alone=context.protocol == "breakaway" and row.sample != "*")
+
+
+def _check_wheel(row: _Row, context: TrialContext, *, wrong_header: bool) -> None:
+    """Take note of a wheel that is neither named nor measured, or both and not alike."""
+    wheel, radius_m = row.texts.get("wheel", ""), row.numbers.get("wheel_radius_m")
+    known_m = context.wheels.get(wheel)
+    if not wheel and radius_m is None and not wrong_header:
+        row.need("wheel_radius_m" if "wheel_radius_m" in row.columns else "wheel")
+    elif radius_m and known_m and not math.isclose(radius_m, known_m, rel_tol=1e-6):
+        message = f"the radius is {radius_m * 1e3:g} mm, but wheel '{wheel}' has {known_m * 1e3:g} mm"
+        row.say("wheel_radius_m", "RF111", message, "correct one, or leave one of the two cells empty")
 
 
 def _check_decision(row: _Row, *, alone: bool) -> None:
@@ -233,19 +240,17 @@ def _check_decision(row: _Row, *, alone: bool) -> None:
         row.say(given[0], "RF111", message, fix)
 
 
-def _trial(row: _Row, own: Mapping[str, int], folder: Path, context: TrialContext) -> TrialSpec | None:
-    """Return a checked row in SI; None where the campaign file leaves something open."""
+def _trial(row: _Row, own: Mapping[str, int], folder: Path, context: TrialContext) -> Iterator[TrialSpec]:
+    """Yield a checked row in SI; nothing where the campaign file leaves something open."""
     wheel_m = row.numbers.get("wheel_radius_m", context.wheels.get(row.texts.get("wheel", "")))
-    rope_m, (start_s, stop_s) = (
-        row.numbers.get("rope_radius_m", context.rope_radius_m),
-        _interval(row, context),
-    )
+    rope_m = row.numbers.get("rope_radius_m", context.rope_radius_m)
+    start_s, stop_s = _interval(row, context)
     if wheel_m is None or rope_m is None or "wrap_angle_rad" not in row.numbers or not row.file:
-        return None
+        return
     of_row: dict[str, Any] = {**row.texts, **row.numbers, "start_s": start_s, "stop_s": stop_s}
     of_row |= {"trial": row.name, "wheel_radius_m": wheel_m, "rope_radius_m": rope_m}
     kept = tuple((name, row.cells[index]) for name, index in own.items())
-    return TrialSpec(**of_row, path=folder / row.file, line=row.line, own=kept)
+    yield TrialSpec(**of_row, path=folder / row.file, line=row.line, own=kept)
 
 
 # --- recordings and names ---
@@ -433,38 +438,41 @@ def list_from_names(files: str, pattern: str, folder: Path) -> tuple[bytes, str]
     found = sorted((path for path in paths if Path(path).is_file()), key=_natural)
     if not found:
         raise DataError("no file matches", path=files, fix=_what_is_there(files))
-    rows: list[Mapping[str, str]] = []
-    missed, compiled = [], _compiled(pattern)
-    for path in found:
-        match = _match(compiled, pattern, path) if compiled else {}
-        if match is None:
-            missed.append(path)
-        else:
-            rows.append({"file": Path(os.path.relpath(path, folder)).as_posix(), **match})
+    compiled = _compiled(pattern)
+    parts = {path: _match(compiled, pattern, path) if compiled else {} for path in found}
+    rows = [
+        {"file": Path(os.path.relpath(path, folder)).as_posix(), **named}
+        for path, named in parts.items()
+        if named is not None
+    ]
     if not rows:
         why = f"none of {counted(len(found), 'name')} matches the pattern {pattern!r}; the first is {found[0]!r}"
         like = '"{wheel}_{wrap_angle_deg}deg_{repeat}"; * stands for anything'
         fix = f"write what changes from name to name as {{header}}, such as {like}"
         raise InputError(why, key="--pattern", fix=fix)
-    names = list(rows[0])
-    header = cells.CellTable(path="--pattern", header=tuple(names))
-    columns, _, problems = header.bind(QUANTITIES, TEXTS)
+    missed = [path for path, named in parts.items() if named is None]
+    shown = f"{', '.join(missed[:_SHOWN])}{', …' if len(missed) > _SHOWN else ''}"
+    told = f"{len(missed)} of {len(found)} names do not match the pattern and are left out: {shown}"
+    return _list_of(rows), told if missed else ""
+
+
+def _list_of(rows: Sequence[Mapping[str, str]]) -> bytes:
+    """Return what names say as a list of trials, with empty columns for what every trial needs beside."""
+    columns, _, problems = cells.CellTable(path="--pattern", header=tuple(rows[0])).bind(QUANTITIES, TEXTS)
     if problems:
         raise data_error(problems)
-    known = columns.keys() | ({"wheel_radius_m"} if "wheel" in columns else set())
-    known |= {"end_tension_N"} if "lift_force_N" in columns else set()
-    needed = (
+    meaning = {"wheel": "wheel_radius_m", "lift_force_N": "end_tension_N"}
+    known = {*columns, *(meaning[name] for name in meaning.keys() & columns.keys())}
+    needed = [
         stem for stem in ("wheel_radius", "wrap_angle", "end_tension") if QUANTITIES[stem][0] not in known
-    )
-    names += [cells.example_of(stem, QUANTITIES) for stem in needed]
+    ]
+    names = [*rows[0], *(cells.example_of(stem, QUANTITIES) for stem in needed)]
     numbers = {column.header for column in columns.values() if column.si_unit}
     table = [names]
     for row in rows:
         written = {name: cell.replace(",", ".") if name in numbers else cell for name, cell in row.items()}
         table.append([to_spreadsheet(written.get(name, "")) for name in names])
-    shown = f"{', '.join(missed[:_SHOWN])}{', …' if len(missed) > _SHOWN else ''}"
-    told = f"{len(missed)} of {len(found)} names do not match the pattern and are left out: {shown}"
-    return csv_text(table).encode(), told if missed else ""
+    return csv_text(table).encode()
 
 
 def _natural(path: str) -> tuple[list[tuple[int, str]], str]:

@@ -73,8 +73,7 @@ def guarded(
 
     What `work` raises is raised here; close the iterator to end the processes early.
     """
-    import multiprocessing  # noqa: PLC0415  (these: quick start-up)
-    from multiprocessing.connection import wait  # noqa: PLC0415
+    import multiprocessing  # noqa: PLC0415  (quick start-up)
 
     if multiprocessing.current_process().daemon:  # it may have no processes of its own
         yield from ((number, work(number)) for number in range(n))
@@ -82,28 +81,40 @@ def guarded(
     # Threads may hold locks that a forked child would find locked for ever.
     may_fork = sys.platform == "linux" and threading.active_count() == 1
     context = multiprocessing.get_context("fork" if may_fork else "spawn")
-    limits, n_workers, waiting = limits or Limits(), max(1, min(jobs, n, usable_cores())), deque(range(n))
+    limits, most, waiting = limits or Limits(), max(1, min(jobs, n, usable_cores())), deque(range(n))
     workers: list[_Worker[T]] = []
     try:
         while waiting or any(worker.given for worker in workers):
-            while len(workers) < min(n_workers, len(waiting) + len(workers)):
+            while len(workers) < min(most, len(waiting) + len(workers)):
                 workers.append(_Worker(context, work, limits, [worker.ours for worker in workers]))
-            # To all in turn, so that the last pieces are shared out.
-            for worker, ahead in ((worker, ahead) for ahead in range(1, AHEAD + 1) for worker in workers):
-                if waiting and len(worker.given) < ahead:
-                    worker.give(waiting.popleft())
-            until_s = min(worker.deadline_s for worker in workers)
-            heard = wait([worker.ours for worker in workers], max(0.0, until_s - time.monotonic()))
-            for worker in list(workers):
-                if worker.ours in heard:
-                    yield from worker.hear()
-                elif time.monotonic() > worker.deadline_s:
-                    yield worker.stop_late()
-                if worker.dead:
-                    workers.remove(worker)
-                    waiting.extendleft(reversed(worker.given))
+            _hand_out(waiting, workers)
+            yield from _heard(workers)
+            for worker in [worker for worker in workers if worker.dead]:
+                workers.remove(worker)
+                waiting.extendleft(reversed(worker.given))
     finally:
         _end(workers)
+
+
+def _hand_out(waiting: deque[int], workers: "list[_Worker[T]]") -> None:
+    """Give every worker pieces to have in hand: to all in turn, so that the last pieces are shared out."""
+    for ahead in range(1, AHEAD + 1):
+        for worker in workers:
+            if waiting and len(worker.given) < ahead:
+                worker.give(waiting.popleft())
+
+
+def _heard(workers: "list[_Worker[T]]") -> Iterator[tuple[int, T | Lost]]:
+    """Wait until a worker says something or is late; give what was done or lost."""
+    from multiprocessing.connection import wait  # noqa: PLC0415  (quick start-up)
+
+    until_s = min(worker.deadline_s for worker in workers)
+    speaking = wait([worker.ours for worker in workers], max(0.0, until_s - time.monotonic()))
+    for worker in workers:
+        if worker.ours in speaking:
+            yield from worker.hear()
+        elif time.monotonic() > worker.deadline_s:
+            yield worker.stop_late()
 
 
 def _end(workers: "list[_Worker[T]]") -> None:

@@ -73,16 +73,11 @@ def test_recordings_give_the_same_bytes_though_a_worker_is_killed(client, bench,
     monkeypatch.chdir(tmp_path)  # the workers' own folder is another
     seen = []
     found = rf.extract(
-        bench,
-        executor=Killing(client),
-        cache_dir="cache",
-        progress=lambda done, total, _: seen.append((done, total)),
+        bench, executor=Killing(client), progress=lambda done, total, _: seen.append((done, total))
     )
     assert seen == [(i, 40) for i in range(1, 41)]
     alone = rf.extract(bench)
     assert written(found, tmp_path / "two") == written(alone, tmp_path / "one")
-    # What the workers found is kept for the next run.
-    assert rf.extract(bench, executor=client, cache_dir="cache").n_reused == 40
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="needs /proc")
@@ -160,7 +155,7 @@ def test_the_table_of_a_sweep_is_the_same(client, name):
 
 
 def test_the_commands_take_the_address_of_a_cluster(client, tmp_path):
-    address, said = client.scheduler.address, ["--quiet", "--no-cache", "--no-figures"]
+    address, said = client.scheduler.address, ["--quiet", "--no-figures"]
     assert main(["simulate", str(tmp_path / "lab"), "--conditions", "2", "--repeats", "6", "--quiet"]) == 0
     sweep = [
         "solve",

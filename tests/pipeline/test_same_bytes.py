@@ -59,17 +59,7 @@ def small_campaign(folder):
 
 def run(folder, out, *flags, **environment):
     """Run the campaign in a process of its own; return the bytes of every file written."""
-    command = [
-        sys.executable,
-        "-m",
-        "ropefric",
-        "run",
-        "campaign.toml",
-        "--quiet",
-        "--no-cache",
-        "--out",
-        out,
-    ]
+    command = [sys.executable, "-m", "ropefric", "run", "campaign.toml", "--quiet", "--out", out]
     done = subprocess.run(
         [*command, *flags],
         cwd=folder,

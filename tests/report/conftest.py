@@ -161,7 +161,7 @@ def results(tmp_path_factory):
 @pytest.fixture(scope="session")
 def run(campaign, results):
     """The result of the campaign, with its report written."""
-    found = run_campaign(load_campaign(campaign / "campaign.toml"), results, cache_dir=results / ".cache")
+    found = run_campaign(load_campaign(campaign / "campaign.toml"), results)
     write_report(found, results)
     return found
 

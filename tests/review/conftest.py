@@ -17,7 +17,7 @@ BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
 
 @pytest.fixture(scope="session")
 def extracted(tmp_path_factory):
-    """The folder of the campaign and the cache of its extraction; do not write to it."""
+    """The folder of the campaign; do not write to it."""
     folder = tmp_path_factory.mktemp("review")
     toml = (BENCH / "campaign.toml").read_text().replace(
         'trials = "trials.csv"', f'trials = "trials.csv"\ndata = "{BENCH.as_posix()}"'
@@ -26,7 +26,7 @@ def extracted(tmp_path_factory):
     head, *rows = (BENCH / "trials.csv").read_text().splitlines()
     some = [row for row in rows if row[:3] in {"c11", "c28", "c35"} and row[5:7] < "07"]
     (folder / "trials.csv").write_text("\n".join([head, "# taken in spring", *some, ""]))
-    Review(folder / "campaign.toml", by="nobody", cache_dir=folder / "out" / ".cache").close()
+    (folder / "out").mkdir()
     return folder
 
 
@@ -46,8 +46,7 @@ def begin(campaign, monkeypatch):
         if not fits:
             monkeypatch.setattr(session, "_said", lambda *_: {"error": {"message": "not fitted"}})
         now = datetime(2026, 11, 22, 14, 30, tzinfo=UTC)
-        cache = campaign / "out" / ".cache"
-        begun.append(Review(campaign / "campaign.toml", by="A. Meier", cache_dir=cache, now=lambda: now))
+        begun.append(Review(campaign / "campaign.toml", by="A. Meier", now=lambda: now))
         return begun[-1]
 
     yield begin
@@ -60,7 +59,7 @@ def served(extracted, tmp_path_factory):
     """A review and the server of its page; tests leave its list as it was."""
     folder = tmp_path_factory.mktemp("served") / "campaign"
     shutil.copytree(extracted, folder)
-    review = Review(folder / "campaign.toml", by="A. Meier", cache_dir=folder / "out" / ".cache")
+    review = Review(folder / "campaign.toml", by="A. Meier")
     with ReviewServer(review) as server:
         thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
         thread.start()

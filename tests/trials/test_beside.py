@@ -112,7 +112,7 @@ def doubtful_last(lab, in_process, monkeypatch):
 def test_a_doubtful_trial_is_never_kept_and_comes_with_its_candidates(doubtful_last):
     extraction = doubtful_last.extract()
     found = extraction.trials[-1]
-    assert (found.kept, found.outcome, found.measured("candidates")) == (
+    assert (found.kept, found.outcome, found.to_dict()["candidates"]) == (
         False,
         "without a force",
         "97.3 N at 1.3 s; 51.25 N at 0.7 s",
@@ -130,10 +130,10 @@ def test_the_command_lists_what_is_doubtful_first(doubtful_last, capsys, monkeyp
     lab = doubtful_last
     (lab.folder / "a.csv").write_text("time_s,force_N\n0,1\n", encoding="utf-8")
     monkeypatch.chdir(lab.folder)
-    assert main(["extract", ".", "--out", "out", "--no-figures", "--no-cache"]) == 0
+    assert main(["extract", ".", "--out", "out", "--no-figures"]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert said.index("d doubtful") < said.index("a too-short")
     assert "97.3 N at 1.3 s" in said
     assert "doubtful: More than one thing in this recording" in said
-    assert main(["extract", ".", "--out", "out", "--no-figures", "--no-cache", "--json"]) == 0
+    assert main(["extract", ".", "--out", "out", "--no-figures", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["counts"]["n_kept"] == 2

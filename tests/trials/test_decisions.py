@@ -102,19 +102,6 @@ def test_a_stated_force_holds_where_the_recording_cannot_be_read(decided):
     assert {problem.severity for problem in extraction.problems if problem.path == "two.csv"} == {"warning"}
 
 
-def test_the_cache_respects_a_decision(decided, tmp_path):
-    peaks_N = []
-    for cells in ({}, {"pick_s": 0.8, **SAID}, {"peak_N": 77, **SAID}, {"pick_s": 0.8, **SAID}, {}):
-        extraction = decided(**cells).extract(cache_dir=tmp_path / "cache")
-        peaks_N.append(extraction.trials[-1].peak_N)
-    assert peaks_N[0] == peaks_N[4]
-    assert peaks_N[1] == peaks_N[3] == pytest.approx(EARLY_N, abs=0.3)
-    assert peaks_N[2] == 77.0
-    assert extraction.n_reused == 4
-    said = decided(pick_s=0.8, why="another reason", by="B").extract(cache_dir=tmp_path / "cache").trials[-1]
-    assert (said.why, said.by) == ("another reason", "B")
-
-
 @pytest.mark.parametrize(
     ("cells", "key", "code"),
     [

@@ -33,7 +33,6 @@ def test_one_clean_recording_with_a_peak_known_beforehand(lab):
     assert [trial.breakaway.peak_time_s for trial in extraction.trials] == pytest.approx([1.3] * 2, abs=0.01)
     assert extraction.conditions[0].mean_kept_N == pytest.approx(101.5, rel=2e-3)
     assert extraction.name == "lab"
-    assert extraction.n_reused == 0
 
 
 def test_one_bad_recording_leaves_the_good_one_alone(lab):

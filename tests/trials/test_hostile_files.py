@@ -17,7 +17,6 @@ from ropefric.cli.app import main
 from ropefric.files import disk
 from ropefric.trials import extract as recording
 from ropefric.trials import workers
-from ropefric.trials.extract import extract_campaign
 from ropefric.trials.result import write_tables
 
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux only")
@@ -119,7 +118,7 @@ def test_every_hostile_file_is_lost_alone(lab, hostile_files, jobs):
     names = [shutil.copy(path, lab.folder / path.name).name for path in chosen]
     lab.write([lab.row("a.csv"), *(lab.row(name) for name in names), lab.row("b.csv")], SETTINGS)
     began_s = time.monotonic()
-    extraction = lab.extract(jobs=jobs, cache_dir=lab.folder / ".cache")
+    extraction = lab.extract(jobs=jobs)
     assert time.monotonic() - began_s < 300
     a, *lost, b = extraction.trials
     assert (a.to_dict(), b.to_dict()) == (alone_a.to_dict(), alone_b.to_dict())
@@ -187,18 +186,6 @@ def test_a_reader_that_hangs_dies_or_fails_costs_one_recording(lab, monkeypatch,
     assert "internal fault, ZeroDivisionError: something new" in why["bug"]
 
 
-def test_lost_recordings_are_tried_again(lab, monkeypatch):
-    """What a machine had no memory or time for is not remembered."""
-    lab.pulls(a=100.0, b=100.0)
-    campaign, store = lab.load(), lab.folder / ".cache"
-    if sys.platform == "linux":
-        with monkeypatch.context() as patch:
-            forked(patch)
-            patch.setattr(recording, "read_recordings", lambda *_, **__: os._exit(7))
-            assert extract_campaign(campaign, cache_dir=store).trials[0].breakaway.status == "unreadable"
-    assert [t.breakaway.status for t in extract_campaign(campaign, cache_dir=store).trials] == ["ok", "ok"]
-
-
 @pytest.mark.parametrize(
     ("key", "value"), [("memory", "0 GB"), ("memory", "2 s"), ("time", "soon"), ("tiem", "1 s")]
 )
@@ -237,7 +224,7 @@ def test_two_trials_of_one_name_keep_their_own_recordings(lab):
 
 @pytest.mark.parametrize("large", [False, True])
 @pytest.mark.parametrize("in_place", [False, True])
-def test_hash_cache_and_numbers_come_from_the_same_bytes(
+def test_hash_and_numbers_come_from_the_same_bytes(
     lab, pull_csv, monkeypatch, in_process, *, large, in_place
 ):
     """A file that is replaced between being hashed and being parsed."""
@@ -259,11 +246,11 @@ def test_hash_cache_and_numbers_come_from_the_same_bytes(
 
     monkeypatch.setattr(recording, "read_recordings", replace_it)
     with in_process():
-        (trial,) = lab.extract(cache_dir=lab.folder / ".cache").trials
+        (trial,) = lab.extract().trials
     assert not todo
     read_bytes = first if round(trial.peak_N) == 100 else other
     assert trial.peak_N == pytest.approx(100 if read_bytes is first else 150, rel=0.01)
     assert trial.sha256 == hashlib.sha256(read_bytes).hexdigest()
-    (again,) = lab.extract(cache_dir=lab.folder / ".cache").trials
+    (again,) = lab.extract().trials
     assert again.sha256 == hashlib.sha256(other).hexdigest()
     assert again.peak_N == pytest.approx(150, rel=0.01)

@@ -55,36 +55,33 @@ MISTAKES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("mistake", MISTAKES.values(), ids=MISTAKES)
-def test_one_mistake(bench, mistake):
-    old, new, code, line, key, message, fix = mistake
-    bench.spoil_table(old, new)
-    problem = bench.only()
-    assert (problem.code, problem.line, problem.key) == (code, line, key)
-    assert message in problem.message
-    assert fix in problem.fix
-    assert problem.path.endswith("/trials.csv")
+def test_every_mistake_is_told_with_its_place_and_remedy(bench):
+    good = bench.table.read_bytes()
+    for name, (old, new, code, line, key, message, fix) in MISTAKES.items():
+        bench.write(trials=good)
+        bench.spoil_table(old, new)
+        problem = bench.only()
+        assert (problem.code, problem.line, problem.key) == (code, line, key), name
+        assert message in problem.message, name
+        assert fix in problem.fix, name
+        assert problem.path.endswith("/trials.csv"), name
 
 
-@pytest.mark.parametrize(
-    ("content", "line", "message"),
-    [
-        (b"", None, "empty"),
-        (b"\n \n# only a comment\n", None, "empty"),
-        (b"file,wheel_radius_mm,wrap_angle_deg,end_tension_N,cell\n", 1, "no trials"),
-        (b"\x00\x01\x02", 1, "not a text file"),
-        (b"\x1f\x8b\x08\x00garbage", None, "gzip"),
-        (b'"file\n', 1, "not closed"),
-        (b"a\n\x81\xff\n", 2, "cp1252"),
-    ],
-)
-def test_odd_tables(bench, content, line, message):
-    bench.write(trials=content)
-    problem = bench.errors()[0]
-    assert problem.code in {"RF101", "RF103"}
-    assert problem.line == line
-    assert message in problem.message
-    assert "[import]" not in str(problem)
+ODD = [
+    (b"", None, "empty"), (b"\n \n# only a comment\n", None, "empty"), (b"\x00\x01\x02", 1, "not a text file"),
+    (b"file,wheel_radius_mm,wrap_angle_deg,end_tension_N,cell\n", 1, "no trials"), (b'"file\n', 1, "not closed"),
+    (b"\x1f\x8b\x08\x00garbage", None, "gzip"), (b"a\n\x81\xff\n", 2, "cp1252"),
+]  # fmt: skip
+
+
+def test_odd_tables(bench):
+    for content, line, message in ODD:
+        bench.write(trials=content)
+        problem = bench.errors()[0]
+        assert problem.code in {"RF101", "RF103"}, content
+        assert problem.line == line, content
+        assert message in problem.message, content
+        assert "[import]" not in str(problem), content
 
 
 def test_a_decimal_comma_before_an_empty_cell_shifts_nothing_unseen(bench):
@@ -94,12 +91,8 @@ def test_a_decimal_comma_before_an_empty_cell_shifts_nothing_unseen(bench):
 
 
 def test_a_point_among_decimal_commas_is_refused(bench):
-    rows = [
-        "file;wheel_radius_mm;wrap_angle_deg;end_tension_N;cell",
-        "a.csv;40;180;80,5;K1",
-        "b.csv;40;180;1.250;K1",
-    ]
-    bench.write(trials="\n".join(rows))
+    head = "file;wheel_radius_mm;wrap_angle_deg;end_tension_N;cell\n"
+    bench.write(trials=f"{head}a.csv;40;180;80,5;K1\nb.csv;40;180;1.250;K1\n")
     problem = bench.only()
     assert (problem.code, problem.line, problem.key) == ("RF102", 3, "end_tension_N")
     assert "write 1,250 if the point is a decimal mark" in problem.fix
@@ -164,70 +157,63 @@ DOUBTS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("doubt", DOUBTS.values(), ids=DOUBTS)
-def test_doubtful_values_are_warnings(bench, doubt):
-    old, new, key, message = doubt
-    bench.spoil_table(old, new)
-    assert bench.errors() == []
-    doubts = [p for p in bench.warnings() if p.code == "RF140"]
-    assert [p.key for p in doubts] == ([key] if key else [])
-    assert all(message in p.message for p in doubts)
-
-
-def test_ninety_degrees_are_enough(bench):
+def test_doubtful_values_are_warnings(bench):
+    good = bench.table.read_bytes()
+    for name, (old, new, key, message) in DOUBTS.items():
+        bench.write(trials=good)
+        bench.spoil_table(old, new)
+        assert bench.errors() == [], name
+        doubts = [p for p in bench.warnings() if p.code == "RF140"]
+        assert [p.key for p in doubts] == ([key] if key else []), name
+        assert all(message in p.message for p in doubts), name
+    bench.write(trials=good)
     bench.spoil_table(",180,", ",90,")
-    assert bench.warnings() == []
+    assert bench.warnings() == []  # is enough
 
 
-def table(conditions, n):
-    rows = [
-        f"{radius}-{wrap}-{load}-{i}.csv,{radius},{wrap},{load},K1"
-        for radius, wrap, load in conditions
-        for i in range(n)
-    ]
-    return "file,wheel_radius_mm,wrap_angle_deg,end_tension_N,cell\n" + "\n".join(rows)
+@pytest.fixture
+def listed(bench):
+    """Write a list of `n` recordings each of some conditions."""
+
+    def listed(conditions, n, change=lambda lines: lines):
+        names = [(f"{r}-{w}-{f}-{i}.csv", r, w, f) for r, w, f in conditions for i in range(n)]
+        for name, *_ in names:
+            bench.record(name)
+        rows = [",".join(map(str, (*row, "K1"))) for row in names]
+        head = "file,wheel_radius_mm,wrap_angle_deg,end_tension_N,cell"
+        bench.write(trials="\n".join(change([head, *rows])))
+        return bench
+
+    return listed
 
 
-@pytest.mark.parametrize(
-    ("conditions", "unseen"),
-    [
-        ([(40, 180, 80), (40, 180, 120)], ["wheel_radius", "wrap_angle"]),
-        ([(40, 180, 80), (50, 180, 80)], ["end_tension", "wrap_angle"]),
-        ([(40, 180, 80), (50, 360, 120)], []),
-    ],
-)
-def test_effects_that_cannot_be_seen(bench, conditions, unseen):
-    text = table(conditions, 6)
-    for line in text.splitlines()[1:]:
-        bench.record(line.split(",")[0])
-    bench.write(trials=text)
-    assert sorted(p.key for p in bench.warnings() if p.code == "RF311") == unseen
+def test_effects_that_cannot_be_seen(listed):
+    for other, unseen in (
+        ((40, 180, 120), ["wheel_radius", "wrap_angle"]),
+        ((50, 180, 80), ["end_tension", "wrap_angle"]),
+        ((50, 360, 120), []),
+    ):
+        told = listed([(40, 180, 80), other], 6).warnings()
+        assert sorted(p.key for p in told if p.code == "RF311") == unseen
 
 
-@pytest.mark.parametrize(
-    ("n", "rule", "warned"), [(5, "two-sigma", True), (6, "two-sigma", False), (5, "grubbs", False)]
-)
-def test_repeats_that_cannot_be_rejected(bench, n, rule, warned):
-    if rule != "grubbs":
-        bench.spoil('"grubbs"', f'"{rule}"')
-    text = table([(40, 180, 80), (50, 360, 120)], n)
-    for line in text.splitlines()[1:]:
-        bench.record(line.split(",")[0])
-    bench.write(trials=text)
-    found = [p for p in bench.warnings() if p.code == "RF310"]
-    assert bool(found) is warned
-    if warned:
-        assert "2 of 2 conditions" in found[0].message
-        assert "n <= 5" in found[0].message
-
-
-def test_excluded_trials_do_not_count_as_repeats(bench):
+def test_repeats_that_cannot_be_rejected(bench, listed):
+    two = [(40, 180, 80), (50, 360, 120)]
+    assert "RF310" not in {p.code for p in listed(two, 5).warnings()}  # by the rule of Grubbs they can
     bench.spoil('"grubbs"', '"two-sigma"')
-    text = table([(40, 180, 80), (50, 360, 120)], 6)
-    for line in text.splitlines()[1:]:
-        bench.record(line.split(",")[0])
-    lines = [line + "," for line in text.splitlines()]
-    bench.write(trials="\n".join([lines[0] + "exclude", lines[1] + "bad", *lines[2:]]))
-    (found,) = [p for p in bench.warnings() if p.code == "RF310"]
+    assert "RF310" not in {p.code for p in listed(two, 6).warnings()}
+    (found,) = [p for p in listed(two, 5).warnings() if p.code == "RF310"]
+    assert "2 of 2 conditions" in found.message
+    assert "n <= 5" in found.message
+
+
+def test_excluded_trials_do_not_count_as_repeats(bench, listed):
+    bench.spoil('"grubbs"', '"two-sigma"')
+
+    def excluded(lines):
+        return [f"{lines[0]},exclude", f"{lines[1]},bad", *(f"{line}," for line in lines[2:])]
+
+    told = listed([(40, 180, 80), (50, 360, 120)], 6, excluded).warnings()
+    (found,) = [p for p in told if p.code == "RF310"]
     assert "1 of 2 conditions" in found.message
     assert "the smallest 5 repeats" in found.message

@@ -129,10 +129,7 @@ def runs(process):
 def test_a_killed_run_leaves_no_process_behind(tmp_path, how):
     script = tmp_path / "hold.py"
     script.write_text(HOLD, encoding="utf-8")
-    parent = subprocess.Popen(
-        [sys.executable, str(script), str(tmp_path)],
-        stderr=subprocess.DEVNULL,
-    )
+    parent = subprocess.Popen([sys.executable, str(script), str(tmp_path)], stderr=subprocess.DEVNULL)
     wanted = min(2, usable_cores())
     try:
         until(lambda: len(list(tmp_path.glob("*.pid"))) == wanted)

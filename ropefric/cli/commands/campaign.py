@@ -29,7 +29,7 @@ with on_first_use():
     from ropefric.review import server, session
     from ropefric.traces import breakaway
     from ropefric.trials import campaign as campaigns
-    from ropefric.trials import campaign_model, result, workers
+    from ropefric.trials import campaign_model, numbers, result, workers
     from ropefric.trials import extract as extracting
 
 if TYPE_CHECKING:
@@ -54,7 +54,6 @@ def extract(
     cluster: options.Cluster = "",
     parquet: options.Parquet = False,
     figures: bool = Option(True, "--figures/--no-figures", help="Draw one figure per condition."),
-    cache: options.Cache = True,
     force: Force = False,
 ) -> Answer:
     """Find the break-away force of every recording, reject outliers, and write tables and figures.
@@ -65,13 +64,12 @@ def extract(
     campaign = options.campaign_file(campaign)
     loaded = campaigns.load_campaign(campaign, missing_recordings="flag")
     n_jobs = options.parse_jobs(jobs, len(loaded.trials))
-    cache_folder = folder / ".cache" if cache else None
     # Before the work, so that a folder that cannot be used costs nothing.
     options.lend_fonts_a_place(folder)
     target = pipeline.campaign_folder(loaded, folder, answers=False, force=force)
-    with options.saying_what_is_kept(out, "recordings", cache_folder), target, ExitStack() as stack:
+    with target, ExitStack() as stack:
         with executors.cluster(cluster, n_jobs) as executor, Progress(out, "extract") as progress:
-            how: dict[str, Any] = {"jobs": n_jobs, "cache_dir": cache_folder, "executor": executor}
+            how: dict[str, Any] = {"jobs": n_jobs, "executor": executor}
             extraction = extracting.extract_campaign(loaded, progress=progress.update, **how)
         result.write_tables(extraction, target, parquet=parquet)
         target.publish("tables")
@@ -140,24 +138,25 @@ def say_problems(extraction: "result.Extraction", folder: Path, out: Output) -> 
     if n_recordings != len(trials):
         what += f" in {counted(n_recordings, 'recording')}"
     counts = result.outcome_words(result.count_trials(extraction))
-    reused = f" ({extraction.n_reused} unchanged, not extracted again)" if extraction.n_reused else ""
-    out.note(f"{what}: {counts}{reused} → {folder / 'problems.csv'}")
+    out.note(f"{what}: {counts} → {folder / 'problems.csv'}")
 
 
 def _sections(extraction: "result.Extraction") -> "list[section.Section]":
     """Return a row a condition, then the recordings without a usable force and what to do about them."""
     slack = any(trial.measures_slack for trial in extraction.trials)
     known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
+    brief = [column for column in numbers.summarised() if column.brief]
     headings = (
         *("R_w [mm]", "φ [deg]", f"{known} [N]", "trials", "kept", f"mean {measured} [N]", "s [N]"),
-        *("mean kinetic [N]", "rejected "),
+        *(column.heading(column.brief) for column in brief),
+        "rejected ",
     )
     rows = []
     for one in extraction.conditions:
         settings, forces = parts.condition_cells(one, slack=slack)
-        kinetic = section.plain(one.of_kept.get("kinetic_N", (math.nan,))[0])
+        beside = [section.plain(one.of_kept.get(column.name, (math.nan,))[0]) for column in brief]
         kept = str(one.n_recorded), str(one.n_kept)
-        rows.append((*settings, *kept, *forces, kinetic, ", ".join(one.rejected)))
+        rows.append((*settings, *kept, *forces, *beside, ", ".join(one.rejected)))
     told = [section.Section(headings=headings, rows=rows, left=0)]
     if flagged := _without_force(extraction):
         statuses = dict.fromkeys(trial.breakaway.status for trial in flagged)
@@ -200,7 +199,6 @@ def run(
     figures: bool = Option(
         True, "--figures/--no-figures", help="Draw figures: one per condition, and those of the report."
     ),
-    cache: options.Cache = True,
     force: Force = False,
 ) -> Answer:
     """Do everything: extract the forces, reject outliers, fit and compare all laws, predict the campaign's wheel.
@@ -211,7 +209,7 @@ def run(
     leave two of them undecided, or judge none.
     """
     loaded, wish = campaigns.load_campaign(options.campaign_file(campaign)), page.Wish(figures=figures)
-    how: dict[str, Any] = {"law": law, "cluster": cluster, "parquet": parquet, "cache": cache, "force": force}
+    how: dict[str, Any] = {"law": law, "cluster": cluster, "parquet": parquet, "force": force}
     return work_through(out, loaded, folder, wish, jobs=jobs, of_conditions=figures, **how)
 
 
@@ -225,7 +223,6 @@ def work_through(
     jobs: str,
     cluster: str = "",
     parquet: bool = False,
-    cache: bool = True,
     of_conditions: bool = False,
     force: bool = False,
 ) -> Answer:
@@ -236,7 +233,7 @@ def work_through(
     # Before the work, so that a law that is not known and a folder that cannot be used cost nothing.
     if law:
         laws.ALL_LAWS[law]
-    cache_dir, n_jobs = folder / ".cache" if cache else None, options.parse_jobs(jobs, len(campaign.trials))
+    n_jobs = options.parse_jobs(jobs, len(campaign.trials))
     options.lend_fonts_a_place(folder)
     target = pipeline.campaign_folder(campaign, folder, force=force)
 
@@ -250,14 +247,14 @@ def work_through(
             pool[0] = drawing_pool(extraction, n_jobs, stack)
             to_finish.append(start_figures(extraction, campaign.report.language, target, out, pool[0]))
 
-    with options.saying_what_is_kept(out, "recordings", cache_dir), target, ExitStack() as stack:
+    with target, ExitStack() as stack:
         try:
             with (
                 executors.cluster(cluster, n_jobs) as executor,
                 Progress(out, "extract") as extracting,
                 Progress(out, "fit") as fitting,
             ):
-                how: dict[str, Any] = {"law": law, "jobs": n_jobs, "cache_dir": cache_dir, "parquet": parquet}
+                how: dict[str, Any] = {"law": law, "jobs": n_jobs, "parquet": parquet}
                 how |= {"extract_progress": extracting.update, "fit_progress": fitting.update_named}
                 done = pipeline.run_campaign(campaign, target, executor=executor, on_extracted=draw, **how)
         except RopefricError:
@@ -295,7 +292,7 @@ def report(
     figures: bool = Option(True, "--figures/--no-figures", help="Draw the figures of the report."),
     force: Force = False,
 ) -> Answer:
-    """Make report.html again, without extracting again what the cache holds; or make one of a table of forces.
+    """Make report.html again, from the recordings on; or make one of a table of forces.
 
     The tables, fits and numbers beside it are brought up to date with it; pictures of single conditions are left as
     they are, and removed if the forces have changed. Exits with 4 unless the law and its lift force are supported.
@@ -388,7 +385,7 @@ def review(
     path = options.campaign_file(path)
     n_jobs = options.parse_jobs(jobs, len(campaigns.load_campaign(path, missing_recordings="flag").trials))
     with Progress(out, "extract") as progress:
-        how: dict[str, Any] = {"law": law, "cache_dir": folder / folders.CACHE, "jobs": n_jobs}
+        how: dict[str, Any] = {"law": law, "jobs": n_jobs}
         by = by.strip() or _login_name()
         reviewed = session.Review(path, by=by, progress=progress.update, **how)
     with server.ReviewServer(reviewed, port) as serving:

@@ -128,8 +128,6 @@ def test_the_saws_numbers_outside_its_tables():
     assert [number(text) for text in at] == wanted
     rho_A = number(scene["blade"]["linear_density"])
     assert rho_A == pytest.approx(machine["density"] * machine["cross_section"], rel=1e-12)
-    measured = {f"measured_{one['side']}": number(one["frequency"]) for one in scene["measured"]}
-    assert measured == machine[list(measured)].to_dict()
 
     fixed, pressed = (rf.solve(SCENES / f"band-saw{end}.toml").to_dict() for end in ("-fixed-axles", ""))
     v, cut, rounded = pressed["speed_m_s"], "cut off", "with the printed 761 N"
@@ -153,3 +151,21 @@ def test_the_saws_numbers_outside_its_tables():
             rounded: math.sqrt(value**2 + (761 - rho_A * v**2) / rho_A),
         }
         assert agrees(exact.get(remark, float(printed)), printed), (item, value)
+
+
+def test_no_string_explains_what_was_measured_on_the_tight_side():
+    machine = published("band_saw_machine.csv")
+    fixed, pressed = (rf.solve(SCENES / f"band-saw{end}.toml").to_dict() for end in ("-fixed-axles", ""))
+    v, length_m, rho_A = (
+        pressed["speed_m_s"],
+        machine["free_span"],
+        machine["density"] * machine["cross_section"],
+    )
+    assert agrees(100.0 * (fixed["rest"]["first_frequency_Hz"] / machine["measured_rest"] - 1.0), "0.13")
+    for side, off, kappa in (("tight", ("-24.3", "-12.6"), "2.21"), ("slack", ("-16.9", "-2.8"), "1.22")):
+        measured_Hz = machine[f"measured_{side}"]
+        for solved, printed in zip((fixed, pressed), off, strict=True):
+            assert agrees(100.0 * (solved[side]["first_frequency_Hz"] / measured_Hz - 1.0), printed), side
+        c = length_m * measured_Hz + math.hypot(length_m * measured_Hz, v)  # of a string with that frequency
+        needed = (rho_A * c**2 - fixed[side]["tension_N"]) / (rho_A * v**2)
+        assert agrees(needed, kappa), side

@@ -1,7 +1,8 @@
 """The site: `python -m sphinx -W -b html docs docs/_site` builds it, offline, warnings as errors.
 
-Commands, Python names, laws and figures are taken from the library while it is built (`generate.py`). Formulas become
-MathML, the search runs in the browser, and nothing is loaded from elsewhere.
+Commands, Python names, laws, figures and the pages of the papers, which are notebooks that are run, are made by the
+library while it is built (`generate.py`). Formulas become MathML, the search runs in the browser, and nothing is loaded
+from elsewhere.
 """
 
 import sys

@@ -1,16 +1,22 @@
-"""What the pages take from the library while the site is built: figures, commands, Python names, what is registered.
+"""What the pages take from the library while the site is built: figures, commands, notebooks, names, what is registered.
 
 Nothing of this is kept in the repository, so that no figure and no option on the site can be older than the code.
 """
 
+import asyncio
+import base64
 import inspect
 import json
+import logging
+import os
 import re
 import typing
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
 from pathlib import Path
 
+import nbformat
+from nbclient import NotebookClient
 from pydantic import BaseModel, PlainValidator
 
 import ropefric as rf
@@ -19,10 +25,9 @@ from ropefric.cli.app import build_app, find_commands
 from ropefric.errors import RopefricError
 from ropefric.files.toml_model import StrictTable
 from ropefric.friction.laws import LAWS
-from ropefric.papers.paper import PAPERS, read_paper
 from ropefric.plotting import style
 from ropefric.plotting.campaign import conditions_of, draw_condition
-from ropefric.plotting.figure import FigureWithData, draw_chart, drawing, svg_text
+from ropefric.plotting.figure import FigureWithData, drawing, svg_text
 from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets
 from ropefric.plotting.machines import draw_sweep, scene_figures
 from ropefric.rig.recording import FAULTS
@@ -38,6 +43,9 @@ ROOT = Path(__file__).parents[1]
 BENCH = ROOT / "data" / "prth-bench" / "campaign.toml"
 SCENES = ROOT / "data" / "scenes"
 FITS = ROOT / "fits"
+NOTEBOOKS = ROOT / "notebooks"
+PAPERS = {"prth": "01_from_traces_to_lift_force", "press": "02_belt_press", "saw": "03_band_saw"}
+"""The notebook that goes through each paper, by the name of its page."""
 
 
 def everything(folder: Path) -> None:
@@ -48,21 +56,18 @@ def everything(folder: Path) -> None:
         "registered.md": registered_page(),
         "scene-keys.md": scene_keys_page(),
     }
-    drawn = dict(figures())
-    pages |= {f"paper-{name}.md": paper_page(name, drawn) for name in PAPERS}
     # A piece of a page becomes a file of its own.
     namespace = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
-    pictures = {
-        f"{stem}.svg": svg_text(figure, stem=stem).replace("<svg", namespace, 1)
-        for stem, figure in drawn.items()
-    }
+    for stem, figure in figures():
+        pages[f"{stem}.svg"] = svg_text(figure, stem=stem).replace("<svg", namespace, 1)
+    made = {name: text.encode() for name, text in pages.items()} | paper_pages()
     folder.mkdir(exist_ok=True)
-    for old in {path.name for path in folder.iterdir()} - pages.keys() - pictures.keys():
+    for old in {path.name for path in folder.iterdir()} - made.keys():
         (folder / old).unlink()
-    for name, text in (pages | pictures).items():
+    for name, content in made.items():
         path = folder / name
-        if not path.is_file() or path.read_text(encoding="utf-8") != text:
-            path.write_text(text, encoding="utf-8", newline="\n")
+        if not path.is_file() or path.read_bytes() != content:
+            path.write_bytes(content)
 
 
 # Figures.
@@ -205,31 +210,53 @@ def _results(names: Iterable[str]) -> list[type]:
     return [found[name] for name in sorted(found)]
 
 
-# Papers.
+# Notebooks.
 
 
-def paper_page(name: str, drawn: dict[str, FigureWithData]) -> str:
-    """Return the page of every number of a paper beside the printed one; its figures are added to those drawn."""
-    found = read_paper(name)
-    first, *items = found.parts()
-    parts = [
-        f"# {first.title}: every number\n",
-        *(f"{_escaped(line[:1].upper() + line[1:])}.\n" for line in first.lines),
-        _notes(first),
-    ]
-    for (item, _), part in zip(found.rows, items, strict=True):
-        parts.append(f"## {_escaped(part.title)}\n\n{_escaped(' '.join(part.lines))}\n")
-        if part.rows:
-            parts.append(_rows(part.headings, ([_escaped(cell) for cell in row] for row in part.rows)))
-        parts.append(_notes(part))
-        for stem, chart in item.charts(found.machine):
-            drawn[f"paper-{name}-{stem}"] = draw_chart(chart)
-            parts.append(f"![{_escaped(chart.title)}](paper-{name}-{stem}.svg)\n")
-    return "\n".join(parts)
+def paper_pages() -> dict[str, bytes]:
+    """Return the pages of the papers and their pictures by file name, from their notebooks, which are run for it."""
+    os.environ.setdefault("JUPYTER_PLATFORM_DIRS", "1")
+    logging.getLogger("traitlets").setLevel(logging.WARNING)
+    notebooks = {name: nbformat.read(NOTEBOOKS / f"{stem}.ipynb", 4) for name, stem in PAPERS.items()}
+
+    async def run() -> None:
+        how = {"timeout": 600, "resources": {"metadata": {"path": str(NOTEBOOKS)}}}
+        how["extra_arguments"] = ["--log-level=ERROR"]
+        await asyncio.gather(*(NotebookClient(one, **how).async_execute() for one in notebooks.values()))
+
+    asyncio.run(run())
+    files: dict[str, bytes] = {}
+    for name, notebook in notebooks.items():
+        text = "\n\n".join(_set(notebook.cells, f"paper-{name}", files))
+        files[f"paper-{name}.md"] = f"{text}\n".encode()
+    return files
 
 
-def _notes(part: typing.Any) -> str:
-    return "".join(f"- {_escaped(note)}\n" for note in part.notes)
+def _set(cells: Iterable[typing.Any], stem: str, files: dict[str, bytes]) -> Iterator[str]:
+    """Yield the cells of a notebook as Markdown, each code with what it shows; pictures are added to the files."""
+    for cell in cells:
+        if cell.cell_type == "markdown":
+            yield cell.source
+            continue
+        code = cell.source.removeprefix("%matplotlib inline\n")
+        yield f"```python\n{code}\n```"
+        # A cell that draws says in its first line what is to be seen.
+        alt = (
+            code.partition("\n")[0].removeprefix("# ")
+            if code.startswith("# ")
+            else "What the code above draws"
+        )
+        for place, shown in enumerate(cell.outputs):
+            data = shown.get("data", {})
+            if "image/png" in data:
+                name = f"{stem}-{cell.id}-{place}.png"
+                files[name] = base64.b64decode(data["image/png"])
+                yield f"![{_escaped(alt)}]({name})"
+            elif "text/html" in data:
+                table = re.sub(r"<style.*?</style>", "", data["text/html"], flags=re.DOTALL)
+                yield f"```{{raw}} html\n{table}\n```"
+            else:
+                yield f"```text\n{(shown.get('text') or data.get('text/plain', '')).rstrip()}\n```"
 
 
 # What is registered.

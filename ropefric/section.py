@@ -36,13 +36,12 @@ class Section(NamedTuple):
 
 
 class Line(NamedTuple):
-    """A line of a chart; a point where it has one value, or `points`; a limit drawn thin where `limit` says so."""
+    """A line of a chart; a point where it has one value; a limit drawn thin where `limit` says so."""
 
     name: str
     x: "FloatArray"
     y: "FloatArray"
     limit: bool = False
-    points: bool = False
 
 
 class Chart(NamedTuple):

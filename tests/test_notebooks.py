@@ -1,10 +1,10 @@
-"""Every notebook runs from top to bottom, asserts its own numbers, and is stored without outputs."""
+"""Every notebook runs from top to bottom, asserts its own numbers, and is stored without outputs.
+
+Here its code runs in this process; kernels run it where the site is built.
+"""
 
 import ast
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -12,73 +12,55 @@ import pytest
 import ropefric as rf
 
 NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
-
-RUN = """
-import sys
-import nbformat
-from nbclient import NotebookClient
-
-notebook = nbformat.read(sys.argv[1], as_version=4)
-NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": sys.argv[2]}}).execute()
-shown = [output.get("data", {}) for cell in notebook.cells for output in cell.get("outputs", [])]
-print(sum("<caption>" in data.get("text/html", "") for data in shown), sum("image/png" in data for data in shown))
-"""
+QUICK = "02_belt_press"
+"""Run by default; the others read a campaign, search for resonances or measure times."""
 
 
-def cells(path):
-    return json.loads(path.read_text(encoding="utf-8"))["cells"]
+def code_cells(path):
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    return [cell for cell in cells if cell["cell_type"] == "code"]
 
 
-def test_there_are_notebooks():
-    assert NOTEBOOKS
+def code_of(path):
+    return "\n".join("".join(cell["source"]) for cell in code_cells(path)).replace("%matplotlib inline", "")
 
 
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_notebook_is_stored_without_outputs_and_ends_in_assertions(path):
-    code = [cell for cell in cells(path) if cell["cell_type"] == "code"]
-    assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
-    assert "assert " in "".join(code[-1]["source"])
-
-
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_notebook_uses_the_interface_alone(path):
+def test_notebooks_are_stored_without_outputs_end_in_assertions_and_use_the_interface_alone():
     """`import ropefric as rf`, and of its modules none: what a notebook needs, everybody can have."""
-    code = "\n".join("".join(cell["source"]) for cell in cells(path) if cell["cell_type"] == "code")
-    tree = ast.parse(code.replace("%matplotlib inline", ""))
-    named = [
-        (alias.name, alias.asname)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Import)
-        for alias in node.names
-        if alias.name.partition(".")[0] == "ropefric"
-    ]
-    assert named == [("ropefric", "rf")]
-    sources = [node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
-    assert not [source for source in sources if source.partition(".")[0] == "ropefric"]
-    used = {
-        node.attr
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "rf"
-    }
-    assert used <= set(rf.__all__)
+    assert len(NOTEBOOKS) >= 5
+    for path in NOTEBOOKS:
+        code = code_cells(path)
+        assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code), path.stem
+        assert "assert " in "".join(code[-1]["source"]), path.stem
+        nodes = [*ast.walk(ast.parse(code_of(path)))]
+        named = [
+            (one.name, one.asname) for node in nodes if isinstance(node, ast.Import) for one in node.names
+        ]
+        named += [(node.module or "", None) for node in nodes if isinstance(node, ast.ImportFrom)]
+        assert [one for one in named if one[0].partition(".")[0] == "ropefric"] == [("ropefric", "rf")], (
+            path.stem
+        )
+        of_rf = (
+            node for node in nodes if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)
+        )
+        assert {node.attr for node in of_rf if node.value.id == "rf"} <= set(rf.__all__), path.stem
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_notebook_runs(path):
-    """In a process of its own: the kernel's threads and sockets are no business of the other tests."""
-    pytest.importorskip("nbclient")
-    pytest.importorskip("ipykernel")
-    environment = {**os.environ, "JUPYTER_PLATFORM_DIRS": "1", "MPLBACKEND": "agg"}
-    done = subprocess.run(
-        [sys.executable, "-c", RUN, str(path), str(path.parent)],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=environment,
-    )
-    assert done.returncode == 0, done.stderr[-4000:]
-    if path is NOTEBOOKS[0]:
-        tables, figures = map(int, done.stdout.split())
-        assert tables >= 1, "a result at the end of a cell is a table"
-        assert figures >= 1, "and what plot() returns a figure"
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(one, marks=() if one.stem == QUICK else pytest.mark.slow, id=one.stem)
+        for one in NOTEBOOKS
+    ],
+)
+def test_a_notebook_runs(path, monkeypatch):
+    plt = pytest.importorskip("matplotlib.pyplot")
+    monkeypatch.chdir(path.parent)
+    monkeypatch.setattr(plt, "show", lambda: None)  # a notebook's, and the canvas of tests shows nothing
+    pd = pytest.importorskip("pandas")
+    try:
+        with pd.option_context("display.max_rows", 60, "display.max_colwidth", 50), plt.rc_context():
+            plt.switch_backend("agg")
+            exec(compile(code_of(path), path.name, "exec"), {"__name__": "notebook"})  # noqa: S102  (our own)
+    finally:
+        plt.close("all")

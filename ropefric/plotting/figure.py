@@ -204,7 +204,7 @@ def draw_chart(chart: Chart) -> FigureWithData:
                 axes.plot(line.x, line.y, color=GREY, linewidth=1.0, label=line.name)
                 continue
             dot: dict[str, Any] = {"marker": "os^Dv*"[drawn % 6], "linestyle": "none"}
-            look = dot if line.points or line.x.size == 1 else {"linestyle": LINE_STYLES[drawn % 4]}
+            look = dot if line.x.size == 1 else {"linestyle": LINE_STYLES[drawn % 4]}
             axes.plot(line.x, line.y, label=line.name, **look)
             drawn += 1
         axes.set(xlabel=chart.x_label, ylabel=chart.y_label)

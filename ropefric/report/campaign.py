@@ -11,7 +11,6 @@ from ropefric import pipeline
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import json_document
 from ropefric.glossary import counted
-from ropefric.papers.prth import reduction_of
 from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
 from ropefric.report import page, parts
 from ropefric.report.page import USUAL, Alert, Block, Chapter, Fold, Picture, Report, Subject, Wish
@@ -36,7 +35,6 @@ _CHAPTERS = {
     "recordings": "Every recording and its pick",
     "friction": "Does it obey the capstan equation?",
     "law": "How good the law is",
-    "paper": "As the paper on rope and wheel reduces trials",
     "uncertainty": "What makes up the uncertainty",
     "design": "The design and its neighbours",
     "next": "What to measure next",
@@ -106,15 +104,14 @@ def _write(
     progress: Progress | None,
 ) -> tuple[Path, ...]:
     pictures: Pictures = {}
-    reduced, of_paper = reduction_of(subject.answer.table, subject.answer.fits)
     if subject.wish.figures:
         from ropefric.report.pictures import draw_pictures  # noqa: PLC0415  (matplotlib takes half a second)
 
-        pictures = draw_pictures(subject, folder, of_paper, executor=executor, progress=progress)
+        pictures = draw_pictures(subject, folder, executor=executor, progress=progress)
     numbers = [
         folder.path / name for drawn in pictures.values() for picture in drawn for name in picture.files
     ]
-    html = page.as_html(_report(subject, pictures, reduced))
+    html = page.as_html(_report(subject, pictures))
     files: dict[str, Any] = texts | pipeline.evidence_files(subject.evidence) | {"report.html": html}
     if subject.wish.pdf:
         files["report.pdf"] = page.pdf_of(html)
@@ -157,7 +154,7 @@ def _tally(extraction: result.Extraction) -> str:
     return f"{trials} of {conditions}: {result.outcome_words(counts)}"
 
 
-def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Section]) -> Report:
+def _report(subject: Subject, pictures: Pictures) -> Report:
     """Return a report: the result on the first pages, then what to know, the evidence, settings and provenance."""
     answer, evidence, run = subject.answer, subject.evidence, subject.run
     by_hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
@@ -186,7 +183,6 @@ def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Section]) ->
             *(drawn for key in _OF_LAW for drawn in pictures.get(key, ())),
             *parts.notes_sections(answer.fit),
         ],
-        "paper": [*reduced, *pictures.get("paper", ())],
         "uncertainty": _uncertainty(evidence, pictures),
         "design": [*pictures.get("design", ()), *([by_hand] if evidence.hand else [])],
         "next": [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)] if evidence.plan else (),

@@ -1,17 +1,16 @@
 """The figures of a report: which there are, under which chapter, and what is to be seen in them; drawn for the page."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from functools import partial
 
 from ropefric.files.folder import Folder
 from ropefric.fitting.predict import REGRESSORS
-from ropefric.papers.paper import Shown
 from ropefric.pipeline import CampaignAnswer, Evidence
 from ropefric.plotting import campaign as of_trials
 from ropefric.plotting import fits as of_laws
 from ropefric.plotting.design import draw_budget, draw_design_chart, draw_ladder, draw_tornado
-from ropefric.plotting.figure import Draw, Progress, draw_chart, start_drawing
+from ropefric.plotting.figure import Draw, Progress, start_drawing
 from ropefric.report.page import Picture, Subject
 from ropefric.trials.result import Extraction, TrialResult
 
@@ -28,7 +27,6 @@ Drawings = Iterator[tuple[str, str, str, Draw]]
 def draw_pictures(
     subject: Subject,
     folder: Folder,
-    of_paper: Iterable[Shown] = (),
     *,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -39,9 +37,6 @@ def draw_pictures(
     drawings = [*_of_front(answer, extraction, evidence)]
     drawings += [] if extraction is None else _of_trials(extraction)
     drawings += [*_of_laws(answer), *_of_design(evidence)]
-    for one in of_paper:
-        draw = partial(draw_chart, one.chart)
-        drawings.append(("paper", f"paper_{one.stem}", f"{one.chart.title}.", draw))
     how = {"language": subject.language, "names": subject.names, "formats": subject.wish.formats}
     draws = {stem: draw for _, stem, _, draw in drawings}
     made = start_drawing(draws, folder, executor, under=f"{FOLDER}/", on_page=True, **how)(progress)

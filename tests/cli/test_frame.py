@@ -200,7 +200,7 @@ def test_commands_stand_in_the_order_of_work_each_at_a_place_of_its_own():
     assert list(commands) == [
         *("init", "inspect", "check", "simulate", "extract", "run", "review", "report"),
         *("fit", "show", "compare", "diagnose", "predict", "budget", "design", "plan-tests", "export"),
-        *("solve", "explain", "paper", "cost", "verify", "check-plugin"),
+        *("solve", "explain", "cost", "verify", "check-plugin"),
     ]
 
 

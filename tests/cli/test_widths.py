@@ -48,7 +48,7 @@ def test_every_command_is_here():
     """Two write what a person is to see elsewhere: a server's page, and what plugins are told by tests of their own."""
     named = {words.split()[0] for words in COMMANDS}
     assert named <= {*find_commands()}
-    assert {*find_commands()} - named <= {"check-plugin", "review", "paper"}
+    assert {*find_commands()} - named <= {"check-plugin", "review"}
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ LARGEST_BYTES = 3_000_000
 VOID = {"meta", "br", "hr", "img", "input", "link"}
 CHAPTERS = (
     *("result", "warnings", "trials", "recordings", "friction", "law"),
-    *("paper", "uncertainty", "design", "next", "provenance"),
+    *("uncertainty", "design", "next", "provenance"),
 )
 FIGURES = (
     *("typical_recording", "law", "overview", "recordings_1", "mu_facets", "capstan", "fit_over_wrap"),

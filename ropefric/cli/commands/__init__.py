@@ -2,5 +2,5 @@
 
 `start` before a campaign, and plugins tried; `campaign` from its recordings to its report, and its picks reviewed;
 `laws` fitted and compared, the wheels that a fit answers for, with what is uncertain of it, and the fit handed on;
-`scenes` solved and explained, the papers behind them, and what accuracy costs.
+`scenes` solved and explained, and what accuracy costs.
 """

@@ -20,7 +20,6 @@ with on_first_use():
     from ropefric.accuracy import measure
     from ropefric.accuracy import studies as all_studies
     from ropefric.files import folder as folders
-    from ropefric.papers import paper as papers
     from ropefric.report import cost_page, parts
     from ropefric.scenes import draws as drawing
     from ropefric.scenes import kinds, plan
@@ -209,43 +208,6 @@ def explain(
             files += figure.save_figure(machines.draw_explanation(found), target, "effects")
             options.publish(out, target, "explanation", files)
         return Answer(tree | {"files": files}, parts.explanation_sections(found))
-
-
-@command("ropefric paper saw --out out/", order=175)
-def paper(
-    out: Output,
-    name: str = Argument(
-        ..., metavar="prth|press|saw", help="The rope on a wheel, the belt press or the band saw."
-    ),
-    *,
-    scene: Path | None = option("SCENE.toml", "Of this machine; by default the published one."),
-    trials: Path | None = option("TRIALS.csv", "For prth: reduce these trials as the paper does."),
-    fit: Path | None = Option(None, metavar="FIT.json", help="With the friction of this fit."),
-    reference_tension: options.Number = options.quantity(
-        "--reference-tension", "N", "For prth: F_0 of eqs. (11)-(13), 1 N by default."
-    ),
-    folder: Path | None = out_folder("Write the numbers, and the paper's figures, there."),
-    force: Force = False,
-) -> Answer:
-    """Read one of the three papers behind ropefric: each equation, table and figure, computed beside printed.
-
-    For the machine that the paper publishes, or for a scene, a fit or trials of yours. Where a printed number does not
-    come out to its last digit, a remark says why: misprints, rounded factors, or what the paper leaves open.
-    """
-    inputs = [one for one in (scene, trials, fit) if one is not None]
-    names = ("paper.json", *options.figure_names("figure_*", "rest_*", "running_*"))
-    with options.open_folder(folder, family="paper", names=names, inputs=inputs, force=force) as target:
-        table = None if trials is None else options.read_table(trials, out)
-        found = papers.read_paper(name, scene=scene, trials=table, fit=fit, reference_N=reference_tension)
-        tree, files = found.to_dict(), list[Path]()
-        if target is not None:
-            from ropefric.plotting import figure  # noqa: PLC0415  (its package loads matplotlib)
-
-            files += target.write({"paper.json": json_text(tree)})
-            for stem, chart in found.charts():
-                files += figure.save_figure(figure.draw_chart(chart), target, stem)
-            options.publish(out, target, "paper", files)
-        return Answer(tree | {"files": files}, [*found.parts()])
 
 
 @command("ropefric cost integral --out cost --quick", order=180)

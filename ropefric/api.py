@@ -32,7 +32,7 @@ from ropefric.given import Columns, as_table, as_trace, number, settings, wheels
 from ropefric.pipeline import CampaignRun, campaign_folder, run_campaign
 from ropefric.quantities import split_unit_suffix
 from ropefric.scenes.draws import Draws, draw_scene
-from ropefric.scenes.plan import Explanation, explain_scene
+from ropefric.scenes.explain import Explanation, explain_scene
 from ropefric.scenes.scene import Scene, load_scene
 from ropefric.scenes.solve import Solution, solve_scene
 from ropefric.scenes.sweep import KEPT_POINTS, Axis, Sweep, parse_axis, sweep_scene, sweep_table
@@ -840,7 +840,7 @@ def accuracy_table(
     return pd.DataFrame([[getattr(one, name) for name in columns] for one in points], columns=columns)
 
 
-def solve(scene: Scene | PathLike, *, level: float = 0.95, identify: bool = False) -> Solution:
+def solve(scene: Scene | PathLike, *, level: float = 0.95) -> Solution:
     """Return the answer to a scene, simulated with the effects that its accuracy calls for.
 
     Parameters
@@ -849,8 +849,6 @@ def solve(scene: Scene | PathLike, *, level: float = 0.95, identify: bool = Fals
         The scene or its file.
     level : float
         Of the intervals.
-    identify : bool
-        Find, too, what the scene's measurements tell of the machine: a saw's preload and mounting.
 
     Returns
     -------
@@ -871,7 +869,7 @@ def solve(scene: Scene | PathLike, *, level: float = 0.95, identify: bool = Fals
     >>> round(hoist["lift_force_N"]), hoist["effects"]["simulated"]
     (319, ['wrap-dependence', 'size', 'end-tension'])
     """
-    return solve_scene(_as_scene(scene), level=level, identify=identify)
+    return solve_scene(_as_scene(scene), level=level)
 
 
 def explain(scene: Scene | PathLike, *, measure: bool = False) -> Explanation:
@@ -882,7 +880,7 @@ def explain(scene: Scene | PathLike, *, measure: bool = False) -> Explanation:
     scene : Scene or path-like
         The scene or its file.
     measure : bool
-        Solve with and without each effect, for its worth and its time.
+        Read the clock, too: what time each effect takes.
 
     Examples
     --------

@@ -56,7 +56,7 @@ SIGNATURES = {
     "run": "(campaign, folder, *, law='', jobs=1, overwrite=False, executor=None)",
     "save_fit": "(fit, path, *, overwrite=False)",
     "smooth": "(trace, window_s=None, *, columns=None)",
-    "solve": "(scene, *, level=0.95, identify=False)",
+    "solve": "(scene, *, level=0.95)",
     "sweep": "(scene, *axes, progress=None, table=None, executor=None)",
     "trial_table": "(trials, *, columns=None)",
     "write_scenes": "(folder, names=(), *, overwrite=False)",

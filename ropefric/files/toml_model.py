@@ -206,7 +206,8 @@ def _problem(model: type[BaseModel], document: TomlDocument, item: Any) -> Probl
         owner = _model_at(model, key[:-1])
         known = [field.alias or name for name, field in owner.model_fields.items()] if owner else []
         message = f"unknown key '{name}'" + (f" in [{table}]" if table else "")
-        return document.problem(key, "RF120", message, fix=did_you_mean(name, known))
+        fix = getattr(owner, "gone", {}).get(name) or did_you_mean(name, known)
+        return document.problem(key, "RF120", message, fix=fix)
     if kind.removesuffix("_type") in ("model", "model_attributes", "dict"):
         fix = f"open a table with [{key_text(key)}] on a line of its own"
         return document.problem(key, "RF110", f"expected a table, got {got(value)}", fix=fix)

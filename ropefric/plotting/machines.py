@@ -14,8 +14,8 @@ from ropefric.errors import InputError
 from ropefric.glossary import GLOSSARY
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, draw_chart, drawing
+from ropefric.scenes.explain import Explanation
 from ropefric.scenes.kind import Wheel
-from ropefric.scenes.plan import Explanation
 from ropefric.scenes.scene import Scene
 from ropefric.scenes.solve import Solution
 from ropefric.scenes.sweep import Sweep
@@ -82,27 +82,29 @@ def draw_explanation(told: Explanation) -> FigureWithData:
     shown = [one for one in told.plan.decisions if one.fate != "not applicable"]
     rows, inside = np.arange(len(shown)), np.array([one.fate == "simulated" for one in shown])
     columns = {name: np.array([getattr(one, name) for one in shown]) for name in ("bound", "worth", "time_s")}
-    least = 1e-3 * min([told.plan.accuracy, *columns["bound"][columns["bound"] > 0.0]])
+    worths, bounds = columns["worth"], columns["bound"]
+    least = 1e-3 * min([told.plan.accuracy, *worths[worths > 0.0]])
     side: dict[str, Any] = {"ncols": 2, "sharey": True, "width_ratios": (3, 1 + told.is_measured)}
     with drawing(9.0, 1.6 + 0.35 * len(shown), **side) as (figure, (worth, takes)):
-        # A worth without a bound reaches to the edge.
-        most = 3.0 * max([1.0, *columns["bound"][np.isfinite(columns["bound"])]])
-        bars = np.clip(np.nan_to_num(columns["bound"], nan=0.0, posinf=most), least, most)
+        # A worth that is no number, as another answer is, reaches to the edge.
+        most = 3.0 * max([1.0, *worths[np.isfinite(worths)]])
+        bars = np.clip(np.nan_to_num(worths, nan=most, posinf=most), least, most)
         for words, some, color in (("simulated", inside, style.BLUE), ("left out", ~inside, style.GREY)):
             worth.barh(rows[some], bars[some], color=color, height=0.6, label=words if some.any() else "")
             takes.barh(rows[some], 1e3 * np.nan_to_num(columns["time_s"])[some], color=color, height=0.6)
-        worth.plot(np.maximum(columns["worth"], least), rows, "o", color=style.INK, label="measured worth")
+        if np.isfinite(bounds).any():
+            worth.plot(np.maximum(bounds, least), rows, "|", color=style.INK, markersize=14, label="bound")
         worth.axvline(told.plan.accuracy, color=style.ORANGE, linestyle="--", label="accuracy wanted")
-        worth.set(xscale="log", xlim=(least, most), xlabel="Worth at most, of the answer [-]")
+        worth.set(xscale="log", xlim=(least, most), xlabel="Worth, of the answer [-]")
         worth.set_yticks(rows, [one.name for one in shown])
         worth.invert_yaxis()
         takes.set_xlabel("Takes [ms]" if told.is_measured else "Time: --measure")
         figure.suptitle(f"What the effects of this {told.system} scene are worth, and what they take")
         style.legend_of_figure(figure, columns=4)
-    alt = ", ".join(f"{one.name} {one.bound:.2g} ({one.fate})" for one in shown)
+    alt = ", ".join(f"{one.name} {one.worth:.2g} ({one.fate})" for one in shown)
     named: dict[str, Any] = {"effect": [one.name for one in shown], "fate": [one.fate for one in shown]}
     table = DataTable({**named, **columns})
-    return FigureWithData(figure, (table,), f"What effects are worth at most: {alt}.")
+    return FigureWithData(figure, (table,), f"What effects are worth: {alt}.")
 
 
 _ROLES = {"driver": style.BLUE, "driven": style.GREY, "tensioner": style.ORANGE}

@@ -27,7 +27,7 @@ from ropefric.plotting.figure import FigureWithData, drawing, rewrite_words
 from ropefric.plotting.fits import draw_fit_band
 from ropefric.plotting.machines import draw_explanation, draw_layout, draw_sweep, scene_figures
 from ropefric.scenes.draws import Draws
-from ropefric.scenes.plan import Explanation
+from ropefric.scenes.explain import Explanation
 from ropefric.scenes.scene import Scene
 from ropefric.scenes.solve import Solution
 from ropefric.scenes.sweep import Sweep

@@ -20,7 +20,8 @@ from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Quantity, Stat
 
 if TYPE_CHECKING:
     from ropefric.scenes.draws import Draws
-    from ropefric.scenes.plan import Decision, Explanation, Plan
+    from ropefric.scenes.explain import Explanation
+    from ropefric.scenes.plan import Decision, Plan
     from ropefric.scenes.solve import Solution, Uncertain
     from ropefric.scenes.sweep import Sweep
 
@@ -374,8 +375,7 @@ def _method(plan: "Plan") -> str:
 def explanation_sections(told: "Explanation") -> list[Section]:
     """Return the table of effects and the method, with what was measured if anything was."""
     plan = told.plan
-    known = (("–" if one.fate == "not applicable" else _bound(one.bound)) for one in plan.decisions)
-    rows = [[one.name, one.fate, bound] for one, bound in zip(plan.decisions, known, strict=True)]
+    rows = [[one.name, one.fate, _worth(one)] for one in plan.decisions]
     bound = _bound(plan.error_bound)
     lines = [
         f"accuracy wanted {plan.accuracy:g}; difference to simulating everything at most {bound}",
@@ -383,18 +383,47 @@ def explanation_sections(told: "Explanation") -> list[Section]:
     ]
     if told.is_measured:
         for row, one in zip(rows, plan.decisions, strict=True):
-            share = "–" if math.isnan(one.time_share) else f"{100 * one.time_share:.0f} %"
-            row += [plain(one.worth, ".2g"), "–" if math.isnan(one.time_s) else _time(one.time_s), share]
+            row += [_takes(one), "–" if math.isnan(one.time_share) else f"{100 * one.time_share:.0f} %"]
+        saved = f"a difference below {_time(told.spread_s)} cannot be told here"
+        if abs(told.saved_s) > told.spread_s:
+            what = "saves" if told.saved_s > 0.0 else "costs"
+            saved = f"which {what} {_time(abs(told.saved_s))} (± {_time(0.5 * told.spread_s)})"
         times = f"{_time(told.planned_s)} as planned, {_time(told.all_s)} with everything"
-        saved = f", which saves {_time(told.saved_s)}" if plan.left_out and told.saved_s > 0.0 else ""
-        lines.append(f"measured: difference {told.difference:.2g}; {times}{saved}")
-    headings = ("effect", "fate ", "worth at most", "measured worth", "takes", "share of time")
-    shown = headings[: 6 if told.is_measured else 3]
+        lines.append(f"measured: difference {told.difference:.2g}; {times}; {saved}")
+    headings = ("effect", "fate ", "worth", "takes", "share of time")
     reasons: dict[str, list[str]] = {}
     for one in plan.decisions:
         reasons.setdefault(_why(one), []).append(one.name)
     notes = [f"{', '.join(names)}: {why}" for why, names in reasons.items()]
-    return [Section(f"Effects of this {told.system} scene", lines, shown, rows, 2, notes)]
+    return [
+        Section(
+            f"Effects of this {told.system} scene",
+            lines,
+            headings[: 5 if told.is_measured else 3],
+            rows,
+            2,
+            notes,
+        )
+    ]
+
+
+def _worth(decision: "Decision") -> str:
+    """Return by how much leaving an effect out, or putting it in, changes any number of the answer."""
+    if decision.fate == "not applicable":
+        return "–"
+    words = {math.isinf: "another answer", math.isnan: "no answer"}
+    return next((said for is_so, said in words.items() if is_so(decision.worth)), f"{decision.worth:.2g}")
+
+
+def _takes(decision: "Decision") -> str:
+    if math.isnan(decision.time_spread_s):
+        return "–"
+    spread = _time(decision.time_spread_s)
+    return (
+        f"less than {spread}"
+        if math.isnan(decision.time_s)
+        else f"{_time(decision.time_s)} ± {_time(0.5 * decision.time_spread_s)}"
+    )
 
 
 def _why(decision: "Decision") -> str:

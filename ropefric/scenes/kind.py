@@ -347,9 +347,6 @@ class Kind:
         that friction changes in jumps, so that they have no slope, such as whether anything slipped.
     tree : callable
         `tree(answer, problem)` returns the JSON shape of the answer, without what all scenes share.
-    identified : callable
-        `identified(answer, problem)` returns what measurements in the scene tell of the machine, to be merged into the
-        tree; None where there are none. Only where somebody asks for it, because it takes long.
     contacts : callable
         `contacts(problem)` returns the conditions at which the friction is used, as a mapping from the regressor's
         name to an array; for telling an extrapolation.
@@ -400,7 +397,6 @@ class Kind:
     answerable: Callable[[Any], BoolArray]
     outcomes: Callable[[Any, Any], tuple[Quantity, ...]] = lambda answer, problem: ()  # noqa: ARG005  (none known)
     failures: Callable[[Any, Any], tuple[Failure, ...]] = lambda answer, problem: ()  # noqa: ARG005  (none known)
-    identified: Callable[[Any, Any], dict[str, Any] | None] = lambda answer, problem: None  # noqa: ARG005
     kept: Callable[[Any], Mapping[str, str]] = lambda problem: {}  # noqa: ARG005  (none)
     in_one_call: Callable[[Any], bool] = lambda problem: True  # noqa: ARG005  (every problem)
     keys: Mapping[str, str] = field(default_factory=dict)

@@ -19,7 +19,7 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, RopefricError
 from ropefric.executors import spread
 from ropefric.scenes.kind import Failure, Kind, Quantity
-from ropefric.scenes.plan import make_plan, room_for_effects, solve_planned, worth_asking
+from ropefric.scenes.plan import room_for_effects, solve_planned, worth_asking
 from ropefric.scenes.scene import Scene, replaced, source_of
 from ropefric.shown import Shown
 from ropefric.systems.checks import rules_of
@@ -28,9 +28,6 @@ from ropefric.systems.effect import applicable, assemble
 BLOCK = 50_000
 _ONE_BY_ONE = 20
 """Points of a piece of work that are solved one after another."""
-_DEAR_S = 1e-3
-"""Time that an effect adds to a case."""
-_ROUNDING = 1e-12
 _SEEN_S = 1.0
 """What is solved in one call takes at most about this long."""
 
@@ -232,7 +229,7 @@ Outcome = tuple[IntArray, _Found | RopefricError]
 
 
 class _Run:
-    """Many cases as they are solved: which effects are worth leaving out is asked once, for the box of all axes.
+    """Many cases as they are solved: whether effects are worth leaving out is asked once, for the box of all axes.
 
     They go wherever their bounds allow it. Where what is left then leaves a yes or no open, or a difference of two
     numbers less accurate than is wanted, the points are solved again with everything.
@@ -275,40 +272,29 @@ class _Run:
         return kind.problem(table, friction)
 
     def _worth_leaving_out(self, total: int) -> frozenset[str]:
-        """Return what takes time and may go: of what is left without the worst ever that which saves most in the box."""
+        """Return the effects that have a bound and take time, if in the box that saves more than it costs."""
+        asked = worth_asking(applicable(self.kind.system.effects, self.scene.problem).values(), total)
+        if not asked:
+            return frozenset()
         values = self.points.box()
         possible = self.kind.answerable(self.build(values))
         if not possible.any():
             return frozenset()
         box = self.build([value[possible] for value in values])
-        known = applicable(self.kind.system.effects, box)
-        asked = [one for one in worth_asking([*known.values()], total) if one.each is not None]
+        gone = frozenset(one.name for one in asked)
         # Of some it is known before anything is solved that they stay.
-        before = {one: one.each(box, None) for one in asked if one.each}
-        bounds = {one: bound for one, bound in before.items() if (bound <= self.room).any()}
-        most_s, best = 0.0, frozenset[str]()
-        # Where none changes anything a law looks at none, and none takes time.
-        while any(bound.any() for bound in bounds.values()):
-            tried = frozenset(one.name for one in bounds)
-            answer = self._answer(box, frozenset(known) - tried)[0]
-            bounds = {one: one.each(box, answer) for one in bounds if one.each}
-            might_go = sum((before[one] for one in bounds), np.zeros(box.n)) <= self.room
-            may_go = sum(bounds.values(), np.zeros(box.n)) <= self.room
-            # Where they might go and may not, everything is solved after all.
-            share = float(may_go.mean() - (might_go & ~may_go).mean())
-            saved_s = share * sum(one.cost for one in bounds)
-            if saved_s > most_s and any(bound.any() for bound in bounds.values()):
-                most_s, best = saved_s, tried
-            # Those that alone are too much everywhere, but at least the worst.
-            least = {one: float(bound.min()) for one, bound in bounds.items()}
-            worst = max(least, key=lambda one: least[one])
-            bounds = {one: bounds[one] for one in bounds if one is not worst and least[one] <= self.room}
-        return best
+        might_go = self._bounds(box, gone) <= self.room
+        if not might_go.any():
+            return frozenset()
+        answer = self._answer(box, frozenset(applicable(self.kind.system.effects, box)) - gone)[0]
+        may_go = self._bounds(box, gone, answer) <= self.room
+        # Where they might go and may not, everything is solved after all.
+        return gone if may_go.sum() > (might_go & ~may_go).sum() else frozenset()
 
-    def _bounds(self, problem: Any, answer: Any = None) -> FloatArray:
-        """Return what leaving out all that may go changes at most, shape (n,); without an answer no more than that."""
-        effects = (self.kind.system.effects[name] for name in self.gone)
-        bounds = sum(one.each(problem, answer) for one in effects if one.each)
+    def _bounds(self, problem: Any, gone: frozenset[str], answer: Any = None) -> FloatArray:
+        """Return what leaving out some effects changes at most, shape (n,); without an answer no more than that."""
+        effects = (self.kind.system.effects[name] for name in gone)
+        bounds = sum(one.bound(problem, answer) for one in effects if one.bound)
         return np.broadcast_to(np.asarray(bounds), (problem.n,))
 
     def _answer(self, problem: Any, simulated: frozenset[str]) -> tuple[Any, float]:
@@ -383,13 +369,13 @@ class _Run:
         # What has no answer, or none without some effect, is left to everything.
         with suppress(RopefricError):
             problem = self.build(values) if problem is None else problem
-            some = self._bounds(problem) <= self.room
+            some = self._bounds(problem, self.gone) <= self.room
             if not some.any():
                 return None
             less = problem if some.all() else self.build([value[some] for value in values])
             names = frozenset(applicable(self.kind.system.effects, less))
             found, answer = self._solved(less, names - self.gone)
-            bounds = self._bounds(less, answer)
+            bounds = self._bounds(less, self.gone, answer)
             error = np.expm1(np.minimum(bounds, 1.0))
             sure = (bounds <= self.room) & _is_settled(found, error, self.scene.accuracy)
             if sure.any():
@@ -427,48 +413,10 @@ class _Run:
     def _planned(self, problem: Any) -> _Found:
         """Return what a problem gives as asked for; with everything where sweeps are planned as a whole."""
         kind, scene = self.kind, self.scene
-        if self.by_array and isinstance(scene.effects, tuple):
-            return self._listed(problem, frozenset(scene.effects))
         whole = scene.effects == "auto" and self.by_array
         plan, answer = solve_planned(scene, problem, "all" if whole else "")
         found = _found(kind, problem, answer, frozenset(plan.simulated), plan.error_bound)
         return found._replace(left_out=frozenset(plan.left_out))
-
-    def _listed(self, problem: Any, names: frozenset[str]) -> _Found:
-        """Return what a list of effects gives; how far that is from everything is found by solving that, too.
-
-        A dear effect that has a bound for each case is not solved for that.
-        """
-        system = self.kind.system
-        known = applicable(system.effects, problem)
-        if not names <= known.keys():
-            make_plan(system, problem, accuracy=self.scene.accuracy, effects=tuple(names))  # refuses
-        missing = [one for name, one in known.items() if name not in names]
-        dear = {one.name: one.each for one in missing if one.each is not None and one.cost >= _DEAR_S}
-        (found, answer), off = self._solved(problem, names), 0.0
-        try:
-            others = names | {one.name for one in missing} - dear.keys()
-            if others != names:
-                whole, answer = self._solved(problem, others)
-                off = math.log1p(max(map(_change, found.quantities, whole.quantities)))
-            off += sum(float(each(problem, answer).max()) for each in dear.values())
-        except RopefricError:
-            off = math.inf
-        error = math.expm1(min(off, 700.0)) if off < math.inf else math.inf
-        error += found.error_bound * (1.0 + error)
-        return found._replace(left_out=frozenset(one.name for one in missing), error_bound=error)
-
-
-def _change(one: Quantity, other: Quantity) -> float:
-    """Return how far a number is from another, as a share of that, or of what it errs by a share of."""
-    value, reference = one.value, other.value
-    scale = np.abs(reference if other.scale is None else other.scale)
-    # What rounding leaves of zero is no number to take shares of.
-    rounding = _ROUNDING * float(np.nanmax(scale, initial=1.0))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.abs(value - reference) / scale
-        same = (np.abs(value - reference) <= rounding) | (np.isnan(value) & np.isnan(reference))
-    return float(np.where(same, 0.0, np.where(np.isnan(share), np.inf, share)).max())
 
 
 def _is_settled(found: _Found, error: FloatArray, accuracy: float) -> BoolArray:

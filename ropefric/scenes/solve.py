@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError, RopefricError
+from ropefric.errors import RopefricError
 from ropefric.fitting.predict import REGRESSORS, degrees_of_freedom, has_interval, outside_range
 from ropefric.fitting.statistics import combined_dof
 from ropefric.friction.condition import Conditions
@@ -168,8 +168,8 @@ def _put(tree: dict[str, Any], quantity: Uncertain) -> None:
     tree[f"{prefix}interval{unit}"] = [finite(end) for end in quantity.interval[0]]
 
 
-def solve_scene(scene: Scene, *, level: float = 0.95, identify: bool = False) -> Solution:
-    """Return the answer to a scene; with `identify`, and what its measurements tell of the machine."""
+def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
+    """Return the answer to a scene."""
     check_level(level)
     kind, problem, source = scene.kind, scene.problem, scene.source
     try:
@@ -187,16 +187,6 @@ def solve_scene(scene: Scene, *, level: float = 0.95, identify: bool = False) ->
         if plan.left_out and math.isfinite(error):
             undecided = tuple(one.text(0) for one in failures if one.is_open(error)[0])
             undecided += kind.undecided(answer, problem, error)
-        if identify:
-            found = kind.identified(answer, problem)
-            if found is None:
-                raise InputError(
-                    "the scene has no measurements, from which its machine could be identified",
-                    key="--identify",
-                    fix="add measurements to the scene of a machine that can be identified from them",
-                )
-            for name, part in found.items():
-                tree[name] |= part
         own_bounds = {
             one.name: error * abs(float(one.scale[0])) for one in quantities if one.scale is not None
         }

@@ -1,31 +1,18 @@
-"""What an effect of a machine is: something its mechanics may be put together with or without, and its worth."""
+"""What an effect of a machine is: something its mechanics may be put together with or without."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache, partial
-from itertools import combinations
 from types import MappingProxyType
 from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import RopefricError
 from ropefric.registry import Registry
-from ropefric.systems.friction import TOLD, share_of_law
 
 P = TypeVar("P")
 """A problem: everything a scene says about its parts."""
-
-
-_SOMETHING = np.finfo(np.float64).tiny
-"""Bound of what changes a number, if nothing else is known of it."""
-
-
-def unknown(problem: object) -> float:  # noqa: ARG001
-    """Return that nothing is known of what an effect is worth."""
-    return math.inf
 
 
 class Effect(NamedTuple):
@@ -41,23 +28,19 @@ class Effect(NamedTuple):
         What it brings into the model, in words.
     instead : str
         What stands in its place when it is left out.
-    detail : callable or None
-        `detail(problem)` returns what more is to be said of that, in words, where it is left out.
+    bound : callable or None
+        `bound(problem, answer)` returns an upper bound of |ln(with it / without it)| of every number of each of n cases,
+        shape (n,) or (1,), from the answer to them without it, in a part of the time of solving them; without an answer
+        what is known before, which is no more than that. An effect that has none is simulated wherever a scene gives
+        its data: so are all but those of which leaving out saves time that a benchmark can see.
+    cost : float
+        Time that it adds to each case, roughly [s].
     needs : callable
         `needs(problem)` returns the scene keys that are missing for it; empty where it can be simulated.
-    influence : callable
-        `influence(problem)` returns an upper bound of |ln(with it / without it)| of every number of the answer,
-        whatever other effects are simulated; `inf` where none is known. Called only where nothing is missing.
-    each : callable or None
-        `each(problem, answer)` returns such a bound for each of many cases, shape (n,) or (1,), in a part of the time of
-        solving them, from the answer to them without it; without an answer what is known before, which is no more than
-        that, and zero only where it changes nothing. An effect that has none is simulated in every sweep.
-    cost : float
-        Time that it adds to each case, roughly [s]. An effect that costs none is not left out to save time.
 
     Examples
     --------
-    >>> weight = Effect(name="weight", adds="its weight", instead="no weight", influence=lambda problem: 0.02)
+    >>> weight = Effect(name="weight", adds="its weight", instead="no weight")
     >>> "weight" in Model(problem=None, effects=frozenset({weight.name})).effects
     True
     """
@@ -65,9 +48,7 @@ class Effect(NamedTuple):
     name: str
     adds: str
     instead: str
-    detail: Callable[[Any], str] | None = None
-    influence: Callable[[Any], float] = unknown
-    each: Callable[[Any, Any], FloatArray] | None = None
+    bound: Callable[[Any, Any], FloatArray] | None = None
     cost: float = 0.0
     needs: Callable[[Any], tuple[str, ...]] = lambda problem: ()  # noqa: ARG005  (needs nothing)
 
@@ -88,8 +69,8 @@ def _distance(answer: Any, reference: Any, whole: Any) -> float:  # noqa: ARG001
 class System(NamedTuple):
     """A kind of machine: its model, the effects it may have, how it is solved, and how far two answers are apart.
 
-    `distance(answer, reference, whole)` is a share of the numbers with all effects in, which bounds are of, too.
-    Answers that say nothing else have `logs`, of all their numbers.
+    `distance(answer, reference, whole)` is the largest change of any number, as a share of it with all effects in.
+    Answers of a system that says nothing else have `logs`, of all their numbers.
     """
 
     name: str
@@ -129,34 +110,6 @@ def applicable(effects: Mapping[str, Effect], problem: Any) -> dict[str, Effect]
     return {name: one for name, one in effects.items() if not one.needs(problem)}
 
 
-def rounded_up(bound: float, rounding: float) -> float:
-    """Return a bound with what rounding may have taken off it; inf where it is no number."""
-    if math.isnan(bound):
-        return math.inf
-    return bound * (1.0 + rounding) + rounding * (bound > 0.0)
-
-
-def largest_changes(
-    names: Iterable[str], logs: Callable[[frozenset[str]], FloatArray], *, rounding: float = 1e-12
-) -> dict[str, float]:
-    """Return how much each effect changes any of the numbers at most, whatever others are simulated.
-
-    `logs(effects)` returns their logarithms. From leaving out one effect after the other, what several change is at
-    most the sum of what each does. A number that is there with an effect and not without it, or the other way round,
-    has no bound, nor has anything where a subset of the effects has no answer.
-    """
-    worst = dict.fromkeys(names, 0.0)
-    subsets = [frozenset(some) for k in range(len(worst) + 1) for some in combinations(worst, k)]
-    try:
-        with np.errstate(all="ignore"):
-            found = {some: logs(some) for some in subsets}
-    except RopefricError:
-        return dict.fromkeys(worst, math.inf)
-    for subset, one in ((some, one) for some in subsets for one in some):
-        worst[one] = max(worst[one], log_change(found[subset], found[subset - {one}]))
-    return {one: rounded_up(most, rounding) for one, most in worst.items()}
-
-
 def log_change(logs: FloatArray, others: FloatArray) -> float:
     """Return the largest |difference|; inf where only one of two is a number."""
     same = (logs == others) | (np.isnan(logs) & np.isnan(others))
@@ -165,72 +118,24 @@ def log_change(logs: FloatArray, others: FloatArray) -> float:
     return float(np.max(np.where(np.isnan(apart), math.inf, apart)))
 
 
-def with_bounds(effects: Registry[Effect], changes: Callable[[Any], Mapping[str, float]]) -> Registry[Effect]:
-    """Return effects of which those without an `influence` of their own have the changes of a problem by name."""
-
-    def bounded(one: Effect) -> Effect:
-        own = one.influence is unknown
-        return one._replace(influence=lambda problem: changes(problem)[one.name]) if own else one
-
-    return Registry(effects.kind, map(bounded, effects.values()))
-
-
 def closed_form_system(
     name: str, effects: Registry[Effect], solve: Callable[[Any], Any], *, error: float, why: str
 ) -> System:
-    """Return the system of a machine whose answers cost next to nothing and have `logs`, of all their numbers.
-
-    What an effect is worth that has no `influence` of its own is found by solving all subsets of effects.
-    """
-
-    @lru_cache(maxsize=2)
-    def changes(problem: Any) -> dict[str, float]:
-        known = applicable(effects, problem)
-        return largest_changes(known, lambda some: solve(Model(problem=problem, effects=some)).logs)
-
+    """Return the system of a machine whose answers cost next to nothing and have `logs`, of all their numbers."""
     method = Method(name="closed form", error=error, why=why)
     return System(
         name=name,
-        effects=with_bounds(effects, changes),
+        effects=effects,
         model=Model,
         method=lambda model, budget: method,  # noqa: ARG005
         solve=lambda model, method: solve(model),  # noqa: ARG005
     )
 
 
-def law_bound(
-    name: str,
-    bound: Callable[[Any, Any], FloatArray],
-    problem: Any,
-    answer: Any = None,
-    *,
-    told: Mapping[str, object] = TOLD,
-) -> FloatArray:
-    """Return an upper bound of what an effect of the law changes in any number: its share of that of all of them.
-
-    `bound(problem, answer)` is that of all of them, with what else the law is told left out; `told` has their names.
-    """
-    simulated = frozenset() if answer is None else answer.model.effects
-    share = share_of_law(name, problem.friction.law, told, simulated)
-    if not share:
-        return np.zeros(1)
-    with np.errstate(invalid="ignore", over="ignore"):
-        most = bound(problem, answer)
-    known = share * np.where(np.isnan(most), np.inf, most)
-    return np.maximum(known, _SOMETHING) if answer is None else known
-
-
 def law_effects(
-    wheel: str,
-    rope: str,
-    needs: Callable[[Any], tuple[str, ...]],
-    cost: float = 0.0,
-    bound: Callable[[Any, Any], FloatArray] | None = None,
+    wheel: str, rope: str, needs: Callable[[Any], tuple[str, ...]], cost: float = 0.0
 ) -> tuple[Effect, ...]:
-    """Return the effects of what a law is told of a contact on a wheel, by the names of the wheel and of the rope.
-
-    `bound` is that of `law_bound`, if one is known.
-    """
+    """Return the effects of what a law is told of a contact on a wheel, by the names of the wheel and of the rope."""
     words = {
         "wrap-dependence": (
             "a coefficient that depends on wrap and tension",
@@ -241,5 +146,4 @@ def law_effects(
             "the coefficient at the reference wheel and rope",
         ),
     }
-    each = {name: None if bound is None else partial(law_bound, name, bound) for name in words}
-    return tuple(Effect(name, *said, needs=needs, cost=cost, each=each[name]) for name, said in words.items())
+    return tuple(Effect(name, *said, needs=needs, cost=cost) for name, said in words.items())

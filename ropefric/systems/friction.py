@@ -1,9 +1,8 @@
 """The friction of a machine: a law, the condition it falls back on, and what of a contact it is told."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -22,18 +21,6 @@ TOLD = {"wrap-dependence": frozenset({"wrap", "end-tension"}), "size": frozenset
 
 _SEEN = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
 """What of a contact a law looks at, by what it can describe."""
-
-
-def share_of_law(
-    effect: str, law: FrictionLaw, told: Mapping[str, object], simulated: Collection[str]
-) -> float:
-    """Return an effect's share of what all that a law is not told comes to, by the effects that tell it.
-
-    Whatever that is, the coefficient stays in one range: several effects at once change it no more than one may.
-    """
-    if law.weakens and effect not in law.effects:
-        return 0.0
-    return 1.0 / max(1, len(law.effects & told.keys() - frozenset(simulated)))
 
 
 def told_by(effects: Collection[str]) -> frozenset[str]:
@@ -149,40 +136,6 @@ class WrapFriction:
             )
         return np.asarray((rise / contacts.wrap_angle_rad).reshape(shape))
 
-    def spread(self, **ranges: tuple[npt.ArrayLike, npt.ArrayLike]) -> FloatArray:
-        """Return by what factor, in logarithms, any average coefficient changes at most, whatever the law is told.
-
-        The ranges are of what it may be told of each contact, by its name in `exponent`; what stands in for that lies
-        at the reference. Over the box of both a law that weakens is largest at the least wrap and tension and least at
-        the largest, at some corner of the radii. Where each case has parameters of its own the ranges are of each case,
-        or of all. Infinite where nothing is known of the law.
-        """
-        law, theta = self.law, self.theta
-        if law.weakens and not law.effects & _SEEN.keys():
-            return np.zeros(1)
-        inside = ((theta >= law.lower) & (theta <= law.upper)).all(axis=-1)
-        if not law.weakens or not inside.any():
-            return np.full(1, np.inf)
-        ends = []
-        for name, condition in _CONDITION.items():
-            (low, high), own = ranges[name], getattr(self.reference, condition)
-            ends.append((np.minimum(low, own), np.maximum(high, own)))
-        sized = "size" in law.effects
-        either = [(low, high) if sized and (low < high).any() else (low,) for low, high in ends[:2]]
-        corners = [(*radii, *far) for radii in product(*either) for far in zip(*ends[2:], strict=True)]
-        columns = zip(*(np.broadcast_arrays(*corner, inside) for corner in corners), strict=True)
-        at = dict(zip(_CONDITION.values(), map(np.stack, columns), strict=False))
-        try:
-            flat = Conditions(**{name: one.ravel() for name, one in at.items()})
-        except InputError:
-            return np.full(1, np.inf)
-        shape = at["wrap_angle_rad"].shape
-        sets = np.broadcast_to(theta, (*shape, theta.shape[-1])).reshape(-1, theta.shape[-1])
-        with np.errstate(all="ignore"):
-            average = (law.rise_of_pairs(sets, flat) / flat.wrap_angle_rad).reshape(shape)
-            change = np.log(average.max(axis=0) / average.min(axis=0))
-        return np.where(np.isnan(change) | ~inside, np.inf, change)
-
     def has_answer(self, contacts: Conditions) -> BoolArray:
         """Return for which of n contacts in their valid range `exponent` has an answer, shape (n,)."""
         if self.theta.ndim > 1:
@@ -196,9 +149,6 @@ _OWNER = {
     "wrap_angle_rad": "wrap",
     "end_tension_N": "end-tension",
 }
-
-_CONDITION = {name: name for name in _OWNER if name != "end_tension_N"} | {"slack_tension_N": "end_tension_N"}
-"""What the arguments of `exponent` are in a condition, in the order of both."""
 
 
 def _of_cases(wrong: BoolArray, places: int) -> BoolArray:

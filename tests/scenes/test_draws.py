@@ -214,62 +214,6 @@ def test_draws_are_planned_once_and_keep_the_promise(hoist_of, payload):
         np.testing.assert_allclose(columns[name], values, rtol=limit)
 
 
-def check_drawn_laws(loaded, count, seed):
-    """Of how many scenes whose law's parameters are drawn effects were left out; no number, no yes or no is off."""
-    spared = 0
-    for i in range(count):
-        rng = np.random.default_rng([seed, i])
-        law = ALL_LAWS[str(rng.choice(["wrap-power", "wrap-exponential", "coupled", "howell", "size-power"]))]
-        little = 10.0 ** rng.uniform(-5.0, -1.0)
-        values = {"mu_inf": 0.4, "a": little, "b": -0.3, "c": 0.4, "d": little, "A": 0.5, "n": 1.0 - little}
-        if law.name in {"coupled", "size-exponential"}:
-            values |= {"a": -little, "c": -0.2}
-        values = {name: values[name] for name in law.parameter_names}
-        name = str(rng.choice(["belt-press", "belt-drive"]))
-        tree = loaded(name).document.data | {
-            "accuracy": float(rng.choice([0.005, 0.02, 0.1])),
-            "friction": {"law": law.name, "parameters": values},
-            "tolerances": {"friction": {"parameters": {one: f"{rng.uniform(1, 25):g} %" for one in values}}},
-        }
-        if rng.random() < 0.5:
-            key = {"belt-press": ("press", "preload"), "belt-drive": ("tension", "force")}[name]
-            tree["tolerances"][key[0]] = {key[1]: "10 %"}
-        pair = []
-        for effects in ("auto", "all"):
-            scene = read_scene(TomlDocument(path="x.toml", data=tree | {"effects": effects}, lines={}), None)
-            written = []
-            found = draw_scene(scene, 1_000, seed=i, write=lambda one, _, into=written: into.append(one))
-            pair.append((found, written[0]))
-        (planned, columns), (whole, wanted) = pair
-        assert planned.failures == whole.failures, (i, "a yes or no differs")
-        assert planned.failed == whole.failed
-        for one, values in wanted.items():
-            assert_allclose = np.testing.assert_allclose
-            off = min(planned.accuracy, planned.error_bound + 1e-11)
-            assert_allclose(
-                columns[one], values, rtol=off, atol=1e-9 * np.nanmax(np.abs(values)), err_msg=str(i)
-            )
-        spared += bool(planned.left_out)
-    return spared
-
-
-@pytest.fixture
-def saving_anything(monkeypatch):
-    """As if there were so many draws that every effect is worth asking about."""
-    monkeypatch.setattr("ropefric.scenes.plan._LEAST_SAVED_S", 0.0)
-
-
-@pytest.mark.usefixtures("saving_anything")
-def test_draws_of_a_law_s_parameters_are_planned_and_keep_the_promise(loaded):
-    assert check_drawn_laws(loaded, 24, 1) >= 4
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("saving_anything")
-def test_hundreds_of_draws_of_a_law_s_parameters_keep_the_promise(loaded):
-    assert check_drawn_laws(loaded, 300, 2) > 60
-
-
 def test_draws_of_enormous_forces_have_no_deviation_and_end_in_no_crash(hoist_of):
     enormous = {"friction": {"mu": 0.2}, "wheel": {"wrap": "380 turn", "speed": None}}
     found = draw_scene(hoist_of(**enormous, tolerances={"friction": {"mu": "5 %"}}), 2_000)
@@ -311,19 +255,6 @@ def test_the_share_that_resonates_is_counted_over_draws(loaded, scene_of):
     assert 0 < stiff.failures[words] == fine.failures[words] < 60
     del tree["excitation"]["margin"], tree["excitation"]["preload_range"]
     assert draw_scene(scene_of(**tree), 100).shares == {}
-
-
-def test_what_a_law_is_told_goes_where_its_bound_says_so(hoist_of):
-    weak = {"law": "wrap-power", "parameters": {"a": 0.0005, "b": -0.2, "c": 0.2}}
-    tolerances = {"wheel": {"wrap": "5 deg"}}
-    found = draw_scene(hoist_of(friction=weak, accuracy=0.05, tolerances=tolerances), N)
-    assert found.left_out["wrap-dependence"] == N
-    uncertain = tolerances | {"friction": {"parameters": {"c": 0.01}}}
-    drawn = draw_scene(hoist_of(friction=weak, accuracy=0.05, tolerances=uncertain), N)
-    assert not drawn.left_out, "of a law that differs from draw to draw no bound is quicker than the law"
-    whole = draw_scene(hoist_of(friction=weak, effects="all", tolerances=tolerances), N)
-    apart = np.abs(found.columns["lift_force_N"] / whole.columns["lift_force_N"] - 1.0)
-    assert 0.0 < apart.max() <= found.error_bound <= 0.05
 
 
 # --- yes and no, no answer, what is refused ---

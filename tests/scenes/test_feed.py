@@ -18,7 +18,6 @@ from ropefric.systems.bandsaw.span import CLAMPED
 def saw(scene_of):
     def make(force="100 N", **more):
         tree = tomllib.loads(bundled_scenes()["band-saw"])
-        tree.pop("measured")
         tree.pop("excitation")
         return scene_of(**tree | {"feed": {"force": force, **more.pop("feed", {})}} | more)
 

@@ -19,7 +19,6 @@ from ropefric.systems.effect import Model
 from ropefric.systems.hoist.contact import solve_lift
 from ropefric.systems.hoist.effects import SYSTEM, stiffness_bound
 
-WEAK = {"law": "wrap-power", "parameters": {"a": 0.0005, "b": -0.2, "c": 0.2}}
 STIFF = {"linear_density": "62 g/m", "hanging_length": "5 m", "bending_stiffness": "1e-4 N*m^2"}
 AXES = ("wheel.wrap=90deg:1440deg:200", "load.end_tension=10N:500N:150")
 
@@ -59,19 +58,11 @@ def test_whether_a_hoist_lifts_is_never_left_open(hoist_of):
     assert planned.failures
 
 
-def test_what_a_law_is_told_goes_where_it_stays_in_a_small_range(hoist_of):
-    planned = compared(hoist_of, *AXES, accuracy=0.02, friction=WEAK, rope=STIFF)
-    assert planned.left_out["wrap-dependence"] > 27_000, "all but where the stiffness matters"
-    limp = {"linear_density": "62 g/m", "hanging_length": "5 m"}
-    planned = compared(hoist_of, *AXES, accuracy=0.02, friction=WEAK, rope=limp)
-    assert planned.left_out["wrap-dependence"] == planned.left_out["end-tension"] == 30_000
-
-
 def test_where_the_box_ends_at_lift_off_the_bounds_hold_for_what_still_has_an_answer(hoist_of):
     axes = ("wheel.speed=0.1m/s:40m/s:200", "load.end_tension=5N:100N:150")
-    planned = compared(hoist_of, *axes, accuracy=0.1, friction=WEAK, rope=STIFF)
+    planned = compared(hoist_of, *axes, accuracy=0.1, rope=STIFF)
     assert planned.failed > 0
-    assert 0 < planned.left_out["wrap-dependence"] < 30_000 - planned.failed
+    assert 0 < planned.left_out["bending-stiffness"] < 30_000 - planned.failed
 
 
 def test_a_box_without_any_answer_is_told_of_by_its_points(hoist_of):
@@ -83,21 +74,6 @@ def test_a_box_without_any_answer_is_told_of_by_its_points(hoist_of):
 def test_a_small_sweep_is_solved_whole(hoist_of):
     scene = hoist_of(accuracy=0.5, rope=STIFF)
     assert not sweep_scene(scene, (parse_axis(scene, "wheel.wrap=90deg:1440deg:50"),)).left_out
-
-
-def test_a_press_and_a_drive_keep_their_promise_over_a_grid(loaded, scene_of):
-    friction = {"law": "wrap-power", "parameters": {"a": 0.01, "b": -0.2, "c": 1.0}}
-    press = loaded("belt-press").document.data
-    press["press"]["load_factor"] = 1.0
-    press |= {"accuracy": 0.02, "friction": friction}
-    axes = ("press.preload=1500N:4000N:40", "press.load_factor=0.5:1.5:60")
-    planned = compared(lambda effects: scene_of(**(press | {"effects": effects})), *axes)
-    assert "wrap-dependence" in planned.left_out
-    drive = loaded("belt-drive").document.data | {"accuracy": 0.02}
-    drive |= {"friction": {"law": "wrap-power", "parameters": {"a": 0.001, "b": -0.2, "c": 0.3}}}
-    axes = ("tension.force=900N:2000N:200", "driving.speed=100rpm:1500rpm:150")
-    planned = compared(lambda effects: scene_of(**(drive | {"effects": effects})), *axes)
-    assert planned.left_out["wrap-dependence"] == 30_000
 
 
 def test_a_blade_is_a_string_where_its_tension_makes_it_one(loaded, scene_of):
@@ -160,7 +136,7 @@ def answered(hoist_of, count, seed):
 
 
 def test_random_sweeps_keep_the_promise(hoist_of):
-    assert answered(hoist_of, 25, 1) > 8
+    assert answered(hoist_of, 10, 1) > 3
 
 
 @pytest.mark.slow
@@ -178,7 +154,7 @@ def test_the_bound_of_a_stiffness_holds_case_by_case(hoist_of, others):
         bending_stiffness_N_m2=np.geomspace(1e-7, 3e-3, 500),
         speed_m_s=6.0,
     )
-    assert SYSTEM.effects["bending-stiffness"].each is stiffness_bound
+    assert SYSTEM.effects["bending-stiffness"].bound is stiffness_bound
     with_it, without = (
         solve_lift(Model(problem=problem, effects=frozenset(others) | own))
         for own in ({"bending-stiffness"}, frozenset())

@@ -22,7 +22,8 @@ with on_first_use():
     from ropefric.files import folder as folders
     from ropefric.report import cost_page, parts
     from ropefric.scenes import draws as drawing
-    from ropefric.scenes import kinds, plan
+    from ropefric.scenes import explain as explaining
+    from ropefric.scenes import kinds
     from ropefric.scenes import scene as scenes
     from ropefric.scenes import solve as solving
     from ropefric.scenes import sweep as sweeping
@@ -55,7 +56,6 @@ def solve(
         default=0,
     ),
     seed: int = Option(0, min=0, help="Of the draws."),
-    identify: bool = flag("--identify", "Find the preload and mounting that the measured frequencies tell."),
     level: float = Option(
         0.95, help="Coverage of the intervals, between 0 and 1; of draws, between their outer quantiles."
     ),
@@ -94,7 +94,7 @@ def solve(
         if draws:
             return _drawn(out, loaded, draws, target, f"draws.{table}", cluster, seed=seed, level=level)
         if not sweep:
-            solution = solving.solve_scene(loaded, level=level, identify=identify)
+            solution = solving.solve_scene(loaded, level=level)
             tree = solution.to_dict()
             files = [] if target is None else _write(out, solution, tree, target)
             shown = parts.solution_sections(solution, tree)
@@ -192,14 +192,14 @@ def explain(
     out: Output,
     scene: options.SceneArgument,
     *,
-    measure_: bool = flag("--measure", "Solve with and without each effect, for its worth and its time."),
+    measure_: bool = flag("--measure", "Also read the clock: what time each effect takes."),
     folder: Path | None = out_folder("Write what is explained, and a picture of it, there."),
     force: Force = False,
 ) -> Answer:
     """Explain how a scene is solved: the effects that are simulated, those that are not, the method, and why."""
     names = ("explanation.json", *options.figure_names("effects"))
     with options.open_folder(folder, family="explain", names=names, inputs=(scene,), force=force) as target:
-        found = plan.explain_scene(scenes.load_scene(scene), measure=measure_)
+        found = explaining.explain_scene(scenes.load_scene(scene), measure=measure_)
         tree, files = found.to_dict(), list[Path]()
         if target is not None:
             from ropefric.plotting import figure, machines  # noqa: PLC0415  (its package loads matplotlib)

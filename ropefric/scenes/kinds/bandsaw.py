@@ -4,8 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from itertools import product
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field, PlainValidator
@@ -19,14 +18,12 @@ from ropefric.scenes import kind
 from ropefric.systems.bandsaw import resonance
 from ropefric.systems.bandsaw.answer import SawAnswer, SawProblem, answerable, solve_saw
 from ropefric.systems.bandsaw.effects import SYSTEM
-from ropefric.systems.bandsaw.measured import Measurement, deviation, explain_mounting, identify
-from ropefric.systems.bandsaw.saw import MODELS, Saw, Section, Side, tension_difference_N, torque_N_m
+from ropefric.systems.bandsaw.saw import Saw, Section, Side, tension_difference_N, torque_N_m
 from ropefric.systems.bandsaw.span import ENDS
 from ropefric.systems.checks import rules_of
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
 
-_SIDES = tuple(side.value for side in Side)
 _RUNNING = (Side.TIGHT, Side.SLACK)
 
 
@@ -201,25 +198,6 @@ class FeedTable(kind.Table):
     guide_distance: Annotated[float | None, kind.key("m", "0.4 m", "guided_m", many=False)] = None
 
 
-class MeasuredTable(kind.Table):
-    """`[[measured]]`.
-
-    Keys
-    ----
-    side : Tight, slack, or rest where the saw stood.
-    frequency : That was measured.
-    mode : Of which mode it is.
-    speed : Of the blade, where it was not that at work.
-    uncertainty : Standard uncertainty of the frequency.
-    """
-
-    side: Annotated[str, PlainValidator(choice(lambda: _SIDES))]
-    frequency: Annotated[float, kind.key("Hz", "24.9 Hz", "frequency_Hz")]
-    mode: Annotated[int, PlainValidator(whole_number(1, 40)), kind.Becomes("mode")] = 1
-    speed: Annotated[float | None, kind.key("m/s", "20 m/s", "speed_m_s")] = None
-    uncertainty: Annotated[float | None, kind.key("Hz", "0.1 Hz", "std_Hz")] = None
-
-
 class SawScene(kind.SceneTable):
     """A scene with `system = "bandsaw"`."""
 
@@ -229,7 +207,9 @@ class SawScene(kind.SceneTable):
     drive: DriveTable | None = None
     excitation: ExcitationTable | None = None
     feed: FeedTable | None = None
-    measured: list[MeasuredTable] = Field(default_factory=list)
+    gone: ClassVar[Mapping[str, str]] = {
+        "measured": "take it out; the frequencies of the answer are what is left to hold beside measured ones"
+    }
 
     def _check(self) -> None:
         if self.drive is not None and self.wheel is None:
@@ -290,7 +270,6 @@ def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
         section=section,
         friction=friction,
         excitations=tuple(found),
-        measurements=tuple(Measurement(side=Side(one.side), **kind.given(one)) for one in table.measured),
         margin_wanted=shaken.margin,
         preload_range_N=shaken.preload_range,
         **{name: np.array([value]) for name, value in computed.items()} | kind.arrays(table),
@@ -340,8 +319,7 @@ def _apart(answer: SawAnswer, problem: SawProblem) -> FloatArray | None:
 
 
 def _kept(problem: SawProblem) -> dict[str, str]:
-    asks = problem.excitations or problem.measurements
-    return {"bending": "what resonates, and what measurements tell, depends on it"} if asks else {}
+    return {"bending": "what resonates depends on it"} if problem.excitations else {}
 
 
 def _contacts(problem: SawProblem) -> Mapping[str, FloatArray]:
@@ -370,38 +348,21 @@ def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
         tree["speed_m_s"] = float(problem.speed_m_s[0])
     if problem.feed_force_N is not None:
         tree["feed"] = {"force_N": float(problem.feed_force_N[0])}
-    saws = _saws(answer, problem)
-    if saws is not None and problem.excitations:
-        tree["resonance"] = _resonance(saws[1], problem, _SHARE * answer.accuracy)
-    if saws is not None and problem.measurements:
-        tree["comparison"] = _comparison(*saws, problem.measurements)
+    saw = _saw(answer, problem)
+    if saw is not None and problem.excitations:
+        tree["resonance"] = _resonance(saw, problem, _SHARE * answer.accuracy)
     return tree
 
 
-def _identified(answer: SawAnswer, problem: SawProblem) -> dict[str, Any] | None:
-    """Return which preload and mounting the measurements tell; None where there are none."""
-    saws = _saws(answer, problem)
-    if saws is None or not problem.measurements:
-        return None
-    names = ("preload_N", "mounting_factor", "free_mounting_factor", "std")
-    found = _judged(partial(identify, saws[1], problem.measurements), *names)
-    if "std" in found:
-        std = found.pop("std") or (math.nan, math.nan)
-        found["preload_std_N"], found["mounting_factor_std"] = map(kind.finite, std)
-    return {"comparison": {"identified": found}}
+def _saw(answer: SawAnswer, problem: SawProblem) -> Saw | None:
+    """Return the whole saw of a single case; None where its wheels are not known.
 
-
-def _saws(answer: SawAnswer, problem: SawProblem) -> tuple[Saw, Saw] | None:
-    """Return the whole saw of a single case, and the one planned; None where its wheels are not known.
-
-    The one planned has a stiff blade only if the plan has one: which mounting explains a measurement, and where a
-    mode meets an excitation, depends on it.
+    It has a stiff blade only if the plan has one: where a mode meets an excitation depends on it.
     """
     whole = problem.saw
-    if whole is None:
-        return None
-    stiff = answer.model.spans[Side.TIGHT].bending_stiffness_N_m2.any()
-    return whole, whole if stiff else replace(whole, bending_stiffness_N_m2=0.0)
+    if whole is None or answer.model.spans[Side.TIGHT].bending_stiffness_N_m2.any():
+        return whole
+    return replace(whole, bending_stiffness_N_m2=0.0)
 
 
 def _judged(find: Callable[[], Any], *names: str) -> dict[str, Any]:
@@ -450,28 +411,6 @@ def _speeds_m_s(saw: Saw, side: Side) -> FloatArray:
     return np.linspace(0.0, fastest, _SPEEDS)
 
 
-def _comparison(whole: Saw, planned: Saw, points: tuple[Measurement, ...]) -> dict[str, Any]:
-    """Return how far each model is from each measurement, and which mounting would explain each."""
-
-    def row(point: Measurement, **before: str | None) -> dict[str, Any]:
-        return {**before, "side": point.side.value, "mode": point.mode, "measured_Hz": point.frequency_Hz}
-
-    order = (Side.REST, Side.TIGHT, Side.SLACK)
-    off, mounting = [], []
-    for point in points:
-        if point.side is not Side.REST:
-            judged = _judged(partial(explain_mounting, planned, point), "mounting_factor")
-            mounting.append(row(point, mounting_factor=None) | judged)
-    for model, point in sorted(product(MODELS, points), key=lambda one: order.index(one[1].side)):
-        found: dict[str, Any] = {"model_Hz": None, "relative": None, "why": ""}
-        try:
-            found["model_Hz"], found["relative"] = deviation(whole, point, model)
-        except RopefricError as error:  # this model has no answer for this saw
-            found["why"] = error.problem.message
-        off.append(row(point, model=model) | found)
-    return {"deviations": off, "mounting": mounting}
-
-
 def _sections(tree: Mapping[str, Any]) -> tuple[section.Section, ...]:
     sides = [side for side in ("tight", "slack", "rest") if side in tree]
     modes = range(len(tree["rest"]["frequencies_Hz"]))
@@ -500,8 +439,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[section.Section, ...]:
             for mode in modes
         ),
     )
-    further = {"resonance": _resonance_part, "comparison": _comparison_part}
-    return (frequencies, *(part(tree[name]) for name, part in further.items() if name in tree))
+    return (frequencies, *([_resonance_part(tree["resonance"])] if "resonance" in tree else []))
 
 
 def _resonance_part(found: Mapping[str, Any]) -> section.Section:
@@ -532,42 +470,10 @@ def _resonance_part(found: Mapping[str, Any]) -> section.Section:
     )
 
 
-def _identified_lines(found: Mapping[str, Any] | None) -> tuple[str, ...]:
-    if found is None:
-        return ()
-    if "preload_N" not in found:
-        return (f"identification: {found['advice']}",)
-    what = f"a preload of {found['preload_N']:.5g} N and a mounting factor of {found['mounting_factor']:.3f}"
-    return (f"the measurements ask for {what}. {found['advice']}",)
-
-
-def _comparison_part(found: Mapping[str, Any]) -> section.Section:
-    return section.Section(
-        "Against measurement",
-        lines=tuple(
-            f"{one['side']} mode {one['mode']}: {one['measured_Hz']:g} Hz would need a mounting factor of "
-            f"{section.in_words(one['mounting_factor'], '.2f')}. {one['advice']}"
-            for one in found["mounting"]
-        )
-        + _identified_lines(found.get("identified")),
-        headings=("model", "side", "mode", "measured [Hz]", "model [Hz]", "deviation"),
-        rows=tuple(
-            (
-                *(one["model"], one["side"], str(one["mode"])),
-                *kind.cells(one, (("measured_Hz", ".2f"), ("model_Hz", ".2f"))),
-                "–" if one["relative"] is None else f"{100 * one['relative']:+.1f} %",
-            )
-            for one in found["deviations"]
-        ),
-        left=2,
-    )
-
-
 def _campbell(answer: SawAnswer, problem: SawProblem) -> resonance.SawChart | None:
-    saws = _saws(answer, problem)
-    if saws is None or not problem.excitations:
+    saw = _saw(answer, problem)
+    if saw is None or not problem.excitations:
         return None
-    saw = saws[1]
     speeds = min((_speeds_m_s(saw, side) for side in _RUNNING), key=lambda one: float(one[-1]))
     return resonance.saw_chart(saw, problem.excitations, speeds, min(problem.n_modes, 4))
 
@@ -598,9 +504,8 @@ KIND = kind.Kind(
         "wheel_radius_m": "wheel",
         "travel_speed_m_s": "wheel.speed",
     },
-    identified=_identified,
     sections=_sections,
-    beyond={"resonance": "margins, crossings and the preload recommended", "comparison": "mounting factors"},
+    beyond={"resonance": "margins, crossings and the preload recommended"},
     layout=_layout,
     words={"feed.limit_N": "feed force at which the blade buckles [N]"},
     figures={"campbell": kind.Figure(_campbell, "draw_saw_chart")},

@@ -2,8 +2,7 @@
 
 `span` is one free span with any of its parts left out, how it is held, and the moving string with its two waves; `beam`
 the moving stiff blade, every mode to a wanted accuracy. `saw` puts the machine together: what the blade is, which
-tensions the torque makes, the preload a frequency asks for. `resonance` says where modes meet excitations and which
-preload to set, `measured` compares with measured frequencies and finds the mounting behind them. `answer` are all
+tensions the torque makes. `resonance` says where modes meet excitations and which preload to set. `answer` are all
 frequencies of a saw as a scene simulates it, with torsion, the wheels' grip and the push on its teeth that it bears,
 `effects` what the scene may leave out, and what that may cost.
 """

@@ -25,7 +25,6 @@ from numpy.polynomial import legendre
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
-from ropefric.systems.bandsaw.measured import Measurement
 from ropefric.systems.bandsaw.resonance import Excitation
 from ropefric.systems.bandsaw.saw import Saw, Section, Side
 from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
@@ -52,7 +51,6 @@ class SawProblem(Cases):
     friction: WrapFriction | None = None
     wheel_wrap_rad: Positive = np.pi  # type: ignore[assignment]  # spread in __post_init__
     excitations: tuple[Excitation, ...] = ()
-    measurements: tuple[Measurement, ...] = ()
     margin_wanted: float | None = None
     preload_range_N: list[float] | None = None
     feed_force_N: Positive | None = None

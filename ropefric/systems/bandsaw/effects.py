@@ -1,7 +1,6 @@
-"""The effects a band saw may be simulated with, and how much each can matter at most."""
+"""The effects a band saw may be simulated with, and how much the stiffness can matter at most."""
 
 import math
-from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -9,23 +8,9 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.registry import Registry
 from ropefric.systems.bandsaw.answer import SawAnswer, SawModel, SawProblem, solve_saw
-from ropefric.systems.effect import Effect, Method, System, largest_changes, missing, with_bounds
+from ropefric.systems.effect import Effect, Method, System, missing
 
 _ROUNDING = 1e-11
-
-
-@lru_cache(maxsize=2)
-def _string_changes(problem: SawProblem) -> dict[str, float]:
-    """Return what every effect but the stiffness is worth on a string.
-
-    A stiff blade is less sensitive to tension and speed, as part of its restoring force depends on neither; in the
-    wheel's grip and under the feed the stiffness as an effect has no part.
-    """
-    return largest_changes(
-        ("tension-difference", "wheel-inertia-tension", "travel"),
-        lambda effects: solve_saw(SawModel(problem=problem, effects=effects)).logs,
-        rounding=_ROUNDING,
-    )
 
 
 _ANY = np.array(list(product((-1.0, 0.0, 1.0), (0.0, 1.0), (0.0, 1.0)))).T[..., np.newaxis]
@@ -91,8 +76,7 @@ EFFECTS: Registry[Effect] = Registry(
                     "youngs_modulus"
                 }
             ),
-            influence=lambda problem: float(bending_bound(problem).max()),
-            each=bending_bound,
+            bound=bending_bound,
             cost=5e-3,
         ),
         Effect(
@@ -100,7 +84,6 @@ EFFECTS: Registry[Effect] = Registry(
             adds="the frequencies of twisting, beside those of bending",
             instead="no frequencies of twisting; those of bending do not depend on them",
             needs=missing({"section": "blade.width, thickness, density and shear_modulus"}),
-            influence=lambda problem: 0.0,  # noqa: ARG005
         ),
     ),
 )
@@ -129,7 +112,7 @@ def _method(model: SawModel, budget: float) -> Method:
 
 SYSTEM: System = System(
     name="bandsaw",
-    effects=with_bounds(EFFECTS, _string_changes),
+    effects=EFFECTS,
     model=SawModel,
     method=_method,
     solve=lambda model, method: solve_saw(model, accuracy=method.settings.get("accuracy", _FINEST)),

@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,10 +12,9 @@ from scipy.optimize.elementwise import find_root
 
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError, SolverError
-from ropefric.registry import Registry
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
-from ropefric.systems.checks import checked, refuse
+from ropefric.systems.checks import checked
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,47 +142,6 @@ def frequencies_Hz(
     return beam_frequencies_Hz(span, saw.ends, n_modes, accuracy=accuracy)
 
 
-def preloads_for_N(saw: Saw, side: Side, frequency_Hz: npt.ArrayLike, mode: npt.ArrayLike = 1) -> FloatArray:
-    """Return the preloads F_0 at which modes of one side have frequencies, at the saw's speed, shape (n,) [N].
-
-    For a string c = a + √(a² + v²) with a = f l/n, from eq. (8), and F_0 = ρA c² ∓ ΔF/2 − κ ρA v². A stiff blade
-    needs less, which is found by bracketing.
-    """
-    wanted_Hz, modes = np.broadcast_arrays(np.atleast_1d(np.asarray(frequency_Hz, dtype=np.float64)), mode)
-    v = 0.0 if side is Side.REST else saw.speed_m_s
-    a = wanted_Hz * saw.free_span_m / modes
-    c = a + np.hypot(a, v)
-    inertia_N = saw.linear_density_kg_m * v**2
-    apart_N = 0.5 * side.sign * saw.tension_difference_N + saw.mounting_factor * inertia_N
-    total_N = saw.linear_density_kg_m * c**2
-    if saw.bending_stiffness_N_m2 == 0.0 or not total_N.size:
-        return np.asarray(total_N - apart_N)
-
-    # Without ΔF and κ in the way, the total tension is what is looked for; its sign is then the only limit.
-    plain = replace(saw, tension_difference_N=0.0, mounting_factor=0.0)
-
-    def surplus_Hz(total_N: FloatArray, cases: IntArray) -> FloatArray:
-        found = frequencies_Hz(plain, side, int(modes[cases].max()), preload_N=total_N, accuracy=1e-12)
-        return np.asarray(found[np.arange(cases.size), modes[cases] - 1] - wanted_Hz[cases])
-
-    buckling_N = saw.ends.buckling * saw.bending_stiffness_N_m2 / saw.free_span_m**2
-    lowest_N = np.full(total_N.shape, max(inertia_N - buckling_N * (1.0 - 1e-9), 1e-6 * buckling_N))
-    every = np.arange(total_N.size)
-    below = total_N <= lowest_N
-    if not below.any():
-        below = surplus_Hz(lowest_N, every) >= 0.0
-    refuse(
-        below,
-        f"mode {{mode}} of the {side} side has {{wanted_Hz:g}} Hz only below a tension of {{lowest_N:.4g}} N",
-        key="frequency_Hz",
-        fix="ask for a higher frequency or a lower mode",
-        mode=modes,
-        wanted_Hz=wanted_Hz,
-        lowest_N=lowest_N,
-    )
-    return roots_between(surplus_Hz, lowest_N, total_N) - apart_N
-
-
 def roots_between(
     function: Callable[[FloatArray, IntArray], FloatArray], low: FloatArray, high: FloatArray
 ) -> FloatArray:
@@ -193,24 +151,3 @@ def roots_between(
     if not found.success.all():
         raise SolverError("the roots do not settle", fix="ask for less accuracy")
     return np.asarray(found.x, dtype=np.float64)
-
-
-class BladeModel(NamedTuple):
-    """A choice of a saw's parts, to be compared with measurements: what is other than in the whole saw."""
-
-    name: str
-    changes: dict[str, Any]
-
-
-_STRING, _LOOSE = {"bending_stiffness_N_m2": 0.0, "mounting_factor": 0.0}, {"mounting_factor": 1.0}
-MODELS = Registry(
-    "model of the blade",
-    (
-        BladeModel("string-at-rest", _STRING | {"wheel_speed_rad_s": 0.0}),  # table 2, left
-        BladeModel("string-fixed-axles", _STRING),  # table 2, right
-        BladeModel("string-constant-force", _STRING | _LOOSE),  # table 3, right
-        BladeModel("beam-fixed-axles", {"mounting_factor": 0.0}),
-        BladeModel("beam-constant-force", _LOOSE),
-    ),
-)
-"""Every model by name, from plain to complete, under the tensions of work."""

@@ -2,12 +2,12 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import BoolArray, FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.checks import Cases, ZeroOrMore
 from ropefric.systems.effect import Model
@@ -22,8 +22,7 @@ from ropefric.systems.press.statics import (
     solve_statics,
     steady_state,
 )
-from ropefric.systems.press.transient.modes import SwingingStartUp
-from ropefric.systems.press.transient.start_up import ON_TENSION, StartUp, start_up, swinging_start_up
+from ropefric.systems.press.transient.start_up import StartUp, start_up
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -125,31 +124,6 @@ def take_up(effects: Collection[str]) -> TakeUp:
     return "elastic" if springs else "locked"
 
 
-QUICKER = frozenset({"exact-switching", "fast-modes", "slow-modes"})
-"""Without the first of these a start-up whose belts stick is a closed form, without the others with fewer swings."""
-FAST_ERROR = 1e-3
-"""What the swings of fast modes may be worth in any tension."""
-
-
-def swinging_of(problem: PressProblem, effects: frozenset[str]) -> SwingingStartUp | None:
-    """Return the start-up of a press mode by mode, where its belts stick for sure."""
-    # Friction that looks at no tension follows none: with the effect and without it is the same.
-    idle = set() if ON_TENSION & set(problem.friction.law.effects) else {"transient-friction"}
-    return _swinging(problem, effects - QUICKER - idle)
-
-
-@lru_cache(maxsize=4)
-def _swinging(problem: PressProblem, effects: frozenset[str]) -> SwingingStartUp | None:
-    model = PressModel(problem=problem, effects=effects)
-    return swinging_start_up(model.as_operated, **model.asked, **problem.start_up or {})
-
-
-def swings(swinging: SwingingStartUp, effects: Collection[str]) -> BoolArray:
-    """Return which modes swing with these effects in."""
-    slow = swinging.slowest(swinging.fewest(FAST_ERROR))
-    return np.where(slow, "slow-modes" in effects, "fast-modes" in effects)
-
-
 def solve_press(model: PressModel) -> PressAnswer:
     """Return tensions and slip of a model, and its start-up where it has one."""
     problem, task = model.problem, model.start_up
@@ -167,10 +141,8 @@ def solve_press(model: PressModel) -> PressAnswer:
     state, still = (steady_state(statics, speed_m_s=way * problem.speed_m_s, **at) for way in (1.0, 0.0))
     moved = None
     if task is not None:
-        exact = "exact-switching" in model.effects  # a closed form has no moments at which anything changes
-        swinging = None if exact else swinging_of(problem, model.effects)
-        modes = None if swinging is None else (swinging, swings(swinging, model.effects))
-        moved = start_up(model.as_operated, exact_switching=exact, modes=modes, **model.asked, **task)
+        how = {"exact_switching": "exact-switching" in model.effects, **model.asked}
+        moved = start_up(model.as_operated, **how, **task)
     slip = SlipTable(model.press, state.effective_tension_N, problem.friction, told=model.told)
     return PressAnswer(model, statics, state, still.effective_tension_N, slip, moved)
 

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from ropefric.errors import InputError
 from ropefric.systems.bandsaw.resonance import (
@@ -18,7 +16,7 @@ from ropefric.systems.bandsaw.resonance import (
     tooth_passing,
     wheel_rotation,
 )
-from ropefric.systems.bandsaw.saw import Side, frequencies_Hz, preloads_for_N
+from ropefric.systems.bandsaw.saw import Side, frequencies_Hz
 
 T, S = Side.TIGHT, Side.SLACK
 
@@ -77,28 +75,6 @@ def test_margins_of_the_paper_saw(saw):
     assert nearest.margin == pytest.approx(17.9564 / 16.1667 - 1, abs=1e-5)
     assert [abs(margin.margin) for margin in found] == sorted(abs(margin.margin) for margin in found)
     assert margins(replace(saw, wheel_speed_rad_s=0.0), (T,), (wheel_rotation(0.35),), 3) == ()
-
-
-@settings(max_examples=40, deadline=None)
-@given(st.floats(0.0, 1.0), st.floats(5.0, 200.0), st.integers(1, 4), st.sampled_from(list(Side)))
-def test_preload_is_the_inverse_of_frequency(saw, kappa, frequency, mode, side):
-    changed = replace(saw, mounting_factor=kappa)
-    preload = preloads_for_N(changed, side, frequency, mode)
-    if preload <= 0.0:
-        return
-    found = frequencies_Hz(changed, side, mode, preload_N=preload)[0, -1]
-    assert found == pytest.approx(frequency, rel=1e-11)
-
-
-@pytest.mark.parametrize("side", list(Side))
-@pytest.mark.parametrize("mode", [1, 3])
-def test_preload_of_a_stiff_blade_is_the_inverse_of_frequency(saw, stiffness, side, mode):
-    stiff = replace(saw, bending_stiffness_N_m2=stiffness, mounting_factor=0.4)
-    preload = preloads_for_N(stiff, side, 22.0 * mode, mode)
-    assert frequencies_Hz(stiff, side, mode, preload_N=preload)[0, -1] == pytest.approx(22.0 * mode, rel=1e-9)
-    assert preload < preloads_for_N(replace(stiff, bending_stiffness_N_m2=0.0), side, 22.0 * mode, mode)
-    with pytest.raises(InputError, match="only below a tension of"):
-        preloads_for_N(replace(stiff, bending_stiffness_N_m2=3e4), side, 1.0, mode)
 
 
 def nearest(saw, excitations, preload, n_modes):

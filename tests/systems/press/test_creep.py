@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from promise import costly
 
 from ropefric.errors import InputError
 from ropefric.scenes.plan import make_plan
@@ -189,15 +188,6 @@ def test_without_ea_creep_is_not_to_be_had(paper_press):
     assert effect.needs(problem) == ("belts.upper.axial_stiffness", "belts.lower.axial_stiffness")
     with pytest.raises(InputError, match="elastic-creep cannot be simulated without"):
         make_plan(SYSTEM, problem, accuracy=0.01, effects=("elastic-creep",))
-
-
-def test_its_bound_is_the_slowest_rim(paper_press):
-    problem = problem_of(with_stiffness(paper_press, 2e5, 2e5))
-    slowest = solved(problem).rim_speed_m_s.min() / SPEED
-    bound = SYSTEM.effects["elastic-creep"].influence(problem)
-    assert 1.0 - slowest <= bound < 1.5 * (1.0 - slowest)
-    plan, _ = make_plan(costly(SYSTEM), problem, accuracy=0.5 * bound, effects="auto")
-    assert "elastic-creep" in plan.simulated
 
 
 def test_many_points_are_the_single_ones_side_by_side(paper_press):

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import PPoly
 
-from ropefric.arrays import BoolArray, FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.checks import checked
 from ropefric.systems.friction import EVERYTHING, WrapFriction
@@ -22,7 +22,6 @@ from ropefric.systems.press.transient.capture import GridSolver, RK4Solver
 from ropefric.systems.press.transient.drives import SPEED, Inputs, Loads, press_inputs
 from ropefric.systems.press.transient.exact import Guard, HybridSolver, check_steps
 from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
-from ropefric.systems.press.transient.modes import Following, SwingingStartUp
 from ropefric.systems.press.transient.motion import (
     MOVING,
     STICK,
@@ -35,7 +34,6 @@ from ropefric.systems.press.transient.motion import (
     friction_utilisation,
     kinetic_energy_J,
     settled,
-    sticking,
 )
 
 
@@ -168,7 +166,6 @@ def start_up(
     exact_switching: bool = True,
     told: frozenset[str] = EVERYTHING,
     follows: bool = False,
-    modes: tuple[SwingingStartUp, BoolArray] | None = None,
     **settings: float | None,
 ) -> StartUp:
     """Return the start-up of a press from rest, eqs. (10)-(22) closed by elastic belts.
@@ -178,8 +175,7 @@ def start_up(
     friction and `slip` a belt does not push, a roller takes no more than T'_tight = T'_slack e^M with what accelerating
     the belt adds, and drag opposes the motion and holds at rest; between two changes of these the solution is exact.
     Without slip that is so where the linear model would let its loads drive the press by a thousandth of the energy. A
-    start-up in which something that only takes energy drives the press is refused. With `modes` of it that swing it is
-    solved in closed form, unless that takes longer than steps.
+    start-up in which something that only takes energy drives the press is refused.
     """
     times = _checked(time_s)
     model = ElasticPress(press, effects=effects)
@@ -201,13 +197,6 @@ def start_up(
         found.energy.check(times, share, loads_take=bool((press.rim_load_N[model.driven] >= 0.0).all()))
         return found
 
-    if modes is not None:
-        # Its bounds are closer than those of a grid: where it is not to be had, neither is that.
-        solution, exact_switching = modes[0].run(times, modes[1]), True
-        if solution is not None:
-            motion = Motion(model, sticking(model), limit if slips else None)
-            with suppress(SolverError):
-                return made(([motion] * len(times), *solution, []), GRID_ERROR)
     if not slips and integrator != "exact":
         problem = LinearStartUp(model=model, inputs=inputs)
         states, works = np.split(
@@ -230,42 +219,9 @@ def start_up(
     return made(_solved(solver, times), _CLOSES)
 
 
-def swinging_start_up(
-    press: Press,
-    *,
-    speed: PPoly,
-    time_s: npt.ArrayLike,
-    friction: float | WrapFriction,
-    slip: bool = True,
-    loads: Loads = "with-speed",
-    effects: Collection[str] = MOVING,
-    integrator: str = "exact",
-    told: frozenset[str] = EVERYTHING,
-    follows: bool = False,
-    **_: float | None,
-) -> SwingingStartUp | None:
-    """Return a start-up mode by mode; None where its belts may slip, or drags hold it so long that no bound is small.
-
-    None, too, where it is solved without slip at so few times that it costs no more than to look at it.
-    """
-    times = _checked(time_s)
-    if integrator != "exact" or not (slip or len(times) >= _MANY_TIMES):
-        return None
-    model = ElasticPress(press, effects=effects)
-    following = _following(model, friction, told) if follows else None
-    if following and isinstance(friction, WrapFriction) and not friction.law.weakens:
-        return None
-    inputs, limit = press_inputs(model.overspeed, speed, loads), friction_limit(model, friction, told)
-    # Of numbers that no float holds nothing is known.
-    with suppress(np.linalg.LinAlgError), np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        found = SwingingStartUp(model, inputs, limit, float(times[-1]), slips=slip, following=following)
-        return found if found.sticks and found.bound(~found.every) <= GRID_ERROR else None
-    return None
-
-
 def _following(
     model: ElasticPress, friction: float | WrapFriction | None, told: frozenset[str]
-) -> Following | None:
+) -> tuple[Callable[[FloatArray], FloatArray], Callable[[FloatArray], FrictionLimit]] | None:
     """Return M and the limit of slip at slack sides, where friction follows the tensions; None where it cannot."""
     if not (isinstance(friction, WrapFriction) and ON_TENSION & set(friction.law.effects)):
         return None
@@ -297,7 +253,6 @@ ON_TENSION = {"wrap-dependence", "end-tension", "offset"}
 """Effects of a law whose coefficient depends on the slack side."""
 GRID_ERROR = 5e-3
 """What changes of contacts that are caught on a grid may be worth."""
-_MANY_TIMES = 1_500
 
 
 def _rk4_steps(times_s: FloatArray, step_s: float | None) -> int:
@@ -364,8 +319,6 @@ def _histories(
     """Return what states and modes at the times asked for mean for the press; `exponents` where friction follows."""
     press, (motions, states, works, changes) = model.press, solution
     slips = motions[0].limit is not None
-    if slips and states.shape[1] < 2 * motions[0].n_coordinates:  # of belts that stick nothing is kept
-        states = np.hstack([np.pad(half, ((0, 0), (0, len(press.rollers)))) for half in np.hsplit(states, 2)])
     w = np.hstack([states, inputs.at(times)])
     chosen: dict[Motion, list[int]] = defaultdict(list)
     for i, motion in enumerate(motions):

@@ -1,0 +1,192 @@
+"""What the effects of a scene are worth, each by leaving it out once, and the time that they take."""
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from statistics import median, quantiles
+from typing import Any
+
+from ropefric.errors import RopefricError
+from ropefric.scenes.kind import finite
+from ropefric.scenes.plan import Decision, Plan, make_plan, method_tree, solve_planned
+from ropefric.scenes.scene import Scene, placed
+from ropefric.shown import Shown
+from ropefric.systems.effect import assemble
+
+_ROUNDS = (2, 25)
+_LONG_S = 0.5
+"""Everything is timed in so many rounds, more than the least only while they take no longer than this together."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Explanation(Shown):
+    """A plan, with what its effects are and what they are worth.
+
+    Attributes
+    ----------
+    system : str
+        Name of the system.
+    plan : Plan
+        With what each effect turned out to be worth, and the time it takes if that was measured.
+    planned_s, all_s : float
+        Median time of planning and solving, as asked and with all effects [s]; NaN where it was not measured.
+    spread_s : float
+        Width of the middle half of their differences, of runs that followed each other [s].
+    difference : float
+        Relative difference of the planned answer to that with all effects; NaN where one of them has no answer.
+    """
+
+    _said = (
+        "system",
+        "plan.simulated",
+        "plan.left_out",
+        "plan.error_bound",
+        "planned_s",
+        "all_s",
+        "difference",
+    )
+    _framed = "plan.decisions"
+
+    system: str
+    plan: Plan
+    planned_s: float = math.nan
+    all_s: float = math.nan
+    spread_s: float = math.nan
+    difference: float = math.nan
+
+    @property
+    def saved_s(self) -> float:
+        """Return the time that leaving effects out saves, planning included [s]; NaN where it was not measured."""
+        return self.all_s - self.planned_s
+
+    @property
+    def is_measured(self) -> bool:
+        """Return whether the clock was read."""
+        return not math.isnan(self.planned_s)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the explanation as a JSON tree; what is not known is null."""
+        measured = {name: getattr(self, name) for name in ("planned_s", "saved_s", "spread_s", "difference")}
+        measured["all_effects_s"] = self.all_s
+        numbers = ("bound", "worth", "time_share", "time_s", "time_spread_s")
+        return {
+            "system": self.system,
+            "accuracy": self.plan.accuracy,
+            "error_bound": finite(self.plan.error_bound),
+            "method": method_tree(self.plan.method),
+            "effects": [
+                one._asdict()
+                | {name: finite(getattr(one, name)) for name in numbers}
+                | {"simulated": one.fate == "simulated", "missing": list(one.missing)}
+                for one in self.plan.decisions
+            ],
+            "measured": {name: finite(one) for name, one in measured.items()} if self.is_measured else None,
+        }
+
+
+def explain_scene(
+    scene: Scene, *, measure: bool = False, clock: Callable[[], float] = time.perf_counter
+) -> Explanation:
+    """Return why a scene is solved the way it is, and what every effect of it is worth."""
+    try:
+        try:
+            plan, own = solve_planned(scene, scene.problem)
+        except RopefricError:
+            # What has no answer has a plan all the same, or says what is wrong with it.
+            if measure:
+                raise
+            asked: dict[str, Any] = {"accuracy": scene.accuracy, "effects": scene.effects}
+            kept = scene.kind.kept(scene.problem)
+            plan, _ = make_plan(scene.kind.system, scene.problem, kept=kept, **asked)
+            return Explanation(system=scene.kind.name, plan=plan)
+        told = _weighed(scene, plan, own)
+        return _timed(scene, told, clock) if measure else told
+    except RopefricError as error:
+        raise placed(error, scene.document) from error
+
+
+def _runs(scene: Scene, plan: Plan) -> dict[str, Callable[[], Any]]:
+    """Return for each effect that the scene gives what solves the model as planned, but for that effect."""
+    system, simulated = scene.kind.system, frozenset(plan.simulated)
+
+    def solved(names: frozenset[str]) -> Any:
+        return system.solve(assemble(system, scene.problem, names), plan.method)
+
+    names = [one.name for one in plan.decisions if one.fate != "not applicable"]
+    return {name: partial(solved, simulated ^ {name}) for name in names}
+
+
+def _weighed(scene: Scene, plan: Plan, own: Any) -> Explanation:
+    """Return a plan with what each effect is worth: by how much the answer changes with it left out, or put in."""
+    distance, everything, worth = scene.kind.system.distance, own, dict[str, float]()
+    told = Explanation(system=scene.kind.name, plan=plan)
+    with suppress(RopefricError):
+        if plan.left_out:
+            everything = solve_planned(scene, scene.problem, "all")[1]
+        told = replace(told, difference=distance(own, everything, everything))
+        for name, solve in _runs(scene, plan).items():
+            # A model may have no answer without an effect that another one in it relies on.
+            with suppress(RopefricError):
+                pair = (solve(), own) if name in plan.simulated else (own, solve())
+                worth[name] = distance(*pair, everything)
+    decisions = tuple(one._replace(worth=worth.get(one.name, math.nan)) for one in plan.decisions)
+    return replace(told, plan=plan._replace(decisions=decisions))
+
+
+def _timed(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Explanation:
+    """Return an explanation with times: medians of runs that take turns, and how far these are apart."""
+    system, plan, problem = scene.kind.system, told.plan, scene.problem
+    weighed = [one.name for one in plan.decisions if not math.isnan(one.worth)]
+    runs: dict[str, Callable[[], Any]] = {
+        "": lambda: system.solve(assemble(system, problem, plan.simulated), plan.method),
+        **{name: solve for name, solve in _runs(scene, plan).items() if name in weighed},
+        "planned": lambda: solve_planned(scene, problem),
+        "all": lambda: solve_planned(scene, problem, "all"),
+    }
+    times = _in_turn(runs, clock)
+
+    def timed(one: Decision) -> Decision:
+        if one.name not in weighed:
+            return one
+        sign = 1.0 if one.fate == "simulated" else -1.0
+        time_s, spread_s = _difference(
+            [sign * (a - b) for a, b in zip(times[""], times[one.name], strict=True)]
+        )
+        share = time_s / median(times[""]) if one.fate == "simulated" else math.nan
+        return one._replace(time_s=time_s, time_share=share, time_spread_s=spread_s)
+
+    apart = [a - b for a, b in zip(times["all"], times["planned"], strict=True)]
+    return replace(
+        told,
+        plan=plan._replace(decisions=tuple(map(timed, plan.decisions))),
+        planned_s=median(times["planned"]),
+        all_s=median(times["all"]),
+        spread_s=_spread(apart),
+    )
+
+
+def _in_turn(runs: Mapping[str, Callable[[], Any]], clock: Callable[[], float]) -> dict[str, list[float]]:
+    times: dict[str, list[float]] = {name: [] for name in runs}
+    began = clock()
+    for rounds in range(_ROUNDS[1]):
+        if rounds >= _ROUNDS[0] and clock() - began > _LONG_S:
+            break
+        for name, run in runs.items():
+            start = clock()
+            run()
+            times[name].append(clock() - start)
+    return times
+
+
+def _difference(apart_s: list[float]) -> tuple[float, float]:
+    """Return the median of differences and their spread; where that is larger no difference can be told (NaN)."""
+    found, spread_s = median(apart_s), _spread(apart_s)
+    return (found if found > spread_s else math.nan), spread_s
+
+
+def _spread(apart_s: list[float]) -> float:
+    low, _, high = quantiles(apart_s, n=4, method="inclusive")
+    return high - low

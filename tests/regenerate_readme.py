@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 
 from ropefric.accuracy.measure import enough, error_table, measure_studies, this_machine
-from ropefric.accuracy.studies import STUDIES, uncertainty
+from ropefric.accuracy.studies import STUDIES
 from ropefric.accuracy.studies.picks import PICKERS
 from ropefric.accuracy.studies.press_transient import start_up
 from ropefric.accuracy.studies.scenes import PROBLEMS, planned
@@ -36,9 +36,6 @@ PICTURES = {
     "scenes": "saw",
 }
 """The case of each study that is shown."""
-WRONG = {6: 50, 8: 50}
-FOUND = {6: 60, 8: 60, 12: 60, 20: 100, 36: 100}
-"""Campaigns of constant data, and of each effect, that are judged at so many conditions."""
 MACHINE_LINE = "Times in the pictures: "
 _DPI = 80
 _PERCENT = "\N{NO-BREAK SPACE}%"
@@ -148,39 +145,6 @@ def picks_block() -> str:
     return "\n".join([*lines, ""])
 
 
-def uncertainty_block() -> str:
-    """Return how many of the intervals of the mean and of one pull hold the truth, design by design."""
-    lines = ["| law and design | mean | one pull |", "|---|---|---|"]
-    for case in STUDIES["uncertainty"].cases:
-        if not (rows := error_table("uncertainty", case.name, method="covariance")):
-            continue
-        row = rows[-1]
-        lines.append(f"| {case.name} | {_percent(row.shares['mean'])} | {_percent(row.shares['pull'])} |")
-    return "\n".join([*lines, ""])
-
-
-def verdicts_block() -> str:
-    """Return how often constant data support another law, design by design, and effects are found; it takes hours."""
-    designs = {(one.conditions, one.repeats, one.between): one for one in uncertainty.JUDGED_DESIGNS}
-    columns = list(dict.fromkeys(key[1:] for key in designs))
-    heads = " | ".join(f"× {repeats}, {100 * between:.0f} %" for repeats, between in columns)
-    lines = [f"| conditions | campaigns | {heads} |", f"|---|---{len(columns) * '|---'}|"]
-    for size, n in WRONG.items():
-        shares = (uncertainty.verdicts(designs[size, *column], n).shares["law"] for column in columns)
-        lines.append(f"| {size} | {n} | {' | '.join(map(_percent, shares))} |")
-    effects = list(uncertainty.EFFECTS)[1:]
-    lines += [
-        "",
-        f"| conditions of 5 | campaigns | {' | '.join(effects)} |",
-        f"|---|---{len(effects) * '|---'}|",
-    ]
-    for size, n in FOUND.items():
-        true = (designs[size, 5, uncertainty.WITHIN]._replace(special=effect) for effect in effects)
-        shares = (uncertainty.share_text(uncertainty.verdicts(one, n).shares, "effect") for one in true)
-        lines.append(f"| {size} | {n} | {' | '.join(shares).replace(' %', _PERCENT)} |")
-    return "\n".join([*lines, ""])
-
-
 def _percent(share: float) -> str:
     return f"{100 * share:.0f}{_PERCENT}" if math.isfinite(share) else "–"
 
@@ -198,6 +162,11 @@ def _script(name: str, *parts: str) -> ModuleType:
 def hard_cases() -> ModuleType:
     """Return the script that makes the table of hard cases: its function `table` returns the block."""
     return _script("hard_cases_table", "hard", "table.py")
+
+
+def small_campaigns() -> ModuleType:
+    """Return the study of intervals and verdicts, which makes its two tables."""
+    return _script("small_campaigns", "accuracy", "small_campaigns.py")
 
 
 def with_blocks(text: str, blocks: dict[str, str]) -> str:
@@ -245,8 +214,8 @@ def write_blocks(only: list[str]) -> list[str]:
         "cost": lambda: cost_block(this_machine().line),
         "hard-cases": lambda: hard_cases().table(),
         "picks": picks_block,
-        "uncertainty": uncertainty_block,
-        "verdicts": verdicts_block,
+        "uncertainty": lambda: small_campaigns().uncertainty_block(),
+        "verdicts": lambda: small_campaigns().verdicts_block(),
     }
     written = []
     for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))):

@@ -5,10 +5,11 @@ import hashlib
 import json
 import os
 import platform
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import cache
 from importlib.metadata import version
+from itertools import groupby
 from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -160,46 +161,63 @@ def measure_studies(
     machine, is not measured again, so that the same call goes on where another ended.
     """
     effort = effort or (QUICK if quick else FULL)
-    planned = [(study, case, place, setting) for study in studies for case in study.cases
-               for place, setting in enumerate(_settings(case)) if setting.quick or not quick]  # fmt: skip
     how = (software(), this_machine().line, effort)
-    names = [_name_of(how, study, case, setting) for study, case, _, setting in planned]
+    planned = [
+        _Piece(_name_of(how, study, case, setting), study, case, place, setting)
+        for study in studies
+        for case in study.cases
+        for place, setting in enumerate(_settings(case))
+        if setting.quick or not quick
+    ]
     before = {} if kept is None else _kept_before(kept)
+    left = [piece for piece in planned if piece.name not in before]
+    assessed = spread(_assessed_at, ((piece.case, piece.place) for piece in left), executor)
+    timed = _timed(left, effort)
     found: dict[str, list[Measured]] = {study.name: [] for study in studies}
-    pieces = (
-        (case, place) for (_, case, place, _), name in zip(planned, names, strict=True) if name not in before
-    )
-    assessed, timings = spread(_assessed_at, pieces, executor), dict[str, Timing]()
-    for done, ((study, case, _, setting), name) in enumerate(zip(planned, names, strict=True), start=1):
+    for done, (name, study, case, _, setting) in enumerate(planned, start=1):
         if name in before:
             point = before[name]
         else:
-            outcome = next(assessed)
-            if not study.in_turn:
-                timings[name] = time_call(setting.call, effort)
-            elif name not in timings:
-                new = zip(names, planned, strict=True)
-                turns = {
-                    key: one[-1].call for key, one in new if one[:2] == (study, case) and key not in before
-                }
-                timings |= zip(turns, time_in_turn([*turns.values()], effort), strict=True)
-            point = replace(outcome, **timings[name]._asdict())
+            point = replace(next(assessed), **next(timed)._asdict())
             if kept is not None:
-                kept.parent.mkdir(parents=True, exist_ok=True)
-                with kept.open("a", encoding="utf-8") as stream:
-                    stream.write("\n" + json.dumps([name, asdict(point)]))  # the line before may be cut off
+                _keep(kept, name, point)
         found[study.name].append(point)
         if progress is not None:
-            progress(
-                done, len(planned), f"{study.name}: {case.name}, {setting.method} {setting.setting}".rstrip()
-            )
+            said = f"{study.name}: {case.name}, {setting.method} {setting.setting}".rstrip()
+            progress(done, len(planned), said)
     return tuple(StudyResult(study=study, points=tuple(found[study.name]), quick=quick) for study in studies)
+
+
+class _Piece(NamedTuple):
+    """A setting to measure: by its name, the study and the case it belongs to, and its place in the case."""
+
+    name: str
+    study: Study
+    case: Case
+    place: int
+    setting: Setting
+
+
+def _timed(pieces: Sequence[_Piece], effort: Effort) -> Iterator[Timing]:
+    """Yield how long each takes when it is asked for; those of a case in turn, where its study says so."""
+    for (study, _), group in groupby(pieces, key=lambda piece: (piece.study, piece.case)):
+        calls = [piece.setting.call for piece in group]
+        yield from (
+            time_in_turn(calls, effort) if study.in_turn else (time_call(call, effort) for call in calls)
+        )
 
 
 def _name_of(how: tuple[object, ...], study: Study, case: Case, setting: Setting) -> str:
     """Return what tells a setting, and how it is measured, from all others."""
     text = repr((*how, study.name, case.name, case.title, setting.method, setting.setting))
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _keep(kept: Path, name: str, point: Measured) -> None:
+    """Write a point to a file in a line of its own; the line before may be cut off."""
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    with kept.open("a", encoding="utf-8") as stream:
+        stream.write("\n" + json.dumps([name, asdict(point)]))
 
 
 def _kept_before(kept: Path) -> dict[str, Measured]:

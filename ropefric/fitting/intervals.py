@@ -53,7 +53,7 @@ INTERVALS = ("auto", "covariance", "profile", "bootstrap", "bootstrap-t")
 
 _BESIDE_A_BOUND = (
     "a parameter lies on its bound: 95 % intervals beside it are on the safe side, they held the truth in 97 to 100 % "
-    "of simulated campaigns (ropefric cost uncertainty)"
+    "of simulated campaigns"
 )
 _WORTH_A_NOTE = 0.025
 # √Δχ² at the ends of an interval from the covariance, over what a parabola has there: χ² bears the interval out.

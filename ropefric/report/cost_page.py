@@ -71,20 +71,16 @@ def _study_section(result: StudyResult) -> Section:
 
 
 def _shares_table(result: StudyResult) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Return headings and rows of a study that counts outcomes: shares in percent, errors, and time."""
+    """Return headings and rows of a study that counts what pickers find: shares and errors in percent, and time."""
     names = dict.fromkeys(name for point in result.points for name in point.shares if name != "recordings")
-    of_pickers = not all(math.isnan(point.bias) for point in result.points)
     rows = []
     for point in result.points:
-        shares = [100.0 * point.shares.get(name, math.nan) for name in names]
-        cells = [plain(share, ".0f" if of_pickers else ".3g") for share in shares]
-        if of_pickers:
-            errors = ((point.bias, "+.2g"), (point.noise, ".2g"), (point.error, ".2g"))
-            cells += [plain(100.0 * one, form) for one, form in errors]
+        cells = [plain(100.0 * point.shares.get(name, math.nan), ".0f") for name in names]
+        errors = ((point.bias, "+.2g"), (point.noise, ".2g"), (point.error, ".2g"))
+        cells += [plain(100.0 * one, form) for one, form in errors]
         rows.append((point.case, point.name, *cells, time_text(point.seconds)))
-    shown = [*names, *(("bias", "scatter", "95 %") if of_pickers else ())]
-    percent = (f"{name.replace('_', ' ')} [%]" for name in shown)
-    return ("case", "picker" if of_pickers else "method", *percent, "time"), rows
+    percent = (f"{name.replace('_', ' ')} [%]" for name in (*names, "bias", "scatter", "95 %"))
+    return ("case", "picker", *percent, "time"), rows
 
 
 def _span(accuracies: list[float]) -> str:

@@ -1,10 +1,15 @@
 """What the accuracy tests share: the settings of a case by name, and observed orders."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from ropefric.accuracy.measure import error_table
-from ropefric.accuracy.studies import picks, uncertainty
+from ropefric.accuracy.studies import picks
+
+sys.path.insert(0, str(Path(__file__).parent))  # for small_campaigns
 
 
 def _errors(study, case, method):
@@ -35,6 +40,5 @@ def order():
 
 @pytest.fixture(autouse=True)
 def _few_recordings(monkeypatch):
-    """One recording of each family in the study of pickers, three campaigns in that of intervals: more take seconds."""
+    """One recording of each family in the study of pickers: more take seconds."""
     monkeypatch.setattr(picks, "PER_FAMILY", 1)
-    monkeypatch.setattr(uncertainty, "QUICK", 3)

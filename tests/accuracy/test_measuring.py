@@ -236,14 +236,10 @@ def test_quick_is_quicker_than_full():
     assert QUICK.batch_s < FULL.batch_s
 
 
-_LONG = {"picks", "uncertainty"}
-"""Whose own tests measure them, too."""
-
-
 @pytest.mark.parametrize(
     "study",
     [
-        pytest.param(study, id=name, marks=pytest.mark.slow if name in _LONG else ())
+        pytest.param(study, id=name, marks=pytest.mark.slow if name == "picks" else ())
         for name, study in STUDIES.items()
     ],
 )

@@ -7,8 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-
-from ropefric.accuracy.studies import STUDIES
+import small_campaigns
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8")
@@ -73,31 +72,24 @@ def test_the_page_says_how_many_intervals_hold_the_truth():
     """Every design stands there; those that take little time are counted again."""
     shown = block_of("uncertainty").splitlines()
     assert [line.split(" | ")[0] for line in shown[2:]] == [
-        f"| {case.name}" for case in STUDIES["uncertainty"].cases if "no effect" not in case.name
+        f"| {one.name}" for one in small_campaigns.DESIGNS
     ]
-    few = (
-        "import sys; sys.stdout.reconfigure(encoding='utf-8'); from dataclasses import replace\n"
-        "study = made.STUDIES['uncertainty']\n"
-        "cases = tuple(case for case in study.cases if case.name.startswith('constant'))\n"
-        "made.STUDIES = {'uncertainty': replace(study, cases=cases)}\n"
-        "print(made.uncertainty_block(), end='')"
-    )
-    again = printed(few).splitlines()
+    few = [one for one in small_campaigns.DESIGNS if one.law == "constant"]
+    again = small_campaigns.uncertainty_block(few).splitlines()
     assert len(again) == 4
     assert set(again) <= set(shown), "run python tests/regenerate_readme.py uncertainty"
 
 
-def test_the_page_says_how_often_verdicts_are_wrong(script):
+def test_the_page_says_how_often_verdicts_are_wrong():
     """Every number of conditions stands there, and no design is beyond a twentieth by more than two of its errors."""
     rows = [
         [cell.strip() for cell in line.strip("|").split("|")] for line in block_of("verdicts").splitlines()
     ]
     wrong = [row for row in rows if len(row) == 10 and row[0].isdigit()]
     found = [row for row in rows if len(row) == 5 and row[0].isdigit()]
-    for counts, table in ((script.WRONG, wrong), (script.FOUND, found)):
-        assert {int(size): int(n) for size, n, *_ in table} == counts, (
-            "run tests/regenerate_readme.py verdicts"
-        )
+    for counts, table in ((small_campaigns.WRONG, wrong), (small_campaigns.FOUND, found)):
+        again = "run tests/regenerate_readme.py verdicts"
+        assert {int(size): int(n) for size, n, *_ in table} == counts, again
     for _, n, *shares in wrong:
         room = 2.0 * math.sqrt(0.05 * 0.95 / int(n))
         assert all(float(share.split("\N{NO-BREAK SPACE}")[0]) <= 100.0 * (0.05 + room) for share in shares)
@@ -108,10 +100,3 @@ def test_blocks_go_between_their_markers_and_nowhere_else(script):
     made = script.with_blocks(text, {"cost": "new \\1\n", "hard-cases": "not asked for\n"})
     assert made == text.replace("old\nlines\n", "new \\1\n")
     assert script.with_blocks(made, {"cost": "new \\1\n"}) == made
-
-
-def test_the_table_of_hard_cases_is_that_of_its_own_script(script):
-    """What it says is tested beside the hard cases."""
-    made = script.hard_cases()
-    assert len(made.cases()) >= 10
-    assert callable(made.table)

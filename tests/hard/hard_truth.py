@@ -9,9 +9,7 @@ from functools import cache
 
 import mpmath as mp
 
-from ropefric.friction.condition import one_condition
-
-__all__ = ["condition_slopes", "digits", "one", "parameter_slopes", "rise"]
+__all__ = ["condition_slopes", "digits", "parameter_slopes", "rise"]
 
 WHEEL, ROPE, WRAP, TENSION = range(4)
 
@@ -30,11 +28,6 @@ def digits(number):
 
 def _step():
     return mp.mpf(10) ** -(_DIGITS[-1] // 3)
-
-
-def one(pull):
-    """Return the library's conditions of a pull (R_w, R_r, φ, F_B)."""
-    return one_condition(*pull)
 
 
 def rise(name, theta, pull):
@@ -152,7 +145,9 @@ def _bending(mu, rigidity, pull):
         return mp.log((F_A - E) / (F_B - E)) - mu * contact
 
     low, high = mp.mpf(0), mu * pull[WRAP]
-    h = mp.findroot(balance, (low, high), solver="anderson", tol=_step() ** 5, verify=False, maxsteps=200)
+    h = mp.findroot(
+        balance, (low, high), solver="anderson", tol=_step() ** 2 / 1000, verify=False, maxsteps=200
+    )
     return _proven(h, balance)
 
 

@@ -1,57 +1,27 @@
-"""The hard cases as a Markdown table, from what is measured here and now: `python tests/hard/table.py`.
+"""All hard regimes, and the Markdown table of them from what is measured here and now: `python tests/hard/table.py`."""
 
-Accuracies are rounded up to a power of ten with half a decade to spare, so that the last bit of another machine's
-logarithm does not change the table.
-"""
-
-import importlib.util
-import math
 import sys
 from pathlib import Path
-from types import ModuleType
 
-FOLDER = Path(__file__).parent
-sys.path.insert(0, str(FOLDER))
+sys.path.insert(0, str(Path(__file__).parent))
 
-__all__ = ["cases", "table"]
+import hard_laws
+import hard_machines
+import hard_saw
+import hard_traces
+from hard_regime import FACTS, REFUSALS, REGIMES
 
-HEAD = ("regime", "what holds", "stated", "measured", "test")
-FLOOR = 1e-15
+__all__ = ["FACTS", "HEAD", "MODULES", "REFUSALS", "REGIMES", "table"]
 
-
-def cases() -> list[ModuleType]:
-    """Return the test modules that declare a regime, in order of their names."""
-    found = []
-    for path in sorted(FOLDER.glob("test_*.py")):
-        spec = importlib.util.spec_from_file_location(f"hard_case_{path.stem}", path)
-        assert spec is not None
-        assert spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-        if hasattr(module, "REGIME"):
-            found.append(module)
-    return found
+MODULES = (hard_laws, hard_machines, hard_saw, hard_traces)
+HEAD = ("regime", "what holds", "against", "stated", "measured")
 
 
 def table() -> str:
     """Return the table, one regime a row."""
     rows = [HEAD, tuple("---" for _ in HEAD)]
-    for module in cases():
-        regime = module.REGIME
-        path = Path(module.__file__ or "").relative_to(FOLDER.parents[1]).as_posix()
-        stated = "refused" if regime.accuracy is None else _power(regime.accuracy)
-        reached = "refused" if regime.accuracy is None else f"≤ {_power(_rounded(module.measured()))}"
-        cells = (regime.name, regime.statement, stated, reached, f"`{path}`")
-        rows.append(tuple(cell.replace("|", "\\|") for cell in cells))
-    return "\n".join(f"| {' | '.join(row)} |" for row in rows) + "\n"
-
-
-def _rounded(error: float) -> float:
-    return 10.0 ** math.ceil(math.log10(max(math.sqrt(10.0) * error, FLOOR)) - 1e-9)
-
-
-def _power(value: float) -> str:
-    return f"1e{round(math.log10(value))}"
+    rows += [one.row(None if one.tolerance is None else one.measure()) for one in REGIMES.values()]
+    return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |\n" for row in rows)
 
 
 if __name__ == "__main__":

@@ -220,7 +220,6 @@ def cost(
         None, "--campaign", help="For picks: a campaign with truth.toml; repeatable."
     ),
     quick: bool = flag("--quick", "Some settings only, and little time for each."),
-    full: bool = flag("--full", "For uncertainty: every law, size and scatter, 1000 campaigns each; hours."),
     cluster: options.Cluster = "",
     force: Force = False,
 ) -> Answer:
@@ -238,10 +237,6 @@ def cost(
         from ropefric.accuracy.studies.picks import with_campaigns  # noqa: PLC0415  (its package loads all studies)
 
         chosen = [with_campaigns(one, campaign) if one.name == "picks" else one for one in chosen]
-    if full:
-        from ropefric.accuracy.studies.uncertainty import with_all_designs  # noqa: PLC0415  (as above)
-
-        chosen = [with_all_designs(one) if one.name == "uncertainty" else one for one in chosen]
     pairs = [f"{study.name}.{ending}" for study in chosen for ending in ("png", "csv")]
     # Before the work, so that a folder that cannot be used costs nothing.
     names = ["cost.md", "cost.html", *pairs]

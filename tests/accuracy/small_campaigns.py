@@ -1,0 +1,194 @@
+"""Whether 95 % intervals hold the truth in 95 of 100 small campaigns, and how often a verdict is wrong.
+
+Campaigns with known truth: of laws, numbers of conditions and repeats, scatter between them; of constant data and of
+data with one effect. `docs/accuracy.md` shows what is counted here: `python tests/regenerate_readme.py uncertainty`, and
+`verdicts`, which takes hours.
+"""
+
+from math import log, log1p, nan, pi
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import betaincinv
+
+from ropefric.fitting.compare import choose_law, compare_laws
+from ropefric.fitting.diagnose import diagnose
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.predict import predict
+from ropefric.friction.condition import SETTINGS, Conditions
+from ropefric.friction.laws import LAWS
+from ropefric.trials.table import TrialTable
+
+WITHIN, GAIN, OUTLIER = 0.02, 0.03, 0.15
+TRUTH = {
+    "constant": (0.2,),
+    "wrap-power": (0.25, -0.4, 0.1),
+    "coupled": (0.46, -0.22, -0.3, -0.48, 0.055),
+}
+# Inside what is tested, and at none of its conditions.
+WHEEL = Conditions(
+    wheel_radius_m=np.array([0.035]),
+    rope_radius_m=np.array([0.0049]),
+    wrap_angle_rad=np.array([7.0]),
+    end_tension_N=np.array([60.0]),
+)
+# What may be true of the mean coefficient: the effect by its name in laws, the setting that it goes with as a power, and
+# by how much of itself it changes over the whole span of that setting.
+EFFECTS = {
+    "no effect": ("", "wrap_angle_rad", 8.0, 0.0),
+    "wrap effect": ("wrap-dependence", "wrap_angle_rad", 8.0, -0.2),
+    "size effect": ("size", "wheel_radius_m", 4.0, 0.25),
+    "load dependence": ("end-tension", "end_tension_N", 12.0, -0.2),
+}
+# Campaigns of constant data, and of each effect, that the docs show at so many conditions.
+WRONG = {6: 50, 8: 50}
+FOUND = {6: 60, 8: 60, 12: 60, 20: 100, 36: 100}
+COUNTED = 200
+_PERCENT = "\N{NO-BREAK SPACE}%"
+
+
+class Design(NamedTuple):
+    """A campaign with known truth: a law, conditions times repeats, scatter between conditions, and what is special."""
+
+    law: str
+    conditions: int
+    repeats: int
+    between: float = WITHIN
+    special: str = ""
+
+    @property
+    def name(self):
+        """Return a short name: "wrap-power 12 x 5, 2 %"."""
+        special = f", {self.special}" if self.special else ""
+        return f"{self.law} {self.conditions} x {self.repeats}, {100 * self.between:.0f} %{special}"
+
+    @property
+    def theta(self):
+        """Return the true parameters; a bound is a third of its standard error below the plateau's truth."""
+        truth = np.array(TRUTH[self.law])
+        if self.special == "bound":
+            truth[-1] = 0.01
+        return truth
+
+    def table(self, seed):
+        """Return the trials of one campaign, and ln F_A of one pull on `WHEEL` with a new rope."""
+        k, judged = self.conditions, self.special in EFFECTS
+        rng = np.random.default_rng([seed, k, self.repeats, round(1e3 * self.between)] if judged else seed)
+        size = np.full(k, self.repeats)
+        if self.special == "uneven":
+            size = np.array([1, 5, 9])[np.arange(k) % 3]
+        # Every wrap at every load; all but the laws without a size effect go round the wheels with them.
+        wheels = np.arange(k) % 5 if self.law == "coupled" or judged else k * [2]
+        at = Conditions(
+            wheel_radius_m=np.array([0.015, 0.02, 0.03, 0.04, 0.06])[wheels],
+            rope_radius_m=np.full(k, 0.0049),
+            wrap_angle_rad=pi * np.array([0.5, 1.0, 2.0, 4.0])[np.arange(k) % 4],
+            end_tension_N=np.array([10.0, 40.0, 120.0])[(np.arange(k) // 4) % 3],
+        )
+        group = np.repeat(np.arange(k), size)
+        law, gain = LAWS[self.law], GAIN if self.special == "gain" else 0.0
+        log_lift = law.log_lift(self.theta, at)
+        if judged:
+            _, setting, span, change = EFFECTS[self.special]
+            level = getattr(at, setting)
+            more = (level / level.min()) ** (log1p(change) / log(span)) - 1.0
+            log_lift += self.theta[0] * at.wrap_angle_rad * more
+        log_lift = (log_lift + self.between * rng.standard_normal(k))[group]
+        log_lift = log_lift + WITHIN * rng.standard_normal(group.size) + gain * rng.standard_normal()
+        log_lift[0] += OUTLIER if self.special == "outlier" else 0.0
+        new = law.log_lift(self.theta, WHEEL)[0] + np.hypot(self.between, WITHIN) * rng.standard_normal()
+        pulls, force_N = at.select(group), np.exp(log_lift)
+        columns = {name: getattr(pulls, name) for name in SETTINGS} | {"peak_N": force_N}
+        columns["peak_std_N"] = gain * force_N if gain else np.full(group.size, nan)
+        return TrialTable(trial=tuple(map(str, range(group.size))), **columns), float(new)
+
+
+DESIGNS = (
+    Design("wrap-power", 12, 5),
+    *(Design("wrap-power", k, 5) for k in (6, 8, 20, 36)),
+    *(Design("wrap-power", 12, n) for n in (1, 3, 12)),
+    *(Design("wrap-power", k, 5, 0.0) for k in (8, 12)),
+    *(Design("constant", k, 5) for k in (6, 12)),
+    *(Design("coupled", k, 5) for k in (12, 36)),
+    *(Design("wrap-power", 12, 5, special=one) for one in ("gain", "bound", "outlier", "uneven")),
+)
+# Of constant data on several wheels, by conditions, repeats and scatter between conditions.
+JUDGED = {
+    (k, n, between): Design("constant", k, n, between, "no effect")
+    for k in (6, 8, 12, 20, 36)
+    for n in (1, 3, 5, 12)
+    for between in (0.0, WITHIN)
+}
+
+
+def coverage(design, n):
+    """Return in which share of campaigns the printed intervals hold the truth: of the mean law, and of one pull."""
+    mean, held = LAWS[design.law].log_lift(design.theta, WHEEL)[0], []
+    for seed in range(n):
+        table, new = design.table(seed)
+        found = predict(fit_law(table, design.law), WHEEL)
+        ends = np.log([found.interval_N[0], found.prediction_interval_N[0]])
+        held.append(
+            [
+                low - 1e-12 <= truth <= high + 1e-12
+                for (low, high), truth in zip(ends, (mean, new), strict=True)
+            ]
+        )
+    return dict(zip(("mean", "pull"), np.mean(held, axis=0).tolist(), strict=True))  # fmt: skip
+
+
+def verdicts(design, n):
+    """Return in which share of campaigns a law with the effect of a design, and the effect itself, are supported.
+
+    Of a constant coefficient that is any law but the constant one, and any effect.
+    """
+    effect, named = EFFECTS[design.special][0], {design.special}
+    if not effect:
+        named = {*EFFECTS, "offset", "coil contact"}
+    laws = effects = 0
+    for seed in range(n):
+        table, _ = design.table(seed)
+        ranked = compare_laws(table)
+        choice, causes = choose_law(ranked), diagnose(table, ranked).causes
+        law = choice.fit.friction_law
+        laws += choice.verdict.supported and (effect in law.effects if effect else law.name != "constant")
+        effects += any(cause.supported == "yes" and cause.cause in named for cause in causes)
+    return {"law": laws / n, "effect": effects / n}
+
+
+def with_interval(share, n):
+    """Return a share of n with Clopper and Pearson's 95 % interval."""
+    count = round(share * n)
+    low = float(betaincinv(count, n - count + 1, 0.025)) if count else 0.0
+    high = float(betaincinv(count + 1, n - count, 0.975)) if count < n else 1.0
+    return f"{100 * share:.0f}{_PERCENT} ({100 * low:.0f} to {100 * high:.0f}{_PERCENT})"
+
+
+def uncertainty_block(designs=DESIGNS):
+    """Return how many of the intervals of the mean and of one pull hold the truth, design by design."""
+    lines = ["| law and design | mean | one pull |", "|---|---|---|"]
+    for design in designs:
+        shares = [f"{100 * share:.0f}{_PERCENT}" for share in coverage(design, COUNTED).values()]
+        lines.append(f"| {design.name} | {' | '.join(shares)} |")
+    return "\n".join([*lines, ""])
+
+
+def verdicts_block():
+    """Return how often constant data support another law, design by design, and effects are found; it takes hours."""
+    columns = list(dict.fromkeys(key[1:] for key in JUDGED))
+    heads = " | ".join(f"× {repeats}, {100 * between:.0f} %" for repeats, between in columns)
+    lines = [f"| conditions | campaigns | {heads} |", f"|---|---{len(columns) * '|---'}|"]
+    for size, n in WRONG.items():
+        shares = (verdicts(JUDGED[size, *column], n)["law"] for column in columns)
+        lines.append(f"| {size} | {n} | {' | '.join(f'{100 * share:.0f}{_PERCENT}' for share in shares)} |")
+    effects = list(EFFECTS)[1:]
+    lines += [
+        "",
+        f"| conditions of 5 | campaigns | {' | '.join(effects)} |",
+        f"|---|---{len(effects) * '|---'}|",
+    ]
+    for size, n in FOUND.items():
+        true = (JUDGED[size, 5, WITHIN]._replace(special=effect) for effect in effects)
+        shares = (with_interval(verdicts(one, n)["effect"], n) for one in true)
+        lines.append(f"| {size} | {n} | {' | '.join(shares)} |")
+    return "\n".join([*lines, ""])

@@ -1,0 +1,400 @@
+"""Recordings and trial tables that are long, far off zero, of one kind only or of numbers at the ends of floats."""
+
+import math
+from functools import cache, partial
+
+import numpy as np
+import pytest
+from hard_regime import EPS, answer, fact, refusals, refused, regime
+
+from ropefric.files.plain_text import STD_DIGITS, significant, to_share
+from ropefric.fitting.fit import fit_law
+from ropefric.fitting.predict import predict
+from ropefric.fitting.result import FitStatus
+from ropefric.friction.condition import Conditions, one_condition
+from ropefric.friction.laws import ALL_LAWS, LAWS
+from ropefric.traces import smoothing
+from ropefric.traces.breakaway import PickSettings
+from ropefric.traces.decision import pick_breakaway
+from ropefric.traces.noise import noise_std, remove_spikes
+from ropefric.traces.peak import choose_window, window_bias_N
+from ropefric.traces.protocols import PROTOCOLS
+from ropefric.traces.smoothing import average_over_samples, average_over_time, smooth, window_samples
+from ropefric.traces.trace import ForceTrace
+from ropefric.trials.table import TrialTable
+
+OFFSET = 1e9
+
+
+def exact_means(values, n_window):
+    """Return every window's mean, summed exactly and rounded once."""
+    n, means = len(values), []
+    for i in range(n):
+        half = min(n_window // 2, i, n - 1 - i)
+        there = [x for x in values[i - half : i + half + 1] if not math.isnan(x)]
+        means.append(math.fsum(there) / len(there) if there else math.nan)
+    return np.array(means)
+
+
+def ramp_and_waves(t):
+    """Return idle, a climb of two seconds, and waves."""
+    return np.where(t < 1, 0.0, np.where(t < 3, 100 * (t - 1), 160 + 4 * np.sin(60 * t)))
+
+
+@regime(
+    "offset of 1e9",
+    "moving averages of a signal of 1 on an offset of 1e9, with gaps, relative to the offset; ordinary ones relative "
+    "to the largest sample: the sum that runs along rounds at every step",
+    "exact sums",
+    1e-12,
+)
+def large_offset():
+    rng, errors = np.random.default_rng(3), []
+    for offset in (OFFSET, -OFFSET, 0.0):
+        values = offset + rng.normal(0.0, 1.0, 1200)
+        with_gaps = values.copy()
+        with_gaps[rng.random(values.size) < 0.2] = np.nan
+        for signal in (values, with_gaps):
+            for n_window in (3, 31, 301):
+                truth = exact_means(signal, n_window)
+                # A stamp at a distance of 0.4 of a step never lies on the edge of a window.
+                by_time = average_over_time(np.arange(1200.0), signal, n_window - 0.2)
+                for found in (average_over_samples(signal, n_window), by_time):
+                    assert (np.isnan(found) == np.isnan(truth)).all()
+                    errors.append(np.nanmax(np.abs(found - truth)) / np.nanmax(np.abs(signal)))
+    return float(max(errors))
+
+
+@fact
+def averages_leave_a_straight_line_and_spread_no_wild_sample():
+    line = OFFSET + 0.5 * np.arange(1001.0)  # exact in floats
+    for n_window in (3, 101, 1001, 99999):
+        assert average_over_samples(line, n_window).tolist() == line.tolist()
+    values = np.ones(4000)
+    values[10] = 1e9
+    found = average_over_samples(values, 31)
+    assert np.abs(found[40:] - 1.0).max() <= 64 * EPS * 1e9
+    # The window that the start still leaves is of 21 samples.
+    assert np.isclose(found[10], (1e9 + 20) / 21, rtol=1e-15)
+
+
+@fact
+def noise_and_peak_are_found_on_the_offset_and_at_late_times():
+    """The offset leaves steps of 1.2e-7 N to the samples; the clock that counts from long ago is exact in floats."""
+    t = np.arange(0.0, 4.0, 0.001)
+    force_N = ramp_and_waves(t) + np.random.default_rng(4).normal(0.0, 0.2, t.size)
+    (plain,) = pick_breakaway(ForceTrace(time_s=t, force_N=force_N), PickSettings())
+    (lifted,) = pick_breakaway(ForceTrace(time_s=t, force_N=force_N + OFFSET), PickSettings())
+    assert plain.status == lifted.status == "ok"
+    assert lifted.peak_N - OFFSET == pytest.approx(plain.peak_N, abs=1e-6)
+    assert lifted.peak_std_N == pytest.approx(plain.peak_std_N, rel=1e-4)
+    assert noise_std(force_N + OFFSET) == pytest.approx(noise_std(force_N), rel=1e-5)
+    t = np.arange(0.0, 4.0, 2.0**-10)
+    force_N = np.where(t < 3, 100 * t, 200 + 4 * np.sin(60 * (t + 1e9)))
+    (early,) = pick_breakaway(ForceTrace(time_s=t, force_N=force_N), PickSettings())
+    (late,) = pick_breakaway(ForceTrace(time_s=t + 1e9, force_N=force_N), PickSettings())
+    assert early.status == "ok"
+    assert (late.peak_N, late.peak_time_s - 1e9) == (early.peak_N, early.peak_time_s)
+
+
+LONGEST = 10**15 + 1
+
+
+def few_samples(n=999):
+    """Return samples about three."""
+    return np.random.default_rng(5).normal(3.0, 1.0, n)
+
+
+@regime(
+    "window longer than the trace",
+    "windows of up to 1e12 traces: the middle sample is the mean of all, the ends stay what they are",
+    "exact sums",
+    1e-14,
+)
+def long_window():
+    values = few_samples()
+    middle = math.fsum(values) / values.size
+    trace = ForceTrace(time_s=0.001 * np.arange(values.size), force_N=values)
+    found = [average_over_samples(values, n)[499] for n in (1001, 99_999, LONGEST)]
+    found += [average_over_time(np.arange(999.0), values, window)[499] for window in (2e3, 1e12, 1e300)]
+    found += [smooth(trace, window).force_N[499] for window in (1.5, 1e9)]
+    return max(abs(mean / middle - 1.0) for mean in found)
+
+
+@refusals
+def windows_that_cannot_be_counted():
+    """Others shrink to what there is: the ends stay and nothing leaves the range."""
+    for n in (1, 2, 3, 4, 50, 51):
+        values = few_samples(n)
+        by_time = average_over_time(np.arange(float(n)), values, 1e300)
+        for found in (average_over_samples(values, LONGEST), by_time):
+            assert found.shape == values.shape
+            assert found[[0, -1]] == pytest.approx(values[[0, -1]], rel=1e-15)
+            assert values.min() - 1e-15 <= found.min() <= found.max() <= values.max() + 1e-15
+    assert average_over_samples([], 3).size == average_over_time([], [], 1.0).size == 0
+    for window, step in [(1.0, 1e-300), (1e300, 1e-9), (1e20, 1.0)]:
+        yield partial(window_samples, window, step), "too many steps"
+
+
+@fact
+def picking_survives_a_window_longer_than_the_trace():
+    """What such a window costs stands in the uncertainty."""
+    t = np.arange(0.0, 4.0, 0.001)
+    trace = ForceTrace(time_s=t, force_N=ramp_and_waves(t))
+    for name, protocol in PROTOCOLS.items():
+        for window_s in (100.0, 1e9):
+            for result in protocol.pick(trace, PickSettings(window_s=window_s)):
+                assert result.detail or result.status == "ok"
+                if result.status == "ok":
+                    assert np.isfinite(result.peak_N)
+                    assert name in {"held", "two-way"} or result.peak_std_N > 1000.0
+
+
+PERIOD = 1000
+# Whole numbers, so that the truth is exact: a window of 1001 holds one period and its first sample once more.
+PATTERN = (np.arange(PERIOD) * 7919 % PERIOD).astype(np.float64)
+
+
+@regime(
+    "averages over 1e8 samples",
+    "5e6 samples by default, 1e8 in the long run, on an offset of 1e9, relative to the signal of 500: the offset leaves "
+    "it steps of 2.4e-10",
+    "sums of whole numbers",
+    1e-9,
+)
+def many_samples(n=5_000_000):
+    found = average_over_samples(np.tile(PATTERN + OFFSET, n // PERIOD), PERIOD + 1)
+    inside = found[PERIOD : n - PERIOD].reshape(-1, PERIOD)
+    # Window i runs from i − 500 to i + 500, both of the same phase.
+    truth = OFFSET + (PATTERN.sum() + np.roll(PATTERN, PERIOD // 2)) / (PERIOD + 1)
+    return max(float(np.abs(rows - truth).max()) for rows in np.array_split(inside, 50)) / 500.0
+
+
+@fact
+def pieces_join_without_a_seam():
+    """Halves of whole numbers, whose sums are exact: pieces must agree to the last bit of the quotient."""
+    values = np.random.default_rng(6).integers(-2000, 2000, 5000) / 2.0
+    values[::37] = np.nan
+    with pytest.MonkeyPatch.context() as patched:
+        for n in (3, 31, 999, 4999, 9999):
+            whole = average_over_samples(values, n)
+            patched.setattr(smoothing, "_PIECE", 7)
+            np.testing.assert_allclose(whole, average_over_samples(values, n), rtol=1e-15, atol=1e-13)
+            patched.undo()
+
+
+@fact
+def averages_scale_with_the_samples_or_are_refused():
+    """A subnormal sample has the digits it has."""
+    unit, steps = np.random.default_rng(12).integers(-8, 9, 400) / 8.0, np.arange(400.0)
+    no_clock = "no clock|strictly increase"
+    for scale in (5e-324, 1e-310, 1e-300, 1e-100, 1e90, 1e100, 1e160, 1e290, 1e300, 1.7e308):
+        values = unit * scale
+        if scale > 1e290:
+            overflow = "sums of such numbers overflow"
+            refused(partial(average_over_samples, values, 31), overflow)
+            refused(partial(average_over_time, steps, values, 31.0), overflow)
+        else:
+            scaled = average_over_samples(unit, 31) * scale
+            close = {"rtol": 1e-13, "atol": max(1e-13 * scale, 4 * 5e-324)}
+            np.testing.assert_allclose(average_over_samples(values, 31), scaled, **close)
+        if scale > 1e100:
+            refused(partial(ForceTrace, time_s=steps, force_N=values), "which is no force")
+            clock_s = np.linspace(0.5, 1.0, 400) * scale
+            refused(partial(ForceTrace, time_s=clock_s, force_N=unit), no_clock)
+        else:
+            trace = ForceTrace(time_s=steps * 0.001, force_N=values)
+            assert np.isfinite(smooth(trace, 0.02).force_N).all()
+            assert np.isfinite(noise_std(values))
+            assert remove_spikes(values, noise_std(values)).values.shape == values.shape
+        if scale < 1e-100:
+            refused(partial(ForceTrace, time_s=steps * scale, force_N=unit), no_clock)
+
+
+@fact
+def peaks_of_any_scale_are_finite():
+    t = np.arange(0.0, 4.0, 0.004)
+    for name, protocol in PROTOCOLS.items():
+        for scale in (1e-320, 1e-300, 1e-99, 1e-9, 1e9, 1e97):
+            for slower in (1e-90, 1.0, 1e90):
+                trace = ForceTrace(time_s=t * slower, force_N=ramp_and_waves(t) * scale)
+                for result in protocol.pick(trace, PickSettings()):
+                    case = (name, scale, slower)
+                    assert (result.status == "ok") == bool(np.isfinite(result.peak_N)), case
+                    assert result.status != "ok" or 0.0 <= result.peak_std_N < np.inf, case
+
+
+@fact
+def windows_of_extreme_data_answer_or_refuse():
+    rng = np.random.default_rng(11)
+    extremes = (0.0, 5e-324, 1e-310, 1e-300, 1e-160, 1e-16, 0.04, 1.0, 20.0, 1e16, 1e160, 1e300, 1.7e308)
+    for _ in range(100):
+        x = rng.choice(extremes, 5) * rng.choice([-1, 1, 1], 5)
+        answer(partial(window_bias_N, *x[:3]))
+        answer(partial(choose_window, *x[:3], longest_s=x[3]))
+
+
+TRUTH = {
+    "constant": [0.2],
+    "constant-offset": [0.2, 0.05],
+    "size-exponential": [0.25, -0.3, -0.2],
+    "wrap-exponential": [0.3, -0.5, 0.1],
+    "wrap-power": [0.2, -0.5, 0.1],
+    "coupled": [0.25, -0.3, -0.2, -0.5, 0.05],
+    "thickness": [0.25],
+    "howell": [0.5, 0.9],
+}
+
+
+def plan(radii=(0.02, 0.03, 0.05, 0.09), wraps=(2.0, 5.0, 9.0, 14.0), loads=(2.0, 10.0, 60.0), repeats=1):
+    """Return every wheel with every wrap and load."""
+    wheel, wrap, load, _ = np.meshgrid(radii, wraps, loads, np.arange(repeats), indexing="ij")
+    return Conditions(
+        wheel_radius_m=wheel.ravel(),
+        rope_radius_m=0.005,
+        wrap_angle_rad=wrap.ravel(),
+        end_tension_N=load.ravel(),
+    )
+
+
+def fitted(pulls, log_lift, name):
+    """Return a fit after making sure that it is sound: finite, within its bounds, and not silent where it is not ok."""
+    columns = {
+        one: getattr(pulls, one)
+        for one in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
+    }
+    trials = TrialTable(trial=tuple(f"t{i}" for i in range(len(pulls))), **columns, peak_N=np.exp(log_lift))
+    fit = fit_law(trials, name)
+    for item in fit.parameters:
+        assert math.isfinite(item.value)
+        assert item.lower <= item.value <= item.upper
+        assert item.at_bound or (item.std >= 0.0 and item.ci95[0] <= item.value <= item.ci95[1])
+    assert np.isfinite(fit.covariance).all()
+    assert fit.status is FitStatus.OK or fit.advice
+    return fit
+
+
+@cache
+def exactly(name, repeats=1):
+    """Return a fit to data of a law without scatter."""
+    pulls = plan(repeats=repeats)
+    return fitted(pulls, LAWS[name].log_lift(TRUTH[name], pulls), name)
+
+
+def identical():
+    """Return one condition twelve times, and what was found there."""
+    return plan([0.04], [6.0], [20.0], 12), np.log(20.0) + 1.2 + 0.02 * np.random.default_rng(8).normal(
+        size=12
+    )
+
+
+@regime(
+    "degenerate fits",
+    "identical conditions, zero scatter, n < parameters, one radius, one wrap: what is determined, against exact sums "
+    "and the known truth; what is not is named",
+    "exact sums; the truth of data without scatter",
+    1e-8,
+)
+def degenerate_fits():
+    fit = fitted(*identical(), "constant")
+    rises = identical()[1] - math.log(20.0)
+    mean = math.fsum(rises) / 12
+    std = math.sqrt(math.fsum((rises - mean) ** 2) / 11 / 12)
+    # Of both the digits that a fit keeps.
+    value, error = to_share(mean / 6.0, std / 6.0), significant(std / 6.0, STD_DIGITS)
+    errors = [abs(fit["mu"].value / value - 1), abs(fit["mu"].std / error - 1)]
+    for name, theta in TRUTH.items():
+        errors.append(float(np.abs(exactly(name).theta / np.array(theta) - 1).max()))
+    return max(errors)
+
+
+@fact
+def no_scatter_is_no_failure():
+    """Nothing scatters, so that nothing says how far off the law may be."""
+    for name, theta in TRUTH.items():
+        fit = exactly(name)
+        assert fit.status in {FitStatus.OK, FitStatus.UNIDENTIFIABLE}, name
+        assert all(item.std < 1e-6 for item in fit.parameters), name
+        found = predict(fit, one_condition(0.04, 0.005, 7.0, 30.0))
+        assert found.lift_force_N[0] > 0.0
+        assert np.isnan(found.interval_N).all(), name
+        assert np.allclose(exactly(name, repeats=3).theta, theta, rtol=1e-6, atol=0.0), name
+
+
+@fact
+def identical_conditions_show_one_parameter_only():
+    for name in set(ALL_LAWS) - {"constant", "thickness", "groove"}:
+        fit = fitted(*identical(), name)
+        assert fit.status is FitStatus.TOO_FEW_POINTS, name
+        assert not fit.trustworthy, name
+        assert "1 condition" in " ".join(fit.advice), name
+
+
+@fact
+def fewer_trials_than_parameters_are_counted():
+    for name, law in LAWS.items():
+        for n in (1, 3):
+            if len(law.parameters) < max(n, 2):
+                continue
+            pulls = plan([0.04], (2.0, 5.0, 9.0)[:n], [20.0])
+            fit = fitted(pulls, np.log(20.0) + 0.2 * pulls.wrap_angle_rad + 0.01, name)
+            free = sum(item.vary for item in fit.parameters)
+            assert n > 1 or not fit.trustworthy or free == 1, name
+            if n < free:
+                assert fit.status is FitStatus.TOO_FEW_POINTS, name
+                advice = " ".join(fit.advice)
+                assert f"{n} condition" in advice, name
+                assert f"{free} parameters" in advice, name
+
+
+@fact
+def one_value_of_a_regressor_is_named():
+    one_wheel, one_wrap, one_load = {"radii": [0.04]}, {"wraps": [6.0]}, {"loads": [20.0]}
+    for name, series, said in [
+        ("size-exponential", one_wheel, "only one size ratio"),
+        ("size-power", one_wheel, "only one size ratio"),
+        ("coupled", one_wheel, "only one size ratio"),
+        ("constant-offset", one_wrap, "only one wrap angle"),
+        ("wrap-power", one_wrap | one_load, "only one wrap angle"),
+        ("wrap-power-from-zero", one_wrap, "only one wrap angle"),
+        ("wrap-exponential-from-zero", one_wrap, "only one wrap angle"),
+        ("wrap-power", one_load, "only one end tension"),
+    ]:
+        pulls = plan(**series, repeats=2)
+        scatter = 0.01 * np.random.default_rng(9).normal(size=len(pulls))
+        fit = fitted(pulls, LAWS["coupled"].log_lift(TRUTH["coupled"], pulls) + scatter, name)
+        assert not fit.trustworthy, name
+        advice = " ".join(fit.advice)
+        assert said in advice or fit.status in {FitStatus.TOO_FEW_POINTS, FitStatus.AT_BOUND}, advice
+        named = [item.name for item in fit.parameters if item.vary and item.name in advice]
+        assert named or fit.status is FitStatus.TOO_FEW_POINTS, advice
+
+
+@refusals
+def tables_without_a_trial_that_can_be_used():
+    conditions = {"wheel_radius_m": 0.04, "rope_radius_m": 0.005, "wrap_angle_rad": 3.0, "end_tension_N": 20}
+    nothing = TrialTable(trial=("a",), **conditions, peak_N=np.nan)
+    yield partial(fit_law, nothing, "constant"), "no trial of the table can be used"
+
+
+@fact
+def fits_with_one_extreme_number_answer_or_refuse():
+    columns = {
+        "wheel_radius_m": np.repeat([0.02, 0.04, 0.08], 4),
+        "rope_radius_m": np.full(12, 0.005),
+        "wrap_angle_rad": np.tile([3.0, 6.0, 9.0, 12.0], 3),
+        "end_tension_N": np.tile([5.0, 20.0, 80.0], 4),
+    }
+    columns["peak_N"] = columns["end_tension_N"] * np.exp(0.2 * columns["wrap_angle_rad"])
+    for name in ("constant", "size-exponential", "bending"):
+        for column, plain in columns.items():
+            for value in (5e-324, 1e-300, 1e160, 1e300):
+                moved = np.where(np.arange(12) == 5, value, plain)
+                trials = {"trial": tuple("abcdefghijkl")} | columns | {column: moved}
+                answer(partial(_numbers_of, trials, name))
+
+
+def _numbers_of(trials, name):
+    fit = fit_law(TrialTable(**trials), name)
+    assert fit.status is FitStatus.OK or fit.advice
+    return fit.theta, fit.covariance

@@ -53,25 +53,29 @@ class Stored(NamedTuple):
 
 
 class Pull:
-    """The corners of one pull, and a range of numbers to draw from."""
+    """A pull to 100 N that begins, breaks away and slides somewhere, and a range of numbers to draw from."""
 
     def __init__(self, rng):
         self.rng, self.u = rng, rng.uniform
         self.begin_s, self.slid_N = self.u(1.6, 2.4), self.u(60.0, 85.0)
         self.top_s = self.begin_s + self.u(1.5, 2.5)
+        self.rate_N_s = 100.0 / (self.top_s - self.begin_s)
+        self.climb = self.to((self.top_s, 100.0))
 
-    def line(self, *, top_N=100.0, fall_s=0.004, until_s=8.0, from_N=0.0):
-        after = ((self.top_s + fall_s, self.slid_N), (until_s, self.slid_N))
-        return line((0.0, 0.0), (self.begin_s, 0.0), (self.top_s, top_N - from_N), *(
-            (at_s, force_N - from_N) for at_s, force_N in after), time_s=T)  # fmt: skip
+    def to(self, *corners):
+        """Return the force along a line from the begin of the pull on."""
+        return line((0.0, 0.0), (self.begin_s, 0.0), *corners, time_s=T)
 
-    @property
-    def climb(self):
-        return line((self.begin_s, 0.0), (self.top_s, 100.0), time_s=T)
+    def line(self, *, fall_s=0.004, from_N=0.0):
+        """Return the force of the pull alone, above what hangs there already."""
+        slides_N = self.slid_N - from_N
+        return self.to((self.top_s, 100.0 - from_N), (self.top_s + fall_s, slides_N), (8.0, slides_N))
 
-    @property
-    def rate_N_s(self):
-        return 100.0 / (self.top_s - self.begin_s)
+    def weights(self):
+        """Return the force of two to four weights hung one by one, and what the last of them brings it to."""
+        levels_N = np.cumsum(self.u(5.0, 15.0, self.rng.integers(2, 5)))
+        swing = {"swing_Hz": self.u(6.0, 20.0), "damping": self.u(0.05, 0.2)}
+        return hung(levels_N, begin_s=0.2, every_s=0.35, time_s=T, **swing), levels_N[-1]
 
 
 KINDS = {}
@@ -91,16 +95,12 @@ def _drawn(name, seed):
     peak_N = more if isinstance(more, float) else peak_N
     if "limit" not in name and "stuck" not in name:
         force_N = force_N + rng.normal(0.0, np.exp(rng.uniform(*np.log((0.03, 0.3)))), T.size)
-    scale, pace = np.exp(rng.uniform(-3.0, 3.0)), np.exp(rng.uniform(-1.0, 1.0))
-    parts = {"force_N": scale * force_N[::every], "is_there": is_there[::every], "status": status}
-    return Stored(
-        kind=name, rate_Hz=500.0 / every * pace, peak_N=scale * peak_N if status == OK else np.nan, **parts
-    )
+    scale, rate_Hz = np.exp(rng.uniform(-3.0, 3.0)), 500.0 / every * np.exp(rng.uniform(-1.0, 1.0))
+    true_N = scale * peak_N if status == OK else np.nan
+    return Stored(name, rate_Hz, scale * force_N[::every], is_there[::every], status, true_N)
 
 
-@kind("plain pull")
-def _(p):
-    return p.line()
+kind("plain pull")(lambda p: p.line())
 
 
 @kind("bump at rest")
@@ -110,28 +110,19 @@ def _(p):
 
 @kind("weights hung one by one")
 def _(p):
-    levels = np.cumsum(p.u(5.0, 15.0, p.rng.integers(2, 5)))
-    weights = hung(
-        levels, swing_Hz=p.u(6.0, 20.0), damping=p.u(0.05, 0.2), begin_s=0.2, every_s=0.35, time_s=T
-    )
-    return weights + p.line(from_N=levels[-1])
+    weights, hung_N = p.weights()
+    return weights + p.line(from_N=hung_N)
 
 
 @kind("weights, then a climb without end", NONE)
 def _(p):
-    levels = np.cumsum(p.u(5.0, 15.0, p.rng.integers(2, 5)))
-    weights = hung(
-        levels, swing_Hz=p.u(6.0, 20.0), damping=p.u(0.05, 0.2), begin_s=0.2, every_s=0.35, time_s=T
-    )
-    return weights + line((p.begin_s, 0.0), (8.0, 120.0), time_s=T)
+    return p.weights()[0] + p.to((8.0, 120.0))
 
 
 @kind("last weight slips")
 def _(p):
     count = int(p.rng.integers(6, 11))
-    force = hung(
-        np.arange(1, count + 1) * 10.0, swing_Hz=6.0, damping=0.25, begin_s=1.0, every_s=0.5, time_s=T
-    )
+    force = hung(10.0 * np.arange(1, count + 1), swing_Hz=6.0, damping=0.25, begin_s=1.0, time_s=T)
     top = int(np.argmax(force * (1.0 + 0.5 * count > T)))
     force[top:] = force[top] - settles(T[top], p.u(0.5, 0.65) * force[top], 0.05, T)[top:]
     return force, float(force[top])
@@ -174,17 +165,15 @@ def _(p):
 @kind("jog before the pull")
 def _(p):
     top_N = p.u(40.0, 60.0)
-    return p.line() + line(
-        (0.2, 0.0), (0.8, top_N), (0.82, top_N - 2.0), (1.1, top_N - 2.0), (1.4, 0.0), time_s=T
-    )
+    held_N = top_N - 2.0
+    return p.line() + line((0.2, 0.0), (0.8, top_N), (0.82, held_N), (1.1, held_N), (1.4, 0.0), time_s=T)
 
 
 @kind("one partial slip")
 def _(p):
     drop_N = p.u(3.0, 8.0)
-    return p.line() - drop_N * np.clip(since(p.top_s - p.u(0.1, 0.3), T) / 0.006, 0.0, 1.0) * (
-        p.top_s >= T
-    ), 100.0 - drop_N
+    slip = np.clip(since(p.top_s - p.u(0.1, 0.3), T) / 0.006, 0.0, 1.0)
+    return p.line() - drop_N * slip * (p.top_s >= T), 100.0 - drop_N
 
 
 @kind("partial slips that ring")
@@ -217,68 +206,47 @@ def _(p):
 
 
 def _train(p, tops_N, drop_N):
-    corners = loaded(
-        *((top, top - drop_N) for top in tops_N), rate_N_s=p.rate_N_s, begins=((0.0, 0.0), (p.begin_s, 0.0))
-    )
+    teeth = ((top_N, top_N - drop_N) for top_N in tops_N)
+    corners = loaded(*teeth, rate_N_s=p.rate_N_s, begins=((0.0, 0.0), (p.begin_s, 0.0)))
     return line(*corners, (max(8.0, corners[-1][0] + 1.0), corners[-1][1]), time_s=T)
 
 
-@kind("even train")
-def _(p):
-    return _train(p, [100.0, *p.u(93.0, 101.0, 12)], p.u(15.0, 40.0))
-
-
-@kind("train that grows")
-def _(p):
-    return _train(p, 100.0 + p.u(2.0, 6.0) * np.arange(8), p.u(15.0, 25.0))
+kind("even train")(lambda p: _train(p, [100.0, *p.u(93.0, 101.0, 12)], p.u(15.0, 40.0)))
+kind("train that grows")(lambda p: _train(p, 100.0 + p.u(2.0, 6.0) * np.arange(8), p.u(15.0, 25.0)))
 
 
 @kind("small teeth")
 def _(p):
-    tops, at_s = 100.0 + p.u(0.0, 0.6) * np.arange(12), p.top_s
-    corners = [(0.0, 0.0), (p.begin_s, 0.0)]
+    tops, at_s, corners = 100.0 + p.u(0.0, 0.6) * np.arange(12), p.top_s, []
     for top in tops:
         corners += [(at_s, top), (at_s + 0.02, top - 3.0)]
         at_s += p.u(0.25, 0.35)
-    return line(*corners, (8.0, tops[-1] - 3.0), time_s=T)
+    return p.to(*corners, (8.0, tops[-1] - 3.0))
 
 
 @kind("wears in")
 def _(p):
-    fallen_s = p.top_s + 0.05
-    return line(
-        (0.0, 0.0), (p.begin_s, 0.0), (p.top_s, 100.0), (fallen_s, 86.0), (8.0, p.u(102.0, 125.0)), time_s=T
-    )
+    return p.to((p.top_s, 100.0), (p.top_s + 0.05, 86.0), (8.0, p.u(102.0, 125.0)))
 
 
 @kind("hardens by a half")
 def _(p):
-    grows = settles(p.top_s + 0.02, p.u(45.0, 70.0), 3.0, T)
-    return (
-        line((0.0, 0.0), (p.begin_s, 0.0), (p.top_s, 100.0), (p.top_s + 0.02, 88.0), (8.0, 88.0), time_s=T)
-        + grows
-    )
+    slid_s = p.top_s + 0.02
+    return settles(slid_s, p.u(45.0, 70.0), 3.0, T) + p.to((p.top_s, 100.0), (slid_s, 88.0), (8.0, 88.0))
 
 
 @kind("obstacle while it slides")
 def _(p):
-    slides = ((p.top_s + 0.004, p.slid_N), (p.top_s + 0.8, p.slid_N), (p.top_s + 1.6, p.slid_N + 45.0))
-    return line(
-        (p.begin_s, 0.0), (p.top_s, 100.0), *slides, (p.top_s + 1.604, p.slid_N), (8.0, p.slid_N), time_s=T
-    )
+    later_s = p.top_s + 0.8
+    obstacle = np.interp(T, (later_s, later_s + 0.8, later_s + 0.804), (0.0, 45.0, 0.0))
+    return p.line() + obstacle
 
 
 @kind("pulled twice")
 def _(p):
-    second = (
-        (4.0, p.slid_N),
-        (4.2, 0.0),
-        (5.0, 0.0),
-        (6.5, p.u(100.0, 115.0)),
-        (6.504, p.slid_N + 5.0),
-        (8.0, p.slid_N),
-    )
-    return line((0.0, 0.0), (0.6, 0.0), (2.6, 100.0), (2.604, p.slid_N), *second, time_s=T)
+    let_down = ((2.604, p.slid_N), (4.0, p.slid_N), (4.2, 0.0), (5.0, 0.0))
+    second = ((6.5, p.u(100.0, 115.0)), (6.504, p.slid_N + 5.0), (8.0, p.slid_N))
+    return line((0.0, 0.0), (0.6, 0.0), (2.6, 100.0), *let_down, *second, time_s=T)
 
 
 @kind("slips to nothing and is loaded again")
@@ -306,9 +274,7 @@ def _(p):
     return np.where(p.top_s > T, p.climb, 45.0 + swings * np.exp(-since(p.top_s, T)))
 
 
-@kind("slow fall")
-def _(p):
-    return p.line(fall_s=np.exp(p.u(*np.log((0.01, 0.15)))))
+kind("slow fall")(lambda p: p.line(fall_s=np.exp(p.u(*np.log((0.01, 0.15))))))
 
 
 @kind("gives way until let down")
@@ -320,12 +286,10 @@ def _(p):
 @kind("faster at the end")
 def _(p):
     slack = ((0.0, 0.0), (1.0, 0.0), (4.0, 50.0), (4.4, 100.0), (4.404, p.slid_N))
-    teeth = [
-        (4.404 + n * 0.1 + dt, force)
-        for n in range(1, 36)
-        for dt, force in ((0.0, p.slid_N + 10.0), (0.004, p.slid_N))
-    ]
-    return line(*slack, *teeth, time_s=T)
+    tooth = ((0.0, p.slid_N + 10.0), (0.004, p.slid_N))
+    return line(
+        *slack, *((4.404 + 0.1 * n + dt, force) for n in range(1, 36) for dt, force in tooth), time_s=T
+    )
 
 
 @kind("sliding that scatters")
@@ -333,9 +297,7 @@ def _(p):
     return p.line() + (p.top_s + 0.01 < T) * p.rng.normal(0.0, p.u(3.0, 7.0), T.size)
 
 
-@kind("held, creeps", NONE)
-def _(p):
-    return p.climb - settles(p.top_s, p.u(0.0, 5.0), p.u(1.0, 3.0), T)
+kind("held, creeps", NONE)(lambda p: p.climb - settles(p.top_s, p.u(0.0, 5.0), p.u(1.0, 3.0), T))
 
 
 @kind("let down slowly", NONE)
@@ -347,15 +309,12 @@ def _(p):
 
 @kind("motor stops, masses swing", NONE)
 def _(p):
-    omega = 2.0 * np.pi * p.u(8.0, 20.0)
-    return p.climb + ring(
-        p.top_s, p.rate_N_s / omega, lasts_s=p.u(0.05, 0.2), hz=omega / 2.0 / np.pi, time_s=T
-    )
+    hz = p.u(8.0, 20.0)
+    height_N = p.rate_N_s / (2.0 * np.pi * hz)
+    return p.climb + ring(p.top_s, height_N, lasts_s=p.u(0.05, 0.2), hz=hz, time_s=T)
 
 
-@kind("climbs to the end", NONE)
-def _(p):
-    return line((0.0, 0.0), (p.begin_s, 0.0), (8.0, 100.0), time_s=T)
+kind("climbs to the end", NONE)(lambda p: line((0.0, 0.0), (p.begin_s, 0.0), (8.0, 100.0), time_s=T))
 
 
 @kind("bends into sliding", NO_PEAK)
@@ -380,19 +339,9 @@ def _(p):
     return force
 
 
-@kind("drift that the rest shows")
-def _(p):
-    return p.line() + p.rng.choice((-1.0, 1.0)) * p.u(0.3, 0.6) * T
-
-
-@kind("jump of the zero at rest", OPEN)
-def _(p):
-    return p.line() + p.u(4.0, 9.0) * (p.u(0.5, 1.0) < T)
-
-
-@kind("zero below nothing")
-def _(p):
-    return p.line() - p.u(3.0, 15.0)
+kind("drift that the rest shows")(lambda p: p.line() + p.rng.choice((-1.0, 1.0)) * p.u(0.3, 0.6) * T)
+kind("jump of the zero at rest", OPEN)(lambda p: p.line() + p.u(4.0, 9.0) * (p.u(0.5, 1.0) < T))
+kind("zero below nothing")(lambda p: p.line() - p.u(3.0, 15.0))
 
 
 @kind("cut off at a limit", CUT)
@@ -419,9 +368,7 @@ def _(p):
     return p.line(), (at_s > T) | (at_s + p.u(0.05, 0.3) < T)
 
 
-@kind("hum")
-def _(p):
-    return p.line() + p.u(0.5, 3.0) * np.sin(2.0 * np.pi * 50.02 * T + p.u(0.0, 6.0))
+kind("hum")(lambda p: p.line() + p.u(0.5, 3.0) * np.sin(2.0 * np.pi * 50.02 * T + p.u(0.0, 6.0)))
 
 
 @kind("burst of noise at rest")
@@ -441,9 +388,7 @@ def _(p):
     return p.line(), p.begin_s + p.u(0.5, 0.95) * (p.top_s - p.begin_s) > T
 
 
-@kind("few samples", every=25)
-def _(p):
-    return p.line(fall_s=0.05)
+kind("few samples", every=25)(lambda p: p.line(fall_s=0.05))
 
 
 # --- of the rigs -------------------------------------------------------------------------------------------------------
@@ -451,30 +396,18 @@ def _(p):
 
 def _of_bench(fault, seed):
     """Return a recording of the bench as the picker gets it, at a third of its rate."""
-    physics = (
-        ("coulomb", "coulomb", "rate-state", "lugre")[seed % 4]
-        if FAULTS.get(fault, FAULTS["hum"]).ranges
-        else "coulomb"
-    )
-    bench = Bench(sampling_rate_Hz=1000.0)
-    rng = np.random.default_rng([seed, *fault.encode()])
+    changes = FAULTS.get(fault, FAULTS["hum"]).ranges
+    physics = ("coulomb", "coulomb", "rate-state", "lugre")[seed % 4] if changes else "coulomb"
+    bench, rng = Bench(sampling_rate_Hz=1000.0), np.random.default_rng([seed, *fault.encode()])
     lift_N = float(np.exp(rng.uniform(*np.log((90.0, 900.0)))))
     given = {"lift_force_N": lift_N, "end_tension_N": lift_N * rng.uniform(0.15, 0.4), "physics": physics}
     made = simulate_recording(bench, **given, rng=rng, faults=(fault,) if fault else ())
     counts = np.where(np.isnan(made.counts), -1, made.counts).astype(np.int64)
-    calibration, _ = Calibration(cell=bench.cell_named(made.truth.cell), adc=bench.adc).with_tare(
-        counts[:250]
-    )
-    force_N, _ = calibration.apply(counts)
-    peak_N = made.truth.lift_force_N if made.truth.status == OK else np.nan
-    return Stored(
-        f"bench: {fault or 'as it is'}",
-        1000.0,
-        force_N,
-        np.ones(counts.size, bool),
-        made.truth.status,
-        peak_N,
-    )
+    whole = Calibration(cell=bench.cell_named(made.truth.cell), adc=bench.adc)
+    force_N, _ = whole.with_tare(counts[:250])[0].apply(counts)
+    status, is_there = made.truth.status, np.ones(counts.size, dtype=bool)
+    peak_N = made.truth.lift_force_N if status == OK else np.nan
+    return Stored(f"bench: {fault or 'as it is'}", 1000.0, force_N, is_there, status, peak_N)
 
 
 def _of_stranger(one):
@@ -486,20 +419,16 @@ def _of_stranger(one):
     return Stored(f"rig: {one.family}", rate_Hz, force_N, is_there, one.truth.status, one.truth.peak_N)
 
 
-UNEVEN = (
-    "jitter",
-    "duplicated-rows",
-)  # the clock is mended before anything is picked: `readers/test_clock.py`
-NO_TRACE = ("unreadable", "too-short", "clock-jitter")
+LEFT_TO_OTHERS = ("jitter", "duplicated-rows", "clock-jitter", "unreadable", "too-short")
+"""What is mended or refused before anything is picked: see the tests of clock and readers."""
 
 
 def draw(each=3):
     """Return all recordings, the same each time."""
     made = [_drawn(name, seed) for name in KINDS for seed in range(each)]
-    made += [
-        _of_bench(fault, seed) for fault in ("", *FAULTS) if fault not in NO_TRACE for seed in range(each)
-    ]
-    for family in (name for name in FAMILIES if name not in UNEVEN):
+    faults = ["", *(name for name in FAULTS if name not in LEFT_TO_OTHERS)]
+    made += [_of_bench(fault, seed) for fault in faults for seed in range(each)]
+    for family in (name for name in FAMILIES if name not in LEFT_TO_OTHERS):
         strangers = map(_of_stranger, recordings(7, per_family=2 * each, families=(family,)))
         made += [one for one in strangers if one.force_N.size <= MOST_SAMPLES][:each]
     return made

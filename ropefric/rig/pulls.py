@@ -208,8 +208,8 @@ PHYSICS = {"rate-state": _RSF, "lugre": ("lugre",)}
 """The laws of contact by the name of their physics."""
 
 
-def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | None:
-    """Return what is true of a motion; None where the first fall is neither resolved nor absent, so nobody could say."""
+def _onset(motion: Motion, slider: Slider) -> int | None:
+    """Return where the rope begins to slip for many micro-slip lengths."""
     fast = np.abs(motion.slip_m_s) > _SLIPPING * slider.speed_m_s
     bent_m = (slider.mu + slider.excess) / slider.bristle_1_m if slider.law == "lugre" else 0.0
     micro_m = max(slider.slip_m, bent_m)
@@ -217,7 +217,18 @@ def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | N
     edges = np.flatnonzero(np.diff(np.concatenate(([False], fast, [False])).astype(np.int8)))
     firsts, lasts = edges[::2], edges[1::2] - 1
     far = (motion.slip_m_s[firsts] > 0.0) & (motion.slip_m[lasts] - motion.slip_m[firsts] >= enough_m)
-    onset = int(firsts[np.argmax(far)]) if far.any() else None
+    return int(firsts[np.argmax(far)]) if far.any() else None
+
+
+def _roughness(slider: Slider) -> float:
+    """Return the part of F_A by which what differs along the wheel falls while the rope slides."""
+    gain = slider.wrap_rad * slider.mu * (1.0 + (slider.slack_N / slider.scale_N if slider.tared else 0.0))
+    return gain * sum(height for height, _, _ in slider.rough)
+
+
+def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | None:
+    """Return what is true of a motion; None where the first fall is neither resolved nor absent, so nobody could say."""
+    onset = _onset(motion, slider)
     partial_s = [_begun(motion, mu, slider.profile[1][0]) for mu, _, _ in slider.partial]
     if onset is None:
         return Truth(status=Status.NO_BREAKAWAY, partial_s=tuple(at_s for at_s in partial_s if at_s < inf))
@@ -226,10 +237,7 @@ def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | N
     if force_N.size < 3:
         return None
     fall_N = np.maximum.accumulate(force_N) - force_N
-    # What differs along the wheel falls too: sliding is as rough as that.
-    gain = slider.wrap_rad * slider.mu * (1.0 + (slider.slack_N / slider.scale_N if slider.tared else 0.0))
-    rough = gain * sum(height for height, _, _ in slider.rough)
-    needed_N = max(_FALL, noise, 2.0 * rough) * float(force_N.max())
+    needed_N = max(_FALL, noise, 2.0 * _roughness(slider)) * float(force_N.max())
     fallen = np.flatnonzero(fall_N >= needed_N)
     if not fallen.size:
         slid_m = motion.slip_m[stop - 1] - motion.slip_m[onset]

@@ -4,7 +4,8 @@ import ast
 import math
 from collections.abc import Callable, Mapping
 from collections.abc import Set as AbstractSet
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,8 +20,23 @@ from ropefric.traces.trace import ForceTrace
 
 _FIXED = {"time": "s", "force": "N", "end_tension": "N"}
 _EXAMPLE = {"time": "ms", "force": "kN", "end_tension": "N"}
-COUNTS = ("counts", "end_tension_counts")
+
+
+class _Cell(NamedTuple):
+    """A force cell by its channels, in newtons or in counts, and by the column of `trials.csv` that names it."""
+
+    newtons: str
+    counts: str
+    column: str
+
+
+_PULL = _Cell("force", "counts", "cell")
+_SLACK = _Cell("end_tension", "end_tension_counts", "end_cell")
+COUNTS = (_PULL.counts, _SLACK.counts)
 """Channels of raw counts: of the pull, and of a second cell on the slack side."""
+
+Tare = Callable[[FloatArray, IntArray, Calibration], Calibration]
+"""What finds the tare from time and counts, before they are turned into forces."""
 
 
 def si_factor(channel: str, unit: str, *, path: str = "") -> float:
@@ -55,7 +71,7 @@ def assemble_trace(
     *,
     calibration: Calibration | None = None,
     end_calibration: Calibration | None = None,
-    tared: Callable[[FloatArray, IntArray, Calibration], Calibration] | None = None,
+    tared: Tare | None = None,
 ) -> ForceTrace:
     """Return the force trace of a recording: in SI, derived channels computed, clock mended, counts calibrated.
 
@@ -65,13 +81,7 @@ def assemble_trace(
     def refuse(message: str, code: str, key: str, fix: str) -> DataError:
         return DataError(message, code=code, path=raw.source, key=key, fix=fix)
 
-    channels = _to_si(raw, refuse)
-    if profile.derived:
-        channels = evaluate_derived(profile.derived, channels, profile.constants, path=raw.source)
-    if "force" not in channels and "counts" not in channels:
-        message = f"{raw.name} has no channel 'force' or 'counts', only {', '.join(channels) or 'none'}"
-        fix = f"name its column or derive it; {did_you_mean('force', channels)}"
-        raise refuse(message, "RF105", "[import.channels] force", fix)
+    channels = _channels(raw, profile, refuse)
     others = [values for name, values in channels.items() if name != "time"]
     keep, time_s, notes = mend_clock(
         _time_s(raw, channels, profile, refuse),
@@ -80,42 +90,49 @@ def assemble_trace(
         source=raw.source,
         first_line=raw.first_line,
     )
-    notes = (*raw.notes, *notes)
-    end_N = channels["end_tension"][keep] if "end_tension" in channels else None
-    for name, its_own, column in zip(
-        COUNTS, (calibration, end_calibration), ("cell", "end_cell"), strict=True
-    ):
-        in_newtons = "force" if name == "counts" else "end_tension"
-        if name in channels and in_newtons not in channels and its_own is None:
+    kept = {name: values[keep] for name, values in channels.items()}
+    for cell, known in ((_PULL, calibration), (_SLACK, end_calibration)):
+        if cell.counts in kept and cell.newtons not in kept and known is None:
             message = f"{raw.name} holds ADC counts, and there is no calibration to turn them into newtons"
-            raise refuse(
-                message, "RF210", name, f"name the {column} in trials.csv and [adc] in campaign.toml"
-            )
+            fix = f"name the {cell.column} in trials.csv and [adc] in campaign.toml"
+            raise refuse(message, "RF210", cell.counts, fix)
     try:
-        if end_N is None and "end_tension_counts" in channels and end_calibration is not None:
-            end_N, _ = end_calibration.apply(end_calibration.checked(channels["end_tension_counts"][keep]))
-        counts, saturation = None, None
-        if "force" in channels or calibration is None:
-            force_N, calibration = channels["force"][keep], None
-        else:
-            counts = calibration.checked(channels["counts"][keep])
-            if tared is not None:
-                calibration = tared(time_s, counts, calibration)
-            force_N, saturation = calibration.apply(counts)
+        slack = _measured(_SLACK, kept, end_calibration)
+        pull = _measured(_PULL, kept, calibration, partial(tared, time_s) if tared else None)
     except RopefricError as error:
         problem = error.problem
         raise refuse(problem.message, problem.code, problem.key or "counts", problem.fix) from None
-    return ForceTrace(
-        time_s=time_s,
-        force_N=force_N,
-        name=raw.name,
-        source=raw.source,
-        counts=counts,
-        calibration=calibration,
-        saturation=saturation,
-        end_tension_N=end_N,
-        notes=notes,
-    )
+    told: dict[str, Any] = {"name": raw.name, "source": raw.source, "notes": (*raw.notes, *notes)}
+    return ForceTrace(time_s=time_s, end_tension_N=slack["force_N"], **pull, **told)
+
+
+def _channels(
+    raw: RawRecording, profile: ImportProfile, refuse: Callable[..., DataError]
+) -> dict[str, FloatArray]:
+    """Return what was recorded and what a profile derives from it, in SI, a force or its counts among it."""
+    channels = _to_si(raw, refuse)
+    if profile.derived:
+        channels = evaluate_derived(profile.derived, channels, profile.constants, path=raw.source)
+    if not {_PULL.newtons, _PULL.counts} & set(channels):
+        message = f"{raw.name} has no channel 'force' or 'counts', only {', '.join(channels) or 'none'}"
+        fix = f"name its column or derive it; {did_you_mean('force', channels)}"
+        raise refuse(message, "RF105", "[import.channels] force", fix)
+    return channels
+
+
+def _measured(
+    cell: _Cell,
+    channels: Mapping[str, FloatArray],
+    calibration: Calibration | None,
+    tared: Callable[[IntArray, Calibration], Calibration] | None = None,
+) -> dict[str, Any]:
+    """Return the force of a cell, and where it comes from counts, these, their calibration and their saturation."""
+    if cell.newtons in channels or cell.counts not in channels or calibration is None:
+        return {"force_N": channels.get(cell.newtons)}
+    counts = calibration.checked(channels[cell.counts])
+    calibration = tared(counts, calibration) if tared else calibration
+    force_N, saturation = calibration.apply(counts)
+    return {"force_N": force_N, "counts": counts, "calibration": calibration, "saturation": saturation}
 
 
 def _to_si(raw: RawRecording, refuse: Callable[..., DataError]) -> dict[str, FloatArray]:

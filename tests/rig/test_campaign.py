@@ -36,49 +36,53 @@ def small(**changes):
     return replace(plan, name="small", conditions=plan.conditions[:3], repeats=4, **changes)
 
 
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """A small campaign, its plan, what was told of its progress and the paths that were."""
+    folder, seen = tmp_path_factory.mktemp("written") / "a", []
+    plan = small(faults={"dropout": 0.3})
+    paths = simulate_campaign(folder, plan, seed=5, progress=lambda *args: seen.append(args))
+    return folder, plan, seen, paths
+
+
 def contents(folder):
     return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
 
-def test_the_same_seed_writes_the_same_bytes_and_another_does_not(tmp_path):
-    seen = []
-    paths = simulate_campaign(tmp_path / "a", small(), seed=5, progress=lambda *args: seen.append(args))
-    simulate_campaign(tmp_path / "b", small(), seed=5)
-    simulate_campaign(tmp_path / "c", small(), seed=6)
-    first, again, other = (contents(tmp_path / name) for name in "abc")
-    assert first == again
-    assert first["traces/c01-r01.csv.gz"] != other["traces/c01-r01.csv.gz"]
-    assert sorted(str(p.relative_to(tmp_path / "a")) for p in paths) == sorted(first)
-    assert [(d, n) for d, n, _ in seen] == [(i + 1, 12) for i in range(12)]
+def test_the_same_seed_writes_the_same_bytes_and_another_does_not(written, tmp_path):
+    folder, plan, seen, paths = written
+    simulate_campaign(tmp_path / "b", plan, seed=5)
+    other, _ = record_trial(plan, plan_trials(plan, seed=6)[0], seed=6)
+    first = contents(folder)
+    assert first == contents(tmp_path / "b")
+    assert gzip.decompress(first["traces/c01-r01.csv.gz"]).decode() != recording_text(other)
+    assert sorted(str(path.relative_to(folder)) for path in paths) == sorted(first)
+    assert [(done, n) for done, n, _ in seen] == [(i + 1, 12) for i in range(12)]
 
 
-def test_files_hold_what_they_say(tmp_path):
-    plan = small(faults={"dropout": 0.3})
-    simulate_campaign(tmp_path / "a", plan, seed=5)
-    campaign = tomllib.loads((tmp_path / "a/campaign.toml").read_text())
+def test_files_hold_what_they_say(written):
+    folder, plan, *_ = written
+    campaign, truth = (tomllib.loads((folder / f"{name}.toml").read_text()) for name in ("campaign", "truth"))
     assert campaign["schema"] == "ropefric.campaign/1"
     assert "simulated" in campaign["name"]
     assert campaign["wheels"]["W30"]["radius"] == "30 mm"
     assert campaign["cells"]["K5"]["full_scale"] == "5 kN"
     assert campaign["tare"]["interval"] == ["0 s", "0.25 s"]
-    truth = tomllib.loads((tmp_path / "a/truth.toml").read_text())
-    rows = list(csv.DictReader((tmp_path / "a/trials.csv").read_text().splitlines()))
-    header = (tmp_path / "a/trials.csv").read_text().splitlines()[0]
+    header, *_ = lines = (folder / "trials.csv").read_text().splitlines()
     assert header == "trial,file,wheel,wrap_angle_deg,end_tension_N,cell,rope_id,dwell_s,exclude"
+    rows = list(csv.DictReader(lines))
     assert len({row["rope_id"] for row in rows}) == len(rows) == 12
     assert {row["exclude"] for row in rows} == {""}
     assert set(truth["trials"]) == {row["trial"] for row in rows}
-    planned = {t.name: t for t in plan_trials(plan, seed=5)}
-    empty = 0
+    planned, empty = {trial.name: trial for trial in plan_trials(plan, seed=5)}, 0
     for row in rows:
-        head, *lines = gzip.decompress((tmp_path / "a" / row["file"]).read_bytes()).decode().splitlines()
+        head, *lines = gzip.decompress((folder / row["file"]).read_bytes()).decode().splitlines()
         assert head == "time_s,counts"
-        cells = [line.split(",") for line in lines]
+        cells = np.array([[cell or "nan" for cell in line.split(",")] for line in lines], dtype=np.float64)
         recording, _ = record_trial(plan, planned[row["trial"]], seed=5)
-        assert [float(time) for time, _ in cells] == pytest.approx(recording.time_s, abs=5.01e-7)
-        counts = [float(count) if count else math.nan for _, count in cells]
-        assert np.array_equal(counts, recording.counts, equal_nan=True)
-        empty += sum(not count for _, count in cells)
+        np.testing.assert_allclose(cells[:, 0], recording.time_s, rtol=0.0, atol=5.01e-7)
+        np.testing.assert_array_equal(cells[:, 1], recording.counts)
+        empty += np.isnan(cells[:, 1]).sum()
         assert truth["trials"][row["trial"]]["lift_force_N"] == pytest.approx(recording.truth.lift_force_N)
     assert empty > 0
 
@@ -165,13 +169,12 @@ def test_held_campaigns_give_the_weight_on_the_tight_side(tmp_path):
     assert row["dwell_s"] == ""
 
 
-def test_the_campaign_reader_finds_nothing_wrong(tmp_path):
-    simulate_campaign(tmp_path, small(), seed=5)
-    problems = check_campaign(tmp_path / "campaign.toml")
+def test_the_campaign_reader_finds_nothing_wrong(written):
+    problems = check_campaign(written[0] / "campaign.toml")
     # Three conditions see neither load nor wrap, and the reader may say so; nothing may be an error.
     assert not [problem for problem in problems if problem.severity == "error"]
     assert check_campaign(COMMITTED / "campaign.toml") == ()
-    campaign = load_campaign(tmp_path / "campaign.toml")
+    campaign = load_campaign(written[0] / "campaign.toml")
     condition = small().conditions[1]
     trial = campaign.trials[4]
     assert (trial.trial, trial.wheel_radius_m, trial.end_tension_N) == ("c02-r01", 0.015, 60.0)
@@ -218,24 +221,26 @@ def test_integrated_friction_breaks_away_at_what_the_law_says(physics, tmp_path)
 
 
 def test_impossible_plans_are_refused():
-    with pytest.raises(InputError, match="seed -1 is negative"):
-        plan_trials(small(), seed=-1)
-    with pytest.raises(InputError, match="no value for d"):
-        small(parameters={"mu_inf": 0.4, "a": -0.2, "b": -0.3, "c": -0.4})
-    with pytest.raises(UnknownNameError, match="did you mean 'mu_inf'"):
-        small(parameters={"mu_ifn": 0.4})
-    with pytest.raises(UnknownNameError, match="unknown fault"):
-        small(faults={"gremlins": 0.1})
-    with pytest.raises(InputError, match=r"rate 1\.5 is not between 0 and 1"):
-        small(faults={"spike": 1.5})
-    with pytest.raises(InputError, match="does not go with protocol 'stick-slip'"):
-        small(faults={"no-peak": 0.1}, protocol="stick-slip")
-    with pytest.raises(UnknownNameError, match="unknown physics 'lugree'"):
-        small(physics="lugree")
-    with pytest.raises(InputError, match="physics 'lugre' does not go with protocol 'held'"):
-        small(physics="lugre", protocol="held", faults={})
-    with pytest.raises(InputError, match="make no recording"):
-        replace(prth_bench_plan(), repeats=0)
+    lacking = {"mu_inf": 0.4, "a": -0.2, "b": -0.3, "c": -0.4}
+    for wrong, words in (
+        (lambda: plan_trials(small(), seed=-1), "seed -1 is negative"),
+        (lambda: small(parameters=lacking), "no value for d"),
+        (lambda: small(parameters={"mu_ifn": 0.4}), "did you mean 'mu_inf'"),
+        (lambda: small(faults={"gremlins": 0.1}), "unknown fault"),
+        (lambda: small(faults={"spike": 1.5}), r"rate 1\.5 is not between 0 and 1"),
+        (
+            lambda: small(faults={"no-peak": 0.1}, protocol="stick-slip"),
+            "does not go with protocol 'stick-slip'",
+        ),
+        (lambda: small(physics="lugree"), "unknown physics 'lugree'"),
+        (
+            lambda: small(physics="lugre", protocol="held", faults={}),
+            "'lugre' does not go with protocol 'held'",
+        ),
+        (lambda: replace(prth_bench_plan(), repeats=0), "make no recording"),
+    ):
+        with pytest.raises((InputError, UnknownNameError), match=words):
+            wrong()
 
 
 def test_the_committed_bench_is_what_the_plan_and_seed_give():
@@ -247,7 +252,7 @@ def test_the_committed_bench_is_what_the_plan_and_seed_give():
     assert len(list((COMMITTED / "traces").iterdir())) == len(trials) == 432
     assert sum(p.stat().st_size for p in COMMITTED.rglob("*") if p.is_file()) < 12e6
     damaged = {t.place for t in trials if "unreadable" in t.faults}
-    for index in sorted({0, 97, 200, 333, 431} - damaged):
+    for index in sorted({0, 200, 431} - damaged):
         recording, _ = record_trial(plan, trials[index], seed=PRTH_SEED)
         # The text, not the packed bytes: another zlib may pack the same text differently.
         assert gzip.decompress((COMMITTED / trials[index].file).read_bytes()).decode() == recording_text(

@@ -27,6 +27,31 @@ BRISTLES = {"law": "lugre", "b": 0.004, "excess": 0.02, "stribeck_m_s": 5e-3, "b
             "bristle_damping_s_m": 5.0, "viscous_s_m": 2.0}  # fmt: skip
 
 
+STEADY = {
+    f"{law} {speed:g}": {
+        "law": law, "a": 0.02, "b": 0.01, "profile": ((0.2, 0.0), (0.3, speed)), "end_s": 0.3 + 3e-3 / speed
+    } for law in ("ageing", "slip") for speed in (2e-4, 2e-3)
+}  # fmt: skip
+STIFF = {
+    "stiffness_N_m": 3e7, "mass_kg": 1.0, "damping_N_s_m": 3e3, "motor_N_m": 3e9, "motor_damping_N_s_m": 1e5,
+    "wheel_kg": 1.0, "a": 0.02, "b": 0.03, "slip_m": 1e-4, "profile": ((0.1, 0.0), (0.1001, SPEED)), "end_s": 0.6,
+}  # fmt: skip
+VISCOUS = BRISTLES | {"viscous_s_m": 20.0, "b": 0.0, "excess": 0.0}
+CHANGED = {
+    "rate and state": {},
+    "bristles": BRISTLES,
+    "partial": {"partial": ((0.2, 5e-5, 0.01),)},
+    "viscous": VISCOUS,
+}
+SLIDERS = {name: slider(**changed) for name, changed in (CHANGED | {"stiff": STIFF} | STEADY).items()}
+
+
+@pytest.fixture(scope="module")
+def motions():
+    """The motions of all, which one integration makes at little more than the cost of one."""
+    return dict(zip(SLIDERS, simulate([*SLIDERS.values()]), strict=True))
+
+
 def by_radau(one, end_s):
     """The same equations, state by state, as plain as they are printed, by an implicit method of order 5."""
 
@@ -67,7 +92,7 @@ def by_radau(one, end_s):
     start = [start_N / one.stiffness_N_m, 0.0, -start_N / one.motor_N_m, motion, np.log(one.hold_s)]
     with np.errstate(all="ignore"):  # its numerical Jacobian enlarges steps that change nothing without end
         solved = solve_ivp(
-    rates, (0.0, end_s), [*start, one.start_mu / one.bristle_1_m], "Radau", rtol=1e-8,
+    rates, (0.0, end_s), [*start, one.start_mu / one.bristle_1_m], "Radau", rtol=1e-7,
             atol=[1e-12, 1e-11, 1e-12, 1e-11 if one.law == "lugre" else 1e-8, 1e-9, 1e-13], dense_output=True,
         )  # fmt: skip
     assert solved.success, solved.message
@@ -92,36 +117,27 @@ def test_the_first_break_is_that_of_an_independent_solver(changed):
     assert np.abs(motion.spring_N(times) - exact_N)[before].max() < 1e-3 * FORCE
 
 
-def test_steady_sliding_is_the_law():
-    for law in ("ageing", "slip"):
-        for speed in (2e-4, 2e-3):
-            one = slider(
-                law=law, a=0.02, b=0.01, profile=((0.2, 0.0), (0.3, speed)), end_s=0.3 + 3e-3 / speed
-            )
-            motion = simulate([one])[0]
-            steady = one.mu + (one.a - one.b) * np.log(speed / one.speed_m_s)
-            assert motion.mu[-1] == pytest.approx(steady, rel=1e-5)
-            assert motion.force_N[-1] == pytest.approx(
-                one.slack_N * np.expm1(steady * one.wrap_rad), rel=1e-4
-            )
-    one = slider(**BRISTLES | {"viscous_s_m": 20.0, "b": 0.0, "excess": 0.0})
-    assert simulate([one])[0].mu[-1] == pytest.approx(one.mu + one.viscous_s_m * SPEED, rel=1e-4)
+def test_steady_sliding_is_the_law(motions):
+    for name, changed in STEADY.items():
+        one, motion, speed = SLIDERS[name], motions[name], changed["profile"][1][1]
+        steady = one.mu + (one.a - one.b) * np.log(speed / one.speed_m_s)
+        assert motion.mu[-1] == pytest.approx(steady, rel=1e-5), name
+        assert motion.force_N[-1] == pytest.approx(one.slack_N * np.expm1(steady * one.wrap_rad), rel=1e-4), (
+            name
+        )
+    one = SLIDERS["viscous"]
+    assert motions["viscous"].mu[-1] == pytest.approx(one.mu + one.viscous_s_m * SPEED, rel=1e-4)
 
 
-def test_before_the_slip_the_force_climbs_at_the_springs_in_series():
-    one = slider()
-    motion = simulate([one])[0]
+def test_before_the_slip_the_force_climbs_at_the_springs_in_series(motions):
+    one, motion = SLIDERS["rate and state"], motions["rate and state"]
     rate = (motion.spring_N(np.array([1.2])) - motion.spring_N(np.array([0.9])))[0] / 0.3
     assert rate == pytest.approx(SPEED / (1 / one.stiffness_N_m + 1 / one.motor_N_m), rel=2e-3)
 
 
-def test_a_stiff_machine_shows_static_friction_and_its_decay():
+def test_a_stiff_machine_shows_static_friction_and_its_decay(motions):
     """A slider that follows its motor has μ = μ_0 + b ln(v θ/D_c) + a ln(v/v_0), with θ ageing at constant v."""
-    one = slider(
-        stiffness_N_m=3e7, mass_kg=1.0, damping_N_s_m=3e3, motor_N_m=3e9, motor_damping_N_s_m=1e5, wheel_kg=1.0,
-        a=0.02, b=0.03, slip_m=1e-4, profile=((0.1, 0.0), (0.1001, SPEED)), end_s=0.6,
-    )  # fmt: skip
-    motion = simulate([one])[0]
+    one, motion = SLIDERS["stiff"], motions["stiff"]
     times = np.linspace(0.15, 0.55, 9)
     slid = np.interp(times, motion.time_s, motion.slip_m)
     left = np.exp(-slid / one.slip_m)
@@ -130,11 +146,10 @@ def test_a_stiff_machine_shows_static_friction_and_its_decay():
     assert np.interp(times, motion.time_s, motion.mu) == pytest.approx(law, abs=2e-3)
 
 
-@pytest.mark.parametrize("changed", [{}, BRISTLES], ids=["rate and state", "bristles"])
-def test_energy_is_kept(changed):
+@pytest.mark.parametrize("name", ["rate and state", "bristles"])
+def test_energy_is_kept(motions, name):
     """What the motor gives is in springs and masses, or was lost in dampers and sliding."""
-    one = slider(**changed)
-    m = simulate([one])[0]
+    one, m = SLIDERS[name], motions[name]
     fine = np.linspace(0.0, one.end_s, 400_001)
     wheel, turn = np.interp(fine, m.time_s, m.wheel_m), np.interp(fine, m.time_s, m.wheel_m_s)
     rope, mu = np.interp(fine, m.time_s, m.rope_m_s), np.interp(fine, m.time_s, m.mu)
@@ -153,16 +168,13 @@ def test_energy_is_kept(changed):
     assert given == pytest.approx(lost + kept, rel=5e-3)
 
 
-def test_a_partial_slip_takes_its_way_off_the_springs():
-    plain, partial = simulate([slider(), slider(partial=((0.2, 5e-5, 0.01),))])
+def test_a_partial_slip_takes_its_way_off_the_springs(motions):
+    plain, partial = motions["rate and state"], motions["partial"]
     at = np.array([plain.time_s[np.argmax(plain.mu >= 0.2)] + 0.05])
-    series = 1 / (1 / plain.stiffness_N_m + 1 / slider().motor_N_m)
+    series = 1 / (1 / plain.stiffness_N_m + 1 / SLIDERS["partial"].motor_N_m)
     assert (plain.spring_N(at) - partial.spring_N(at))[0] == pytest.approx(5e-5 * series, rel=0.02)
 
 
-def test_sliders_side_by_side_are_each_alone():
-    some = [slider(slip_m=s, law=law) for s in (5e-6, 5e-5) for law in ("ageing", "slip")] + [
-        slider(**BRISTLES)
-    ]
-    for together, alone in zip(simulate(some), [simulate([one])[0] for one in some], strict=True):
-        assert np.array_equal(together.force_N, alone.force_N)
+def test_sliders_side_by_side_are_each_alone(motions):
+    for name in ("slip 0.002", "bristles"):
+        assert np.array_equal(simulate([SLIDERS[name]])[0].force_N, motions[name].force_N)

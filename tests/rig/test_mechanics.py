@@ -20,7 +20,7 @@ def record(seed=0, bench=None, lift=320.7, end=80.0, **kw):
     )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     seed=st.integers(0, 10_000),
     lift=st.floats(10.0, 4000.0),
@@ -41,7 +41,7 @@ def test_the_largest_force_is_the_static_peak_and_stands_where_the_truth_says(se
     assert max(truth.tooth_tops_N[1:]) < lift
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(4))
 def test_phases_are_where_the_truth_says(seed):
     recording = record(seed)
     time_s, force_N = recording.true_time_s, recording.true_force_N
@@ -71,7 +71,7 @@ def test_the_hanging_weights_bounce_at_the_stated_frequency():
 
 
 def test_the_force_is_continuous_but_for_the_sampling_of_the_snap():
-    for seed in range(20):
+    for seed in range(6):
         story = draw_breakaway(Bench(), 320.0, 80.0, np.random.default_rng(seed))
         coarse, fine = (
             np.abs(np.diff(story.force_N(np.arange(0.0, story.end_s, step)))).max() for step in (1e-4, 1e-5)
@@ -150,12 +150,13 @@ def test_bad_forces_and_names_are_refused():
     for lift, end in ((np.nan, 1.0), (np.inf, 1.0), (10.0, 0.0), (10.0, np.nan)):
         with pytest.raises(InputError):
             record(lift=lift, end=end)
-    with pytest.raises(UnknownNameError, match="did you mean 'breakaway'"):
-        record(protocol="break-away")
-    with pytest.raises(UnknownNameError, match="did you mean 'spike'"):
-        record(faults=["spikes"])
-    with pytest.raises(UnknownNameError, match="unknown force cell 'K2'"):
-        record(cell="K2")
+    for keys, words in (
+        ({"protocol": "break-away"}, "did you mean 'breakaway'"),
+        ({"faults": ["spikes"]}, "did you mean 'spike'"),
+        ({"cell": "K2"}, "unknown force cell 'K2'"),
+    ):
+        with pytest.raises(UnknownNameError, match=words):
+            record(**keys)
     with pytest.raises(InputError, match="idle_s"):
         Bench(idle_s=(0.5, 0.1))
     with pytest.raises(InputError, match="moving_mass_kg"):

@@ -9,7 +9,7 @@ from ropefric.rig.recording import simulate_recording
 
 def test_every_tooth_of_a_stick_slip_recording_is_a_peak_of_known_height():
     tops = []
-    for seed in range(40):
+    for seed in range(15):
         recording = simulate_recording(
             Bench(),
             lift_force_N=320.7,
@@ -24,13 +24,13 @@ def test_every_tooth_of_a_stick_slip_recording_is_a_peak_of_known_height():
             assert recording.true_force_N[near].max() == pytest.approx(top_N, rel=3e-3)
         tops += truth.tooth_tops_N
     assert np.mean(tops) == pytest.approx(320.7, rel=4 * 0.017 / np.sqrt(len(tops)))
-    assert np.std(tops, ddof=1) / 320.7 == pytest.approx(0.017, rel=0.15)
+    assert np.std(tops, ddof=1) / 320.7 == pytest.approx(0.017, rel=0.2)
     assert 1 / np.diff(truth.tooth_times_s).mean() == pytest.approx(4.0, abs=2.5)
 
 
 def test_held_plateaus_settle_where_the_truth_says():
     plateaus = []
-    for seed in range(60):
+    for seed in range(30):
         recording = simulate_recording(
             HELD_BENCH,
             lift_force_N=7.8816,
@@ -48,5 +48,5 @@ def test_held_plateaus_settle_where_the_truth_says():
         before = recording.true_time_s < 1.4
         assert not recording.true_force_N[before].any()
         plateaus += truth.plateaus_N
-    assert np.mean(plateaus) == pytest.approx(4.58, rel=4 * 0.017 / np.sqrt(180))
+    assert np.mean(plateaus) == pytest.approx(4.58, rel=4 * 0.017 / np.sqrt(90))
     assert truth.lift_force_N == 7.8816

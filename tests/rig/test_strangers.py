@@ -6,52 +6,30 @@ import pytest
 from ropefric.rig.strangers import FAMILIES, TIERS, recordings
 from ropefric.traces.breakaway import Status
 
-
-@pytest.fixture(scope="module")
-def drawn():
-    return tuple(recordings(11, per_family=1))
+pytestmark = pytest.mark.slow  # a recording of every family takes 7 s
 
 
-@pytest.mark.slow  # a recording of every family takes 7 s
-def test_every_family_is_drawn_with_what_it_promises(drawn):
+def test_every_family_is_drawn_with_what_it_promises_the_same_each_time():
+    drawn = tuple(recordings(11, per_family=1))
+    again = {one.family: one for one in recordings(11, per_family=1, families=("snag", "sharp"))}
     assert [one.family for one in drawn] == list(FAMILIES)
     assert {one.tier for one in drawn} == set(TIERS)
     for one in drawn:
         assert one.truth.status == FAMILIES[one.family].expects
-        assert one.time_s.shape == one.force_N.shape
         assert np.isfinite(one.truth.peak_N) == (one.truth.status == Status.OK)
-
-
-@pytest.mark.slow
-def test_the_same_seed_draws_the_same_whatever_else_is_asked(drawn):
-    again = {one.family: one for one in recordings(11, per_family=1, families=("snag", "sharp"))}
-    for one in drawn:
-        if one.family in again:
-            assert np.array_equal(again[one.family].force_N, one.force_N)
-    assert len(again) == 2
-
-
-@pytest.mark.slow
-def test_every_recording_becomes_a_trace(drawn):
-    for one in drawn:
+        assert one.family not in again or np.array_equal(again[one.family].force_N, one.force_N)
         trace = one.trace()
         assert trace.time_s.size > 20
         assert (trace.saturation is not None) == (one.family == "clipped-counts")
-
-
-@pytest.mark.slow
-def test_the_truth_is_the_highest_force_before_the_first_fall(drawn):
-    for one in drawn:
         if one.truth.status != Status.OK or one.tier != "clean":
             continue
+        # The truth is the highest force before the first fall.
         near = np.abs(one.time_s - one.truth.time_s) < 0.01 * one.time_s[-1]
         noise = 5.0 * np.nanstd(np.diff(one.force_N, 2)[:20])
         assert np.nanmax(one.force_N[near]) == pytest.approx(one.truth.peak_N, rel=0.01, abs=noise)
-        after = one.force_N[(one.time_s > one.truth.time_s)]
-        assert after.min() < one.truth.peak_N - 0.5 * one.truth.fall_N
+        assert one.force_N[one.time_s > one.truth.time_s].min() < one.truth.peak_N - 0.5 * one.truth.fall_N
 
 
-@pytest.mark.slow
 def test_precursors_come_before_the_peak_and_below_it():
     for one in recordings(5, per_family=2, families=("one-precursor", "many-precursors")):
         assert one.truth.partial_s

@@ -35,13 +35,6 @@ def test_counts_become_newtons_as_exact_arithmetic_says(count, full_scale_N, zer
     assert force_N[0] == pytest.approx(float(truth), abs=1e-11 * (full_scale_N + abs(tare_N)))
 
 
-def test_ends_of_the_range():
-    calibration = Calibration(cell=LARGE, tare_N=12.5)
-    force_N, saturation = calibration.apply([0, 1023])
-    assert force_N.tolist() == pytest.approx([-12.5, 4987.5])
-    assert (saturation.low_runs.tolist(), saturation.high_runs.tolist()) == ([[0, 1]], [[1, 2]])
-
-
 def test_input_is_not_changed_and_counts_stay_whole():
     counts = np.array([1, 2, -1], dtype=np.int16)
     force_N, _ = Calibration(cell=SMALL).apply(counts)
@@ -50,24 +43,20 @@ def test_input_is_not_changed_and_counts_stay_whole():
     assert np.isnan(force_N).tolist() == [False, False, True]
 
 
-@pytest.mark.parametrize(("top", "bits"), [(1024, 11), (4095, 12), (65535, 16)])
-def test_a_count_above_the_converter_names_the_sample_and_the_bits(top, bits):
-    with pytest.raises(
-        DataError, match=rf"sample 2 .* count 1024.*1023.*10-bit.*largest count is {top}.*bits = {bits}"
-    ) as error:
-        Calibration(cell=SMALL).apply([0, -1, 1024, top])
-    assert error.value.code == "RF211"
+def test_a_count_above_the_converter_names_the_sample_and_the_bits():
+    for top, bits in ((1024, 11), (4095, 12), (65535, 16)):
+        words = rf"sample 2 .* count 1024.*1023.*10-bit.*largest count is {top}.*bits = {bits}"
+        with pytest.raises(DataError, match=words) as error:
+            Calibration(cell=SMALL).apply([0, -1, 1024, top])
+        assert error.value.code == "RF211"
+    with pytest.raises(DataError, match="above the 1023"):  # no missing one
+        Calibration(cell=SMALL).apply(np.array([2**64 - 1], dtype=np.uint64))
 
 
 def test_floats_from_a_text_file_are_counts_or_refused():
     assert as_counts([5.0, np.nan, 0.0]).tolist() == [5, -1, 0]
     assert as_counts([]).size == 0
-    for bad, found in (
-        ([1.0, 2.5], "sample 1 .* 2.5"),
-        ([-3.0], "-3"),
-        ([np.inf], "inf"),
-        ([1e18], "1e\\+18"),
-    ):
+    for bad, found in (([1.0, 2.5], "sample 1 .* 2.5"), ([-3.0], "-3"), ([np.inf], "inf"), ([1e18], "1e.18")):
         with pytest.raises(DataError, match=found) as error:
             as_counts(bad)
         assert error.value.code == "RF211"
@@ -92,19 +81,6 @@ def test_saturation_runs_are_those_a_plain_loop_finds(counts):
     assert saturation.high_runs.tolist() == loop(1023)
     assert saturation.low_runs.tolist() == loop(0)
     assert saturation.n_high == counts.count(1023)
-
-
-def test_length_of_saturation():
-    counts = np.full(3000, 500)
-    counts[100:314] = 1023
-    counts[2999] = 1023
-    _, saturation = Calibration(cell=SMALL).apply(counts)
-    assert (saturation.n_high, saturation.high_runs.tolist()) == (215, [[100, 314], [2999, 3000]])
-
-
-def test_a_clean_recording_has_no_saturation():
-    _, saturation = Calibration(cell=SMALL).apply([1, 500])
-    assert (saturation.n_high, len(saturation.high_runs), len(saturation.low_runs)) == (0, 0, 0)
 
 
 @given(
@@ -139,42 +115,39 @@ def test_points_replace_the_nominal_line():
     assert force_N.tolist() == pytest.approx([-125.0, 1125.0])
 
 
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: Adc(bits=0), "bits = 0"),
-        (lambda: Adc(bits=10.0), "bits = 10.0"),
-        (lambda: Adc(bits=True), "bits = True"),
-        (lambda: Adc(low_V=5.0), "from 5 V to 5 V is empty"),
-        (lambda: Adc(high_V="5"), "high_V = '5'"),
-        (lambda: ForceCell(name="c", full_scale_N=0), "full scale 0 N is not positive"),
-        (lambda: ForceCell(name="c", full_scale_N=float("nan")), "full_scale_N = nan"),
-        (lambda: ForceCell(name="c", full_scale_N=1.0, zero_V=5.0), "5 V at full scale is not above 5 V"),
-        (lambda: ForceCell(name="c", full_scale_N=1.0, linearity=0.2), "0.0002 for 0.02 %FS"),
-        (lambda: ForceCell(name="c", full_scale_N=1.0, hysteresis=-0.1), "hysteresis = -0.1"),
-        (lambda: ForceCell(name="c", full_scale_N=1.0, points=((0, 0),)), "one calibration point"),
-        (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 0), (0, 1))), "1 and 2.*do not increase"),
-        (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 1), (1, 1))), "do not increase"),
-        (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 1), (50, 2))), "50 N, is far beyond"),
-        (
-            lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 1), (1, float("inf")))),
-            "2 is not finite",
-        ),
-        (lambda: ForceCell(name="c", full_scale_N=9.0, points=(1, 2)), "pairs of force and voltage"),
-        (lambda: ForceCell(name="c", full_scale_N=9.0, points="12"), "pairs of force and voltage"),
-        (lambda: ForceCell(name="c", full_scale_N=9.0, points=5), "pairs of force and voltage"),
-        (lambda: Calibration(cell=SMALL, tare_N=float("nan")), "tare_N = nan"),
-        (lambda: Calibration(cell=SMALL, tare_std_N=-1.0), "tare_std_N = -1 is negative"),
-        (lambda: ForceCell(name=3, full_scale_N=1.0), "name = 3 is not text"),
-        (lambda: ForceCell(name="c", full_scale_N=10**400), "is not a finite number"),
-        (lambda: ForceCell(name="c", full_scale_N=1e300, full_scale_V=1e-300), "too steep"),
-        (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 0), (1e-300, 1))), "too steep"),
-    ],
-)
-def test_impossible_values_are_refused_in_words(make, message):
-    with pytest.raises(InputError, match=message) as error:
-        make()
-    assert error.value.code == "RF210"
+IMPOSSIBLE = [
+    (lambda: Adc(bits=0), "bits = 0"),
+    (lambda: Adc(bits=10.0), "bits = 10.0"),
+    (lambda: Adc(bits=True), "bits = True"),
+    (lambda: Adc(low_V=5.0), "from 5 V to 5 V is empty"),
+    (lambda: Adc(high_V="5"), "high_V = '5'"),
+    (lambda: ForceCell(name="c", full_scale_N=0), "full scale 0 N is not positive"),
+    (lambda: ForceCell(name="c", full_scale_N=float("nan")), "full_scale_N = nan"),
+    (lambda: ForceCell(name="c", full_scale_N=1.0, zero_V=5.0), "5 V at full scale is not above 5 V"),
+    (lambda: ForceCell(name="c", full_scale_N=1.0, linearity=0.2), "0.0002 for 0.02 %FS"),
+    (lambda: ForceCell(name="c", full_scale_N=1.0, hysteresis=-0.1), "hysteresis = -0.1"),
+    (lambda: ForceCell(name="c", full_scale_N=1.0, points=((0, 0),)), "one calibration point"),
+    (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 0), (0, 1))), "1 and 2.*do not increase"),
+    (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 1), (1, 1))), "do not increase"),
+    (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 1), (50, 2))), "50 N, is far beyond"),
+    (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 1), (1, np.inf))), "2 is not finite"),
+    (lambda: ForceCell(name="c", full_scale_N=9.0, points=(1, 2)), "pairs of force and voltage"),
+    (lambda: ForceCell(name="c", full_scale_N=9.0, points="12"), "pairs of force and voltage"),
+    (lambda: ForceCell(name="c", full_scale_N=9.0, points=5), "pairs of force and voltage"),
+    (lambda: Calibration(cell=SMALL, tare_N=float("nan")), "tare_N = nan"),
+    (lambda: Calibration(cell=SMALL, tare_std_N=-1.0), "tare_std_N = -1 is negative"),
+    (lambda: ForceCell(name=3, full_scale_N=1.0), "name = 3 is not text"),
+    (lambda: ForceCell(name="c", full_scale_N=10**400), "is not a finite number"),
+    (lambda: ForceCell(name="c", full_scale_N=1e300, full_scale_V=1e-300), "too steep"),
+    (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 0), (1e-300, 1))), "too steep"),
+]
+
+
+def test_impossible_values_are_refused_in_words():
+    for make, message in IMPOSSIBLE:
+        with pytest.raises(InputError, match=message) as error:
+            make()
+        assert error.value.code == "RF210"
 
 
 def test_numpy_numbers_are_numbers():
@@ -190,14 +163,3 @@ def test_a_calibration_is_json_with_the_same_bytes():
     text = json.dumps(calibration.to_dict(), sort_keys=True, allow_nan=False)
     assert json.dumps(again.to_dict(), sort_keys=True) == text
     assert json.loads(text)["cell"]["points"] == [[0.0, 0.01], [1000.0, 5.0]]
-
-
-def test_a_huge_unsigned_count_is_not_taken_for_a_missing_one():
-    with pytest.raises(DataError, match="above the 1023"):
-        Calibration(cell=SMALL).apply(np.array([2**64 - 1], dtype=np.uint64))
-
-
-def test_cost_of_a_long_recording(benchmark):
-    counts = np.random.default_rng(1).integers(0, 1024, 60_000)
-    force_N, _ = benchmark(Calibration(cell=SMALL).apply, counts)
-    assert force_N.size == 60_000

@@ -16,7 +16,7 @@ AUTO = PickSettings()
 
 def test_every_tooth_is_found_once_and_right():
     errors = []
-    for seed in range(12):
+    for seed in range(6):
         trace, truth = rigged_trace(
             seed, lift_force_N=(120.0, 320.0, 600.0)[seed % 3], end_tension_N=60.0, protocol="stick-slip"
         )
@@ -36,18 +36,14 @@ def test_a_recording_without_a_slip_gives_the_reason_once():
 
 
 def test_plateaus_of_the_rig():
-    for seed in range(10):
+    for seed in range(4):
         trace, truth = rigged_trace(seed, end_tension_N=60.0, protocol="held", bench=HELD_BENCH)
         found = pick_plateaus(trace, AUTO)
         forces_N = [plateau.peak_N for plateau in found]
         np.testing.assert_allclose(forces_N, truth.plateaus_N, rtol=0.003)
         for plateau, phase in zip(found, truth.phases, strict=True):
-            assert (
-                phase.start_s - 1.0
-                <= plateau.phases[0].start_s
-                < plateau.phases[0].end_s
-                <= phase.end_s + 0.2
-            )
+            held = plateau.phases[0]
+            assert phase.start_s - 1.0 <= held.start_s < held.end_s <= phase.end_s + 0.2
 
 
 def test_no_plateau_no_load_and_too_few_samples_are_said():

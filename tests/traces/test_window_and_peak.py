@@ -46,7 +46,7 @@ def signal(rng, *, noise, rate=200.0, top_N=320.0, drop_N=50.0, drop_s=0.003):
     return time_s, force_N, where
 
 
-def errors(n=300, **settings):
+def errors(n=150, **settings):
     window_s = settings.pop("window_s", None)
     noise = settings["noise"]
     rows = []
@@ -59,14 +59,10 @@ def errors(n=300, **settings):
     return np.array(rows)
 
 
-def test_the_bias_estimate_is_the_bias_of_a_wide_window():
+def test_the_bias_estimate_is_the_bias_of_a_wide_window_which_the_two_line_fit_has_not():
     rows = errors(noise=0.05, window_s=31 * STEP_S)
     assert rows[:, 0].mean() == pytest.approx(rows[:, 2].mean(), rel=0.06)
     assert rows[:, 2].mean() == pytest.approx(-1.0, rel=0.02)
-
-
-def test_the_two_line_fit_has_no_such_bias():
-    rows = errors(noise=0.3, window_s=31 * STEP_S)
     assert abs(rows[:, 1].mean()) < 0.1 < abs(rows[:, 0].mean())
 
 

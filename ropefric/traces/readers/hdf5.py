@@ -1,7 +1,7 @@
 """HDF5: data sets as columns, called by their paths; needs the extra `lab`."""
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,10 @@ RATES = ("sampling_rate", "sample_rate", "sampling_rate_hz", "sample_rate_hz", "
 STEPS = ("dt", "dt_s", "wf_increment", "sampling_interval", "sample_interval", "time_step")
 """Attributes that tell seconds from sample to sample."""
 _UNITS = ("unit", "units", "unit_string")
+
+_Column = tuple[
+    np.ndarray[Any, Any], str, float, str
+]  # values, unit, step of time [s] (0: not told), what to say of it
 
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
@@ -34,23 +38,31 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
         columns = {path: (values, *_told(item, file)) for item in own for path, values in _columns(item)}
     if not columns:
         raise source.error("no data set holds a column of numbers", fix="record it again")
-    group, names = profile.table.strip("/"), [*columns]
+    said = f"HDF5: {', '.join(columns)[:300]}"
+    group = profile.table.strip("/")
     check_choice(group, {*columns, *(path.rpartition("/")[0] for path in columns)}, "group", source)
     if group:
         columns = {
-            p.removeprefix(f"{group}/"): c for p, c in columns.items() if f"{p}/".startswith(f"{group}/")
+            path.removeprefix(f"{group}/"): column
+            for path, column in columns.items()
+            if f"{path}/".startswith(f"{group}/")
         }
+    return (_table(columns, source, said),)
+
+
+def _table(columns: Mapping[str, _Column], source: Source, said: str) -> Table:
+    """Return a table whose columns bring a clock with them where attributes tell one."""
     chosen = list(columns.values())
 
     def clock(index: int) -> FloatArray | None:
         values, _, step_s, _ = chosen[index]
         return np.arange(values.size, dtype=np.float64) * step_s if step_s else None
 
-    units = {path: unit for path, (_, unit, _, _) in columns.items()}
-    said = [f"HDF5: {', '.join(names)[:300]}", *(said for *_, said in chosen if said)]
     arrays = {path: values for path, (values, *_) in columns.items()}
+    units = {path: unit for path, (_, unit, *_) in columns.items()}
     has_clock = any(step_s for _, _, step_s, _ in chosen)
-    return (array_table(arrays, source, units=units, clock=clock if has_clock else None, notes=said),)
+    notes = [said, *(note for *_, note in chosen if note)]
+    return array_table(arrays, source, units=units, clock=clock if has_clock else None, notes=notes)
 
 
 def _columns(item: Any) -> Iterator[tuple[str, np.ndarray[Any, Any]]]:

@@ -31,7 +31,7 @@ from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
 from ropefric.files.folder import Folder, as_folder
-from ropefric.files.plain_text import csv_cell, csv_text, localized, visible
+from ropefric.files.plain_text import csv_cell, csv_text, visible
 from ropefric.glossary import counted
 from ropefric.plotting.style import (
     GREY,
@@ -133,25 +133,6 @@ def rewrite_words(figure: Figure, rewrite: Callable[[str], str]) -> None:
             for named in getattr(getattr(axis.get_major_formatter(), "func", None), "args", ()):
                 if isinstance(named, dict):
                     named.update({place: rewrite(word) for place, word in named.items()})
-
-
-def localize(figure: Figure, language: str, names: Collection[str] = ()) -> None:
-    """Set the numbers of a figure as a language writes them, in its words and at its axes; names stay."""
-    if language == "en":
-        return
-    local = partial(localized, language=language, names=names)
-    rewrite_words(figure, local)
-    for axes in figure.axes:
-        for part in (axes, *axes.child_axes):
-            for axis in (part.xaxis, part.yaxis):
-                for formatter in (axis.get_major_formatter(), axis.get_minor_formatter()):
-                    formatter.format_ticks = partial(_local_ticks, formatter.format_ticks, local)  # type: ignore[method-assign]
-
-
-def _local_ticks(
-    format_ticks: Callable[[Any], list[str]], local: Callable[[str], str], values: Any
-) -> list[str]:
-    return [local(text) for text in format_ticks(values)]
 
 
 def _texts(artist: Artist) -> Iterator[Text]:
@@ -265,13 +246,10 @@ def _drawn(
     *,
     under: str = "",
     on_page: bool = False,
-    language: str = "en",
-    names: Collection[str] = (),
     formats: Collection[str] = ("png",),
 ) -> tuple[str, dict[str, bytes]]:
     """Draw a figure; return it as SVG for a page, if it stands `on_page`, and its files, those `under` a folder."""
     figure = draw()
-    localize(figure.figure, language, names)
     files = figure_files(figure, f"{under}{stem}", formats=formats)
     return svg_text(figure, stem=stem) if on_page else "", files
 

@@ -195,7 +195,7 @@ def _report(subject: Subject, pictures: Pictures, reduced: Iterable[Section]) ->
     chapters = (Chapter(key, _CHAPTERS[key], tuple(own)) for key, own in blocks.items())
     lead = f"{subject.tally}; the friction law they ask for, how good it is, and the lift force it gives."
     shown = tuple(chapter for chapter in chapters if chapter.blocks)
-    return Report(subject.title, lead, shown, subject.language, subject.names)
+    return Report(subject.title, lead, shown)
 
 
 def _uncertainty(evidence: Evidence, pictures: Pictures) -> Iterator[Block]:

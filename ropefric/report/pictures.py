@@ -42,9 +42,9 @@ def draw_pictures(
     for one in of_paper:
         draw = partial(draw_chart, one.chart)
         drawings.append(("paper", f"paper_{one.stem}", f"{one.chart.title}.", draw))
-    how = {"language": subject.language, "names": subject.names, "formats": subject.wish.formats}
     draws = {stem: draw for _, stem, _, draw in drawings}
-    made = start_drawing(draws, folder, executor, under=f"{FOLDER}/", on_page=True, **how)(progress)
+    how = {"under": f"{FOLDER}/", "on_page": True, "formats": subject.wish.formats}
+    made = start_drawing(draws, folder, executor, **how)(progress)
     found: dict[str, list[Picture]] = {}
     for chapter, stem, caption, _ in drawings:
         svg, own = made[stem]

@@ -42,7 +42,7 @@ _CHAPTERS = {
     "next": "What to measure next",
     "provenance": "Settings and provenance",
 }
-_OF_LAW = ("ladder", "bands", "residuals", "corner")
+_OF_LAW = ("ladder", "bands", "residuals")
 _NONE = (math.nan, math.nan, 0)
 _WHERE = (
     "Chosen among the wheels that were used, and wraps and end tensions between the smallest and the largest that "

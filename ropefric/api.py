@@ -197,7 +197,6 @@ def find_breakaway(
     *,
     columns: Columns = None,
     window_s: float | None = None,
-    peak: Literal["smoothed", "two-line"] = "smoothed",
     start_s: float | None = None,
     stop_s: float | None = None,
     min_step_N: float | None = None,
@@ -214,7 +213,7 @@ def find_breakaway(
         The forces [N] where the times stand alone; a pint quantity in any unit of force.
     columns : mapping of str to str, optional
         New names of a table's columns: `{"F [daN]": "force [daN]"}`.
-    window_s, peak, start_s, stop_s, min_step_N, ending
+    window_s, start_s, stop_s, min_step_N, ending
         As `ropefric.traces.breakaway.PickSettings`.
     pick_s : float, optional
         Take the static peak at this time [s], whatever else would be found.
@@ -240,7 +239,7 @@ def find_breakaway(
         "pick_s": pick_s,
     }
     NUMBER.check_given(**numbers)
-    chosen = PickSettings(peak=peak, ending=ending, **numbers)
+    chosen = PickSettings(ending=ending, **numbers)
     recorded, said = upright(as_trace(trace, force_N, columns))
     found = pick_breakaway(recorded, chosen)[0] if pick_s is None else pick_at(recorded, chosen)
     return replace(found, notes=(*recorded.notes, *filter(None, [said]), *found.notes))

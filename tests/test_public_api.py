@@ -31,7 +31,7 @@ SIGNATURES = {
     "diagnose": "(trials, comparison=None, *, touching_turns=None, columns=None)",
     "explain": "(scene, *, measure=False)",
     "extract": "(campaign, *, jobs=1, cache_dir=None, progress=None, executor=None)",
-    "find_breakaway": "(trace, force_N=None, *, columns=None, window_s=None, peak='smoothed', start_s=None, "
+    "find_breakaway": "(trace, force_N=None, *, columns=None, window_s=None, start_s=None, "
     "stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
     "n_starts=4, seed=0, intervals='auto', of='peak', columns=None, resamples=2000, executor=None)",

@@ -21,7 +21,7 @@ from ropefric.files.toml_model import StrictTable, Table, got, reject
 from ropefric.plugins import provenance
 from ropefric.quantities import si_unit_of
 from ropefric.shown import Shown
-from ropefric.traces.breakaway import ENDINGS, PEAKS, RESTS, SIDES
+from ropefric.traces.breakaway import ENDINGS, RESTS, SIDES
 from ropefric.traces.calibration import ASSUMED_LIMITS, Adc, ForceCell
 from ropefric.traces.readers import READERS
 from ropefric.traces.readers.profile import Channel, ImportProfile
@@ -149,7 +149,8 @@ class Smoothing(StrictTable):
     """`[smoothing]`: the window [s], 0 for none, None for one that is found for each recording."""
 
     window_s: Annotated[float | None, PlainValidator(_window_s)] = Field(default=None, alias="window")
-    peak: Annotated[str, PlainValidator(read.choice(lambda: PEAKS))] = "smoothed"
+    # The one way that is left; templates wrote it out.
+    peak: Annotated[str, PlainValidator(read.choice(lambda: ("smoothed",)))] = "smoothed"
 
     @property
     def mode(self) -> str:

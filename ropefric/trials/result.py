@@ -32,7 +32,7 @@ its F_A is not above its F_B; or its recording gave no usable force."""
 _COLUMNS = (
     "trial", "file", "sample", "wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "wheel_radius_std_m",
     "rope_radius_std_m", "wrap_std_rad", "end_tension_N", "end_tension_std_N", "end_tension_set_N", "peak_N",
-    "peak_std_N", "cell_std_N", "peak_raw_N", "peak_time_s", "two_line_N", "bias_N", "window_s", "noise_std_N",
+    "peak_std_N", "cell_std_N", "peak_raw_N", "peak_time_s", "bias_N", "window_s", "noise_std_N",
     "loading_rate_N_s", "measured_dwell_s", "kinetic_N", "kinetic_std_N", "kinetic_mean_std_N", "sliding_s",
     "drop_N", "trough_N", "n_slips", "recurrence_s", "mu", "mu_std", "mu_kinetic", "status", "candidates",
     "kept", "rejected_by", "excluded", "decision", "decided_by", "decided_why", "detail", "notes", "cell",

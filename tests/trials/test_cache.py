@@ -133,7 +133,6 @@ def test_time_stamps_and_places_do_not_matter(campaign, store, tmp_path):
     thinned(
         [
             ('window = "auto"', 'window = "20 ms"'),
-            ('window = "auto"', 'window = "auto"\npeak = "two-line"'),
             ('name = "breakaway"', 'name = "breakaway"\nmin_step = "60 N"'),
             ('interval = ["0 s", "0.25 s"]', 'interval = ["0 s", "0.2 s"]'),
             ('linearity = "0.02 %FS"', 'linearity = "0.03 %FS"'),

@@ -43,7 +43,7 @@ def test_settings_in_si(bench):
     assert (campaign.smoothing.mode, campaign.smoothing.window_s, campaign.smoothing.peak) == (
         "fixed",
         0.01,
-        "two-line",
+        "smoothed",
     )
     assert (campaign.rejection, campaign.weights_tolerance) == ("grubbs", 0.0005)
     assert campaign.design.wheel_radius_m == 0.035
@@ -203,7 +203,7 @@ def test_resolved_is_json_without_absolute_paths(bench, tmp_path):
     assert str(tmp_path) not in text
     assert resolved["folder"] == "recordings"
     assert resolved["trials"][0]["file"] == "recordings/a.csv"
-    assert resolved["smoothing"] == {"mode": "fixed", "window_s": 0.01, "peak": "two-line"}
+    assert resolved["smoothing"] == {"mode": "fixed", "window_s": 0.01, "peak": "smoothed"}
     assert resolved["cells"]["K1"]["points"] == [[0.0, 0.002], [500.0, 2.501]]
 
 
@@ -229,7 +229,6 @@ def test_a_moved_campaign_is_the_same_campaign(bench, tmp_path_factory):
         ('until = "6 s"', 'until = "5 s"'),
         ('"300 ms"', '"200 ms"'),
         ('"10 ms"', '"11 ms"'),
-        ('"two-line"', '"smoothed"'),
         ("490.9", "490.8"),
         ('"counts"', '"n"'),
         ('"0.05 %"', '"0.06 %"'),

@@ -8,6 +8,8 @@
 from importlib import import_module
 from typing import Any
 
+from ropefric.shown import drawn_by as _drawn_by
+
 __version__ = "0.1.0"
 
 _NAMES = {
@@ -29,17 +31,13 @@ def __getattr__(name: str) -> Any:
     # NumPy, SciPy and pandas take long to load, and a short command needs none; `__init__.pyi` has the types.
     if name not in _WHERE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(_WHERE[name]), name)
-    if not isinstance(value, type):  # a class of errors
-        value = import_module("ropefric.given").judged(value)
-    globals()[name] = value
+    value = globals()[name] = getattr(import_module(_WHERE[name]), name)
     return value
-
-
-def _draw(result: Any, *args: Any, **options: Any) -> Any:
-    # For `plot()` of every result: see `ropefric.shown`.
-    return import_module("ropefric.plotting.results").draw(result, *args, **options)
 
 
 def __dir__() -> list[str]:
     return __all__
+
+
+# Results lie below the room that knows matplotlib; this package stands above all rooms, and says who draws them.
+_drawn_by(lambda: import_module("ropefric.plotting.results").draw)

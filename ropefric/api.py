@@ -5,13 +5,13 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Union
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import DataError, InputError
+from ropefric.errors import BY_NAME, NUMBER, PATH, SEVERAL, TEXT, WHOLE_NUMBER, DataError, InputError, Kind
 from ropefric.files.folder import Folder
 from ropefric.fitting import budgets, next_tests, resolution
 from ropefric.fitting.compare import Comparison, compare_laws
@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+T = TypeVar("T")
 PathLike = str | os.PathLike[str]
 """A file or folder."""
 
@@ -71,7 +72,16 @@ Given = Any
 
 def as_campaign(campaign: Campaign | PathLike) -> Campaign:
     """Return a campaign, loaded where its file is given."""
-    return campaign if isinstance(campaign, Campaign) else load_campaign(campaign)
+    return _loaded(load_campaign, Campaign, campaign=campaign)
+
+
+def _loaded(load: Callable[[PathLike], T], kind: type[T], **given: Any) -> T:
+    """Return the one that is given, or load it where its file is."""
+    ((name, value),) = given.items()
+    if isinstance(value, kind):
+        return value
+    Kind(PATH.types, f"a {kind.__name__}, or the path of its file").check(**{name: value})
+    return load(value)
 
 
 def read_trace(
@@ -107,6 +117,7 @@ def read_trace(
     ...     read_trace(Path(folder, "pull.csv")).force_N
     array([500., 750.])
     """
+    PATH.check(path=path)
     used = profile or ImportProfile()
     raws = read_recordings(Path(path), used)
     named = [raw for raw in raws if raw.sample == sample] if sample else list(raws)
@@ -169,6 +180,7 @@ def smooth(
     >>> smooth(ForceTrace(time_s=[0, 1, 2, 3, 4], force_N=[0, 0, 9, 0, 0]), 3.0).force_N.tolist()
     [0.0, 3.0, 3.0, 3.0, 0.0]
     """
+    NUMBER.check_given(window_s=window_s)
     recorded = as_trace(trace, columns=columns)
     if window_s is None:
         found = find_breakaway(recorded)
@@ -185,7 +197,6 @@ def find_breakaway(
     *,
     columns: Columns = None,
     window_s: float | None = None,
-    peak: Literal["smoothed", "two-line"] = "smoothed",
     start_s: float | None = None,
     stop_s: float | None = None,
     min_step_N: float | None = None,
@@ -202,7 +213,7 @@ def find_breakaway(
         The forces [N] where the times stand alone; a pint quantity in any unit of force.
     columns : mapping of str to str, optional
         New names of a table's columns: `{"F [daN]": "force [daN]"}`.
-    window_s, peak, start_s, stop_s, min_step_N, ending
+    window_s, start_s, stop_s, min_step_N, ending
         As `ropefric.traces.breakaway.PickSettings`.
     pick_s : float, optional
         Take the static peak at this time [s], whatever else would be found.
@@ -220,10 +231,15 @@ def find_breakaway(
     >>> str(found.status), round(found.peak_N)
     ('ok', 100)
     """
-    chosen = PickSettings(
-        window_s=window_s, peak=peak, start_s=start_s, stop_s=stop_s, min_step_N=min_step_N, ending=ending,
-        pick_s=pick_s,
-    )  # fmt: skip
+    numbers: dict[str, Any] = {
+        "window_s": window_s,
+        "start_s": start_s,
+        "stop_s": stop_s,
+        "min_step_N": min_step_N,
+        "pick_s": pick_s,
+    }
+    NUMBER.check_given(**numbers)
+    chosen = PickSettings(ending=ending, **numbers)
     recorded, said = upright(as_trace(trace, force_N, columns))
     found = pick_breakaway(recorded, chosen)[0] if pick_s is None else pick_at(recorded, chosen)
     return replace(found, notes=(*recorded.notes, *filter(None, [said]), *found.notes))
@@ -268,6 +284,7 @@ def reject(values: npt.ArrayLike, rule: str = "two-sigma") -> Repeatability:
     >>> reject([7.18, 7.64, 8.00, 7.40, 9.14, 7.82, 7.67, 7.73, 8.27, 7.30]).rejected
     (4,)
     """
+    TEXT.check(rule=rule)
     return summarise(values, rule)
 
 
@@ -369,6 +386,7 @@ def fit(
     >>> round(fit(frame, "constant")["mu"].value, 3)
     0.2
     """
+    BY_NAME.check_given(fixed=fixed, bounds=bounds, start=start)
     made = fit_law(
         trial_table(trials, columns=columns), law, fixed=fixed, bounds=bounds, start=start,
         scale_covar=scale_covar, loss=loss, clustered=clustered, n_starts=n_starts, seed=seed, of=of,
@@ -391,6 +409,8 @@ def compare(
     how many turns at most touch the one beside them, all beyond the first by default: `contact` of the answer says
     whether that describes the trials better than any law.
     """
+    SEVERAL.check_given(laws=laws)
+    NUMBER.check_given(touching_turns=touching_turns)
     table = trial_table(trials, columns=columns).of(of)
     return compare_laws(table, laws, touching_turns=touching_turns, progress=progress)
 
@@ -406,6 +426,8 @@ def diagnose(
 
     `touching_turns` is how many turns at most touch the one beside them; by default all beyond the first may.
     """
+    NUMBER.check_given(touching_turns=touching_turns)
+    Kind((Comparison,), "a comparison").check_given(comparison=comparison)
     return find_causes(trial_table(trials, columns=columns), comparison, touching_turns=touching_turns)
 
 
@@ -458,15 +480,13 @@ def predict(
     >>> round(found.lift_force_N[0])
     81
     """
+    NUMBER.check(level=level)
     stored = as_fit(fit)
     given = {} if wheels is None else wheels_of(wheels, columns)
     given |= settings(
         wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N
     )
-    missing = [name for name in SETTINGS if name not in {*given, "rope_radius_m"}]
-    if missing:
-        text, fix = f"no value for {', '.join(missing)}", "give it by name or as a column"
-        raise InputError(text, key=missing[0], fix=fix)
+    _refuse_missing(given, [name for name in SETTINGS if name != "rope_radius_m"], "by name or as a column")
     if rope_radius_m is not None or "rope_radius_m" not in given:
         given["rope_radius_m"] = _rope(stored, rope_radius_m)
     moving: dict[str, Any] = {"linear_density_kg_m": linear_density_kg_m, "speed_m_s": speed_m_s}
@@ -498,6 +518,7 @@ def design(
     rope_radius_m : array_like, optional
         R_r [m]; that of the trials where they had one rope only.
     """
+    NUMBER.check_given(probability=probability)
     stored = as_fit(fit)
     asked = {
         "wheel_radius_m": wheel_radius_m,
@@ -505,6 +526,7 @@ def design(
         "end_tension_N": end_tension_N,
     }
     given: dict[str, Any] = settings(lift_N=lift_N, **asked)
+    _refuse_missing(given, ["lift_N"])
     rope_m = _rope(stored, rope_radius_m)
     return find_design(stored, rope_radius_m=rope_m, solve_for=solve_for, probability=probability, **given)
 
@@ -533,11 +555,19 @@ def run(
     overwrite : bool
         Replace files in the folder that ropefric did not write; the campaign's own are never replaced.
     """
+    PATH.check(folder=folder)
     loaded = as_campaign(campaign)
     with campaign_folder(loaded, folder, force=overwrite) as target:
         result = run_campaign(loaded, target, law=law, jobs=jobs, executor=executor)
         target.publish("answer")
     return result
+
+
+def _refuse_missing(given: Mapping[str, Any], needed: Iterable[str], how: str = "by name") -> None:
+    missing = [name for name in needed if name not in given]
+    if missing:
+        text = f"no value for {', '.join(missing)}"
+        raise InputError(text, key=missing[0], fix=f"give it {how}")
 
 
 def _rope(fit: FitResult, given_m: Given) -> FloatArray:
@@ -551,6 +581,7 @@ def _wheel(
         wheel_radius_m=wheel_radius_m, rope_radius_m=rope_radius_m, wrap_angle_rad=wrap_angle_rad,
         end_tension_N=end_tension_N,
     )  # fmt: skip
+    _refuse_missing(given, SETTINGS)
     return one_condition(**{name: number(value, "", name) for name, value in given.items()})
 
 
@@ -652,6 +683,8 @@ def budget(
     >>> round(stated.budget.estimate, 1), max(stated.budget.lines, key=lambda line: line.share).name
     (81.1, 'wrap angle')
     """
+    NUMBER.check(level=level)
+    WHOLE_NUMBER.check(draws=draws, seed=seed)
     stored = as_fit(fit)
     at = _wheel(wheel_radius_m, _rope(stored, rope_radius_m), wrap_angle_rad, end_tension_N)
     stds = zip(SETTINGS, (u_wheel_radius_m, u_rope_radius_m, u_wrap_angle_rad, u_end_tension_N), strict=True)
@@ -706,6 +739,11 @@ def measured_budgets(
     >>> [round(one.budget.estimate, 2) for one in measured_budgets(frame, draws=20_000)]
     [36.37]
     """
+    NUMBER.check(
+        gain_limit=gain_limit, weights_tolerance=weights_tolerance, gravity_limit=gravity_limit, level=level
+    )
+    NUMBER.check_given(u_wrap_angle_rad=u_wrap_angle_rad)
+    WHOLE_NUMBER.check(draws=draws, seed=seed)
     if isinstance(trials, Extraction):
         limits = {"weights_tolerance": weights_tolerance, "gravity_limit": gravity_limit}
         found = budgets.conditions_of_extraction(trials, **limits)
@@ -768,6 +806,8 @@ def plan_tests(
     >>> plan.conditions.wrap_angle_rad.tolist()
     [9.0, 12.0, 12.0]
     """
+    WHOLE_NUMBER.check(n_conditions=n_conditions, repeats=repeats, starts=starts, seed=seed)
+    NUMBER.check(level=level)
     rope_m = rope_radius_m
     if isinstance(known, next_tests.PlannedLaw):
         planned = known
@@ -775,7 +815,7 @@ def plan_tests(
             text = "a guessed law does not know its rope"
             raise InputError(text, key="rope_radius_m", fix="give the rope's radius [m]")
     else:
-        stored = as_fit(known)
+        stored = _loaded(load_fit, FitResult, known=known)
         planned = next_tests.planned_fit(stored)
         rope_m = _rope(stored, rope_m)
     wanted = _wheel(wheel_radius_m, rope_m, wrap_angle_rad, end_tension_N)
@@ -869,6 +909,7 @@ def solve(scene: Scene | PathLike, *, level: float = 0.95) -> Solution:
     >>> round(hoist["lift_force_N"]), hoist["effects"]["simulated"]
     (319, ['wrap-dependence', 'size', 'end-tension'])
     """
+    NUMBER.check(level=level)
     return solve_scene(_as_scene(scene), level=level)
 
 
@@ -939,6 +980,9 @@ def sweep(
     [200.0, 500.0, 1100.0]
     """
     loaded = _as_scene(scene)
+    for axis in axes:
+        Kind((str, Axis), "text such as wheel.wrap=1turn,2turn").check(axes=axis)
+    PATH.check_given(table=table)
     grid = tuple(parse_axis(loaded, axis) if isinstance(axis, str) else axis for axis in axes)
     if table is None:
         return sweep_scene(loaded, grid, progress=progress, executor=executor)
@@ -1001,6 +1045,9 @@ def monte_carlo(
     >>> round(lift.value), round(lift.mean), round(lift.std, 1)
     (319, 319, 3.9)
     """
+    WHOLE_NUMBER.check(draws=draws, seed=seed)
+    NUMBER.check(level=level)
+    PATH.check_given(table=table)
     loaded, how = _as_scene(scene), {"seed": seed, "level": level, "progress": progress, "executor": executor}
     if table is None:
         return draw_scene(loaded, draws, **how)
@@ -1010,9 +1057,9 @@ def monte_carlo(
 
 
 def _as_scene(scene: Scene | PathLike) -> Scene:
-    return scene if isinstance(scene, Scene) else load_scene(scene)
+    return _loaded(load_scene, Scene, scene=scene)
 
 
 def as_fit(fit: FitResult | PathLike) -> FitResult:
     """Return a fit, loaded where its file is given."""
-    return fit if isinstance(fit, FitResult) else load_fit(fit)
+    return _loaded(load_fit, FitResult, fit=fit)

@@ -4,11 +4,13 @@ Every failure that a user can cause or meet is a `RopefricError`; each also deri
 exception a Python programmer would expect, so `except ValueError` keeps working.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from numbers import Integral, Real
+from os import PathLike
 from pathlib import PurePath
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 _LONGEST = {"message": 2000, "key": 200, "fix": 1000}
 
@@ -135,6 +137,28 @@ class InputError(RopefricError, ValueError):
     """An argument has a value outside its valid range, or the wrong unit or shape."""
 
     default_code = "RF110"
+
+
+class Kind(NamedTuple):
+    """What an argument has to be: `NUMBER.check(level=level)` refuses a value that is none, by its name."""
+
+    types: tuple[type, ...]
+    words: str
+
+    def check(self, **values: Any) -> None:
+        """Refuse the first of some arguments that is of another kind; truth values are no numbers."""
+        for name, value in values.items():
+            if not isinstance(value, self.types) or isinstance(value, bool):
+                raise InputError(f"{name} cannot be {value!r:.60}", key=name, fix=f"give {self.words}")
+
+    def check_given(self, **values: Any) -> None:
+        """Refuse likewise, of arguments that may be left out (None)."""
+        self.check(**{name: value for name, value in values.items() if value is not None})
+
+
+NUMBER, WHOLE_NUMBER = Kind((Real,), "a number"), Kind((Integral,), "a whole number")
+TEXT, PATH = Kind((str,), "text"), Kind((str, PathLike), "a path, as text or as a Path")
+BY_NAME, SEVERAL = Kind((Mapping,), "a mapping from names to values"), Kind((Iterable,), "several values")
 
 
 class UnknownNameError(RopefricError, LookupError):

@@ -1,19 +1,14 @@
 """What users hand over in the forms they have it in: tables, arrays, quantities with their units; SI comes out."""
 
-import functools
-import inspect
 import os
-import sys
 import warnings
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from numbers import Integral, Real
-from types import NoneType, UnionType
-from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError, RopefricWarning, UnknownNameError
+from ropefric.errors import InputError, Kind, RopefricWarning, UnknownNameError
 from ropefric.quantities import parse_quantity, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.traces.clock import mend_clock
@@ -27,6 +22,7 @@ if TYPE_CHECKING:
 
 Columns = Mapping[str, str] | Sequence[str] | None
 """Names that columns are to have: by those they have, or one after the other for an array without names."""
+_NAMES = Kind((Mapping, list, tuple), "new names by the old ones, or names in order")
 
 _ODD = {
     "wrap_angle_rad": (20.0 * np.pi, "{:g} rad is a wrap of {:.3g} turns", 0.5 / np.pi, "deg"),
@@ -34,70 +30,14 @@ _ODD = {
     "rope_radius_m": (0.5, "{:g} m is a rope of {:.3g} m diameter", 2.0, "mm"),
 }
 """Above what a setting is hardly meant, how to say it, and the unit it was probably given in."""
-
-
-_PLAIN: Mapping[Any, tuple[Any, str]] = {
-    float: (Real, "a number"), int: (Integral, "a whole number"), str: (str, "text"), bool: (bool, "True or False"),
-    os.PathLike: (os.PathLike, "a path"), Mapping: (Mapping, "a mapping"), NoneType: (NoneType, "None"),
-    Sequence: (Iterable, "several values"), Iterable: (Iterable, "several values"), tuple: (Iterable, "a pair"),
-    Any: (None, "another value"),
-}  # fmt: skip
-
-
-def _fits(value: Any, wanted: Any) -> bool:
-    """Return whether a value is what an annotation says; of what is quoted or `Any`, its function judges itself."""
-    origin, inner = get_origin(wanted), get_args(wanted)
-    if origin in {Union, UnionType}:
-        arrays = any(str(one).startswith("numpy") for one in inner)  # `ArrayLike`: NumPy judges
-        return arrays or any(_fits(value, one) for one in inner)
-    if origin is Literal:
-        return any(type(value) is type(one) and value == one for one in inner)
-    kind: Any = _PLAIN.get(origin or wanted, (origin or wanted,))[0]
-    if not isinstance(kind, type):
-        return True
-    if isinstance(value, bool | np.bool_) or (kind is Iterable and isinstance(value, str | bytes)):
-        return wanted is bool
-    if not isinstance(value, kind):
-        return False
-    parts = value.values() if isinstance(value, Mapping) else value if isinstance(value, Collection) else ()
-    return not inner or inner[-1] is Any or all(_fits(one, inner[-1]) for one in parts)
-
-
-def _in_words(wanted: Any) -> str:
-    origin, inner = get_origin(wanted), get_args(wanted)
-    if origin in {Union, UnionType}:
-        return " or ".join(dict.fromkeys(map(_in_words, inner)))
-    if origin is Literal:
-        return " or ".join(map(repr, inner))
-    return _PLAIN.get(origin or wanted, (None, f"a {getattr(wanted, '__name__', wanted)}"))[1]
-
-
-def judged(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function that refuses arguments which are not what its signature says, before it begins."""
-    signature = inspect.signature(function)
-
-    @functools.wraps(function)
-    def called(*args: Any, **options: Any) -> Any:
-        try:
-            bound = signature.bind(*args, **options).arguments
-        except TypeError:
-            bound = {}  # Python says better what is missing or too much
-        for name, value in bound.items():
-            parameter = signature.parameters[name]
-            for one in value if parameter.kind is parameter.VAR_POSITIONAL else (value,):
-                nothing = one is None and parameter.default is parameter.empty
-                if nothing or not _fits(one, parameter.annotation):
-                    text = f"{function.__name__}: {name} cannot be {one!r:.60}"
-                    raise InputError(text, key=name, fix=f"give {_in_words(parameter.annotation)}")
-        return function(*args, **options)
-
-    return called
+_USER = 4
+"""Calls from a warning up to the line that called a function of `import ropefric` with settings."""
 
 
 def in_si(value: Any, si_unit: str, name: str = "quantity") -> FloatArray:
     """Return numbers in SI: bare ones as they stand, text with a unit (`"35 mm"`) and pint quantities converted."""
-    if isinstance(value, bool):
-        raise InputError(f"{name}: {value} is no number", key=name, fix="give a number")
+    if isinstance(value, bool | bytes):
+        raise InputError(f"{name}: {value!r} is no number", key=name, fix="give a number")
     if hasattr(value, "to") and hasattr(value, "magnitude"):
         try:
             value = value.to(si_unit or "dimensionless").magnitude
@@ -145,57 +85,64 @@ def warn_of_odd(values: Mapping[str, FloatArray]) -> None:
         if largest > most:
             said = what.format(largest, factor * largest)
             text = f'{name}: {said}. Fix: if {unit} was meant, write it with its unit, "{largest:g} {unit}"'
-            warnings.warn(RopefricWarning(text), stacklevel=_levels_to_user())
-
-
-def _levels_to_user() -> int:
-    """Return how many calls up the first line is that is not of this package, for a warning to point at."""
-    inside, level, frame = os.path.dirname(__file__), 1, sys._getframe(1)  # noqa: PTH120, SLF001
-    while frame.f_back is not None and frame.f_code.co_filename.startswith(inside):
-        level, frame = level + 1, frame.f_back
-    return level
+            warnings.warn(RopefricWarning(text), stacklevel=_USER)
 
 
 def as_frame(table: Any, columns: Columns = None) -> "pd.DataFrame":
     """Return a DataFrame of a frame, a mapping of columns, or an array, its columns renamed, quantities as SI."""
     import pandas as pd  # noqa: PLC0415  (slow to load, and few calls need it)
 
+    _NAMES.check_given(columns=columns)
     renamed = dict(columns) if isinstance(columns, Mapping) else {}
     if not (isinstance(table, Mapping) or hasattr(table, "columns")):
-        names = None if columns is None or renamed or table.dtype.names else list(columns)
-        table = _whole(pd.DataFrame, table, columns=names)
+        table = _of_array(table, None if renamed else columns)
     known_names = getattr(table, "columns", table)
     strangers = [name for name in renamed if name not in known_names]
     if strangers:
         fix = did_you_mean(str(strangers[0]), map(str, known_names))
         raise UnknownNameError(f"there is no column {strangers[0]!r} to be renamed", key="columns", fix=fix)
     if isinstance(table, Mapping):
-        known = {**cells.QUANTITIES, "time": ("", "s", 1.0), "force": ("", "N", 1.0)}
-        plain = {}
-        for name, values in table.items():
-            header = renamed.get(name, name)
-            stem = split_unit_suffix(str(header))[0]
-            meant = known.get(cells.word_of(stem))
-            if meant is not None and _has_units(values):
-                header, values = f"{stem} [{meant[1]}]", in_si(values, meant[1], str(name))  # noqa: PLW2901
-            plain[header] = values if np.ndim(values) else [values]
-        longest = max((len(values) for values in plain.values()), default=0)
-        whole = {k: np.repeat(values, longest) if len(values) == 1 else values for k, values in plain.items()}
-        return _whole(pd.DataFrame, whole)
+        return _of_columns({renamed.get(name, name): values for name, values in table.items()})
     frame: pd.DataFrame = table.rename(columns=renamed)
     texts = [name for name in frame.columns if not pd.api.types.is_numeric_dtype(frame[name])]
     if any(_has_units(frame[name]) for name in texts):
-        return as_frame({name: frame[name].tolist() for name in frame.columns})
+        return _of_columns({name: frame[name].tolist() for name in frame.columns})
     return frame
 
 
-def _whole(make: Any, table: Any, **options: Any) -> "pd.DataFrame":
+def _of_array(array: Any, columns: Columns) -> "pd.DataFrame":
+    dtype = getattr(array, "dtype", None)
+    if dtype is None:
+        fix = "give a DataFrame, a mapping of columns, or an array"
+        raise InputError(f"{type(array).__name__} is no table", key="table", fix=fix)
+    return _whole(array, columns=None if columns is None or dtype.names else list(columns))
+
+
+def _of_columns(columns: Mapping[Any, Any]) -> "pd.DataFrame":
+    """Return the frame of columns by their headers: quantities in SI, one value for all rows where there is one."""
+    known = {**cells.QUANTITIES, "time": ("", "s", 1.0), "force": ("", "N", 1.0)}
+    plain: dict[Any, Any] = {}
+    for header, values in columns.items():
+        stem = split_unit_suffix(str(header))[0]
+        meant = known.get(cells.word_of(stem))
+        if meant is not None and _has_units(values):
+            plain[f"{stem} [{meant[1]}]"] = np.atleast_1d(in_si(values, meant[1], str(header)))
+        else:
+            plain[header] = values if np.ndim(values) else [values]
+    longest = max((len(values) for values in plain.values()), default=0)
+    return _whole(
+        {k: np.repeat(values, longest) if len(values) == 1 else values for k, values in plain.items()}
+    )
+
+
+def _whole(table: Any, **options: Any) -> "pd.DataFrame":
+    import pandas as pd  # noqa: PLC0415  (likewise)
+
     try:
-        frame: pd.DataFrame = make(table, **options)
+        return pd.DataFrame(table, **options)
     except ValueError as error:
         text = f"this is no table: {error}"
         raise InputError(text, key="columns", fix="give columns of one length") from None
-    return frame
 
 
 def _has_units(values: Any) -> bool:
@@ -211,6 +158,7 @@ def _has_units(values: Any) -> bool:
 
 def as_table(table: Any, columns: Columns = None) -> TrialTable:
     """Return the trial table of a file, or of what `as_frame` takes."""
+    _NAMES.check_given(columns=columns)
     if isinstance(table, str | os.PathLike):
         if columns is not None and not isinstance(columns, Mapping):
             text = "the columns of a file have names, so new ones are given by the old ones"

@@ -49,7 +49,7 @@ _EXTRACTED = (
     *(f"figures/Rw*deg_F*.{end}" for end in ("csv", "png", "svg", "pdf")),
 )
 _FIGURES = (
-    *("overview", "mu_facets", "capstan", "fit_over_", "residuals", "ladder", "corner"),
+    *("overview", "mu_facets", "capstan", "fit_over_", "residuals", "ladder"),
     *("tornado", "design_chart", "budget_", "typical_recording", "law", "recordings_", "paper_"),
 )
 _ANSWERED = (

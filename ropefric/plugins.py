@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from ropefric.errors import DataError, Problem, RopefricError, data_error
+from ropefric.errors import PATH, DataError, Problem, RopefricError, data_error
 from ropefric.executors import CARRIED
 from ropefric.files.disk import read_file
 from ropefric.files.toml import TomlDocument
@@ -128,6 +128,7 @@ def load_plugin(source: str | Path, called: str = "") -> Plugin:
     ...     load_plugin(Path(folder, "our_law.py")).declares
     ('LAW our-own',)
     """
+    PATH.check(source=source)
     text = str(source)
     path, module = (Path(text).absolute(), "") if text.endswith(".py") else _entry_point(text)
     shown = called or Path(text).as_posix()

@@ -5,7 +5,6 @@ The terminal and summary.txt show sections by `as_text`; `ropefric.report.page` 
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import zip_longest
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -107,72 +106,35 @@ def percent(share: float, form: str = ".2g") -> str:
     return f"{format(100 * share, form)} %" if math.isfinite(share) else "–"
 
 
-def as_text(sections: Sequence[Section], width: int | None = None) -> str:
-    """Return sections as text with aligned columns; for a terminal of some width, all of it folded to it."""
-    return "\n".join("".join(f"{line}\n" for line in _text_lines(section, width)) for section in sections)
+def as_text(sections: Sequence[Section]) -> str:
+    """Return sections as text: sentences folded, columns aligned."""
+    return "\n".join("".join(f"{line}\n" for line in _text_lines(section)) for section in sections)
 
 
-def folded(text: str, width: int | None) -> str:
-    """Return text with its lines folded at blanks to a terminal's width, if it is one; no word is broken."""
-    if width is None:
-        return text
-    return "\n".join(part for line in text.split("\n") for part in fold(line, width))
+def _text_lines(section: Section) -> Iterator[str]:
+    indent = "  " if section.title else ""
+    if section.title:
+        yield section.title
+    for line in section.lines:
+        yield from [f"{indent}{line}"] if section.verbatim else _fold(line, indent)
+    if section.headings:
+        yield from (f"{indent}{line}".rstrip() for line in _table_lines(section))
+    for note in section.notes:
+        yield from _fold(f"- {note}", indent)
 
 
-def fold(line: str, width: int, indent: str = "", *, hang: str = "  ", more: str = "") -> list[str]:
-    """Return a line folded at blanks, what follows standing a little further in than its beginning.
-
-    `more` ends every line but the last; words that are longer than the width stay whole.
-    """
+def _fold(line: str, indent: str) -> list[str]:
+    """Return a line folded at blanks, what follows standing a little further in than its beginning."""
     begin = indent + " " * (len(line) - len(line.lstrip()))
     whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
-    if len(begin) + len(line.lstrip()) <= width:
+    if len(begin) + len(line.lstrip()) <= WIDTH:
         return [f"{indent}{line}"]
-    parts = wrap(
-        line.lstrip(), width - len(more), initial_indent=begin, subsequent_indent=begin + hang, **whole
-    )
-    return [*(f"{part}{more}" for part in parts[:-1]), *parts[-1:]] or [""]
+    return wrap(line.lstrip(), WIDTH, initial_indent=begin, subsequent_indent=f"{begin}  ", **whole)
 
 
-def _text_lines(section: Section, width: int | None) -> list[str]:
-    indent = "  " if section.title else ""
-    narrow = min(WIDTH, width or WIDTH)
-    lines = folded(section.title, width).split("\n") if section.title else []
-    for line in section.lines:
-        if section.verbatim and width is None:
-            lines.append(f"{indent}{line}")
-        else:
-            lines += fold(line, width or WIDTH if section.verbatim else narrow, indent)
-    if section.headings:
-        lines += [f"{indent}{line}".rstrip() for line in _table_lines(section, width and width - len(indent))]
-    return lines + [part for note in section.notes for part in fold(f"- {note}", narrow, indent)]
-
-
-def _table_lines(section: Section, width: int | None) -> Iterator[str]:
+def _table_lines(section: Section) -> Iterator[str]:
     rows = [tuple(heading.rstrip() for heading in section.headings), *section.rows]
-    columns = [*zip(*rows, strict=True)]
-    widths = [max(map(len, column)) for column in columns]
-    if width is not None and sum(widths) + 2 * len(widths) - 2 > width:
-        least = [max(len(word) for cell in column for word in cell.split() or [""]) for column in columns]
-        if sum(least) + 2 * len(least) - 2 > width:
-            yield from _records(rows[0], section.rows, width)
-            return
-        # The widest column that still has a blank to fold at gives way first.
-        while sum(widths) + 2 * len(widths) - 2 > width:
-            can = [place for place, one in enumerate(widths) if one > least[place]]
-            widths[max(can, key=widths.__getitem__)] -= 1
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     forms = [f"{'<' if section.is_words(place) else '>'}{one}" for place, one in enumerate(widths)]
-    whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
     for row in rows:
-        pairs = zip(row, widths, strict=True)
-        cells = (wrap(cell, one, **whole) if len(cell) > one else [cell] for cell, one in pairs)
-        for line in zip_longest(*cells, fillvalue=""):
-            yield "  ".join(f"{part:{form}}" for part, form in zip(line, forms, strict=True))
-
-
-def _records(headings: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> Iterator[str]:
-    """Give a table that is too wide for its columns as one block a row, a line a cell, its heading before it."""
-    for row in rows:
-        told = [(name, cell) for name, cell in zip(headings, row, strict=True) if cell]
-        for place, line in enumerate(f"{name}: {cell}" if name else cell for name, cell in told):
-            yield from fold(line, width, "  " if place else "")
+        yield "  ".join(f"{cell:{form}}" for cell, form in zip(row, forms, strict=True))

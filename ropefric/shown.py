@@ -2,8 +2,7 @@
 
 import html
 import math
-import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from enum import Enum
 from operator import attrgetter
@@ -15,6 +14,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _MOST_VALUES, _MOST_ROWS, _MOST_TEXT = 4, 10, 90
+
+_DRAWN_BY: list[Callable[[], Callable[..., Any]]] = []
 
 
 class Shown:
@@ -76,9 +77,12 @@ class Shown:
 
     def plot(self, *args: Any, **options: Any) -> Any:
         """Return a matplotlib figure of the result; a break-away takes its trace, a fit `over`, a sweep `quantity`."""
-        # Results lie below the room that knows matplotlib and must not import it; the package itself, which stands above
-        # all rooms and may look at everything, loads it when the first is drawn.
-        return sys.modules["ropefric"]._draw(self, *args, **options)  # noqa: SLF001
+        return _DRAWN_BY[0]()(self, *args, **options)
+
+
+def drawn_by(find: Callable[[], Callable[..., Any]]) -> None:
+    """Say how the function is found that draws results; it is looked for when the first is drawn."""
+    _DRAWN_BY[:] = [find]
 
 
 def _paths(said: Sequence[str]) -> Iterator[str]:

@@ -1,7 +1,6 @@
-"""Whatever is handed to a function of `import ropefric`, it answers or ends in an error of ropefric's own."""
+"""What is handed to a function of `import ropefric` and is of another kind ends in an error of its own that names it."""
 
-import inspect
-from contextlib import suppress
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -21,85 +20,90 @@ TABLE = {
     "peak_N": [14.1, 14.3, 20.0, 20.4, 28.0, 28.5, 40.1, 39.5],
 }
 WHEEL = {"wheel_radius_m": 0.035, "wrap_angle_rad": 3.0, "end_tension_N": 10.0}
+RIG = {"wheels_m": [0.02], "wraps_rad": [3.0, 6.0], "end_tensions_N": [20.0, 40.0]}
 TIME_S = np.linspace(0.0, 2.0, 200)
-FORCE_N = np.interp(TIME_S, [0.3, 1.3, 1.32], [0.0, 60.0, 48.0])
-GOOD: dict[str, dict[str, Any]] = {
-    "smooth": {"trace": {"time_s": TIME_S, "force_N": FORCE_N}, "window_s": 0.05},
-    "find_breakaway": {"trace": TIME_S, "force_N": FORCE_N},
-    "reject": {"values": [1.0, 2.0, 3.0]},
-    "trial_table": {"trials": TABLE},
-    "fit": {"trials": TABLE, "law": "constant", "intervals": "covariance"},
-    "compare": {"trials": TABLE, "laws": ["constant"]},
-    "predict": {"fit": FIT, **WHEEL},
-    "design": {"fit": FIT, "lift_N": 200.0, "wheel_radius_m": 0.035, "end_tension_N": 10.0},
-    "friction_table": {"fit": FIT},
-    "budget": {"fit": FIT, "draws": 10_000, **WHEEL},
-    "solve": {"scene": SCENE},
-    "explain": {"scene": SCENE},
-    "load_fit": {"path": FIT},
-    "load_campaign": {"path": ROOT / "data" / "prth-bench" / "campaign.toml"},
-    "load_scene": {"path": SCENE},
-    "lmfit_model": {"law": "coupled"},
-    "save_fit": {"fit": None, "path": "nowhere.json"},
-    "read_trace": {"path": "nowhere.csv"},
-    "read_trial": {"campaign": "nowhere.toml", "trial": "1"},
-    "extract": {"campaign": "nowhere.toml"},
-    "run": {"campaign": "nowhere.toml", "folder": "nowhere"},
-}
-STRANGE = (
-    None,
-    True,
-    "abc",
-    b"x",
-    -1,
-    3.5,
-    [],
-    {},
-    object(),
-    float("nan"),
-    ["a"],
-    np.ones((1, 1)),
-    {"a": 1},
-    1j,
-)
+PULL = {"trace": TIME_S, "force_N": np.interp(TIME_S, [0.3, 1.3, 1.32], [0.0, 60.0, 48.0])}
+STRANGE = (True, b"x", object(), ["a"], {"a": 1}, 1j, np.ones((1, 1)))
+"""Neither a number nor text nor a path; what can be several of something is given a number."""
+
+# Function, arguments that are in order, and those that are not to be of another kind.
+CALLS: tuple[tuple[Callable[..., Any], dict[str, Any], str], ...] = (
+    (rf.smooth, {"trace": {"time_s": TIME_S, "force_N": TIME_S}}, "window_s"),
+    (rf.find_breakaway, PULL, "window_s start_s stop_s min_step_N pick_s ending"),
+    (rf.reject, {"values": [1.0, 2.0, 3.0]}, "rule"),
+    (rf.fit, {"trials": TABLE, "law": "constant", "intervals": "covariance"}, "law of loss intervals n_starts seed"),
+    (rf.compare, {"trials": TABLE, "laws": ["constant"]}, "of touching_turns"),
+    (rf.diagnose, {"trials": TABLE}, "comparison touching_turns"),
+    (rf.predict, {"fit": FIT, **WHEEL}, "fit level method wheel_radius_m"),
+    (rf.design, {"fit": FIT, "lift_N": 200.0, **WHEEL | {"wrap_angle_rad": None}}, "fit solve_for probability"),
+    (rf.budget, {"fit": FIT, **WHEEL}, "fit level draws seed u_wheel_radius_m"),
+    (rf.plan_tests, {"known": FIT, **RIG, **WHEEL}, "known n_conditions repeats level starts seed"),
+    (rf.friction_table, {"fit": FIT}, "fit"),
+    (rf.measured_budgets, {"trials": TABLE}, "u_wrap_angle_rad gain_limit level draws seed"),
+    (rf.solve, {"scene": SCENE}, "scene level"),
+    (rf.explain, {"scene": SCENE}, "scene"),
+    (rf.sweep, {"scene": SCENE}, "scene table"),
+    (rf.monte_carlo, {"scene": SCENE}, "scene draws seed level table"),
+    (rf.load_scene, {}, "path"),
+    (rf.load_fit, {}, "path"),
+    (rf.load_campaign, {}, "path"),
+    (rf.load_campaign, {"path": "nowhere.toml"}, "missing_recordings"),
+    (rf.load_plugin, {}, "source"),
+    (rf.save_fit, {"path": "nowhere.json"}, "fit"),
+    (rf.read_trace, {}, "path"),
+    (rf.read_trial, {"trial": "1"}, "campaign"),
+    (rf.extract, {"campaign": "nowhere.toml"}, "campaign cache_dir"),
+    (rf.run, {"campaign": "nowhere.toml", "folder": "nowhere"}, "campaign folder cache_dir"),
+)  # fmt: skip
 
 
-@pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("name", GOOD)
-def test_wrong_arguments_end_in_own_errors(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def outcome(function: Callable[..., Any], **arguments: Any) -> str:
+    """Return what a call is refused with, or that it is not."""
+    try:
+        function(**arguments)
+    except rf.RopefricError as error:
+        return f"{error.where}: {error}"
+    return "not refused"
+
+
+def test_an_argument_of_another_kind_is_refused_by_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One argument after the other is replaced by things it is not."""
+    """Each of them, for each function."""
     monkeypatch.chdir(tmp_path)
-    function = getattr(rf, name)
-    for parameter in inspect.signature(function).parameters:
-        for strange in STRANGE if parameter not in {"executor", "progress"} else ():
-            with suppress(rf.RopefricError):
-                function(**GOOD[name] | {parameter: strange})
+    wrong = []
+    for function, good, names in CALLS:
+        for name in names.split():
+            for strange in STRANGE if "_radius_m" not in name else STRANGE[:2]:
+                said = outcome(function, **good | {name: strange})
+                if name not in said:
+                    wrong.append(f"{function.__name__}({name}={strange!r:.20}): {said}")
+    assert wrong == []
+
+
+def test_several_values_are_no_single_one() -> None:
+    """A number where names or pairs are meant, and bounds that are not two."""
+    for name in ("fixed", "bounds", "start", "columns"):
+        with pytest.raises(rf.RopefricError, match=name):
+            rf.fit(TABLE, "constant", **{name: 3.5})  # type: ignore[arg-type]
+    with pytest.raises(rf.RopefricError, match=r"laws cannot be 3 Fix: give several values"):
+        rf.compare(TABLE, 3)  # type: ignore[arg-type]
+    with pytest.raises(rf.RopefricError, match=r"axes cannot be \{\}"):
+        rf.sweep(SCENE, {})  # type: ignore[arg-type]
+    for ends in ((0.0, 1.0, 2.0), (0.1,), []):
+        with pytest.raises(rf.RopefricError, match=r"mu is given as .* not as \(lower, upper\)"):
+            rf.fit(TABLE, "constant", bounds={"mu": ends})  # type: ignore[dict-item]
 
 
 def test_the_message_says_what_is_meant() -> None:
-    """Function, argument, what came and what is to come are named."""
-    with pytest.raises(rf.RopefricError, match=r"fit: law cannot be None\s+Fix: give text"):
-        rf.fit(TABLE, None)  # type: ignore[arg-type]
+    """Argument, what came and what is to come are named."""
     with pytest.raises(
-        rf.RopefricError, match=r"solve: scene cannot be 3 .*Fix: give a Scene or text or a path"
+        rf.RopefricError, match="scene cannot be 3 Fix: give a Scene, or the path of its file"
     ):
         rf.solve(3)  # type: ignore[arg-type]
-    with pytest.raises(rf.RopefricError, match=r"sweep: axes cannot be {}"):
-        rf.sweep(SCENE, {})  # type: ignore[arg-type]
     with pytest.raises(rf.RopefricError, match="wheel_radius_m: True is no number"):
         rf.predict(FIT, **WHEEL | {"wheel_radius_m": True})
-
-
-def test_a_column_to_be_renamed_that_is_not_there() -> None:
-    """A mistyped name is told in a mapping as in a frame."""
+    with pytest.raises(rf.RopefricError, match="no value for wrap_angle_rad"):
+        rf.budget(FIT, **WHEEL | {"wrap_angle_rad": None})
     with pytest.raises(rf.RopefricError, match="no column 'wrapp' to be renamed"):
         rf.trial_table(TABLE, columns={"wrapp": "wrap_angle_deg"})
-
-
-@pytest.mark.parametrize("ends", [(0.0, 1.0, 2.0), (0.1,), []])
-def test_bounds_are_two(ends: list[float]) -> None:
-    """A lower and an upper one."""
-    with pytest.raises(rf.RopefricError, match=r"mu is given as .* not as \(lower, upper\)"):
-        rf.fit(TABLE, "constant", bounds={"mu": ends})  # type: ignore[dict-item]

@@ -7,20 +7,18 @@ import os
 import pkgutil
 import sys
 import traceback
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext, redirect_stdout
 from functools import cache
 from itertools import takewhile
-from shutil import get_terminal_size
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperCommand, TyperGroup
 
 from ropefric import __version__
 from ropefric.cli import commands, on_first_use
 from ropefric.cli.options import Answer, Command
-from ropefric.cli.output import Output, few_of_each, json_text, width_of
+from ropefric.cli.output import Output, few_of_each, json_text
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.files.plain_text import visible
 from ropefric.registry import Registry, did_you_mean
@@ -39,7 +37,6 @@ _NO_COLOR = Annotated[bool, typer.Option("--no-color", help="Plain text; so does
 _OWN = "A law, reader, outlier rule, protocol or machine of your own: a Python file, or an installed plugin; repeatable."
 _PLUGIN = Annotated[list[str] | None, typer.Option("--plugin", metavar="FILE.py", help=_OWN)]
 _GLOBAL_OPTIONS = {"json_": _JSON, "quiet": _QUIET, "no_color": _NO_COLOR}
-_STACKED_BELOW = 60
 MOST_ALIKE = 20
 """Problems of one code that a failure says in full; `--json` has all of them."""
 _OUT_OF = {errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE}
@@ -80,13 +77,12 @@ def build_app(on_start: Callable[[], None] | None = None) -> Any:
         pretty_exceptions_enable=False,
         rich_markup_mode=None,  # rich takes twice as long to load as all else that a help needs
         context_settings={"help_option_names": ["--help", "-h"], "max_content_width": 110},
-        cls=_Group,
     )
     app.callback(invoke_without_command=True)(_top)
     for command in find_commands().values():
         text = inspect.getdoc(command.run) or ""
-        said: Any = {"short_help": text.partition("\n\n")[0], "epilog": command.example}
-        app.command(command.name, help=text, cls=_Command, **said)(_with_global_options(command, on_start))
+        said: Any = {"short_help": text.partition("\n\n")[0], "epilog": f"Example: {command.example}"}
+        app.command(command.name, help=text, **said)(_with_global_options(command, on_start))
     return typer.main.get_command(app)
 
 
@@ -147,54 +143,8 @@ def _with_global_options(command: Command, on_start: Callable[[], None] | None) 
 
 
 def _shown(answer: Answer) -> str:
-    """Return what people see of an answer; on a terminal folded to its width."""
-    width = width_of(sys.stdout)
-    if isinstance(answer.show, str):
-        return visible(section.folded(f"{answer.show}\n", width))
-    return visible(section.as_text(answer.show, width))
-
-
-class _Folded:
-    """A command whose help is folded to the terminal, however narrow: below 60 columns an option above its words."""
-
-    def format_help(self, ctx: Any, formatter: Any) -> None:
-        width = formatter.width = min(get_terminal_size().columns, 112) - 2
-
-        def write(lines: Iterable[str]) -> None:
-            formatter.write("".join(f"{line}\n" for line in lines))
-
-        def write_usage(program: str, words: str = "", prefix: str | None = None) -> None:
-            write(section.fold(f"{prefix or 'Usage:'} {program} {words}", width))
-
-        def write_text(text: str) -> None:
-            parts = [" ".join(part.split()) for part in text.split("\n\n")]
-            for place, part in enumerate(parts):
-                write([*([""] if place else []), *section.fold(part, width, "  ", hang="")])
-
-        def write_dl(rows: Sequence[tuple[str, str]], *_: Any, **__: Any) -> None:
-            column = min(max(len(term) for term, _ in rows), 30) + 4
-            for term, words in rows:
-                beside = width >= _STACKED_BELOW and len(term) + 4 <= column
-                lines = section.fold(words, width, " " * (column if width >= _STACKED_BELOW else 6), hang="")
-                if beside and lines[0]:
-                    lines[0] = f"  {term:<{column - 2}}{lines[0].lstrip()}"
-                write(lines if beside else [*section.fold(term, width, "  "), *lines])
-
-        formatter.write_usage, formatter.write_text, formatter.write_dl = write_usage, write_text, write_dl
-        super().format_help(ctx, formatter)  # type: ignore[misc]
-
-    def format_epilog(self, _: Any, formatter: Any) -> None:
-        words = str(self.epilog)  # type: ignore[attr-defined]
-        is_example = words.startswith("ropefric ")  # in one piece, to be copied
-        told, more = (f"Example: {words}", " \\") if is_example else (words, "")
-        lines = section.fold(told, formatter.width, "  ", more=more)
-        formatter.write("\n" + "\n".join(lines) + "\n")
-
-
-class _Command(_Folded, TyperCommand): ...
-
-
-class _Group(_Folded, TyperGroup): ...
+    """Return what people see of an answer."""
+    return visible(f"{answer.show}\n" if isinstance(answer.show, str) else section.as_text(answer.show))
 
 
 def report_failure(error: BaseException, out: Output) -> int:

@@ -7,16 +7,11 @@ import sys
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TextIO
 
-from ropefric.cli import on_first_use
 from ropefric.errors import Problem
 from ropefric.files.disk import cannot_write
 from ropefric.files.plain_text import visible
-
-with on_first_use():
-    from ropefric import section
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -24,7 +19,7 @@ if TYPE_CHECKING:
 
 
 PIPE_WIDTH = 200
-"""Columns for tables that go into a file or pipe, where nothing needs to be folded."""
+"""Columns of what goes into a file or pipe."""
 REDRAW_S = 0.1
 
 
@@ -54,7 +49,7 @@ class Output(NamedTuple):
     def note(self, text: str) -> None:
         """Say something on stderr, unless asked to be quiet."""
         if not self.quiet:
-            self._say(f"{section.folded(visible(text), width_of(sys.stderr))}\n")
+            self._say(f"{visible(text)}\n")
 
     def problems(self, problems: Iterable[Problem]) -> None:
         """List problems on stderr; warnings only if not asked to be quiet."""
@@ -62,7 +57,7 @@ class Output(NamedTuple):
             if problem.severity == "error" or not self.quiet:
                 # Styled only for eyes: rich takes a while.
                 for_eyes = sys.stderr.isatty() or "FORCE_COLOR" in os.environ
-                told = section.folded(visible(str(problem)), width_of(sys.stderr))
+                told = visible(str(problem))
                 self._say(self._styled(problem, told) if for_eyes else f"{told}\n")
 
     def _styled(self, problem: Problem, told: str) -> str:
@@ -102,14 +97,9 @@ def few_of_each(problems: Sequence[Problem], most: int) -> Sequence[Problem]:
     return few
 
 
-def width_of(stream: TextIO) -> int | None:
-    """Return the columns of the terminal that a stream leads to; None where it leads elsewhere."""
-    return get_terminal_size().columns if stream.isatty() or "COLUMNS" in os.environ else None
-
-
 def console_on(stream: TextIO, *, color: bool = True) -> "Console":
     r"""Return a console that writes to `stream`: as wide as the terminal, unstyled in a pipe."""
-    width = width_of(stream) or PIPE_WIDTH
+    width = None if stream.isatty() else PIPE_WIDTH
     styled = {} if color else {"color_system": None}
     from rich.console import Console as RichConsole  # noqa: PLC0415
 

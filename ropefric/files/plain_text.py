@@ -11,7 +11,7 @@ import io
 import json
 import math
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
@@ -23,27 +23,6 @@ _LONE = re.compile("[\ud800-\udfff]")
 # A spreadsheet runs what begins so; the apostrophe is its own mark for text.
 _RUN = re.compile("'*+[=+\\-@\t\r]")
 _WRITTEN = re.compile("'++[=+\\-@\t\r]")
-
-LANGUAGES = ("en", "de")
-"""Whose numbers and dates a report can have: 0.135 and 2026-01-20, or 0,135 and 20.01.2026."""
-
-# Neither versions (1.26.4), nor names of files and trials (run_1.5, 2026-01-20.csv), nor clauses (§8.1).
-_DECIMAL = re.compile(r"(?<![\w.,:/§])([-+−±]?\d++)\.(\d++(?:e[-+−]?\d++)?)(?!\w|\.\w)")
-_DATE = re.compile(r"(?<![\w./-])(\d{4})-(\d\d)-(\d\d)(?![\w-]|\.\w)")
-
-
-def localized(text: str, language: str, names: Collection[str] = ()) -> str:
-    """Return text with its decimal numbers and dates as a language writes them; its words and these names stay.
-
-    >>> localized("F_A = 168.98 N, calibrated 2026-01-20", "de"), localized("pull 1.5: 2.5 N", "de", {"pull 1.5"})
-    ('F_A = 168,98 N, calibrated 20.01.2026', 'pull 1.5: 2,5 N')
-    """
-    if language == "en":
-        return text
-    own = "|".join(map(re.escape, sorted(names, key=lambda name: (-len(name), name))))
-    parts = re.compile(rf"(?<![\w.])({own})(?!\w)").split(text) if own else [text]
-    parts[::2] = [_DATE.sub(r"\3.\2.\1", _DECIMAL.sub(r"\1,\2", part)) for part in parts[::2]]
-    return "".join(parts)
 
 
 def visible(text: str) -> str:

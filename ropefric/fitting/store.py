@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropefric import plugins
-from ropefric.errors import DataError, RopefricError
+from ropefric.errors import PATH, DataError, Kind, RopefricError
 from ropefric.files.disk import hash_file, kind_of_file, read_file, refuse_input, refuse_special, write_file
 from ropefric.files.plain_text import json_document
 from ropefric.fitting.fit import fit_law
@@ -68,6 +68,8 @@ def save_fit(fit: FitResult, path: str | os.PathLike[str], *, overwrite: bool = 
     DataError
         RF105 if the file cannot be written, RF150 if another than a fit stands there, RF151 if it is the fit's table.
     """
+    PATH.check(path=path)
+    Kind((FitResult,), "a fit").check(fit=fit)
     target = Path(path)
     table = fit.provenance.get("input", {}).get("path")
     check_target(target, Path(str(table)) if table else None, overwrite=overwrite)
@@ -117,6 +119,7 @@ def load_fit(path: str | os.PathLike[str]) -> FitResult:
     >>> bool(loaded["mu"] == fit["mu"])
     True
     """
+    PATH.check(path=path)
     shown = Path(path).as_posix()
     content = read_file(path, shown=shown, limit=MOST_BYTES)
     try:

@@ -163,12 +163,11 @@ def start_condition_figures(
     folder: Folder | str | os.PathLike[str],
     *,
     under: str = "",
-    language: str = "en",
     executor: Executor | None = None,
 ) -> Callable[[Progress | None], tuple[Path, ...]]:
     """Begin to draw each condition of an extraction, if there is an executor; return what writes the figures."""
     drawings = {stem: partial(draw_condition, *item) for stem, item in conditions_of(extraction).items()}
-    write = start_drawing(drawings, as_folder(folder), executor, under=under, language=language)
+    write = start_drawing(drawings, as_folder(folder), executor, under=under)
 
     def write_all(progress: Progress | None = None) -> tuple[Path, ...]:
         return tuple(path for _, paths in write(progress).values() for path in paths)

@@ -1,8 +1,6 @@
 """A figure together with the numbers it shows and its words for those who cannot see it; its files, and its SVG.
 
-Inside a page text stays text, and names do not collide. Of the 1.2 MB that matplotlib writes for the bench's report two
-fifths are left. What pays: elements that look alike in one group that says so once (0.22 MB), steps between rounded
-points instead of points (0.17 MB).
+Inside a page text stays text, and names do not collide.
 """
 
 import gc
@@ -14,7 +12,6 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
 from functools import partial
-from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -31,7 +28,7 @@ from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
 from ropefric.files.folder import Folder, as_folder
-from ropefric.files.plain_text import csv_cell, csv_text, localized, visible
+from ropefric.files.plain_text import csv_cell, csv_text, visible
 from ropefric.glossary import counted
 from ropefric.plotting.style import (
     GREY,
@@ -133,25 +130,6 @@ def rewrite_words(figure: Figure, rewrite: Callable[[str], str]) -> None:
             for named in getattr(getattr(axis.get_major_formatter(), "func", None), "args", ()):
                 if isinstance(named, dict):
                     named.update({place: rewrite(word) for place, word in named.items()})
-
-
-def localize(figure: Figure, language: str, names: Collection[str] = ()) -> None:
-    """Set the numbers of a figure as a language writes them, in its words and at its axes; names stay."""
-    if language == "en":
-        return
-    local = partial(localized, language=language, names=names)
-    rewrite_words(figure, local)
-    for axes in figure.axes:
-        for part in (axes, *axes.child_axes):
-            for axis in (part.xaxis, part.yaxis):
-                for formatter in (axis.get_major_formatter(), axis.get_minor_formatter()):
-                    formatter.format_ticks = partial(_local_ticks, formatter.format_ticks, local)  # type: ignore[method-assign]
-
-
-def _local_ticks(
-    format_ticks: Callable[[Any], list[str]], local: Callable[[str], str], values: Any
-) -> list[str]:
-    return [local(text) for text in format_ticks(values)]
 
 
 def _texts(artist: Artist) -> Iterator[Text]:
@@ -265,13 +243,10 @@ def _drawn(
     *,
     under: str = "",
     on_page: bool = False,
-    language: str = "en",
-    names: Collection[str] = (),
     formats: Collection[str] = ("png",),
 ) -> tuple[str, dict[str, bytes]]:
     """Draw a figure; return it as SVG for a page, if it stands `on_page`, and its files, those `under` a folder."""
     figure = draw()
-    localize(figure.figure, language, names)
     files = figure_files(figure, f"{under}{stem}", formats=formats)
     return svg_text(figure, stem=stem) if on_page else "", files
 
@@ -303,30 +278,21 @@ def _cells(column: list[object]) -> list[object]:
     ]
 
 
-_NUMBER = re.compile(r"-?(?:\d++(?:\.\d++)?|\.\d++)(?:e-?\d++)?")
-_ZERO_BEFORE_POINT = re.compile(r"(?<!\d)0\.")
-_SPACE_BEHIND = re.compile(r"([;:,])\s++")
-_OPACITY = re.compile(r"(^|;)opacity:")
-# A colour such as #ccc is no reference.
-_REFERENCE = re.compile(r"(?<=url\(#)[^)]+|(?<=^#).+")
+_LONG = re.compile(r"-?\d*\.\d{3,}")
+_REFERENCE = re.compile(r"(?<=url\(#)[^)]+|(?<=^#).+")  # a colour such as #ccc is none
 _REFERRING = ("href", "clip-path", "style")
-_ROUNDED = ("transform", "x", "y", "width", "height", "points")
 _FONT = "'DejaVu Sans'"
 _FALLBACK = "Verdana,sans-serif"  # of nearly the same width
 # Words with a symbol are drawn as plain words, the index between marks that no eye sees and every font has.
 _MARK = "\u2063"
 _INDEX = re.compile(f"(?<![A-Za-zφμρσ])([A-Za-zφμρσ]+){_MARK}([^{_MARK}]+){_MARK}")
-_COMMAND = re.compile(r"([A-Za-z])([^A-Za-z]*)")
-_LONG = 60
-"""Numbers in a path above which a tenth of a point is fine enough."""
 
 
 def svg_text(figure: FigureWithData, *, stem: str = "") -> str:
     """Return a figure as an `<svg>` element for the inside of an HTML page; the same figure gives the same text.
 
     Text is text, so it can be selected and found, and no font is embedded. There is no date and no style sheet that
-    would reach other parts of the page. Paths are rounded to a tenth of a point. Ids differ from those of any other
-    figure with another stem.
+    would reach other parts of the page. Ids differ from those of any other figure with another stem.
     """
     stream, drawn = io.BytesIO(), figure.figure
     engine = drawn.get_layout_engine()
@@ -343,9 +309,7 @@ def svg_text(figure: FigureWithData, *, stem: str = "") -> str:
             drawn.set_layout_engine(engine)
     root = ET.fromstring(stream.getvalue())  # noqa: S314  (what matplotlib has just written)
     for element in list(root.iter()):
-        _shorten(element)
-    values = [value for element in root.iter() for value in element.attrib.values()]
-    _group(root, {name for value in values for name in _REFERENCE.findall(value)})
+        _clean(element)
     _name_in_turn(root, hashlib.sha256((stem or figure.alt).encode()).hexdigest()[:8])
     root.attrib = {
         "role": "img",
@@ -357,25 +321,20 @@ def svg_text(figure: FigureWithData, *, stem: str = "") -> str:
     return ET.tostring(root, encoding="unicode")
 
 
-def _shorten(element: ET.Element) -> None:
-    """Take off namespaces, white space, metadata and the style sheet, and shorten what is left."""
+def _clean(element: ET.Element) -> None:
+    """Take off namespaces, metadata, the style sheet, and digits that no eye sees and processors do not agree in."""
     element.tag = element.tag.rpartition("}")[2]
     element[:] = [child for child in element if not child.tag.endswith(("}metadata", "}style"))]
-    at = element.attrib = {key.rpartition("}")[2]: value for key, value in element.attrib.items()}
-    element.tail = None
-    if not (element.text or "").strip():
-        element.text = None
-    elif element.tag == "text":
+    for key, value in [*element.attrib.items()]:
+        del element.attrib[key]
+        element.attrib[key.rpartition("}")[2]] = _LONG.sub(_rounded, value)
+    if element.tag == "text":
+        element.attrib["style"] = element.get("style", "").replace(_FONT, f"{_FONT},{_FALLBACK}")
         _set_indices(element)
-    if "d" in at:
-        at["d"] = short_path(at["d"])
-    for name in at.keys() & _ROUNDED:
-        at[name] = _NUMBER.sub(lambda found: _short(float(found.group()), 2), at[name])
-    if at.get("transform", "").startswith("rotate(0 "):
-        del at["transform"]
-    if "style" in at:
-        style = _SPACE_BEHIND.sub(r"\1", at["style"]).replace(f"font-family:{_FONT};", "")
-        at["style"] = style.replace(f" {_FONT}", f" {_FONT},{_FALLBACK}")
+
+
+def _rounded(number: re.Match[str]) -> str:
+    return f"{float(number[0]):.2f}".replace("-0.00", "0.00")
 
 
 def _set_indices(text: ET.Element) -> None:
@@ -391,73 +350,15 @@ def _set_indices(text: ET.Element) -> None:
             back = {}
 
 
-def _group(element: ET.Element, used: set[str]) -> None:
-    """Take away ids and groups that say nothing, and say once in a new group what elements in a row have in common."""
-    name = element.attrib.get("id", "")
-    if name not in used:
-        element.attrib.pop("id", None)
-    children: list[ET.Element] = []
-    for child in element:
-        _group(child, used)
-        if child.tag == "g" and not child.attrib:
-            children += child
-        elif child.tag not in {"g", "defs"} or len(child):
-            children.append(child)
-    if name.startswith("matplotlib.axis"):
-        # Lines, ticks and numbers of an axis come in turns; sorted, those that look alike stand together.
-        children.sort(key=lambda child: child.tag)
-    element[:] = []
-    for look, run in groupby(children, key=_look):
-        alike = list(run)
-        if look and len(alike) > 1 and element.tag != "defs":
-            group = ET.SubElement(element, "g", dict(look))
-            for child in alike:
-                child.attrib = {key: value for key, value in child.attrib.items() if (key, value) not in look}
-            group[:] = alike
-        else:
-            element.extend(alike)
-
-
 def _name_in_turn(root: ET.Element, stem: str) -> None:
-    """Give ids by number: matplotlib's are hashes of floats whose last bits the processor decides."""
-    ids = [element.attrib["id"] for element in root.iter() if "id" in element.attrib]
-    names = {name: f"f{stem}_{number}" for number, name in enumerate(ids)}
+    """Name ids in turn, those referred to: matplotlib's are hashes of floats whose last bits the processor decides."""
+    values = [value for element in root.iter() for value in element.attrib.values()]
+    used = {name for value in values for name in _REFERENCE.findall(value)}
+    names: dict[str, str] = {}
     for element in root.iter():
-        if "id" in element.attrib:
-            element.attrib["id"] = names[element.attrib["id"]]
+        name = element.attrib.pop("id", "")
+        if name in used:
+            element.attrib["id"] = names[name] = f"f{stem}_{len(names)}"
+    for element in root.iter():
         for key in element.attrib.keys() & _REFERRING:
             element.attrib[key] = _REFERENCE.sub(lambda found: names[found.group()], element.attrib[key])
-
-
-def _look(element: ET.Element) -> tuple[tuple[str, str], ...]:
-    """Return what a group can say for an element; opacity is not handed down."""
-    if element.tag not in {"path", "use", "text"} or _OPACITY.search(element.get("style", "")):
-        return ()
-    return tuple((key, element.attrib[key]) for key in ("clip-path", "style") if key in element.attrib)
-
-
-def short_path(path: str) -> str:
-    """Return a path with rounded numbers, its straight runs as steps from point to point.
-
-    Steps are taken between rounded points, so that rounding does not add up.
-    """
-    parts = [(command, list(map(float, text.split()))) for command, text in _COMMAND.findall(path)]
-    digits = 1 if sum(len(numbers) + 1 for _, numbers in parts) > _LONG else 2
-    unit = 10**digits
-    drawn, short, at = "", "", [0, 0]
-    for command, numbers in parts:
-        ends = steps = [round(unit * number) for number in numbers]
-        if command == "L":
-            command, steps = "l", [ends[0] - at[0], ends[1] - at[1]]  # noqa: PLW2901  (steps for points)
-        at = ends[-2:] or at
-        text = " ".join(_short(step / unit, digits) for step in steps).replace(" -", "-")
-        again = command == drawn == "l"
-        short += (" " if again and not text.startswith("-") else "" if again else command) + text
-        drawn = command
-    return short
-
-
-def _short(value: float, digits: int) -> str:
-    """Return a number with so many digits after the point, one or more, as short as SVG allows."""
-    text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
-    return "0" if text in {"-0", ""} else _ZERO_BEFORE_POINT.sub(".", text)

@@ -8,12 +8,11 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogFormatter
-from scipy.ndimage import gaussian_filter
 from scipy.special import ndtri
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
-from ropefric.fitting.predict import REGRESSORS, degrees_of_freedom, parameter_draws, predict
+from ropefric.fitting.predict import REGRESSORS, predict
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions, along_one, levels, same_setting
 from ropefric.glossary import counted
@@ -420,93 +419,3 @@ def _scatter(axes: Axes, x: "FloatArray | IntArray", z: FloatArray, law: str) ->
     color = style.law_look(law)["color"]
     axes.plot(x[~far], z[~far], "o", color=color, markersize=3.5, alpha=0.7, label="within ±2")
     axes.plot(x[far], z[far], "X", color=style.DARK_ORANGE, markersize=6, label="beyond ±2")
-
-
-_DRAWS, _DRAWN_POINTS, _CELLS = 4000, 200, 28
-"""Draws from a covariance, how many of the draws are shown as points, and cells of a density along each side."""
-_HELD = (0.95, 0.5)
-"""Shares of the draws that the contours hold."""
-
-
-def shown_draws(fit: FitResult) -> tuple[FloatArray, str]:
-    """Return draws of the parameters that a fit shows, shape (n, p), and in words what they are."""
-    if fit.draws is not None:
-        return fit.draws[:, fit.shown], f"{len(fit.draws)} refits of the bootstrap"
-    draws, dof = parameter_draws(fit, _DRAWS, 0), degrees_of_freedom(fit)
-    of = f"t with {dof:.3g} degrees of freedom" if math.isfinite(dof) else "normal"
-    return draws[:, fit.shown], f"{_DRAWS} draws from the covariance ({of}, seed 0)"
-
-
-def draw_corner(fit: FitResult) -> FigureWithData:
-    """Return the parameters of a fit against each other as draws: points, and contours that hold half and 95 %.
-
-    Where the intervals are from a bootstrap they are its refits, else draws from the covariance with a fixed seed. On
-    the diagonal stands the histogram of each parameter; the axes have their numbers at the value and two standard
-    errors beside it.
-    """
-    place = np.flatnonzero(fit.shown)
-    names = [fit.parameters[i].name for i in place]
-    theta, std = fit.theta[place], np.sqrt(np.diag(fit.covariance)[place])
-    correlation = fit.covariance[np.ix_(place, place)] / np.outer(std, std)
-    draws, what = shown_draws(fit)
-    z = (draws - theta) / std
-    # In standard errors; so far as all but a few draws go.
-    ends = np.clip(np.quantile(z, [0.001, 0.999], axis=0).T, [-5.0, 2.3], [-2.3, 5.0])
-    n = place.size
-    side_inch = 1.6 + 1.45 * n
-    with drawing(side_inch, side_inch, nrows=n, ncols=n, squeeze=False) as (figure, panels):
-        for (row, column), axes in np.ndenumerate(panels):
-            if column > row:
-                axes.set_visible(False)
-                continue
-            axes.grid(visible=False)
-            axes.set_xlim(*ends[column])
-            for axis, i, outer in ((axes.xaxis, column, row == n - 1), (axes.yaxis, row, column == 0)):
-                numbers = [f"{theta[i] + side * std[i]:.3g}" for side in (-2.0, 0.0, 2.0)]
-                axis.set_ticks([-2.0, 0.0, 2.0], numbers if outer else [""] * 3, fontsize=8)
-            if row == column:
-                axes.set_yticks([])
-                counts, edges = np.histogram(z[:, row], _CELLS, tuple(ends[row]))
-                look = style.law_look(fit.law)["color"]
-                axes.stairs(counts, edges, fill=True, facecolor=(look, 0.3), edgecolor=look)
-                axes.set_title(names[row], fontsize=9)
-            else:
-                axes.set_ylim(*ends[row])
-                _draw_pair(axes, z[:, column], z[:, row], fit.law)
-                axes.set_title(f"{correlation[row, column]:+.2f}", fontsize=7, loc="right", y=0.86, pad=0.0)
-            if row == n - 1:
-                axes.set_xlabel(_with_unit(fit, names[column]), fontsize=9)
-            if column == 0 and row:
-                axes.set_ylabel(_with_unit(fit, names[row]), fontsize=9)
-        figure.suptitle(what, fontsize=9)
-    rows = [
-        (names[i], names[j], float(theta[i]), float(std[i]), float(r))
-        for (i, j), r in np.ndenumerate(correlation)
-    ]
-    closest = max((row for row in rows if row[0] != row[1]), key=lambda row: abs(row[4]), default=None)
-    alt = f"Parameters of the law {fit.law} against each other, {what}: {', '.join(names)}."
-    if closest is not None:
-        alt += f" {closest[0]} and {closest[1]} go together most, with a correlation of {closest[4]:.3g}."
-    header = ("parameter", "other", "value", "std", "correlation")
-    drawn = DataTable(dict(zip(names, draws.T, strict=True)), "draws")
-    return FigureWithData(figure, (DataTable.of_rows(header, rows), drawn), alt)
-
-
-def _draw_pair(axes: Axes, x: FloatArray, y: FloatArray, law: str) -> None:
-    """Draw some of the draws of two parameters as points, and how densely all of them lie as contours."""
-    ink = style.law_look(law)["color"]
-    ends = (*axes.get_xlim(), *axes.get_ylim())
-    counts, across, up = np.histogram2d(x, y, _CELLS, (ends[:2], ends[2:]))
-    density = gaussian_filter(counts, 2.0, mode="constant")
-    ranked = np.sort(density.ravel())[::-1]
-    held = np.cumsum(ranked) / ranked.sum()
-    levels = [float(ranked[np.searchsorted(held, share)]) for share in _HELD]
-    few = slice(None, None, max(1, x.size // _DRAWN_POINTS))
-    axes.plot(x[few], y[few], ".", color=style.GREY, markersize=1.6, alpha=0.6)
-    middle = [0.5 * (edges[1:] + edges[:-1]) for edges in (across, up)]
-    axes.contour(*middle, density.T, levels=levels, colors=[ink], linewidths=(0.8, 1.4))
-
-
-def _with_unit(fit: FitResult, name: str) -> str:
-    unit = next(item.unit for item in fit.friction_law.parameters if item.name == name)
-    return f"{name} [{unit}]"

@@ -40,7 +40,7 @@ _CHAPTERS = {
     "next": "What to measure next",
     "provenance": "Settings and provenance",
 }
-_OF_LAW = ("ladder", "bands", "residuals", "corner")
+_OF_LAW = ("ladder", "bands", "residuals")
 _NONE = (math.nan, math.nan, 0)
 _WHERE = (
     "Chosen among the wheels that were used, and wraps and end tensions between the smallest and the largest that "
@@ -191,7 +191,7 @@ def _report(subject: Subject, pictures: Pictures) -> Report:
     chapters = (Chapter(key, _CHAPTERS[key], tuple(own)) for key, own in blocks.items())
     lead = f"{subject.tally}; the friction law they ask for, how good it is, and the lift force it gives."
     shown = tuple(chapter for chapter in chapters if chapter.blocks)
-    return Report(subject.title, lead, shown, subject.language, subject.names)
+    return Report(subject.title, lead, shown)
 
 
 def _uncertainty(evidence: Evidence, pictures: Pictures) -> Iterator[Block]:

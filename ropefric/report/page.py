@@ -15,13 +15,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, pass_context
-from jinja2.runtime import Context
+from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from ropefric import __version__
 from ropefric.errors import RopefricError
-from ropefric.files.plain_text import localized, visible
+from ropefric.files.plain_text import visible
 from ropefric.friction.law import FrictionLaw
 from ropefric.glossary import counted
 from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
@@ -84,16 +83,11 @@ class Chapter(NamedTuple):
 
 
 class Report(NamedTuple):
-    """A whole report; its chapter `result` is what a reader may skip to.
-
-    `language` is that of its numbers and dates; `names` are kept as they are.
-    """
+    """A whole report; its chapter `result` is what a reader may skip to."""
 
     title: str
     lead: str
     chapters: tuple[Chapter, ...]
-    language: str = "en"
-    names: frozenset[str] = frozenset()
 
 
 def as_html(report: Report) -> str:
@@ -122,12 +116,9 @@ def _kind(block: Block) -> str:
     return type(block[0] if isinstance(block, list) else block).__name__.lower()
 
 
-@pass_context
-def _symbols(context: Context, text: str) -> Markup:
-    """Return text with the index of each symbol set low and numbers in the report's language, all else escaped."""
-    report = context["report"]
-    shown = escape(localized(text, report.language, report.names))
-    return Markup(_INDEXED.sub(r"\1<sub>\2</sub>", str(shown)))  # noqa: S704  (escaped just now)
+def _symbols(text: str) -> Markup:
+    """Return text with the index of each symbol set low, all else escaped."""
+    return Markup(_INDEXED.sub(r"\1<sub>\2</sub>", str(escape(text))))  # noqa: S704  (escaped just now)
 
 
 _GIVEN = {
@@ -137,15 +128,12 @@ _GIVEN = {
     "number": "Report",
     "date": "Date",
 }
-SHORT_NAMES = (16, 20)
-"""Letters that figures have room for in the name of a trial."""
 _LIMITS = ("linearity", "hysteresis", "repeatability", "transmitter")
 
 
 class Wish(NamedTuple):
-    """How a report is wanted: the language of its numbers ("" as [report] says), as PDF too, figures as which files."""
+    """How a report is wanted: as PDF too, with figures, and these as which files."""
 
-    language: str = ""
     pdf: bool = False
     figures: bool = True
     formats: tuple[str, ...] = ()
@@ -169,23 +157,6 @@ class Subject(NamedTuple):
     measured: Mapping[str, str]
     run: CampaignRun | None = None
     wish: Wish = USUAL
-
-    @property
-    def language(self) -> str:
-        """Return whose numbers and dates the report has."""
-        return self.wish.language or self.words.language
-
-    @property
-    def names(self) -> frozenset[str]:
-        """Return what people have named with numbers that a language would change, whole and as figures cut it."""
-        words, table = self.words, self.answer.table
-        given = [self.title, words.lab, words.customer, words.operator, words.number, *table.trial]
-        if self.run is not None:
-            wheels, cells = self.run.campaign.wheels, self.run.campaign.cells
-            given += [*wheels, *cells, *(wheel.material for wheel in wheels.values())]
-            given += [name for one in self.run.extraction.trials for name in (one.trial, one.file)]
-        cut = {name[:length] for name in given for length in (None, *SHORT_NAMES)}
-        return frozenset(name for name in cut if localized(name, self.language) != name)
 
 
 def front_blocks(

@@ -1,7 +1,7 @@
 """A section for each kind of result: a fit, a comparison, a diagnosis, a prediction; a scene's answer and its plan."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import accumulate, product
 from typing import TYPE_CHECKING, Any
 
@@ -463,46 +463,51 @@ def draws_sections(drawn: "Draws", words: Mapping[str, str]) -> list[Section]:
     return [Section(title, lines, headings, rows, notes=[*drawn.doubts, *drawn.unanswered])]
 
 
-def sweep_sections(sweep: "Sweep", width: int | None = None) -> list[Section]:
+def sweep_sections(sweep: "Sweep") -> list[Section]:
     """Return what a sweep found: its points where they are few, else the range of every number.
 
     Only what changes from point to point has a column, as many as there is room for; the CSV has all.
     """
-    lines = [_simulated(sweep)]
-    lines += [f"{name} left out at {count} points" for name, count in sweep.left_out.items()]
-    if sweep.failed:
-        lines.append(f"{sweep.failed} points have no answer; the first says: {sweep.first_failure}")
     total = math.prod(sweep.shape)
     title = f"{' × '.join(axis.key for axis in sweep.axes)}: {total} points"
     # Numbers of the whole machine before those of its parts.
-    ranges = sorted(sweep.ranges.items(), key=lambda item: item[0].count("."))
+    names = sorted(sweep.ranges, key=lambda name: name.count("."))
     # To the last bits, which differ from machine to machine.
-    still = [name for name, ends in ranges if math.isclose(*ends, rel_tol=1e-9)]
-    told = {name: _in_units(_label(name)) for name, _ in ranges}
-    if still:
-        same = [f"{told[name][0]} {told[name][1] * sweep.ranges[name][0]:.5g}" for name in still[:_NAMED]]
-        more = f", and {len(still) - _NAMED} more" if len(still) > _NAMED else ""
-        lines.append(f"the same at every point: {', '.join(same)}{more}")
-    moving = [(name, *told[name]) for name, _ in ranges if name not in still]
-    rows: list[tuple[str, ...]]
+    still = [name for name in names if math.isclose(*sweep.ranges[name], rel_tol=1e-9)]
+    moving = [name for name in names if name not in still]
+    lines = [*_sweep_lines(sweep, still)]
     if total > _SHOWN_POINTS:
-        rows = [
-            (label, *(f"{factor * end:.5g}" for end in sweep.ranges[name])) for name, label, factor in moving
-        ]
-        headings: Sequence[str] = ("quantity", "lowest", "highest")
-        return [Section(title, lines, headings, rows, notes=sweep.warnings)]
-    points = product(*((axis.values / axis.factor).tolist() for axis in sweep.axes))
+        ends = [_in_its_unit(name, sweep.ranges[name]) for name in moving]
+        rows = [(label, *cells) for label, cells in ends]
+        return [Section(title, lines, ("quantity", "lowest", "highest"), rows, notes=sweep.warnings)]
+    points = zip(*product(*((axis.values / axis.factor).tolist() for axis in sweep.axes)), strict=True)
     columns = [
-        (axis.label, [f"{value:.5g}" for value in values])
-        for axis, values in zip(sweep.axes, zip(*points, strict=True), strict=True)
+        *((axis.label, [f"{x:.5g}" for x in xs]) for axis, xs in zip(sweep.axes, points, strict=True)),
+        *(_in_its_unit(name, sweep.columns[name].tolist()) for name in moving),
     ]
-    for name, label, factor in moving:
-        columns.append((label, [f"{factor * value:.5g}" for value in sweep.columns[name].tolist()]))
-    room = (width or _ROOM) - 2
     widths = [2 + max(map(len, (*label.split(), *cells))) for label, cells in columns]
-    n = max(sum(reach <= room + 2 for reach in accumulate(widths)), len(sweep.axes) + 1)
+    n = max(sum(reach <= _ROOM for reach in accumulate(widths)), len(sweep.axes) + 1)
     if n < len(columns):
         more = counted(len(columns) - n, "column")
         lines.append(f"{more} more with what changes: --out FOLDER writes all to sweep.csv")
-    rows = [*zip(*(cells for _, cells in columns[:n]), strict=True)]
-    return [Section(title, lines, [label for label, _ in columns[:n]], rows, left=0, notes=sweep.warnings)]
+    labels, cells = zip(*columns[:n], strict=True)
+    return [Section(title, lines, labels, [*zip(*cells, strict=True)], left=0, notes=sweep.warnings)]
+
+
+def _sweep_lines(sweep: "Sweep", still: Sequence[str]) -> Iterator[str]:
+    """Say what a sweep took in, where it has no answer, and which numbers are the same at every point."""
+    yield _simulated(sweep)
+    yield from (f"{name} left out at {count} points" for name, count in sweep.left_out.items())
+    if sweep.failed:
+        yield f"{sweep.failed} points have no answer; the first says: {sweep.first_failure}"
+    if still:
+        shown = [_in_its_unit(name, sweep.ranges[name]) for name in still[:_NAMED]]
+        same = ", ".join(f"{label} {cells[0]}" for label, cells in shown)
+        more = f", and {len(still) - _NAMED} more" if len(still) > _NAMED else ""
+        yield f"the same at every point: {same}{more}"
+
+
+def _in_its_unit(name: str, values: Iterable[float]) -> tuple[str, list[str]]:
+    """Return the label of a number and its values as cells, in the unit people read it in."""
+    label, factor = _in_units(_label(name))
+    return label, [f"{factor * value:.5g}" for value in values]

@@ -37,9 +37,9 @@ def draw_pictures(
     drawings = [*_of_front(answer, extraction, evidence)]
     drawings += [] if extraction is None else _of_trials(extraction)
     drawings += [*_of_laws(answer), *_of_design(evidence)]
-    how = {"language": subject.language, "names": subject.names, "formats": subject.wish.formats}
     draws = {stem: draw for _, stem, _, draw in drawings}
-    made = start_drawing(draws, folder, executor, under=f"{FOLDER}/", on_page=True, **how)(progress)
+    how = {"under": f"{FOLDER}/", "on_page": True, "formats": subject.wish.formats}
+    made = start_drawing(draws, folder, executor, **how)(progress)
     found: dict[str, list[Picture]] = {}
     for chapter, stem, caption, _ in drawings:
         svg, own = made[stem]
@@ -150,14 +150,6 @@ def _of_laws(answer: CampaignAnswer) -> Drawings:
         "and they follow the line of the normal quantiles."
     )
     yield "residuals", "residuals", caption, partial(of_laws.draw_residuals, fit)
-    if fit.shown.sum() > 1:
-        drawn = of_laws.shown_draws(fit)[1]
-        caption = (
-            f"The parameters against each other: {drawn}, some as points; the contours hold half "
-            "and 95 % of them, the number is the correlation. A slim cloud that leans is a pair that the data see only "
-            "together."
-        )
-        yield "corner", "corner", caption, partial(of_laws.draw_corner, fit)
     if answer.comparison.conclusive:
         caption = "All laws by AICc, with their weight and their error at conditions they have not seen."
         yield "ladder", "ladder", caption, partial(draw_ladder, answer.comparison)

@@ -11,7 +11,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ropefric.errors import DataError, InputError, Problem, RopefricError, data_error, raise_problems
+from ropefric.errors import (
+    BY_NAME,
+    PATH,
+    DataError,
+    InputError,
+    Problem,
+    RopefricError,
+    data_error,
+    raise_problems,
+)
 from ropefric.files.disk import kind_of_file
 from ropefric.files.toml import TomlDocument, is_campaign, read_toml
 from ropefric.files.toml_model import got, validate_document
@@ -170,6 +179,8 @@ def load_scene(path: str | os.PathLike[str], changes: Mapping[str, Any] | None =
     >>> scene.kind.name, scene.accuracy, scene.effects, round(float(longer.problem.wrap_angle_rad[0]), 3)
     ('hoist', 0.01, 'auto', 12.566)
     """
+    PATH.check(path=path)
+    BY_NAME.check_given(changes=changes)
     document = read_toml(path, "scene file")
     if changes:
         data = deepcopy(dict(document.data))

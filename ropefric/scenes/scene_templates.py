@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from ropefric.errors import UnknownNameError
+from ropefric.errors import PATH, UnknownNameError
 from ropefric.files.disk import write_files
 from ropefric.registry import did_you_mean
 
@@ -58,6 +58,7 @@ def write_scenes(
     ...     [path.name for path in write_scenes(folder, ["hoist"])]
     ['hoist.toml', 'prth-coupled.json']
     """
+    PATH.check(folder=folder)
     texts = {f"{name}.toml": scene_text(name) for name in dict.fromkeys(names or bundled_scenes())}
     contents = {name: text.encode("utf-8") for name, text in texts.items()}
     for fit in {fit for text in texts.values() for fit in _FIT.findall(text)}:

@@ -9,7 +9,6 @@ from ropefric.errors import InputError, UnknownNameError
 from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 
-PEAKS = ("smoothed", "two-line")
 ENDINGS = ("sliding", "separation")
 SIDES = ("slack", "tight")
 RESTS = ("unknown", "zero", "pretension")
@@ -104,8 +103,6 @@ class Breakaway(Shown):
     peak_std_N : float
         Standard uncertainty [N] of picking: noise left after smoothing, the window's bias, what a gap in the
         samples next to the peak may hide, and a zero that drifts or is not quite known.
-    two_line_N : float
-        F_A from lines fitted to both sides of the peak, free of the window's bias [N].
     bias_N : float
         First-order bias of `peak_N` by smoothing [N]; negative: `peak_N` reads low.
     kinetic_N, kinetic_std_N : float
@@ -160,7 +157,6 @@ class Breakaway(Shown):
     peak_raw_N: float = nan
     peak_time_s: float = nan
     peak_std_N: float = nan
-    two_line_N: float = nan
     bias_N: float = nan
     kinetic_N: float = nan
     kinetic_std_N: float = nan
@@ -194,7 +190,6 @@ class PickSettings:
     """How F_A is to be picked from a recording."""
 
     window_s: float | None = None
-    peak: str = "smoothed"
     start_s: float | None = None
     stop_s: float | None = None
     min_step_N: float | None = None
@@ -204,7 +199,7 @@ class PickSettings:
     pick_s: float | None = None
 
     def __post_init__(self) -> None:
-        for key, known in (("peak", PEAKS), ("ending", ENDINGS), ("side", SIDES), ("rest", RESTS)):
+        for key, known in (("ending", ENDINGS), ("side", SIDES), ("rest", RESTS)):
             word = getattr(self, key)
             if word not in known:
                 raise UnknownNameError(f"unknown {key} {word!r}", key=key, fix=did_you_mean(str(word), known))

@@ -1,4 +1,4 @@
-"""The height of one static peak, measured on the samples around it: raw, smoothed, and as the corner of two lines.
+"""The height of one static peak, measured on the samples around it: raw and smoothed.
 
 The smoothing window is the one whose bias on a ramp, against the noise it leaves, is smallest.
 """
@@ -65,7 +65,7 @@ def peak_result(
     sliding: Sliding | None,
     phases: tuple[Phase, ...],
 ) -> Breakaway:
-    """Return the result `ok` for the peak at a block, in the estimate asked for, with what was met on the way."""
+    """Return the result `ok` for the peak at a block, with what was met on the way."""
     blocks, n = prepared.blocks, prepared.force_N.size
     where = Neighbourhood(
         loading=blocks.first_sample(climb),
@@ -86,9 +86,6 @@ def peak_result(
     block_s = float(blocks.time_s[-1] - blocks.time_s[0]) / max(1, blocks.time_s.size - 1)
     notes = [*prepared.notes]
     std_N = math.hypot(peak.peak_std_N, hidden_by_steps_N(blocks.resolution_N, prepared.noise_N))
-    two_line = settings.peak == "two-line" and bool(np.isfinite(peak.two_line_N))
-    if not two_line and settings.peak == "two-line":
-        notes.append("too few samples for the two-line fit; the smoothed peak is given")
     gap_s, _ = gap_beside(prepared.time_s, peak)
     if gap_s:
         notes.append(
@@ -105,14 +102,12 @@ def peak_result(
         detail=""
         if sliding
         else "the force falls away after the peak: no sliding phase, kinetic force unknown",
-        peak_N=peak.two_line_N if two_line else peak.peak_N,
         peak_std_N=std_N,
-        bias_N=0.0 if two_line else peak.bias_N,
         kinetic_N=kinetic_N,
         kinetic_std_N=kinetic_std_N,
         dwell_s=next((phase.end_s - phase.start_s for phase in phases if phase.name == "idle"), nan),
         kinetic_s=(sliding.stop - sliding.first) * block_s if sliding else nan,
-        drop_N=(peak.two_line_N if two_line else peak.peak_N) - trough_N,
+        drop_N=peak.peak_N - trough_N,
         trough_N=trough_N,
         phases=phases,
         notes=tuple(notes),
@@ -147,7 +142,7 @@ def measure_peak(
     window_s: float | None = None,
     n_rest: int = 0,
 ) -> Breakaway:
-    """Return the height of a static peak three ways: raw, smoothed, and as the corner of two lines."""
+    """Return the height of a static peak, raw and smoothed."""
     around = time_s[max(where.loading, where.stop - STEPS_LOOKED_AT) : where.stop + 1]
     around = time_s if around.size < 2 else around
     step_s = float(np.median(np.diff(around))) if around.size > 1 else 1.0
@@ -195,7 +190,6 @@ def measure_peak(
         peak_raw_N=_raw_top_N(force_N, where, index, n_window),
         peak_time_s=float(time_s[index]),
         peak_std_N=std_N,
-        two_line_N=_corner_N(time_s, force_N, where, top, noise_std_N),
         bias_N=window_bias_N(rate_N_s, used_s, step_s),
         window_s=used_s if n_window > 1 else 0.0,
         noise_std_N=noise_std_N,
@@ -310,41 +304,6 @@ def line_through(time_s: FloatArray, force_N: FloatArray) -> tuple[float, float,
     dt = time_s - t0
     squares = float(dt @ dt)
     return t0, f0, float(dt @ (force_N - f0)) / squares if squares > 0 else 0.0
-
-
-def _corner_N(
-    time_s: FloatArray, force_N: FloatArray, where: Neighbourhood, top: int, noise_std_N: float
-) -> float:
-    """Return the force where the line of the loading meets the line of the drop; NaN where either is too short.
-
-    The loading line uses the last quarter of the climb (at least four samples) up to where the samples leave it;
-    the drop line the samples on the way down. Where the drop happens between two samples, the corner lies half
-    a step after the last one on the loading line.
-    """
-    fallen_N = float(force_N[where.fallen])
-    height_N = float(force_N[top]) - fallen_N
-    if height_N <= 4 * noise_std_N:
-        return nan
-    # The last sample that is still clearly up: beyond it the force only falls.
-    up = np.flatnonzero(force_N[where.first : where.fallen + 1] > fallen_N + 0.75 * height_N)
-    if up.size == 0:  # the drop is the last digit of the numbers
-        return nan
-    last = where.first + int(up[-1])
-    first = min(top - 3, top - (top - where.loading) // 4)
-    if first < where.loading:
-        return nan
-    t0, f0, slope = line_through(time_s[first : top + 1], force_N[first : top + 1])
-    going_down = force_N[last : where.fallen + 1]
-    on_the_way = (going_down > fallen_N + 0.1 * height_N) & (going_down < fallen_N + 0.9 * height_N)
-    steps = last + np.flatnonzero(on_the_way)
-    if steps.size >= 2:
-        t1, f1, fall = line_through(time_s[steps], force_N[steps])
-        if fall < min(0.0, slope) - 1e-12 * abs(slope):
-            corner_s = (f1 - f0 + slope * t0 - fall * t1) / (slope - fall)
-            if time_s[top] - 2 * (time_s[top] - time_s[first]) <= corner_s <= time_s[where.fallen]:
-                return f0 + slope * (corner_s - t0)
-    after = min(last + 1, time_s.size - 1)
-    return f0 + slope * (0.5 * float(time_s[last] + time_s[after]) - t0)
 
 
 def window_bias_N(loading_rate_N_s: float, window_s: float, step_s: float) -> float:

@@ -253,7 +253,6 @@ def _taken_off(result: Breakaway, zero_N: float, said: str) -> Breakaway:
         result,
         peak_N=result.peak_N - zero_N,
         peak_raw_N=result.peak_raw_N - zero_N,
-        two_line_N=result.two_line_N - zero_N,
         kinetic_N=result.kinetic_N - zero_N,
         notes=(*result.notes, said),
     )

@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ropefric.errors import DataError, Problem, UnknownNameError, raise_problems
+from ropefric.errors import PATH, DataError, Problem, UnknownNameError, raise_problems
 from ropefric.files.disk import kind_of_file, write_files
 from ropefric.files.toml import TomlDocument, is_scene, read_toml
 from ropefric.files.toml_model import validate_document
@@ -84,6 +84,7 @@ def load_campaign(
     >>> campaign.rope.radius_m, campaign.trials[0].trial, campaign.trials[0].end_tension_N
     (0.0049, 'pull_01', 80.0)
     """
+    PATH.check(path=path)
     if missing_recordings not in MISSING_WAYS:
         fix = did_you_mean(missing_recordings, MISSING_WAYS)
         raise UnknownNameError(f"unknown word {missing_recordings!r}", key="missing_recordings", fix=fix)

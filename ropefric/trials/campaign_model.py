@@ -4,7 +4,7 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -16,13 +16,12 @@ from pydantic_core import to_jsonable_python
 
 from ropefric.errors import InputError, Problem
 from ropefric.files import toml_model as read
-from ropefric.files.plain_text import LANGUAGES
 from ropefric.files.text_table import ORDERS
 from ropefric.files.toml_model import StrictTable, Table, got, reject
 from ropefric.plugins import provenance
 from ropefric.quantities import si_unit_of
 from ropefric.shown import Shown
-from ropefric.traces.breakaway import ENDINGS, PEAKS, RESTS, SIDES
+from ropefric.traces.breakaway import ENDINGS, RESTS, SIDES
 from ropefric.traces.calibration import ASSUMED_LIMITS, Adc, ForceCell
 from ropefric.traces.readers import READERS
 from ropefric.traces.readers.profile import Channel, ImportProfile
@@ -150,7 +149,8 @@ class Smoothing(StrictTable):
     """`[smoothing]`: the window [s], 0 for none, None for one that is found for each recording."""
 
     window_s: Annotated[float | None, PlainValidator(_window_s)] = Field(default=None, alias="window")
-    peak: Annotated[str, PlainValidator(read.choice(lambda: PEAKS))] = "smoothed"
+    # The one way that is left; templates wrote it out.
+    peak: Annotated[str, PlainValidator(read.choice(lambda: ("smoothed",)))] = "smoothed"
 
     @property
     def mode(self) -> str:
@@ -169,6 +169,9 @@ class DesignWheel(StrictTable):
 class ReportWords(StrictTable):
     """`[report]`: what a report's first page says beside the results; what is not given is left out."""
 
+    gone: ClassVar[Mapping[str, str]] = {
+        "language": "leave it out: reports have decimal points; decimal commas in lists and recordings are still read"
+    }
     lab: Text = ""
     customer: Text = ""
     operator: Text = ""
@@ -176,7 +179,6 @@ class ReportWords(StrictTable):
     date: Annotated[str, PlainValidator(read.date_text)] = ""
     question: Text = ""
     assumptions: tuple[Text, ...] = ()
-    language: Annotated[str, PlainValidator(read.choice(lambda: LANGUAGES))] = "en"
 
 
 def _channel(value: object) -> Channel:

@@ -119,7 +119,6 @@ COLUMNS: tuple[TrialColumn, ...] = (
     *_of_trial("peak_N", "peak_std_N", "cell_std_N"),
     _also("peak_raw_N", _raw_N),
     _picked("peak_time_s"),
-    _picked("two_line_N"),
     _picked("bias_N"),
     _picked("window_s", on_page=OnPage(3, "smoothed over", "ms", 3)),
     _picked("noise_std_N", on_page=OnPage(2, "noise of a sample", "N", 3)),

@@ -5,7 +5,6 @@ import pytest
 
 from ropefric.accuracy.measure import error_table
 from ropefric.accuracy.studies import STUDIES
-from ropefric.accuracy.study import Measured
 
 
 @pytest.mark.slow
@@ -84,22 +83,6 @@ def test_the_chosen_window_is_about_as_good_as_the_best_fixed_one(peaks):
         chosen = found["chosen window", ""]
         assert chosen.error < 1.15 * best
         assert abs(chosen.bias) < 0.5 * chosen.noise
-
-
-def test_two_lines_err_to_one_side_and_the_study_says_so(peaks):
-    """Forty recordings tell a bias of half their scatter from chance: their mean scatters by a sixth of it."""
-    high = {case: found["two lines", ""] for case, found in peaks.items()}
-    assert all(outcome.bias > 0.5 * outcome.noise for outcome in high.values())
-    timed = [
-        Measured(case=case, method=method, setting=setting, error=o.error, bias=o.bias, noise=o.noise, seconds=1.0,
-                 lower_s=1.0, upper_s=1.0, repeats=1, loops=1, evaluations=1)
-        for case, found in peaks.items() for (method, setting), o in found.items()
-    ]  # fmt: skip
-    last = STUDIES["peak"].findings(tuple(timed))[-1]
-    assert (
-        last
-        == "Two lines do not average the noise away, they err to one side: +0.25 % (bench), +0.24 % (noisy)."
-    )
 
 
 def test_the_librarys_fit_ends_at_the_last_digits():

@@ -118,8 +118,3 @@ def test_a_wrong_number_of_jobs_is_usage(call, bench, tmp_path, jobs):
     assert "--jobs" in done.err
 
 
-@pytest.mark.parametrize("columns", ["60", "80"])
-def test_the_summary_fits_a_narrow_terminal(call, hopeless, tmp_path, monkeypatch, columns):
-    monkeypatch.setenv("COLUMNS", columns)
-    out = call("extract", hopeless, "--out", tmp_path / "out", "--no-figures").out
-    assert max(len(line) for line in out.splitlines()) <= int(columns)

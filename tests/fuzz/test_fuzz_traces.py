@@ -130,7 +130,6 @@ def check_picking(*, protocol, window, peak, ending, min_step, part, **recording
         for name in (
             "kinetic_N",
             "kinetic_std_N",
-            "two_line_N",
             "bias_N",
             "peak_std_N",
             "noise_std_N",

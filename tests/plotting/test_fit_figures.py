@@ -9,14 +9,12 @@ from scipy.stats import norm
 
 from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.intervals import with_intervals
-from ropefric.fitting.predict import degrees_of_freedom, predict
+from ropefric.fitting.predict import predict
 from ropefric.friction.condition import Conditions
 from ropefric.plotting.fits import (
     FACETS,
     condition_points,
     draw_capstan,
-    draw_corner,
     draw_fit_band,
     draw_mu_facets,
     draw_residuals,
@@ -231,47 +229,3 @@ def test_no_load_is_lost_from_a_figure_over_the_wrap(load_lbf):
     )  # fmt: skip
     made = draw_fit_band(fit_law(table, "constant"))
     assert "6 trials shown of 6 fitted" in made.figure.axes[0].get_title()
-
-
-def test_a_corner_shows_draws_from_the_covariance(fitted, assert_repeats, stored):
-    fit = fitted["wrap-power"]
-    made = assert_repeats(lambda: draw_corner(stored(fit)))
-    shown = [fit.parameters[i].name for i in np.flatnonzero(fit.shown)]
-    assert made.tables[1].header == tuple(shown)
-    drawn = np.array(made.tables[1].rows)
-    assert len(drawn) == 4000
-    assert "4000 draws from the covariance (t with" in made.alt
-    # Where the law has no bound in the way, their spread and correlation are those of the fit.
-    std = np.sqrt(np.diag(fit.covariance)[fit.shown])
-    dof = degrees_of_freedom(fit)
-    tails = math.sqrt(dof / (dof - 2.0))
-    for i, name in enumerate(shown):
-        bounds = fit.friction_law.parameters[fit.friction_law.parameter_names.index(name)]
-        if (
-            abs(fit[name].value - bounds.lower) > 5 * std[i]
-            and abs(bounds.upper - fit[name].value) > 5 * std[i]
-        ):
-            assert drawn[:, i].mean() == pytest.approx(fit[name].value, abs=5 * std[i] / math.sqrt(4000))
-            assert drawn[:, i].std() == pytest.approx(tails * std[i], rel=0.1)
-    n = len(shown)
-    histogram, cloud = made.figure.axes[0], made.figure.axes[n]
-    (bars,) = histogram.patches
-    edges, heights = bars.get_data().edges, bars.get_data().values
-    z = (drawn[:, 0] - fit[shown[0]].value) / std[0]
-    assert heights.sum() == ((z >= edges[0]) & (z <= edges[-1])).sum() > 3950
-    assert len(cloud.lines[0].get_xdata()) == 200
-    assert len(cloud.collections) == 1  # the contours
-
-
-def test_a_corner_shows_the_refits_of_a_bootstrap(fitted, stored):
-    fit = with_intervals(fitted["wrap-power"], "bootstrap", n=300)
-    made = draw_corner(fit)
-    assert f"{len(fit.draws)} refits of the bootstrap" in made.alt
-    assert 290 < len(fit.draws) <= 300
-    assert np.array_equal(np.array(made.tables[1].rows), fit.draws[:, fit.shown])
-    low, high = np.quantile(fit.draws, [0.025, 0.975], axis=0)
-    name = made.tables[1].header[0]
-    place = fit.friction_law.parameter_names.index(name)
-    assert fit[name].ci95 == pytest.approx((low[place], high[place]), abs=1e-4 * fit[name].std)
-    assert "draws" not in fit.to_dict()  # a file does not keep them
-    assert "draws from the covariance" in draw_corner(stored(fit)).alt

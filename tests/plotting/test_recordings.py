@@ -1,6 +1,5 @@
 """Small multiples and single recordings: nothing is lost of a recording, a page stays small, laws keep their colour."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +10,7 @@ from ropefric.fitting.compare import compare_laws
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.plotting.campaign import MOST, _in_cell, draw_recording, draw_recordings, pages_of_recordings
 from ropefric.plotting.design import draw_ladder
-from ropefric.plotting.figure import figure_files, localize, svg_text
+from ropefric.plotting.figure import figure_files, svg_text
 from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets
 from ropefric.plotting.style import law_look
 from ropefric.trials.result import Outline
@@ -134,15 +133,3 @@ def test_pictures_in_every_format_are_the_same_each_time(trial):
     assert first["f.svg"].startswith(b"<?xml")
     assert first["f.pdf"].startswith(b"%PDF")
     assert b"Date" not in first["f.svg"] + first["f.pdf"]
-
-
-def test_axes_and_words_are_german_where_that_is_asked_for(comparison):
-    drawn = draw_fit_band(comparison.ranking[0].fit, narrow=True)
-    before = {*numbers(drawn.figure.axes[0].xaxis)}
-    localize(drawn.figure, "de")
-    axes = drawn.figure.axes[0]
-    axes.set_ylim(100.5, 101.5)
-    shown = numbers(axes.xaxis) | numbers(axes.yaxis) | {text.get_text() for text in axes.texts}
-    assert any("," in text for text in shown)
-    assert not any(re.search(r"\d\.\d", text) for text in shown)
-    assert {text.replace(",", ".") for text in numbers(axes.xaxis)} == before

@@ -1,20 +1,16 @@
-"""Figures inside a page: text that can be read, ids that do not collide, the same bytes, no weight."""
+"""Figures inside a page: text that can be read, ids that do not collide, the same bytes."""
 
-import dataclasses
 import math
 import re
 from itertools import combinations
 from xml.etree import ElementTree as ET
 
 import matplotlib as mpl
-import numpy as np
 import pytest
 
 from ropefric.plotting.campaign import draw_condition
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure, short_path, svg_text
+from ropefric.plotting.figure import DataTable, FigureWithData, new_figure, svg_text
 from ropefric.plotting.style import LINE_STYLES, MARKERS, house_style, line_look
-from ropefric.traces.trace import ForceTrace
-from ropefric.trials.result import draw_outline
 
 
 @pytest.fixture
@@ -29,17 +25,6 @@ def alone(extraction_of, trials):
     extraction = extraction_of(trials)
     (summary,) = extraction.conditions
     return draw_condition(summary, extraction.trials, traces=False)
-
-
-def points_of(path):
-    """Absolute corners of a path made of M, l and z."""
-    corners, at = [], np.zeros(2)
-    for command, numbers in re.findall(r"([MLlz])([^MLlz]*)", path):
-        values = np.array(re.findall(r"-?\d*\.?\d+", numbers), dtype=float).reshape(-1, 2)
-        for value in values:
-            at = at + value if command == "l" else value
-            corners.append(at)
-    return np.array(corners)
 
 
 def test_it_is_one_picture_with_its_words(drawn):
@@ -83,8 +68,8 @@ def test_a_colour_is_no_reference():
         axes.axvspan(0.0, 0.5, facecolor="#ABCDEF", edgecolor="#123456", hatch="//", linewidth=2.0)
         axes.axhline(0.5, color="#123456")
     text = svg_text(FigureWithData(figure=figure, tables=()), stem="x")
-    assert text.count("stroke:#123456") == 3  # the frame of the span, its hatch, the line
-    assert re.search(r"fill:url\(#\w+\)", text)
+    assert text.count("stroke: #123456") == 3  # the frame of the span, its hatch, the line
+    assert re.search(r"fill: url\(#\w+\)", text)
 
 
 def test_the_same_figure_gives_the_same_text_whatever_was_drawn_before(drawn):
@@ -92,48 +77,6 @@ def test_the_same_figure_gives_the_same_text_whatever_was_drawn_before(drawn):
     with mpl.rc_context({"font.size": 30.0, "svg.fonttype": "path", "svg.hashsalt": "x"}):
         again = svg_text(drawn)
     assert again == first
-
-
-def test_two_hundred_recordings_stay_under_two_megabytes(extraction_of, make_trial):
-    """Noise as rough as a converter's, teeth while sliding: what a recording of the bench looks like."""
-    time_s = np.arange(9000) / 3000.0
-    rng = np.random.default_rng(0)
-    trials = []
-    for i in range(12):
-        force_N = np.interp(time_s, [0.4, 2.0, 2.01], [0.0, 230.0, 170.0])
-        force_N += np.where(time_s > 2.01, 15.0 * (np.mod(time_s, 0.06) / 0.06), 0.0)
-        force_N = np.round(force_N + 0.4 * rng.standard_normal(9000))
-        outline = draw_outline(ForceTrace(time_s=time_s, force_N=force_N))
-        trials.append(dataclasses.replace(make_trial(f"t{i}", 230.0 + i, peak_time_s=2.0), outline=outline))
-    extraction = extraction_of(trials)
-    (summary,) = extraction.conditions
-    together = len(svg_text(draw_condition(summary, extraction.trials)).encode())
-    assert 200 / 12 * together < 2e6
-
-
-def test_a_long_path_keeps_its_corners():
-    x = np.linspace(0.0, 700.0, 400)
-    y = 100.0 + 0.05 * np.sin(x)
-    y[123], y[300] = 250.0, 3.0
-    path = "M" + " L ".join(f" {a:.6f} {b:.6f}" for a, b in zip(x, y, strict=True))
-    short = short_path(path)
-    assert len(short) < len(path) / 3
-    corners = points_of(short)
-    for corner in ((0.0, 100.0), (x[123], 250.0), (x[300], 3.0), (700.0, y[-1])):
-        assert np.abs(corners - corner).max(axis=1).min() <= 0.1
-    assert corners[-1][0] == pytest.approx(700.0)
-
-
-def test_short_paths_keep_every_point_and_curves_their_controls():
-    assert points_of(short_path("M 0 0 L 1 0 L 2 0 z")).tolist() == [[0, 0], [1, 0], [2, 0]]
-    assert short_path("M 0 0 C 0.123 1 2 3 4 5.5 Q 1 2 3 4 z") == "M0 0C.12 1 2 3 4 5.5Q1 2 3 4z"
-
-
-def test_rounding_does_not_add_up():
-    n = 3000
-    path = "M0 0" + "".join(f" L {0.24 * i:.6f} {30 * (i % 2)}" for i in range(1, n))
-    corners = points_of(short_path(path))
-    np.testing.assert_allclose(corners[:, 0], 0.24 * np.arange(n), atol=0.0501)
 
 
 def test_no_figure_is_without_words():

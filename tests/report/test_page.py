@@ -19,7 +19,7 @@ CHAPTERS = (
 )
 FIGURES = (
     *("typical_recording", "law", "overview", "recordings_1", "mu_facets", "capstan", "fit_over_wrap"),
-    *("ladder", "residuals", "corner", "budget_lift", "tornado", "design_chart"),
+    *("ladder", "residuals", "budget_lift", "tornado", "design_chart"),
 )
 
 

@@ -259,17 +259,13 @@ def test_only_the_part_asked_for_is_looked_at():
     assert picked(force, PickSettings(start_s=7.0)).status is Status.TOO_SHORT
 
 
-def test_window_and_estimator_are_the_users_to_choose():
+def test_the_window_is_the_users_to_choose():
     time_s = np.arange(0.0, 4.0, 1.0 / 3000.0)
     force = drawn((0, 0), (0.5, 0), (2, 300), (2.004, 240), (4, 242), noise_N=0.2, time_s=time_s)
-    fixed, two_line = (
-        picked(force, PickSettings(window_s=0.05, **more), time_s) for more in ({}, {"peak": "two-line"})
-    )
+    fixed = picked(force, PickSettings(window_s=0.05), time_s)
     assert fixed.window_s == pytest.approx(0.05, rel=0.02)
     assert fixed.peak_N == pytest.approx(300 + fixed.bias_N, abs=0.3)
     assert fixed.bias_N == pytest.approx(-200 * 0.05 / 2, rel=0.03)
-    assert two_line.peak_N == two_line.two_line_N == pytest.approx(300, abs=0.5)
-    assert two_line.bias_N == 0.0
 
 
 def test_missing_samples_are_counted():
@@ -279,8 +275,8 @@ def test_missing_samples_are_counted():
 
 
 def test_settings_refuse_nonsense():
-    with pytest.raises(UnknownNameError, match="did you mean 'two-line'"):
-        PickSettings(peak="two-lines")
+    with pytest.raises(UnknownNameError, match="did you mean 'sliding'"):
+        PickSettings(ending="slides")
     with pytest.raises(InputError, match="is empty"):
         PickSettings(start_s=2.0, stop_s=1.0)
     with pytest.raises(InputError, match="must not be negative"):

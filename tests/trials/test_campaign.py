@@ -30,7 +30,7 @@ def test_settings_in_si(bench):
     protocol, smoothing = campaign.protocol, campaign.smoothing
     assert (protocol.name, protocol.stop_s, protocol.min_step_N) == ("breakaway", 6.0, 5.0)
     assert campaign.tare_interval_s == (0.0, 0.3)
-    assert (smoothing.mode, smoothing.window_s, smoothing.peak) == ("fixed", 0.01, "two-line")
+    assert (smoothing.mode, smoothing.window_s, smoothing.peak) == ("fixed", 0.01, "smoothed")
     assert (campaign.rejection, campaign.weights_tolerance) == ("grubbs", 0.0005)
     assert campaign.design.wheel_radius_m == 0.035
     assert campaign.design.wrap_angle_rad == math.radians(400)
@@ -190,7 +190,7 @@ def test_resolved_is_json_without_absolute_paths(bench, tmp_path):
     assert str(tmp_path) not in text
     assert resolved["folder"] == "recordings"
     assert resolved["trials"][0]["file"] == "recordings/a.csv"
-    assert resolved["smoothing"] == {"mode": "fixed", "window_s": 0.01, "peak": "two-line"}
+    assert resolved["smoothing"] == {"mode": "fixed", "window_s": 0.01, "peak": "smoothed"}
     assert resolved["cells"]["K1"]["points"] == [[0.0, 0.002], [500.0, 2.501]]
 
 
@@ -212,7 +212,7 @@ def test_the_fingerprint_sees_what_extraction_sees_and_nothing_else(bench):
     good, before = bench.path.read_bytes(), load_campaign(bench.path).settings_fingerprint()
     seen = [
         ('"1 kN"', '"2 kN"'), ("bits = 10", "bits = 12"), ('until = "6 s"', 'until = "5 s"'), ("490.9", "490.8"),
-        ('"300 ms"', '"200 ms"'), ('"10 ms"', '"11 ms"'), ('"two-line"', '"smoothed"'), ('"counts"', '"n"'),
+        ('"300 ms"', '"200 ms"'), ('"10 ms"', '"11 ms"'), ('"counts"', '"n"'),
         ('"0.05 %"', '"0.06 %"'), ('"3 kHz"', '"2 kHz"'), ("pressure * area", "area * pressure"),
         ("[wheels.W40]\n", '[wheels.W40]\ntolerance = "1 mm"\n'),
     ]  # fmt: skip

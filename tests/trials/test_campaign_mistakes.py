@@ -54,7 +54,7 @@ MISTAKES = {
     "tare of one time": ('["0 s", "300 ms"]', '["0 s"]', "RF110", "tare.interval", "two times", "0.3 s"),
     "window without unit": ('window = "10 ms"', "window = 10", "RF130", "smoothing.window", "got 10", '"10 ms"'),
     "unknown window": ('"10 ms"', '"atuo"', "RF120", "smoothing.window", "atuo", '"auto"'),
-    "unknown peak": ('"two-line"', '"twoline"', "RF120", "smoothing.peak", "twoline", "did you mean 'two-line'?"),
+    "peak of before": ('peak = "smoothed"', 'peak = "two-line"', "RF120", "smoothing.peak", "two-line", "known: smoothed"),
     "unknown rule": ('"grubbs"', '"grubs"', "RF120", "rejection.rule", "grubs", "did you mean 'grubbs'?"),
     "design without tension": ('end_tension = "60 N"', "", "RF121", "design.end_tension", "missing in the table [design]", "add end_tension"),
     "unknown format": ('"delimited"', '"delimitted"', "RF120", "import.format", "delimitted", "did you mean 'delimited'?"),

@@ -22,7 +22,6 @@ from ropefric.glossary import counted
 with on_first_use():
     from ropefric import executors, pipeline, plugins, section
     from ropefric.files import folder as folders
-    from ropefric.files import plain_text
     from ropefric.friction import laws
     from ropefric.report import campaign as pages
     from ropefric.report import page, parts
@@ -38,6 +37,7 @@ if TYPE_CHECKING:
 
 SERIAL_FIGURES = 8
 """Figures below which starting worker processes costs more than it saves."""
+_FIGURE_FILES = ("svg", "pdf", "png")
 MAX_ALIKE = 3
 """Problems of one code that are said in full; the others are counted."""
 # The advice for these says something about the measurement; an unreadable file has advice of its own.
@@ -75,7 +75,7 @@ def extract(
         target.publish("tables")
         if figures:
             pool = drawing_pool(extraction, n_jobs, stack)
-            start_figures(extraction, loaded.report.language, target, out, pool)()
+            start_figures(extraction, target, out, pool)()
     say_problems(extraction, folder, out)
     data, exit_code = extraction.to_dict(), 0
     # A campaign without a single usable force is an error, though its tables are there.
@@ -100,7 +100,6 @@ def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack)
 
 def start_figures(
     extraction: "result.Extraction",
-    language: str,
     folder: "folders.Folder",
     out: Output,
     executor: "Executor | None",
@@ -108,8 +107,7 @@ def start_figures(
     """Begin to draw one figure per condition; return what waits for them, writes and publishes them."""
     from ropefric.plotting.campaign import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)
 
-    how: dict[str, Any] = {"under": "figures/", "language": language, "executor": executor}
-    write = start_condition_figures(extraction, folder, **how)
+    write = start_condition_figures(extraction, folder, under="figures/", executor=executor)
 
     def finish() -> None:
         with Progress(out, "figures") as progress:
@@ -245,7 +243,7 @@ def work_through(
         if of_conditions:
             # Other processes draw while this one fits; what is published is one part at a time.
             pool[0] = drawing_pool(extraction, n_jobs, stack)
-            to_finish.append(start_figures(extraction, campaign.report.language, target, out, pool[0]))
+            to_finish.append(start_figures(extraction, target, out, pool[0]))
 
     with target, ExitStack() as stack:
         try:
@@ -283,7 +281,6 @@ def report(
     folder: Path | None = out_folder("Of a campaign or a table: where its results are to be [out]."),
     law: str = Option("", help="Use this law, whichever wins; by default as in the run before."),
     pdf: bool = flag("--pdf", "Print it as report.pdf too; needs Chromium, Chrome or Edge."),
-    locale: str = Option("", metavar="en|de", help="Of numbers and dates; by default as [report] says."),
     figure_files: Words = listed("svg|pdf|png", "Write the report's figures as such files too"),
     about: Path | None = Option(
         None, metavar="FILE.toml", help="Of a table: a file with [design] and [report], as in a campaign."
@@ -298,13 +295,11 @@ def report(
     they are, and removed if the forces have changed. Exits with 4 unless the law and its lift force are supported.
     """
     formats = tuple(name.strip() for text in figure_files or () for name in text.split(","))
-    for flag_name, known, words in (
-        ("--locale", plain_text.LANGUAGES, (locale,) if locale else ()),
-        ("--figure-files", ("svg", "pdf", "png"), formats),
-    ):
-        if unknown := [word for word in words if word not in known]:
-            raise BadParameter(f"{unknown[0]!r} is none of {', '.join(known)}", param_hint=flag_name)
-    wish = page.Wish(locale, pdf, figures, formats)
+    if unknown := [word for word in formats if word not in _FIGURE_FILES]:
+        raise BadParameter(
+            f"{unknown[0]!r} is none of {', '.join(_FIGURE_FILES)}", param_hint="--figure-files"
+        )
+    wish = page.Wish(pdf, figures, formats)
     if pdf:
         page.find_browser()  # before the work
     if source.suffix.lower() in options.TABLES and not source.is_dir():

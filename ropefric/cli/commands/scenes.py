@@ -1,6 +1,5 @@
 """The commands of scenes: the answer to one or to a grid of them, how it is come by, and what accuracy costs."""
 
-import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
 from enum import StrEnum
@@ -12,7 +11,7 @@ from typer import Argument, Option
 
 from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, option, out_folder
-from ropefric.cli.output import Output, Progress, json_text, width_of
+from ropefric.cli.output import Output, Progress, json_text
 from ropefric.errors import InputError
 
 with on_first_use():
@@ -108,7 +107,7 @@ def solve(
             how: dict[str, Any] = {"write": write, "keep": sweeping.KEPT_POINTS, "executor": executor}
             found = sweeping.sweep_scene(loaded, axes, progress=progress.update, **how)
         files = [] if target is None else _publish_sweep(out, found, target, f"sweep.{table}", plot)
-        shown = parts.sweep_sections(found, width_of(sys.stdout))
+        shown = parts.sweep_sections(found)
         return Answer(_tree(found) | {"files": files}, shown, exit_code_of(found.keeps_accuracy))
 
 

@@ -1,7 +1,6 @@
 """The commands before a campaign: templates, a look at a recording, a check, a virtual rig, a plugin tried."""
 
 import math
-import sys
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
@@ -15,7 +14,7 @@ from typer import Argument, Option
 
 from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Number, Words, command, exit_code_of, flag, listed, option, quantity
-from ropefric.cli.output import PIPE_WIDTH, Output, Progress, width_of
+from ropefric.cli.output import PIPE_WIDTH, Output, Progress
 from ropefric.errors import DataError, InputError, Problem, UnknownNameError, raise_problems
 from ropefric.files.disk import write_file
 from ropefric.glossary import counted
@@ -151,7 +150,7 @@ def _sections(found: "Inspection", profile: str) -> list["section.Section"]:
     names = [column.name or f"({column.number})" for column in found.columns]
     first = [[*row[: len(names)], *[""] * (len(names) - len(row))] for row in found.first_rows]
     widths = [max(map(len, column)) + 2 for column in zip(names, *first, strict=True)]
-    room = (width_of(sys.stdout) or PIPE_WIDTH) + 2
+    room = PIPE_WIDTH + 2
     fitting = sum(total <= room for total in accumulate(widths))
     hidden = max(map(len, found.first_rows), default=0) - fitting
     notes = [f"({hidden} more columns)"] * (hidden > 0) + [f"recognised: {note}" for note in found.notes]

@@ -199,19 +199,20 @@ def _find_separator(
 ) -> str:
     """Return the character that divides the data lines into the most alike rows of numbers."""
     sample = [line for line in lines[skip:] if line.strip()][-_N_SAMPLE:]
-    best, best_width, best_score = (";" if layout.decimal == "," and sample else ","), 1, (0.0, 0.0)
-    joined = "\n".join(sample)
-    for candidate in SEPARATORS:
-        is_there = candidate in joined or (candidate == " " and "\t" in joined)
-        is_decimal = candidate == "," == layout.decimal and '"' not in joined
-        # After a perfect one nothing later can be better, only as good.
-        if is_there and not is_decimal and best_score < (1.0, 1.0):
-            width, *score = _divided(sample, candidate, layout.no_value)
-            if tuple(score) > best_score:
-                best, best_width, best_score = candidate, width, (score[0], score[1])
-    if best == "," and best_width == 2 and not layout.decimal and last_column < 2:
+    judged = {mark: _divided(sample, mark, layout.no_value) for mark in _possible(sample, layout.decimal)}
+    best = max(judged, key=lambda mark: judged[mark][1:], default="")
+    if not best or judged[best][1:] == (0.0, 0.0):
+        return ";" if layout.decimal == "," and sample else ","
+    if best == "," and judged[best][0] == 2 and not layout.decimal and last_column < 2:
         _refuse_one_or_two(sample, lines, source)
     return best
+
+
+def _possible(sample: Sequence[str], decimal: str) -> list[str]:
+    """Return the separators that lines hold, by preference; a blank stands for any, and no decimal comma divides."""
+    joined = "\n".join(sample)
+    there = [mark for mark in SEPARATORS if mark in joined or (mark == " " and "\t" in joined)]
+    return [mark for mark in there if not mark == "," == decimal or '"' in joined]
 
 
 def _divided(sample: Sequence[str], separator: str, no_value: frozenset[str]) -> tuple[int, float, float]:
@@ -399,27 +400,31 @@ def read_stamps(
         return seconds, ()
     lines: dict[str, int] = {}
     for at, match in found.items():
-        if match and match["date"]:
-            lines.setdefault(match["date"], rows[at][0])
+        lines.setdefault((match and match["date"]) or "", rows[at][0])
+    lines.pop("", 0)
     order = _order(lines, order, refuse)
-    days = _days(lines, order, refuse)
-    clock, start_ps = _Clock(_place(zone)), 0
+    days, clock = _days(lines, order, refuse), _Clock(_place(zone))
+    counts_ps: list[int] = []
     for at, match in found.items():
         line, text = rows[at]
-        if match is None or any((match[key] is None) != (first[key] is None) for key in ("date", "zone")):
+        if match is None or _form(match) != _form(first):
             why = f"cannot read {text[:40]!r} as a time stamp like {first[0]!r}"
             raise refuse(line, why, "mend the cell")
         at_s = days.get(match["date"], 0) * _DAY_S + _second_of_day(match, line, refuse)
         if clock.went_back_an_hour(match, at_s):
             fix = 'name the zone of the clock, for example [import] time_zone = "Europe/Berlin"'
             raise refuse(line, f"the clock goes back by an hour to {text!r}: summer time ended", fix)
-        stamp_ps = clock.count_ps(match, at_s)
-        start_ps = stamp_ps if match is first else start_ps
-        seconds[at] = (stamp_ps - start_ps) / _PS
+        counts_ps.append(clock.count_ps(match, at_s))
+    seconds[list(found)] = [(count_ps - counts_ps[0]) / _PS for count_ps in counts_ps]
     facts = [ORDERS[order] if lines else "without a date"]
     facts += [f"local time of {zone}"] if clock.place and not first["zone"] else []
     facts += [f"past midnight {clock.n_midnights} times"] if clock.n_midnights else []
     return seconds, (f"text time stamps ({', '.join(facts)}) from {first[0]} on",)
+
+
+def _form(match: _Stamp) -> tuple[bool, bool]:
+    """Return whether a stamp has a date, and a zone: within a column all are alike."""
+    return match["date"] is not None, match["zone"] is not None
 
 
 @dataclass(slots=True)

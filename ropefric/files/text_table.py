@@ -5,9 +5,10 @@ What the user says holds; what is left open is found in the first 64 kB, or refu
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, date, datetime, timedelta
+from functools import lru_cache
 from itertools import islice
 from typing import Any, NamedTuple
 from zoneinfo import ZoneInfo
@@ -198,30 +199,31 @@ def _find_separator(
 ) -> str:
     """Return the character that divides the data lines into the most alike rows of numbers."""
     sample = [line for line in lines[skip:] if line.strip()][-_N_SAMPLE:]
-    if not sample:
-        return ","
-    no_value, joined = layout.no_value, "\n".join(sample)
-    best, best_score, best_width = (";" if layout.decimal == "," else ","), (0.0, 0.0), 1
-    for candidate in SEPARATORS:
-        if candidate not in joined and not (candidate == " " and "\t" in joined):
-            continue
-        if best_score == (1.0, 1.0):
-            break  # nothing later can be better, only as good
-        if candidate == "," == layout.decimal and '"' not in joined:
-            continue
-        rows = _with_numbers([split_line(line, candidate) for line in sample])
-        width = len(_typical_row(rows))
-        if width < 2:
-            continue
-        alike = [row for row in rows if len(row) == width]
-        cells = [cell for row in alike for cell in row if cell not in no_value]
-        numeric = sum(is_value(cell) for cell in cells) / max(len(cells), 1)
-        score = (round(numeric, 2), len(alike) / len(rows))
-        if score > best_score:
-            best, best_score, best_width = candidate, score, width
-    if best == "," and best_width == 2 and not layout.decimal and last_column < 2:
+    judged = {mark: _divided(sample, mark, layout.no_value) for mark in _possible(sample, layout.decimal)}
+    best = max(judged, key=lambda mark: judged[mark][1:], default="")
+    if not best or judged[best][1:] == (0.0, 0.0):
+        return ";" if layout.decimal == "," and sample else ","
+    if best == "," and judged[best][0] == 2 and not layout.decimal and last_column < 2:
         _refuse_one_or_two(sample, lines, source)
     return best
+
+
+def _possible(sample: Sequence[str], decimal: str) -> list[str]:
+    """Return the separators that lines hold, by preference; a blank stands for any, and no decimal comma divides."""
+    joined = "\n".join(sample)
+    there = [mark for mark in SEPARATORS if mark in joined or (mark == " " and "\t" in joined)]
+    return [mark for mark in there if not mark == "," == decimal or '"' in joined]
+
+
+def _divided(sample: Sequence[str], separator: str, no_value: frozenset[str]) -> tuple[int, float, float]:
+    """Return how many cells a separator makes of most lines, the share of numbers in them, and of such lines."""
+    rows = _with_numbers([split_line(line, separator) for line in sample])
+    width = len(_typical_row(rows))
+    if width < 2:
+        return 1, 0.0, 0.0
+    alike = [row for row in rows if len(row) == width]
+    cells = [is_value(cell) for row in alike for cell in row if cell not in no_value]
+    return width, round(sum(cells) / max(len(cells), 1), 2), len(alike) / len(rows)
 
 
 def _refuse_one_or_two(sample: Sequence[str], lines: Sequence[str], source: Source) -> None:
@@ -370,6 +372,7 @@ _PS = 10**12
 _HOUR_BACK_S = (3000, 3600)  # a step back of an hour, less the time that passed
 
 _Refuse = Callable[[int, str, str], DataError]
+_Stamp = re.Match[str]
 
 
 def is_stamp(text: str) -> bool:
@@ -390,46 +393,71 @@ def read_stamps(
     midnight. A date whose order only the writer can know is refused.
     """
     rows, empty = list(cells), frozenset(no_value)
-    found = [None if text in empty else _STAMP.fullmatch(text) for _, text in rows]
-    first = next((match for match in found if match is not None), None)
+    found = {at: _STAMP.fullmatch(text) for at, (_, text) in enumerate(rows) if text not in empty}
+    first = next(filter(None, found.values()), None)
+    seconds = np.full(len(rows), np.nan)
     if first is None:
-        return np.full(len(rows), np.nan), ()
-    days, said = _days({match["date"] for match in found if match and match["date"]}, order, rows, refuse)
-    place = _place(zone)
-    offsets, zones = dict[int, tuple[int, int]](), dict[str, int]()
-    values: list[int | None] = []
-    last, n_midnights = None, 0
-    for (line, text), match in zip(rows, found, strict=True):
-        if text in empty:
-            values.append(None)
-            continue
-        if match is None or any((match[key] is None) != (first[key] is None) for key in ("date", "zone")):
+        return seconds, ()
+    lines: dict[str, int] = {}
+    for at, match in found.items():
+        lines.setdefault((match and match["date"]) or "", rows[at][0])
+    lines.pop("", 0)
+    order = _order(lines, order, refuse)
+    days, clock = _days(lines, order, refuse), _Clock(_place(zone))
+    counts_ps: list[int] = []
+    for at, match in found.items():
+        line, text = rows[at]
+        if match is None or _form(match) != _form(first):
             why = f"cannot read {text[:40]!r} as a time stamp like {first[0]!r}"
             raise refuse(line, why, "mend the cell")
-        at_s = days[match["date"]] * _DAY_S if match["date"] else 0
-        at_s += _second_of_day(match, line, refuse)
-        part = int((match["part"] or "").ljust(12, "0")[:12])
+        at_s = days.get(match["date"], 0) * _DAY_S + _second_of_day(match, line, refuse)
+        if clock.went_back_an_hour(match, at_s):
+            fix = 'name the zone of the clock, for example [import] time_zone = "Europe/Berlin"'
+            raise refuse(line, f"the clock goes back by an hour to {text!r}: summer time ended", fix)
+        counts_ps.append(clock.count_ps(match, at_s))
+    seconds[list(found)] = [(count_ps - counts_ps[0]) / _PS for count_ps in counts_ps]
+    facts = [ORDERS[order] if lines else "without a date"]
+    facts += [f"local time of {zone}"] if clock.place and not first["zone"] else []
+    facts += [f"past midnight {clock.n_midnights} times"] if clock.n_midnights else []
+    return seconds, (f"text time stamps ({', '.join(facts)}) from {first[0]} on",)
+
+
+def _form(match: _Stamp) -> tuple[bool, bool]:
+    """Return whether a stamp has a date, and a zone: within a column all are alike."""
+    return match["date"] is not None, match["zone"] is not None
+
+
+@dataclass(slots=True)
+class _Clock:
+    """What makes one count of the times of a column: where the clock stood, and what it showed last."""
+
+    place: ZoneInfo | None
+    last_ps: int | None = None
+    n_midnights: int = 0
+
+    def went_back_an_hour(self, match: _Stamp, at_s: int) -> bool:
+        """Return whether a clock of no known place was set back since the last stamp."""
+        if self.place or self.last_ps is None or match["zone"] or not match["date"]:
+            return False
+        return _HOUR_BACK_S[0] <= self.last_ps // _PS - at_s <= _HOUR_BACK_S[1]
+
+    def count_ps(self, match: _Stamp, at_s: int) -> int:
+        """Return the picoseconds of a stamp on one scale with those before it."""
+        part_ps = int((match["part"] or "").ljust(12, "0")[:12])
         if match["zone"]:
-            at_s -= zones.setdefault(match["zone"], _offset_s(match["zone"]))
-        elif match["date"] and place is not None:
-            early_s, late_s = offsets.setdefault(at_s // 900, _offsets_s(at_s // 900 * 900, place))
-            at_s -= early_s
-            if last is not None and at_s * _PS + part < last:  # the hour that summer's end repeats
-                at_s += early_s - late_s
-        elif match["date"]:
-            if last is not None and _HOUR_BACK_S[0] <= last // _PS - at_s <= _HOUR_BACK_S[1]:
-                fix = 'name the zone of the clock, for example [import] time_zone = "Europe/Berlin"'
-                raise refuse(line, f"the clock goes back by an hour to {text!r}: summer time ended", fix)
-        else:
-            n_midnights += last is not None and last // _PS - (at_s + n_midnights * _DAY_S) > _DAY_S // 2
-            at_s += n_midnights * _DAY_S
-        last = at_s * _PS + part
-        values.append(last)
-    start = next(value for value in values if value is not None)
-    seconds = [np.nan if value is None else (value - start) / _PS for value in values]
-    facts = [said or "without a date", *([f"local time of {zone}"] if place and not first["zone"] else [])]
-    facts += [f"past midnight {n_midnights} times"] if n_midnights else []
-    return np.array(seconds), (f"text time stamps ({', '.join(facts)}) from {first[0]} on",)
+            at_s -= _offset_s(match["zone"])
+        elif match["date"] and self.place:
+            early_s, late_s = _offsets_s(at_s // 900 * 900, self.place)
+            # The hour that the end of summer time repeats comes again.
+            again = self.last_ps is not None and (at_s - early_s) * _PS + part_ps < self.last_ps
+            at_s -= late_s if again else early_s
+        elif not match["date"]:
+            at_s += self.n_midnights * _DAY_S
+            if self.last_ps is not None and self.last_ps // _PS - at_s > _DAY_S // 2:
+                self.n_midnights += 1
+                at_s += _DAY_S
+        self.last_ps = at_s * _PS + part_ps
+        return self.last_ps
 
 
 def _place(zone: str) -> ZoneInfo | None:
@@ -440,40 +468,36 @@ def _place(zone: str) -> ZoneInfo | None:
         raise InputError(f"there is no time zone {zone!r}", key="[import] time_zone", fix=fix) from None
 
 
-def _days(
-    texts: set[str], order: str, rows: Sequence[tuple[int, str]], refuse: _Refuse
-) -> tuple[dict[str, int], str]:
-    """Return the day number of every date, and the order of their numbers in words."""
-    if not texts:
-        return {}, ""
-    numbers = {text: [int(part) for part in _SEPARATORS.split(text)] for text in texts}
-    some = min(texts)
-    line = next(line for line, text in rows if text.startswith(some))
-    if all(text[:4].isdigit() for text in texts):
-        order = "ymd"
-    elif not order and all("." in text for text in texts):
-        order = "dmy"
-    elif not order:
-        # Nobody can tell the fourth of March from the third of April, but the 25th of a month is a day.
-        late = (way for way, at in (("dmy", 0), ("mdy", 1)) if any(n[at] > 12 for n in numbers.values()))
-        order = next(late, "")
-    if not order:
-        why = f"{some!r} may mean day, month, year or month, day, year"
-        raise refuse(line, why, 'set [import] date_order = "mdy" or "dmy"')
+def _order(lines: Mapping[str, int], stated: str, refuse: _Refuse) -> str:
+    """Return the order of the numbers in dates: year first where four digits are, else as stated, else by what shows."""
+    if all(text[:4].isdigit() for text in lines):
+        return "ymd"
+    if stated or all("." in text for text in lines):
+        return stated or "dmy"
+    # Nobody can tell the fourth of March from the third of April, but the 25th of a month is a day.
+    for order, at in (("dmy", 0), ("mdy", 1)):
+        if any(int(_SEPARATORS.split(text)[at]) > 12 for text in lines):
+            return order
+    some = min(lines)
+    why = f"{some!r} may mean day, month, year or month, day, year"
+    raise refuse(lines[some], why, 'set [import] date_order = "mdy" or "dmy"')
+
+
+def _days(lines: Mapping[str, int], order: str, refuse: _Refuse) -> dict[str, int]:
+    """Return the day number of every date."""
     days = {}
-    for text, parts in numbers.items():
-        named = dict(zip(order, parts, strict=True))
-        year = named["y"] if named["y"] > 99 else 2000 + named["y"]
+    for text, line in lines.items():
+        named = dict(zip(order, map(int, _SEPARATORS.split(text)), strict=True))
         try:
+            year = named["y"] if named["y"] > 99 else 2000 + named["y"]
             days[text] = date(year, named["m"], named["d"]).toordinal()
         except ValueError:
-            line = next(line for line, cell in rows if cell.startswith(text))
             why = f"there is no date {text!r} in the order {ORDERS[order]}"
             raise refuse(line, why, "mend it, or correct [import] date_order") from None
-    return days, ORDERS[order]
+    return days
 
 
-def _second_of_day(match: re.Match[str], line: int, refuse: _Refuse) -> int:
+def _second_of_day(match: _Stamp, line: int, refuse: _Refuse) -> int:
     hour, half = int(match["hour"]), (match["half"] or "").lower()
     if half:
         hour = hour % 12 + 12 * (half == "p") if 1 <= hour <= 12 else 99
@@ -489,6 +513,7 @@ def _offset_s(zone: str) -> int:
     return (int(digits[:2]) * 3600 + int(digits[2:]) * 60) * (-1 if zone[0] == "-" else 1)
 
 
+@lru_cache(maxsize=1024)
 def _offsets_s(at_s: int, place: ZoneInfo) -> tuple[int, int]:
     """Return how far a local time is ahead of UTC, where it comes first and where it comes again."""
     local = datetime(1, 1, 1, tzinfo=UTC) + timedelta(seconds=at_s - _DAY_S)

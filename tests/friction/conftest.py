@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ropefric.contracts import bench
+from ropefric.testing import bench
 
 
 @pytest.fixture(scope="session")

@@ -6,7 +6,6 @@ pattern is parsed by Python's own parser, made into such an automaton and search
 noise on a busy machine, and strings of ours would only show the attacks we thought of.
 """
 
-import ast
 import importlib
 import pkgutil
 import re
@@ -14,49 +13,34 @@ from collections import deque
 from pathlib import Path
 from re import _compiler, _constants, _parser
 
-import pytest
-
 import ropefric
 
-ROOT = Path(ropefric.__file__).parent
 METHODS = {"match", "fullmatch", "search", "sub", "subn", "split", "findall", "finditer"}
 SEARCHING = METHODS - {"match", "fullmatch"}
 OTHERS = " \t\n0189aAzZ_éµ²°%$-+*/^.,;:()[]{}'\"\\#=<>|!"
 FEW = 4  # repeats up to so many are unrolled; more count as endless
 
 
-def modules():
-    return sorted(
-        name for _, name, _ in pkgutil.walk_packages(ropefric.__path__, "ropefric.") if "__main__" not in name
-    )
-
-
 def patterns():
     """Return every compiled pattern that is a module's own, by the name it has there."""
     found = {}
-    for name in modules():
+    names = (name for _, name, _ in pkgutil.walk_packages(ropefric.__path__, "ropefric."))
+    for name in sorted(one for one in names if "__main__" not in one):
         for key, value in vars(importlib.import_module(name)).items():
-            for place, one in value.items() if isinstance(value, dict) else [("", value)]:
+            for one in value.values() if isinstance(value, dict) else [value]:
                 if isinstance(one, re.Pattern):
-                    found.setdefault((one.pattern, one.flags), []).append(f"{name}.{key}{place}")
+                    found.setdefault((one.pattern, one.flags), set()).add(key)
     return found
 
 
 def uses():
-    """Return by which methods names of patterns are used, in the whole package, and calls with a pattern inline."""
-    by_name, inline = {}, []
-    for path in ROOT.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)):
-                continue
-            owner = node.func.value
-            if isinstance(owner, ast.Name) and owner.id == "re" and node.func.attr in METHODS:
-                inline.append(f"{path.relative_to(ROOT)}:{node.lineno}")
-            if isinstance(owner, ast.Subscript):
-                owner = owner.value
-            if isinstance(owner, ast.Name) and node.func.attr in METHODS:
-                by_name.setdefault(owner.id, set()).add(node.func.attr)
-    return by_name, inline
+    """Return by which methods names are used that may be those of patterns, in the whole package."""
+    call = re.compile(rf"\b(\w+)(?:\[[^]\n]*\])?\.({'|'.join(METHODS)})\(")
+    found = {}
+    for path in Path(ropefric.__file__).parent.rglob("*.py"):
+        for name, method in call.findall(path.read_text(encoding="utf-8")):
+            found.setdefault(name, set()).add(method)
+    return found
 
 
 class Automaton:
@@ -182,11 +166,6 @@ class Automaton:
         return seen
 
 
-def never_fails_after(automaton, q):
-    """Return whether a match is sure once q was read: then a search goes on behind it, and starts nowhere again."""
-    return q in automaton.accepting
-
-
 def fault(pattern, flags, methods):
     """Return what makes a pattern slow, or nothing."""
     pattern = pattern.decode("latin-1") if isinstance(pattern, bytes) else pattern
@@ -197,48 +176,32 @@ def fault(pattern, flags, methods):
         automaton = Automaton(pattern, flags, searching=True)
         found = automaton.ambiguous()
         guarded = pattern.startswith(("(?<!", "^"))  # starts once in a run, or at one place only
-        if found and not guarded and not never_fails_after(automaton, found[1]):
+        # Where a match is sure once that state was read, a search goes on behind it.
+        if found and not guarded and found[1] not in automaton.accepting:
             return f"a search begins again at each letter of what state {found[1]} has read"
     return ""
 
 
-BY_NAME, INLINE = uses()
-ALL = patterns()
+def test_every_pattern_is_linear_and_a_constant_of_its_module():
+    used = uses()
+    assert "re" not in used
+    for pattern, names in patterns().items():
+        # One without a method of its own is part of another pattern.
+        methods = set().union(*(used.get(name, set()) for name in names)) or {"fullmatch"}
+        assert not fault(*pattern, methods), names
 
 
-def test_patterns_are_constants_of_their_module():
-    assert INLINE == []
-
-
-@pytest.mark.parametrize("pattern", list(ALL), ids=[names[0] for names in ALL.values()])
-def test_every_pattern_is_linear(pattern):
-    names = {name.rpartition(".")[2].rstrip(".,") for name in ALL[pattern]}
-    methods = set().union(*(BY_NAME.get(name, set()) for name in names))
-    if not methods:
-        methods = {"fullmatch"}  # part of another pattern
-    assert not fault(*pattern, methods)
-
-
-@pytest.mark.parametrize(
-    ("pattern", "methods"),
-    [
-        (r"(a+)+b", {"match"}), (r"(aa|a)*b", {"match"}), (r"\s*(.+?)[\s._]*[(]x", {"fullmatch"}),
-        (r"\d+\.?\d*x", {"match"}),
-        (r"(?:[^\W\d_]+|_)+\d", {"fullmatch"}), (r"\s*,", {"sub"}), (r"a+_", {"search"}), (r"(x+x+)+y", {"match"}),
-        (r"[\d.,]*,[\d.,]*", {"fullmatch"}), (r"(.*?,){3,}x", {"match"}), (r"(ab|a|b)*c", {"match"}),
-    ],
+SLOW = (
+    (r"(a+)+b", "match"), (r"(aa|a)*b", "match"), (r"\s*(.+?)[\s._]*[(]x", "fullmatch"), (r"\d+\.?\d*x", "match"),
+    (r"(?:[^\W\d_]+|_)+\d", "fullmatch"), (r"\s*,", "sub"), (r"a+_", "search"), (r"(x+x+)+y", "match"),
+    (r"[\d.,]*,[\d.,]*", "fullmatch"), (r"(.*?,){3,}x", "match"), (r"(ab|a|b)*c", "match"),
 )  # fmt: skip
-def test_slow_patterns_are_known_as_such(pattern, methods):
-    assert fault(pattern, 0, methods)
-
-
-@pytest.mark.parametrize(
-    ("pattern", "methods"),
-    [
-        (r"\s++,x", {"match"}), (r"\d++(?:\.\d*+)?", {"fullmatch"}), (r"a*", {"sub"}), (r"[a-z]+_\d+", {"match"}),
-        (r"(?:,\d{3})+", {"fullmatch"}), (r'"[^"]*"', {"fullmatch"}), (r"a?b?c?", {"match"}),
-        (r"\$[a-z]+\$", {"search"}),
-    ],
+QUICK = (
+    (r"\s++,x", "match"), (r"\d++(?:\.\d*+)?", "fullmatch"), (r"a*", "sub"), (r"[a-z]+_\d+", "match"),
+    (r"(?:,\d{3})+", "fullmatch"), (r'"[^"]*"', "fullmatch"), (r"a?b?c?", "match"), (r"\$[a-z]+\$", "search"),
 )  # fmt: skip
-def test_quick_patterns_are_known_as_such(pattern, methods):
-    assert not fault(pattern, 0, methods)
+
+
+def test_slow_patterns_are_told_from_quick_ones():
+    assert [one for one in SLOW if not fault(one[0], 0, {one[1]})] == []
+    assert [one for one in QUICK if fault(one[0], 0, {one[1]})] == []

@@ -104,7 +104,7 @@ def test_mad_sees_an_outlier_among_equal_values_and_two_that_hide_one_another():
     assert not RULES["grubbs"].flag(masked).any()
 
 
-# Of every rule, beside what `ropefric.contracts` asks of it.
+# Of every rule, beside what `ropefric.testing` asks of it.
 
 
 def test_what_is_refused_is_named():

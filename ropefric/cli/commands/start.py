@@ -21,7 +21,7 @@ from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 
 with on_first_use():
-    from ropefric import contracts, section
+    from ropefric import section, testing
     from ropefric.files import toml
     from ropefric.fitting import resolution
     from ropefric.friction import condition as conditions
@@ -408,8 +408,8 @@ def check_plugin(
     Exits with 4 when one is broken. A reader is tried on garbage alone, and a machine not at all, until --file names a
     recording or a scene.
     """
-    plugin, findings = contracts.check_plugin(plugin_file, tuple(files or ()))
-    slots = {said.partition(" ")[0] for said in plugin.declares} & contracts.FILE_CHECKS.keys()
+    plugin, findings = testing.check_plugin(plugin_file, tuple(files or ()))
+    slots = {said.partition(" ")[0] for said in plugin.declares} & testing.FILE_CHECKS.keys()
     if slots and not files:
         out.note(
             f"{plugin.source}: give --file, a recording or a scene of its own, to see {', '.join(sorted(slots))} at work"

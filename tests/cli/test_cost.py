@@ -1,59 +1,26 @@
 """`cost`: errors and times of numerical choices, measured here and now."""
 
 import csv
+from dataclasses import replace
 
 import pytest
 
 from ropefric.accuracy import measure
-from ropefric.accuracy.measure import error_table
-from ropefric.cli.app import main
+from ropefric.accuracy import studies as all_studies
+from ropefric.registry import Registry
 
 
-@pytest.fixture(scope="module")
-def measured(tmp_path_factory):
-    """One quick study through the program."""
-    folder = tmp_path_factory.mktemp("cost") / "out"
-    assert main(["cost", "integral", "--quick", "--out", str(folder), "--quiet"]) == 0
-    return folder
+@pytest.fixture
+def one_case(monkeypatch):
+    """The cheapest study, of its first case only."""
+    study = all_studies.STUDIES["end-tension"]
+    small = Registry("study", [replace(study, cases=study.cases[:1])])
+    monkeypatch.setattr(all_studies, "STUDIES", small)
 
 
-def test_it_writes_figures_tables_and_a_page(measured):
-    names = {path.name for path in measured.iterdir() if path.is_file()}
-    assert names == {
-        "integral.png",
-        "integral.csv",
-        "cost.md",
-        "cost.html",
-    }
-    with (measured / "integral.csv").open(encoding="utf-8") as stream:
-        rows = list(csv.DictReader(stream))
-    assert {row["case"] for row in rows} == {"regular", "many", "from-zero", "near-minus-one", "short-wrap"}
-    assert all(float(row["seconds"]) > 0.0 for row in rows)
-    assert all(float(row["error"]) >= 0.0 for row in rows)
-    assert "the closed form" in (measured / "cost.md").read_text(encoding="utf-8")
-
-
-def test_the_result_is_json_and_progress_goes_elsewhere(call, tmp_path):
-    done = call("cost", "end-tension", "end-tension", "--quick", "--out", tmp_path / "out", "--json")
-    assert done.code == 0
-    facts = done.json()
-    assert facts["quick"] is True
-    assert facts["machine"]["cores"] >= 1
-    (study,) = facts["studies"]
-    assert study["name"] == "end-tension"
-    assert [row["accuracy"] for row in study["cheapest"]["power"]] == [10.0**-n for n in range(2, 13)]
-    assert {point["case"] for point in study["points"]} == set(study["cheapest"])
-    known = {(row.method, row.setting): row.error for row in error_table("end-tension", "power")}
-    for point in study["points"]:
-        if point["case"] == "power":
-            assert point["error"] == known[point["method"], point["setting"]], "errors know no clock"
-    assert any(path.endswith("cost.html") for path in facts["written"])
-    assert "measuring on" in done.err
-    assert "100 %" in done.err
-
-
-def test_what_an_interrupted_run_measured_is_kept_until_the_whole_is(call, tmp_path, monkeypatch):
-    done, whole = [], measure.time_call
+@pytest.mark.usefixtures("one_case")
+def test_it_writes_figures_tables_and_a_page_and_goes_on_after_an_interruption(call, tmp_path, monkeypatch):
+    done, whole, out = [], measure.time_call, tmp_path / "out"
 
     def timed(setting, effort):
         done.append(setting)
@@ -62,16 +29,34 @@ def test_what_an_interrupted_run_measured_is_kept_until_the_whole_is(call, tmp_p
         return whole(setting, effort)
 
     monkeypatch.setattr(measure, "time_call", timed)
-    said = call("cost", "end-tension", "--quick", "--out", tmp_path / "out")
-    kept = tmp_path / "out" / ".cache" / "cost.jsonl"
+    said = call("cost", "end-tension", "--quick", "--out", out)
+    kept = out / ".cache" / "cost.jsonl"
     assert said.code == 130
     assert f"finished settings are kept in {kept}" in said.err
     assert len(kept.read_text(encoding="utf-8").splitlines()) == 1 + 2
-    again = call("--json", "cost", "end-tension", "--quick", "--out", tmp_path / "out")
+
+    again = call("cost", "end-tension", "end-tension", "--quick", "--out", out, "--json")
     assert again.code == 0
-    (study,) = again.json()["studies"]
+    assert "measuring on" in again.err
+    assert "100 %" in again.err
+    facts = again.json()
+    (study,) = facts["studies"]
     assert len(done) == 3 + len(study["points"]) - 2
     assert not kept.exists()
+    assert (facts["quick"], facts["machine"]["cores"] >= 1, study["name"]) == (True, True, "end-tension")
+    assert [row["accuracy"] for row in study["cheapest"]["power"]] == [10.0**-n for n in range(2, 13)]
+    known = {(row.method, row.setting): row.error for row in measure.error_table("end-tension", "power")}
+    for point in study["points"]:
+        assert point["error"] == known[point["method"], point["setting"]], "errors know no clock"
+        assert point["seconds"] > 0.0
+    names = {path.name for path in out.iterdir() if path.is_file()}
+    assert names == {"end-tension.png", "end-tension.csv", "cost.md", "cost.html"}
+    assert any(path.endswith("cost.html") for path in facts["written"])
+    with (out / "end-tension.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert {row["case"] for row in rows} == {"power"}
+    assert all(float(row["seconds"]) > 0.0 <= float(row["error"]) for row in rows)
+    assert "1000 loads" in (out / "cost.md").read_text(encoding="utf-8")
 
 
 def test_an_unknown_study_is_answered_with_the_nearest_before_anything_is_measured(call, tmp_path):

@@ -2,6 +2,8 @@
 
 import csv
 import shutil
+import subprocess
+import sys
 
 import pytest
 
@@ -22,14 +24,7 @@ def campaign(bench, tmp_path):
     return tmp_path / "campaign"
 
 
-@pytest.fixture
-def hopeless(campaign):
-    for path in (campaign / "traces").iterdir():
-        path.write_bytes(b"")
-    return campaign
-
-
-def test_tables_figures_and_a_summary(call, bench, tmp_path):
+def test_tables_figures_and_a_summary_and_then_from_the_cache(call, bench, tmp_path):
     done = call("extract", bench / "campaign.toml", "--out", tmp_path / "out")
     assert done.code == 0
     for name in ("trials.csv", "conditions.csv", "problems.csv"):
@@ -39,23 +34,17 @@ def test_tables_figures_and_a_summary(call, bench, tmp_path):
     for words in ("R_w [mm]", "φ [deg]", "F_B [N]", "mean F_A [N]", "540"):
         assert words in done.out
     assert "12 trials: 12 kept → " in done.err.splitlines()[-1]
-
-
-def test_json_is_the_only_thing_on_stdout_and_has_the_agreed_shape(call, bench, tmp_path):
-    done = call("extract", bench, "--out", tmp_path, "--json", "--no-figures")
-    result = done.json()
-    assert len(result["trials"]) == 12
-    assert len(result["conditions"]) == 2
+    assert "figures 2/2" in done.err
+    # JSON is the only thing on stdout; what has not changed is not extracted again; quiet leaves the result alone.
+    again = call("extract", bench, "--out", tmp_path / "out", "--json", "--no-figures")
+    result = again.json()
+    assert (len(result["trials"]), len(result["conditions"])) == (12, 2)
     assert all(set(trial) >= TRIAL_KEYS for trial in result["trials"])
     assert all(set(condition) >= CONDITION_KEYS for condition in result["conditions"])
-    assert "extract 12/12" in done.err
-    assert not (tmp_path / "figures").exists()
-
-
-def test_quiet_leaves_the_result_alone(call, bench, tmp_path):
-    done = call("extract", bench, "--out", tmp_path, "--quiet", "--no-figures")
-    assert done.err == ""
-    assert "mean F_A [N]" in done.out
+    assert "extract 12/12" in again.err
+    assert "(12 unchanged, not extracted again)" in again.err
+    quiet = call("extract", bench, "--out", tmp_path / "out", "--quiet", "--no-figures")
+    assert (quiet.err, "mean F_A [N]" in quiet.out) == ("", True)
 
 
 @pytest.mark.slow
@@ -82,19 +71,34 @@ def test_a_bad_recording_is_listed_with_its_remedy_and_ends_nothing(call, campai
         assert any(victim.name in row["path"] for row in csv.DictReader(stream))
 
 
-def test_a_campaign_without_a_usable_force_is_3_and_still_tells_everything(call, hopeless, tmp_path):
-    done = call("extract", hopeless, "--out", tmp_path / "out")
+def test_a_campaign_without_a_usable_force_is_3_and_still_tells_everything(
+    call, campaign, tmp_path, monkeypatch
+):
+    for path in (campaign / "traces").iterdir():
+        path.write_bytes(b"")
+    done = call("extract", campaign, "--out", tmp_path / "out", "--no-figures")
     assert done.code == 3
     assert "error RF301" in done.err
     assert "none of the 12 recordings gave a usable force" in done.err
     assert (tmp_path / "out" / "trials.csv").exists()
-    result = call("extract", hopeless, "--out", tmp_path / "out", "--json")
-    assert result.code == 3
-    assert result.json()["error"]["code"] == "RF301"
+    result = call("extract", campaign, "--out", tmp_path / "out", "--json")
+    assert (result.code, result.json()["error"]["code"]) == (3, "RF301")
     assert {trial["status"] for trial in result.json()["trials"]} == {"unreadable"}
+    for columns in (60, 80):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        out = call("extract", campaign, "--out", tmp_path / "out", "--no-figures").out
+        assert max(len(line) for line in out.splitlines()) <= columns
 
 
-def test_a_broken_campaign_is_3_with_every_problem(call, campaign, tmp_path):
+def test_what_is_wrong_is_said_before_the_work(call, campaign, tmp_path):
+    (tmp_path / "taken").write_text("a file", encoding="utf-8")
+    done = call("extract", campaign, "--out", tmp_path / "taken")
+    assert done.code == 3
+    assert "taken" in done.err
+    assert "extract 1/12" not in done.err
+    for jobs in ("0", "many"):
+        done = call("extract", campaign, "--out", tmp_path / "out", "--jobs", jobs)
+        assert (done.code, "--jobs" in done.err) == (2, True)
     text = (campaign / "trials.csv").read_text(encoding="utf-8")
     (campaign / "trials.csv").write_text(text.replace("wrap_angle_deg", "warp_angle_deg"), encoding="utf-8")
     done = call("extract", campaign, "--out", tmp_path / "out")
@@ -103,18 +107,27 @@ def test_a_broken_campaign_is_3_with_every_problem(call, campaign, tmp_path):
     assert "error" in call("extract", campaign, "--out", tmp_path / "out", "--json").json()
 
 
-def test_a_folder_that_cannot_be_written_is_said_before_the_work(call, bench, tmp_path):
-    (tmp_path / "taken").write_text("a file", encoding="utf-8")
-    done = call("extract", bench, "--out", tmp_path / "taken")
-    assert done.code == 3
-    assert "taken" in done.err
-    assert "extract 1/12" not in done.err
+INTERRUPTED = """
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from ropefric.cli import app, output
+whole = output.Progress.update
+def update(self, done, *more):
+    whole(self, done, *more)
+    if done == 3:
+        os.kill(os.getpid(), signal.SIGINT)
+output.Progress.update = update
+sys.exit(app.main())
+"""
 
 
-@pytest.mark.parametrize("jobs", ["0", "many"])
-def test_a_wrong_number_of_jobs_is_usage(call, bench, tmp_path, jobs):
-    done = call("extract", bench, "--out", tmp_path, "--jobs", jobs)
-    assert done.code == 2
-    assert "--jobs" in done.err
-
-
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to send")
+def test_an_interrupted_run_leaves_nothing_half_written(call, bench, tmp_path):
+    words = ["extract", str(bench), "--out", str(tmp_path), "--jobs", "2", "--no-figures"]
+    broken = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED, *words], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert (broken.returncode, broken.stdout) == (130, "")
+    assert "Traceback" not in broken.stderr
+    assert not list(tmp_path.rglob("*.csv"))
+    assert call(*words).code == 0

@@ -1,6 +1,7 @@
 """`ropefric plan-tests`: from a fit or a guess to conditions for the lab."""
 
 import csv
+import math
 import shlex
 from pathlib import Path
 
@@ -30,13 +31,13 @@ def at_home(monkeypatch):
 def test_the_example_in_the_help_works(call):
     done = call(*shlex.split(find_commands()["plan-tests"].example)[1:], "--quiet")
     assert (done.code, done.err) == (0, "")
-    for words in (
+    words = (
         "12 conditions to test, 144 pulls",
         "with this plan",
         "one factor at a time",
         "whatever is planned",
-    ):
-        assert words in done.out
+    )
+    assert all(one in done.out for one in words)
 
 
 def test_a_plan_from_a_guess_is_written_for_the_lab(call, tmp_path):
@@ -51,27 +52,14 @@ def test_a_plan_from_a_guess_is_written_for_the_lab(call, tmp_path):
     assert low < found["wanted"][0]["lift_force_N"] < high
     assert max(row["cell_use"] for row in found["conditions"]) <= 1.0
     with file.open(encoding="utf-8") as stream:
-        rows = list(csv.DictReader(stream))
-    assert [float(row["end_tension_N"]) for row in rows] == [
-        row["end_tension_N"] for row in found["conditions"]
-    ]
+        loads_N = [float(row["end_tension_N"]) for row in csv.DictReader(stream)]
+    assert loads_N == [row["end_tension_N"] for row in found["conditions"]]
     assert f"wrote {file}" in done.err
 
 
 def test_a_plan_from_a_fit_adds_to_it(call):
-    words = (
-        "plan-tests",
-        "--fit",
-        COUPLED,
-        *RIG,
-        *CELL,
-        *WHEEL,
-        "--conditions",
-        "6",
-        "--starts",
-        "2",
-        "--json",
-    )
+    more = ("--conditions", "6", "--starts", "2", "--json")
+    words = ("plan-tests", "--fit", COUPLED, *RIG, *CELL, *WHEEL, *more)
     found = call(*words).json()
     assert 20.0 < found["before"][0]["dof"] < 36.0
     assert found["after"][0]["std_N"] < found["before"][0]["std_N"]
@@ -90,34 +78,33 @@ def test_a_fit_that_is_not_to_be_trusted_plans_with_4(call):
 
 
 def test_a_range_becomes_settings_one_can_set():
-    degrees = [
-        round(57.29577951308232 * x, 9) for x in read_levels("90 deg .. 1080 deg", "rad", "--wraps", 12)
-    ]
+    wraps_rad = read_levels("90 deg .. 1080 deg", "rad", "--wraps", 12)
+    degrees = [round(math.degrees(x), 9) for x in wraps_rad]
     assert (degrees[0], degrees[-1], len(degrees)) == (90, 1080, 12)
     assert all(x % 45 == 0 for x in degrees)
     assert read_levels("5 N..200 N", "N", "--end-tensions", 3) == (5.0, 32.0, 200.0)
     assert read_levels("20 mm; 1 in", "m", "--wheels", 3) == (0.02, 0.0254)
 
 
-@pytest.mark.parametrize(
-    ("words", "code", "told"),
-    [
-        ((*RIG, *CELL, *WHEEL), 2, "give a fit, or a law with --guess"),
-        ((*GUESSED, *CELL, *WHEEL), 2, "--wheels"),
-        ((*GUESS, *RIG, *CELL, *WHEEL), 2, 'Write it like "1.7 %"'),
-        ((*GUESS, "--scatter-within", "1.7 %", *RIG, *CELL, *WHEEL), 2, "does not know its rope"),
-        ((*GUESSED[2:], "--law", "wrap-pwoer", *RIG, *CELL, *WHEEL), 3, "did you mean 'wrap-power'?"),
-        ((*GUESSED, *RIG, *CELL, *WHEEL, "--conditions", "2"), 3, "cannot determine the 3 parameters"),
-        ((*GUESSED, *RIG, "--max-force", "1 N", *WHEEL), 3, "leave 0 conditions"),
-        ((*GUESSED, *RIG[:2], "--wraps", "90 .. 1080", *RIG[4:], *CELL, *WHEEL), 2, 'for example "90 deg"'),
-        ((*GUESSED, *RIG, *CELL, *WHEEL, "--criterion", "e"), 3, "by 'v' or 'd'"),
-        ((*GUESSED, "--hold", "q", *RIG, *CELL, *WHEEL), 3, "no parameter 'q'"),
-    ],
-)
-def test_what_it_cannot_follow_is_told(call, words, code, told):
-    done = call("plan-tests", *words)
-    assert (done.code, done.out) == (code, "")
-    assert told in done.err
+BAD = {
+    (*RIG, *CELL, *WHEEL): (2, "give a fit, or a law with --guess"),
+    (*GUESSED, *CELL, *WHEEL): (2, "--wheels"),
+    (*GUESS, *RIG, *CELL, *WHEEL): (2, 'Write it like "1.7 %"'),
+    (*GUESS, "--scatter-within", "1.7 %", *RIG, *CELL, *WHEEL): (2, "does not know its rope"),
+    (*GUESSED[2:], "--law", "wrap-pwoer", *RIG, *CELL, *WHEEL): (3, "did you mean 'wrap-power'?"),
+    (*GUESSED, *RIG, *CELL, *WHEEL, "--conditions", "2"): (3, "cannot determine the 3 parameters"),
+    (*GUESSED, *RIG, "--max-force", "1 N", *WHEEL): (3, "leave 0 conditions"),
+    (*GUESSED, *RIG[:2], "--wraps", "90 .. 1080", *RIG[4:], *CELL, *WHEEL): (2, 'for example "90 deg"'),
+    (*GUESSED, *RIG, *CELL, *WHEEL, "--criterion", "e"): (3, "by 'v' or 'd'"),
+    (*GUESSED, "--hold", "q", *RIG, *CELL, *WHEEL): (3, "no parameter 'q'"),
+}
+
+
+def test_what_it_cannot_follow_is_told(call):
+    for words, (code, told) in BAD.items():
+        done = call("plan-tests", *words)
+        assert (done.code, done.out) == (code, ""), words
+        assert told in done.err
 
 
 def test_a_plan_that_must_be_singular_says_what_would_help(call):

@@ -34,14 +34,13 @@ COMMANDS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", COMMANDS)
-def test_refused_with_place_and_limit(call, tmp_path, monkeypatch, name):
+def test_refused_with_place_and_limit(call, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    argv, code, words = COMMANDS[name]
-    done = call(*argv)
-    assert done.code == code, done.err
-    assert words in done.err
-    assert not list(tmp_path.iterdir())
+    for name, (argv, code, words) in COMMANDS.items():
+        done = call(*argv)
+        assert done.code == code, (name, done.err)
+        assert words in done.err, name
+        assert not list(tmp_path.iterdir()), name
 
 
 SCENES = {

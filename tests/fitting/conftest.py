@@ -1,10 +1,16 @@
 """What the fitting tests share."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import Conditions
+
+# The tables that the tests of several folders make up, `pulled`.
+sys.path.insert(0, str(Path(__file__).parent))
 
 
 def bench_plan(repeats=1):

@@ -25,12 +25,8 @@ def test_the_table_is_the_law():
     assert not table.extrapolated.any()
     # μ where the wrap ends is the slope of ln F_A over the wrap.
     h = 1e-5
-    beyond, before = (
-        rf.friction_table(
-            COUPLED, wrap_angle_rad=WRAPS * (1 + sign * h), end_tension_N=80, wheel_radius_m=0.04
-        )
-        for sign in (1, -1)
-    )
+    at = {"end_tension_N": 80, "wheel_radius_m": 0.04}
+    beyond, before = (rf.friction_table(COUPLED, wrap_angle_rad=WRAPS * (1 + x), **at) for x in (h, -h))
     slope = np.log(beyond.lift_force_N / before.lift_force_N) / (2 * h * WRAPS)
     mine = (frame["end_tension_N"] == 80) & (frame["wheel_radius_m"] == 0.04)
     np.testing.assert_allclose(table.mu_local[mine], slope, rtol=1e-7)
@@ -53,9 +49,7 @@ def test_no_constant_does_better():
     rise = np.log(table.lift_force_N / table.end_tension_N)
 
     def worst(mu):
-        return np.abs(
-            np.exp(mu * table.wrap_angle_rad) * table.end_tension_N / table.lift_force_N - 1.0
-        ).max()
+        return np.abs(np.exp(mu * table.wrap_angle_rad - rise) - 1.0).max()
 
     assert worst(table.constant_mu) == pytest.approx(table.constant_error, rel=1e-9)
     others = table.constant_mu * np.concatenate([np.linspace(0.5, 1.5, 401), 1 + np.array([-1e-6, 1e-6])])
@@ -65,21 +59,12 @@ def test_no_constant_does_better():
     # Two points that want 0.1 and 0.2 over one radian each: e^{μ−0.1} − 1 = 1 − e^{μ−0.2}.
     mu, _ = best_constant(np.array([0.1, 0.2]), np.array([1.0, 1.0]))
     assert mu == pytest.approx(np.log(2.0 / (np.exp(-0.1) + np.exp(-0.2))), rel=1e-12)
-    assert len(rise) == len(table.to_frame())
 
 
 def test_the_command_writes_the_table(tmp_path, capsys):
     path = tmp_path / "mu.csv"
-    line = [
-        "export",
-        COUPLED,
-        "--wrap",
-        "90 deg .. 1080 deg",
-        "--end-tension",
-        "20 N, 80 N",
-        "--wheel-radius",
-        "30 mm",
-    ]
+    wheels = ["--end-tension", "20 N, 80 N", "--wheel-radius", "30 mm"]
+    line = ["export", COUPLED, "--wrap", "90 deg .. 1080 deg", *wheels]
     assert main([*line, "--out", str(path)]) == 0
     shown = capsys.readouterr()
     table = rf.friction_table(COUPLED, wrap_angle_rad=np.radians(np.arange(90, 1081, 90)), end_tension_N=[20, 80],

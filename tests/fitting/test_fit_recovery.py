@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from pulled import table_at
 
 from ropefric.fitting.fit import fit_law
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
-from ropefric.trials.table import TrialTable
 
 TRUTH = {
     "constant": [0.2],
@@ -26,27 +26,17 @@ TRUTH = {
 def conditions():
     """Six radii, wraps and loads in a Latin square: 36 conditions that show every effect."""
     i, j = (index.ravel() for index in np.meshgrid(range(6), range(6), indexing="ij"))
-    return Conditions(
-        wheel_radius_m=0.005 * np.array([2, 3, 4.5, 7, 11, 17.0])[i],
-        rope_radius_m=0.005,
-        wrap_angle_rad=np.linspace(np.pi / 2, 4 * np.pi, 6)[j],
-        end_tension_N=np.geomspace(1.5, 200, 6)[(i + j) % 6],
-    )
+    radii, loads = 0.005 * np.array([2, 3, 4.5, 7, 11, 17.0]), np.geomspace(1.5, 200, 6)
+    wraps = np.linspace(np.pi / 2, 4 * np.pi, 6)[j]
+    settings = {"wheel_radius_m": radii[i], "wrap_angle_rad": wraps, "end_tension_N": loads[(i + j) % 6]}
+    return Conditions(rope_radius_m=0.005, **settings)
 
 
 def simulated(law, theta, seed, *, repeats=4, within=0.01, between=0.0):
-    rng = np.random.default_rng(seed)
-    k = len(conditions())
-    pulls = conditions().select(np.repeat(np.arange(k), repeats))
+    rng, k = np.random.default_rng(seed), 36
+    at = conditions().select(np.repeat(np.arange(k), repeats))
     noise = within * rng.normal(size=k * repeats) + between * np.repeat(rng.normal(size=k), repeats)
-    return TrialTable(
-        trial=tuple(f"t{i}" for i in range(k * repeats)),
-        wheel_radius_m=pulls.wheel_radius_m,
-        rope_radius_m=pulls.rope_radius_m,
-        wrap_angle_rad=pulls.wrap_angle_rad,
-        end_tension_N=pulls.end_tension_N,
-        peak_N=np.exp(LAWS[law].log_lift(theta, pulls) + noise),
-    )
+    return table_at(at, LAWS[law].log_lift(theta, at) + noise)
 
 
 def pulls(law, seeds, *, between=0.0, **options):
@@ -59,7 +49,7 @@ def pulls(law, seeds, *, between=0.0, **options):
     return np.array(rows)
 
 
-@pytest.mark.parametrize("law", ["constant", "howell"])
+@pytest.mark.parametrize("law", ["constant", pytest.param("howell", marks=pytest.mark.slow)])
 def test_pulls_of_a_few_laws(law):
     z = pulls(law, range(60), clustered=False)
     # Standard error of the mean 0.13, of the standard deviation 0.09: three of each.

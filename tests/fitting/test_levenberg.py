@@ -30,12 +30,8 @@ def scipy_fit(problem, log_lift, start):
         lambda part: (problem.law.log_lift(whole(part), problem.conditions) - log_lift) / problem.std,
         np.clip(start[free], low + 1e-9, high - 1e-9),
         lambda part: problem.jacobian(whole(part))[:, free],
-        bounds=(low, high),
-        x_scale="jac",
-        xtol=1e-15,
-        ftol=1e-15,
-        gtol=1e-15,
-    )
+        bounds=(low, high), x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15,
+    )  # fmt: skip
     return whole(found.x), 2 * found.cost
 
 
@@ -47,7 +43,7 @@ def test_hundreds_of_resamples_agree_with_scipy(bench_problem, law):
     fit = batched_fit(problem, data)
     assert fit.converged.all()
     free = problem.vary
-    for i in range(0, 200, 10):
+    for i in range(0, 200, 25):
         theta, chi2 = scipy_fit(problem, data[i], fit.theta[i])
         assert fit.chi2[i] <= chi2 * (1 + 1e-12)
         inside = (fit.theta[i] > problem.lower) & (fit.theta[i] < problem.upper) & free
@@ -106,13 +102,8 @@ def test_multiplicity_zero_is_absence(bench_problem):
     counts = np.ones(64)
     counts[:10] = 0.0
     left_out = batched_fit(problem, multiplicity=counts)
-    shorter = replace(
-        problem,
-        conditions=problem.conditions.select(np.arange(10, 64)),
-        log_lift=problem.log_lift[10:],
-        std=problem.std[10:],
-        group=problem.group[10:],
-    )
+    rest = {name: getattr(problem, name)[10:] for name in ("log_lift", "std", "group")}
+    shorter = replace(problem, conditions=problem.conditions.select(np.arange(10, 64)), **rest)
     assert np.allclose(left_out.theta, batched_fit(shorter).theta, rtol=1e-9)
 
 
@@ -204,28 +195,15 @@ def test_giving_up_is_flagged(bench_problem):
     assert fit.n_iterations == 2
 
 
-def test_inputs_are_left_alone(bench_problem):
-    problem = bench_problem(LAWS["constant"])
-    data, start = problem.log_lift[np.newaxis].copy(), np.array([[0.5]])
-    data.flags.writeable = start.flags.writeable = False
-    batched_fit(problem, data, start)
-    assert start.tolist() == [[0.5]]
-
-
 def test_a_bounded_step_is_the_minimum_of_its_box():
     """Against a dense search of the box."""
     rng = np.random.default_rng(3)
     J, r = rng.standard_normal((20, 6, 2)) * [1.0, 1e3], rng.standard_normal((20, 6))
     low, high = np.array([-0.2, -1e-4]), np.array([0.1, 3e-4])
     step, _ = bounded_steps(
-        np.einsum("mni,mnj->mij", J, J),
-        -np.einsum("mni,mn->mi", J, r),
-        curvature=np.zeros((20, 2, 2)),
-        low=np.tile(low, (20, 1)),
-        high=np.tile(high, (20, 1)),
-        vary=np.ones((20, 2), bool),
-        damping=np.zeros(20),
-    )
+        np.einsum("mni,mnj->mij", J, J), -np.einsum("mni,mn->mi", J, r), curvature=np.zeros((20, 2, 2)),
+        low=np.tile(low, (20, 1)), high=np.tile(high, (20, 1)), vary=np.ones((20, 2), bool), damping=np.zeros(20),
+    )  # fmt: skip
     grid = np.stack(np.meshgrid(*(np.linspace(a, b, 121) for a, b in zip(low, high, strict=True))), -1)
     for i in range(20):
         reached = ((J[i] @ step[i] + r[i]) ** 2).sum()

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pulled import grid
 
 from ropefric.errors import DataError
 from ropefric.fitting.fit import fit_law
@@ -22,15 +23,14 @@ from ropefric.trials.table import read_trial_table
 @pytest.fixture
 def campaign(tmp_path):
     """A folder with a trial table and a folder for fits beside it."""
-    rng = np.random.default_rng(4)
+    rng, at = np.random.default_rng(4), grid((0.02, 0.04, 0.08), (2.0, 6.0, 12.0), (3.0, 30.0, 150.0))
+    peaks_N = np.exp(LAWS["wrap-power"].log_lift([0.2, -0.5, 0.1], at.select(np.tile(np.arange(27), 3))))
     lines = ["trial,wheel_radius_m,rope_radius_m,wrap_angle_rad,end_tension_N,peak_N,peak_std_N"]
-    grid = [
-        (R, phi, F) for R in (0.02, 0.04, 0.08) for phi in (2.0, 6.0, 12.0) for F in (3.0, 30.0, 150.0)
-    ] * 3
-    for i, (R, phi, F) in enumerate(grid):
-        pull = Conditions(wheel_radius_m=R, rope_radius_m=0.005, wrap_angle_rad=phi, end_tension_N=F)
-        peak = np.exp(LAWS["wrap-power"].log_lift([0.2, -0.5, 0.1], pull)[0] + 0.01 * rng.normal())
-        lines.append(f"t{i},{R},0.005,{phi},{F},{float(peak)!r},{float(0.003 * peak)!r}")
+    for i, peak in enumerate((peaks_N * np.exp(0.01 * rng.normal(size=81))).tolist()):
+        settings = (at.wheel_radius_m, at.rope_radius_m, at.wrap_angle_rad, at.end_tension_N)
+        lines.append(
+            ",".join([f"t{i}", *(repr(float(x[i % 27])) for x in settings), repr(peak), repr(0.003 * peak)])
+        )
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "trials.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
     return tmp_path
@@ -47,12 +47,8 @@ def test_round_trip_keeps_every_number(campaign, fit):
     assert np.array_equal(loaded.covariance, fit.covariance)
     assert loaded.statistics == fit.statistics
     assert loaded.identifiability == fit.identifiability
-    assert (loaded.law, loaded.status, loaded.advice, loaded.notes) == (
-        fit.law,
-        fit.status,
-        fit.advice,
-        fit.notes,
-    )
+    for name in ("law", "status", "advice", "notes"):
+        assert getattr(loaded, name) == getattr(fit, name)
     assert dict(loaded.validity) == dict(fit.validity)
     assert loaded.problem is None
     text = fit_text(loaded, campaign / "fits")
@@ -71,9 +67,8 @@ def test_file_is_the_shape_that_is_promised(campaign, fit):
     assert str(campaign) not in text
     assert list(tree) == sorted(tree)
     assert tree["trials"]["n"] == [3] * 27
-    assert text == fit_text(
-        fit_law(read_trial_table(campaign / "data" / "trials.csv"), "wrap-power"), campaign / "fits"
-    )
+    again = fit_law(read_trial_table(campaign / "data" / "trials.csv"), "wrap-power")
+    assert text == fit_text(again, campaign / "fits")
 
 
 def test_numbers_json_cannot_hold_come_back(campaign):
@@ -118,50 +113,43 @@ def test_clean_process_predicts_the_same_to_the_last_digit(campaign, fit):
     assert covariance == repr(fit.covariance.tolist())
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"schema": "ropefric.fit/2"}, "newer than ropefric.fit/1.*upgrade ropefric"),
-        ({"schema": "ropefric.campaign/1"}, "no stored fit: the schema is 'ropefric.campaign/1'"),
-        ({"schema": None}, "no stored fit: there is no schema"),
-        ({"law": "wrap-powr"}, "'wrap-powr' is not known.*did you mean 'wrap-power'"),
-        ({"law": ...}, "law: the field is missing.*fit again"),
-        ({"law": None}, "law: the field is no text"),
-        ({"law": "constant"}, "does not belong to the law constant, whose parameters are mu"),
-        ({"covariance": ...}, "covariance: the field is missing.*fit again"),
-        ({"covariance": [[1.0]]}, "does not belong to the law"),
-        ({"covariance": [["x"]]}, "damaged"),
-        ({"parameters": []}, "parameters: the field is no object"),
-        ({"parameters": {}}, "the field 'a' is missing"),
-        ({"status": "splendid"}, "'splendid'"),
-        ({"validity": {"wrap_angle_rad": 3}}, "damaged"),
-        ({"statistics": {"n": 3}}, "damaged"),
-    ],
-)
-def test_what_is_no_fit_is_refused_with_a_remedy(campaign, fit, change, said):
-    tree = fit.to_dict() | change
-    tree = {key: value for key, value in tree.items() if value is not ...}
+NO_FITS = [
+    ({"schema": "ropefric.fit/2"}, "newer than ropefric.fit/1.*upgrade ropefric"),
+    ({"schema": "ropefric.campaign/1"}, "no stored fit: the schema is 'ropefric.campaign/1'"),
+    ({"schema": None}, "no stored fit: there is no schema"),
+    ({"law": "wrap-powr"}, "'wrap-powr' is not known.*did you mean 'wrap-power'"),
+    ({"law": ...}, "law: the field is missing.*fit again"),
+    ({"law": None}, "law: the field is no text"),
+    ({"law": "constant"}, "does not belong to the law constant, whose parameters are mu"),
+    ({"covariance": ...}, "covariance: the field is missing.*fit again"),
+    ({"covariance": [[1.0]]}, "does not belong to the law"),
+    ({"covariance": [["x"]]}, "damaged"),
+    ({"parameters": []}, "parameters: the field is no object"),
+    ({"parameters": {}}, "the field 'a' is missing"),
+    ({"status": "splendid"}, "'splendid'"),
+    ({"validity": {"wrap_angle_rad": 3}}, "damaged"),
+    ({"statistics": {"n": 3}}, "damaged"),
+    (b'{"schema": "ropefric.fit/1",\n "law": ', "damaged"),
+    (b"\xff\xfe\x00", "UTF-8"),
+    (b"[]", "no schema"),
+    (b"", "damaged"),
+    (b"[" * 100_000, "nested|damaged"),
+]
+
+
+def test_what_is_no_fit_is_refused_with_a_remedy(campaign, fit):
     path = campaign / "bad.json"
-    path.write_text(json.dumps(tree), encoding="utf-8")
-    with pytest.raises(DataError, match=said) as caught:
-        load_fit(path)
-    assert caught.value.where.startswith(path.as_posix())
-
-
-@pytest.mark.parametrize(
-    ("raw", "said"),
-    [(b'{"schema": "ropefric.fit/1",\n "law": ', "damaged"), (b"\xff\xfe\x00", "UTF-8"), (b"[]", "no schema"),
-     (b"", "damaged"), (b"[" * 100_000, "nested|damaged")],
-)  # fmt: skip
-def test_damaged_files(tmp_path, raw, said):
-    (tmp_path / "bad.json").write_bytes(raw)
-    with pytest.raises(DataError, match=said):
-        load_fit(tmp_path / "bad.json")
-
-
-def test_missing_file(tmp_path):
     with pytest.raises(DataError, match="no such file"):
-        load_fit(tmp_path / "gone.json")
+        load_fit(path)
+    for change, said in NO_FITS:
+        raw = change
+        if isinstance(change, dict):
+            tree = {key: value for key, value in (fit.to_dict() | change).items() if value is not ...}
+            raw = json.dumps(tree).encode()
+        path.write_bytes(raw)
+        with pytest.raises(DataError, match=said) as caught:
+            load_fit(path)
+        assert caught.value.where.startswith(path.as_posix())
 
 
 def test_verify_makes_the_fits_again(campaign, fit):

@@ -4,12 +4,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from pulled import grid, table_at
 
 from ropefric.fitting.fit import fit_law
+from ropefric.friction.laws import LAWS
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.traces.calibration import Calibration, ForceCell
 from ropefric.trials.result import Extraction, TrialResult, summarise_conditions
-from ropefric.trials.table import TrialTable
 
 
 def central_slopes(model):
@@ -32,23 +33,9 @@ def slopes_of():
 @pytest.fixture(scope="session")
 def wrap_fit():
     """wrap-power fitted to 18 conditions of three pulls."""
-    wraps, loads = np.meshgrid(np.pi * np.array([0.5, 1, 2, 3, 4, 6]), [5.0, 30.0, 150.0])
-    wraps, loads = np.repeat(wraps.ravel(), 3), np.repeat(loads.ravel(), 3)
-    rng = np.random.default_rng(11)
-    from ropefric.friction.condition import Conditions
-    from ropefric.friction.laws import LAWS
-
-    at = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=wraps, end_tension_N=loads)
-    log_lift = LAWS["wrap-power"].log_lift([0.2, -0.5, 0.1], at) + 0.017 * rng.standard_normal(len(at))
-    table = TrialTable(
-        trial=tuple(map(str, range(len(at)))),
-        wheel_radius_m=0.04,
-        rope_radius_m=0.005,
-        wrap_angle_rad=wraps,
-        end_tension_N=loads,
-        peak_N=np.exp(log_lift),
-    )
-    return fit_law(table, "wrap-power")
+    at = grid([0.04], np.pi * np.array([0.5, 1, 2, 3, 4, 6]), [5.0, 30.0, 150.0], repeats=3)
+    noise = 0.017 * np.random.default_rng(11).standard_normal(len(at))
+    return fit_law(table_at(at, LAWS["wrap-power"].log_lift([0.2, -0.5, 0.1], at) + noise), "wrap-power")
 
 
 @pytest.fixture(scope="session")
@@ -59,27 +46,17 @@ def pulls():
         trials = []
         for condition, forces in enumerate(series):
             for repeat, force in enumerate(forces):
-                own = Calibration(
-                    cell=cell or ForceCell(name="K1", full_scale_N=1000.0),
-                    tare_N=9.0 + 0.01 * repeat if tare_N is None else tare_N,
-                    tare_std_N=0.2,
-                )
+                tare = 9.0 + 0.01 * repeat if tare_N is None else tare_N
+                known = cell or ForceCell(name="K1", full_scale_N=1000.0)
+                own = Calibration(cell=known, tare_N=tare, tare_std_N=0.2)
                 picked = Breakaway(status=Status.OK, peak_N=force, peak_std_N=0.3, bias_N=-0.12)
-                trials.append(
-                    TrialResult(
-                        trial=f"{condition}-{repeat}",
-                        file="",
-                        wheel_radius_m=0.04,
-                        rope_radius_m=0.005,
-                        wrap_angle_rad=3.0 * (condition + 1),
-                        end_tension_N=force if slack else 60.0,
-                        peak_N=60.0 if slack else force,
-                        breakaway=picked,
-                        kept=True,
-                        measures_slack=slack,
-                        calibration=own,
-                    )
-                )
+                pulled = TrialResult(
+                    trial=f"{condition}-{repeat}", file="", wheel_radius_m=0.04, rope_radius_m=0.005,
+                    wrap_angle_rad=3.0 * (condition + 1), end_tension_N=force if slack else 60.0,
+                    peak_N=60.0 if slack else force, breakaway=picked, kept=True, measures_slack=slack,
+                    calibration=own,
+                )  # fmt: skip
+                trials.append(pulled)
         marked, conditions, problems = summarise_conditions(trials, rule)
         return Extraction(name="made", trials=marked, conditions=conditions, problems=problems)
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from pulled import grid, table_at
 
 from ropefric.errors import InputError
 from ropefric.fitting.budgets import (
@@ -17,7 +18,6 @@ from ropefric.fitting.budgets import (
     with_measured_end,
 )
 from ropefric.traces.calibration import ForceCell
-from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import (
     BudgetStatus,
     Quantity,
@@ -34,13 +34,8 @@ WRAP = Quantity("wrap angle", "φ", "rad", 0.03, estimate=7.0)
 
 
 def reading(symbol, force_N, offset_N=0.0):
-    return ForceSide(
-        symbol=symbol,
-        quantities=(
-            Quantity("reading", symbol, "N", 1.0, estimate=force_N),
-            Quantity("tare", "δ_0", "N", offset_N),
-        ),
-    )
+    parts = Quantity("reading", symbol, "N", 1.0, estimate=force_N), Quantity("tare", "δ_0", "N", offset_N)
+    return ForceSide(symbol=symbol, quantities=parts)
 
 
 def test_the_lines_of_a_force_are_those_that_all_trials_share(pulls, lines_of):
@@ -102,17 +97,8 @@ def test_where_the_slack_side_is_measured_the_weight_is_above(pulls):
 
 
 def test_a_trial_table_gives_chain_and_weights_as_it_states_them():
-    table = TrialTable(
-        trial=tuple("abcd"),
-        wheel_radius_m=0.04,
-        rope_radius_m=0.005,
-        wrap_angle_rad=[3, 3, 6, 6],
-        end_tension_N=20,
-        peak_N=[40, 41, 80, 82],
-        peak_std_N=[0.3, 0.4, 0.5, 0.5],
-        end_tension_std_N=0.02,
-        wrap_std_rad=0.01,
-    )
+    stds = {"peak_std_N": [0.3, 0.4, 0.5, 0.5], "end_tension_std_N": 0.02, "wrap_std_rad": 0.01}
+    table = table_at(grid([0.04], [3, 3, 6, 6], [20]), np.log([40, 41, 80, 82]), **stds)
     first, second = conditions_of_table(table, gravity_limit=0.0)
     assert first.lift.quantities[1].std == pytest.approx(math.sqrt((0.09 + 0.16) / 2))
     assert linear_budget(force_model(first.end)).combined == pytest.approx(0.02)
@@ -148,24 +134,18 @@ def test_a_common_gain_cancels_and_an_offset_does_not():
 
 
 def test_against_dead_weights_the_gain_counts_in_full():
-    lift, end = reading("F_A", 200.0), weights("F_B", 50.0)
-    gap = (
-        linear_budget(coefficient_model(lift, end, WRAP, gain_limit=0.01)).combined ** 2
-        - linear_budget(coefficient_model(lift, end, WRAP)).combined ** 2
+    sides = reading("F_A", 200.0), weights("F_B", 50.0)
+    with_gain, without = (
+        linear_budget(coefficient_model(*sides, WRAP, gain_limit=u)).combined for u in (0.01, 0.0)
     )
+    gap = with_gain**2 - without**2
     assert math.sqrt(gap) == pytest.approx(0.01 / math.sqrt(3) / 7.0, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("lift", "end", "told"),
-    [
-        (reading("F_A", 40.0), reading("F_B", 50.0), "does not exceed F_B"),
-        (reading("F_A", 40.0), reading("F_B", -1.0), "does not exceed F_B"),
-    ],
-)
-def test_forces_the_wrong_way_round_are_told(lift, end, told):
-    with pytest.raises(InputError, match=told):
-        coefficient_model(lift, end, WRAP)
+def test_forces_the_wrong_way_round_are_told():
+    for end_N in (50.0, -1.0):
+        with pytest.raises(InputError, match="does not exceed F_B"):
+            coefficient_model(reading("F_A", 40.0), reading("F_B", end_N), WRAP)
 
 
 def test_intervals_of_few_repeats_cover_as_often_as_they_say():

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pulled import table_at
 
 from ropefric.fitting.compare import compare_laws
 from ropefric.fitting.fit import fit_law
@@ -36,18 +37,13 @@ def make_campaign(
     law, theta, *, radii=(0.03,), loads=(5.0, 20.0, 80.0), wraps_deg=(90, 180, 360, 540, 720), repeats=5,
     within=0.01, between=0.0, seed=0,
 ):  # fmt: skip
+    """Pulls that obey a law, wheel by wheel, load by load, wrap by wrap."""
     rng = np.random.default_rng(seed)
-    grid = [axis.ravel() for axis in np.meshgrid(radii, loads, np.radians(wraps_deg), indexing="ij")]
-    at = Conditions(
-        wheel_radius_m=np.repeat(grid[0], repeats), rope_radius_m=0.005,
-        end_tension_N=np.repeat(grid[1], repeats), wrap_angle_rad=np.repeat(grid[2], repeats),
-    )  # fmt: skip
-    shared = np.repeat(between * rng.standard_normal(grid[0].size), repeats)
-    log_lift = ALL_LAWS[law].log_lift(theta, at) + shared + within * rng.standard_normal(len(at))
-    return TrialTable(
-        trial=tuple(f"t{i}" for i in range(len(at))), wheel_radius_m=at.wheel_radius_m, rope_radius_m=0.005,
-        wrap_angle_rad=at.wrap_angle_rad, end_tension_N=at.end_tension_N, peak_N=np.exp(log_lift),
-    )  # fmt: skip
+    axes = [axis.ravel() for axis in np.meshgrid(radii, loads, np.radians(wraps_deg), indexing="ij")]
+    R, F, phi = (np.repeat(axis, repeats) for axis in axes)
+    at = Conditions(wheel_radius_m=R, rope_radius_m=0.005, end_tension_N=F, wrap_angle_rad=phi)
+    shared = np.repeat(between * rng.standard_normal(axes[0].size), repeats)
+    return table_at(at, ALL_LAWS[law].log_lift(theta, at) + shared + within * rng.standard_normal(len(at)))
 
 
 @pytest.fixture(scope="session")

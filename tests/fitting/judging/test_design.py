@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -40,11 +41,7 @@ def test_round_trip(request, fixture, solve_for):
         with pytest.raises(InputError, match="does not depend on the wheel radius"):
             find(fit, solve_for, 50.0)
         return
-    x = {
-        "wrap": np.linspace(2, 20, 7),
-        "radius": np.linspace(0.012, 0.06, 7),
-        "end_tension": np.linspace(2, 90, 7),
-    }[solve_for]
+    x = np.linspace(*{"wrap": (2, 20), "radius": (0.012, 0.06), "end_tension": (2, 90)}[solve_for], 7)
     at = Conditions(**{name: np.array(value) for name, value in (FIXED | {TARGET[solve_for]: x}).items()})
     truth = predict(fit, at, level=0.9)
     mean = find(fit, solve_for, truth.lift_force_N, probability=None)
@@ -64,9 +61,8 @@ def test_constant_law_on_paper(constant_fit):
     pulls2 = found.scatter_within**2 * (1 - found.n_conditions / found.n)
     for _ in range(30):
         all2 = (paper * s) ** 2 + sigma**2
-        dof = all2**2 / (
-            (all2 - pulls2) ** 2 / found.interval_dof + pulls2**2 / (found.n - found.n_conditions)
-        )
+        squares = (all2 - pulls2) ** 2 / found.interval_dof + pulls2**2 / (found.n - found.n_conditions)
+        dof = all2**2 / squares
         t = stats.t.ppf(0.99, dof)
         a, b, c = mu**2 - (t * s) ** 2, -2 * mu * y, y**2 - (t * sigma) ** 2
         paper = (-b + math.sqrt(b * b - 4 * a * c)) / (2 * a)
@@ -74,7 +70,7 @@ def test_constant_law_on_paper(constant_fit):
     assert find(constant_fit, "wrap", 300.0, probability=None).value[0] == pytest.approx(y / mu, rel=1e-12)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(load=st.floats(25, 5000), more=st.floats(1.01, 3), probability=st.floats(0.5, 0.999))
 def test_heavier_and_surer_needs_more_wrap(wrap_fit, load, more, probability):
     base = find(wrap_fit, "wrap", load, probability=probability, limits=(0.0, 1000.0)).value[0]
@@ -105,8 +101,6 @@ def test_what_cannot_be_reached_is_said_with_its_limit(coupled_fit):
 
 def test_saturating_law_is_out_of_reach(constant_fit):
     """μ = a e^{bφ} with c = 0 lifts no more than F_B e^{a/|b| − y}, whatever the wrap."""
-    from dataclasses import replace
-
     first = constant_fit.parameters[0]
     values = tuple(replace(first, name=k, value=v) for k, v in {"a": 0.5, "b": -0.1, "c": 0.0}.items())
     fit = replace(constant_fit, law="wrap-exponential", parameters=values, covariance=np.zeros((3, 3)))
@@ -123,8 +117,6 @@ def test_load_below_the_end_tension_needs_no_wrap(wrap_fit):
 
 
 def test_too_uncertain_is_told_from_out_of_reach(constant_fit):
-    from dataclasses import replace
-
     vague = replace(constant_fit, covariance=np.array([[0.2**2]]))
     found = find(vague, "wrap", 1000.0)
     assert found.status[0] == DesignStatus.TOO_UNCERTAIN
@@ -147,16 +139,16 @@ def test_extrapolated_designs_are_flagged(wrap_fit):
 
 
 def test_many_designs_at_once_equal_one_by_one(wrap_fit):
-    loads = np.geomspace(25, 4000, 40_000)
+    loads = np.geomspace(25, 4000, 4000)
     found = find(wrap_fit, "wrap", loads)
-    for i in (0, 17_000, 39_999):
+    for i in (0, 1700, 3999):
         assert find(wrap_fit, "wrap", loads[i]).value[0] == pytest.approx(found.value[i], rel=1e-11)
     assert (np.diff(found.value) > 0).all()
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
+def test_bad_arguments(wrap_fit):
+    usual = {"lift_N": 100.0, "rope_radius_m": 0.005, "wheel_radius_m": 0.04, "end_tension_N": 20.0}
+    for change, message in (
         ({"wrap_angle_rad": 3.0}, "given and looked for"),
         ({"end_tension_N": None}, "end_tension_N is missing"),
         ({"lift_N": -5.0}, r"lift_N\[0\] is -5 N"),
@@ -168,17 +160,9 @@ def test_many_designs_at_once_equal_one_by_one(wrap_fit):
         ({"end_tension_N": -1.0}, "end_tension_N"),
         ({"lift_N": [50.0, 60.0, 70.0], "end_tension_N": [1.0, 2.0]}, "disagree in length"),
         ({"solve_for": "luck"}, "cannot solve for"),
-    ],
-)
-def test_bad_arguments(wrap_fit, change, message):
-    arguments = {
-        "lift_N": 100.0,
-        "rope_radius_m": 0.005,
-        "wheel_radius_m": 0.04,
-        "end_tension_N": 20.0,
-    } | change
-    with pytest.raises(InputError, match=message):
-        design(wrap_fit, **arguments)
+    ):
+        with pytest.raises(InputError, match=message):
+            design(wrap_fit, **(usual | change))
 
 
 def test_chart_is_the_prediction_on_a_grid(coupled_fit):

@@ -4,26 +4,24 @@ import math
 
 import numpy as np
 import pytest
+from pulled import grid, table_at
 
 from ropefric.fitting.compare import ALWAYS, compare_laws
-from ropefric.trials.table import TrialTable
 
 
 def pulls(wraps, log_lift, repeats=6, within=0.01):
     """Conditions that differ in wrap, whose repeats lie evenly about a given ln(F_A/F_B)."""
-    wrap = np.repeat(wraps, repeats)
+    at = grid([0.04], wraps, [20.0], repeats)
     scatter = np.tile(within * np.linspace(-1.0, 1.0, repeats), len(wraps))
-    return TrialTable(
-        trial=tuple(f"t{i}" for i in range(wrap.size)), wheel_radius_m=0.04, rope_radius_m=0.005,
-        wrap_angle_rad=wrap, end_tension_N=20.0, peak_N=20.0 * np.exp(np.repeat(log_lift, repeats) + scatter),
-    )  # fmt: skip
+    return table_at(at, np.log(20.0) + np.repeat(log_lift, repeats) + scatter)
 
 
 @pytest.fixture(scope="module")
 def four_with_an_offset():
     """Four conditions of an offset that is 20 standard errors large: too few to rank any law but the constant one."""
     wraps = np.array([3.0, 6.0, 9.0, 12.0])
-    return compare_laws(pulls(wraps, 0.15 * wraps + 0.3 + 0.005 * np.array([1, -1, -1, 1])))
+    off = 0.3 + 0.005 * np.array([1, -1, -1, 1])
+    return compare_laws(pulls(wraps, 0.15 * wraps + off), ["constant", "wrap-power"])
 
 
 def test_a_law_that_stands_alone_has_no_weight(four_with_an_offset):
@@ -46,7 +44,8 @@ def test_the_test_that_speaks_against_it_is_named(four_with_an_offset):
 
 def test_no_test_is_named_where_none_speaks_against_it():
     wraps = np.array([3.0, 6.0, 9.0, 12.0])
-    found = compare_laws(pulls(wraps, 0.2 * wraps + 0.02 * np.array([1, -1, 1, -1])))
+    table = pulls(wraps, 0.2 * wraps + 0.02 * np.array([1, -1, 1, -1]))
+    found = compare_laws(table, ["constant", "wrap-power"])
     assert not found.conclusive
     assert "F-test" not in " ".join(found.notes)
 

@@ -38,11 +38,8 @@ def test_constant_law_by_hand(constant_fit):
     np.testing.assert_allclose(np.log(found.interval_N[:, 1]), high, rtol=1e-12)
     s = constant_fit.statistics
     # Welch and Satterthwaite: what repeats alone show has their degrees of freedom, the rest those of the conditions.
-    law2, nu, pulls2 = (
-        (std * np.array([3, 9])) ** 2,
-        s.interval_dof,
-        s.scatter_within**2 * (1 - s.n_conditions / s.n),
-    )
+    law2, nu = (std * np.array([3, 9])) ** 2, s.interval_dof
+    pulls2 = s.scatter_within**2 * (1 - s.n_conditions / s.n)
     all2 = law2 + s.scatter_within**2 + s.scatter_between**2
     effective = all2**2 / ((all2 - pulls2) ** 2 / nu + pulls2**2 / (s.n - s.n_conditions))
     wide = stats.t.ppf(0.95, effective) * np.sqrt(all2)
@@ -53,17 +50,14 @@ def test_constant_law_by_hand(constant_fit):
 
 
 def test_monte_carlo_agrees_where_the_law_is_linear(constant_fit):
-    linear, drawn = (
-        predict(constant_fit, pulls()),
-        predict(constant_fit, pulls(), method="monte-carlo", n=100_000),
-    )
+    how = {"method": "monte-carlo", "n": 100_000}
+    linear, drawn = predict(constant_fit, pulls()), predict(constant_fit, pulls(), **how)
     assert linear.linear_agrees.all()
     assert drawn.linear_agrees.all()
     half = 0.5 * np.diff(linear.interval_N, axis=1)
     np.testing.assert_allclose(drawn.interval_N, linear.interval_N, atol=float(0.03 * half.min()))
     np.testing.assert_allclose(drawn.std_log, linear.std_log, rtol=0.02)
-    again = predict(constant_fit, pulls(), method="monte-carlo", n=100_000)
-    assert (again.interval_N == drawn.interval_N).all()
+    assert (predict(constant_fit, pulls(), **how).interval_N == drawn.interval_N).all()
 
 
 def test_disagreement_is_told(wrap_fit):
@@ -78,12 +72,8 @@ def test_disagreement_is_told(wrap_fit):
 def test_a_fifth_of_the_interval_is_no_chance_of_two_thousand_draws():
     """Of the fit of version 0.1.0 the upper end moves by 14, 24 and 42 % of the half width when drawn."""
     fit = load_fit(Path(__file__).parents[1] / "coupled-0.1.0.json")
-    wheels = Conditions(
-        wheel_radius_m=0.04,
-        rope_radius_m=fit.only_rope_radius_m(),
-        wrap_angle_rad=np.radians([180.0, 540.0, 1080.0]),
-        end_tension_N=20.0,
-    )
+    settings = {"wheel_radius_m": 0.04, "rope_radius_m": fit.only_rope_radius_m(), "end_tension_N": 20.0}
+    wheels = Conditions(wrap_angle_rad=np.radians([180.0, 540.0, 1080.0]), **settings)
     linear, drawn = predict(fit, wheels), predict(fit, wheels, method="monte-carlo", n=50_000)
     ends, drawn_ends = np.log(linear.interval_N), np.log(drawn.interval_N)
     moved = np.abs(drawn_ends - ends)[:, 1] / (0.5 * np.diff(ends, axis=1)[:, 0])
@@ -101,20 +91,18 @@ def test_gradient_of_a_running_rope(wrap_fit, speed):
         up, down = theta.copy(), theta.copy()
         up[i] += h
         down[i] -= h
-        np.testing.assert_allclose(
-            J[:, i], (model.log_lift(up, at) - model.log_lift(down, at)) / (2 * h), rtol=2e-6
-        )
+        slope = (model.log_lift(up, at) - model.log_lift(down, at)) / (2 * h)
+        np.testing.assert_allclose(J[:, i], slope, rtol=2e-6)
     C = wrap_fit.covariance
     np.testing.assert_allclose(linear_std(model, theta, C, at), [math.sqrt(j @ C @ j) for j in J], rtol=1e-9)
 
 
 def test_running_rope_lifts_by_the_centrifugal_formula(constant_fit):
     mu = constant_fit["mu"].value
-    found = predict(constant_fit, pulls([6.0]), linear_density_kg_m=0.06, speed_m_s=10.0)
+    running = {"linear_density_kg_m": 0.06, "speed_m_s": 10.0}
+    found = predict(constant_fit, pulls([6.0]), **running)
     assert found.lift_force_N[0] == pytest.approx(6 + 14 * math.exp(6 * mu), rel=1e-12)
-    drawn = predict(
-        constant_fit, pulls([6.0]), method="monte-carlo", linear_density_kg_m=0.06, speed_m_s=10.0
-    )
+    drawn = predict(constant_fit, pulls([6.0]), method="monte-carlo", **running)
     assert drawn.std_log[0] == pytest.approx(found.std_log[0], rel=0.05)
     with pytest.raises(InputError, match="lifts off the wheel"):
         predict(constant_fit, pulls(), linear_density_kg_m=0.06, speed_m_s=30.0)
@@ -141,33 +129,24 @@ def test_json(constant_fit):
     assert len(predict(constant_fit, pulls()).to_dict()["predictions"]) == 2
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
+def test_bad_arguments(constant_fit):
+    for options, message in (
         ({"level": 1.0}, "level is 1"),
         ({"level": math.nan}, "level is nan"),
         ({"method": "magic"}, "unknown method"),
         ({"linear_density_kg_m": -1.0, "speed_m_s": 1.0}, "zero or more"),
-    ],
-)
-def test_bad_arguments(constant_fit, options, message):
-    with pytest.raises(InputError, match=message):
-        predict(constant_fit, pulls(), **options)
-
-
-def test_overflow_is_refused(constant_fit):
+    ):
+        with pytest.raises(InputError, match=message):
+            predict(constant_fit, pulls(), **options)
     with pytest.raises(InputError, match="overflows"):
         predict(constant_fit, pulls([1e4]))
 
 
 def test_prediction_interval_covers_new_ropes(campaign):
     """95 % of single pulls at a new condition lie inside, between-condition scatter included."""
-    truth, at, inside, n = [0.2], pulls([6.0]), 0, 100
-    rng = np.random.default_rng(11)
+    at, inside, n, rng = pulls([6.0]), 0, 100, np.random.default_rng(11)
     for seed in range(n):
-        table = campaign(
-            "constant", truth, between=0.02, within=0.01, repeats=3, seed=seed, loads=(5.0, 20.0)
-        )
+        table = campaign("constant", [0.2], between=0.02, repeats=3, seed=seed, loads=(5.0, 20.0))
         low, high = predict(fit_law(table, "constant"), at, check=False).prediction_interval_N[0]
         new = 20 * math.exp(1.2 + 0.02 * rng.standard_normal() + 0.01 * rng.standard_normal())
         inside += low <= new <= high
@@ -188,13 +167,8 @@ def test_unknown_scatter_gives_no_prediction_interval(constant_fit):
 # --- the hand calculation ---------------------------------------------------------------------------------------
 
 _FUNCTIONS = {"ln": math.log, "exp": math.exp, "sqrt": math.sqrt, "sin": math.sin, "acos": math.acos}
-_OPERATORS = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.Pow: operator.pow,
-}
+_OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
+_OPERATORS |= {ast.Pow: operator.pow}
 
 
 def calculate(text):
@@ -233,39 +207,30 @@ HAND = {
 }
 
 
-@pytest.mark.parametrize("law", [*HAND, "wrap-power-hard", "wrap-exponential-flat", "howell-euler"])
+HARD = [("wrap-power", [0.2, -0.995, 0.1]), ("wrap-exponential", [0.1, 0.0, 0.1]), ("howell", [0.2, 1.0])]
+
+
 @pytest.mark.parametrize(("wrap", "load"), [(0.5, 1.0), (9.42478, 20.0), (20.0, 80.0)])
-def test_hand_calculation_is_right_to_its_last_digit(constant_fit, law, wrap, load):
-    hard = {
-        "wrap-power-hard": ("wrap-power", [0.2, -0.995, 0.1]),
-        "wrap-exponential-flat": ("wrap-exponential", [0.1, 0.0, 0.1]),
-        "howell-euler": ("howell", [0.2, 1.0]),
-    }
-    name, theta = hard.get(law, (law, HAND.get(law)))
-    first = constant_fit.parameters[0]
-    known = ALL_LAWS[name].parameter_names
-    values = tuple(replace(first, name=key, value=value) for key, value in zip(known, theta, strict=True))
-    fit = replace(constant_fit, law=name, parameters=values)
+def test_hand_calculation_is_right_to_its_last_digit(wrap, load):
     at = pulls([wrap], load=load)
-    lines = ALL_LAWS[name].calculation(fit.theta, at)
-    sums = [line for line in lines if line.count(" = ") == 2 and not line.startswith("law ")]
-    assert len(sums) >= 4
-    for line in sums:
-        _name, arithmetic, printed = line.split(" = ")
-        result, shown = calculate(arithmetic), calculate(printed)
-        # Half a unit of the ninth digit, and what cancels in a sum of nine-digit terms.
-        terms = [abs(float(x)) for x in re.findall(r"\d+\.?\d*(?:e[-+]\d+)?", arithmetic)]
-        assert abs(result - shown) <= 0.51e-8 * abs(shown) + 1e-15 * max(terms), line
-    final = float(re.match(r"F_A \[N\] = .* = (\S+)", lines[-2]).group(1))
-    exact = float(np.exp(ALL_LAWS[name].log_lift(theta, at))[0])
-    assert final == pytest.approx(exact, rel=2e-6)
+    for name, theta in [*HAND.items(), *HARD]:
+        lines = ALL_LAWS[name].calculation(np.array(theta), at)
+        sums = [line for line in lines if line.count(" = ") == 2 and not line.startswith("law ")]
+        assert len(sums) >= 4, name
+        for line in sums:
+            _name, arithmetic, printed = line.split(" = ")
+            result, shown = calculate(arithmetic), calculate(printed)
+            # Half a unit of the ninth digit, and what cancels in a sum of nine-digit terms.
+            terms = [abs(float(x)) for x in re.findall(r"\d+\.?\d*(?:e[-+]\d+)?", arithmetic)]
+            assert abs(result - shown) <= 0.51e-8 * abs(shown) + 1e-15 * max(terms), line
+        final = float(re.match(r"F_A \[N\] = .* = (\S+)", lines[-2]).group(1))
+        exact = float(np.exp(ALL_LAWS[name].log_lift(theta, at))[0])
+        assert final == pytest.approx(exact, rel=2e-6), name
 
 
-def test_hand_calculation_shows_the_numbers_of_the_model_page(constant_fit):
+def test_hand_calculation_shows_the_numbers_of_the_model_page():
     """F_B = 20 N, a = .2, b = −.5, c = .1, φ = 10 rad: ln F_A = 4.4507."""
-    first = constant_fit.parameters[0]
-    values = tuple(replace(first, name=k, value=v) for k, v in {"a": 0.2, "b": -0.5, "c": 0.1}.items())
-    lines = ALL_LAWS["wrap-power"].calculation([value.value for value in values], pulls([10.0]))
+    lines = ALL_LAWS["wrap-power"].calculation([0.2, -0.5, 0.1], pulls([10.0]))
     (log_lift,) = [line for line in lines if line.startswith("ln F_A = ")]
     assert round(float(log_lift.split(" = ")[-1]), 4) == 4.4507
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pulled import table_at
 
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.next_tests import allowed_conditions, planned_guess
@@ -13,7 +14,6 @@ from ropefric.fitting.predict import predict
 from ropefric.fitting.resolution import MeanScatter, RigLimits, levels, nearest_to, one_factor_plan
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
-from ropefric.trials.table import TrialTable
 
 LAW_GUESSES = {
     "constant": {"mu": 0.15},
@@ -96,15 +96,8 @@ def campaigns():
         for _ in range(n):
             log_lift = law.log_lift(theta, pulls) + scatter.between * rng.standard_normal(k)[group]
             log_lift = log_lift + scatter.within * rng.standard_normal(group.size)
-            table = TrialTable(
-                trial=tuple(map(str, range(group.size))),
-                wheel_radius_m=pulls.wheel_radius_m,
-                rope_radius_m=pulls.rope_radius_m,
-                wrap_angle_rad=pulls.wrap_angle_rad,
-                end_tension_N=pulls.end_tension_N,
-                peak_N=np.exp(log_lift),
-            )
-            found = predict(fit_law(table, law, n_starts=1), target, check=False)
+            fit = fit_law(table_at(pulls, log_lift), law, n_starts=1)
+            found = predict(fit, target, check=False)
             low, high = np.log(found.interval_N[0])
             widths.append(high - low)
             errors.append(found.log_lift[0] - truth)

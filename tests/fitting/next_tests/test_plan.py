@@ -7,16 +7,20 @@ import math
 
 import numpy as np
 import pytest
+from pulled import table_at
+from thinned import thinned
 
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.next_tests import plan_tests, planned_fit, planned_guess
+from ropefric.fitting.predict import predict
 from ropefric.fitting.resolution import MeanScatter
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.trials.table import read_trial_table
 
+LAW_GUESSES = ("constant", "size-exponential", "wrap-power", "howell", "coupled")
 # Expected gain in the width of the wanted interval over one factor at a time about the middle of the settings.
 WORTHWHILE = 1.5
 
@@ -97,23 +101,26 @@ def test_the_expected_error_is_that_of_least_squares_in_closed_form(guessed):
 def test_an_error_that_cannot_be_told_is_infinite(guessed):
     planned = guessed("wrap-power")
     at = Conditions(wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=[2, 5], end_tension_N=20)
-    assert (
-        expected_std(planned, planned.evidence(at, 5), at).tolist() == [pytest.approx(0.01256, rel=0.01)] * 2
-    )
+    there = expected_std(planned, planned.evidence(at, 5), at)
+    assert there.tolist() == [pytest.approx(0.01256, rel=0.01)] * 2
     other = one_condition(0.04, 0.0049, 12.0, 100.0)
     assert np.isinf(expected_std(planned, planned.evidence(at, 5), other)).all()
     assert np.isinf(expected_std(planned, guessed("wrap-power").known, other)).all()
 
 
-@pytest.mark.parametrize("name", ["constant", "size-exponential", "wrap-power", "howell", "coupled"])
-@pytest.mark.parametrize("where", ["inside", "large wheel", "strong"])
+@pytest.mark.parametrize(
+    ("name", "where"),
+    thinned(
+        [(name, where) for name in LAW_GUESSES for where in ("inside", "large wheel", "strong")], every=4
+    ),
+)
 def test_a_plan_is_worth_half_as_much_again_as_one_factor_at_a_time(bench, guessed, wanted, name, where):
     found = plan_tests(guessed(name), bench, wanted(where), starts=2)
     assert found.gain > WORTHWHILE
     assert found.after.dof == found.one_factor.dof == 12 - found.planned.n_free
 
 
-@pytest.mark.parametrize("name", ["size-exponential", "wrap-power", "coupled"])
+@pytest.mark.parametrize("name", thinned(["size-exponential", "wrap-power", "coupled"]))
 def test_a_guess_that_is_off_by_a_fifth_still_gives_a_plan_worth_having(bench, guessed, wanted, usual, name):
     """The plan is made for the guess, and judged by the truth."""
     truth, target, rng = guessed(name), wanted("strong"), np.random.default_rng(1)
@@ -137,32 +144,15 @@ def test_a_plan_keeps_to_the_rig(bench, guessed, wanted):
 
 
 def test_the_errors_expected_of_parameters_are_those_of_a_fit(bench, guessed, wanted):
-    from ropefric.fitting.fit import fit_law
-    from ropefric.trials.table import TrialTable
-
     planned = guessed("size-exponential", MeanScatter(within=0.017))
     plan = plan_tests(planned, bench, wanted("large wheel"), repeats=8, starts=2)
     at = plan.conditions.select(np.repeat(np.arange(12), 8))
     scatter = 0.017 * np.random.default_rng(2).standard_normal(len(at))
-    table = TrialTable(
-        trial=tuple(map(str, range(len(at)))),
-        wheel_radius_m=at.wheel_radius_m,
-        rope_radius_m=at.rope_radius_m,
-        wrap_angle_rad=at.wrap_angle_rad,
-        end_tension_N=at.end_tension_N,
-        peak_N=np.exp(planned.law.log_lift(planned.theta, at) + scatter),
-    )
+    table = table_at(at, planned.law.log_lift(planned.theta, at) + scatter)
     fit = fit_law(table, planned.law, clustered=False, scale_covar=False)
     # The fit's own slopes are those at its estimate, and its scatter is estimated with 84 degrees of freedom.
     for name, std in plan.expected_parameter_std().items():
         assert fit[name].std == pytest.approx(std, rel=0.25)
-
-
-def test_the_same_arguments_give_the_same_plan(bench, guessed, wanted):
-    first, second = (
-        plan_tests(guessed("howell"), bench, wanted("inside"), starts=3).to_dict() for _ in range(2)
-    )
-    assert first == second
 
 
 def test_of_both_criteria_each_is_best_at_its_own(bench, guessed, wanted):
@@ -179,42 +169,25 @@ def test_of_both_criteria_each_is_best_at_its_own(bench, guessed, wanted):
 
 def test_several_wanted_conditions_are_served_together(bench, guessed, wanted):
     planned, (near, far) = guessed("size-exponential"), (wanted("inside"), wanted("large wheel"))
-    both = Conditions(
-        **{
-            name: np.concatenate([getattr(near, name), getattr(far, name)])
-            for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
-        }
-    )
+    names = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
+    both = Conditions(**{name: np.append(getattr(near, name), getattr(far, name)) for name in names})
     together = plan_tests(planned, bench, both, starts=2)
     for i, alone in enumerate((near, far)):
         own = plan_tests(planned, bench, alone, starts=2)
         assert together.after.std_log[i] >= 0.98 * own.after.std_log[0]
 
 
-def test_more_conditions_help_more_than_more_repeats(bench, guessed, wanted):
-    def std(n, repeats):
-        plan = plan_tests(
-            guessed("howell"), bench, wanted("inside"), n_conditions=n, repeats=repeats, starts=2
-        )
-        return plan.after.std_log[0]
-
-    assert std(24, 6) < std(12, 12) < std(12, 6)
-
-
 @pytest.mark.parametrize(("between", "said"), [(0.02, True), (0.0, False)])
 def test_new_conditions_are_recommended_before_repeats_where_conditions_scatter(
     bench, guessed, wanted, between, said
 ):
-    scatter = MeanScatter(within=0.017, between=between)
-    how = {"starts": 1, "n_conditions": 10}
-    plan = plan_tests(guessed("howell", scatter), bench, wanted("inside"), repeats=6, **how)
+    planned, target = guessed("howell", MeanScatter(within=0.017, between=between)), wanted("inside")
+    plan = plan_tests(planned, bench, target, repeats=6, n_conditions=10, starts=1)
     (note,) = [text for text in plan.notes if "instead of" in text] or [""]
     assert note.startswith("20 conditions of 3 instead of 10 of 6 would make the interval 0.") == said
     if said:
         ratio = float(note.split("interval ")[1].split()[0])
-        wider = plan_tests(
-            guessed("howell", scatter), bench, wanted("inside"), repeats=3, starts=1, n_conditions=20
-        )
+        wider = plan_tests(planned, bench, target, repeats=3, n_conditions=20, starts=1)
         widths = [outlook.half_width_log[0] for outlook in (wider.after, plan.after)]
         assert ratio == pytest.approx(widths[0] / widths[1], abs=0.005)
 
@@ -228,18 +201,15 @@ def test_tests_that_add_to_a_fit_know_what_it_knows(bench, root):
     assert found.after.dof == 37
     assert found.after.std_log[0] < found.before.std_log[0]
     assert found.gain > 1.0
-    old = {tuple(np.round([c, w, f], 9)) for c, w, f in zip(*_columns(planned.tested), strict=True)}
-    new = {tuple(np.round([c, w, f], 9)) for c, w, f in zip(*_columns(found.conditions), strict=True)}
-    assert not old & new
 
+    def settings(at):
+        columns = at.wheel_radius_m, at.wrap_angle_rad, at.end_tension_N
+        return {tuple(np.round(row, 9)) for row in zip(*columns, strict=True)}
 
-def _columns(at):
-    return at.wheel_radius_m, at.wrap_angle_rad, at.end_tension_N
+    assert not settings(planned.tested) & settings(found.conditions)
 
 
 def test_the_error_before_is_about_that_of_the_fit(root):
-    from ropefric.fitting.predict import predict
-
     table = read_trial_table(root / "fits" / "prth-trials.csv")
     fit = fit_law(table, "coupled")
     planned = planned_fit(fit)
@@ -264,12 +234,9 @@ def test_the_plan_is_a_table_for_the_lab(bench, guessed, wanted):
     assert {row["rope_diameter_mm"] for row in rows} == {"9.8"}
     law = LAWS["constant"]
     for row in rows:
-        at = one_condition(
-            float(row["wheel_radius_mm"]) / 1e3,
-            float(row["rope_diameter_mm"]) / 2e3,
-            math.radians(float(row["wrap_angle_deg"])),
-            float(row["end_tension_N"]),
-        )
+        keys = ("wheel_radius_mm", "rope_diameter_mm", "wrap_angle_deg", "end_tension_N")
+        R, d, wrap, load_N = (float(row[key]) for key in keys)
+        at = one_condition(R / 1e3, d / 2e3, math.radians(wrap), load_N)
         lift_N = math.exp(law.log_lift([0.15], at)[0])
         assert float(row["expected_lift_force_N"]) == pytest.approx(lift_N, rel=1e-3)
 

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from pulled import table_at
 from thinned import thinned
 
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.next_tests import Exchange, allowed_conditions, best_plan, plan_tests
 from ropefric.fitting.predict import predict
 from ropefric.fitting.resolution import MeanScatter
-from ropefric.trials.table import TrialTable
 
 # What a plan must be better by in the width of the interval of the wanted lift force.
 WORTHWHILE = 1.5
@@ -49,10 +49,8 @@ def test_a_plan_carried_out_beats_one_factor_at_a_time(compared, name, where):
 
 def test_a_plan_knows_which_error_all_its_tests_share(bench, guessed, wanted):
     """A cell that reads 5 N too much: searched as if each test had its own 5 N, a plan errs several times as far."""
-    planned, target = (
-        guessed("wrap-power", MeanScatter(within=0.017, between=0.01, instrument_N=5.0)),
-        wanted("strong"),
-    )
+    scatter = MeanScatter(within=0.017, between=0.01, instrument_N=5.0)
+    planned, target = guessed("wrap-power", scatter), wanted("strong")
     grid = bench.conditions()
     places = np.flatnonzero(allowed_conditions(planned, bench, grid)[0])
     alone = planned.evidence(grid.select(places), 4)
@@ -63,15 +61,10 @@ def test_a_plan_knows_which_error_all_its_tests_share(bench, guessed, wanted):
     for at in (plan.conditions, grid.select(places[best_plan(search, 12, starts=2)[0]])):
         pulls = at.select(np.repeat(np.arange(12), 4))
         read_N = np.exp(planned.law.log_lift(planned.theta, pulls)) + 5.0
-        names = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
-        table = TrialTable(
-            trial=tuple(map(str, range(48))), peak_N=read_N * np.exp(np.tile([0.02, -0.02, 0.01, -0.01], 12)),
-            peak_std_N=5.0, **{name: getattr(pulls, name) for name in names},
-        )  # fmt: skip
-        truth = planned.law.log_lift(planned.theta, target)
-        errors.append(
-            float(abs(predict(fit_law(table, planned.law), target, check=False).log_lift - truth)[0])
-        )
+        scattered = np.log(read_N) + np.tile([0.02, -0.02, 0.01, -0.01], 12)
+        fit = fit_law(table_at(pulls, scattered, peak_std_N=5.0), planned.law)
+        off = predict(fit, target, check=False).log_lift - planned.law.log_lift(planned.theta, target)
+        errors.append(float(abs(off)[0]))
     assert errors[0] < 0.25 * errors[1]
     assert errors[0] < 2.0 * plan.after.std_log[0]
 
@@ -107,25 +100,15 @@ def pulled(planned, conditions, folder, seed):
     from ropefric.trials.campaign import load_campaign
     from ropefric.trials.extract import extract_campaign
 
+    settings = (conditions.wheel_radius_m, conditions.wrap_angle_rad, conditions.end_tension_N)
     rows = tuple(
         RigCondition(wheel_radius_m=R, wrap_angle_rad=phi, end_tension_N=F)
-        for R, phi, F in zip(
-            conditions.wheel_radius_m.tolist(),
-            conditions.wrap_angle_rad.tolist(),
-            conditions.end_tension_N.tolist(),
-            strict=True,
-        )
+        for R, phi, F in np.transpose(settings).tolist()
     )
     plan = CampaignPlan(
-        name="planned",
-        law=planned.law.name,
-        parameters=planned.law.as_mapping(planned.theta),
-        rope_diameter_m=0.0098,
-        conditions=rows,
-        design=rows[0],
-        repeats=4,
-        faults={},
+        name="planned", law=planned.law.name, parameters=planned.law.as_mapping(planned.theta),
+        rope_diameter_m=0.0098, conditions=rows, design=rows[0], repeats=4, faults={},
         bench=Bench(trial_scatter=planned.scatter.within, condition_scatter=planned.scatter.between),
-    )
+    )  # fmt: skip
     simulate_campaign(folder, plan, seed=seed)
     return trial_table(extract_campaign(load_campaign(folder / "campaign.toml")))

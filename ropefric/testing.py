@@ -20,8 +20,8 @@ from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.plugins import Plugin, load_plugin, registry_of, unloaded_after
+from ropefric.scenes.explain import explain_scene
 from ropefric.scenes.kind import Kind
-from ropefric.scenes.plan import explain_scene
 from ropefric.scenes.scene import load_scene
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep import Axis, sweep_scene

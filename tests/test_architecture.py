@@ -23,7 +23,7 @@ LEVELS = {
     "trials": 3, "rig": 3,
     "fitting": 4, "given": 4,
     "scenes": 5,
-    "pipeline": 6, "accuracy": 6, "contracts": 6, "papers": 6, "testing": 6,
+    "pipeline": 6, "accuracy": 6, "testing": 6,
     "plotting": 7,
     "report": 8,
     "review": 9,

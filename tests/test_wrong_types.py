@@ -52,8 +52,8 @@ CALLS: tuple[tuple[Callable[..., Any], dict[str, Any], str], ...] = (
     (rf.save_fit, {"path": "nowhere.json"}, "fit"),
     (rf.read_trace, {}, "path"),
     (rf.read_trial, {"trial": "1"}, "campaign"),
-    (rf.extract, {"campaign": "nowhere.toml"}, "campaign cache_dir"),
-    (rf.run, {"campaign": "nowhere.toml", "folder": "nowhere"}, "campaign folder cache_dir"),
+    (rf.extract, {"campaign": "nowhere.toml"}, "campaign"),
+    (rf.run, {"campaign": "nowhere.toml", "folder": "nowhere"}, "campaign folder"),
 )  # fmt: skip
 
 

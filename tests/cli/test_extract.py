@@ -24,7 +24,7 @@ def campaign(bench, tmp_path):
     return tmp_path / "campaign"
 
 
-def test_tables_figures_and_a_summary_and_then_from_the_cache(call, bench, tmp_path):
+def test_tables_figures_and_a_summary(call, bench, tmp_path):
     done = call("extract", bench / "campaign.toml", "--out", tmp_path / "out")
     assert done.code == 0
     for name in ("trials.csv", "conditions.csv", "problems.csv"):
@@ -35,14 +35,13 @@ def test_tables_figures_and_a_summary_and_then_from_the_cache(call, bench, tmp_p
         assert words in done.out
     assert "12 trials: 12 kept → " in done.err.splitlines()[-1]
     assert "figures 2/2" in done.err
-    # JSON is the only thing on stdout; what has not changed is not extracted again; quiet leaves the result alone.
+    # JSON is the only thing on stdout; quiet leaves the result alone.
     again = call("extract", bench, "--out", tmp_path / "out", "--json", "--no-figures")
     result = again.json()
     assert (len(result["trials"]), len(result["conditions"])) == (12, 2)
     assert all(set(trial) >= TRIAL_KEYS for trial in result["trials"])
     assert all(set(condition) >= CONDITION_KEYS for condition in result["conditions"])
     assert "extract 12/12" in again.err
-    assert "(12 unchanged, not extracted again)" in again.err
     quiet = call("extract", bench, "--out", tmp_path / "out", "--quiet", "--no-figures")
     assert (quiet.err, "mean F_A [N]" in quiet.out) == ("", True)
 
@@ -71,9 +70,7 @@ def test_a_bad_recording_is_listed_with_its_remedy_and_ends_nothing(call, campai
         assert any(victim.name in row["path"] for row in csv.DictReader(stream))
 
 
-def test_a_campaign_without_a_usable_force_is_3_and_still_tells_everything(
-    call, campaign, tmp_path, monkeypatch
-):
+def test_a_campaign_without_a_usable_force_is_3_and_still_tells_everything(call, campaign, tmp_path):
     for path in (campaign / "traces").iterdir():
         path.write_bytes(b"")
     done = call("extract", campaign, "--out", tmp_path / "out", "--no-figures")
@@ -84,10 +81,6 @@ def test_a_campaign_without_a_usable_force_is_3_and_still_tells_everything(
     result = call("extract", campaign, "--out", tmp_path / "out", "--json")
     assert (result.code, result.json()["error"]["code"]) == (3, "RF301")
     assert {trial["status"] for trial in result.json()["trials"]} == {"unreadable"}
-    for columns in (60, 80):
-        monkeypatch.setenv("COLUMNS", str(columns))
-        out = call("extract", campaign, "--out", tmp_path / "out", "--no-figures").out
-        assert max(len(line) for line in out.splitlines()) <= columns
 
 
 def test_what_is_wrong_is_said_before_the_work(call, campaign, tmp_path):

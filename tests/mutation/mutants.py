@@ -1,4 +1,4 @@
-"""Break lines of the physics, the picking and the fitting at random: does the suite notice?
+"""Break lines of the physics, the fitting and the trials at random: does the suite notice?
 
 `python tests/mutation/mutants.py [--count 40] [--seed 0] [--jobs 2]` copies the project, breaks one line in the copy,
 and runs the tests of that room until one fails. Where none does, `probe.py` asks the commands for their numbers: a break
@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-ROOMS = ("friction", "systems", "traces", "trials/outliers.py", "uncertainty", "fitting")
+ROOMS = ("friction", "systems", "trials", "uncertainty", "fitting")
 LONGEST_S = 1500.0
 """A suite that takes longer hangs: that is noticed too."""
 

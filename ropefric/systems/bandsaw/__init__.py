@@ -1,6 +1,6 @@
 """A band-saw blade between its wheels: sides and speeds in, frequencies of the running blade out.
 
-`span` is one free span with any of its parts left out, how it is held, and the moving string with its two waves; `beam`
+`span` is one free span with any of its parts left out, how it is held, and the moving string; `beam`
 the moving stiff blade, every mode to a wanted accuracy. `saw` puts the machine together: what the blade is, which
 tensions the torque makes, the preload a frequency asks for. `resonance` says where modes meet excitations and which
 preload to set, `measured` compares with measured frequencies and finds the mounting behind them. `answer` are all

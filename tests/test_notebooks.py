@@ -12,8 +12,8 @@ import pytest
 import ropefric as rf
 
 NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
-QUICK = "02_belt_press"
-"""Run by default; the others read a campaign, search for resonances or measure times."""
+SLOW = ("01_from_traces_to_lift_force", "05_what_accuracy_costs")
+"""They read a campaign or measure times; the others run by default."""
 
 
 def code_cells(path):
@@ -48,10 +48,7 @@ def test_notebooks_are_stored_without_outputs_end_in_assertions_and_use_the_inte
 
 @pytest.mark.parametrize(
     "path",
-    [
-        pytest.param(one, marks=() if one.stem == QUICK else pytest.mark.slow, id=one.stem)
-        for one in NOTEBOOKS
-    ],
+    [pytest.param(one, marks=pytest.mark.slow if one.stem in SLOW else (), id=one.stem) for one in NOTEBOOKS],
 )
 def test_a_notebook_runs(path, monkeypatch):
     plt = pytest.importorskip("matplotlib.pyplot")

@@ -250,34 +250,3 @@ def string_frequencies_Hz(span: Span, n_modes: int = 6) -> FloatArray:
     net_N = refuse_overspeed(limp, PINNED)
     first = net_N / (2.0 * span.free_span_m * np.sqrt(span.tension_N * span.linear_density_kg_m))
     return np.asarray(first[:, np.newaxis] * np.arange(1.0, n_modes + 1.0))
-
-
-class Waves(NamedTuple):
-    """The two waves of a mode of a string, [-], shape (n_times, n_places), and how long each takes over the span [s]."""
-
-    forward: FloatArray
-    backward: FloatArray
-    forward_s: float
-    backward_s: float
-
-    @property
-    def mode(self) -> FloatArray:
-        """Return their sum, what is to be seen: sin(nπx/l) cos(2πf_n t + nπvx/(lc))."""
-        return self.forward + self.backward
-
-
-def travelling_waves(span: Span, mode: int, place_m: npt.ArrayLike, time_s: npt.ArrayLike) -> Waves:
-    """Return the waves that run with a blade at c + v and against it at c − v, of amplitude ½, in the first case.
-
-    Both have the frequency f_n of eq. (8), since each end throws the one back as the other: eqs. (2)-(6).
-    """
-    frequency_Hz = float(string_frequencies_Hz(span, mode)[0, -1])
-    c, v, length = (float(one[0]) for one in (span.wave_speed_m_s, span.travel_speed_m_s, span.free_span_m))
-    turns = 2.0 * np.pi * frequency_Hz
-    x, t = np.asarray(place_m, dtype=np.float64), np.asarray(time_s, dtype=np.float64)[:, np.newaxis]
-    return Waves(
-        forward=-0.5 * np.sin(turns * (t - x / (c + v))),
-        backward=0.5 * np.sin(turns * (t + x / (c - v))),
-        forward_s=length / (c + v),
-        backward_s=length / (c - v),
-    )

@@ -186,17 +186,6 @@ def _under_payload_N(model: HoistModel) -> tuple[FloatArray, FloatArray, BoolArr
     return circling_N + stiff_N, np.where(touching, np.sort(sides_N, axis=0), 1.0), touching
 
 
-def tension_along_N(lift: Lift, angle_rad: FloatArray) -> FloatArray:
-    """Return the tension of one case under its payload at angles from the slack side [N], the slip beside it."""
-    idle_N, (slack_N, tight_N), touching = _under_payload_N(lift.model)
-    arcs = lift.arcs
-    if arcs is None or not touching[0]:
-        return np.full(angle_rad.shape, np.nan)
-    exponent = _exponent(lift.model, slack_N)(wrap_angle_rad=angle_rad)
-    rising = np.where(angle_rad < arcs.slip_rad[0], slack_N[0] * np.exp(exponent), tight_N[0])
-    return np.asarray(idle_N[0] + rising)
-
-
 def _arcs(model: HoistModel) -> Arcs:
     """Return how far the rope slips before it as a whole does: M(θ) = |ln(P_W/P_B)|, P_W of the payload's weight.
 

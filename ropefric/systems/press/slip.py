@@ -18,7 +18,7 @@ from ropefric.errors import InputError
 from ropefric.systems.checks import checked
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.machine import Press
-from ropefric.systems.press.statics import Statics, TakeUp, speed_shift_kg_m, steady_state
+from ropefric.systems.press.statics import Statics, TakeUp, speed_shift_kg_m
 
 # Below 1 N no wrap stands for the slack side, and the law's angle starts from zero.
 LEAST_SLACK_N = 1.0
@@ -166,36 +166,6 @@ def _ratio(above: FloatArray, below: FloatArray) -> FloatArray:
     ratio = np.full(np.shape(below), np.inf)
     np.divide(above, below, out=ratio, where=below > 0.0)
     return ratio
-
-
-class PressSweep:
-    """Tensions and slip at every pair of preloads of all tensioners and speeds; what is not given stays.
-
-    Over the speed alone the arrays behind figures 4 and 5, over the preload figure 6, over both figure 7 and the map.
-    `margin` is the largest utilisation of all rollers, shape (n_preloads or 1, n_speeds); slip begins at 1.
-    """
-
-    def __init__(
-        self,
-        statics: Statics,
-        friction: float | WrapFriction,
-        *,
-        preload_N: npt.ArrayLike | None = None,
-        speed_m_s: npt.ArrayLike | None = None,
-    ) -> None:
-        press = statics.press
-        self.preload_N = np.asarray([] if preload_N is None else preload_N, dtype=np.float64)
-        self.speed_m_s = np.asarray([press.speed_m_s] if speed_m_s is None else speed_m_s, dtype=np.float64)
-        state = steady_state(
-            statics,
-            preload_N=self.preload_N[:, None] if self.preload_N.size else None,
-            speed_m_s=self.speed_m_s[None, :],
-            on_slack="flag",
-        )
-        self.effective_tension_N, self.slack = state.effective_tension_N, state.slack
-        self.slip = SlipTable(press, self.effective_tension_N, friction)
-        self.spans, self.rollers = tuple(span.name for span in press.spans), self.slip.rollers
-        self.margin = self.slip.utilisation.max(axis=-1)
 
 
 CHANGES = {

@@ -3,7 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 from ropefric.friction.condition import Conditions
@@ -47,6 +47,21 @@ def test_coupled_without_size_is_wrap_power(plan):
     for theta in ([0.2, -0.5, 0.1], [0.3, -0.999, 0.01], [0.3, 0.0, 0.0]):
         sized = [theta[0], -1.0, -60.0, *theta[1:]]
         assert np.allclose(coupled.log_lift(sized, plan), wrap.log_lift(theta, plan), rtol=1e-14)
+
+
+def test_coupled_agrees_with_root_finding_and_quadrature():
+    mu_inf, a, b, c, d = theta = [0.2, -0.2, -0.3, -0.4, 0.05]
+    rng = np.random.default_rng(11)
+    drawn = {"wheel_radius_m": rng.uniform(0.02, 0.1, 25), "wrap_angle_rad": rng.uniform(1, 12, 25)}
+    at = pulls(**drawn, end_tension_N=rng.uniform(1.5, 200, 25))
+    found = LAWS["coupled"].log_lift(theta, at)
+    for i, (r, wrap_rad, y) in enumerate(
+        zip(at.size_ratio, at.wrap_angle_rad, at.log_end_tension, strict=True)
+    ):
+        strength = mu_inf * (1 - np.exp(a * r + b))
+        mu = lambda angle, strength=strength: strength * angle**c + d  # noqa: E731
+        start = brentq(lambda angle, mu=mu, y=y: quad(mu, 0, angle)[0] - y, 1e-9, 200)
+        assert found[i] == pytest.approx(y + quad(mu, start, start + wrap_rad)[0], rel=1e-9)
 
 
 def test_coupled_without_wrap_is_size_exponential(plan):

@@ -114,21 +114,23 @@ def law_takes_many_sets(law: FrictionLaw) -> None:
 
 def law_slopes_are_derivatives(law: FrictionLaw) -> None:
     """The slopes by the parameters, and by wheel radius, wrap and ln F_B, are those of finite differences."""
-    plan, settings = bench(), ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")
-    steps = [3e-4 * (abs(one.start) or 1e-2) for one in law.parameters]
+    plan, p = bench(), len(law.parameters)
+    settings = {"wheel_radius_m": plan.wheel_radius_m, "wrap_angle_rad": plan.wrap_angle_rad}
+    settings["end_tension_N"] = np.ones(len(plan))  # whose slope is by the logarithm already
+
+    def lift(theta: FloatArray, i: int, h: float) -> FloatArray:
+        if i < p:
+            return law.log_lift(theta + h * np.eye(p)[i], plan)
+        name = [*settings][i - p]
+        return law.log_lift(theta, varied(plan, **{name: getattr(plan, name) * np.exp(h)}))
+
     for theta in _some_sets(law, 2, m=4):
-        found = np.c_[law.jacobian(theta, plan), law.log_lift_gradient_conditions(theta, plan)]
-        for i, (name, step) in enumerate(
-            zip((*law.parameter_names, *settings), [*steps] + 3 * [1e-3], strict=True)
-        ):
-            base, there = 1.0, []
-            for h in (-2 * step, -step, step, 2 * step):
-                if name in settings:  # by its logarithm
-                    base = 1.0 if name == "end_tension_N" else getattr(plan, name)
-                    there.append(law.log_lift(theta, varied(plan, **{name: getattr(plan, name) * np.exp(h)})))
-                else:
-                    there.append(law.log_lift(theta + h * np.eye(found.shape[1])[i, : theta.size], plan))
-            truth = (8 * (there[2] - there[1]) - (there[3] - there[0])) / (12 * step) / base
+        by_log = law.log_lift_gradient_conditions(theta, plan) * np.column_stack([*settings.values()])
+        found = np.column_stack([law.jacobian(theta, plan), by_log])
+        for i, name in enumerate((*law.parameter_names, *settings)):
+            h = 3e-4 * (abs(theta[i]) or 1e-2) if i < p else 1e-3
+            near, far = (lift(theta, i, k * h) - lift(theta, i, -k * h) for k in (1, 2))
+            truth = (8 * near - far) / (12 * h)
             least = 1e-8 * max(float(np.abs(truth).max()), 1e-3)
             _close(found[:, i], truth, f"the slope by {name}", 1e-7, least)
 
@@ -182,17 +184,9 @@ def law_is_found_and_stored(law: FrictionLaw) -> None:
 
 def rule_keeps_what_cannot_be_judged(rule: OutlierRule) -> None:
     """None of fewer than three values, of equal ones, or of too few for it, is rejected; one bool a value comes out."""
-    series: tuple[list[float], ...] = (
-        [],
-        [3.0],
-        [3.0, 9.0],
-        [0.1] * 7,
-        [0.0] * 20,
-        [1e9 + 0.1] * 3,
-        [-5e-324] * 9,
-    )
+    alike = ([value] * n for value, n in ((3.0, 1), (0.1, 7), (0.0, 20), (1e9 + 0.1, 3), (-5e-324, 9)))
     few = ([*range(n - 1), 1e6] for n in range(3, 21) if not rule.can_reject(n))
-    for values in (*series, *few):
+    for values in ([], [3.0, 9.0], *alike, *few):
         flagged = rule.flag(values)
         _must(flagged.dtype == np.bool_ and flagged.shape == (len(values),), f"the answer is {flagged!r}")
         _must(not flagged.any(), f"{values[:3]}… loses a value")

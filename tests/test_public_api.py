@@ -4,15 +4,22 @@ import ast
 import inspect
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pint
 import pytest
 
 import ropefric as rf
 from ropefric.errors import DataError, InputError, UnknownNameError
+from ropefric.fitting.next_tests import planned_guess
 from ropefric.fitting.predict import new_rope_std
+from ropefric.fitting.resolution import MeanScatter
+from ropefric.friction.laws import LAWS
+from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
+from ropefric.traces.readers.profile import Channel, ImportProfile
 from ropefric.traces.trace import ForceTrace
 
 ROOT = Path(__file__).parents[1]
@@ -20,14 +27,14 @@ TRIALS = ROOT / "fits" / "prth-trials.csv"
 COUPLED = ROOT / "fits" / "prth-coupled.json"
 HOIST = ROOT / "data" / "scenes" / "hoist.toml"
 
+WHEEL = "wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, rope_radius_m=None"
 SIGNATURES = {
     "accuracy_table": "(study='', case='', *, method='', timed=False)",
     "budget": "(fit, *, wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m=None, u_wheel_radius_m=0.0, "
     "u_rope_radius_m=0.0, u_wrap_angle_rad=0.0, u_end_tension_N=0.0, one_pull=False, level=0.95, draws=200000, "
     "seed=0)",
     "compare": "(trials, laws=None, *, progress=None, of='peak', touching_turns=None, columns=None)",
-    "design": "(fit, *, lift_N, solve_for='wrap', wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, "
-    "rope_radius_m=None, probability=0.95)",
+    "design": f"(fit, *, lift_N, solve_for='wrap', {WHEEL}, probability=0.95)",
     "diagnose": "(trials, comparison=None, *, touching_turns=None, columns=None)",
     "explain": "(scene, *, measure=False)",
     "extract": "(campaign, *, jobs=1, progress=None, executor=None)",
@@ -35,7 +42,7 @@ SIGNATURES = {
     "stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
     "n_starts=4, seed=0, intervals='auto', of='peak', columns=None, resamples=2000, executor=None)",
-    "friction_table": "(fit, *, wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, rope_radius_m=None)",
+    "friction_table": f"(fit, *, {WHEEL})",
     "lmfit_model": "(law)",
     "load_campaign": "(path, *, missing_recordings='error')",
     "load_fit": "(path)",
@@ -47,9 +54,8 @@ SIGNATURES = {
     "plan_tests": "(known, *, wheels_m, wraps_rad, end_tensions_N, wheel_radius_m, wrap_angle_rad, end_tension_N, "
     "rope_radius_m=None, largest_force_N=inf, n_conditions=12, repeats=12, criterion='v', level=0.95, starts=10, "
     "seed=0)",
-    "predict": "(fit, wheels=None, *, wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, "
-    "rope_radius_m=None, "
-    "level=0.95, method='linear', linear_density_kg_m=None, speed_m_s=None, columns=None)",
+    "predict": f"(fit, wheels=None, *, {WHEEL}, level=0.95, method='linear', linear_density_kg_m=None, speed_m_s=None, "
+    "columns=None)",
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
     "read_trial": "(campaign, trial)",
     "reject": "(values, rule='two-sigma')",
@@ -69,28 +75,30 @@ CLASSES = ["RopefricError", "RopefricWarning"]
 def bare(function):
     """Return the signature without annotations."""
     signature = inspect.signature(function)
-    plain = [
-        parameter.replace(annotation=inspect.Parameter.empty) for parameter in signature.parameters.values()
-    ]
+    plain = [one.replace(annotation=inspect.Parameter.empty) for one in signature.parameters.values()]
     return str(inspect.Signature(plain))
 
 
-def test_the_public_names_and_signatures_are_these():
+def test_the_public_names_and_signatures_are_these_and_documented():
     assert {name: bare(getattr(rf, name)) for name in dir(rf) if name in SIGNATURES} == SIGNATURES
     assert rf.__all__ == ["__version__", *CLASSES, *SIGNATURES]
     assert dir(rf) == sorted(rf.__all__)
-
-
-def test_editors_are_told_the_same_names():
+    for name in SIGNATURES:
+        assert inspect.getdoc(getattr(rf, name)).startswith(("Load ", "Return ", "Write "))
+    # Editors are told the same.
     stub = ast.parse((ROOT / "ropefric" / "__init__.pyi").read_text(encoding="utf-8"))
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
     assert {alias.asname: node.module for node in imports for alias in node.names} == rf._WHERE
     assert sorted(rf._WHERE) == [*CLASSES, *SIGNATURES]
 
 
-def test_everything_public_is_documented():
-    for name in SIGNATURES:
-        assert inspect.getdoc(getattr(rf, name)).startswith(("Load ", "Return ", "Write "))
+@pytest.fixture(scope="module")
+def few(tmp_path_factory):
+    """Every sixth of the trials, in a file."""
+    rows = TRIALS.read_text(encoding="utf-8").splitlines(keepends=True)
+    path = tmp_path_factory.mktemp("few") / "few.csv"
+    path.write_text("".join([rows[0], *rows[1::6]]), encoding="utf-8")
+    return path
 
 
 def test_names_load_late_and_unknown_ones_are_attribute_errors():
@@ -106,33 +114,23 @@ def test_names_load_late_and_unknown_ones_are_attribute_errors():
         _ = rf.fti
 
 
-def test_all_kinds_of_tables_are_one():
-    from_path = rf.trial_table(TRIALS)
-    frame = pd.read_csv(TRIALS)
+def test_all_kinds_of_tables_are_one(few):
+    from_path, frame = rf.trial_table(few), pd.read_csv(few)
     before = frame.copy()
-    kinds = [rf.trial_table(str(TRIALS)), rf.trial_table(frame), rf.trial_table(from_path.to_frame())]
-    pd.testing.assert_frame_equal(frame, before)
-    for table in kinds:
+    for table in (rf.trial_table(str(few)), rf.trial_table(frame), rf.trial_table(from_path.to_frame())):
         assert table.trial == from_path.trial
         np.testing.assert_array_equal(table.used, from_path.used)
         np.testing.assert_array_equal(table.peak_N, from_path.peak_N)
+    pd.testing.assert_frame_equal(frame, before)
     assert rf.trial_table(from_path) is from_path
-    fits = [rf.fit(table, "constant") for table in (TRIALS, frame, from_path)]
-    assert len({fit["mu"].value for fit in fits}) == 1
+    assert len({rf.fit(table, "constant")["mu"].value for table in (few, frame, from_path)}) == 1
     with pytest.raises(InputError, match="list is no trial table"):
         rf.trial_table([1, 2])
 
 
 def test_an_extraction_is_a_table(tmp_path):
-    rig = pytest.importorskip("ropefric.rig.campaign")
-    from dataclasses import replace
-
-    from ropefric.rig.campaign import prth_bench_plan
-
-    plan = prth_bench_plan()
-    rig.simulate_campaign(
-        tmp_path, replace(plan, conditions=plan.conditions[:2], repeats=4, faults={}), seed=5
-    )
+    plan = replace(prth_bench_plan(), conditions=prth_bench_plan().conditions[:2], repeats=4, faults={})
+    simulate_campaign(tmp_path, plan, seed=5)
     campaign = rf.load_campaign(tmp_path / "campaign.toml")
     extraction = rf.extract(campaign)
     table = rf.trial_table(extraction)
@@ -163,35 +161,26 @@ def test_a_fit_goes_into_a_file_and_predicts_the_same(tmp_path):
     np.testing.assert_allclose(needed.value, 7.0, rtol=1e-9)
 
 
-def test_a_parameter_that_a_law_lacks_is_an_unknown_name():
+def test_what_is_not_there_or_not_one_is_told():
     with pytest.raises(UnknownNameError, match="unknown parameter 'mu_in' Fix: did you mean 'mu_inf'"):
         rf.load_fit(COUPLED)["mu_in"]
-
-
-def test_one_budget_is_of_one_wheel():
-    wheel = {"wrap_angle_rad": 6.98, "end_tension_N": 60.0}
     with pytest.raises(InputError, match="wheel_radius_m: 2 values where one is meant"):
-        rf.budget(COUPLED, wheel_radius_m=[0.03, 0.04], **wheel)
-
-
-def test_comparison_and_diagnosis_fit_together():
-    comparison = rf.compare(TRIALS, ["coupled", "wrap-power"])
-    assert comparison.best.law == "coupled"
-    assert rf.diagnose(TRIALS, comparison)["wrap effect"].supported == "yes"
-
-
-def test_a_window_that_nothing_can_be_chosen_for_is_told():
+        rf.budget(COUPLED, wheel_radius_m=[0.03, 0.04], wrap_angle_rad=6.98, end_tension_N=60.0)
     flat = ForceTrace(time_s=np.arange(500) / 1000, force_N=np.zeros(500))
     with pytest.raises(InputError, match="no window can be chosen"):
         rf.smooth(flat)
     assert rf.smooth(flat, 0.01).force_N.tolist() == [0.0] * 500
 
 
+def test_comparison_and_diagnosis_fit_together(few):
+    comparison = rf.compare(few, ["coupled", "constant"])
+    assert comparison.best.law == "coupled"
+    assert rf.diagnose(few, comparison)["wrap effect"].supported == "yes"
+
+
 def test_side_by_side_recordings_need_a_name(tmp_path):
     path = tmp_path / "wide.csv"
     path.write_text("A,,B,\ntime_s,force_N,time_s,force_N\n0,1,0,2\n1,2,1,3\n2,3,2,4\n", encoding="utf-8")
-    from ropefric.traces.readers.profile import Channel, ImportProfile
-
     profile = ImportProfile(
         separator=",", header_row=2, data_row=3, block_names_row=1, block_columns=2,
         channels={"time": Channel(column="time_s"), "force": Channel(column="force_N")},
@@ -232,10 +221,10 @@ def test_a_budget_of_exact_settings_is_the_standard_error_of_the_prediction():
     assert one_pull.budget.combined == pytest.approx(np.hypot(predicted.std_N[0], rope), rel=1e-6)
 
 
-def test_measured_budgets_know_every_condition():
-    table = rf.trial_table(TRIALS)
-    forces = rf.measured_budgets(TRIALS, draws=20_000)
-    mu = rf.measured_budgets(table, "mu", u_wrap_angle_rad=0.035, draws=20_000)
+def test_measured_budgets_know_every_condition(few):
+    table = rf.trial_table(few)
+    forces = rf.measured_budgets(few, draws=10_000)
+    mu = rf.measured_budgets(table, "mu", u_wrap_angle_rad=0.035, draws=10_000)
     assert len(forces) == len(mu) == rf.fit(table, "constant").statistics.n_conditions
     first = forces[0].model
     assert (first.symbol, first.unit, mu[0].model.unit) == ("F_A", "N", "-")
@@ -251,10 +240,6 @@ def test_tests_are_planned_from_a_fit():
     plan = rf.plan_tests(COUPLED, **rig, **wanted, largest_force_N=800.0, n_conditions=4, repeats=6)
     assert len(plan) == 4
     assert plan.after.std_log[0] < plan.before.std_log[0]
-    from ropefric.fitting.next_tests import planned_guess
-    from ropefric.fitting.resolution import MeanScatter
-    from ropefric.friction.laws import LAWS
-
     guessed = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))
     with pytest.raises(InputError, match="does not know its rope"):
         rf.plan_tests(guessed, **rig, **wanted)
@@ -262,68 +247,54 @@ def test_tests_are_planned_from_a_fit():
 
 def test_tables_of_any_form_with_names_and_units_of_ones_own(tmp_path):
     """A frame with a lab's headers, columns by name, an array and quantities all give the same trials."""
-    pint = pytest.importorskip("pint")
     unit = pint.UnitRegistry()
-    forces = np.array([36.6, 66.1, 121.7])
-    wraps_deg = np.degrees([3.0, 6.0, 9.0])
+    forces, wraps_deg = np.array([36.6, 66.1, 121.7]), np.degrees([3.0, 6.0, 9.0]).tolist()
     lab = pd.DataFrame(
         {"D [cm]": 8.0, "d [mm]": 10.0, "Winkel": wraps_deg, "F0": 20.0, "F [kN]": forces / 1e3}
     )
     names = {"D [cm]": "wheel_diameter [cm]", "d [mm]": "rope_diameter_mm", "Winkel": "wrap_deg", "F0": "end_tension_N",
              "F [kN]": "peak_kN"}  # fmt: skip
-    wraps = [f"{one!r} deg" for one in wraps_deg.tolist()]
-    columns = {"wheel_radius": ["4 cm"] * 3, "rope_diameter": "10 mm", "wrap": wraps,
+    columns = {"wheel_radius": ["4 cm"] * 3, "rope_diameter": "10 mm", "wrap": [f"{one!r} deg" for one in wraps_deg],
                "end_tension": 20.0 * unit.newton, "peak": unit.Quantity(forces / 1e3, "kN")}  # fmt: skip
+    texts = columns | {"end_tension": "20 N", "peak": [f"{f!r} N" for f in forces.tolist()]}
     array = np.column_stack([np.full(3, 0.04), np.full(3, 0.005), wraps_deg, np.full(3, 20.0), forces])
     heads = ["wheel_radius_m", "rope_radius_m", "wrap_angle_deg", "end_tension_N", "peak_N"]
-    tables = [
-        rf.trial_table(lab, columns=names),
-        rf.trial_table(columns),
-        rf.trial_table(
-            pd.DataFrame(columns | {"end_tension": "20 N", "peak": [f"{f!r} N" for f in forces.tolist()]})
-        ),
-        rf.trial_table(array, columns=heads),
-    ]
-    for table in tables:
-        for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "peak_N"):
-            np.testing.assert_allclose(getattr(table, name), getattr(tables[-1], name), rtol=1e-14)
-    assert rf.fit(lab, "constant", columns=names)["mu"].value == pytest.approx(
-        rf.fit(array, "constant", columns=heads)["mu"].value, rel=1e-12
-    )
-    with pytest.raises(UnknownNameError, match=r"no column 'F \[KN\]'.*did you mean 'F \[kN\]'"):
-        rf.trial_table(lab, columns={"F [KN]": "peak_kN"})
     path = tmp_path / "lab.csv"
     lab.to_csv(path, index=False)
-    np.testing.assert_allclose(rf.trial_table(path, columns=names).peak_N, forces, rtol=1e-14)
-    with pytest.raises(UnknownNameError, match="no column 'F'"):
-        rf.trial_table(path, columns={"F": "peak_kN"})
-    with pytest.raises(InputError, match="a file have names"):
-        rf.trial_table(path, columns=heads)
-    with pytest.raises(InputError, match="columns of a TrialTable"):
-        rf.trial_table(tables[0], columns=names)
+    last = rf.trial_table(array, columns=heads)
+    for table in (rf.trial_table(lab, columns=names), rf.trial_table(columns), rf.trial_table(pd.DataFrame(texts)),
+                  rf.trial_table(path, columns=names)):  # fmt: skip
+        for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "peak_N"):
+            np.testing.assert_allclose(getattr(table, name), getattr(last, name), rtol=1e-14)
+    mu = rf.fit(array, "constant", columns=heads)["mu"].value
+    assert rf.fit(lab, "constant", columns=names)["mu"].value == pytest.approx(mu, rel=1e-12)
+    for given, named, error, words in (
+        (lab, {"F [KN]": "peak_kN"}, UnknownNameError, r"no column 'F \[KN\]'.*did you mean 'F \[kN\]'"),
+        (path, {"F": "peak_kN"}, UnknownNameError, "no column 'F'"), (path, heads, InputError, "a file have names"),
+        (last, names, InputError, "columns of a TrialTable"),
+        ({"wheel_radius_m": [1.0, 2.0], "peak_N": [1.0, 2.0, 3.0]}, None, InputError, "this is no table"),
+    ):  # fmt: skip
+        with pytest.raises(error, match=words):
+            rf.trial_table(given, columns=named)
     with pytest.raises(InputError, match="cannot be given in N") as refused:
         rf.trial_table(columns | {"peak": unit.Quantity(forces, "m")})
     assert str(refused.value).count("peak") == 1
-    with pytest.raises(InputError, match="this is no table"):
-        rf.trial_table({"wheel_radius_m": [1.0, 2.0], "peak_N": [1.0, 2.0, 3.0]})
 
 
 def test_a_recording_of_any_form_gives_the_same_break_away():
     time_s = np.arange(2500) / 1000
     force_N = np.interp(time_s, [0.3, 1.3, 1.32], [0, 100, 80])
+    lab = pd.DataFrame({"Zeit": time_s, "F": force_N})
     found = [
         rf.find_breakaway(ForceTrace(time_s=time_s, force_N=force_N)),
         rf.find_breakaway(time_s, force_N),
         rf.find_breakaway(time_s.tolist(), force_N.tolist()),
         rf.find_breakaway({"t_s": time_s, "load [N]": force_N}),
-        rf.find_breakaway(
-            pd.DataFrame({"Zeit": time_s, "F": force_N}), columns={"Zeit": "time_s", "F": "force_N"}
-        ),
+        rf.find_breakaway(lab, columns={"Zeit": "time_s", "F": "force_N"}),
     ]
     assert {one.peak_N for one in found} == {found[0].peak_N}
-    assert rf.smooth({"time_ms": 1e3 * time_s, "force_N": force_N}, 0.01).window_s == pytest.approx(
-        0.01, rel=0.1
-    )
+    smoothed = rf.smooth({"time_ms": 1e3 * time_s, "force_N": force_N}, 0.01)
+    assert smoothed.window_s == pytest.approx(0.01, rel=0.1)
     with pytest.raises(InputError, match="0 columns are a force with its unit"):
         rf.find_breakaway({"time_s": time_s, "kraft_N": force_N})
     with pytest.raises(InputError, match="1 columns are a time with its unit"):
@@ -346,29 +317,23 @@ def test_arrays_are_mended_as_files_are_and_told():
 
 
 def test_settings_of_any_form_and_a_warning_of_degrees_and_millimetres():
-    bare = rf.predict(
-        COUPLED, wheel_radius_m=0.035, wrap_angle_rad=np.radians([400.0, 500.0]), end_tension_N=80.0
-    )
-    united = rf.predict(
-        COUPLED, wheel_radius_m="35 mm", wrap_angle_rad=["400 deg", "500 deg"], end_tension_N="0.08 kN"
-    )
-    framed = rf.predict(COUPLED, pd.DataFrame({"wheel_diameter_mm": 70.0, "wrap_deg": [400.0, 500.0], "F0": 80.0}),
-                        columns={"F0": "end_tension_N"})  # fmt: skip
-    for one in (united, framed):
+    wheel = {"wheel_radius_m": 0.035, "end_tension_N": 80.0}
+    bare = rf.predict(COUPLED, **wheel, wrap_angle_rad=np.radians([400.0, 500.0]))
+    wraps = ["400 deg", "500 deg"]
+    united = rf.predict(COUPLED, wheel_radius_m="35 mm", wrap_angle_rad=wraps, end_tension_N="0.08 kN")
+    frame = pd.DataFrame({"wheel_diameter_mm": 70.0, "wrap_deg": [400.0, 500.0], "F0": 80.0})
+    for one in (united, rf.predict(COUPLED, frame, columns={"F0": "end_tension_N"})):
         np.testing.assert_allclose(one.lift_force_N, bare.lift_force_N, rtol=1e-13)
-    assert rf.design(
-        COUPLED, lift_N="0.9 kN", wheel_radius_m="4 cm", end_tension_N=80
-    ).value == pytest.approx(
-        rf.design(COUPLED, lift_N=900.0, wheel_radius_m=0.04, end_tension_N=80.0).value, rel=1e-13
-    )
+    found = rf.design(COUPLED, lift_N="0.9 kN", wheel_radius_m="4 cm", end_tension_N=80).value
+    same = rf.design(COUPLED, lift_N=900.0, wheel_radius_m=0.04, end_tension_N=80.0).value
+    assert found == pytest.approx(same, rel=1e-13)
     with pytest.raises(InputError, match="no value for wrap_angle_rad"):
-        rf.predict(COUPLED, wheel_radius_m=0.035, end_tension_N=80.0)
+        rf.predict(COUPLED, **wheel)
     with pytest.raises(InputError, match="does not say its unit"):
         rf.predict(COUPLED, {"wheel_radius": [35.0], "wrap_deg": [400.0], "end_tension_N": [80.0]})
-    with pytest.warns(
-        rf.RopefricWarning, match=r'wrap_angle_rad: 400 rad is a wrap of 63.7 turns. Fix: .* "400 deg"'
-    ) as said:
-        rf.predict(COUPLED, wheel_radius_m=0.035, wrap_angle_rad=400, end_tension_N=80)
+    words = 'wrap_angle_rad: 400 rad is a wrap of 63.7 turns. Fix: .* "400 deg"'
+    with pytest.warns(rf.RopefricWarning, match=words) as said:
+        rf.predict(COUPLED, **wheel, wrap_angle_rad=400)
     assert said[0].filename == __file__
     with pytest.warns(rf.RopefricWarning, match=r'35 m is a wheel of 70 m diameter. Fix: .* "35 mm"'):
         rf.predict(COUPLED, wheel_radius_m=35, wrap_angle_rad=7.0, end_tension_N=80)

@@ -41,17 +41,13 @@ def out(tmp_path):
 # --- whose files these are ---
 
 
-def test_a_folder_of_ours_is_written_again_and_again(out):
+def test_a_folder_of_ours_is_written_again_and_again(out, tmp_path):
     for text in ("one", "two", "two"):
         assert put(out, {"a.txt": text, "sub/b.txt": text}) == (out / "a.txt", out / "sub" / "b.txt")
         assert tree(out) == {"a.txt": text, "sub/b.txt": text}
     assert [path.name for path in (out / OWN).iterdir()] == ["files.json"]
-
-
-def test_the_same_files_give_the_same_list_of_them(tmp_path):
-    for name in ("a", "b"):
-        put(tmp_path / name, {"x.txt": "1", "y.txt": "2"})
-    one, two = ((tmp_path / name / OWN / "files.json").read_bytes() for name in ("a", "b"))
+    put(tmp_path / "again", {"a.txt": "two", "sub/b.txt": "two"})
+    one, two = ((folder / OWN / "files.json").read_bytes() for folder in (out, tmp_path / "again"))
     assert one == two
 
 
@@ -87,16 +83,14 @@ def test_a_file_of_ours_that_was_changed_is_somebody_elses(out):
     assert tree(out) == {"a.txt": "old, and my remarks"}
 
 
-@pytest.mark.parametrize(
-    "damage", ["", "{", "[]", '{"schema": "ropefric.files/9", "files": {}}', '{"files": 3}']
-)
-def test_without_a_sound_list_nothing_is_ours(out, damage):
-    put(out, {"a.txt": "old"})
-    (out / OWN / "files.json").write_text(damage, encoding="utf-8")
-    with pytest.raises(DataError, match="did not write"):
-        put(out, {"a.txt": "new"}, names=["a.txt"])
-    put(out, {"a.txt": "new"}, force=True)
-    assert tree(out) == {"a.txt": "new"}
+def test_without_a_sound_list_nothing_is_ours(out):
+    for damage in ("", "{", "[]", '{"schema": "ropefric.files/9", "files": {}}', '{"files": 3}'):
+        put(out, {"a.txt": "old"}, force=True)
+        (out / OWN / "files.json").write_text(damage, encoding="utf-8")
+        with pytest.raises(DataError, match="did not write"):
+            put(out, {"a.txt": "new"}, names=["a.txt"])
+        put(out, {"a.txt": "new"}, force=True)
+        assert tree(out) == {"a.txt": "new"}
 
 
 def test_an_input_is_never_replaced_by_whatever_name_it_goes(out, tmp_path):
@@ -114,15 +108,16 @@ def test_an_input_is_never_replaced_by_whatever_name_it_goes(out, tmp_path):
 # --- links and places that cannot be used ---
 
 
-@pytest.mark.parametrize("which", ["sub", OWN, ".cache"])
-def test_a_folder_within_that_leads_elsewhere_is_refused(out, tmp_path, which):
+def test_a_folder_within_that_leads_elsewhere_is_refused(out, tmp_path):
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     out.mkdir(parents=True)
-    (out / which).symlink_to(elsewhere)
-    with pytest.raises(DataError, match="link"):
-        put(out, {"sub/b.txt": "new"}, names=["sub/b.txt"], force=True)
-    assert list(elsewhere.iterdir()) == []
+    for which in ("sub", OWN, ".cache"):
+        (out / which).symlink_to(elsewhere)
+        with pytest.raises(DataError, match="link"):
+            put(out, {"sub/b.txt": "new"}, names=["sub/b.txt"], force=True)
+        assert list(elsewhere.iterdir()) == []
+        (out / which).unlink()
 
 
 def test_a_link_in_the_place_of_a_file_is_not_written_through(out, tmp_path):
@@ -157,13 +152,13 @@ def test_a_list_that_names_files_outside_reaches_none(out, tmp_path):
     assert victim.read_text(encoding="utf-8") == "mine"
 
 
-@pytest.mark.parametrize("name", ["file", "file/below", "x" * 300, "fi\0le"])
-def test_what_cannot_be_a_folder_is_said_at_once(tmp_path, name):
+def test_what_cannot_be_a_folder_is_said_at_once(tmp_path):
     (tmp_path / "file").write_text("mine", encoding="utf-8")
-    with pytest.raises(DataError) as caught:
-        OutputFolder(tmp_path / name, family="campaign").__enter__()
-    assert caught.value.code == "RF105"
-    assert tree(tmp_path) == {"file": "mine"}
+    for name in ("file", "file/below", "x" * 300, "fi\0le"):
+        with pytest.raises(DataError) as caught:
+            OutputFolder(tmp_path / name, family="campaign").__enter__()
+        assert caught.value.code == "RF105"
+        assert tree(tmp_path) == {"file": "mine"}
 
 
 def test_a_file_in_the_place_of_a_folder_is_said_at_once(out):
@@ -215,18 +210,17 @@ def test_a_folder_that_nothing_came_into_is_gone(out):
 
 
 def test_what_an_earlier_run_wrote_and_this_one_does_not_goes(out):
-    put(out, {"a.txt": "1", "figures/x.png": "1", "figures/y.png": "1", "fits/z.json": "1"})
+    names = ("a.txt", "b.txt", "figures/x.png", "figures/y.png", "figures/z.png", "fits/z.json")
+    put(out, dict.fromkeys(names, "1"))
     (out / "figures" / "mine.png").write_text("mine", encoding="utf-8")
+    (out / "figures" / "y.png").write_text("1, and my remarks", encoding="utf-8")
     put(out, {"a.txt": "2", "figures/x.png": "2"})
-    assert tree(out) == {"a.txt": "2", "figures/x.png": "2", "figures/mine.png": "mine"}
+    left = {
+        "figures/mine.png": "mine",
+        "figures/y.png": "1, and my remarks",
+    }  # what was changed by hand stays
+    assert tree(out) == {"a.txt": "2", "figures/x.png": "2"} | left
     assert not (out / "fits").exists()
-
-
-def test_what_was_changed_by_hand_stays(out):
-    put(out, {"a.txt": "1", "b.txt": "1"})
-    (out / "b.txt").write_text("1, and my remarks", encoding="utf-8")
-    put(out, {"a.txt": "2"})
-    assert tree(out) == {"a.txt": "2", "b.txt": "1, and my remarks"}
 
 
 def test_other_parts_stay_as_long_as_what_they_rest_on(out):
@@ -292,16 +286,16 @@ def test_after_a_kill_every_file_is_whole_and_the_next_run_goes_on(out, at):
     assert [path.name for path in (out / OWN).iterdir()] == ["files.json"]
 
 
-@pytest.mark.parametrize("failure", [KeyboardInterrupt, KeyboardInterrupt(15), OSError(errno.ENOSPC, "full")])
-def test_a_run_that_is_stopped_before_the_end_leaves_the_old_result(out, failure):
+def test_a_run_that_is_stopped_before_the_end_leaves_the_old_result(out):
     put(out, {"a.txt": "old", "b.txt": "old"})
-    with pytest.raises(BaseException), OutputFolder(out, family="campaign") as folder:  # noqa: B017, PT012
-        folder.write({"a.txt": "new"})
-        with folder.stream("b.txt") as stream:
-            stream.write(b"half of the n")
-            raise failure
-    assert tree(out) == {"a.txt": "old", "b.txt": "old"}
-    assert [path.name for path in (out / OWN).iterdir()] == ["files.json"]
+    for failure in (KeyboardInterrupt, KeyboardInterrupt(15), OSError(errno.ENOSPC, "full")):
+        with pytest.raises(BaseException), OutputFolder(out, family="campaign") as folder:  # noqa: B017, PT012
+            folder.write({"a.txt": "new"})
+            with folder.stream("b.txt") as stream:
+                stream.write(b"half of the n")
+                raise failure
+        assert tree(out) == {"a.txt": "old", "b.txt": "old"}
+        assert [path.name for path in (out / OWN).iterdir()] == ["files.json"]
 
 
 def test_a_full_disk_at_any_moment_leaves_whole_files_and_is_the_users_to_mend(out, monkeypatch):
@@ -402,7 +396,7 @@ def test_two_runs_in_one_process_are_two(out):
 
 
 def leave_lock(out, **said):
-    (out / OWN).mkdir(parents=True)
+    (out / OWN).mkdir(parents=True, exist_ok=True)
     (out / OWN / "lock").write_text(json.dumps(said), encoding="utf-8")
 
 
@@ -415,37 +409,22 @@ def test_a_lock_of_another_machine_says_how_to_remove_it(out):
     put(out, {"a.txt": "new"})
 
 
-@pytest.mark.parametrize(
-    ("pid", "start", "taken"),
-    [
-        ("own", "own", True),
-        ("own", "another", False),  # the number was given to another process since
-        (2**22 + 7, "", False),
-        (0, "", False),
-        ("x", "", False),
-    ],
-)
-def test_where_the_system_knows_no_locks_the_process_is_looked_for(out, monkeypatch, pid, start, taken):
-    if pid == "own":  # not among the parameters: workers would not agree on their names
-        pid = os.getpid()
-    if start == "own":
-        start = folders._process_start(os.getpid())
-
+def test_where_the_system_knows_no_locks_the_process_is_looked_for(out, monkeypatch):
     def unknown(*_):
         raise OSError(errno.ENOLCK, "No locks available")
 
     monkeypatch.setattr(folders.fcntl, "lockf", unknown)
-    leave_lock(out, host=platform.node(), pid=pid, process_start=start)
-    if taken:
-        with pytest.raises(DataError, match="another run works"):
-            put(out, {"a.txt": "new"})
-    else:
+    here, start = os.getpid(), folders._process_start(os.getpid())
+    leave_lock(out, host=platform.node(), pid=here, process_start=start)
+    with pytest.raises(DataError, match="another run works"):
         put(out, {"a.txt": "new"})
-
-
-def test_a_lock_that_was_never_finished_is_nobodys(out):
+    # The number was given to another process since; nobody's; no number.
+    for pid, process_start in ((here, "another"), (2**22 + 7, ""), (0, ""), ("x", "")):
+        leave_lock(out, host=platform.node(), pid=pid, process_start=process_start)
+        put(out, {"a.txt": "new"})
+    monkeypatch.undo()
     leave_lock(out)
-    (out / OWN / "lock").write_text('{"host": "el', encoding="utf-8")
+    (out / OWN / "lock").write_text('{"host": "el', encoding="utf-8")  # never finished
     put(out, {"a.txt": "new"})
 
 

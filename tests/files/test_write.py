@@ -33,33 +33,26 @@ def refuse_from(monkeypatch, where, number):
     monkeypatch.setattr(disk.os, where, fail)
 
 
-@pytest.mark.parametrize(
-    ("number", "hint"),
-    [
-        (errno.ENOSPC, "make room"),
-        (errno.EDQUOT, "make room"),
-        (errno.EROFS, "you may write to"),
-        (errno.EIO, "another place"),
-    ],
-)
-def test_a_disk_that_is_full_or_refuses_is_the_users_to_mend(target, monkeypatch, number, hint):
-    refuse_from(monkeypatch, "fsync", number)
-    with pytest.raises(DataError, match="cannot be written") as caught:
-        write_file(target, "new")
-    assert caught.value.code == "RF105"
-    assert caught.value.where == target.as_posix()
-    assert hint in caught.value.fix
-    assert target.read_text(encoding="utf-8") == "old"
-    assert names(target.parent) == ["trials.csv"]
+def test_a_disk_that_is_full_or_refuses_is_the_users_to_mend(target, monkeypatch):
+    for number, hint in {
+        errno.ENOSPC: "make room", errno.EDQUOT: "make room", errno.EROFS: "you may write to", errno.EIO: "another place"
+    }.items():  # fmt: skip
+        refuse_from(monkeypatch, "fsync", number)
+        with pytest.raises(DataError, match="cannot be written") as caught:
+            write_file(target, "new")
+        assert (caught.value.code, caught.value.where) == ("RF105", target.as_posix())
+        assert hint in caught.value.fix
+        assert target.read_text(encoding="utf-8") == "old"
+        assert names(target.parent) == ["trials.csv"]
 
 
-@pytest.mark.parametrize("failure", [KeyboardInterrupt, KeyboardInterrupt(15), ZeroDivisionError, SystemExit])
-def test_whatever_ends_the_writing_leaves_the_old_file_and_no_rest(target, failure):
-    with pytest.raises(BaseException), replacing(target) as stream:  # noqa: B017, PT012
-        stream.write(b"half of the n")
-        raise failure
-    assert target.read_text(encoding="utf-8") == "old"
-    assert names(target.parent) == ["trials.csv"]
+def test_whatever_ends_the_writing_leaves_the_old_file_and_no_rest(target):
+    for failure in (KeyboardInterrupt, KeyboardInterrupt(15), ZeroDivisionError, SystemExit):
+        with pytest.raises(BaseException), replacing(target) as stream:  # noqa: B017, PT012
+            stream.write(b"half of the n")
+            raise failure
+        assert target.read_text(encoding="utf-8") == "old"
+        assert names(target.parent) == ["trials.csv"]
 
 
 def test_a_process_that_is_killed_in_the_middle_leaves_the_old_file(target):
@@ -85,40 +78,32 @@ def test_nobody_reads_half_a_file(target):
     assert target.read_text(encoding="utf-8") == "new"
 
 
-@pytest.mark.parametrize("kind", ["file", "dangling", "folder"])
-def test_nothing_is_written_through_a_link(tmp_path, kind):
-    other = tmp_path / "other"
-    if kind == "file":
-        other.write_text("mine", encoding="utf-8")
-    elif kind == "folder":
-        other.mkdir()
-    (tmp_path / "link").symlink_to(other)
-    with pytest.raises(DataError, match=r"this is a link, to .*other"):
-        write_file(tmp_path / "link", "new")
-    assert (tmp_path / "link").is_symlink()
-    assert other.exists() == (kind != "dangling")
-    assert kind != "file" or other.read_text(encoding="utf-8") == "mine"
+def test_nothing_is_written_through_a_link(tmp_path):
+    (tmp_path / "file").write_text("mine", encoding="utf-8")
+    (tmp_path / "folder").mkdir()
+    for kind in ("file", "dangling", "folder"):
+        link = tmp_path / f"link to {kind}"
+        link.symlink_to(tmp_path / kind)
+        with pytest.raises(DataError, match=rf"this is a link, to .*{kind}"):
+            write_file(link, "new")
+        assert link.is_symlink()
+    assert (tmp_path / "file").read_text(encoding="utf-8") == "mine"
+    assert not (tmp_path / "dangling").exists()
 
 
-def test_devices_pipes_and_folders_are_no_files(tmp_path):
+def test_what_is_or_can_be_no_file(tmp_path):
     os.mkfifo(tmp_path / "pipe")
-    for path, what in (
-        ("/dev/null", "device or pipe"),
-        (tmp_path / "pipe", "device or pipe"),
-        (tmp_path, "folder"),
-    ):
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    pipe = "device or pipe"
+    for path, what in {"/dev/null": pipe, tmp_path / "pipe": pipe, tmp_path: "folder"}.items():
         with pytest.raises(DataError, match=what):
             write_file(path, "new")
     assert not os.path.isfile("/dev/null")  # noqa: PTH113
-
-
-@pytest.mark.parametrize("name", ["x" * 300, "fi\0le", "file/below"])
-def test_a_name_that_cannot_be_is_said_to_be_one(tmp_path, name):
-    (tmp_path / "file").write_text("", encoding="utf-8")
-    with pytest.raises(DataError) as caught:
-        write_file(tmp_path / name, "new")
-    assert caught.value.code == "RF105"
-    assert names(tmp_path) == ["file"]
+    for name in ("x" * 300, "fi\0le", "file/below"):
+        with pytest.raises(DataError) as caught:
+            write_file(tmp_path / name, "new")
+        assert caught.value.code == "RF105"
+    assert names(tmp_path) == ["file", "pipe"]
 
 
 def test_the_longest_name_the_system_takes_is_taken(tmp_path):

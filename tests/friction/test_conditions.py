@@ -27,9 +27,8 @@ def test_scalars_spread_and_arrays_are_the_conditions_own():
     assert pulls.size_ratio.tolist() == [8.0, 8.0, 8.0]
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "said"),
-    [
+def test_what_cannot_be_is_refused():
+    for name, value, said in (
         ("wheel_radius_m", [0.04, 0.0, 0.04], r"wheel_radius_m\[1\] is 0 m"),
         ("rope_radius_m", -0.005, r"rope_radius_m\[0\] is -0.005 m"),
         ("wrap_angle_rad", [1.0, 2.0, -1e-9], r"wrap_angle_rad\[2\] is -1e-09 rad"),
@@ -38,11 +37,9 @@ def test_scalars_spread_and_arrays_are_the_conditions_own():
         ("end_tension_N", "heavy", "not a number"),
         ("end_tension_N", [[1.0, 2.0, 3.0]], "has 2 axes"),
         ("end_tension_N", [1.0, 2.0], "disagree in length"),
-    ],
-)
-def test_what_cannot_be_is_refused(name, value, said):
-    with pytest.raises(InputError, match=said):
-        Conditions(**GOOD | {name: value})
+    ):
+        with pytest.raises(InputError, match=said):
+            Conditions(**GOOD | {name: value})
 
 
 def test_selection_keeps_the_order():

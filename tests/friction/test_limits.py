@@ -3,7 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 from ropefric.friction.condition import Conditions
@@ -23,33 +23,23 @@ def pulls(**changes):
 EULER = np.log(20.0) + 0.2 * np.array([0.5, 3.0, 20.0])
 
 
-@pytest.mark.parametrize(
-    ("name", "theta", "change"),
-    [
-        ("constant", [0.2], {}),
-        ("constant-offset", [0.2, 0.0], {}),
-        ("size-power", [0.0, 1.0, 0.2], {}),
-        ("size-power", [0.15, 0.0, 0.05], {}),
+def test_limits_are_eulers_equation():
+    for name, theta, change in (
+        ("constant", [0.2], {}), ("constant-offset", [0.2, 0.0], {}),
+        ("size-power", [0.0, 1.0, 0.2], {}), ("size-power", [0.15, 0.0, 0.05], {}),
         ("size-power", [0.15, 2.0, 0.05], {"wheel_radius_m": 1e16}),
-        ("size-exponential", [0.2, -1.0, -50.0], {}),
-        ("size-exponential", [0.2, -1.0, 0.0], {"wheel_radius_m": 1e3}),
-        ("wrap-power", [0.0, -0.5, 0.2], {}),
-        ("wrap-power", [0.15, 0.0, 0.05], {}),
+        ("size-exponential", [0.2, -1.0, -50.0], {}), ("size-exponential", [0.2, -1.0, 0.0], {"wheel_radius_m": 1e3}),
+        ("wrap-power", [0.0, -0.5, 0.2], {}), ("wrap-power", [0.15, 0.0, 0.05], {}),
         ("wrap-power", [1e-300, -0.5, 0.2], {}),
-        ("wrap-exponential", [0.0, -0.5, 0.2], {}),
-        ("wrap-exponential", [0.15, 0.0, 0.05], {}),
+        ("wrap-exponential", [0.0, -0.5, 0.2], {}), ("wrap-exponential", [0.15, 0.0, 0.05], {}),
         ("wrap-exponential", [0.15, -1e-300, 0.05], {}),
         ("coupled", [0.15, -1.0, -50.0, 0.0, 0.05], {}),
         ("coupled", [0.15, -1.0, 0.0, 0.0, 0.05], {"wheel_radius_m": 1e3}),
-        ("thickness", [0.2], {"rope_radius_m": 1e-18}),
-        ("bending", [0.2, 0.0], {}),
-        ("howell", [0.2, 1.0], {}),
-        ("howell", [0.2, 1.0 - 1e-15], {}),
-        ("groove", [0.2, np.pi / 2], {}),
-    ],
-)
-def test_limits_are_eulers_equation(name, theta, change):
-    assert np.allclose(LAWS[name].log_lift(theta, pulls(**change)), EULER, rtol=1e-13)
+        ("thickness", [0.2], {"rope_radius_m": 1e-18}), ("bending", [0.2, 0.0], {}),
+        ("howell", [0.2, 1.0], {}), ("howell", [0.2, 1.0 - 1e-15], {}), ("groove", [0.2, np.pi / 2], {}),
+    ):  # fmt: skip
+        found = LAWS[name].log_lift(theta, pulls(**change))
+        np.testing.assert_allclose(found, EULER, rtol=1e-13, err_msg=f"{name} {theta}")
 
 
 def test_coupled_without_size_is_wrap_power(plan):
@@ -57,6 +47,21 @@ def test_coupled_without_size_is_wrap_power(plan):
     for theta in ([0.2, -0.5, 0.1], [0.3, -0.999, 0.01], [0.3, 0.0, 0.0]):
         sized = [theta[0], -1.0, -60.0, *theta[1:]]
         assert np.allclose(coupled.log_lift(sized, plan), wrap.log_lift(theta, plan), rtol=1e-14)
+
+
+def test_coupled_agrees_with_root_finding_and_quadrature():
+    mu_inf, a, b, c, d = theta = [0.2, -0.2, -0.3, -0.4, 0.05]
+    rng = np.random.default_rng(11)
+    drawn = {"wheel_radius_m": rng.uniform(0.02, 0.1, 25), "wrap_angle_rad": rng.uniform(1, 12, 25)}
+    at = pulls(**drawn, end_tension_N=rng.uniform(1.5, 200, 25))
+    found = LAWS["coupled"].log_lift(theta, at)
+    for i, (r, wrap_rad, y) in enumerate(
+        zip(at.size_ratio, at.wrap_angle_rad, at.log_end_tension, strict=True)
+    ):
+        strength = mu_inf * (1 - np.exp(a * r + b))
+        mu = lambda angle, strength=strength: strength * angle**c + d  # noqa: E731
+        start = brentq(lambda angle, mu=mu, y=y: quad(mu, 0, angle)[0] - y, 1e-9, 200)
+        assert found[i] == pytest.approx(y + quad(mu, start, start + wrap_rad)[0], rel=1e-9)
 
 
 def test_coupled_without_wrap_is_size_exponential(plan):

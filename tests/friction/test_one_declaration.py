@@ -79,7 +79,7 @@ def test_a_new_law_is_fitted_compared_and_tested_against_its_special_case(frame)
     found = rf.fit(frame, "toy")
     assert found.status.value == "ok"
     assert np.allclose(found.theta, TRUTH, atol=4 * np.sqrt(np.diag(found.covariance)))
-    comparison = rf.compare(frame)
+    comparison = rf.compare(frame, ["constant", "coupled", "toy"])
     assert comparison.best.law == "toy"
     (test,) = [test for test in comparison.tests if test.fuller == "toy"]
     assert test.simpler == "constant"

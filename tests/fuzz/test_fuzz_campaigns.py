@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from fuzz_kit import answered, fuzzed, scratch, usable
+from fuzz_kit import HOSTILE, answered, fuzzed, scratch, usable
 from hypothesis import strategies as st
 
 from ropefric.errors import DataError
@@ -13,9 +13,8 @@ LINES = GOOD.joinpath("campaign.toml").read_text(encoding="utf-8").splitlines()
 TRIALS = GOOD.joinpath("trials.csv").read_bytes()
 KEYS = [number for number, line in enumerate(LINES) if " = " in line]
 JUNK = (
-    "", '"', "[", "]", "[[x]]", "=", "{}", "[]", "-1", "nan", "inf", "true", '"x"', "0xffff", "1e400",
-    "1979-05-27", "\x00", "é",
-    "\ufeff", "9" * 400, '"1 mm"', '"1e400 m"', '"-1 N"', '"1 N/s"', "'''", "#", "[a.b.c]", "a.b = 1",
+    "", '"', "[", "]", "[[x]]", "=", "{}", "[]", "-1", "nan", "inf", "true", '"x"', "0xffff", "1e400", "1979-05-27",
+    "\x00", "é", "9" * 400, '"1 mm"', '"1e400 m"', '"-1 N"', '"1 N/s"', "'''", "#", "[a.b.c]", "a.b = 1", *HOSTILE,
 )  # fmt: skip
 FOLDER = scratch()
 (FOLDER / "recordings").mkdir()

@@ -107,6 +107,7 @@ def test_the_additive_examples_of_the_supplement(widths, std, linear_end, drawn_
     budget = linear_budget(model)
     drawn = propagate(model, budget, draws=400_000, seed=1)
     assert budget.combined == pytest.approx(std, abs=0.05)
+    assert budget.lines[0].contribution == max(line.contribution for line in budget.lines)
     assert budget.interval == pytest.approx((-linear_end, linear_end), abs=0.05)
     # 2.7 σ/√N is the noise of an end; three of them.
     noise = 3 * 2.7 * std / math.sqrt(400_000)

@@ -8,7 +8,7 @@ from pathlib import Path
 from fuzz_kit import answered, fuzzed, scratch
 from hypothesis import strategies as st
 
-from ropefric.scenes.plan import explain_scene
+from ropefric.scenes.explain import explain_scene
 from ropefric.scenes.scene import check_scene, load_scene
 from ropefric.scenes.solve import solve_scene
 
@@ -140,7 +140,7 @@ test_scenes, test_scenes_long = fuzzed(
         {
             "name": "band-saw",
             "edits": [(11, "scaled", "0", 1)],
-        },  # a model in the comparison beyond its critical speed
+        },  # a blade ten times as slow
         {"name": "belt-press", "edits": [(59, "scaled", "0", 3)]},  # e^M beyond all floats
         {"name": "fast-band-saw", "edits": [(15, "scaled", "0", 4)]},  # the same of a saw's wheels
         {"name": "fast-belt-press", "edits": [(3, "junk", '"1e160 m/s"', 0)]},  # whose square is no float

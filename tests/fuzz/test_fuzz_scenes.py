@@ -8,7 +8,7 @@ from pathlib import Path
 from fuzz_kit import HOSTILE, answered, fuzzed, scratch
 from hypothesis import strategies as st
 
-from ropefric.scenes.plan import explain_scene
+from ropefric.scenes.explain import explain_scene
 from ropefric.scenes.scene import check_scene, load_scene
 from ropefric.scenes.solve import solve_scene
 
@@ -120,7 +120,7 @@ test_scenes, test_scenes_long = fuzzed(
     share=0.02,
     examples=tuple({"name": name, "edits": [(place, how, junk, power)]} for name, place, how, junk, power in (
         ("fast-band-saw", 10, "scaled", "0", -1),  # the bound a hair above the accuracy
-        ("band-saw", 11, "scaled", "0", 1),  # a model in the comparison beyond its critical speed
+        ("band-saw", 11, "scaled", "0", 1),  # a blade ten times as slow
         ("belt-press", 59, "scaled", "0", 3),  # e^M beyond all floats
         ("fast-band-saw", 15, "scaled", "0", 4),  # the same of a saw's wheels
         ("fast-belt-press", 3, "junk", '"1e160 m/s"', 0),  # whose square is no float

@@ -408,6 +408,9 @@ def test_many_tolerances_are_drawn_at_some_of_the_corners_of_their_box(loaded):
 
 def test_start_ups_are_drawn_one_by_one(loaded):
     scene = loaded("press-start-up")
+    tree = scene.document.data
+    tree["start_up"] = tree["start_up"] | {"duration": "0.4 s", "simulate": "0.5 s", "points": 51}
+    scene = read_scene(TomlDocument(path="scene.toml", data=tree, lines={}), scene.folder)
     scene = replace(scene, tolerances={"friction.mu": 0.05, "press.preload": 50.0})
     found = draw_scene(scene, 10)
     assert found.answered == 10
@@ -439,7 +442,7 @@ def test_draws_without_an_answer_are_set_apart_and_not_looked_for_one_by_one(loa
     (columns,) = written
     alone = _Draws(scene, 400, 1)
     run = _Run(scene, alone)
-    for place in range(0, 400, 8):
+    for place in range(0, 400, 40):
         (outcome,) = run.outcomes((place, place + 1))
         refused = isinstance(outcome[1], RopefricError)
         assert refused == np.isnan(columns["full_pull_N"][place])

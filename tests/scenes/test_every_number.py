@@ -1,8 +1,8 @@
 """Every number, every yes or no of a planned answer is that of all effects, within the accuracy asked for.
 
-Scenes are drawn wide, of every law and with fits and their covariance, and near what decides: a margin or a
-utilisation of 1, a slack belt, the critical speed, a resonance. Start-ups are of one belt from slack to stiff, with
-short ramps, kinks and starts at full speed, half of them with a coefficient at which a roller just slips.
+What is quick is solved whole: what is left are saws, drawn wide and near what decides, the critical speed or a
+resonance, and start-ups of one belt from slack to stiff, with short ramps, kinks and starts at full speed, half of them
+with a coefficient at which a roller just slips.
 """
 
 import math
@@ -55,76 +55,6 @@ def friction(rng):
         return {"fit": f"../../fits/prth-{rng.choice(FITS)}.json"}
     name = str(rng.choice(sorted(LAWS)))
     return {"law": name, "parameters": {key: float(rng.uniform(*ends)) for key, ends in LAWS[name].items()}}
-
-
-def hoist(rng, scene_of):
-    tree = {
-        "system": "hoist",
-        "wheel": {
-            "radius": with_unit(rng.uniform(15, 200), "mm"),
-            "wrap": with_unit(rng.uniform(30, 1400), "deg"),
-            "speed": with_unit(rng.uniform(0, 8), "m/s"),
-        },
-        "rope": {
-            "diameter": with_unit(rng.uniform(4, 16), "mm"),
-            "linear_density": with_unit(rng.uniform(10, 300), "g/m"),
-            "hanging_length": with_unit(rng.uniform(0.1, 30), "m"),
-            "bending_stiffness": with_unit(10.0 ** rng.uniform(-7, -2.5), "N*m^2"),
-        },
-        "load": {"end_tension": with_unit(10.0 ** rng.uniform(0.7, 3.0), "N")},
-        "friction": friction(rng),
-    }
-    force_N = solve_scene(scene_of(**tree, effects="all")).quantities[0].value[0]
-    tree["load"]["payload"] = with_unit(force_N / 9.80665 * near_one(rng), "kg")
-    return tree
-
-
-def traction(rng, scene_of):
-    tree = tomllib.loads(bundled_scenes()["traction"])
-    tree["lift"] |= {
-        "rated_load": with_unit(rng.uniform(200, 1500), "kg"),
-        "travel": with_unit(rng.uniform(2, 150), "m"),
-        "speed": with_unit(rng.uniform(0.1, 6), "m/s"),
-        "deceleration": with_unit(rng.uniform(0.05, 3.0), "m/s^2"),
-    }
-    tree["pulleys"]["car_side"] = with_unit(rng.uniform(0.1, 200), "kg")
-    if rng.random() < 0.5:
-        tree["friction"] = friction(rng)
-    asked = solve_scene(scene_of(**tree | {"effects": "all"})).to_dict()["needed_wrap_rad"]
-    tree["sheave"]["wrap"] = with_unit(asked * near_one(rng), "rad")  # that just holds
-    return tree
-
-
-def belt_drive(rng, scene_of):
-    tree = tomllib.loads(bundled_scenes()["belt-drive"])
-    tree["tension"] = {
-        "closure": str(rng.choice(["limit", "tensioner", "fixed"])),
-        "force": with_unit(rng.uniform(300, 3000), "N"),
-    }
-    tree["driving"]["speed"] = with_unit(rng.uniform(10, 3000), "rpm")
-    tree["belt"] |= {
-        "linear_density": with_unit(rng.uniform(0.05, 1.0), "kg/m"),
-        "axial_stiffness": with_unit(10.0 ** rng.uniform(1.5, 5), "kN"),
-    }
-    tree["friction"] = friction(rng)
-    tree.pop("load", None)
-    power_W = solve_scene(scene_of(**tree | {"effects": "all"})).to_dict()["full_power_W"]
-    tree["load"] = {"power": with_unit(power_W * near_one(rng), "W")}  # just carried
-    return tree
-
-
-def press(rng, scene_of):
-    tree = tomllib.loads(bundled_scenes()[str(rng.choice(["belt-press", "fast-belt-press"]))])
-    tree["press"]["preload"] = with_unit(rng.uniform(800, 6000), "N")  # down to slack belts
-    tree["press"]["load_factor"] = float(rng.uniform(0.0, 1.6))
-    tree["friction"] = {"mu": 1.0}
-    needed = solve_scene(scene_of(**tree | {"effects": "all"})).to_dict()["slip"]
-    most = max(one["mu_required"] for one in needed.values())
-    if rng.random() < 0.5 and most > 0.0:
-        tree["friction"] = {"mu": most * near_one(rng)}  # a roller just slips
-    else:
-        tree["friction"] = friction(rng) | {"scale_to": {"mu": 1.2, "wrap": "180 deg"}}
-    return tree
 
 
 def saw(rng, scene_of):
@@ -204,24 +134,19 @@ def check_many(draw, scene_of, count, seed):
     return solved, spared
 
 
-DRAWS = {"hoist": hoist, "traction": traction, "belt-drive": belt_drive, "press": press, "saw": saw}
-
-
-@pytest.mark.parametrize("name", DRAWS)
-def test_every_number_of_some_scenes(name, scene_of):
-    solved, spared = check_many(DRAWS[name], scene_of, 8, 20)
+def test_every_number_of_some_saws(scene_of):
+    solved, spared = check_many(saw, scene_of, 8, 20)
     assert solved >= 3
-    assert bool(spared) == (name == "saw"), "what is quick is solved whole"
+    assert spared
 
 
 @pytest.mark.parametrize(
     "count", [pytest.param(600, marks=pytest.mark.slow), pytest.param(2000, marks=pytest.mark.hours)]
 )
-@pytest.mark.parametrize("name", DRAWS)
-def test_every_number_of_many_scenes(name, count, scene_of):
-    solved, spared = check_many(DRAWS[name], scene_of, count, 21)
+def test_every_number_of_many_saws(count, scene_of):
+    solved, spared = check_many(saw, scene_of, count, 21)
     assert solved > 0.45 * count
-    assert bool(spared) == (name == "saw")
+    assert spared
 
 
 def log_uniform(rng, low, high):
@@ -333,7 +258,7 @@ def check_start_up(scene_of, seed):
 
 
 @pytest.mark.parametrize(
-    "seed", [0, 3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (4, 5, 8, 11))]
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (3, 4, 5, 8, 11))]
 )
 def test_planned_start_ups_near_what_decides(scene_of, seed):
     assert check_start_up(scene_of, seed)

@@ -105,7 +105,6 @@ PROBLEMS: dict[str, tuple[System, Any, str]] = {
 }
 """By the name of their case: the system, a machine to be planned and solved, and what it is."""
 
-_WEAK = {"law": "wrap-power", "parameters": {"a": 0.01, "b": -0.2, "c": 1.0}}
 SWEEPS: dict[str, tuple[Callable[[], Scene], tuple[str, ...], str]] = {
     "hoist-sweep": (
         lambda: _bundled(
@@ -116,11 +115,6 @@ SWEEPS: dict[str, tuple[Callable[[], Scene], tuple[str, ...], str]] = {
         ),
         ("wheel.wrap=180deg:1440deg:200", "load.end_tension=40N:500N:200"),
         "40 000 wraps and end tensions of a rope a little stiff; law: wrap-power",
-    ),
-    "press-sweep": (
-        lambda: _bundled("belt-press", press={"load_factor": 1.0}, friction={"mu": None} | _WEAK),
-        ("press.preload=1500N:4000N:300", "press.load_factor=0.5:1.5:200"),
-        "60 000 preloads and loads of a press with 13 rollers whose law hardly knows the wrap",
     ),
 }
 """By the name of their case: the scene, the axes, and what it is."""

@@ -238,42 +238,60 @@ def _own_wheel(table: SawScene) -> tuple[float, float]:
 
 
 def _problem(table: SawScene, friction: WrapFriction | None) -> SawProblem:
-    blade, drive, shaken = table.blade, table.drive, table.excitation or ExcitationTable()
-    computed, section = {}, None
-    found = [resonance.fixed_frequency(f"{one:g} Hz", one) for one in shaken.frequencies]
-    if blade.width is not None and blade.thickness is not None:
-        area_m2 = blade.width * blade.thickness
-        density = blade.density if blade.linear_density is None else blade.linear_density / area_m2
-        computed["linear_density_kg_m"] = area_m2 * (density or 0.0)
-        if blade.youngs_modulus is not None:
-            computed["bending_stiffness_N_m2"] = blade.youngs_modulus * area_m2 * blade.thickness**2 / 12.0
-        if blade.shear_modulus is not None:
-            steel = {"density_kg_m3": density or 0.0, "shear_modulus_Pa": blade.shear_modulus}
-            if blade.youngs_modulus is not None:
-                steel["young_modulus_Pa"] = blade.youngs_modulus
-            section = Section(width_m=blade.width, thickness_m=blade.thickness, **steel)
-    if shaken.tooth_pitch is not None:
-        found.insert(0, resonance.tooth_passing(shaken.tooth_pitch))
-    if table.wheel is not None:
-        radius_m, speed = kind.given(table.wheel)["wheel_radius_m"], table.wheel.speed
-        if table.excitation is not None and shaken.wheel_harmonics:
-            harmonics = tuple(range(1, shaken.wheel_harmonics + 1))
-            found.insert(0, resonance.wheel_rotation(radius_m, harmonics))
-        if drive is not None and drive.tension_difference is None:
-            torque = drive.torque
-            if torque is None:
-                torque = float(torque_N_m(drive.power or 0.0, speed, printed=drive.printed_factor))
-            computed["tension_difference_N"] = float(tension_difference_N(torque, radius_m))
+    shaken = table.excitation or ExcitationTable()
+    computed, section = _section_of(table.blade)
+    if (pull_N := _computed_pull_N(table)) is not None:
+        computed["tension_difference_N"] = pull_N
     return SawProblem(
-        n_modes=blade.modes,
-        ends=ENDS[blade.ends],
+        n_modes=table.blade.modes,
+        ends=ENDS[table.blade.ends],
         section=section,
         friction=friction,
-        excitations=tuple(found),
+        excitations=_excitations(table),
         margin_wanted=shaken.margin,
         preload_range_N=shaken.preload_range,
         **{name: np.array([value]) for name, value in computed.items()} | kind.arrays(table),
     )
+
+
+def _section_of(blade: BladeTable) -> tuple[dict[str, float], Section | None]:
+    """Return what a blade's section makes of its mass and stiffness, and the section itself where its steel is known."""
+    if blade.width is None or blade.thickness is None:
+        return {}, None
+    area_m2 = blade.width * blade.thickness
+    density = blade.density if blade.linear_density is None else blade.linear_density / area_m2
+    computed = {"linear_density_kg_m": area_m2 * (density or 0.0)}
+    steel = {"density_kg_m3": density or 0.0}
+    if blade.youngs_modulus is not None:
+        computed["bending_stiffness_N_m2"] = blade.youngs_modulus * area_m2 * blade.thickness**2 / 12.0
+        steel["young_modulus_Pa"] = blade.youngs_modulus
+    if blade.shear_modulus is None:
+        return computed, None
+    sizes = {"width_m": blade.width, "thickness_m": blade.thickness}
+    return computed, Section(shear_modulus_Pa=blade.shear_modulus, **sizes, **steel)
+
+
+def _computed_pull_N(table: SawScene) -> float | None:
+    """Return ΔF from the drive's power or torque; None where it is given itself, or nothing is."""
+    drive, wheel = table.drive, table.wheel
+    if drive is None or wheel is None or drive.tension_difference is not None:
+        return None
+    torque = drive.torque
+    if torque is None:
+        torque = float(torque_N_m(drive.power or 0.0, wheel.speed, printed=drive.printed_factor))
+    return float(tension_difference_N(torque, kind.given(wheel)["wheel_radius_m"]))
+
+
+def _excitations(table: SawScene) -> tuple[resonance.Excitation, ...]:
+    shaken, found = table.excitation, list[resonance.Excitation]()
+    if shaken is None:
+        return ()
+    if table.wheel is not None and shaken.wheel_harmonics:
+        harmonics = tuple(range(1, shaken.wheel_harmonics + 1))
+        found.append(resonance.wheel_rotation(kind.given(table.wheel)["wheel_radius_m"], harmonics))
+    if shaken.tooth_pitch is not None:
+        found.append(resonance.tooth_passing(shaken.tooth_pitch))
+    return (*found, *(resonance.fixed_frequency(f"{one:g} Hz", one) for one in shaken.frequencies))
 
 
 def _quantities(answer: SawAnswer, _: SawProblem) -> tuple[kind.Quantity, ...]:

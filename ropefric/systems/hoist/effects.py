@@ -16,9 +16,12 @@ def stiffness_bound(problem: HoistProblem, answer: Lift | None = None) -> FloatA
     With E/P of what presses gone and the share s of the wrap, M of a law that weakens loses at most s M, as it is
     concave, and gains ln(P/(P − E)) at most; so |Δ ln F_A| ≤ ln(P/(P − E)) + s M, and M over the contact grows by the
     gain and 1/(1 − s). A law that is not told the wrap has the slope over P of another wrap, its reference. P is the
-    least that any other effects leave, and s = 2θ_B/φ.
+    least that any other effects leave, and s = 2θ_B/φ. Of a law that looks at nothing none is given: it is solved as
+    quickly with the stiffness as without.
     """
     friction, stiff_N = problem.friction, lean(problem.bending_N)
+    if not friction.law.effects:
+        return np.full(1, np.inf)
     least_N = lean(problem.end_tension_N) - lean(problem.circling_N)
     gone = stiff_N / np.maximum(least_N, 2.0 * stiff_N + 1e-300)
     share = 2.0 * lifted_arc_rad(gone) / lean(problem.wrap_angle_rad)

@@ -224,7 +224,7 @@ PROVABLE = st.sampled_from(["share", "equal-torque"])
     preload_N=st.floats(1600.0, 5000.0),
     more=st.floats(1.0, 3000.0),
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_more_preload_never_raises_utilisation(paper_press, *, closure, mu, speed_m_s, load, preload_N, more):
     """Constant μ, all tensioners together, closures that split by the loads alone; see `utilisation`."""
     state = steady_state(
@@ -246,7 +246,7 @@ def test_more_preload_never_raises_utilisation(paper_press, *, closure, mu, spee
     more=st.floats(1e-3, 0.4),
     preload_N=st.floats(1600.0, 5000.0),
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_more_load_never_lowers_utilisation(paper_press, *, closure, mu, speed_m_s, load, more, preload_N):
     """Constant μ and one factor on all loads."""
     state = steady_state(

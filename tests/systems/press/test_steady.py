@@ -242,7 +242,7 @@ def machines(draw):
 
 
 @given(press=machines(), closure=st.sampled_from(sorted(SPLIT)))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_any_machine_of_two_belts_is_balanced(press, closure):
     statics = solve_statics(press, closure=closure)
     assert statics.rank == len(press.spans) - 1

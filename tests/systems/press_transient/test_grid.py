@@ -37,7 +37,7 @@ def solvers(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "seed", [4, 19, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 3, 12, 18, 20, 23, 29, 31))]
+    "seed", [4, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 3, 12, 18, 19, 20, 23, 29, 31))]
 )
 def test_a_grid_gives_the_answer_of_the_exact_moments(kit, seed, solvers):
     press, question = kit.random(seed)

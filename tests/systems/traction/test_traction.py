@@ -5,22 +5,16 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import ropefric as rf
 from ropefric.errors import DataError, InputError
-from ropefric.friction.condition import one_condition
-from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene_templates import scene_text, write_scenes
-from ropefric.systems.friction import WrapFriction
 from ropefric.systems.traction.effects import SYSTEM
 from ropefric.systems.traction.sheave import (
     CASES,
     TractionModel,
     TractionProblem,
-    answerable,
     round_factor,
     solve_traction,
     wedge_factor,
@@ -97,41 +91,6 @@ def test_many_cases_are_one_by_one(answer):
     assert many.utilisation[:, 1] == pytest.approx(answer.utilisation[:, 0], rel=1e-14)
     assert (np.diff(many.utilisation[:3], axis=1) < 0.0).all()
     assert (np.diff(many.utilisation[3]) > 0.0).all()
-
-
-LAWS = {"constant": [(0.05, 0.3)], "wrap-power": [(0.01, 0.3), (-0.9, -0.05), (0.02, 0.2)],
-        "coupled": [(0.1, 0.4), (-0.5, -0.05), (-1.0, 0.0), (-0.9, -0.05), (0.02, 0.15)]}  # fmt: skip
-
-
-@st.composite
-def lifts(draw):
-    """Lifts from a dumb waiter to a tower, with any of the data that may be missing."""
-    car = draw(st.floats(100.0, 3000.0))
-    load = draw(st.floats(0.3, 1.2)) * car
-    optional = {
-        "linear_density_kg_m": st.floats(0.1, 1.0),
-        "deceleration_m_s2": st.floats(0.01, 1.0),
-        "speed_m_s": st.floats(0.01, 6.0),
-        "counterweight_pulley_kg": st.floats(1.0, 60.0),
-    }
-    values = {name: draw(one) for name, one in optional.items() if draw(st.booleans())}
-    if draw(st.booleans()):
-        name = draw(st.sampled_from(sorted(LAWS)))
-        theta = np.array([draw(st.floats(low, high)) for low, high in LAWS[name]])
-        reference = one_condition(0.2, 0.005, draw(st.floats(2.0, 4.0)), draw(st.floats(500.0, 5000.0)))
-        values["friction"] = WrapFriction(law=ALL_LAWS[name], theta=theta, reference=reference)
-    return TractionProblem(
-        car_kg=car, rated_load_kg=load, counterweight_kg=car + draw(st.floats(0.4, 0.5)) * load,
-        travel_m=draw(st.floats(2.0, 100.0)), wheel_radius_m=draw(st.floats(0.1, 0.4)), rope_radius_m=0.005,
-        wrap_angle_rad=draw(st.floats(2.0, 5.0)), groove_angle_rad=draw(st.floats(0.4, 1.0)),
-        undercut_rad=draw(st.floats(0.0, 1.8)), rope_count=draw(st.sampled_from([2.0, 4.0, 6.0])), **values,
-    )  # fmt: skip
-
-
-@given(problem=lifts())
-@settings(deadline=None, max_examples=40, derandomize=True)
-def test_every_random_lift_is_answerable(problem):
-    assert answerable(problem).all()
 
 
 def scene(tmp_path, old="", new=""):

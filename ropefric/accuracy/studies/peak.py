@@ -20,8 +20,6 @@ N_RECORDINGS = 40
 IDLE_S = 0.25
 
 _SAMPLES = (3, 5, 7, 11, 15, 21, 31, 61, 121, 301)
-_ONE_SIDED = 0.5
-"""Of the scatter: a bias beyond it is no chance of forty recordings."""
 
 
 @cache
@@ -61,7 +59,6 @@ def _settings(noise_counts: tuple[float, float]) -> tuple[Setting, ...]:
         setting("raw maximum", lambda trace: float(trace.force_N.max())),
         *(setting("moving average", partial(highest_average, n), n) for n in _SAMPLES),
         setting("chosen window", lambda trace: pick_breakaway(trace, PickSettings())[0].peak_N),
-        setting("two lines", lambda trace: pick_breakaway(trace, PickSettings())[0].two_line_N),
     )
 
 
@@ -75,11 +72,6 @@ def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
             f"{case}: of the fixed windows {best.setting} are best, {_percent(best)}; {longest.setting} read "
             f"{100 * longest.bias:+.2g} % on average. {'; '.join(others)}."
         )
-    # On which side two fitted lines err, where that is no chance of a few recordings.
-    found = [p for p in points if p.method == "two lines" and abs(p.bias) > _ONE_SIDED * p.noise]
-    if found:
-        where = ", ".join(f"{100 * point.bias:+.2g} % ({point.case})" for point in found)
-        lines.append(f"Two lines do not average the noise away, they err to one side: {where}.")
     return tuple(lines)
 
 

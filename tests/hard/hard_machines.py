@@ -302,11 +302,11 @@ def slip_threshold():
 
 
 @regime("slack belts", 1e-8, "the balance of energy; no belt pushes",
-        "a press thrown to full speed, EA = 1e5 … 1e8 N: what drive, loads, belts, slip and motion leave "
-        "over of the energy, and how far any belt pushes")  # fmt: skip
-def slack_belts():
+        "a press thrown to full speed, EA = 1e5 … 1e7 N, 1e8 N in the long run: what drive, loads, belts, "
+        "slip and motion leave over of the energy, and how far any belt pushes")  # fmt: skip
+def slack_belts(cases=((1e5, 0.0), (2e5, 2e-3), (1e7, 1e-3))):
     speed, worst = DRIVE_LAWS["constant"](speed_m_s=1.0), 0.0
-    for case in [(1e5, 0.0), (2e5, 2e-3), (1e7, 1e-3), (1e8, 1e-4)]:
+    for case in cases:
         times_s = np.linspace(0.0, 0.3, 601)
         found = start_up(small_press(*case), speed=speed, time_s=times_s, friction=0.6)
         assert (found.tension_N == 0.0).sum() > 3, f"no belt goes slack: {case}"

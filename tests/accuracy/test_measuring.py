@@ -1,5 +1,6 @@
 """Timing with a clock of our own, the front, the cheapest, and what a study result holds."""
 
+import gc
 import itertools
 import json
 import math
@@ -42,35 +43,27 @@ class Clock:
         self.now_s += next(self.durations)
 
 
-def test_a_microsecond_is_timed_by_thousands_of_calls():
-    clock = Clock(itertools.repeat(1e-6))
-    timing = time_call(clock.work, Effort(batch_s=5e-3, budget_s=0.1, fewest=5, most=25), clock=clock)
-    assert timing.loops == 8192  # the first power of two whose batch lasts 5 ms
-    assert timing.seconds == pytest.approx(1e-6, rel=1e-6)
-    assert 5 <= timing.repeats <= 25
-    assert timing.upper_s == pytest.approx(timing.lower_s, rel=1e-6)
+def timed(durations, batch_s, budget_s, *fewest_and_most):
+    clock = Clock(durations)
+    return time_call(clock.work, Effort(batch_s, budget_s, *fewest_and_most), clock=clock), clock.calls
 
 
-def test_the_first_call_does_not_count_and_a_slow_one_in_between_hardly():
-    clock = Clock(itertools.chain([100.0, 1.0, 1.0, 50.0], itertools.repeat(1.0)))
-    timing = time_call(clock.work, Effort(batch_s=0.5, budget_s=9.0, fewest=5, most=25), clock=clock)
-    assert (timing.seconds, timing.loops, timing.repeats) == (1.0, 1, 9)
-    assert (timing.lower_s, timing.upper_s) == (1.0, 1.0)
-
-
-def test_a_long_call_is_repeated_as_often_as_must_be_and_a_short_one_no_more_than_may():
-    slow, quick = Clock(itertools.repeat(10.0)), Clock(itertools.repeat(0.1))
-    effort = Effort(batch_s=0.05, budget_s=1e3, fewest=3, most=7)
-    assert time_call(quick.work, effort, clock=quick).repeats == 7
-    slow_effort = Effort(batch_s=0.05, budget_s=1.0, fewest=3, most=7)
-    assert time_call(slow.work, slow_effort, clock=slow).repeats == 3
-    assert slow.calls == 4
-
-
-def test_the_spread_is_between_the_quartiles():
-    clock = Clock(itertools.chain([0.0], (1.0, 2.0, 3.0, 4.0, 5.0)))
-    timing = time_call(clock.work, Effort(batch_s=0.5, budget_s=0.5, fewest=5, most=5), clock=clock)
-    assert (timing.lower_s, timing.seconds, timing.upper_s) == (2.0, 3.0, 4.0)
+def test_a_call_is_timed_by_the_median_of_batches_as_long_and_as_many_as_it_takes():
+    short, _ = timed(itertools.repeat(1e-6), 5e-3, 0.1, 5, 25)
+    assert short.loops == 8192  # the first power of two whose batch lasts 5 ms
+    assert short.seconds == pytest.approx(1e-6, rel=1e-6)
+    assert 5 <= short.repeats <= 25
+    assert short.upper_s == pytest.approx(short.lower_s, rel=1e-6)
+    # The first call does not count, and a slow one in between hardly.
+    once, _ = timed(itertools.chain([100.0, 1.0, 1.0, 50.0], itertools.repeat(1.0)), 0.5, 9.0, 5, 25)
+    assert once == Timing(1.0, 1.0, 1.0, 9, 1)
+    # As often as must be where a call is long, no more than may where it is short.
+    assert timed(itertools.repeat(0.1), 0.05, 1e3, 3, 7)[0].repeats == 7
+    long, calls = timed(itertools.repeat(10.0), 0.05, 1.0, 3, 7)
+    assert (long.repeats, calls) == (3, 4)
+    # The spread is between the quartiles.
+    found, _ = timed([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], 0.5, 0.5, 5, 5)
+    assert (found.lower_s, found.seconds, found.upper_s) == (2.0, 3.0, 4.0)
 
 
 def test_what_is_slow_for_a_while_is_slow_for_all_that_are_timed_in_turn():
@@ -106,17 +99,14 @@ def test_a_study_in_turn_times_the_settings_of_a_case_together_and_an_interrupte
 
 
 def test_the_garbage_collector_works_again_even_after_a_failure():
-    import gc
-
-    def fail():
-        raise RuntimeError
-
-    with pytest.raises(RuntimeError):
-        time_call(fail)
+    with pytest.raises(ZeroDivisionError):
+        time_call(lambda: 1 / 0)
     assert gc.isenabled()
 
 
-def test_the_machine_is_named():
+def test_the_machine_is_named_and_a_quick_look_is_quicker():
+    assert QUICK.budget_s < FULL.budget_s
+    assert QUICK.batch_s < FULL.batch_s
     machine = this_machine()
     assert machine.cpu
     assert machine.numpy == np.__version__
@@ -231,16 +221,14 @@ def test_an_interrupted_study_goes_on_with_the_same_points(tmp_path, monkeypatch
     assert assessed == [0, 1, 2, 3, 4, 0, 1, 2, 3, 4]
 
 
-def test_quick_is_quicker_than_full():
-    assert QUICK.budget_s < FULL.budget_s
-    assert QUICK.batch_s < FULL.batch_s
+LONG = {"picks", "scenes"}
 
 
 @pytest.mark.parametrize(
     "study",
     [
-        pytest.param(study, id=name, marks=pytest.mark.slow if name == "picks" else ())
-        for name, study in STUDIES.items()
+        pytest.param(one, id=name, marks=pytest.mark.slow if name in LONG else ())
+        for name, one in STUDIES.items()
     ],
 )
 def test_every_study_keeps_the_contract(study):

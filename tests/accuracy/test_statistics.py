@@ -42,47 +42,22 @@ def test_covariance_is_exact_where_the_law_is_linear():
         assert row.error < bound
 
 
-@pytest.fixture(scope="module")
-def peaks():
-    return {
-        case.name: {(s.method, s.setting): s.assess() for s in case.settings()}
-        for case in STUDIES["peak"].cases
-    }
-
-
-def window(peaks, case, n):
-    return peaks[case]["moving average", f"{n} samples"]
-
-
-def test_a_long_window_takes_off_the_peak_in_proportion(peaks):
+def test_the_window_trades_bias_for_noise_and_the_chosen_one_is_about_as_good_as_the_best():
     """First order: −rate (w − step)/2, so 301 samples cost 300/120 of what 121 cost."""
-    for case in ("bench", "noisy"):
-        ratio = window(peaks, case, 301).bias / window(peaks, case, 121).bias
-        assert ratio == pytest.approx(300 / 120, rel=0.12)  # the ramp bends within the longer window
-
-
-def test_a_short_window_leaves_the_noise_on_the_peak(peaks):
-    for case in ("bench", "noisy"):
-        assert (
-            peaks[case]["raw maximum", ""].bias > window(peaks, case, 3).bias > window(peaks, case, 11).bias
-        )
-    assert window(peaks, "noisy", 3).bias > 10 * abs(window(peaks, "noisy", 31).bias)
-
-
-def test_more_noise_asks_for_a_longer_window(peaks):
     best = {}
-    for case, found in peaks.items():
-        averages = {name: o.error for (method, name), o in found.items() if method == "moving average"}
-        best[case] = int(min(averages, key=averages.get).split()[0])
-    assert best["bench"] < best["noisy"]
-
-
-def test_the_chosen_window_is_about_as_good_as_the_best_fixed_one(peaks):
-    for found in peaks.values():
-        best = min(o.error for (method, _), o in found.items() if method == "moving average")
+    for case in STUDIES["peak"].cases:
+        found = {(s.method, s.setting): s.assess() for s in case.settings()}
+        window = {int(n.split()[0]): one for (way, n), one in found.items() if way == "moving average"}
+        assert window[301].bias / window[121].bias == pytest.approx(
+            300 / 120, rel=0.12
+        )  # the ramp bends within it
+        assert found["raw maximum", ""].bias > window[3].bias > window[11].bias
+        assert case.name != "noisy" or window[3].bias > 10 * abs(window[31].bias)
+        best[case.name] = min(window, key=lambda n, window=window: window[n].error)
         chosen = found["chosen window", ""]
-        assert chosen.error < 1.15 * best
+        assert chosen.error < 1.15 * window[best[case.name]].error
         assert abs(chosen.bias) < 0.5 * chosen.noise
+    assert best["bench"] < best["noisy"], "more noise asks for a longer window"
 
 
 def test_the_librarys_fit_ends_at_the_last_digits():

@@ -30,26 +30,19 @@ def at(*args, **settings):
 
 
 def lift(name, theta, *args, **settings):
-    """Return ln F_A of a law at one pull."""
     return ALL_LAWS[name].log_lift(theta, at(*args, **settings))[0]
 
 
 def moving(wrap, tension, density, speed, *, name="constant", theta=(0.2,)):
-    """Return ln F_A of a running rope."""
-    model = LiftModel(law=ALL_LAWS[name], linear_density_kg_m=density, speed_m_s=speed)
-    return model.log_lift(theta, at(wrap, tension))[0]
+    return _log_lift_running(ALL_LAWS[name], density, speed, theta, at(wrap, tension))[0]
 
 
-@regime(
-    "φ → 0",
-    "every law, wraps of 1e-3 down to 1e-300 rad: ln F_A, mean coefficient and slopes",
-    EQUATION,
-    1e-12,
-)
+@regime("φ → 0", 1e-12, EQUATION,
+        "every law, wraps of 1e-3 down to 1e-300 rad: ln F_A, mean coefficient and slopes")  # fmt: skip
 def small_wrap():
     near = [(name, START[name], pull(wrap)) for name in LIMP for wrap in (1e-3, 1e-12)]
     far = [(name, START[name], pull(1e-300)) for name in LIMP]
-    return max(worst_law_error(near), worst_law_error(far, digits=650))
+    return max(worst_law_error(near), worst_law_error(far, digits=500))
 
 
 @refusals
@@ -67,12 +60,8 @@ def small_wraps_without_a_mean():
     yield partial(lift, "bending", [0.2, 1e-4], 1e-9), "too stiff"
 
 
-@regime(
-    "b → 0⁻",
-    "power, exponential and coupled laws, exponents and rates of −1e-3 … −1e-300: ln F_A and slopes",
-    EQUATION,
-    1e-12,
-)
+@regime("b → 0⁻", 1e-12, EQUATION,
+        "power, exponential and coupled laws, exponents and rates of −1e-3 … −1e-300: ln F_A and slopes")  # fmt: skip
 def exponent_to_zero():
 
     def cases(*sizes):
@@ -82,12 +71,11 @@ def exponent_to_zero():
                 yield f"{name}-from-zero", [0.2, -b, 0.1], pull(7.0)
             yield "coupled", [0.2, -0.2, -0.3, -b, 0.05], pull(7.0)
 
-    return max(worst_law_error(cases(1e-3, 1e-9, 1e-16)), worst_law_error(cases(1e-300), digits=650))
+    return max(worst_law_error(cases(1e-3, 1e-9, 1e-16)), worst_law_error(cases(1e-300), digits=500))
 
 
 @fact
 def without_an_exponent_it_is_eulers_equation():
-    """The wrap effect goes away."""
     for name in ("wrap-power", "wrap-exponential"):
         for b in (-1e-300, -5e-324, -0.0, 0.0):
             assert np.isclose(
@@ -113,12 +101,9 @@ def stretches():
             yield b, delta, value, slope
 
 
-@regime(
-    "b → −1, c + 1 → 0",
-    "∫ φ^b over [p, p + δ] with b + 1 = ±1e-3 … ±2e-16 and 0, δ = 1e-12 … 1e3 rad, with slopes; the laws from above",
-    f"the antiderivative; {EQUATION}",
-    1e-12,
-)
+@regime("b → −1, c + 1 → 0", 1e-12, f"the antiderivative; {EQUATION}",
+        "∫ φ^b over [p, p + δ] with b + 1 = ±1e-3 … ±2e-16 and 0, δ = 1e-12 … 1e3 rad, with slopes; the "
+        "laws from above")  # fmt: skip
 def exponent_to_minus_one():
     cases = [("wrap-power-from-zero", [0.2, s - 1, 0.1], pull(7.0)) for s in (1e-3, 1e-9, 2.0**-52)]
     cases += [
@@ -149,19 +134,14 @@ def where_the_problem_itself_is_ill_conditioned_no_more_is_lost():
 
 @refusals
 def integrals_that_diverge():
-    """From zero, at b = −1 and below."""
     for b in (-1.0, -1.0 - 2.0**-52, -1.5, -1e300):
         for name, theta in (("wrap-power", [0.2, b, 0.1]), ("coupled", [0.2, -0.2, -0.3, b, 0.1])):
             yield partial(lift, name, theta, 7.0), "diverges for k <= -1"
             yield partial(lift, f"{name}-from-zero", theta, 7.0), "diverges for k <= -1"
 
 
-@regime(
-    "φ0 underflows",
-    "a φ^b + c and the coupled law with b + 1 = 1e-3 … 2e-16, F_B = 1.5 … 1e6 N: ln F_A and slopes",
-    EQUATION,
-    1e-12,
-)
+@regime("φ0 underflows", 1e-12, EQUATION,
+        "a φ^b + c and the coupled law with b + 1 = 1e-3 … 2e-16, F_B = 1.5 … 1e6 N: ln F_A and slopes")  # fmt: skip
 def start_underflow():
     """Return the worst error: ln φ0 is −5298 and far less."""
     power = [
@@ -191,12 +171,8 @@ FROM_REFERENCE = {
 }
 
 
-@regime(
-    "F_B → F_0⁺",
-    "F_B/F_0 − 1 = 1e-3 … 2e-16 with wraps of 1e-9 … 60 rad: ln F_A and slopes; F_B < F_0 is refused",
-    EQUATION,
-    1e-12,
-)
+@regime("F_B → F_0⁺", 1e-12, EQUATION,
+        "F_B/F_0 − 1 = 1e-3 … 2e-16 with wraps of 1e-9 … 60 rad: ln F_A and slopes; F_B < F_0 is refused")  # fmt: skip
 def reference_tension():
     """Return the worst error: φ0 vanishes, and μ(φ0) is infinite."""
 
@@ -207,7 +183,7 @@ def reference_tension():
                 yield name, FROM_REFERENCE[name][place], pull(wrap, 1.0 + more)
 
     # With b = -0.9 and no plateau the slope by ln F_B is as small as 1e-140.
-    steep = worst_law_error(cases(["wrap-power", "wrap-exponential"], 1), digits=450)
+    steep = worst_law_error(cases(["wrap-power", "wrap-exponential"], 1), digits=350)
     return max(worst_law_error(cases(FROM_REFERENCE, 0)), steep)
 
 
@@ -230,12 +206,8 @@ def tensions_below_the_reference():
             yield partial(lift, name, theta, 2.0, tension), said
 
 
-@regime(
-    "r → 0 and r → ∞",
-    "every law with a size effect, R_w/R_r from 1e-298 to 1e298, b = 0 too: ln F_A and slopes",
-    EQUATION,
-    1e-12,
-)
+@regime("r → 0 and r → ∞", 1e-12, EQUATION,
+        "every law with a size effect, R_w/R_r from 1e-298 to 1e298, b = 0 too: ln F_A and slopes")  # fmt: skip
 def size_ratio():
     parameters = {
         "size-power": [[0.2, 1.5, 0.02], [0.2, 1.0, 0.0]],
@@ -265,14 +237,9 @@ def ratios_that_no_float_holds():
         yield partial(at, wheel=wheel, rope=rope), "no number holds R_w/R_r"
 
 
-@regime(
-    "e^(a r + b) > 1",
-    "negative μ: refused, with the condition that is to blame",
-    "the words of the refusal",
-    None,
-)
+@regime("e^(a r + b) > 1", None, "the words of the refusal",
+        "negative μ: refused, with the condition that is to blame")  # fmt: skip
 def negative_coefficient():
-    """Yield what is refused, by every way and law."""
     small = at(wheel=0.02)  # a r = -0.8
     ways = "log_lift", "jacobian", "log_lift_and_jacobian", "log_lift_gradient_conditions", "average_mu"
     for way in ways:
@@ -316,12 +283,9 @@ def just_inside_the_edge_of_a_negative_coefficient_there_is_an_answer():
     assert law.average_mu([0.2, -0.2, edge - 1e-12], small)[0] == pytest.approx(0.2e-12, rel=1e-3)
 
 
-@regime(
-    "100 turns and more",
-    "every law, 100 to 1e12 turns, ln F_A up to 1e12: ln F_A and slopes; the force beyond e^709.78 is refused",
-    EQUATION,
-    1e-12,
-)
+@regime("100 turns and more", 1e-12, EQUATION,
+        "every law, 100 to 1e12 turns, ln F_A up to 1e12: ln F_A and slopes; the force beyond e^709.78 is "
+        "refused")  # fmt: skip
 def many_turns():
     cases = [(name, START[name], pull(math.tau * turns)) for name in LIMP for turns in (100, 1000, 1e12)]
     return worst_law_error([*cases, ("bending", START["bending"], pull(math.tau * 100))])
@@ -339,12 +303,9 @@ def the_logarithm_is_finite_where_the_force_is_no_number():
     assert np.isclose(moving(many, 20.0, 0.06, 10.0), math.log(14.0) + 0.2 * many, rtol=1e-15, atol=0.0)
 
 
-@regime(
-    "F_B → ρv²⁺",
-    "F_B/ρv² − 1 = 1e-3 … 2e-16: ln F_A, and the digits of what friction adds as far as F_B − ρv² has them",
-    "ρv² + (F_B − ρv²) e^(μφ)",
-    1e-12,
-)
+@regime("F_B → ρv²⁺", 1e-12, "ρv² + (F_B − ρv²) e^(μφ)",
+        "F_B/ρv² − 1 = 1e-3 … 2e-16: ln F_A, and the digits of what friction adds as far as F_B − ρv² has "
+        "them")  # fmt: skip
 def inertia():
     """Return the worst error at ρv² = 16 N, exact in floats."""
     errors = []
@@ -377,15 +338,10 @@ def ropes_that_lift_off():
 EXTREMES = (5e-324, 1e-310, 1e-300, 1e-160, 1e-16, 0.04, 1.0, 20.0, 1e16, 1e160, 1e300, 1.7e308)
 
 
-@regime(
-    "1e-310 and 1e300",
-    "every law with one input at a time at 1e-300, 1e300 or subnormal; every other function on a grid of such numbers: "
-    "finite or refused, never a warning",
-    EQUATION,
-    1e-12,
-)
+@regime("1e-310 and 1e300", 1e-12, EQUATION,
+        "every law with one input at a time at 1e-300, 1e300 or subnormal; every other function on a grid "
+        "of such numbers: finite or refused, never a warning")  # fmt: skip
 def extreme_inputs():
-    """Return the worst error of what a float can hold."""
     plain = ["constant", "constant-offset", "groove", "wrap-power-from-zero", "wrap-exponential-from-zero"]
     loads = dict.fromkeys(plain, (1e-310, 1e300)) | {"howell": (1e-300, 1e300)}
     loads |= dict.fromkeys(["wrap-power", "wrap-exponential", "coupled"], (1e300,))
@@ -399,40 +355,36 @@ def extreme_inputs():
         ("wrap-exponential", [1e-300, -0.5, 0.1], pull()),
         ("thickness", [1e-150], pull()),
     ]
-    return max(worst_law_error(load, digits=120), worst_law_error([*both, *tiny], digits=650))
+    return max(worst_law_error(load, digits=120), worst_law_error([*both, *tiny], digits=500))
 
 
 @fact
 def laws_answer_extremes_or_refuse():
-    """Every method of every law, and what is made of laws."""
     for name, law in ALL_LAWS.items():
         rng, answered = np.random.default_rng(10), 0
         for _ in range(25):
-            drawn = []
-            if answer(lambda drawn=drawn, rng=rng: _numbers_of(drawn, rng.choice(EXTREMES, 4))) is None:
+            settings = rng.choice(EXTREMES, 4)
+            if answer(partial(_numbers_of_conditions, settings)) is None:
                 continue
-            (conditions,) = drawn
-            theta = [
-                [item.lower, item.upper, item.start, rng.choice(EXTREMES), -rng.choice(EXTREMES)][rng.integers(5)]
-                for item in law.parameters
-            ]  # fmt: skip
+            at, bounds = one_condition(*settings), [(p.lower, p.upper, p.start) for p in law.parameters]
+            theta = [[*b, rng.choice(EXTREMES), -rng.choice(EXTREMES)][rng.integers(5)] for b in bounds]
             place, density, speed, force = rng.choice(EXTREMES, 4)
             calls = (
-                partial(law.log_lift_and_jacobian, theta, conditions),
-                partial(law.log_lift_gradient_conditions, theta, conditions),
-                partial(law.average_mu, theta, conditions),
-                partial(law.local_mu, theta, place, conditions),
-                lambda law=law, theta=theta, at=conditions, density=density, speed=speed: LiftModel(
-                    law=law, linear_density_kg_m=density, speed_m_s=speed
-                ).log_lift(theta, at),
-                partial(guess, law, conditions, [force]),
+                partial(law.log_lift_and_jacobian, theta, at),
+                partial(law.log_lift_gradient_conditions, theta, at),
+                partial(law.average_mu, theta, at),
+                partial(law.local_mu, theta, place, at),
+                partial(_log_lift_running, law, density, speed, theta, at),
+                partial(guess, law, at, [force]),
             )
             answered += sum(answer(call) is not None for call in calls)
         assert answered > 10, name
 
 
-def _numbers_of(drawn, settings):
-    """Return what conditions are made of, and keep them."""
-    drawn.append(one_condition(*settings))
-    found = drawn[0]
+def _numbers_of_conditions(settings):
+    found = one_condition(*settings)
     return found.size_ratio, found.centreline_radius_m, found.log_end_tension
+
+
+def _log_lift_running(law, density, speed, *pull):
+    return LiftModel(law=law, linear_density_kg_m=density, speed_m_s=speed).log_lift(*pull)

@@ -62,7 +62,7 @@ FACTS: dict[str, Callable[[], None]] = {}
 REFUSALS: dict[str, Callable[[], Iterator[tuple[Callable[[], object], str]]]] = {}
 
 
-def regime(name, asks, reference, tolerance):
+def regime(name, tolerance, reference, asks):
     """Declare a regime over the function that measures its worst error, or yields its refusals."""
 
     def declare(measure):
@@ -75,7 +75,6 @@ def regime(name, asks, reference, tolerance):
 
 
 def fact(function):
-    """Declare what holds besides."""
     FACTS[function.__name__] = function
     return function
 
@@ -135,5 +134,5 @@ def _law_errors(name, theta, pull, slopes) -> Iterator[float]:
 
 def worst_law_error(cases, *, digits=100, slopes=True) -> float:
     """Return the worst relative error over (law, parameters, pull) cases."""
-    with hard_truth.digits(digits):
+    with mp.workdps(digits):
         return max(error for case in cases for error in _law_errors(*case, slopes))

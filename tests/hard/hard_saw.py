@@ -31,7 +31,6 @@ _SETTLED = 22
 
 
 def first_of_string_Hz(*, c, v, length):
-    """Return f_1, one over the time of a wave there and back."""
     return 1 / (length / (c + v) + length / (c - v))
 
 
@@ -124,17 +123,14 @@ def _quartic_roots(coefficients):
 
 
 def running(v, kappa=0.0, blade=BLADE, **more):
-    """Return a span whose wheels and blade run at a speed."""
     return Span(**blade | more, mounting_factor=kappa, wheel_speed_m_s=v, travel_speed_m_s=v)
 
 
 def limit(kappa, blade=BLADE, ends=PINNED):
-    """Return the library's critical speed."""
     return float(Span(**blade, mounting_factor=kappa).critical_speed_m_s(ends)[0])
 
 
 def string_errors(span, count=1):
-    """Yield the relative errors of a string's first frequencies."""
     with mp.workdps(60):
         F_0, pull, m, kappa, w, v, _, length = floats_of(span)
         truth = first_of_string_Hz(c=mp.sqrt((F_0 + pull + kappa * m * w**2) / m), v=v, length=length)
@@ -143,13 +139,11 @@ def string_errors(span, count=1):
 
 
 def beam_error(span):
-    """Return the relative error of a clamped beam's first frequency."""
     found = beam_frequencies_Hz(span, CLAMPED, 1, accuracy=1e-13)[0, 0]
     return relative(found, beam_of_span_Hz(found, span, CLAMPED))
 
 
 def saw(wheel_speed_rad_s, tension_difference_N, **more):
-    """Return a saw."""
     return Saw(
         **BLADE,
         wheel_radius_m=0.35,
@@ -162,12 +156,8 @@ def saw(wheel_speed_rad_s, tension_difference_N, **more):
 SHORTFALLS = [10.0**-k for k in range(3, 16)]
 
 
-@regime(
-    "v → c⁻, string",
-    "1 − v/c = 1e-3 … 1e-15: frequencies from tension, mass, mounting and speed",
-    STRING,
-    1e-14,
-)
+@regime("v → c⁻, string", 1e-14, STRING,
+        "1 − v/c = 1e-3 … 1e-15: frequencies from tension, mass, mounting and speed")  # fmt: skip
 def critical_string():
     return max(
         error
@@ -201,13 +191,9 @@ def at_shortfall(stiffness, shortfall, ends):
     return ScaledBeam(stiffness=stiffness, speed=speed, net=net, margin=margin, ends=ends)
 
 
-@regime(
-    "v → v_c⁻, beam",
-    "1 − v/v_c = 1e-3 … 1e-15, EI/(F l²) = 1 … 1e-10, pinned and clamped: the frequencies, from scaled numbers and "
-    "from newtons and metres",
-    CHARACTERISTIC,
-    1e-12,
-)
+@regime("v → v_c⁻, beam", 1e-12, CHARACTERISTIC,
+        "1 − v/v_c = 1e-3 … 1e-15, EI/(F l²) = 1 … 1e-10, pinned and clamped: the frequencies, from "
+        "scaled numbers and from newtons and metres")  # fmt: skip
 def critical_beam():
     errors = []
     # Every shortfall and every stiffness for both ends, not all of their product.
@@ -237,7 +223,6 @@ def the_first_frequency_vanishes_with_the_root_of_the_margin():
 
 @refusals
 def beams_at_their_critical_speed_and_above():
-    """With its value."""
     for ends in ENDS.values():
         critical = math.sqrt((PRELOAD + ends.buckling * STIFFNESS / LENGTH**2) / DENSITY)
         scaled = math.sqrt(1.0 + ends.buckling * 1e-2)
@@ -249,13 +234,9 @@ def beams_at_their_critical_speed_and_above():
             yield at_speed, f"not below the critical {scaled:.9g}"
 
 
-@regime(
-    "κ → 1",
-    "1 − κ = 1e-3 … 1e-16 and 0, v up to 1e6 m/s and to 1e-13 below the critical speed: the string's frequencies and "
-    "the critical speed; a beam's at 35 … 1000 m/s",
-    f"{STRING}; {CHARACTERISTIC}",
-    1e-12,
-)
+@regime("κ → 1", 1e-12, f"{STRING}; {CHARACTERISTIC}",
+        "1 − κ = 1e-3 … 1e-16 and 0, v up to 1e6 m/s and to 1e-13 below the critical speed: the string's "
+        "frequencies and the critical speed; a beam's at 35 … 1000 m/s")  # fmt: skip
 def constant_force():
     """Return the worst error where the wheels' inertia tension and the motion all but cancel."""
     errors = []
@@ -303,13 +284,9 @@ def spans_all_but_slack():
         yield Span(**over, mounting_factor=1.0, wheel_speed_m_s=wheels)
 
 
-@regime(
-    "slack tension → 0⁺",
-    "tension over preload of 1e-3 … 1e-15, at rest and at half the speed of its waves, the wheels' inertia in it or "
-    "not: the frequencies of string and beam",
-    f"{STRING}; {CHARACTERISTIC}",
-    1e-12,
-)
+@regime("slack tension → 0⁺", 1e-12, f"{STRING}; {CHARACTERISTIC}",
+        "tension over preload of 1e-3 … 1e-15, at rest and at half the speed of its waves, the wheels' "
+        "inertia in it or not: the frequencies of string and beam")  # fmt: skip
 def slack_side():
     """Return the worst error; as the tension goes, the stiffness takes over."""
     stiff = [Span(**STIFF, pull_N=-PRELOAD * (1.0 - 10.0**-k)) for k in (3, 9, 15)]
@@ -353,13 +330,9 @@ def with_layers(mode, stiffness, speed, ends):
     return S * mode * mp.pi * (1 + turned + waves * eta**2)
 
 
-@regime(
-    "EI → 0",
-    "EI/(F l²) = 1e-1 … 1e-14 against the characteristic equation, 1e-15 … 5e-324 against the string with what the "
-    "layers add; v/c = 0, 0.47, 0.99, pinned and clamped",
-    f"{CHARACTERISTIC}; the string with its layers",
-    1e-12,
-)
+@regime("EI → 0", 1e-12, f"{CHARACTERISTIC}; the string with its layers",
+        "EI/(F l²) = 1e-1 … 1e-14 against the characteristic equation, 1e-15 … 5e-324 against the string "
+        "with what the layers add; v/c = 0, 0.47, 0.99, pinned and clamped")  # fmt: skip
 def boundary_layer():
     """Return the worst error; the third order of the layers is below 1e-14 from 1e-15 on."""
     errors = []

@@ -1,62 +1,47 @@
 """Every friction law from its printed equation in many digits: values, and slopes by differences.
 
 Nothing is shared with the library: no closed form that was rearranged, no derivative made by hand. Each root is
-proven by a change of sign about it.
+proven by a change of sign about it. The digits are those of mpmath: inputs far apart need more than their distance in
+powers of ten.
 """
 
-from contextlib import contextmanager
 from functools import cache
 
 import mpmath as mp
 
-__all__ = ["condition_slopes", "digits", "parameter_slopes", "rise"]
+__all__ = ["condition_slopes", "parameter_slopes", "rise"]
 
 WHEEL, ROPE, WRAP, TENSION = range(4)
 
-_DIGITS = [100]
-
-
-@contextmanager
-def digits(number):
-    """Work in so many digits: inputs far apart need more than their distance in powers of ten."""
-    _DIGITS.append(number)
-    try:
-        yield
-    finally:
-        _DIGITS.pop()
-
 
 def _step():
-    return mp.mpf(10) ** -(_DIGITS[-1] // 3)
+    return mp.mpf(10) ** -(mp.mp.dps // 3)
+
+
+def _exactly(numbers):
+    return [mp.mpf(x) for x in numbers]
 
 
 def rise(name, theta, pull):
     """Return ln F_A − ln F_B of one pull (R_w, R_r, φ, F_B), all numbers taken exactly as they are."""
-    with mp.workdps(_DIGITS[-1]):
-        return +_RISE[name](*(mp.mpf(x) for x in theta), [mp.mpf(x) for x in pull])
+    return _RISE[name](*_exactly(theta), _exactly(pull))
 
 
 def parameter_slopes(name, theta, pull):
     """Return ∂ ln F_A/∂θ, by central differences of a relative step."""
-    with mp.workdps(_DIGITS[-1]):
-        theta, pull = [mp.mpf(x) for x in theta], [mp.mpf(x) for x in pull]
-        return [_slope(lambda moved: _RISE[name](*moved, pull), theta, i) for i in range(len(theta))]
+    theta, pull = _exactly(theta), _exactly(pull)
+    return [_slope(lambda moved: _RISE[name](*moved, pull), theta, i) for i in range(len(theta))]
 
 
 def condition_slopes(name, theta, pull):
     """Return ∂ ln F_A by R_w, φ and ln F_B; from F_B = F_0 only upwards, because below there is no answer."""
-    with mp.workdps(_DIGITS[-1]):
-        theta, pull = [mp.mpf(x) for x in theta], [mp.mpf(x) for x in pull]
+    theta, pull = _exactly(theta), _exactly(pull)
 
-        def rise_at(moved):
-            return _RISE[name](*theta, moved)
+    def by(place, *, upwards=False):
+        return _slope(lambda moved: _RISE[name](*theta, moved), pull, place, upwards=upwards)
 
-        by_tension = 1 + _slope(rise_at, pull, TENSION, upwards=pull[TENSION] == 1) * pull[TENSION]
-        return [
-            _slope(rise_at, pull, WHEEL),
-            _slope(rise_at, pull, WRAP, upwards=pull[WRAP] == 0),
-            by_tension,
-        ]
+    by_tension = 1 + by(TENSION, upwards=pull[TENSION] == 1) * pull[TENSION]
+    return [by(WHEEL), by(WRAP, upwards=pull[WRAP] == 0), by_tension]
 
 
 def _slope(function, at, i, *, upwards=False):

@@ -3,6 +3,7 @@
 import resource
 from pathlib import Path
 
+import hard_machines
 import hard_traces
 import pytest
 import table as hard_table
@@ -51,6 +52,11 @@ def test_refused(calls):
     for number, (call, said) in enumerate(calls(), start=1):  # noqa: B007
         assert_refused(call, said)
     assert number
+
+
+@pytest.mark.slow
+def test_stiff_belts_that_go_slack():
+    assert hard_machines.slack_belts([(1e8, 1e-4)]) <= 1e-8
 
 
 @pytest.mark.slow

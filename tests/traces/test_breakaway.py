@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from drawn import PULL, REST, TIME_S, drawn, picked
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rigged import rigged_trace
 from scipy.signal import lfilter
@@ -296,6 +296,7 @@ def test_every_status_has_advice_and_every_protocol_a_description():
 # --- whatever is recorded ---
 
 
+@settings(max_examples=40)
 @given(st.floats(0.05, 40.0), st.floats(-5.0, 5.0))
 def test_units_and_zero_of_time_do_not_matter(scale, delay_s):
     """Force scaled, time shifted: the same peak, scaled, at the same place."""

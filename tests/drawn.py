@@ -1,7 +1,9 @@
-"""Forces drawn over a time along corners, what swings or strikes on them, and the break-away that is picked."""
+"""Forces drawn along corners, what swings or strikes on them, recordings of the rig, and what is picked of them."""
 
 import numpy as np
 
+from ropefric.rig.bench import Bench
+from ropefric.rig.recording import simulate_recording
 from ropefric.traces.breakaway import PickSettings
 from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.trace import ForceTrace
@@ -65,3 +67,9 @@ def loaded(*teeth, rate_N_s, begins=((0.0, 0.0), (0.3, 0.0)), fall_s=0.004):
 def picked(force_N, settings=PickSettings(), time_s=TIME_S):  # noqa: B008  (it is frozen)
     """Return what is picked of a force."""
     return pick_breakaway(ForceTrace(time_s=time_s, force_N=force_N), settings)[0]
+
+
+def record(seed, *faults, lift_N=320.7, end_N=80.0, bench=Bench(), **ways):  # noqa: B008  (it is frozen)
+    """Return a recording of the rig with known truth."""
+    rng = np.random.default_rng(seed)
+    return simulate_recording(bench, lift_force_N=lift_N, end_tension_N=end_N, rng=rng, faults=faults, **ways)

@@ -4,19 +4,15 @@ import gzip
 
 import numpy as np
 import pytest
+from drawn import record
 from thinned import slow
 
 from ropefric.errors import InputError
-from ropefric.rig.bench import HELD_BENCH, Bench
-from ropefric.rig.recording import FAULTS, simulate_recording
+from ropefric.rig.bench import HELD_BENCH
+from ropefric.rig.recording import FAULTS
 from ropefric.traces.breakaway import Status
 
 LIFT_N, CEILING = 320.7, 1023
-
-
-def record(seed, *faults, lift=LIFT_N, end=80.0, bench=Bench(), **kw):  # noqa: B008  (it is frozen)
-    rng = np.random.default_rng(seed)
-    return simulate_recording(bench, lift_force_N=lift, end_tension_N=end, rng=rng, faults=faults, **kw)
 
 
 def runs(mask):
@@ -41,7 +37,7 @@ def test_faults_combine_the_worst_status_counts_and_what_does_not_go_together_is
     assert record(0, "no-peak", "spike").truth.status is Status.NO_PEAK
     assert record(0, "no-peak", "too-short", "unreadable").truth.status is Status.UNREADABLE
     with pytest.raises(InputError, match="'no-peak' does not go with protocol 'held'"):
-        record(0, "no-peak", lift=7.9, end=4.6, bench=HELD_BENCH, protocol="held")
+        record(0, "no-peak", lift_N=7.9, end_N=4.6, bench=HELD_BENCH, protocol="held")
 
 
 # --- of the samples ---
@@ -119,14 +115,14 @@ def test_unreadable_files_cannot_be_unpacked():
 
 def test_saturation_hides_the_peak_above_the_ceiling():
     for seed in range(8):
-        for lift, end, cell in ((1200.0, 150.0, "K1"), (LIFT_N, 80.0, "K1"), (5900.0, 700.0, "K5")):
-            recording = record(seed, "saturation", lift=lift, end=end)
+        for lift_N, end_N, cell in ((1200.0, 150.0, "K1"), (LIFT_N, 80.0, "K1"), (5900.0, 700.0, "K5")):
+            recording = record(seed, "saturation", lift_N=lift_N, end_N=end_N)
             assert recording.truth.cell == cell
             assert recording.truth.lift_force_N > 1000.0 * (1 - 15.0 / CEILING)
             at_peak = np.abs(recording.time_s - recording.truth.breakaway_time_s) < 0.5 / 3000.0
             assert (recording.counts[at_peak] == CEILING).all()
             assert runs(recording.counts == CEILING).max() > 5
-    assert record(0, "saturation", lift=1200.0, end=150.0).truth.lift_force_N == 1200.0
+    assert record(0, "saturation", lift_N=1200.0, end_N=150.0).truth.lift_force_N == 1200.0
 
 
 def test_no_breakaway_never_reaches_the_static_force_and_comes_held_and_cut():

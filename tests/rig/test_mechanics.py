@@ -4,20 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.signal
+from drawn import record
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.rig.bench import Bench, Snap, draw_breakaway
-from ropefric.rig.recording import simulate_recording
 from ropefric.traces.breakaway import Status
-
-
-def record(seed=0, bench=None, lift=320.7, end=80.0, **kw):
-    return simulate_recording(
-        bench or Bench(), lift_force_N=lift, end_tension_N=end, rng=np.random.default_rng(seed), **kw
-    )
 
 
 @settings(max_examples=40, deadline=None)
@@ -27,7 +22,7 @@ def record(seed=0, bench=None, lift=320.7, end=80.0, **kw):
     ratio=st.floats(1.3, 12.0),
 )
 def test_the_largest_force_is_the_static_peak_and_stands_where_the_truth_says(seed, lift, ratio):
-    recording = record(seed, lift=lift, end=lift / ratio)
+    recording = record(seed, lift_N=lift, end_N=lift / ratio)
     time_s, force_N, truth = recording.true_time_s, recording.true_force_N, recording.truth
     top = int(np.argmax(force_N))
     # Break-away falls between two samples: at most one step of loading is missing, never a newton too much.
@@ -83,31 +78,21 @@ def test_the_snap_solves_the_spring_mass_equation():
     snap = Snap(natural_Hz=140.0, damping_ratio=0.3)
     omega = 2 * np.pi * 140.0
     time_s = np.linspace(0.0, 0.02, 50)
+    exact = {"t_eval": time_s, "rtol": 1e-10, "atol": 1e-12}
     answer = solve_ivp(
-        lambda _, y: [y[1], -(omega**2) * y[0] - 2 * 0.3 * omega * y[1]],
-        (0.0, 0.02),
-        [1.0, 0.0],
-        t_eval=time_s,
-        rtol=1e-10,
-        atol=1e-12,
+        lambda _, y: [y[1], -(omega**2) * y[0] - 2 * 0.3 * omega * y[1]], (0.0, 0.02), [1.0, 0.0], **exact
     )
     assert snap.remaining(time_s) == pytest.approx(answer.y[0], abs=1e-8)
 
 
 @pytest.mark.parametrize("factor", [0.5, 1.0, 2.0])
 def test_the_drop_rings_with_rope_and_cell_in_series(factor):
-    bench = Bench(
-        stiffness_factor=(factor, factor),
-        damping_ratio=(0.02, 0.02),
-        tooth_Hz=(5.0, 5.0),
-        noise_counts=(0, 0),
-    )
-    recording = record(bench=bench)
+    quiet = {"damping_ratio": (0.02, 0.02), "tooth_Hz": (5.0, 5.0), "noise_counts": (0, 0)}
+    bench = Bench(stiffness_factor=(factor, factor), **quiet)
+    recording = record(0, bench=bench)
     after_s = recording.true_time_s - recording.truth.breakaway_time_s
     ringing_N = recording.true_force_N[(after_s > 0.0) & (after_s < 0.08)]
-    ringing_N = ringing_N - np.polyval(
-        np.polyfit(np.arange(ringing_N.size), ringing_N, 1), np.arange(ringing_N.size)
-    )
+    ringing_N = scipy.signal.detrend(ringing_N)
     spectrum = np.abs(np.fft.rfft(ringing_N * np.hanning(ringing_N.size), 65536))
     found_Hz = np.fft.rfftfreq(65536, 1 / 3000.0)[np.argmax(spectrum)]
     stiffness_N_m = 1 / (1 / (factor * 1.0e5) + 1 / 1.0e7)
@@ -119,7 +104,7 @@ def test_the_drop_rings_with_rope_and_cell_in_series(factor):
 @pytest.mark.parametrize("rate_Hz", [5.0, 12.0, 25.0])
 def test_teeth_come_at_the_stated_rate_and_reload_at_one_slope(rate_Hz):
     bench = Bench(tooth_Hz=(rate_Hz, rate_Hz), slide_s=(6.0, 6.0), kinetic_drift=0.0)
-    truth = record(bench=bench).truth
+    truth = record(0, bench=bench).truth
     gaps_s = np.diff(truth.tooth_times_s)
     assert 1 / gaps_s.mean() == pytest.approx(rate_Hz, rel=0.1)
     assert 0.05 < gaps_s.std() / gaps_s.mean() < 0.5
@@ -146,17 +131,17 @@ def test_the_slope_falls_just_before_the_slip():
 
 def test_bad_forces_and_names_are_refused():
     with pytest.raises(InputError, match="end tension 80 N must be positive and below the lift force 60 N"):
-        record(lift=60.0)
+        record(0, lift_N=60.0)
     for lift, end in ((np.nan, 1.0), (np.inf, 1.0), (10.0, 0.0), (10.0, np.nan)):
         with pytest.raises(InputError):
-            record(lift=lift, end=end)
+            record(0, lift_N=lift, end_N=end)
     for keys, words in (
         ({"protocol": "break-away"}, "did you mean 'breakaway'"),
         ({"faults": ["spikes"]}, "did you mean 'spike'"),
         ({"cell": "K2"}, "unknown force cell 'K2'"),
     ):
         with pytest.raises(UnknownNameError, match=words):
-            record(**keys)
+            record(0, *keys.pop("faults", ()), **keys)
     with pytest.raises(InputError, match="idle_s"):
         Bench(idle_s=(0.5, 0.1))
     with pytest.raises(InputError, match="moving_mass_kg"):

@@ -2,21 +2,15 @@
 
 import numpy as np
 import pytest
+from drawn import record
 
-from ropefric.rig.bench import HELD_BENCH, Bench
-from ropefric.rig.recording import simulate_recording
+from ropefric.rig.bench import HELD_BENCH
 
 
 def test_every_tooth_of_a_stick_slip_recording_is_a_peak_of_known_height():
     tops = []
     for seed in range(15):
-        recording = simulate_recording(
-            Bench(),
-            lift_force_N=320.7,
-            end_tension_N=80.0,
-            rng=np.random.default_rng(seed),
-            protocol="stick-slip",
-        )
+        recording = record(seed, protocol="stick-slip")
         truth = recording.truth
         assert 8 <= len(truth.tooth_tops_N) <= 16
         for top_s, top_N in zip(truth.tooth_times_s, truth.tooth_tops_N, strict=True):
@@ -31,13 +25,7 @@ def test_every_tooth_of_a_stick_slip_recording_is_a_peak_of_known_height():
 def test_held_plateaus_settle_where_the_truth_says():
     plateaus = []
     for seed in range(30):
-        recording = simulate_recording(
-            HELD_BENCH,
-            lift_force_N=7.8816,
-            end_tension_N=4.58,
-            rng=np.random.default_rng(seed),
-            protocol="held",
-        )
+        recording = record(seed, lift_N=7.8816, end_N=4.58, bench=HELD_BENCH, protocol="held")
         truth = recording.truth
         assert recording.time_s[1] == pytest.approx(0.02)
         assert len(truth.plateaus_N) == len(truth.phases) == 3

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from drawn import record
 
-from ropefric.rig.bench import Bench, Sensor
-from ropefric.rig.recording import simulate_recording
+from ropefric.rig.bench import Sensor
 from ropefric.traces.calibration import Adc, Calibration, ForceCell
 
 K1 = ForceCell(name="K1", full_scale_N=1000.0)
@@ -54,9 +54,7 @@ def test_counts_are_clipped_to_the_converter():
 
 def test_the_idle_rig_reads_its_zero_offset_and_never_the_floor():
     for seed in range(8):
-        recording = simulate_recording(
-            Bench(), lift_force_N=320.7, end_tension_N=80.0, rng=np.random.default_rng(seed)
-        )
+        recording = record(seed)
         idle = recording.counts[recording.time_s < 0.25]
         assert 5.0 < idle.mean() < 16.0
         assert idle.min() > 0
@@ -71,7 +69,4 @@ def test_the_idle_rig_reads_its_zero_offset_and_never_the_floor():
 
 def test_the_cell_follows_the_force():
     for lift, name in ((300.0, "K1"), (800.0, "K1"), (801.0, "K5"), (4900.0, "K5")):
-        recording = simulate_recording(
-            Bench(), lift_force_N=lift, end_tension_N=100, rng=np.random.default_rng(0)
-        )
-        assert recording.truth.cell == name
+        assert record(0, lift_N=lift, end_N=100.0).truth.cell == name

@@ -1,9 +1,9 @@
 """Recordings of the virtual rig as the picker gets them: calibrated, tared, clock mended."""
 
 import numpy as np
+from drawn import record
 
 from ropefric.rig.bench import Bench
-from ropefric.rig.recording import simulate_recording
 from ropefric.traces.calibration import Calibration
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.segments import MIN_SAMPLES
@@ -13,18 +13,17 @@ IDLE_S = 0.25
 
 
 def rigged_trace(
-    seed, *, lift_force_N=320.0, end_tension_N=80.0, faults=(), protocol="breakaway", bench=None
+    seed,
+    *,
+    lift_force_N=320.0,
+    end_tension_N=80.0,
+    faults=(),
+    protocol="breakaway",
+    bench=Bench(),  # noqa: B008
 ):
     """Return a recording of known truth as a trace, and that truth."""
-    bench = bench or Bench()
-    recording = simulate_recording(
-        bench,
-        lift_force_N=lift_force_N,
-        end_tension_N=end_tension_N,
-        rng=np.random.default_rng(seed),
-        faults=faults,
-        protocol=protocol,
-    )
+    given = {"lift_N": lift_force_N, "end_N": end_tension_N, "bench": bench, "protocol": protocol}
+    recording = record(seed, *faults, **given)
     counts = np.where(np.isnan(recording.counts), -1, recording.counts).astype(np.int64)
     calibration = Calibration(cell=bench.cell_named(recording.truth.cell), adc=bench.adc)
     if counts.size >= MIN_SAMPLES and protocol != "held":

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from drawn import PULL, REST, TIME_S, drawn, picked
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rigged import rigged_trace
 from scipy.signal import lfilter
@@ -169,19 +169,6 @@ def test_a_coarse_converter_that_rests_on_one_code_does_not_stick_at_a_round_top
     assert found.peak_N == pytest.approx(100.0, abs=step_N)
 
 
-@pytest.mark.parametrize("rate_Hz", [200.0, 1000.0])
-def test_what_a_weight_adds_at_once_is_measured_at_its_own_rate(rate_Hz):
-    """The weights before it stood for seconds: a window for their mean rate would smooth the last rise away."""
-    time_s = np.arange(0.0, 14.0, 1.0 / rate_Hz)
-    force = 18.0 * sum(np.clip((time_s - 1.5 * n) / 0.03, 0.0, 1.0) for n in range(1, 7))
-    slips, top_N = time_s > 9.024, float(force[time_s <= 9.024].max())
-    force[slips] = 70.0 + (top_N - 70.0) * np.exp(-(time_s[slips] - 9.024) / 0.05)
-    found = picked(force + np.random.default_rng(3).normal(0.0, 0.3, time_s.size), time_s=time_s)
-    assert found.status is Status.OK, found.detail
-    assert abs(found.peak_N - top_N) < 2.5 * found.peak_std_N
-    assert found.peak_N == pytest.approx(top_N, rel=0.02)
-
-
 # --- the zero ---
 
 
@@ -292,6 +279,7 @@ def test_every_status_has_advice_and_every_protocol_a_description():
 # --- whatever is recorded ---
 
 
+@settings(max_examples=40)
 @given(st.floats(0.05, 40.0), st.floats(-5.0, 5.0))
 def test_units_and_zero_of_time_do_not_matter(scale, delay_s):
     """Force scaled, time shifted: the same peak, scaled, at the same place."""

@@ -36,15 +36,9 @@ def test_the_papers_accumulated_error_holds():
 def test_each_component_by_hand():
     tared = Calibration(cell=SMALL.cell, tare_std_N=0.05)
     std_N = {item.name: item.std for item in chain_quantities(321.7, tared)}
-    assert std_N == pytest.approx(
-        {
-            "linearity": 0.2 / math.sqrt(3),
-            "hysteresis": 0.2 / math.sqrt(3),
-            "cell's repeatability": 0.2 / math.sqrt(3),
-            "transmitter": 1.0 / math.sqrt(3),
-            "resolution": 1000 / 1023 / math.sqrt(12),
-        }
-    )
+    cell_N = dict.fromkeys(("linearity", "hysteresis", "cell's repeatability"), 0.2 / math.sqrt(3))
+    chain_N = {"transmitter": 1.0 / math.sqrt(3), "resolution": 1000 / 1023 / math.sqrt(12)}
+    assert std_N == pytest.approx(cell_N | chain_N)
     assert std_N["resolution"] == pytest.approx(0.28, abs=0.005)
     combined_N = math.sqrt(sum(u**2 for u in std_N.values()) + 0.05**2 + 0.4**2)
     assert force_std_N(321.7, tared, picking_std_N=0.4) == pytest.approx(combined_N)

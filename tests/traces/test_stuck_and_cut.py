@@ -116,19 +116,6 @@ def test_a_recording_cut_anywhere_gives_its_force_or_none(tmp_path, n, seed):
     assert {Status.OK, Status.NO_BREAKAWAY, Status.UNREADABLE} <= statuses
 
 
-def test_a_load_that_comes_on_and_is_held_is_no_break_away():
-    """A damped overshoot, a rest of half a second, and the begin of the ramp: nothing slid."""
-    on_s = np.maximum(TIME_S - 0.3, 0.0)
-    rise = 0.5 - 0.5 * np.cos(np.pi * np.clip(on_s, 0.0, 0.15) / 0.15)
-    gone_s = np.maximum(on_s - 0.15, 0.0)
-    swing = 0.12 * np.exp(-gone_s / 0.02) * np.sin(gone_s * 2 * np.pi / 0.08)
-    force = 10.0 + 140.0 * (rise + swing) + 180.0 * np.maximum(TIME_S - 1.0, 0.0)
-    force = np.round(force + np.random.default_rng(1).normal(0.0, 0.6, force.size))
-    for end_s in (0.55, 0.6, 0.7, 0.9, 1.05, 1.2):
-        part = end_s > TIME_S
-        assert picked(force[part], time_s=TIME_S[part]).status is not Status.OK, end_s
-
-
 def test_a_last_number_that_may_be_cut_is_left_out(tmp_path):
     for end, n in (("12.5\n", 5), ("12.5", 5), ("12.", 4), ("1", 4), ("123.45", 5)):
         path = tmp_path / "a.csv"

@@ -2,6 +2,7 @@
 
 import gzip
 import os
+from itertools import product
 
 import numpy as np
 import pytest
@@ -64,14 +65,12 @@ CORPUS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", CORPUS)
-def test_damage_is_told_with_place_and_remedy(write, case):
-    content, code, line, words, fix = CORPUS[case]
-    error = refused(write(content))
-    assert error.code == code
-    assert error.problem.line == line
-    assert words in str(error)
-    assert fix in error.fix
+def test_damage_is_told_with_place_and_remedy(write):
+    for case, (content, code, line, words, fix) in CORPUS.items():
+        error = refused(write(content))
+        assert (error.code, error.problem.line) == (code, line), case
+        assert words in str(error), case
+        assert fix in error.fix, case
 
 
 def test_a_decimal_comma_after_the_first_64_kilobytes_is_told(write):
@@ -91,12 +90,11 @@ def test_an_ambiguous_comma_is_settled_by_the_profile_or_by_another_cell(write):
     assert columns(write("time_s;force_N\n0;1,234\n1;2,3\n"))["force"].tolist() == [1.234, 2.3]
 
 
-@pytest.mark.parametrize("decimal", ["", ","])
-def test_quoted_decimal_commas_between_commas(write, decimal):
+def test_quoted_decimal_commas_between_commas(write):
     path = write('time_s,force_N\n"0,1","12,47"\n"0,2","12,5"\n')
-    found = columns(path, ImportProfile(decimal=decimal))
-    assert found["time"].tolist() == [0.1, 0.2]
-    assert found["force"].tolist() == [12.47, 12.5]
+    for decimal in ("", ","):
+        found = columns(path, ImportProfile(decimal=decimal))
+        assert (found["time"].tolist(), found["force"].tolist()) == ([0.1, 0.2], [12.47, 12.5])
 
 
 def test_one_column_is_told_from_two_by_header_or_profile(write):
@@ -123,12 +121,11 @@ def test_missing_values_become_nan(write):
     assert np.isnan(force).tolist() == [True] * 6 + [False]
 
 
-@pytest.mark.parametrize("cell", ["-999", " -999", "-999.0"])
-@pytest.mark.parametrize("end", ["", '0.3,"7"\n'])  # quotes are read the slow way
-def test_a_number_can_mean_missing(write, cell, end):
-    path = write(HEAD + f"0,1\n0.1,{cell}\n0.2,2\n" + end)
-    force = columns(path, ImportProfile(missing=("-999",)))["force"]
-    np.testing.assert_array_equal(force[:3], [1.0, np.nan, 2.0])
+def test_a_number_can_mean_missing(write):
+    for cell, end in product(("-999", " -999", "-999.0"), ("", '0.3,"7"\n')):  # quotes are read the slow way
+        path = write(HEAD + f"0,1\n0.1,{cell}\n0.2,2\n" + end)
+        force = columns(path, ImportProfile(missing=("-999",)))["force"]
+        np.testing.assert_array_equal(force[:3], [1.0, np.nan, 2.0])
 
 
 def test_pandas_own_words_for_missing_are_not_taken(write):
@@ -136,41 +133,29 @@ def test_pandas_own_words_for_missing_are_not_taken(write):
         assert refused(write(f"{HEAD}0,1\n1,{word}\n")).code == "RF102"
 
 
-@pytest.mark.parametrize(
-    "content",
-    [
-        GOOD.replace("\n", "\r\n"),
-        GOOD.replace("\n", "\r"),
-        "\ufeff" + GOOD,
-        GOOD.replace("\n", "\n\n"),
-        GOOD.rstrip(),
-        GOOD + "\n \n\n",
-        GOOD.replace("\n", ",\n"),
-        GOOD.replace("0.1,", " 0.1 , "),
-        GOOD.replace(HEAD, HEAD.replace("\n", ",\n")),
-        GOOD.replace(HEAD, "# rig 2\n# " + HEAD),
-        GOOD.replace(HEAD, "Test of March\n\nOperator,Jo\nSamples,30\n" + HEAD),
-        GOOD.replace(HEAD, "time,force\ns,N\n"),
-        GOOD.replace(HEAD, "time,force\n[s],[N]\n\n"),
-        GOOD.replace(HEAD, '"time_s","force_N"\n'),
-        GOOD.replace(",", ";"),
-        GOOD.replace(",", "\t"),
-        GOOD.replace(",", "|"),
-        GOOD.replace(",", "  "),
-        GOOD.replace(HEAD, "t (s);F (N)\n").replace(",", ";").replace(".", ","),
-        GOOD.replace(HEAD, "t (s)\tF [N]\n").replace(",", "\t").replace(".", ","),
-        GOOD.replace(HEAD, "time_s,force_N,Comment\n"),
-        GOOD.encode("utf-16"),
-        ("\ufeff" + GOOD).encode("utf-16-be"),
-        GOOD.replace(HEAD, "Prüfung 1 µm\n" + HEAD).encode("cp1252"),
-        pytest.param(gzip.compress(GOOD.encode(), mtime=0), id="gzip"),
-    ],
-)  # fmt: skip
-def test_harmless_habits_change_nothing(write, content):
-    (found,) = read_recordings(write(content), ImportProfile())
-    np.testing.assert_array_equal(found.columns["time"], [round(i * 0.1, 1) for i in range(30)])
-    np.testing.assert_array_equal(found.columns["force"], [i * 1.5 for i in range(30)])
-    assert found.units == {"time": "s", "force": "N"}
+HARMLESS = [
+    GOOD.replace("\n", "\n\n"),
+    GOOD + "\n \n\n",
+    GOOD.replace("\n", ",\n"),
+    GOOD.replace("0.1,", " 0.1 , "),
+    GOOD.replace(HEAD, HEAD.replace("\n", ",\n")),
+    GOOD.replace(HEAD, "# rig 2\n# " + HEAD),
+    GOOD.replace(HEAD, "Test of March\n\nOperator,Jo\nSamples,30\n" + HEAD),
+    GOOD.replace(HEAD, "time,force\ns,N\n"),
+    GOOD.replace(HEAD, "time,force\n[s],[N]\n\n"),
+    GOOD.replace(HEAD, '"time_s","force_N"\n'),
+    GOOD.replace(HEAD, "time_s,force_N,Comment\n"),
+    ("\ufeff" + GOOD).encode("utf-16-be"),
+]  # fmt: skip
+"""Beside the dialects of `test_dialects.py`."""
+
+
+def test_harmless_habits_change_nothing(write):
+    for content in HARMLESS:
+        (found,) = read_recordings(write(content), ImportProfile())
+        np.testing.assert_array_equal(found.columns["time"], [round(i * 0.1, 1) for i in range(30)])
+        np.testing.assert_array_equal(found.columns["force"], [i * 1.5 for i in range(30)])
+        assert found.units == {"time": "s", "force": "N"}
 
 
 def test_line_of_the_first_sample_is_known_unless_blank_lines_move_it(write):
@@ -222,24 +207,19 @@ def test_a_file_without_permission(write):
     assert "permission" in str(refused(path)).lower()
 
 
-@pytest.mark.parametrize(
-    ("encoding", "words"),
-    [("utf-9", "no text encoding"), ("hex", "no text encoding"), ("ascii", "cannot be read as ascii")],
-)
-def test_a_wrong_encoding_is_told(write, encoding, words):
-    error = refused(write("Prüfung\n" + GOOD), ImportProfile(encoding=encoding))
-    assert error.code == "RF108"
-    assert words in str(error)
+def test_a_wrong_encoding_is_told(write):
+    none = "no text encoding"
+    for encoding, words in (("utf-9", none), ("hex", none), ("ascii", "cannot be read as ascii")):
+        error = refused(write("Prüfung\n" + GOOD), ImportProfile(encoding=encoding))
+        assert error.code == "RF108"
+        assert words in str(error)
 
 
-@pytest.mark.parametrize(
-    "change",
-    [{"separator": "::"}, {"separator": "5"}, {"decimal": ";"}, {"header_row": -2}, {"data_row": -1},
-     {"header_row": 3, "data_row": 2}, {"separator": "§"}],
-)  # fmt: skip
-def test_a_profile_that_contradicts_itself_is_told(write, change):
-    with pytest.raises(InputError, match="cannot be used"):
-        read_recordings(write(GOOD), ImportProfile(**change))
+def test_a_profile_that_contradicts_itself_is_told(write):
+    rows = ({"header_row": -2}, {"data_row": -1}, {"header_row": 3, "data_row": 2})
+    for change in ({"separator": "::"}, {"separator": "5"}, {"decimal": ";"}, {"separator": "§"}, *rows):
+        with pytest.raises(InputError, match="cannot be used"):
+            read_recordings(write(GOOD), ImportProfile(**change))
 
 
 def test_rows_beyond_the_file_are_told(write):

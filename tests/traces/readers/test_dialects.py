@@ -82,21 +82,21 @@ def test_any_dialect_comes_back_exactly_or_is_refused(tmp_path_factory, *, rows,
 
 
 ODD_CELLS = [
+    " 5 ",
     "",
     "nan",
     "inf",
     "1e999",
-    " 5 ",
     "1_0",
     "0x1",
     "1.5.2",
-    "1,5",
     "+.5",
     "5.",
     "-",
     "e5",
     "NA",
     "x",
+    "1,5",
 ]
 
 
@@ -130,18 +130,7 @@ def slow_answer(texts, decimal) -> FloatArray | None:
     values = []
     for text in texts:
         cell = text.strip()
-        if cell.lower() in ("", "nan", "-nan") and cell not in (
-            "-NAN",
-            "-Nan",
-            "nAn",
-            "NAn",
-            "naN",
-            "nAN",
-            "-naN",
-            "-nAn",
-            "-nAN",
-            "-NAn",
-        ):
+        if cell in ("", "nan", "NaN", "NAN", "Nan", "-nan", "-NaN"):
             values.append(np.nan)
             continue
         other = "," if decimal == "." else "."
@@ -185,7 +174,7 @@ profiles = st.builds(
 )
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=60)
 @given(ugly, profiles)
 @example(b'"', ImportProfile())
 @example(b"\xff\xfe", ImportProfile())

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from reading import read, refused
 
 from ropefric.errors import DataError
 from ropefric.files import text as texts
-from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.readers import find_reader, read_recordings
 from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile
@@ -15,18 +15,10 @@ FORCE = [0.5, 1.25, 2.0, 1.5]
 
 def general(*, columns="No", separator="Tab", mark="\t", decimal="."):
     tags = [
-        ("LabVIEW Measurement", ""),
-        ("Writer_Version", "2"),
-        ("Reader_Version", "2"),
-        ("Separator", separator),
-        ("Decimal_Separator", decimal),
-        ("Multi_Headings", "Yes"),
-        ("X_Columns", columns),
-        ("Time_Pref", "Absolute"),
-        ("Operator", "JS"),
-        ("Date", "2024/02/19"),
-        ("Time", "09:51:39.1970510124996275989"),
-    ]
+        ("LabVIEW Measurement", ""), ("Writer_Version", "2"), ("Reader_Version", "2"), ("Separator", separator),
+        ("Decimal_Separator", decimal), ("Multi_Headings", "Yes"), ("X_Columns", columns), ("Time_Pref", "Absolute"),
+        ("Operator", "JS"), ("Date", "2024/02/19"), ("Time", "09:51:39.1970510124996275989"),
+    ]  # fmt: skip
     return (
         "".join(f"{tag}{mark}{value}\r\n" for tag, value in tags) + f"***End_of_Header***{mark}\r\n{mark}\r\n"
     )
@@ -35,15 +27,10 @@ def general(*, columns="No", separator="Tab", mark="\t", decimal="."):
 def block(names, rows, *, units=("Newtons",), time="09:51:40.5", step="0.01", mark="\t", gap="", x0="0.0E+0"):
     n = len(units)
     tags = [
-        ("Channels", [str(n)]),
-        ("Samples", [str(len(rows))] * n),
-        ("Date", ["2024/02/19"] * n),
-        ("Time", [time] * n),
-        ("Y_Unit_Label", units),
-        ("X_Dimension", ["Time"] * n),
-        ("X0", [x0] * n),
+        ("Channels", [str(n)]), ("Samples", [str(len(rows))] * n), ("Date", ["2024/02/19"] * n), ("Time", [time] * n),
+        ("Y_Unit_Label", units), ("X_Dimension", ["Time"] * n), ("X0", [x0] * n),
         ("Delta_X", step.split() if " " in step else [step] * n),
-    ]
+    ]  # fmt: skip
     head = "".join(mark.join([tag, *_gapped(cells, gap)]) + f"{mark}\r\n" for tag, cells in tags)
     table = "".join(mark.join(row) + "\r\n" for row in [names, *rows])
     return head + f"***End_of_Header***{mark * 3}\r\n{table}\r\n"
@@ -51,11 +38,6 @@ def block(names, rows, *, units=("Newtons",), time="09:51:40.5", step="0.01", ma
 
 def _gapped(cells, gap):
     return [cell for one in cells for cell in ((one, "") if gap else (one,))]
-
-
-def read(path, **keys):
-    profile = ImportProfile(**keys)
-    return [assemble_trace(raw, profile) for raw in read_recordings(path, profile, shown_as="run.lvm")]
 
 
 def test_without_x_columns_the_time_is_start_and_steps(write):
@@ -89,11 +71,11 @@ def test_one_x_column_and_comments_on_some_rows(write):
     np.testing.assert_array_equal(trace.time_s, [0, 0.01, 0.02, 0.03])
 
 
-@pytest.mark.parametrize(("separator", "mark"), [("Tab", "\t"), ("Comma", ","), ("Semicolon", ";")])
-@pytest.mark.parametrize("decimal", [".", ","])
+@pytest.mark.parametrize(
+    ("separator", "mark", "decimal"),
+    [("Tab", "\t", ","), ("Comma", ",", "."), ("Semicolon", ";", ","), ("Tab", "\t", ".")],
+)
 def test_separators_and_decimal_marks_are_those_of_the_header(write, separator, mark, decimal):
-    if mark == decimal:
-        return
     rows = [[f"{i / 100}".replace(".", decimal), f"{f}".replace(".", decimal)] for i, f in enumerate(FORCE)]
     text = general(columns="One", separator=separator, mark=mark, decimal=decimal)
     text += block(["X_Value", "Force", "Comment"], rows, mark=mark, step=f"0{decimal}01")
@@ -110,9 +92,9 @@ def test_every_channel_may_have_its_own_x(write):
     (trace,) = read(path)
     np.testing.assert_array_equal(trace.time_s, [0, 0.01, 0.02, 0.03])
     way = {"way": Channel(column="Way"), "force": Channel(column="Force")}
-    with pytest.raises(DataError, match="'Way' and 'Force' have clocks of their own") as caught:
-        read(path, channels=way)
-    assert (caught.value.code, caught.value.where) == ("RF103", "run.lvm [import.channels]")
+    error = refused(path, channels=way)
+    assert "'Way' and 'Force' have clocks of their own" in str(error)
+    assert (error.code, error.where) == ("RF103", "run [import.channels]")
     named = {"time": Channel(column=3, unit="s"), "force": Channel(column="Way", unit="N")}
     assert read(path, channels=named)[0].time_s.tolist() == [0, 0.02, 0.04, 0.06]
 
@@ -121,8 +103,7 @@ def test_the_only_x_column_is_not_lent_to_channels_with_other_steps(write):
     rows = [[f"{i / 100}", f"{i}", f"{f}"] for i, f in enumerate(FORCE)]
     text = general(columns="One")
     text += block(["X_Value", "Way", "Force", "Comment"], rows, units=("mm", "Newtons"), step="0.01 0.02")
-    with pytest.raises(DataError, match="no time channel"):
-        read(write(text, "run.lvm"))
+    assert "no time channel" in str(refused(write(text, "run.lvm")))
 
 
 def blocks(*starts):
@@ -143,7 +124,7 @@ def test_blocks_that_go_on_are_one_recording(write):
 def test_blocks_with_a_pause_between_them_are_recordings_of_their_own(write):
     path = write(blocks("00.00", "00.02", "30.00"), "run.lvm")
     first, second = read(path)
-    assert (first.name, second.name) == ("run.lvm#1", "run.lvm#2")
+    assert (first.name, second.name) == ("run#1", "run#2")
     assert (first.force_N.size, second.force_N.tolist()) == (4, [3, 3.5])
     assert "by their times the blocks make 2 recordings" in second.notes
     assert inspect_file(path).samples == ("1", "2")
@@ -152,11 +133,8 @@ def test_blocks_with_a_pause_between_them_are_recordings_of_their_own(write):
 def test_units_that_are_not_told_are_not_made_up(write):
     text = general(columns="One") + block(["X_Value", "Force", "Comment"], [["0", "1"], ["0.01", "2"]])
     path = write(text.replace("Y_Unit_Label\tNewtons\t\r\n", ""), "run.lvm")
-    assert [(c.name, c.unit) for c in inspect_file(path).columns] == [
-        ("X_Value", "s"),
-        ("Force", ""),
-        ("Comment", ""),
-    ]
+    units = {column.name: column.unit for column in inspect_file(path).columns}
+    assert units == {"X_Value": "s", "Force": "", "Comment": ""}
 
 
 def test_special_blocks_are_passed_over(write):
@@ -168,23 +146,25 @@ def test_special_blocks_are_passed_over(write):
 GOOD = general() + block(["X_Value", "Force", "Comment"], [["", "1"], ["", "2"], ["", "3"]])
 
 
-@pytest.mark.parametrize(
-    ("text", "place", "words", "fix"),
-    [
-        (general(), ("RF103", None), "no second ***End_of_Header***", "delimited"),
-        (GOOD.replace("\t2\r\n", "\toops\r\n"), ("RF102", 25), "'oops'", "missing"),
-        (GOOD.replace("\t2\r\n", "\t2\t3\t4\r\n"), ("RF103", 25), "4 values", "mend"),
-        (GOOD.replace("X_Dimension\tTime", "X_Dimension\tFrequency"), ("RF103", 23), "'Frequency'", "time as X"),
-        (GOOD.replace("Separator\tTab", "Separator\tWord"), ("RF103", 1), "'Word'", "delimited"),
-        (GOOD[: GOOD.index("\t1\r\n")], ("RF101", None), "no block has data rows", "again"),
-    ],
-)  # fmt: skip
-def test_what_is_broken_is_told(write, text, place, words, fix):
-    with pytest.raises(DataError) as caught:
-        read(write(text, "run.lvm"))
-    assert (caught.value.code, caught.value.problem.line) == place
-    assert words in str(caught.value)
-    assert fix in caught.value.fix
+def test_what_is_broken_is_told(write):
+    for text, code, line, words, fix in (
+        (general(), "RF103", None, "no second ***End_of_Header***", "delimited"),
+        (GOOD.replace("\t2\r\n", "\toops\r\n"), "RF102", 25, "'oops'", "missing"),
+        (GOOD.replace("\t2\r\n", "\t2\t3\t4\r\n"), "RF103", 25, "4 values", "mend"),
+        (
+            GOOD.replace("X_Dimension\tTime", "X_Dimension\tFrequency"),
+            "RF103",
+            23,
+            "'Frequency'",
+            "time as X",
+        ),
+        (GOOD.replace("Separator\tTab", "Separator\tWord"), "RF103", 1, "'Word'", "delimited"),
+        (GOOD[: GOOD.index("\t1\r\n")], "RF101", None, "no block has data rows", "again"),
+    ):
+        error = refused(write(text, "run.lvm"))
+        assert (error.code, error.problem.line) == (code, line)
+        assert words in str(error)
+        assert fix in error.fix
 
 
 def test_any_cut_of_the_file_is_read_or_refused(write):

@@ -13,13 +13,9 @@ from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile
 
 MECMESIN = ImportProfile(
-    header_row=1,
-    units_row=2,
-    block_names_row=3,
-    data_row=5,
-    block_columns=4,
+    header_row=1, units_row=2, block_names_row=3, data_row=5, block_columns=4,
     channels={"time": Channel(column="Time"), "force": Channel(column=1)},
-)
+)  # fmt: skip
 SEAL_CHANNELS = {
     "time": Channel(column=1, unit="ms"),
     "pressure": Channel(column=6, unit="bar"),
@@ -64,11 +60,8 @@ def test_the_inspected_profile_reads_the_wide_file_alike(real_data):
 
 
 def test_a_headerless_wide_file(real_data):
-    profile = ImportProfile(
-        header_row=0,
-        block_columns=4,
-        channels={"time": Channel(column=3, unit="s"), "force": Channel(column=1, unit="N")},
-    )
+    channels = {"time": Channel(column=3, unit="s"), "force": Channel(column=1, unit="N")}
+    profile = ImportProfile(header_row=0, block_columns=4, channels=channels)
     path = real_data / "mecmesin_wide" / "example_forces_small.csv"
     first, second = read_recordings(path, profile)
     assert (first.sample, second.sample) == ("1", "2")
@@ -123,11 +116,8 @@ def test_the_shifted_file_is_refused(real_data, profile):
 
 def test_the_shifted_file_can_be_read_by_number(real_data):
     path = real_data / "rock_direct_shear" / "TM11_Pc130_Pp50_T180_repeat_test.txt"
-    profile = ImportProfile(
-        header_row=0,
-        data_row=4,
-        channels={"time": Channel(column=1, unit="s"), "force": Channel(column=6, unit="kN")},
-    )
+    channels = {"time": Channel(column=1, unit="s"), "force": Channel(column=6, unit="kN")}
+    profile = ImportProfile(header_row=0, data_row=4, channels=channels)
     trace = assemble_trace(read_recordings(path, profile)[0], profile)
     assert trace.force_N[0] == pytest.approx(30984.605)
     found = inspect_file(path)

@@ -77,7 +77,7 @@ names = st.text(min_size=1, max_size=8).filter(lambda text: text.strip() and max
 plain = st.text(max_size=8).filter(lambda text: not any("\ud800" <= c <= "\udfff" for c in text))
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=50)
 @given(
     st.builds(
         ImportProfile,

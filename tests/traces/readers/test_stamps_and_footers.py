@@ -4,25 +4,19 @@ import datetime as dt
 
 import numpy as np
 import pytest
+from reading import read as read_all
+from reading import refused
 
-from ropefric.errors import DataError
 from ropefric.files import text
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.inspection import inspect_file
-from ropefric.traces.readers.profile import Channel, ImportProfile
+from ropefric.traces.readers.profile import Channel
 
 
 def read(path, **keys):
-    profile = ImportProfile(**keys)
-    (raw,) = read_recordings(path, profile, shown_as="run.csv")
-    return assemble_trace(raw, profile)
-
-
-def refused(path, **keys):
-    with pytest.raises(DataError) as caught:
-        read(path, **keys)
-    return caught.value
+    (trace,) = read_all(path, **keys)
+    return trace
 
 
 def test_a_german_logger_with_text_time_stamps(write):
@@ -55,7 +49,7 @@ def test_stamps_of_whole_seconds_are_spread(write):
 
 def test_a_time_stamp_that_is_none_is_told_by_its_line(write):
     error = refused(write("time,force_N\n10:00:00,1\nnoon,2\n"))
-    assert (error.code, error.where) == ("RF104", "run.csv:3 time")
+    assert (error.code, error.where) == ("RF104", "run:3 time")
     assert "'noon'" in str(error)
 
 

@@ -4,24 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from reading import hide, read, refused
 
-from ropefric.errors import DataError
-from ropefric.traces.assemble import assemble_trace
-from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.inspection import inspect_file
-from ropefric.traces.readers.profile import Channel, ImportProfile
-
-
-def read(path, **keys):
-    profile = ImportProfile(**keys)
-    return [assemble_trace(raw, profile) for raw in read_recordings(path, profile, shown_as="run")]
-
-
-def refused(path, **keys):
-    with pytest.raises(DataError) as caught:
-        read(path, **keys)
-    return caught.value
-
+from ropefric.traces.readers.profile import Channel
 
 # --- NI ---
 
@@ -68,12 +54,8 @@ def test_the_real_ni_export(real_data):
     assert [(c.name, c.unit) for c in found.columns][1::2] == [("Force", "V"), ("Input 1", "V")]
     assert (found.format, found.n_rows, found.sampling_rate_Hz) == ("ni-csv", 1078, 2000)
     assert any("the force is in V, which is no unit of it" in doubt for doubt in found.doubts)
-    volts = ImportProfile(
-        channels={"volts": Channel(column="Force")},
-        constants={"gain": 100.0},
-        derived={"force": "volts * gain"},
-    )
-    trace = assemble_trace(read_recordings(path, volts)[0], volts)
+    volts = {"channels": {"volts": Channel(column="Force")}, "constants": {"gain": 100.0}}
+    (trace,) = read(path, **volts, derived={"force": "volts * gain"})
     assert trace.force_N[0] == pytest.approx(-12.917863583)
     assert trace.time_s[-1] == pytest.approx(1077 * 0.0005)
 
@@ -161,21 +143,18 @@ def test_vernier_runs_are_recordings(write):
     assert refused(path, table="Latset").fix == "did you mean 'Latest'?"
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
+def test_a_vernier_file_that_cannot_be_used(write):
+    for text, words in (
         ("<Document><DataSet>", "no element found"),
         ("hello", "not a readable Vernier file"),
         (document(), "no run"),
         (document(run("Run 1", TIME, column("Force", "N", ["1", "2,5", "3"]))), "decimal comma"),
         ('<!DOCTYPE a [<!ENTITY b "c">]><Document>&b;</Document>', "XML entities"),
         ('<!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><Document>&b;</Document>', "XML entities"),
-    ],
-)
-def test_a_vernier_file_that_cannot_be_used(write, text, words):
-    error = refused(write(text, "run.cmbl"))
-    assert error.code in {"RF101", "RF102"}
-    assert words in str(error)
+    ):
+        error = refused(write(text, "run.cmbl"))
+        assert error.code in {"RF101", "RF102"}
+        assert words in str(error)
 
 
 # --- HDF5 ---
@@ -235,17 +214,8 @@ def test_hdf5_that_cannot_be_used(tmp_path, write):
 
 
 def test_without_h5py_the_extra_is_named(tmp_path, monkeypatch):
-    import builtins
-
     path = save_h5(tmp_path / "run.h5", lambda file: file.create_dataset("force", data=np.arange(5.0)))
-    real = builtins.__import__
-
-    def importing(name, *args, **kwargs):
-        if name == "h5py":
-            raise ImportError(name)
-        return real(name, *args, **kwargs)
-
-    monkeypatch.setattr(builtins, "__import__", importing)
+    hide(monkeypatch, {"h5py"})
     assert (refused(path).code, refused(path).fix) == ("RF107", 'pip install "ropefric[lab]"')
 
 

@@ -1,4 +1,4 @@
-"""A laboratory to write campaigns in, a good campaign to spoil, and the committed bench, extracted once."""
+"""A laboratory to write campaigns in, a good campaign to spoil, and a small one, extracted once."""
 
 import math
 import re
@@ -43,10 +43,8 @@ class Lab:
     def record(self, name, **columns):
         """Write a recording; times to a tenth of a millisecond, whole numbers as they are."""
         kinds = ["%d" if values.dtype.kind == "i" else "%.5f" for values in columns.values()]
-        form, rows = (
-            ",".join(["%.4f", *kinds[1:]]),
-            zip(*map(np.ndarray.tolist, columns.values()), strict=True),
-        )
+        form = ",".join(["%.4f", *kinds[1:]])
+        rows = zip(*map(np.ndarray.tolist, columns.values()), strict=True)
         lines = [",".join(columns), *(form % row for row in rows), ""]
         (self.folder / name).write_text("\n".join(lines), encoding="utf-8")
 

@@ -35,15 +35,6 @@ def test_one_clean_recording_with_a_peak_known_beforehand(lab):
     assert extraction.name == "lab"
 
 
-def test_one_bad_recording_leaves_the_good_one_alone(lab):
-    (alone,) = lab.pulls(good=100.0).extract().trials
-    lab.write([lab.row("bad.csv"), lab.row("good.csv")])
-    (lab.folder / "bad.csv").write_bytes(b"")
-    bad, good = lab.extract().trials
-    assert bad.breakaway.status == "unreadable"
-    assert good.to_dict() == alone.to_dict()
-
-
 def test_a_missing_recording_is_an_error_of_a_check_and_a_status_of_a_run(lab, capfd):
     lab.pulls(here=100.0, gone=100.0)
     (lab.folder / "gone.csv").unlink()

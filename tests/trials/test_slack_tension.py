@@ -1,19 +1,16 @@
 """A second sensor on the slack side: F_B at the time of F_A, with its own uncertainty, instead of the hung weight."""
 
-import csv
 import math
 
 import numpy as np
 import pytest
 
 import ropefric as rf
-from ropefric.cli.app import main
 from ropefric.errors import DataError
 from ropefric.traces.breakaway import Status
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign import check_campaign
 from ropefric.trials.result import write_tables
-from ropefric.trials.table import read_trial_table
 
 MU, NOISE_N = 0.2, 0.05
 CHANNELS = """[import.channels]
@@ -105,18 +102,6 @@ def test_a_slack_side_that_pushes_is_an_error_of_that_trial(lab):
     extraction = lab.extract()
     assert {trial.breakaway.status for trial in extraction.trials} == {Status.UNREADABLE}
     assert {problem.code for problem in extraction.problems if problem.severity == "error"} == {"RF242"}
-
-
-def test_the_command_writes_what_was_set_and_what_was_measured(lab, monkeypatch, capsys):
-    lab, slack_N = write(lab)
-    monkeypatch.chdir(lab.folder)
-    assert main(["extract", ".", "--out", "out", "--no-figures", "--quiet"]) == 0
-    capsys.readouterr()
-    rows = list(csv.DictReader((lab.folder / "out" / "trials.csv").read_text(encoding="utf-8").splitlines()))
-    assert {row["end_tension_set_N"] for row in rows} == {"20.0"}
-    assert [float(row["end_tension_N"]) for row in rows] == pytest.approx(slack_N, abs=0.15)
-    assert read_trial_table(lab.folder / "out" / "trials.csv").used.all()
-    assert main(["fit", "out/trials.csv", "--law", "constant", "--quiet"]) in {0, 4}
 
 
 def test_end_tensions_of_another_length_are_refused():

@@ -1,6 +1,5 @@
 """Raised and lowered over one wheel: μ = ln(T_raise/T_lower)/(2φ), whatever the weight and the scale of the sensor."""
 
-import json
 import math
 from itertools import product
 
@@ -8,7 +7,6 @@ import numpy as np
 import pytest
 
 import ropefric as rf
-from ropefric.cli.app import main
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.trace import ForceTrace
@@ -138,14 +136,3 @@ def test_the_uncertainty_of_the_pair_is_half_that_of_each_force_and_holds_the_ch
     assert trial.peak_std_N == pytest.approx(expected_N, rel=0.01)
     assert trial.end_tension_std_N == 0.0
     assert trial.mu_std == pytest.approx(trial.peak_std_N / trial.peak_N / trial.wrap_angle_rad)
-
-
-def test_the_commands_extract_and_fit_pairs(two_way, monkeypatch, capsys):
-    lab = two_way(end_tension_N=WEIGHT_N)
-    monkeypatch.chdir(lab.folder)
-    assert main(["extract", ".", "--out", "out", "--no-figures", "--json"]) == 0
-    trials = json.loads(capsys.readouterr().out)["trials"]
-    assert [trial["mu"] for trial in trials] == pytest.approx([0.18] * 12, rel=0.015)
-    assert all(trial["kept"] for trial in trials)
-    main(["fit", "out/trials.csv", "--law", "constant", "--json"])
-    assert json.loads(capsys.readouterr().out)["parameters"]["mu"]["value"] == pytest.approx(0.18, rel=3e-3)

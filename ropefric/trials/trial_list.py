@@ -114,11 +114,7 @@ def read_trials(
         message, fix = "the table has a header, but no trials", "add a row for every recording"
         found.append(table.problem(table.header_line, "", "RF101", message, fix))
     numbers, wrong = table.numbers(columns)
-    rows = [_Row(table, columns, place, numbers) for place in range(len(table.rows))]
-    _refuse_twice(rows)
-    if context.folder is not None:
-        _refuse_missing(rows, context.folder)
-    _name(rows)
+    rows = _named_rows(table, columns, numbers, context.folder)
     # The user's own columns are kept, but not used.
     own = {name: table.header.index(name) for name in others}
     trials: list[TrialSpec] = []
@@ -129,6 +125,18 @@ def read_trials(
         trials += _trial(row, own, folder, context) if len(row.problems) == before else ()
         found += row.problems
     return tuple(trials), tuple(sorted(found, key=lambda p: p.line or math.inf))
+
+
+def _named_rows(
+    table: cells.CellTable, columns: cells.Columns, numbers: cells.Numbers, folder: Path | None
+) -> list[_Row]:
+    """Return the rows, each with a name of its own, and what is wrong with them among each other."""
+    rows = [_Row(table, columns, place, numbers) for place in range(len(table.rows))]
+    _refuse_twice(rows)
+    if folder is not None:
+        _refuse_missing(rows, folder)
+    _name(rows)
+    return rows
 
 
 def _check_header(
@@ -198,12 +206,17 @@ def _check(row: _Row, context: TrialContext, *, wrong_header: bool) -> None:
             row.say(name, "RF120", f"unknown {name} '{word}'", fix)
     _check_wheel(row, context, wrong_header=wrong_header)
     row.need(*(name for name in context.needed if name not in tensions))
+    _check_interval(row, context)
+    _check_decision(row, alone=context.protocol == "breakaway" and row.sample != "*")
+
+
+def _check_interval(row: _Row, context: TrialContext) -> None:
+    """Take note of a part of the recording that ends before it begins."""
     start_s, stop_s = _interval(row, context)
     if start_s is not None and stop_s is not None and not start_s < stop_s:
         place = "stop_s" if "stop_s" in row.columns else "start_s"
         message = f"the part from {start_s:g} s until {stop_s:g} s is empty"
         row.say(place, "RF111", message, "give an end after the start")
-    _check_decision(row, alone=context.protocol == "breakaway" and row.sample != "*")
 
 
 def _check_wheel(row: _Row, context: TrialContext, *, wrong_header: bool) -> None:

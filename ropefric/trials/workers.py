@@ -73,14 +73,10 @@ def guarded(
 
     What `work` raises is raised here; close the iterator to end the processes early.
     """
-    import multiprocessing  # noqa: PLC0415  (quick start-up)
-
-    if multiprocessing.current_process().daemon:  # it may have no processes of its own
+    context = _way_to_start()
+    if context is None:
         yield from ((number, work(number)) for number in range(n))
         return
-    # Threads may hold locks that a forked child would find locked for ever.
-    may_fork = sys.platform == "linux" and threading.active_count() == 1
-    context = multiprocessing.get_context("fork" if may_fork else "spawn")
     limits, most, waiting = limits or Limits(), max(1, min(jobs, n, usable_cores())), deque(range(n))
     workers: list[_Worker[T]] = []
     try:
@@ -94,6 +90,17 @@ def guarded(
                 waiting.extendleft(reversed(worker.given))
     finally:
         _end(workers)
+
+
+def _way_to_start() -> "BaseContext | None":
+    """Return how processes are started here; None in a process that may have none of its own."""
+    import multiprocessing  # noqa: PLC0415  (quick start-up)
+
+    if multiprocessing.current_process().daemon:
+        return None
+    # Threads may hold locks that a forked child would find locked for ever.
+    may_fork = sys.platform == "linux" and threading.active_count() == 1
+    return multiprocessing.get_context("fork" if may_fork else "spawn")
 
 
 def _hand_out(waiting: deque[int], workers: "list[_Worker[T]]") -> None:

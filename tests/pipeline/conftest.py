@@ -1,6 +1,7 @@
 """The committed bench, run once, and small tables with known truth."""
 
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,7 @@ def bench_truth():
     return tomllib.loads((BENCH / "truth.toml").read_text(encoding="utf-8"))
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def pulls():
     """A factory of trial tables that obey a law: 3 wheels, 3 wraps, 2 loads, repeated."""
 
@@ -40,9 +41,6 @@ def pulls():
         )  # fmt: skip
         scattered = scatter * np.random.default_rng(seed).standard_normal(n)
         peak_N = np.exp(LAWS[law].log_lift(list(theta), empty.conditions()) + scattered)
-        return TrialTable(
-            trial=empty.trial, wheel_radius_m=columns[0], rope_radius_m=0.005, wrap_angle_rad=columns[1],
-            end_tension_N=columns[2], peak_N=peak_N,
-        )  # fmt: skip
+        return replace(empty, peak_N=peak_N)
 
     return make

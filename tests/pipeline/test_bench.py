@@ -86,7 +86,5 @@ def test_fixing_a_parameter_at_the_truth_sharpens_the_others(bench_run, bench_tr
     free = bench_run[0].answer.fit
     assert held["c"].std < 0.6 * free["c"].std  # not half: what all trials have in common, the cells, stays
     assert held["d"].std == 0
-    assert (
-        predict(held, one_condition(0.035, 0.0049, 7.0, 60.0)).std_N[0]
-        <= 1.05 * predict(free, one_condition(0.035, 0.0049, 7.0, 60.0)).std_N[0]
-    )
+    wheel = one_condition(0.035, 0.0049, 7.0, 60.0)
+    assert predict(held, wheel).std_N[0] <= 1.05 * predict(free, wheel).std_N[0]

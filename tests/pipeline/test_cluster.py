@@ -34,10 +34,7 @@ BENCH = ROOT / "data" / "prth-bench"
 @pytest.fixture(scope="module")
 def client():
     """Two processes behind a scheduler, reached by its address as a remote one would be."""
-    with (
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as local,
-        Client(local) as one,
-    ):
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as two, Client(two) as one:
         yield one
 
 
@@ -84,27 +81,16 @@ def test_recordings_give_the_same_bytes_though_a_worker_is_killed(client, bench,
 @pytest.mark.skipif(sys.platform != "linux", reason="needs /proc")
 def test_recordings_that_workers_do_not_find_are_an_error_and_no_bad_recordings(client, bench, monkeypatch):
     monkeypatch.chdir(BENCH / "traces")  # what follows names another folder in each process
-    trials = (
-        *bench.trials[:3],
-        replace(bench.trials[3], path=Path("/proc/self/cwd") / bench.trials[3].path.name),
-    )
-    hidden = bench.model_copy(update={"trials": trials})
+    moved = replace(bench.trials[3], path=Path("/proc/self/cwd") / bench.trials[3].path.name)
+    hidden = bench.model_copy(update={"trials": (*bench.trials[:3], moved)})
     assert [trial.breakaway.status for trial in rf.extract(hidden).trials].count("unreadable") == 0
     with pytest.raises(DataError, match="a worker does not find this file") as caught:
         rf.extract(hidden, executor=client)
     assert "under the same name" in caught.value.fix
 
 
-MORE_DRAWS = [(6, "bootstrap"), (36, "bootstrap-t")]
-
-
 @pytest.mark.parametrize(
-    ("conditions", "method"),
-    [
-        (36, "bootstrap"),
-        (6, "bootstrap-t"),
-        *(pytest.param(n, m, marks=pytest.mark.slow) for n, m in MORE_DRAWS),
-    ],
+    ("conditions", "method"), [(36, "bootstrap"), (6, "bootstrap-t"), (6, "bootstrap"), (36, "bootstrap-t")]
 )
 def test_resamples_are_the_same(client, method, conditions):
     """With few conditions scatter is drawn about the law, with many whole conditions are."""
@@ -138,9 +124,7 @@ SWEEPS = {
 }
 
 
-@pytest.mark.parametrize(
-    "name", ["planned for its box", *(pytest.param(one, marks=pytest.mark.slow) for one in [*SWEEPS][1:])]
-)
+@pytest.mark.parametrize("name", SWEEPS)
 def test_the_table_of_a_sweep_is_the_same(client, name):
     scene = rf.load_scene(BENCH.parent / "scenes" / f"{SWEEPS[name][0]}.toml")
     axes = tuple(parse_axis(scene, text) for text in SWEEPS[name][1])
@@ -152,9 +136,8 @@ def test_the_table_of_a_sweep_is_the_same(client, name):
             scene, axes, write=table.add, progress=lambda *told: seen.append(told), executor=executor
         )
         table.close()
-        rest = {
-            one.name: getattr(found, one.name) for one in fields(found) if one.name not in {"axes", "columns"}
-        }
+        names = [one.name for one in fields(found) if one.name not in {"axes", "columns"}]
+        rest = [getattr(found, name) for name in names]
         return stream.getvalue(), seen, repr(rest), repr(found.columns)
 
     assert swept(None) == swept(client)
@@ -163,13 +146,8 @@ def test_the_table_of_a_sweep_is_the_same(client, name):
 def test_the_commands_take_the_address_of_a_cluster(client, tmp_path):
     address, said = client.scheduler.address, ["--quiet", "--no-figures"]
     assert main(["simulate", str(tmp_path / "lab"), "--conditions", "2", "--repeats", "6", "--quiet"]) == 0
-    sweep = [
-        "solve",
-        str(BENCH.parent / "scenes" / "hoist.toml"),
-        "--sweep",
-        "wheel.wrap=90deg:1440deg:50",
-        "--quiet",
-    ]
+    scene, axis = str(BENCH.parent / "scenes" / "hoist.toml"), "wheel.wrap=90deg:1440deg:50"
+    sweep = ["solve", scene, "--sweep", axis, "--quiet"]
     for name, more in {"one": [], "two": ["--cluster", address]}.items():
         folder = ["--out", str(tmp_path / name)]
         assert main(["extract", str(tmp_path / "lab"), *folder, *said, *more]) == 0

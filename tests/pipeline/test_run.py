@@ -10,7 +10,7 @@ import pytest
 
 from ropefric.errors import DataError, FitError, UnknownNameError
 from ropefric.files.folder import OutputFolder
-from ropefric.fitting.compare import choose_law, compare_laws
+from ropefric.fitting.compare import choose_law
 from ropefric.fitting.result import FitStatus
 from ropefric.pipeline import answer_trials, run_campaign, write_answer
 from ropefric.trials.campaign import load_campaign
@@ -38,9 +38,8 @@ def test_the_bench_leaves_what_others_can_check(bench_run):
     assert [row["law"] for row in rows] == [entry.law for entry in run.answer.comparison.ranking]
     assert float(rows[0]["delta_aicc"]) == 0.0
     prediction = json.loads((folder / "prediction.json").read_text(encoding="utf-8"))
-    assert prediction["lift_force_N"] == pytest.approx(run.answer.prediction.lift_force_N[0], rel=5e-9), (
-        "nine digits"
-    )
+    nine_digits = pytest.approx(run.answer.prediction.lift_force_N[0], rel=5e-9)
+    assert prediction["lift_force_N"] == nine_digits
     source = json.loads((folder / "fits" / "coupled.json").read_text(encoding="utf-8"))["provenance"]["input"]
     assert source["path"] == "../trials.csv"
     counts = run.to_dict()["extraction"]
@@ -50,26 +49,32 @@ def test_the_bench_leaves_what_others_can_check(bench_run):
     json.dumps(run.to_dict(), allow_nan=False)
 
 
-@pytest.mark.parametrize(("law", "theta"), [("constant", (0.2,)), ("size-exponential", (0.46, -0.22, -0.3))])
-def test_the_law_that_made_the_data_is_used(pulls, law, theta):
-    answer = answer_trials(pulls(law, *theta), design=WHEEL, rope_radius_m=0.005)
-    assert answer.fit.law == law
-    truth = answer.fit.friction_law.log_lift(list(theta), answer.prediction.conditions)[0]
-    assert abs(answer.prediction.log_lift[0] - truth) < 4 * answer.prediction.std_log[0]
+@pytest.fixture(scope="module")
+def answer(pulls):
+    """What 72 trials that obey a constant coefficient say."""
+    return answer_trials(pulls("constant", 0.2), design=WHEEL, rope_radius_m=0.005)
 
 
-def test_a_law_that_is_asked_for_is_used_and_its_place_is_said(pulls):
-    table = pulls("constant", 0.2)
-    answer = answer_trials(table, law="wrap-exponential-from-zero", design=WHEEL)
-    assert answer.fit.law == "wrap-exponential-from-zero"
-    assert answer.winner.forced
-    assert any("was asked for" in doubt or "takes no part" in doubt for doubt in answer.doubts)
+def test_the_law_that_made_the_data_is_used(pulls, answer):
+    theta = (0.46, -0.22, -0.3)
+    other = answer_trials(pulls("size-exponential", *theta), design=WHEEL, rope_radius_m=0.005)
+    for found, law, truth in ((answer, "constant", (0.2,)), (other, "size-exponential", theta)):
+        assert found.fit.law == law
+        log_lift = found.fit.friction_law.log_lift(list(truth), found.prediction.conditions)[0]
+        assert abs(found.prediction.log_lift[0] - log_lift) < 4 * found.prediction.std_log[0]
+
+
+def test_a_law_that_is_asked_for_is_used_and_its_place_is_said(answer):
+    found = answer_trials(answer.table, law="wrap-exponential-from-zero", design=WHEEL)
+    assert found.fit.law == "wrap-exponential-from-zero"
+    assert found.winner.forced
+    assert any("was asked for" in doubt or "takes no part" in doubt for doubt in found.doubts)
     with pytest.raises(UnknownNameError, match="did you mean 'constant'"):
-        answer_trials(table, law="constnat")
+        answer_trials(answer.table, law="constnat")
 
 
-def test_a_law_that_cannot_be_trusted_does_not_win(pulls):
-    found = compare_laws(pulls("constant", 0.2))
+def test_a_law_that_cannot_be_trusted_does_not_win_and_one_without_an_answer_cannot_be_asked_for(answer):
+    found = answer.comparison
     best = found.ranking[0]
     spoilt = replace(best, fit=replace(best.fit, status=FitStatus.AT_BOUND), status="at-bound")
     winner = choose_law(replace(found, ranking=(spoilt, *found.ranking[1:])))
@@ -77,39 +82,28 @@ def test_a_law_that_cannot_be_trusted_does_not_win(pulls):
     assert winner.fit.trustworthy
     assert f"{best.law} stands" in winner.doubts[0]
     assert "at-bound" in winner.doubts[0]
-
-
-def test_where_no_law_can_be_trusted_the_best_says_so(pulls):
-    found = compare_laws(pulls("constant", 0.2))
-    spoilt = tuple(
-        entry
-        if entry.fit is None
-        else replace(entry, fit=replace(entry.fit, status=FitStatus.UNIDENTIFIABLE))
-        for entry in found.ranking
+    gone = replace(best, fit=None, counted=False, note="no answer here")
+    with pytest.raises(FitError, match="no answer here"):
+        choose_law(replace(found, ranking=(gone, *found.ranking[1:])), gone.law)
+    # Where none can be trusted the best says so.
+    bad = FitStatus.UNIDENTIFIABLE
+    none = tuple(
+        one if one.fit is None else replace(one, fit=replace(one.fit, status=bad)) for one in found.ranking
     )
-    winner = choose_law(replace(found, ranking=spoilt))
+    winner = choose_law(replace(found, ranking=none))
     assert winner.fit.law == found.best.law
     assert not winner.fit.trustworthy
 
 
-def test_a_law_without_an_answer_cannot_be_asked_for(pulls):
-    found = compare_laws(pulls("constant", 0.2))
-    gone = replace(found.ranking[0], fit=None, counted=False, note="no answer here")
-    with pytest.raises(FitError, match="no answer here"):
-        choose_law(replace(found, ranking=(gone, *found.ranking[1:])), gone.law)
-
-
-def test_a_design_without_an_answer_is_a_doubt_and_no_number(pulls):
+def test_a_design_without_an_answer_is_a_doubt_and_no_number(answer):
     wild = WHEEL.model_copy(update={"wrap_angle_rad": 1e6})
-    answer = answer_trials(pulls("constant", 0.2), design=wild)
-    assert answer.prediction is None
-    assert any("no lift force for the design" in doubt and "overflows" in doubt for doubt in answer.doubts)
-    assert answer.to_dict()["prediction"] is None
+    found = answer_trials(answer.table, design=wild)
+    assert found.prediction is None
+    assert any("no lift force for the design" in doubt and "overflows" in doubt for doubt in found.doubts)
+    assert found.to_dict()["prediction"] is None
 
 
-def test_what_an_earlier_run_left_is_removed_and_what_others_left_is_not(pulls, tmp_path):
-    answer = answer_trials(pulls("constant", 0.2), design=WHEEL)
-
+def test_what_an_earlier_run_left_is_removed_and_what_others_left_is_not(answer, tmp_path):
     def written(answer):
         with OutputFolder(tmp_path, family="campaign") as folder:
             write_answer(answer, folder)
@@ -219,10 +213,7 @@ def test_a_real_rope_on_a_cylinder_obeys_the_capstan_equation(capstan, tmp_path)
     assert answer.diagnosis["wrap effect"].supported == "no"
     assert answer.diagnosis["load dependence"].supported == "cannot-tell"
     laws = {entry.law: entry for entry in answer.comparison.ranking}
-    assert all(
-        laws[law].delta_aicc > 2 or not laws[law].counted
-        for law in ("wrap-power", "wrap-exponential", "coupled")
-    )
-    assert answer.prediction.lift_force_N[0] == pytest.approx(
-        4.2 * math.exp(0.181 * math.radians(200)), rel=0.03
-    )
+    others = (laws[law] for law in ("wrap-power", "wrap-exponential", "coupled"))
+    assert all(one.delta_aicc > 2 or not one.counted for one in others)
+    expected_N = 4.2 * math.exp(0.181 * math.radians(200))
+    assert answer.prediction.lift_force_N[0] == pytest.approx(expected_N, rel=0.03)

@@ -1,4 +1,4 @@
-"""A laboratory to write campaigns in, a good campaign to spoil, and the committed bench, extracted once."""
+"""A laboratory to write campaigns in, a good campaign to spoil, and a small one, extracted once."""
 
 import math
 import re
@@ -16,7 +16,6 @@ from ropefric.trials import extract as extract_module
 from ropefric.trials.campaign import check_campaign, load_campaign
 from ropefric.trials.extract import extract_campaign
 
-BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
 GOOD = Path(__file__).parent / "good"
 
 
@@ -41,11 +40,13 @@ class Lab:
         """Return a row of the trial list: the same condition unless `cells` say otherwise."""
         return {"file": file, "wheel_radius_mm": 40, "wrap_angle_deg": 180, "end_tension_N": 20} | cells
 
-    def record(self, name, digits=5, **columns):
-        """Write a recording; times to a tenth of a millisecond."""
-        rows = zip(*(values.tolist() for values in columns.values()), strict=True)
-        lines = (",".join((f"{t:.4f}", *(f"{value:.{digits}f}" for value in rest))) for t, *rest in rows)
-        (self.folder / name).write_text("\n".join([",".join(columns), *lines, ""]), encoding="utf-8")
+    def record(self, name, **columns):
+        """Write a recording; times to a tenth of a millisecond, whole numbers as they are."""
+        kinds = ["%d" if values.dtype.kind == "i" else "%.5f" for values in columns.values()]
+        form = ",".join(["%.4f", *kinds[1:]])
+        rows = zip(*map(np.ndarray.tolist, columns.values()), strict=True)
+        lines = [",".join(columns), *(form % row for row in rows), ""]
+        (self.folder / name).write_text("\n".join(lines), encoding="utf-8")
 
     def pulls(self, **peaks_N):
         """Write a campaign of clean break-away recordings, one a name."""
@@ -124,24 +125,19 @@ def allowed():
 
 
 @pytest.fixture(scope="session")
-def bench_campaign():
-    return load_campaign(BENCH / "campaign.toml")
-
-
-@pytest.fixture(scope="session")
-def bench_extraction(bench_campaign):
-    """Extract the committed bench, 432 recordings, once."""
-    return extract_campaign(bench_campaign, jobs=2)
-
-
-@pytest.fixture(scope="session")
 def small_campaign(tmp_path_factory):
     """Sixteen simulated recordings of two conditions, among them some that are spoilt; do not write to it."""
     folder = tmp_path_factory.mktemp("small")
     plan = prth_bench_plan()
     faults = {"spike": 0.2, "dropout": 0.1, "no-peak": 0.1, "too-short": 0.1, "unreadable": 0.1}
-    simulate_campaign(folder, replace(plan, conditions=plan.conditions[:2], repeats=8, faults=faults), seed=7)
+    simulate_campaign(folder, replace(plan, conditions=plan.conditions[:2], repeats=8, faults=faults), seed=3)
     return folder
+
+
+@pytest.fixture(scope="session")
+def small_extraction(small_campaign):
+    """What it gives: forces, one of them rejected, and statuses without a force."""
+    return extract_campaign(load_campaign(small_campaign / "campaign.toml"))
 
 
 class Bench:

@@ -1,4 +1,4 @@
-"""Whatever the files hold, there is an answer: a campaign, or a RopefricError with the same text every time."""
+"""Whatever the files hold there is an answer: a campaign, or a RopefricError; tests/fuzz spoils more."""
 
 from pathlib import Path
 
@@ -65,8 +65,8 @@ values = st.recursive(st.sampled_from(VALUES), inline, max_leaves=4)
 
 
 @quick
-@given(text=mutated(GOOD) | st.text(max_size=200) | st.binary(max_size=200))
-def test_spoilt_and_any_campaign_files(bench, text):
+@given(text=st.text(max_size=200) | st.binary(max_size=200))
+def test_any_campaign_file(bench, text):
     bench.write(toml=text if isinstance(text, bytes) else text.encode("utf-8", "surrogatepass"))
     answers(bench)
 

@@ -47,9 +47,9 @@ def test_templates_are_not_written_over(tmp_path):
     assert (tmp_path / "trials.csv").read_text() != "mine"
 
 
-@pytest.mark.parametrize("name", ["file", "fi\0le", "x" * 300])
-def test_templates_need_a_folder(tmp_path, name):
+def test_templates_need_a_folder(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(ValueError) as caught:
-        write_templates(tmp_path / name)
-    assert caught.value.code == "RF105"
+    for name in ("file", "fi\0le", "x" * 300):
+        with pytest.raises(ValueError) as caught:
+            write_templates(tmp_path / name)
+        assert caught.value.code == "RF105"

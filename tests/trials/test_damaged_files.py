@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from ropefric.errors import RopefricError
-from ropefric.trials.extract import extract_campaign
 
 HEAD = "time_s,force_N\n"
 
@@ -176,14 +175,6 @@ def test_a_folder_or_a_missing_file_in_the_place_of_a_recording(lab, good, allow
     for trial in (folder, gone):
         allowed(trial)
         assert trial.sha256 == ""
-
-
-def test_a_recording_that_vanishes_after_the_campaign_was_read(lab, good):
-    (lab.folder / "good.csv").write_text(good)
-    campaign = lab.write([lab.row("good.csv")]).load()
-    (lab.folder / "good.csv").unlink()
-    (trial,) = extract_campaign(campaign).trials
-    assert trial.breakaway.status == "unreadable"
 
 
 def test_the_wrong_unit_is_a_doubt_and_not_a_silent_number(lab, good):

@@ -27,11 +27,6 @@ def two_peaks(*, seed=0, late_N=100.0):
     return time_s, force_N + 0.05 * np.random.default_rng(seed).standard_normal(time_s.size)
 
 
-def text_of(time_s, force_N):
-    rows = zip(time_s.tolist(), force_N.tolist(), strict=True)
-    return "time_s,force_N\n" + "".join(f"{t:.4f},{f:.4f}\n" for t, f in rows)
-
-
 @pytest.fixture
 def decided(lab, pull_csv):
     """Return a campaign of four pulls; `cells` is what the list says of the last, which has two peaks."""
@@ -39,7 +34,7 @@ def decided(lab, pull_csv):
     def decided(settings="", **cells):
         for i in range(3):
             (lab.folder / f"p{i}.csv").write_text(pull_csv(100.0 + i, seed=i), encoding="utf-8")
-        (lab.folder / "two.csv").write_text(text_of(*two_peaks()), encoding="utf-8")
+        lab.record("two.csv", **dict(zip(("time_s", "force_N"), two_peaks(), strict=True)))
         rows = [lab.row(f"p{i}.csv", **OPEN) for i in range(3)]
         return lab.write([*rows, lab.row("two.csv", **OPEN | cells)], settings)
 
@@ -58,22 +53,17 @@ def test_a_peak_at_a_stated_time_is_measured_with_its_uncertainty(decided):
     assert any(note.startswith("without the decision: ") for note in trial.breakaway.notes)
 
 
-@pytest.mark.parametrize("at_s", [0.79, 0.8, 0.81, 1.79, 1.81])
-def test_the_highest_force_near_the_time_counts(at_s):
+def test_the_highest_force_near_the_time_counts_and_a_time_without_a_peak_is_refused():
     time_s, force_N = two_peaks()
-    found = rf.find_breakaway(ForceTrace(time_s=time_s, force_N=force_N), pick_s=at_s)
-    assert found.peak_N == pytest.approx(EARLY_N if at_s < 1 else 100.0, abs=0.3)
-
-
-@pytest.mark.parametrize(
-    ("at_s", "why"),
-    [(5.0, "is not in the recording"), (0.4, "only rises"), (1.0, "only rises"), (-1.0, "not in")],
-)
-def test_a_time_without_a_peak_is_refused(at_s, why):
-    time_s, force_N = two_peaks()
-    with pytest.raises(DataError, match=why) as caught:
-        rf.find_breakaway(ForceTrace(time_s=time_s, force_N=force_N), pick_s=at_s)
-    assert (caught.value.code, caught.value.problem.key) == ("RF244", "pick_s")
+    trace = ForceTrace(time_s=time_s, force_N=force_N)
+    for at_s in (0.79, 0.8, 0.81, 1.79, 1.81):
+        expected_N = EARLY_N if at_s < 1 else 100.0
+        assert rf.find_breakaway(trace, pick_s=at_s).peak_N == pytest.approx(expected_N, abs=0.3), at_s
+    refused = ((5.0, "is not in the recording"), (0.4, "only rises"), (1.0, "only rises"), (-1.0, "not in"))
+    for at_s, why in refused:
+        with pytest.raises(DataError, match=why) as caught:
+            rf.find_breakaway(trace, pick_s=at_s)
+        assert (caught.value.code, caught.value.problem.key) == ("RF244", "pick_s")
 
 
 def test_a_decision_that_cannot_be_carried_out_is_an_error_of_that_trial(decided):
@@ -86,12 +76,12 @@ def test_a_decision_that_cannot_be_carried_out_is_an_error_of_that_trial(decided
     assert (problem.code, problem.path, problem.key) == ("RF244", "two.csv", "pick_s")
 
 
-@pytest.mark.parametrize(("given", "std_N"), [("", 0.77), (0.25, 0.25)])
-def test_a_stated_force_comes_with_a_stated_uncertainty_or_a_hundredth_of_it(decided, given, std_N):
-    trial = decided(peak_N=77, peak_std_N=given, **SAID).extract().trials[-1]
-    assert (trial.peak_N, trial.kept, trial.decision) == (77.0, True, "peak_N = 77 N")
-    assert trial.peak_std_N == pytest.approx(std_N)
-    assert any("taken as 1%" in note for note in trial.breakaway.notes) == (given == "")
+def test_a_stated_force_comes_with_a_stated_uncertainty_or_a_hundredth_of_it(decided):
+    for given, std_N in (("", 0.77), (0.25, 0.25)):
+        trial = decided(peak_N=77, peak_std_N=given, **SAID).extract().trials[-1]
+        assert (trial.peak_N, trial.kept, trial.decision) == (77.0, True, "peak_N = 77 N")
+        assert trial.peak_std_N == pytest.approx(std_N)
+        assert any("taken as 1%" in note for note in trial.breakaway.notes) == (given == "")
 
 
 def test_a_stated_force_holds_where_the_recording_cannot_be_read(decided):
@@ -102,26 +92,20 @@ def test_a_stated_force_holds_where_the_recording_cannot_be_read(decided):
     assert {problem.severity for problem in extraction.problems if problem.path == "two.csv"} == {"warning"}
 
 
-@pytest.mark.parametrize(
-    ("cells", "key", "code"),
-    [
-        ({"pick_s": 0.8, "why": "w"}, "by", "RF121"),
-        ({"pick_s": 0.8, "by": "b"}, "why", "RF121"),
-        ({"peak_N": 80, "by": "b"}, "why", "RF121"),
-        ({"pick_s": 0.8, "peak_N": 80, **SAID}, "peak_N", "RF111"),
-        ({"peak_std_N": 1, **SAID}, "peak_std_N", "RF121"),
-        ({"peak_N": 0, **SAID}, "peak_N", "RF110"),
-        ({"peak_N": 50, "peak_std_N": -1, **SAID}, "peak_std_N", "RF110"),
-        ({"pick_s": 0.8, "sample": "*", **SAID}, "pick_s", "RF111"),
-    ],
-)
-def test_half_a_decision_is_refused_by_the_list(decided, cells, key, code):
-    lab = decided(**cells)
-    (problem,) = (problem for problem in check_campaign(lab.path) if problem.severity == "error")
-    assert (problem.code, problem.key, problem.line) == (code, key, 5)
+HALF = [
+    ({"pick_s": 0.8, "why": "w"}, "by", "RF121"), ({"pick_s": 0.8, "by": "b"}, "why", "RF121"),
+    ({"peak_N": 80, "by": "b"}, "why", "RF121"), ({"pick_s": 0.8, "peak_N": 80, **SAID}, "peak_N", "RF111"),
+    ({"peak_std_N": 1, **SAID}, "peak_std_N", "RF121"), ({"peak_N": 0, **SAID}, "peak_N", "RF110"),
+    ({"peak_N": 50, "peak_std_N": -1, **SAID}, "peak_std_N", "RF110"),
+    ({"pick_s": 0.8, "sample": "*", **SAID}, "pick_s", "RF111"),
+]  # fmt: skip
 
 
-def test_a_decision_is_about_one_trial(decided):
+def test_half_a_decision_is_refused_by_the_list_and_so_is_one_about_many_trials(decided):
+    for cells, key, code in HALF:
+        found = check_campaign(decided(**cells).path)
+        told = [(one.code, one.key, one.line) for one in found if one.severity == "error"]
+        assert told == [(code, key, 5)], cells
     lab = decided('[protocol]\nname = "stick-slip"', pick_s=0.8, **SAID)
     assert [problem.key for problem in check_campaign(lab.path) if problem.severity == "error"] == ["pick_s"]
 
@@ -131,18 +115,14 @@ def test_a_table_of_results_still_serves_as_a_list(decided, tmp_path):
     first = lab.extract()
     write_tables(first, tmp_path / "out")
     rows = list(csv.DictReader((tmp_path / "out" / "trials.csv").read_text(encoding="utf-8").splitlines()))
-    assert [(row["decision"], row["decided_by"], row["decided_why"]) for row in rows[-2:]] == [
-        ("", "", ""),
-        ("pick_s = 0.8 s", SAID["by"], SAID["why"]),
-    ]
+    told = [(row["decision"], row["decided_by"], row["decided_why"]) for row in rows[-2:]]
+    assert told == [("", "", ""), ("pick_s = 0.8 s", SAID["by"], SAID["why"])]
     assert read_trial_table(tmp_path / "out" / "trials.csv").used.all()
     (lab.folder / "trials.csv").write_bytes((tmp_path / "out" / "trials.csv").read_bytes())
     again = lab.extract()
     assert again.trials[0].peak_N == first.trials[0].peak_N
     assert {trial.decision for trial in again.trials} == {""}
-    assert any(
-        problem.key == "peak_N" and "not used" in problem.message for problem in check_campaign(lab.path)
-    )
+    assert any(one.key == "peak_N" and "not used" in one.message for one in check_campaign(lab.path))
 
 
 def test_commands_and_report_say_who_decided_and_why(decided, capsys, monkeypatch):
@@ -152,10 +132,8 @@ def test_commands_and_report_say_who_decided_and_why(decided, capsys, monkeypatc
     lab.write([*rows, lab.row("two.csv", **OPEN | {"pick_s": 0.8} | SAID)])
     assert main(["extract", ".", "--out", "out", "--json", "--no-figures"]) == 0
     trial = json.loads(capsys.readouterr().out)["trials"][-1]
-    assert [trial[key] for key in ("decision", "decided_why", "decided_by")] == [
-        "pick_s = 0.8 s",
-        *SAID.values(),
-    ]
+    told = [trial[key] for key in ("decision", "decided_why", "decided_by")]
+    assert told == ["pick_s = 0.8 s", *SAID.values()]
     main(["run", ".", "--out", "all", "--no-figures", "--quiet"])
     page = (lab.folder / "all" / "report.html").read_text(encoding="utf-8")
     assert "Decided by people" in page

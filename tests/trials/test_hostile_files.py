@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 from ropefric.cli.app import main
-from ropefric.files import disk
+from ropefric.files import disk, text
+from ropefric.traces.breakaway import Status
 from ropefric.trials import extract as recording
 from ropefric.trials import workers
-from ropefric.trials.result import write_tables
 
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux only")
 
@@ -89,50 +89,46 @@ def hostile_files(tmp_path_factory):
     (folder / "zeros.mat").write_bytes(mat_of_zeros(6 * 10**8))
     corner = '<row r="1"><c r="A1"><v>1</v></c></row><row r="1048576"><c r="XFD1048576"><v>1</v></c></row>'
     write_zip(folder / "corner.xlsx", xlsx(corner))
-    beyond = (
-        '<row r="1"><c r="A1"><v>1</v></c></row><row r="4294967295"><c r="B4294967295"><v>1</v></c></row>'
-    )
+    beyond = corner.replace("1048576", "4294967295").replace("XFD", "B")
     write_zip(folder / "beyond.xlsx", xlsx(beyond))
     cells = "".join(f'<row r="{i}"><c r="A{i}" t="s"><v>0</v></c></row>' for i in range(1, 40_001))
     write_zip(folder / "strings.xlsx", xlsx(cells, f"<si><t>{'x' * 30_000}</t></si>"))
-    member = gzip.compress(b"0.001,2.5\n" * 10**6, mtime=0)  # 10 MB
-    with (folder / "bomb.csv.gz").open("wb") as stream:
-        stream.write(gzip.compress(b"time_s,force_N\n", mtime=0))
-        for _ in range(1000):
-            stream.write(member)
+    head, member = gzip.compress(b"time_s,force_N\n", mtime=0), gzip.compress(b"0.001,2.5\n" * 10**6, mtime=0)
+    (folder / "bomb.csv.gz").write_bytes(head + member * 1000)  # 10 GB
     line = gzip.compress(b"1" * 10**7, mtime=0)
     (folder / "line.csv.gz").write_bytes(gzip.compress(b"time_s,force_N\n0,", mtime=0) + line * 1000)
     return sorted(folder.iterdir())
 
 
-SETTINGS = '[limits]\nmemory = "250 MB"\ntime = "60 s"\n'
+SETTINGS = '[limits]\nmemory = "150 MB"\ntime = "60 s"\n'
+WHY = {
+    "bomb.csv.gz": ("unpacks to more than", "memory"),
+    "nested.mat": ("the reader crashed (signal 11", "not a readable MATLAB"),
+    "zeros.mat": ("150 MB of memory",),
+    "strings.xlsx": ("150 MB of memory",),
+    "corner.xlsx": ("150 MB", "not a readable sheet"),
+}
 
 
 @LINUX
 @pytest.mark.parametrize("jobs", [pytest.param(1, marks=pytest.mark.slow), 2])
-def test_every_hostile_file_is_lost_alone(lab, hostile_files, jobs):
+def test_every_hostile_file_is_lost_alone(lab, hostile_files, jobs, monkeypatch):
     pytest.importorskip("python_calamine")
+    if jobs == 2:  # four of them take five seconds to unpack
+        forked(monkeypatch)
+        monkeypatch.setattr(text, "MOST_UNPACKED_BYTES", 2**28)
     (alone_a, alone_b) = lab.pulls(a=100.0, b=103.0).extract().trials
     # A line of 4 GB takes nine seconds to unpack.
     chosen = [path for path in hostile_files if jobs == 1 or path.name != "line.csv.gz"]
     names = [shutil.copy(path, lab.folder / path.name).name for path in chosen]
     lab.write([lab.row("a.csv"), *(lab.row(name) for name in names), lab.row("b.csv")], SETTINGS)
-    began_s = time.monotonic()
-    extraction = lab.extract(jobs=jobs)
-    assert time.monotonic() - began_s < 300
-    a, *lost, b = extraction.trials
+    a, *lost, b = lab.extract(jobs=jobs).trials
     assert (a.to_dict(), b.to_dict()) == (alone_a.to_dict(), alone_b.to_dict())
-    assert [trial.breakaway.status for trial in lost] == ["unreadable"] * len(names)
+    assert {trial.breakaway.status for trial in lost} == {Status.UNREADABLE}
     why = {trial.file: trial.breakaway.detail for trial in lost}
-    assert (
-        "the reader crashed (signal 11" in why["nested.mat"] or "not a readable MATLAB" in why["nested.mat"]
-    )
-    assert "250 MB of memory" in why["zeros.mat"]
-    assert "250 MB of memory" in why["strings.xlsx"]
-    assert "250 MB" in why["corner.xlsx"] or "not a readable sheet" in why["corner.xlsx"]
+    for name, words in WHY.items():
+        assert any(word in why[name] for word in words), why[name]
     assert all(trial.problems and trial.sha256 for trial in lost)
-    tables = write_tables(extraction, lab.folder / "out")
-    assert all(path.stat().st_size > 0 for path in tables)
 
 
 @LINUX
@@ -186,13 +182,11 @@ def test_a_reader_that_hangs_dies_or_fails_costs_one_recording(lab, monkeypatch,
     assert "internal fault, ZeroDivisionError: something new" in why["bug"]
 
 
-@pytest.mark.parametrize(
-    ("key", "value"), [("memory", "0 GB"), ("memory", "2 s"), ("time", "soon"), ("tiem", "1 s")]
-)
-def test_limits_are_checked(lab, key, value):
+def test_limits_are_checked(lab):
     lab.pulls(a=100.0)
-    with pytest.raises(ValueError, match=key):
-        lab.write([lab.row("a.csv")], f'[limits]\n{key} = "{value}"\n').load()
+    for key, value in (("memory", "0 GB"), ("memory", "2 s"), ("time", "soon"), ("tiem", "1 s")):
+        with pytest.raises(ValueError, match=key):
+            lab.write([lab.row("a.csv")], f'[limits]\n{key} = "{value}"\n').load()
     campaign = lab.write([lab.row("a.csv")], '[limits]\nmemory = "2 GB"\ntime = "3 min"\n').load()
     assert (campaign.limits.memory_bytes, campaign.limits.time_s) == (2e9, 180.0)
 
@@ -201,29 +195,21 @@ def test_two_trials_of_one_name_keep_their_own_recordings(lab):
     """A row may be called as the block of another: "w#2"."""
     time_s = np.arange(2500) / 1000
     force_N = np.interp(time_s, [0.3, 1.3, 1.32], [0, 100, 80])
-    rows = "".join(f"{t:.3f},{f:.3f},{t:.3f},{1.5 * f:.3f}\n" for t, f in zip(time_s, force_N, strict=True))
-    (lab.folder / "wide.csv").write_text(f"w,,2,\ntime_s,force_N,time_s,force_N\n{rows}", encoding="utf-8")
-    other = "".join(
-        f"{t:.3f},{0.5 * f:.3f},{t:.3f},{0.6 * f:.3f}\n" for t, f in zip(time_s, force_N, strict=True)
-    )
-    (lab.folder / "other.csv").write_text(f"1,,2,\ntime_s,force_N,time_s,force_N\n{other}", encoding="utf-8")
+    for name, heads, factors in (("wide", "w,,2,", (1.0, 1.5)), ("other", "1,,2,", (0.5, 0.6))):
+        columns = np.column_stack([time_s, factors[0] * force_N, time_s, factors[1] * force_N])
+        header = f"{heads}\ntime_s,force_N,time_s,force_N"
+        np.savetxt(lab.folder / f"{name}.csv", columns, fmt="%.3f", delimiter=",", header=header, comments="")
     profile = "[import]\nblock_columns = 2\nblock_names_row = 1\nheader_row = 2\n"
     profile += '[import.channels]\ntime = { column = 1, unit = "s" }\nforce = { column = 2, unit = "N" }\n'
-    first, second = (
-        lab.row("wide.csv", trial="w", sample="*"),
-        lab.row("other.csv", trial="w#2", sample="2"),
-    )
+    first, second = lab.row("wide.csv", trial="w", sample="*"), lab.row("other.csv", trial="w#2", sample="2")
     for listed in ([first, second], [second, first]):
         trials = lab.write(listed, profile).extract().trials
         peaks_N = {trial.trial: trial.peak_N for trial in trials}
-        assert len(peaks_N) == 3
-        assert peaks_N["w#2"] == pytest.approx(60, rel=0.01)  # the name somebody gave stays his
-        assert peaks_N["w#w"] == pytest.approx(100, rel=0.01)
-        assert peaks_N["w#2-2"] == pytest.approx(150, rel=0.01)
+        # The name somebody gave stays his.
+        assert peaks_N == pytest.approx({"w#2": 60, "w#w": 100, "w#2-2": 150}, rel=0.01)
 
 
-@pytest.mark.parametrize("large", [False, True])
-@pytest.mark.parametrize("in_place", [False, True])
+@pytest.mark.parametrize(("large", "in_place"), [(False, True), (True, False), (True, True)])
 def test_hash_and_numbers_come_from_the_same_bytes(
     lab, pull_csv, monkeypatch, in_process, *, large, in_place
 ):

@@ -1,19 +1,16 @@
 """A second sensor on the slack side: F_B at the time of F_A, with its own uncertainty, instead of the hung weight."""
 
-import csv
 import math
 
 import numpy as np
 import pytest
 
 import ropefric as rf
-from ropefric.cli.app import main
 from ropefric.errors import DataError
 from ropefric.traces.breakaway import Status
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign import check_campaign
 from ropefric.trials.result import write_tables
-from ropefric.trials.table import read_trial_table
 
 MU, NOISE_N = 0.2, 0.05
 CHANNELS = """[import.channels]
@@ -33,33 +30,23 @@ def recording(slack_N, wrap_rad, *, seed=0):
     return time_s, *(values + NOISE_N * rng.standard_normal(time_s.size) for values in (pull_N, end_N))
 
 
-def write(lab, settings=CHANNELS, *, scale=1.0, **cells):
+def write(lab, settings=CHANNELS, *, scale=1.0, counts=False, **cells):
     """Write three wraps of four pulls each, whose slack tension is up to 30 % above the 20 N of the list."""
     rows, slack_N = [], []
     for i in range(12):
         wrap_deg = (90, 180, 360)[i // 4]
         slack_N.append(20.0 * (1.0 + 0.1 * (i % 4)))
-        columns = recording(slack_N[-1], math.radians(wrap_deg), seed=i)
-        lines = (
-            f"{t:.4f},{a:.5f},{b * scale:.5f}"
-            for t, a, b in zip(*map(np.ndarray.tolist, columns), strict=True)
-        )
-        (lab.folder / f"p{i:02}.csv").write_text("\n".join(["t,pull,slack", *lines, ""]), encoding="utf-8")
-        rows.append(
-            {
-                key: v
-                for key, v in lab.row(f"p{i:02}.csv", wrap_angle_deg=wrap_deg, **cells).items()
-                if v != ""
-            }
-        )
+        time_s, pull_N, end_N = recording(slack_N[-1], math.radians(wrap_deg), seed=i)
+        slack = np.rint(end_N * scale).astype(int) if counts else end_N * scale
+        lab.record(f"p{i:02}.csv", t=time_s, pull=pull_N, slack=slack)
+        row = lab.row(f"p{i:02}.csv", wrap_angle_deg=wrap_deg, **cells)
+        rows.append({key: value for key, value in row.items() if value != ""})
     return lab.write(rows, settings), np.array(slack_N)
 
 
-def test_the_slack_tension_at_the_break_away_enters_the_trial(lab):
+def test_the_slack_tension_at_the_break_away_enters_the_trial_and_the_fit(lab, tmp_path):
     lab, slack_N = write(lab)
-    assert not any(
-        problem.severity == "error" or "not used" in problem.message for problem in check_campaign(lab.path)
-    )
+    assert not any(one.severity == "error" or "not used" in one.message for one in check_campaign(lab.path))
     extraction = lab.extract()
     found_N = np.array([trial.end_tension_N for trial in extraction.trials])
     std_N = np.array([trial.end_tension_std_N for trial in extraction.trials])
@@ -69,12 +56,7 @@ def test_the_slack_tension_at_the_break_away_enters_the_trial(lab):
     assert np.sqrt(np.mean(z**2)) < 3.0
     assert {trial.end_tension_set_N for trial in extraction.trials} == {20.0}
     assert [condition.n_kept for condition in extraction.conditions] == [4, 4, 4]
-
-
-def test_the_fit_finds_the_coefficient_that_the_hung_weight_hides(lab, tmp_path):
-    lab, _ = write(lab)
-    extraction = lab.extract()
-    fit = rf.fit(extraction, "constant")
+    fit = rf.fit(extraction, "constant")  # which the hung weight would hide
     assert fit["mu"].value == pytest.approx(MU, rel=5e-3)
     assert fit.statistics.n_conditions == 3  # repeats of one set tension are repeats
     write_tables(extraction, tmp_path)
@@ -98,12 +80,7 @@ def test_a_cell_of_its_own_turns_counts_into_the_slack_tension(lab):
         'end_tension = { column = "slack", unit = "N" }', 'end_tension_counts = "slack"'
     )
     settings += '[adc]\nbits = 16\nhigh = "5 V"\n[cells.K2]\nfull_scale = "100 N"\n'
-    lab, slack_N = write(lab, settings, scale=655.35, end_cell="K2")
-    for path in lab.folder.glob("p*.csv"):  # counts are whole numbers
-        head, *lines = path.read_text(encoding="utf-8").splitlines()
-        cells = (line.rpartition(",") for line in lines)
-        text = "\n".join([head, *(f"{before},{round(float(counts))}" for before, _, counts in cells), ""])
-        path.write_text(text, encoding="utf-8")
+    lab, slack_N = write(lab, settings, scale=655.35, counts=True, end_cell="K2")
     trials = lab.extract().trials
     assert [trial.end_tension_N for trial in trials] == pytest.approx(slack_N, abs=0.15)
     # 0.1 % of 100 N by the transmitter, as a flat distribution, and three times 0.02 %.
@@ -116,7 +93,7 @@ def test_counts_without_a_cell_are_an_error_of_the_list(lab):
     )
     lab, _ = write(lab, settings + '[adc]\nbits = 16\nhigh = "5 V"\n[cells.K2]\nfull_scale = "100 N"\n')
     assert "end_cell" in {problem.key for problem in check_campaign(lab.path) if problem.severity == "error"}
-    lab, _ = write(lab, settings, end_cell="K2")
+    lab.write([lab.row("p00.csv", end_cell="K2")], settings)
     assert any("recordings in counts need" in problem.message for problem in check_campaign(lab.path))
 
 
@@ -125,18 +102,6 @@ def test_a_slack_side_that_pushes_is_an_error_of_that_trial(lab):
     extraction = lab.extract()
     assert {trial.breakaway.status for trial in extraction.trials} == {Status.UNREADABLE}
     assert {problem.code for problem in extraction.problems if problem.severity == "error"} == {"RF242"}
-
-
-def test_the_command_writes_what_was_set_and_what_was_measured(lab, monkeypatch, capsys):
-    lab, slack_N = write(lab)
-    monkeypatch.chdir(lab.folder)
-    assert main(["extract", ".", "--out", "out", "--no-figures", "--quiet"]) == 0
-    capsys.readouterr()
-    rows = list(csv.DictReader((lab.folder / "out" / "trials.csv").read_text(encoding="utf-8").splitlines()))
-    assert {row["end_tension_set_N"] for row in rows} == {"20.0"}
-    assert [float(row["end_tension_N"]) for row in rows] == pytest.approx(slack_N, abs=0.15)
-    assert read_trial_table(lab.folder / "out" / "trials.csv").used.all()
-    assert main(["fit", "out/trials.csv", "--law", "constant", "--quiet"]) in {0, 4}
 
 
 def test_end_tensions_of_another_length_are_refused():

@@ -67,53 +67,6 @@ def test_every_kind_of_key_has_its_line():
     assert toml_lines(TEXT.replace("\n", "\r\n")) == found
 
 
-keys = st.text("ab.\"'#=[]{} \\\u00e9", min_size=1, max_size=5)
-scalars = st.one_of(
-    st.integers(-9, 9),
-    st.booleans(),
-    st.text("ab,]}[{#=\"'\\\n\u00e9 ", max_size=8),
-    st.floats(-1, 1).map(lambda x: round(x, 3)),
-)
-values = st.recursive(
-    scalars,
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(keys, inner, max_size=3),
-    max_leaves=8,
-)
-
-
-def quoted(text):
-    escapes = {"\\": "\\\\", '"': '\\"', "\n": "\\n"}
-    return '"' + "".join(escapes.get(c, c) for c in text) + '"'
-
-
-def written(value, many_lines):
-    """A TOML value; strings and arrays over several lines where asked for."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        if many_lines:
-            return '"""\n' + value.replace("\\", "\\\\").replace('"', '\\"') + '"""'
-        return quoted(value)
-    if isinstance(value, list):
-        gap = "\n  # , ]\n" if many_lines else " "
-        return "[" + gap + f",{gap}".join(written(v, many_lines) for v in value) + gap + "]"
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{quoted(k)} = {written(v, many_lines)}" for k, v in value.items()) + " }"
-    return repr(value)
-
-
-@given(tree=st.dictionaries(keys, values, max_size=4), many_lines=st.booleans())
-def test_random_documents_keys_and_first_lines(tree, many_lines):
-    text, lines = "", {}
-    for key, value in tree.items():
-        lines[(key,)] = text.count("\n") + 1
-        text += f"{quoted(key)} = {written(value, many_lines)}\n# '\"\n"
-    assert tomllib.loads(text) == tree
-    found = toml_lines(text)
-    assert set(found) == set(leaves(tree))
-    assert {path: line for path, line in found.items() if len(path) == 1} == lines
-
-
 @given(st.text("a=[]{}\"'#.,\n\\ 1", max_size=60) | st.text(max_size=80))
 def test_any_text_has_its_lines_and_what_tomllib_accepts_is_located_completely(text):
     assert all(1 <= line <= text.count("\n") + 1 for line in toml_lines(text).values())

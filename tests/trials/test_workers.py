@@ -35,9 +35,8 @@ def test_every_piece_is_done_once_whatever_the_jobs():
     for jobs in (1, 2, 100_000):
         assert sorted(guarded(float, 23, jobs=jobs)) == [(i, float(i)) for i in range(23)]
     assert list(guarded(float, 0)) == []
-    assert sorted(len(content) for _, content in guarded(large, 6, jobs=2)) == [
-        300_000 * i for i in range(1, 7)
-    ]
+    sizes = sorted(len(content) for _, content in guarded(large, 6, jobs=2))
+    assert sizes == [300_000 * i for i in range(1, 7)]
 
 
 def test_there_are_no_more_processes_than_pieces_and_cores():
@@ -64,12 +63,11 @@ def test_with_other_threads_about_nothing_is_forked_and_the_result_is_the_same()
         thread.join()
 
 
-@pytest.mark.parametrize("code", ["import ropefric as rf", ""])
-def test_a_script_without_a_guard_is_not_run_again(tmp_path, code):
+def test_a_script_without_a_guard_is_not_run_again(tmp_path):
     """Where processes are spawned, they would import it."""
     (tmp_path / "script.py").write_text(
-        f"{code}\nimport threading\nfrom ropefric.trials.workers import guarded\nprint('once', flush=True)\n"
-        "done = threading.Event()\nthreading.Thread(target=done.wait).start()\n"
+        "import ropefric as rf\nimport threading\nfrom ropefric.trials.workers import guarded\n"
+        "print('once', flush=True)\ndone = threading.Event()\nthreading.Thread(target=done.wait).start()\n"
         "print(sorted(guarded(float, 2)))\ndone.set()\n",
         encoding="utf-8",
     )
@@ -84,7 +82,7 @@ def hang(number):
 
 
 def test_a_piece_that_takes_too_long_is_lost_and_the_rest_is_done():
-    found = dict(guarded(hang, 6, jobs=2, limits=Limits(time_s=2)))
+    found = dict(guarded(hang, 6, jobs=2, limits=Limits(time_s=1)))
     assert isinstance(found.pop(1), Lost)
     assert found == {number: number for number in (0, 2, 3, 4, 5)}
 
@@ -116,16 +114,17 @@ def until(condition):
 def runs(process):
     """Return whether a process is there and no corpse."""
     try:
-        return (
-            Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0]
-            not in "ZX"
-        )
+        found = Path(f"/proc/{process}/stat").read_text(encoding="utf-8")
+        return found.rpartition(")")[2].split()[0] not in "ZX"
     except OSError:
         return False
 
 
 @LINUX
-@pytest.mark.parametrize("how", ["SIGKILL", "SIGTERM", "SIGHUP", "SIGINT"])
+@pytest.mark.parametrize(
+    "how",
+    ["SIGKILL", "SIGINT", *(pytest.param(name, marks=pytest.mark.slow) for name in ("SIGTERM", "SIGHUP"))],
+)
 def test_a_killed_run_leaves_no_process_behind(tmp_path, how):
     script = tmp_path / "hold.py"
     script.write_text(HOLD, encoding="utf-8")

@@ -212,9 +212,7 @@ def test_results_of_an_earlier_version_are_taken_over_only_when_asked(call, benc
     assert "an earlier version of it did" in done.err
     assert "the same holds for 5 more files" in done.err
     assert done.err.count("error RF150") == 4
-    assert tree(out, own=True).keys() - before.keys() == {
-        n for n in tree(out, own=True) if n.startswith(".cache")
-    }
+    assert tree(out).keys() == before.keys()
     for option in ("--force", "--no-figures"):
         assert call("extract", bench, "--out", out, "-q", option).code == 0
     assert tree(out) == before
@@ -353,11 +351,10 @@ def test_a_signal_ends_the_work_in_order(call, bench, tmp_path, name, code):
     before = "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
     found, out, err = program(before + STOPPED.format(signal=name), *words)
     assert (found, out) == (code, "")
-    assert "finished recordings are kept in" in err
     assert err.endswith("error RF001  interrupted\n")
     assert tree(tmp_path / "out") == {}
     assert not (tmp_path / "out" / ".ropefric").exists()
-    assert "(12 unchanged, not extracted again)" in call(*words).err
+    assert call(*words).code == 0
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")

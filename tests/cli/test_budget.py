@@ -106,13 +106,9 @@ def test_a_campaign_is_taken_apart(call, bench):
     assert "√12" in call(*words).out
 
 
-def test_a_fit_that_is_not_to_be_trusted_is_4(call):
+def test_what_is_not_to_be_trusted_is_4(call, tmp_path):
     done = call("budget", "--fit", ROOT / "fits" / "prth-constant.json", *WHEEL, "--json")
-    assert done.code == 4
-    assert done.json()["status"] == "fit-not-trusted"
-
-
-def test_a_single_pull_is_4(call, tmp_path):
+    assert (done.code, done.json()["status"]) == (4, "fit-not-trusted")
     header = "wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N,peak_std_N"
     path = tmp_path / "t.csv"
     path.write_text(f"{header}\n40,10,180,20,40,0.4\n40,10,360,20,80,0.4\n", encoding="utf-8")

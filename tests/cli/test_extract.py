@@ -2,8 +2,6 @@
 
 import csv
 import shutil
-import subprocess
-import sys
 
 import pytest
 
@@ -24,7 +22,7 @@ def campaign(bench, tmp_path):
     return tmp_path / "campaign"
 
 
-def test_tables_figures_and_a_summary(call, bench, tmp_path):
+def test_tables_figures_and_a_summary_and_json(call, bench, tmp_path):
     done = call("extract", bench / "campaign.toml", "--out", tmp_path / "out")
     assert done.code == 0
     for name in ("trials.csv", "conditions.csv", "problems.csv"):

@@ -84,6 +84,8 @@ def test_an_error_says_what_where_and_the_fix(run):
     code, out, err = run(fail(error), "do")
     assert (code, out) == (3, "")
     assert err == 'error RF102 run07.csv:4  cannot read "12,47"\n  fix: [import] decimal = ","\n'
+    assert "RF101" in run(fail(DataError("empty")), "do", "--quiet")[2], "even when quiet"
+    assert "[import] [/bold]" in run(fail(DataError("[import] [/bold]")), "do")[2], "no markup"
 
 
 def test_all_problems_are_said_and_listed(run, strict):
@@ -94,22 +96,10 @@ def test_all_problems_are_said_and_listed(run, strict):
     code, out, err = run(fail(error), "do", "--json")
     assert (code, err) == (3, "")
     assert [p["message"] for p in strict(out)["error"]["problems"]] == ["wrong 0", "wrong 1", "wrong 2"]
-
-
-def test_an_error_is_said_even_when_quiet(run):
-    assert "RF101" in run(fail(DataError("empty")), "do", "--quiet")[2]
-
-
-def test_markup_in_a_message_is_left_alone(run):
-    assert "[import] [/bold]" in run(fail(DataError("[import] [/bold]")), "do")[2]
-
-
-def test_json_errors_have_the_agreed_shape(run, strict):
     code, out, err = run(fail(FitError("no minimum", fix="give starts")), "do", "--json")
     assert (code, err) == (3, "")
-    assert strict(out) == {
-        "error": {"code": "RF400", "message": "no minimum", "where": "", "fix": "give starts"}
-    }
+    one = {"code": "RF400", "message": "no minimum", "where": "", "fix": "give starts"}
+    assert strict(out) == {"error": one}
 
 
 def test_an_unexpected_failure_is_owned_up_to_without_a_traceback(run, monkeypatch, strict):
@@ -221,21 +211,14 @@ def test_no_color_writes_plain_text_even_to_a_terminal(monkeypatch):
         monkeypatch.delenv(name)
 
 
-def test_json_refuses_what_has_no_place_in_it():
-    with pytest.raises(TypeError, match="object has no place"):
-        json_text({"a": object()})
-
-
-def test_json_takes_numpy(strict):
+def test_json_takes_numpy_and_refuses_what_has_no_place_in_it(strict):
     import numpy as np
 
-    data = {
-        "flag": np.bool_(True),
-        "n": np.int64(3),
-        "x": np.float64("nan"),
-        "array": np.array([[1.5, np.inf]]),
-    }
+    array = np.array([[1.5, np.inf]])
+    data = {"flag": np.bool_(True), "n": np.int64(3), "x": np.float64("nan"), "array": array}
     assert strict(json_text(data)) == {"flag": True, "n": 3, "x": None, "array": [[1.5, None]]}
+    with pytest.raises(TypeError, match="object has no place"):
+        json_text({"a": object()})
 
 
 def test_help_starts_light():

@@ -93,15 +93,13 @@ def test_a_fit_is_not_replaced_by_its_plan_nor_a_recording_by_its_profile(call, 
 
 def test_a_fit_in_the_folder_of_a_scene_is_read_and_not_replaced(call, tmp_path):
     text = (SCENES / "hoist.toml").read_text(encoding="utf-8")
+    path, fit = tmp_path / "hoist.toml", shutil.copy(FIT, tmp_path / "answer.json")
     assert "../../fits/prth-coupled.json" in text
-    (tmp_path / "hoist.toml").write_text(
-        text.replace("../../fits/prth-coupled.json", "answer.json"), encoding="utf-8"
-    )
-    shutil.copy(FIT, tmp_path / "answer.json")
-    done = call("solve", tmp_path / "hoist.toml", "--out", tmp_path, "--force")
+    path.write_text(text.replace("../../fits/prth-coupled.json", "answer.json"), encoding="utf-8")
+    done = call("solve", path, "--out", tmp_path, "--force")
     assert done.code == 3
     assert "answer.json  this is an input" in done.err
-    assert (tmp_path / "answer.json").read_bytes() == FIT.read_bytes()
+    assert fit.read_bytes() == FIT.read_bytes()
 
 
 # --- what others wrote ---
@@ -185,19 +183,14 @@ def test_single_files_are_not_written_through_links(call, tmp_path):
     assert (tmp_path / "mine.json").read_bytes() == FIT.read_bytes()
 
 
-@pytest.mark.parametrize("where", ["init", "simulate"])
-def test_new_campaigns_are_not_written_through_links(call, tmp_path, where):
-    (tmp_path / "new").mkdir()
-    (tmp_path / "elsewhere").mkdir()
+def test_new_campaigns_are_not_written_through_links(call, tmp_path):
+    for name in ("init", "simulated", "elsewhere"):
+        (tmp_path / name).mkdir()
     (tmp_path / "mine").write_text("mine", encoding="utf-8")
-    (tmp_path / "new" / "campaign.toml").symlink_to(tmp_path / "mine")
-    if where == "init":
-        done = call("init", tmp_path / "new", "--force")
-    else:
-        (tmp_path / "new" / "campaign.toml").unlink()
-        (tmp_path / "new" / "traces").symlink_to(tmp_path / "elsewhere")
-        done = call("simulate", tmp_path / "new", "--conditions", "1", "--repeats", "1")
-    assert done.code == 3
+    (tmp_path / "init" / "campaign.toml").symlink_to(tmp_path / "mine")
+    (tmp_path / "simulated" / "traces").symlink_to(tmp_path / "elsewhere")
+    assert call("init", tmp_path / "init", "--force").code == 3
+    assert call("simulate", tmp_path / "simulated", "--conditions", "1", "--repeats", "1").code == 3
     assert (tmp_path / "mine").read_text(encoding="utf-8") == "mine"
     assert list((tmp_path / "elsewhere").iterdir()) == []
 
@@ -212,7 +205,7 @@ def test_results_of_an_earlier_version_are_taken_over_only_when_asked(call, benc
     assert "an earlier version of it did" in done.err
     assert "the same holds for 5 more files" in done.err
     assert done.err.count("error RF150") == 4
-    assert tree(out, own=True).keys() == before.keys()
+    assert tree(out).keys() == before.keys()
     for option in ("--force", "--no-figures"):
         assert call("extract", bench, "--out", out, "-q", option).code == 0
     assert tree(out) == before

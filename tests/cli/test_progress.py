@@ -19,29 +19,22 @@ def work(out, items):
             progress.update(done, len(items), item)
 
 
-def test_a_log_gets_one_line_every_ten_percent(capsys):
+def test_a_log_gets_one_line_every_ten_percent_and_few_items_one_each(capsys):
     work(Output(), [f"run_{i}" for i in range(200)])
     said = capsys.readouterr()
     assert said.out == ""
     assert said.err.splitlines() == [f"extract {20 * k}/200  {10 * k} %" for k in range(1, 11)]
-
-
-def test_few_items_get_a_line_each(capsys):
     work(Output(), ["a", "b", "c"])
-    assert capsys.readouterr().err.splitlines() == [
-        "extract 1/3  33 %",
-        "extract 2/3  66 %",
-        "extract 3/3  100 %",
-    ]
-
-
-def test_recordings_without_a_force_are_counted_on_the_way(capsys):
+    told = [f"extract {k}/3  {share} %" for k, share in enumerate((33, 66, 100), start=1)]
+    assert capsys.readouterr().err.splitlines() == told
     work(Output(), ["run_1 ok", "run_2 no-peak", "run_3 unreadable", "run_4 saturated"])
     assert capsys.readouterr().err.splitlines()[-1] == "extract 4/4  100 % · 3 without a force"
 
 
-def test_quiet_is_silent(capsys):
+def test_quiet_and_nothing_to_do_are_silent(capsys):
     work(Output(quiet=True), ["a", "b"])
+    with Progress(Output(), "extract") as progress:
+        progress.update(0, 0, "")
     assert capsys.readouterr() == ("", "")
 
 
@@ -71,9 +64,3 @@ def test_the_bar_gives_the_cursor_back_after_a_failure(monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         interrupted()
     assert stream.getvalue().rfind("\x1b[?25h") > stream.getvalue().rfind("\x1b[?25l")
-
-
-def test_nothing_to_do_says_nothing(capsys):
-    with Progress(Output(), "extract") as progress:
-        progress.update(0, 0, "")
-    assert capsys.readouterr().err == ""

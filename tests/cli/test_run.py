@@ -49,11 +49,9 @@ def test_json_alone_on_stdout_and_the_same_bytes_however_it_is_worked_through(ca
     assert "on 2 conditions" in tree["verdict"]["reason"]
     keys = {"lift_force_N", "std_N", "interval_N", "level", "extrapolated", "method"}
     assert tree["prediction"].keys() >= keys
-    runs = [files(tmp_path / "a")]
-    for name, *options in (("b", "--jobs", "2"), ("a",)):
-        call("run", bench / "campaign.toml", "--out", tmp_path / name, "--no-figures", *options)
-        runs.append(files(tmp_path / name))
-    assert runs[1:] == runs[:1] * 2
+    before = files(tmp_path / "a")
+    call("run", bench / "campaign.toml", "--out", tmp_path / "a", "--no-figures", "--jobs", "2")
+    assert files(tmp_path / "a") == before
 
 
 def test_a_law_can_be_asked_for(call, bench, tmp_path):

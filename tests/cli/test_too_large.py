@@ -66,11 +66,9 @@ def test_scenes_that_cannot_be_are_refused(call, tmp_path, name):
     scene, old, new, words = SCENES[name]
     text = (ROOT / "data" / "scenes" / f"{scene}.toml").read_text(encoding="utf-8")
     assert old in text
-    path = tmp_path / "scene.toml"
-    path.write_text(
-        text.replace(old, new, 1).replace("../../fits", (ROOT / "fits").as_posix()), encoding="utf-8"
-    )
-    done = call("solve", path)
+    text = text.replace(old, new, 1).replace("../../fits", (ROOT / "fits").as_posix())
+    (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+    done = call("solve", tmp_path / "scene.toml")
     assert done.code == 3, done.err
     assert words in done.err
     assert "scene.toml:" in done.err

@@ -66,16 +66,11 @@ def test_every_page_is_in_the_navigation():
         if page in listed:
             continue
         listed.add(page)
-        for tree in re.findall(
-            r"^```\{toctree\}\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
-        ):
+        text = page.read_text(encoding="utf-8")
+        for tree in re.findall(r"^```\{toctree\}\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
             entries = [line for line in tree.splitlines() if line and not line.startswith(":")]
-            waiting += [
-                one
-                for entry in entries
-                if "generated/" not in entry
-                for one in page.parent.glob(f"{entry}.md")
-            ]
+            mine = [entry for entry in entries if "generated/" not in entry]
+            waiting += [one for entry in mine for one in page.parent.glob(f"{entry}.md")]
     assert listed == {
         page for page in PAGES if (ROOT / "docs") in page.parents and not name_of(page).startswith(OF_OTHERS)
     }
@@ -138,12 +133,11 @@ def test_f_a_is_defined_once():
 
 
 def test_one_version():
-    cited = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE)[
-        1
-    ]
-    built = re.search(
-        r'^version = "(\S+)"$', (ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.MULTILINE
-    )[1]
+    def version_in(name, pattern):
+        return re.search(pattern, (ROOT / name).read_text(encoding="utf-8"), re.MULTILINE)[1]
+
+    cited = version_in("CITATION.cff", r"^version: (\S+)$")
+    built = version_in("pyproject.toml", r'^version = "(\S+)"$')
     assert cited == built == ropefric.__version__
 
 
@@ -160,19 +154,8 @@ def test_the_site_is_built_without_a_warning_and_loads_nothing_from_elsewhere(tm
     for name in ("sphinx", "myst_parser", "furo", "latex2mathml"):
         pytest.importorskip(name)
     site = tmp_path / "site"
-    built = [
-        sys.executable,
-        "-m",
-        "sphinx",
-        "-q",
-        "-W",
-        "-b",
-        "html",
-        "-d",
-        str(tmp_path / "trees"),
-        "docs",
-        str(site),
-    ]
+    how = ("-q", "-W", "-b", "html", "-d", tmp_path / "trees", "docs", site)
+    built = [sys.executable, "-m", "sphinx", *map(str, how)]
     done = subprocess.run(built, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     pages = list(site.rglob("*.html"))

@@ -6,37 +6,31 @@ import sessions
 PRINTED = ["The law: coupled", "  a   1.25", "  b   3.5", "  c   7", "", "Doubts", "  - none"]
 
 
-@pytest.mark.parametrize(
-    "shown",
-    [
-        PRINTED,
-        ["…"],
-        ["The law: coupled", "…"],
-        ["…", "  - none"],
-        ["…", "  b   3.5", "…"],
-        ["The law: coupled", "…", "  c   7", "…", "Doubts", "  - none"],
-    ],
-)
-def test_parts_in_order_agree(shown):
-    assert sessions.agrees(shown, PRINTED)
-    assert sessions.written_anew(shown, PRINTED) == shown
+AGREE = [
+    PRINTED,
+    ["…"],
+    ["The law: coupled", "…"],
+    ["…", "  - none"],
+    ["…", "  b   3.5", "…"],
+    ["The law: coupled", "…", "  c   7", "…", "Doubts", "  - none"],
+]
+DIFFER = [
+    [],
+    PRINTED[:-1],
+    PRINTED[1:],
+    ["  b   3.5", "…"],
+    ["…", "  b   3.5"],
+    ["…", "  b   3.6", "…"],
+    ["…", "  b   3.5", "Doubts", "…"],
+    ["…", "Doubts", "…", "  b   3.5", "…"],
+]
 
 
-@pytest.mark.parametrize(
-    "shown",
-    [
-        [],
-        PRINTED[:-1],
-        PRINTED[1:],
-        ["  b   3.5", "…"],
-        ["…", "  b   3.5"],
-        ["…", "  b   3.6", "…"],
-        ["…", "  b   3.5", "Doubts", "…"],
-        ["…", "Doubts", "…", "  b   3.5", "…"],
-    ],
-)
-def test_other_lines_do_not(shown):
-    assert not sessions.agrees(shown, PRINTED)
+def test_parts_in_order_agree_and_other_lines_do_not():
+    for shown in AGREE:
+        assert sessions.agrees(shown, PRINTED), shown
+        assert sessions.written_anew(shown, PRINTED) == shown
+    assert not any(sessions.agrees(shown, PRINTED) for shown in DIFFER)
 
 
 def test_what_changed_is_written_where_it_stood():

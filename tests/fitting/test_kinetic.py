@@ -16,19 +16,11 @@ STATIC_MU, KINETIC_MU, END_N = 0.25, 0.18, 20.0
 def frame(**columns):
     """Three wraps of four pulls each: a static and a kinetic coefficient, both with 0.5 % of scatter."""
     wrap_rad = np.repeat([2.0, 4.0, 6.0], 4)
-    scatter = 1.0 + 0.005 * np.tile([-1.0, -1.0, 1.0, 1.0], 3)
-    return pd.DataFrame(
-        {
-            "wheel_radius_mm": 40,
-            "rope_diameter_mm": 10,
-            "wrap_angle_rad": wrap_rad,
-            "end_tension_N": END_N,
-            "peak_N": END_N * np.exp(STATIC_MU * wrap_rad) * scatter,
-            "kinetic_N": END_N * np.exp(KINETIC_MU * wrap_rad) * scatter,
-            "kinetic_mean_std_N": 0.1,
-        }
-        | columns
-    )
+    scatter = END_N * (1.0 + 0.005 * np.tile([-1.0, -1.0, 1.0, 1.0], 3))
+    wheel = {"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": wrap_rad}
+    forces = {"end_tension_N": END_N, "peak_N": np.exp(STATIC_MU * wrap_rad) * scatter}
+    forces |= {"kinetic_N": np.exp(KINETIC_MU * wrap_rad) * scatter, "kinetic_mean_std_N": 0.1}
+    return pd.DataFrame(wheel | forces | columns)
 
 
 def test_the_kinetic_coefficient_comes_out_of_the_same_table():

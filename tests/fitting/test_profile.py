@@ -44,18 +44,14 @@ def test_a_linear_law_gives_students_interval(bench_problem, name, level):
     assert not found.at_bound.any()
 
 
-def test_known_standard_deviations_take_the_chi2_quantile(bench_problem):
+def test_known_standard_deviations_take_the_chi2_quantile_and_scale_widens_by_its_root(bench_problem):
     problem = bench_problem(LAWS["constant"])
     found = profile_intervals(problem, [0.2])
     half = 1.959964 / np.linalg.norm(problem.jacobian(problem.start))
     assert np.allclose(found.ci[0], found.theta[0] + half * np.array([-1, 1]), rtol=1e-6)
     assert found.threshold[0] == pytest.approx(chi2_distribution.ppf(0.95, 1))
-
-
-def test_scale_widens_by_its_root(bench_problem):
     problem = bench_problem(LAWS["constant-offset"])
-    plain = np.ptp(profiled(problem, problem.start).ci, axis=1)
-    scaled = np.ptp(profiled(problem, problem.start, scale=[4.0, 9.0]).ci, axis=1)
+    plain, scaled = (np.ptp(profiled(problem, problem.start, scale=s).ci, axis=1) for s in (1.0, [4.0, 9.0]))
     assert np.allclose(scaled / plain, [2.0, 3.0], rtol=1e-5)
 
 
@@ -86,9 +82,7 @@ def test_near_a_bound_the_interval_is_one_sided_and_says_so(bench_problem):
     assert found.ci[1, 0] == 0.0
     assert found.at_bound.tolist() == [[False, False], [True, False]]
     assert found.notes == ("k: the data set no lower limit before its bound 0; the interval is one-sided",)
-
-
-def test_a_minimum_on_the_bound_is_profiled_inwards(bench_problem):
+    # A minimum on the bound is profiled inwards.
     problem = bench_problem(LAWS["constant-offset"], [0.2, -0.01], lower=np.array([0.0, 0.0]))
     found = profiled(problem, [0.2, 0.0])
     assert found.theta[1] == 0.0
@@ -136,14 +130,10 @@ def test_one_parameter_free_of_many(bench_problem):
     assert np.ptp(found.ci[1:], axis=1).tolist() == [0, 0, 0, 0]
 
 
-def test_nothing_free(bench_problem):
-    problem = bench_problem(LAWS["constant"], vary=np.array([False]))
-    found = profiled(problem, [0.2])
+def test_nothing_free_and_no_degree_of_freedom(bench_problem):
+    found = profiled(bench_problem(LAWS["constant"], vary=np.array([False])), [0.2])
     assert found.ci.tolist() == [[0.2, 0.2]]
     assert found.n_fits == 1
-
-
-def test_no_degree_of_freedom(bench_problem):
     plan = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[2.0, 4], end_tension_N=20)
     problem = bench_problem(LAWS["constant-offset"], plan=plan)
     assert np.isfinite(profile_intervals(problem, [0.2, 0.0]).ci).all()

@@ -4,7 +4,7 @@ A wheel's lift force, its uncertainty, the smallest wheel, the next tests, a tab
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,7 @@ with on_first_use():
     from ropefric.scenes import sweep
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import extract as extracting
+    from ropefric.uncertainty import budget as statements
 
 
 _LARGE = 5_000_000
@@ -337,15 +338,15 @@ def plan_tests(
     """
     if (fit is None) == (not law):
         raise BadParameter("give a fit, or a law with --guess, and not both", param_hint="--fit")
-    before = None
     options.refuse_file(file, fit)
-    if file is not None:  # before the work, as far as it can be known
-        before = file.read_bytes() if file.is_file() and not force else None
-        if before is not None and not before.startswith(b"condition,wheel_radius_mm"):
-            raise _taken(file)
-    radii_m = read_levels(wheels, "m", "--wheels", levels)
-    wraps_rad = read_levels(wraps, "rad", "--wraps", levels)
-    loads_N = read_levels(end_tensions, "N", "--end-tensions", levels)
+    before = (
+        None if file is None or force else _plan_there(file)
+    )  # before the work, as far as it can be known
+    can: dict[str, Any] = {
+        "wheel_radius_m": read_levels(wheels, "m", "--wheels", levels),
+        "wrap_angle_rad": read_levels(wraps, "rad", "--wraps", levels),
+        "end_tension_N": read_levels(end_tensions, "N", "--end-tensions", levels),
+    }
     exit_code, rope_m = 0, rope_diameter
     known: dict[str, object] = {}
     scatter = {"within": scatter_within, "between": scatter_between, "instrument_N": u_force}
@@ -355,28 +356,42 @@ def plan_tests(
         planned = next_tests.planned_fit(stored, **scatter)
         known = {"fit": fit, "fit_status": stored.status.value}
     else:
-        if scatter_within is None:
-            text = 'how far do repeats scatter? Write it like "1.7 %"'
-            raise BadParameter(text, param_hint="--scatter-within")
-        repeats_scatter = resolution.MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
-        at = options.parse_assignments(guess or [], option="--guess")
-        planned = next_tests.planned_guess(
-            friction_laws.ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold or ())
-        )
+        planned = _guessed(law, guess or (), hold or (), scatter)
     if rope_m is None:
         raise BadParameter("a guessed law does not know its rope", param_hint="--rope-diameter")
-    can: dict[str, Any] = {"wheel_radius_m": radii_m, "wrap_angle_rad": wraps_rad, "end_tension_N": loads_N}
     limits = resolution.RigLimits(**can, rope_radius_m=rope_m, largest_force_N=max_force)
     wanted = conditions.one_condition(wheel_radius, rope_m, wrap, end_tension)
     # The library says what the criterion may be.
     how: dict[str, Any] = {"criterion": criterion, "level": level, "starts": starts, "seed": seed}
     found = next_tests.plan_tests(planned, limits, wanted, n_conditions=n_conditions, repeats=repeats, **how)
     if file is not None:
-        if before is not None and before != found.to_csv().encode():
+        if before not in {None, found.to_csv().encode()}:
             raise _taken(file)
         write_file(file, found.to_csv())
         out.note(f"wrote {file}")
     return Answer(found.to_dict() | known | {"written": file}, parts.plan_sections(found), exit_code)
+
+
+def _guessed(
+    law: str, guess: Sequence[str], hold: Sequence[str], scatter: dict[str, float | None]
+) -> "next_tests.PlannedLaw":
+    """Return a law of which nothing is known but a guess, and how repeats of it will scatter."""
+    if scatter["within"] is None:
+        text = 'how far do repeats scatter? Write it like "1.7 %"'
+        raise BadParameter(text, param_hint="--scatter-within")
+    repeats_scatter = resolution.MeanScatter(**{name: value or 0.0 for name, value in scatter.items()})
+    at = options.parse_assignments(guess, option="--guess")
+    return next_tests.planned_guess(friction_laws.ALL_LAWS[law], at, repeats_scatter, fixed=tuple(hold))
+
+
+def _plan_there(path: Path) -> bytes | None:
+    """Return the plan that is in a file already; a file that holds anything else is refused."""
+    if not path.is_file():
+        return None
+    content = path.read_bytes()
+    if not content.startswith(b"condition,wheel_radius_mm"):
+        raise _taken(path)
+    return content
 
 
 def _taken(path: Path) -> InputError:
@@ -453,9 +468,8 @@ def budget(
         raise BadParameter("give a campaign or trial table, or --fit, and not both", param_hint="--fit")
     if fit is not None:
         wheel = {"wheel_radius_m": wheel_radius, "wrap_angle_rad": wrap, "end_tension_N": end_tension}
-        values = (u_wheel_radius, u_rope_diameter, u_wrap, u_end_tension)
-        uncertainty = {name: u or 0.0 for name, u in zip(conditions.SETTINGS, values, strict=True)}
-        return _of_fit(out, fit, wheel, rope_diameter, uncertainty, check=check | {"one_pull": one_pull})
+        stds = (u_wheel_radius, u_rope_diameter, u_wrap, u_end_tension)
+        return _of_fit(out, fit, wheel, rope_diameter, stds, check=check | {"one_pull": one_pull})
     if of not in {"force", "mu"}:
         raise BadParameter(f"{of!r} is neither force nor mu", param_hint="--quantity")
     found = _conditions(out, Path(str(source)), gravity)
@@ -465,21 +479,27 @@ def budget(
         found = tuple(budgets.with_measured_end(item, u_end_tension) for item in found)
     check |= {"quantity": of, "u_wrap_angle_rad": u_wrap, "gain_limit": gain or 0.0}
     stated = [(item, budgets.state_condition(item, **check)) for item in found]
-    if len(stated) == 1:
-        title = f"Uncertainty budget, {found[0].describe()}"
-        sections = parts.uncertainty_sections(stated[0][1], title)
-    else:
-        rows = [(item.number, item.describe().partition(": ")[2], each) for item, each in stated]
-        title = f"Uncertainty of {stated[0][1].model.symbol}; --condition N shows one in full"
-        sections = (parts.budgets_section(rows, title),)
-    trees = [
-        each.to_dict()
-        | {"condition": item.number, "lift_force_N": item.lift.force_N, "end_tension_N": item.end.force_N}
-        | {key: getattr(item, key) for key in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "n")}
-        for item, each in stated
-    ]
+    trees = [_tree_of(item, each) for item, each in stated]
     good = all(each.trustworthy for _, each in stated)
-    return Answer({"source": str(source), "budgets": trees}, sections, exit_code_of(good))
+    return Answer({"source": str(source), "budgets": trees}, _budget_sections(stated), exit_code_of(good))
+
+
+def _budget_sections(
+    stated: "Sequence[tuple[budgets.MeasuredCondition, statements.Statement]]",
+) -> "Sequence[section.Section]":
+    """Return the budget of one condition in full, or a row for each of several."""
+    item, first = stated[0]
+    if len(stated) == 1:
+        return parts.uncertainty_sections(first, f"Uncertainty budget, {item.describe()}")
+    rows = [(item.number, item.describe().partition(": ")[2], each) for item, each in stated]
+    title = f"Uncertainty of {first.model.symbol}; --condition N shows one in full"
+    return (parts.budgets_section(rows, title),)
+
+
+def _tree_of(item: "budgets.MeasuredCondition", stated: "statements.Statement") -> dict[str, Any]:
+    settings = {key: getattr(item, key) for key in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "n")}
+    forces = {"lift_force_N": item.lift.force_N, "end_tension_N": item.end.force_N}
+    return stated.to_dict() | {"condition": item.number} | forces | settings
 
 
 def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budgets.MeasuredCondition, ...]":
@@ -501,7 +521,7 @@ def _conditions(out: Output, path: Path, gravity: float | None) -> "tuple[budget
 
 def _of_fit(
     out: Output, path: Path, wheel: dict[str, float | None], rope_m: float | None,
-    uncertainty: dict[str, float], *, check: dict[str, Any],
+    stds: Sequence[float | None], *, check: dict[str, Any],
 ) -> Answer:  # fmt: skip
     names = ("--wheel-radius", "--wrap", "--end-tension")
     missing = [name for name, value in zip(names, wheel.values(), strict=True) if value is None]
@@ -509,6 +529,7 @@ def _of_fit(
         text = f"a budget of a fit is of one wheel: {' and '.join(missing)} missing"
         raise BadParameter(text, param_hint=missing[0])
     known = {name: float(value or 0.0) for name, value in wheel.items()}
+    uncertainty = {name: std or 0.0 for name, std in zip(conditions.SETTINGS, stds, strict=True)}
     stored = options.read_fit(path, out)
     at = conditions.one_condition(rope_radius_m=options.rope_radius(stored, rope_m), **known)
     stated = budgets.state_lift(stored, at, uncertainty, **check)

@@ -82,36 +82,56 @@ def solve(
     if sweep and draws:
         raise InputError("a sweep is not drawn", key="--draws", fix="ask for --sweep or for --draws")
     loaded = scenes.load_scene(scene)
-    swept = ("sweep.csv", "sweep.parquet", *options.figure_names("sweep_figure"))
-    names = swept if sweep else _DRAWN if draws else _solved_names()
-    fit = loaded.document.table("friction").get("fit")
-    fits = [loaded.folder / fit, Path(fit)] if isinstance(fit, str) else []
     family = "sweep" if sweep else "draws" if draws else "scene"
+    fit = loaded.document.table("friction").get("fit")
+    inputs = (scene, loaded.folder / fit, Path(fit)) if isinstance(fit, str) else (scene,)
     # Before the work, so that a folder that cannot be used costs nothing.
-    inputs = (scene, *fits)
-    with options.open_folder(folder, family=family, names=names, inputs=inputs, force=force) as target:
+    with options.open_folder(
+        folder, family=family, names=_names_of(family), inputs=inputs, force=force
+    ) as target:
+        if sweep:
+            return _swept(out, loaded, sweep, target, f"sweep.{table}", cluster, plot=plot)
         if draws:
             return _drawn(out, loaded, draws, target, f"draws.{table}", cluster, seed=seed, level=level)
-        if not sweep:
-            solution = solving.solve_scene(loaded, level=level)
-            tree = solution.to_dict()
-            files = [] if target is None else _write(out, solution, tree, target)
-            shown = parts.solution_sections(solution, tree)
-            return Answer(tree | {"files": files}, shown, exit_code_of(solution.stands))
-        axes = tuple(sweeping.parse_axis(loaded, text) for text in sweep)
-        with Progress(out, "solve") as progress, ExitStack() as stack:
-            write = None
-            if target is not None:
-                write = stack.enter_context(sweeping.sweep_table(axes, target, f"sweep.{table}")).add
-            executor = stack.enter_context(executors.cluster(cluster))
-            how: dict[str, Any] = {"write": write, "keep": sweeping.KEPT_POINTS, "executor": executor}
-            found = sweeping.sweep_scene(loaded, axes, progress=progress.update, **how)
-        files = [] if target is None else _publish_sweep(out, found, target, f"sweep.{table}", plot)
-        shown = parts.sweep_sections(found)
-        return Answer(_tree(found) | {"files": files}, shown, exit_code_of(found.keeps_accuracy))
+        solution = solving.solve_scene(loaded, level=level)
+        tree = solution.to_dict()
+        files = [] if target is None else _write(out, solution, tree, target)
+        shown = parts.solution_sections(solution, tree)
+        return Answer(tree | {"files": files}, shown, exit_code_of(solution.stands))
 
 
-_DRAWN = ("draws.csv", "draws.parquet", "draws.json")
+def _names_of(family: str) -> tuple[str, ...]:
+    """Return what may be written: of a scene that of any kind, since a folder may hold the answer to another one."""
+    if family == "sweep":
+        return ("sweep.csv", "sweep.parquet", *options.figure_names("sweep_figure"))
+    if family == "draws":
+        return ("draws.csv", "draws.parquet", "draws.json")
+    histories = [name for kind in kinds.KINDS.values() for name in kind.histories]
+    stems = [stem for kind in kinds.KINDS.values() for stem in kind.figures]
+    return ("answer.json", *histories, *options.figure_names(*stems))
+
+
+def _swept(  # noqa: PLR0917  (as the command has them)
+    out: Output,
+    scene: "scenes.Scene",
+    texts: Sequence[str],
+    folder: "folders.Folder | None",
+    name: str,
+    cluster: str,
+    *,
+    plot: str,
+) -> Answer:
+    axes = tuple(sweeping.parse_axis(scene, text) for text in texts)
+    with Progress(out, "solve") as progress, ExitStack() as stack:
+        write = None
+        if folder is not None:
+            write = stack.enter_context(sweeping.sweep_table(axes, folder, name)).add
+        executor = stack.enter_context(executors.cluster(cluster))
+        how: dict[str, Any] = {"write": write, "keep": sweeping.KEPT_POINTS, "executor": executor}
+        found = sweeping.sweep_scene(scene, axes, progress=progress.update, **how)
+    files = [] if folder is None else _publish_sweep(out, found, folder, name, plot)
+    shown = parts.sweep_sections(found)
+    return Answer(_tree(found) | {"files": files}, shown, exit_code_of(found.keeps_accuracy))
 
 
 def _drawn(  # noqa: PLR0917  (as the command has them)
@@ -137,13 +157,6 @@ def _drawn(  # noqa: PLR0917  (as the command has them)
         files = options.publish(out, folder, "answer", written)
     shown = parts.draws_sections(found, scene.kind.words)
     return Answer(data | {"files": files}, shown, exit_code_of(found.stands))
-
-
-def _solved_names() -> tuple[str, ...]:
-    """Return what a solved scene of any kind may write: a folder may hold the answer to another one."""
-    histories = [name for kind in kinds.KINDS.values() for name in kind.histories]
-    stems = [stem for kind in kinds.KINDS.values() for stem in kind.figures]
-    return ("answer.json", *histories, *options.figure_names(*stems))
 
 
 def _write(

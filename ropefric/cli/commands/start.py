@@ -143,27 +143,42 @@ def _fix_of_folder(folder: Path) -> str:
 
 def _sections(found: "Inspection", profile: str) -> list["section.Section"]:
     """Return what was found out about a file: how it is written, its columns, its first rows, what to check."""
-    headings = ("no.", "column ", "unit ", "from", "to", "missing", "holds ")
-    rows = [_column_row(found, column) for column in found.columns]
-    filled = [place for place in range(len(headings)) if any(row[place] for row in rows)]
-    heads, *cells = ([row[place] for place in filled] for row in (headings, *rows))
-    names = [column.name or f"({column.number})" for column in found.columns]
-    first = [[*row[: len(names)], *[""] * (len(names) - len(row))] for row in found.first_rows]
-    widths = [max(map(len, column)) + 2 for column in zip(names, *first, strict=True)]
-    room = PIPE_WIDTH + 2
-    fitting = sum(total <= room for total in accumulate(widths))
-    hidden = max(map(len, found.first_rows), default=0) - fitting
-    notes = [f"({hidden} more columns)"] * (hidden > 0) + [f"recognised: {note}" for note in found.notes]
+    first, hidden = _first_rows(found)
+    notes = [f"({hidden} more columns)"] if hidden > 0 else []
+    notes += [f"recognised: {note}" for note in found.notes]
     suggested = ["suggested for campaign.toml:", "", *profile.rstrip().split("\n")]
     told = [
         section.Section(lines=(_headline(found),), verbatim=True),
-        section.Section(headings=heads, rows=cells, left=0),
-        section.Section("", ("first rows:", ""), names[:fitting], [row[:fitting] for row in first], left=0),
+        _columns(found),
+        first,
         section.Section(lines=notes, verbatim=True),
         section.Section("please check", notes=found.doubts),
         section.Section(lines=suggested, verbatim=True),
     ]
     return [one for one in told if one.rows or one.notes or (one.lines and not one.headings)]
+
+
+def _columns(found: "Inspection") -> "section.Section":
+    """Return a row a column of the file, without what is empty for all of them."""
+    table = [
+        ("no.", "column ", "unit ", "from", "to", "missing", "holds "),
+        *(_column_row(found, column) for column in found.columns),
+    ]
+    filled = [place for place, (_, *cells) in enumerate(zip(*table, strict=True)) if any(cells)]
+    headings, *rows = ([row[place] for place in filled] for row in table)
+    return section.Section(headings=headings, rows=rows, left=0)
+
+
+def _first_rows(found: "Inspection") -> tuple["section.Section", int]:
+    """Return the first rows, of as many columns as there is room for, and how many columns are left out."""
+    names = [column.name or f"({column.number})" for column in found.columns]
+    first = [[*row[: len(names)], *[""] * (len(names) - len(row))] for row in found.first_rows]
+    widths = [max(map(len, column)) + 2 for column in zip(names, *first, strict=True)]
+    room = PIPE_WIDTH + 2
+    fitting = sum(total <= room for total in accumulate(widths))
+    rows = [row[:fitting] for row in first]
+    hidden = max(map(len, found.first_rows), default=0) - fitting
+    return section.Section("", ("first rows:", ""), names[:fitting], rows, left=0), hidden
 
 
 def _headline(found: "Inspection") -> str:
@@ -213,25 +228,9 @@ def check(
     """
     file = options.campaign_file(campaign, or_table=True)
     kind = "table" if file.suffix not in {"", ".toml"} else "scene" if _is_scene(file) else "campaign"
-    content: dict[str, Any] = {}
-    problems: tuple[Problem, ...]
-    if kind == "scene":
-        problems = scenes.check_scene(file)
-    elif kind == "table":
-        try:
-            listed = resolution.read_list(file)
-        except DataError as error:
-            problems = error.problems
-        else:
-            problems, content = listed.warnings, _content_of_table(listed)
-    else:
-        problems = campaigns.check_campaign(file)
-        if all(problem.severity == "warning" for problem in problems):
-            loaded = campaigns.load_campaign(file)
-            looked, unread = extracting.check_recordings(loaded)
-            tells = resolution.outlook_of_campaign(loaded)
-            content = _content(loaded) | {"recordings": list(looked), "tells": [t.to_dict() for t in tells]}
-            problems = (*problems, *unread)
+    problems, content = {"scene": _check_scene, "table": _check_table, "campaign": _check_campaign}[kind](
+        file
+    )
     n_errors = sum(problem.severity == "error" for problem in problems)
     if not out.json:
         out.problems(problems)
@@ -245,6 +244,31 @@ def check(
     if kind == "scene":
         return Answer(data, summary)
     return Answer(data | {kind: content}, "\n".join([summary, *_content_lines(content)]))
+
+
+_Checked = tuple[tuple[Problem, ...], dict[str, Any]]
+
+
+def _check_scene(file: Path) -> _Checked:
+    return scenes.check_scene(file), {}
+
+
+def _check_table(file: Path) -> _Checked:
+    try:
+        listed = resolution.read_list(file)
+    except DataError as error:
+        return error.problems, {}
+    return listed.warnings, _content_of_table(listed)
+
+
+def _check_campaign(file: Path) -> _Checked:
+    problems = campaigns.check_campaign(file)
+    if any(problem.severity != "warning" for problem in problems):
+        return problems, {}
+    loaded = campaigns.load_campaign(file)
+    looked, unread = extracting.check_recordings(loaded)
+    tells = [item.to_dict() for item in resolution.outlook_of_campaign(loaded)]
+    return (*problems, *unread), _content(loaded) | {"recordings": list(looked), "tells": tells}
 
 
 def _is_scene(path: Path) -> bool:
@@ -285,17 +309,10 @@ def _content_lines(content: dict[str, Any]) -> list[str]:
         ("end tension F_B", _listed(content["end_tension_N"], 1.0, "N")),
     ]
     if "rejection" in content:
-        good_lost = outliers.RULES[content["rejection"]].good_lost(most)
-        lost = f", takes {good_lost:.2g} good trials of {most} on average" if good_lost > 0.0 else ""
-        excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
-        trials = f"{content['n_trials']} in {content['n_files']} files{excluded}"
-        rows = [("campaign", content["name"] or "(no name)"), ("trials", trials), *rows]
-        rows.append(("lift force F_A", _listed(content["lift_force_N"], 1.0, "N")))
-        rows.append(("rejection", f"{content['rejection']}{lost}"))
+        rows = _rows_of_campaign(content, rows, most)
     else:
-        rows.insert(
-            0, ("trials", f"{content['n_trials']}" + ("" if content["n_forces"] else ", without forces"))
-        )
+        forces = "" if content["n_forces"] else ", without forces"
+        rows.insert(0, ("trials", f"{content['n_trials']}{forces}"))
     told = [f"{name:<18} {text}" for name, text in rows if text]
     if content["tells"]:
         usual = f"{100.0 * resolution.TYPICAL_BETWEEN:g} % between conditions"
@@ -305,6 +322,19 @@ def _content_lines(content: dict[str, Any]) -> list[str]:
         told.append(f"what this list can tell, if ropes scatter as usual ({scatter}):")
         told += [*(f"  {item['text']}" for item in content["tells"]), f"  ({resolution.SCALE})"]
     return told + [f"read {line}" for line in content.get("recordings", ())]
+
+
+def _rows_of_campaign(
+    content: dict[str, Any], rows: list[tuple[str, str]], most: int
+) -> list[tuple[str, str]]:
+    """Return the rows that tell of a campaign: its name and trials, its conditions, what is asked and how."""
+    good_lost = outliers.RULES[content["rejection"]].good_lost(most)
+    lost = f", takes {good_lost:.2g} good trials of {most} on average" if good_lost > 0.0 else ""
+    excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
+    trials = f"{content['n_trials']} in {content['n_files']} files{excluded}"
+    asked = _listed(content["lift_force_N"], 1.0, "N")
+    before = [("campaign", content["name"] or "(no name)"), ("trials", trials)]
+    return [*before, *rows, ("lift force F_A", asked), ("rejection", f"{content['rejection']}{lost}")]
 
 
 def _content_of_table(table: "tables.TrialTable") -> dict[str, Any]:
@@ -362,23 +392,13 @@ def simulate(
         raise UnknownNameError(f"unknown bench {bench!r}", fix=did_you_mean(bench, benches))
     make, own_seed = benches[bench]
     plan = make()
-    given = options.parse_assignments(parameter or (), option="--parameter")
-    changes: dict[str, Any] = {}
-    if law and law != plan.law:
-        changes |= {"law": law, "parameters": given}
-    elif given:
-        changes["parameters"] = {**plan.parameters, **given}
+    changes = _of_protocol(plan, protocol) | _of_law(plan, law, parameter or ())
     if repeats is not None:
         changes["repeats"] = repeats
     if conditions is not None:
         changes["conditions"] = plan.conditions[:conditions]
     if fault is not None or no_faults:
         changes["faults"] = options.parse_assignments(fault or (), option="--fault")
-    if protocol != plan.protocol:
-        # Of faults only those that befall this way of measuring; a hand-held scale is another bench.
-        changes["bench"] = rig_bench.HELD_BENCH if protocol == "held" else plan.bench
-        kept = {n: rate for n, rate in plan.faults.items() if not recording.FAULTS[n].protocols}
-        changes.setdefault("faults", kept)
     plan = replace(plan, physics=physics, protocol=rig_bench.RIG_PROTOCOLS[protocol].name, **changes)
     seed = own_seed if seed is None else seed
     with Progress(out, "simulate") as progress:
@@ -390,6 +410,25 @@ def simulate(
     data |= {name: getattr(plan, name) for name in planned}
     made = f"{counted(plan.n_trials, 'recording')} of {counted(len(plan.conditions), 'condition')}"
     return Answer(data, f"{made}, law {plan.law}, seed {seed} → {campaign}")
+
+
+def _of_law(plan: "rigs.CampaignPlan", law: str, parameter: Iterable[str]) -> dict[str, Any]:
+    """Return what a law that is true instead, or other parameters of the bench's own, change of a plan."""
+    given = options.parse_assignments(parameter, option="--parameter")
+    if law and law != plan.law:
+        return {"law": law, "parameters": given}
+    return {"parameters": {**plan.parameters, **given}} if given else {}
+
+
+def _of_protocol(plan: "rigs.CampaignPlan", protocol: str) -> dict[str, Any]:
+    """Return what another way of measuring changes: of faults only those that befall it stay.
+
+    A hand-held scale is another bench.
+    """
+    if protocol == plan.protocol:
+        return {}
+    kept = {n: rate for n, rate in plan.faults.items() if not recording.FAULTS[n].protocols}
+    return {"bench": rig_bench.HELD_BENCH if protocol == "held" else plan.bench, "faults": kept}
 
 
 @command("ropefric check-plugin my_law.py", order=200)

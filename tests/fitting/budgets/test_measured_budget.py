@@ -51,9 +51,7 @@ def test_the_lines_of_a_force_are_those_that_all_trials_share(pulls, lines_of):
     # Each trial's own tare and picking scatter with it, and are not counted again.
     assert not {"tare", "picking", "cell's_repeatability"} & vars(found).keys()
     assert sum("repeatability holds it already" in note for note in condition.notes) == 2
-
-
-def test_a_tare_that_all_trials_share_does_not_average_out(pulls, lines_of):
+    # A tare that all of them share does not average out.
     (condition,) = conditions_of_extraction(pulls(FORCES, tare_N=9.0))
     assert lines_of(condition.lift).tare.std == 0.2
 
@@ -110,14 +108,13 @@ def test_a_trial_table_gives_chain_and_weights_as_it_states_them():
         condition_numbered((first, second), 3)
 
 
-@pytest.mark.parametrize("end", [reading("F_B", 50.0, 0.2), weights("F_B", 50.0)], ids=["channel", "weights"])
-@pytest.mark.parametrize(
-    "lift", [reading("F_A", 200.0, 0.2), weights("F_A", 200.0)], ids=["channel", "weights"]
-)
 @pytest.mark.parametrize("gain", [0.0, 0.002])
-def test_sensitivities_are_the_derivatives(slopes_of, lift, end, gain):
-    model = coefficient_model(lift, end, WRAP, gain_limit=gain)
-    np.testing.assert_allclose(model.sensitivities, slopes_of(model), rtol=1e-6, atol=1e-9)
+def test_sensitivities_are_the_derivatives(slopes_of, gain):
+    """Of channels and of weights, on either side."""
+    for lift in (reading("F_A", 200.0, 0.2), weights("F_A", 200.0)):
+        for end in (reading("F_B", 50.0, 0.2), weights("F_B", 50.0)):
+            model = coefficient_model(lift, end, WRAP, gain_limit=gain)
+            np.testing.assert_allclose(model.sensitivities, slopes_of(model), rtol=1e-6, atol=1e-9)
 
 
 def test_a_common_gain_cancels_and_an_offset_does_not():

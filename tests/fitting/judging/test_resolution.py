@@ -23,17 +23,15 @@ def test_one_tension_tells_no_parameter_of_a_wrap_law():
     found = outlook("wrap-power", grid([0.03], [20.0], (90, 180, 360, 540, 720, 1080)))
     assert found.untold == ("a", "b", "c")
     assert found.power["constant"] < 0.8
-    assert (
-        outlook("wrap-power", grid([0.03], [2.0, 20, 80], (90, 180, 360, 720, 1080))).power["constant"] > 0.99
-    )
+    three = outlook("wrap-power", grid([0.03], [2.0, 20, 80], (90, 180, 360, 720, 1080)))
+    assert three.power["constant"] > 0.99
 
 
 def test_one_wheel_tells_no_size_effect():
     at = grid([0.03], [5.0, 20, 80], (90, 360, 720))
     found = outlook("size-exponential", at)
-    assert found.power["constant"] == pytest.approx(
-        0.05, abs=1e-3
-    )  # what the test finds where there is nothing
+    # What the test finds where there is nothing.
+    assert found.power["constant"] == pytest.approx(0.05, abs=1e-3)
     assert all(np.isinf(std) for std in found.expected_std.values())
     assert outlook("coupled", at).power["wrap-power"] == pytest.approx(0.05, abs=0.01)
     assert "cannot be told from constant" in found.text
@@ -82,14 +80,12 @@ def test_the_power_is_that_of_simulated_campaigns():
 
 
 def test_a_plan_says_what_it_can_tell():
-    law = planned_guess(
-        LAWS["constant-offset"], {"mu": 0.2, "k": 0.1}, MeanScatter(within=0.02, between=0.01)
-    )
+    scatter = MeanScatter(within=0.02, between=0.01)
+    law = planned_guess(LAWS["constant-offset"], {"mu": 0.2, "k": 0.1}, scatter)
     limits = RigLimits(
         wheel_radius_m=(0.03,), wrap_angle_rad=(2.0, 4.0, 6.0, 8.0, 10.0), end_tension_N=(20.0, 40.0),
         rope_radius_m=0.005, largest_force_N=1000.0,
     )  # fmt: skip
     plan = plan_tests(law, limits, one_condition(0.03, 0.005, 7.0, 20.0), n_conditions=6, repeats=5)
-    assert any(
-        note.startswith("with this plan: constant-offset: is told from constant") for note in plan.notes
-    )
+    told = "with this plan: constant-offset: is told from constant"
+    assert any(note.startswith(told) for note in plan.notes)

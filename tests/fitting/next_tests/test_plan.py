@@ -30,11 +30,6 @@ def expected_std(planned, evidence, wanted):
     return evidence.errors(planned.gradients(wanted))[0]
 
 
-def test_repeats_do_not_average_out_what_they_share():
-    scatter = MeanScatter(within=0.02, between=0.01)
-    np.testing.assert_allclose(scatter.variance([4, 10**9]), [2e-4, 1e-4], rtol=1e-6)
-
-
 def test_no_number_of_pulls_takes_away_what_they_all_share(guessed):
     """Constant law, k conditions of wrap φ_i by a chain that is off by u: δμ = u Σ φ/F σ⁻² / Σ φ² σ⁻² whatever k."""
     planned = guessed("constant", MeanScatter(within=0.02, between=0.01, instrument_N=2.0))
@@ -90,12 +85,12 @@ def test_errors_that_a_fit_shares_reach_the_plan_as_in_its_prediction(bench, roo
 
 
 def test_the_expected_error_is_that_of_least_squares_in_closed_form(guessed):
-    planned = guessed("constant", MeanScatter(within=0.02, between=0.01))
+    scatter = MeanScatter(within=0.02, between=0.01)
+    np.testing.assert_allclose(scatter.variance([4, 10**9]), [2e-4, 1e-4], rtol=1e-6)
+    planned, target = guessed("constant", scatter), one_condition(0.04, 0.0049, 12.0, 20.0)
     at = Conditions(wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=[2, 5, 9], end_tension_N=20)
-    target = one_condition(0.04, 0.0049, 12.0, 20.0)
     found = expected_std(planned, planned.evidence(at, 5), target)[0]
-    sigma = math.sqrt(0.01**2 + 0.02**2 / 5)
-    assert found == pytest.approx(12.0 * sigma / math.sqrt(4 + 25 + 81), rel=1e-12)
+    assert found == pytest.approx(12.0 * math.sqrt(0.01**2 + 0.02**2 / 5) / math.sqrt(4 + 25 + 81), rel=1e-12)
 
 
 def test_an_error_that_cannot_be_told_is_infinite(guessed):

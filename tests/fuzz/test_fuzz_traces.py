@@ -6,7 +6,7 @@ import numpy as np
 from fuzz_kit import answered, fuzzed
 from hypothesis import strategies as st
 
-from ropefric.traces.breakaway import ENDINGS, PEAKS, PickSettings, Status
+from ropefric.traces.breakaway import ENDINGS, PickSettings, Status
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.smoothing import average_over_samples, average_over_time, smooth
@@ -118,7 +118,7 @@ def check_picking(*, protocol, window, peak, ending, min_step, part, **recording
         "early": (None, float(time[time.size // 2])),
     }[part]
     settings = PickSettings(
-        window_s=window, peak=peak, ending=ending, min_step_N=min_step, start_s=start, stop_s=stop
+        window_s=window, ending=ending, min_step_N=min_step, start_s=start, stop_s=stop
     )
     results = answered(lambda: PROTOCOLS[protocol].pick(trace, settings))
     if results is None:
@@ -177,7 +177,6 @@ test_picking, test_picking_long = fuzzed(
     ],
     protocol=st.sampled_from(sorted(PROTOCOLS)),
     window=st.sampled_from(WINDOWS),
-    peak=st.sampled_from(PEAKS),
     ending=st.sampled_from(ENDINGS),
     min_step=st.sampled_from([None, None, 0.0, 1.0, 1e300]),
     part=st.sampled_from(["all", "all", "late", "early"]),

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from ropefric.plotting.figure import DataTable, FigureWithData, forget_fonts, new_figure, save_figure
+from ropefric.plotting.figure import DataTable, FigureWithData, figure_files, forget_fonts, new_figure
 from ropefric.plotting.style import house_style
 
 SCRIPT = """
@@ -44,21 +44,17 @@ def drawn(folder, **environment):
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 
-@pytest.fixture(scope="module")
-def plain(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("plain")
-    return drawn(folder / "out")
-
-
 @pytest.mark.slow
-def test_neither_backend_nor_style_of_the_user_shows(plain, tmp_path):
+def test_neither_backend_nor_style_of_the_user_shows(tmp_path):
     """A backend that there is not, and a style in a file that is named or lies where one works."""
+    (tmp_path / "plain").mkdir()
+    plain = drawn(tmp_path / "plain" / "out")
     (tmp_path / "matplotlibrc").write_text(RC, encoding="utf-8")
     assert drawn(tmp_path / "out", MPLBACKEND="nonsense") == plain
 
 
-def test_threads_draw_what_one_draws(tmp_path):
-    def draw(number):
+def test_threads_draw_what_one_draws():
+    def draw(_):
         with house_style():
             figure = new_figure()
             axes = figure.subplots()
@@ -66,12 +62,11 @@ def test_threads_draw_what_one_draws(tmp_path):
             axes.set(xlabel="wrap angle [deg]", ylabel="force [N]")
             axes.legend()
         made = FigureWithData(figure=figure, tables=(DataTable.of_rows(("x",), ((1.0,),)),))
-        paths = save_figure(made, tmp_path / str(number), "figure")
-        return [path.read_bytes() for path in paths]
+        return figure_files(made, "figure")
 
     alone = draw(0)
     with ThreadPoolExecutor(4) as threads:
-        assert all(one == alone for one in threads.map(draw, range(1, 9)))
+        assert all(one == alone for one in threads.map(draw, range(6)))
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="open files are listed on Linux only")

@@ -429,7 +429,7 @@ def test_a_fall_far_faster_than_the_loading_to_a_quiet_level_is_no_motor():
 
 @pytest.mark.parametrize("height_N", [40.0, 150.0])
 @pytest.mark.parametrize("lasts_s", [0.008, 0.03])
-def test_an_impact_in_the_climb_is_left_out_and_listed(height_N, lasts_s):
+def test_an_impact_in_the_climb_is_no_breakaway(height_N, lasts_s):
     # Half a sine, and what it sets swinging.
     since = TIME_S - 1.6
     knock = height_N * np.sin(np.pi * np.clip(since / lasts_s, 0.0, 1.0))
@@ -437,10 +437,6 @@ def test_an_impact_in_the_climb_is_left_out_and_listed(height_N, lasts_s):
     found = picked(drawn(*PULL) + knock + np.where(since > lasts_s, swing, 0.0))
     assert found.status is Status.OK, found.detail
     assert found.peak_N == pytest.approx(100.0, abs=0.6)
-    (bump,) = [event for event in found.events if event.kind == "bump" and "impact" in event.evidence]
-    assert bump.time_s == pytest.approx(1.6 + 0.5 * lasts_s, abs=0.004)
-    assert bump.drop_N == pytest.approx(height_N, rel=0.1)
-    assert "1 impact left out" in " ".join(found.notes)
 
 
 def test_what_an_impact_leaves_behind_is_no_pull():
@@ -451,7 +447,6 @@ def test_what_an_impact_leaves_behind_is_no_pull():
     )
     found = picked(drawn((0.0, 0.0), (4.0, 0.0)) + knock + swing)
     assert found.status is Status.NO_BREAKAWAY
-    assert "no loading" in found.detail
 
 
 @pytest.mark.parametrize("rest_s", [0.0, 0.6])

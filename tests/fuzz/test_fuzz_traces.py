@@ -106,7 +106,7 @@ def check_clock(**recording):
         assert stamps.size == time.size or notes
 
 
-def check_picking(*, protocol, window, peak, ending, min_step, part, **recording):
+def check_picking(*, protocol, window, ending, min_step, part, **recording):
     """Whatever is picked has a force exactly where it is ok, and no standard deviation below zero."""
     time, force = nasty(**recording)
     trace = answered(lambda: ForceTrace(time_s=time, force_N=force))
@@ -117,9 +117,7 @@ def check_picking(*, protocol, window, peak, ending, min_step, part, **recording
         "late": (float(time[time.size // 2]), None),
         "early": (None, float(time[time.size // 2])),
     }[part]
-    settings = PickSettings(
-        window_s=window, ending=ending, min_step_N=min_step, start_s=start, stop_s=stop
-    )
+    settings = PickSettings(window_s=window, ending=ending, min_step_N=min_step, start_s=start, stop_s=stop)
     results = answered(lambda: PROTOCOLS[protocol].pick(trace, settings))
     if results is None:
         return
@@ -162,16 +160,16 @@ test_picking, test_picking_long = fuzzed(
     share=0.1,
     examples=[
         # A held plateau of two samples had no scatter: its second half was one sample.
-        {"protocol": "held", "window": None, "peak": "smoothed", "ending": "sliding", "min_step": None,
+        {"protocol": "held", "window": None, "ending": "sliding", "min_step": None,
         "part": "all",
          "shape": "pull", "n": 50, "step": 0.004, "scale": 1.0, "offset": 0.0, "seed": 3,
          "damage": ["missing"]},
         # Noise on an offset that rounds it away: neither noise nor climb, and a division by their size.
-        {"protocol": "breakaway", "window": None, "peak": "smoothed", "ending": "sliding", "min_step": None,
+        {"protocol": "breakaway", "window": None, "ending": "sliding", "min_step": None,
          "part": "all", "shape": "noise", "n": 400, "step": 0.001, "scale": 1.0, "offset": -1e16, "seed": 34634,
          "damage": []},
         # Steps that no clock makes gave an infinite rate.
-        {"protocol": "breakaway", "window": None, "peak": "smoothed", "ending": "sliding", "min_step": None,
+        {"protocol": "breakaway", "window": None, "ending": "sliding", "min_step": None,
          "part": "all", "shape": "pull", "n": 120, "step": 1e-320, "scale": 1.0, "offset": 0.0, "seed": 1,
          "damage": []},
     ],

@@ -13,20 +13,19 @@ from pathlib import Path
 import pytest
 
 from ropefric.cli.app import main
-from ropefric.pipeline import run_campaign
+from ropefric.pipeline import gather_evidence, run_campaign
+from ropefric.report import campaign as pages
 from ropefric.report.campaign import write_report
+from ropefric.report.page import Wish
 from ropefric.trials.campaign import load_campaign
 
+# fmt: off
 FLAGS = (
-    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--hide-scrollbars"),
-    *(
-        "--disable-background-networking",
-        "--disable-component-update",
-        "--disable-sync",
-        "--disable-extensions",
-    ),
-    *("--disable-dev-shm-usage", "--remote-debugging-pipe", "--force-color-profile=srgb"),
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--hide-scrollbars",
+    "--disable-sync", "--disable-background-networking", "--disable-component-update", "--disable-extensions",
+    "--disable-dev-shm-usage", "--remote-debugging-pipe", "--force-color-profile=srgb",
 )
+# fmt: on
 MOVE = """
 import fcntl, os, sys
 ends = [fcntl.fcntl(int(end), fcntl.F_DUPFD, 100) for end in sys.argv[1:3]]
@@ -44,22 +43,18 @@ class Browser:
     def __init__(self, program, profile):
         to_it, self._out = os.pipe()
         self._in, from_it = os.pipe()
-
-        self._process = subprocess.Popen(
-            [
-                sys.executable,
-                "-c",
-                MOVE,
-                str(to_it),
-                str(from_it),
-                program,
-                *FLAGS,
-                f"--user-data-dir={profile}",
-            ],
-            pass_fds=(to_it, from_it),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
+        words = [
+            sys.executable,
+            "-c",
+            MOVE,
+            str(to_it),
+            str(from_it),
+            program,
+            *FLAGS,
+            f"--user-data-dir={profile}",
+        ]
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        self._process = subprocess.Popen(words, pass_fds=(to_it, from_it), **quiet)
         os.close(to_it)
         os.close(from_it)
         self._numbers = itertools.count(1)
@@ -97,14 +92,8 @@ class Browser:
 
     def show(self, path, width, height=900):
         """Load a file in a window of this size and wait until it is there."""
-        mobile = width < 600
-        self.call(
-            "Emulation.setDeviceMetricsOverride",
-            width=width,
-            height=height,
-            deviceScaleFactor=1,
-            mobile=mobile,
-        )
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
+        self.call("Emulation.setDeviceMetricsOverride", **size)
         self.events.clear()
         self.call("Page.navigate", url=Path(path).as_uri())
         while not any(event.get("method") == "Page.loadEventFired" for event in self.events):
@@ -170,3 +159,21 @@ def run(campaign, results):
 def page(run, results):
     """The text of the report."""
     return (results / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="session")
+def evidence(run):
+    """What stands behind the answer, gathered once."""
+    return gather_evidence(run)
+
+
+@pytest.fixture
+def without_figures(evidence, tmp_path, monkeypatch):
+    """Return the text of the report of a changed result, with the evidence of the unchanged one."""
+    monkeypatch.setattr(pages.pipeline, "gather_evidence", lambda _: evidence)
+
+    def without_figures(run):
+        write_report(run, tmp_path, Wish(figures=False))
+        return (tmp_path / "report.html").read_text(encoding="utf-8")
+
+    return without_figures

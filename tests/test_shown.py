@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 
 import ropefric as rf
 from ropefric.shown import Shown, in_words
@@ -45,8 +46,6 @@ MADE = {
 
 @pytest.mark.parametrize("name", MADE)
 def test_a_result_shows_itself_in_every_form(name):
-    from matplotlib.figure import Figure
-
     result = MADE[name]()
     lines = repr(result).splitlines()
     assert str(result) == repr(result)
@@ -136,20 +135,10 @@ def test_a_break_away_is_drawn_on_its_recording():
     assert found.to_frame()["peak_N"].tolist() == [found.peak_N]
 
 
-@pytest.mark.parametrize(
-    ("value", "std", "said"),
-    [
-        (70.1234, 0.0512, "70.123 ± 0.051 N"),
-        (70.1234, 0.0996, "70.123 ± 0.100 N"),
-        (12345.6, 250.0, "12350 ± 250 N"),
-        (1e-30, 1e-32, "1e-30 ± 1e-32 N"),
-        (np.inf, 1.0, "inf N"),
-        (np.nan, 1.0, ""),
-        (5.0, np.nan, "5 N"),
-        (5.0, 0.0, "5 N"),
-        (True, None, "yes"),
-        (np.array([[1.0, 2.0]]), None, "1 to 2 N"),
-    ],
-)
-def test_numbers_in_words(value, std, said):
-    assert in_words(value, "N", std) == said
+def test_numbers_in_words():
+    for value, std, said in (
+        (70.1234, 0.0512, "70.123 ± 0.051 N"), (70.1234, 0.0996, "70.123 ± 0.100 N"), (12345.6, 250.0, "12350 ± 250 N"),
+        (1e-30, 1e-32, "1e-30 ± 1e-32 N"), (np.inf, 1.0, "inf N"), (np.nan, 1.0, ""), (5.0, np.nan, "5 N"),
+        (5.0, 0.0, "5 N"), (True, None, "yes"), (np.array([[1.0, 2.0]]), None, "1 to 2 N"),
+    ):  # fmt: skip
+        assert in_words(value, "N", std) == said

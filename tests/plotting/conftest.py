@@ -26,35 +26,31 @@ def _make_trial(
     **facts,
 ):
     """A recording that rises to its peak at 8 s and slides at nine tenths of it."""
-    time_s = np.linspace(0.0, 20.0, 60)
+    time_s, usable = np.linspace(0.0, 20.0, 60), status is Status.OK
     mean_N = np.where(time_s < 8.0, force_N * time_s / 8.0, 0.9 * force_N)
     high_N = mean_N + 2.0
     high_N[10] += spike_N
-    usable = status is Status.OK
-    found = Breakaway(
-        status=status,
-        peak_N=force_N if usable else math.nan,
-        peak_time_s=peak_time_s if usable else math.nan,
-        kinetic_N=0.9 * force_N if usable and not slack else math.nan,
-    )
+    picked = {
+        "peak_N": force_N,
+        "peak_time_s": peak_time_s,
+        "kinetic_N": math.nan if slack else 0.9 * force_N,
+    }
+    found = Breakaway(status=status, **(picked if usable else {}))
     outline = Outline(time_s=time_s, low_N=mean_N - 2.0, high_N=high_N, smoothed_N=mean_N)
     measured = (found.peak_N, 1.2 if usable else math.nan)
     known = (900.0 if slack else 80.0, 0.0)
     (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if slack else (measured, known)
-    condition = {"wheel_radius_m": 0.04, "rope_radius_m": 0.0049, "wrap_angle_rad": 3.0 * math.pi}
+    about = {"wheel_radius_m": 0.04, "rope_radius_m": 0.0049, "wrap_angle_rad": 3.0 * math.pi, **facts}
+    forces = {
+        "peak_N": peak_N,
+        "peak_std_N": peak_std_N,
+        "end_tension_N": end_N,
+        "end_tension_std_N": end_std_N,
+    }
+    fate = {"kept": usable and not excluded, "excluded": excluded, "measures_slack": slack}
+    shown = None if status is Status.UNREADABLE else outline
     return TrialResult(
-        trial=name,
-        file=file or f"{name}.csv",
-        end_tension_N=end_N,
-        end_tension_std_N=end_std_N,
-        peak_N=peak_N,
-        peak_std_N=peak_std_N,
-        breakaway=found,
-        kept=usable and not excluded,
-        excluded=excluded,
-        measures_slack=slack,
-        outline=None if status is Status.UNREADABLE else outline,
-        **(condition | facts),
+        trial=name, file=file or f"{name}.csv", breakaway=found, outline=shown, **forces, **fate, **about
     )
 
 
@@ -130,15 +126,9 @@ def _pulls(mu=0.2, *, curve=0.0, seed=0):
     star += [(0.02, 6.0, 20.0), (0.06, 6.0, 20.0)]
     wheel, wrap, end = np.repeat(np.array(star).T, 4, axis=1)
     force = end * np.exp(mu * wrap * (1.0 - curve * wrap)) * np.exp(0.01 * rng.standard_normal(wheel.size))
-    return TrialTable(
-        trial=tuple(f"p{i}" for i in range(wheel.size)),
-        wheel_radius_m=wheel,
-        rope_radius_m=0.005,
-        wrap_angle_rad=wrap,
-        end_tension_N=end,
-        peak_N=force,
-        peak_std_N=0.002 * force,
-    )
+    names = tuple(f"p{i}" for i in range(wheel.size))
+    at = {"wheel_radius_m": wheel, "rope_radius_m": 0.005, "wrap_angle_rad": wrap, "end_tension_N": end}
+    return TrialTable(trial=names, **at, peak_N=force, peak_std_N=0.002 * force)
 
 
 @pytest.fixture(scope="session")

@@ -11,6 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import ropefric as rf
+from ropefric.plotting.machines import draw_layout
 from ropefric.shown import Shown, in_words
 
 ROOT = Path(__file__).parents[1]
@@ -63,8 +64,7 @@ def test_a_result_shows_itself_in_every_form(name):
 def test_a_campaign_is_drawn_as_its_design():
     campaign = rf.load_campaign(ROOT / "data" / "prth-bench" / "campaign.toml")
     few = tuple(one for one in campaign.trials if one.trial != "c04-r01")
-    axes = campaign.model_copy(update={"trials": few}).plot().axes[0]
-    (drawn,) = axes.collections
+    (drawn,) = campaign.model_copy(update={"trials": few}).plot().axes[0].collections
     settings = {(one.wheel_radius_m, one.wrap_angle_rad, one.end_tension_N): 0 for one in few}
     assert len(drawn.get_offsets()) == len(settings) == 36
     assert sorted(drawn.get_array()) == sorted(force_N for _, _, force_N in settings)
@@ -75,8 +75,6 @@ def test_a_campaign_is_drawn_as_its_design():
 
 @pytest.mark.parametrize("name", ["hoist", "belt-press", "band-saw", "traction", "belt-drive", "band-brake"])
 def test_a_scene_is_drawn_as_its_layout(name):
-    from ropefric.plotting.machines import draw_layout
-
     scene = rf.load_scene(ROOT / "data" / "scenes" / f"{name}.toml")
     drawn = draw_layout(scene)
     belts = scene.kind.layout(scene.problem)

@@ -14,32 +14,19 @@ from ropefric.plotting.style import house_style
 
 SCRIPT = """
 import sys
-from pathlib import Path
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure, save_figure
-from ropefric.plotting.style import house_style
-
-with house_style():
-    figure = new_figure()
-    axes = figure.subplots()
-    axes.plot([0, 1, 2], [3.0, 1.0, 2.0], label=r"$F_A$")
-    axes.set(xlabel="wrap angle [deg]", ylabel=r"$\\mu$", title="a title")
-    axes.legend()
-made = FigureWithData(figure=figure, tables=(DataTable.of_rows(("x",), ((1.0,),)),))
-save_figure(made, Path(sys.argv[1]), "figure")
+from ropefric.fitting.store import load_fit
+from ropefric.plotting.figure import save_figure
+from ropefric.plotting.fits import draw_fit_band
+save_figure(draw_fit_band(load_fit(sys.argv[1])), sys.argv[2], "figure")
 """
+FIT = Path(__file__).parents[2] / "fits" / "prth-constant.json"
 RC = "text.usetex: True\nfont.family: serif\nsavefig.dpi: 30\naxes.facecolor: red\nfigure.autolayout: True\n"
 
 
 def drawn(folder, **environment):
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", SCRIPT, str(folder)],
-        env=os.environ | environment,
-        cwd=folder.parent,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    words = [sys.executable, "-W", "error", "-c", SCRIPT, str(FIT), str(folder)]
+    how = {"env": os.environ | environment, "cwd": folder.parent, "capture_output": True, "timeout": 300}
+    done = subprocess.run(words, text=True, check=False, **how)
     assert (done.returncode, done.stderr) == (0, "")
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 

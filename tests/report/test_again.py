@@ -39,12 +39,9 @@ def test_the_report_is_made_again_without_extracting_again(run, results, tmp_pat
     shutil.copytree(results / ".cache", folder / ".cache")
     wheel = run.answer.prediction.conditions
     winner = choose_law(run.answer.comparison, "constant", wheel)
-    asked = replace(
-        run.answer,
-        winner=winner,
-        prediction=winner.of(predict(winner.fit, wheel)),
-        doubts=tuple(dict.fromkeys((*winner.doubts, *winner.fit.advice, *run.answer.comparison.notes[1:]))),
-    )
+    doubts = dict.fromkeys((*winner.doubts, *winner.fit.advice, *run.answer.comparison.notes[1:]))
+    prediction = winner.of(predict(winner.fit, wheel))
+    asked = replace(run.answer, winner=winner, prediction=prediction, doubts=tuple(doubts))
     with OutputFolder(folder, family="campaign") as target:
         write_report(replace(run, answer=asked), target, Wish(figures=False))
         target.publish("answer")
@@ -56,10 +53,7 @@ def test_the_report_is_made_again_without_extracting_again(run, results, tmp_pat
     assert "constant, as asked for" in said.out
     assert "report.html" in said.out
     made = files(folder)
-    own = ".ropefric/files.json"
-    assert {name: made[name] for name in before if name != own} == {
-        n: t for n, t in before.items() if n != own
-    }
+    assert {name for name in before if made[name] != before[name]} <= {".ropefric/files.json"}
 
 
 def test_without_a_wheel_there_is_no_lift_force_and_that_is_said(run, tmp_path):
@@ -119,10 +113,8 @@ def test_the_same_bytes_from_anywhere(campaign, results, tmp_path, monkeypatch):
     """Another process count, another folder, a relative path and no cache make the same file."""
     monkeypatch.chdir(campaign)
     folder = tmp_path / "deeper" / "still"
-    assert main(["run", "campaign.toml", "--out", str(folder), "--jobs", "2", "--no-cache", "--quiet"]) in {
-        0,
-        4,
-    }
+    words = ["run", "campaign.toml", "--out", str(folder), "--jobs", "2", "--no-cache", "--quiet"]
+    assert main(words) in {0, 4}
     made, before = files(folder), files(results)
     # These two name the campaign's files the way they were given.
     for name in before.keys() - {"manifest.json", "problems.csv"}:

@@ -96,11 +96,7 @@ def as_frame(table: Any, columns: Columns = None) -> "pd.DataFrame":
     renamed = dict(columns) if isinstance(columns, Mapping) else {}
     if not (isinstance(table, Mapping) or hasattr(table, "columns")):
         table = _of_array(table, None if renamed else columns)
-    known_names = getattr(table, "columns", table)
-    strangers = [name for name in renamed if name not in known_names]
-    if strangers:
-        fix = did_you_mean(str(strangers[0]), map(str, known_names))
-        raise UnknownNameError(f"there is no column {strangers[0]!r} to be renamed", key="columns", fix=fix)
+    _refuse_strangers(renamed, getattr(table, "columns", table))
     if isinstance(table, Mapping):
         return _of_columns({renamed.get(name, name): values for name, values in table.items()})
     frame: pd.DataFrame = table.rename(columns=renamed)
@@ -108,6 +104,13 @@ def as_frame(table: Any, columns: Columns = None) -> "pd.DataFrame":
     if any(_has_units(frame[name]) for name in texts):
         return _of_columns({name: frame[name].tolist() for name in frame.columns})
     return frame
+
+
+def _refuse_strangers(renamed: Mapping[str, str], known: Any) -> None:
+    for name in renamed:
+        if name not in known:
+            fix = did_you_mean(str(name), map(str, known))
+            raise UnknownNameError(f"there is no column {name!r} to be renamed", key="columns", fix=fix)
 
 
 def _of_array(array: Any, columns: Columns) -> "pd.DataFrame":

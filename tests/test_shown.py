@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 
 import ropefric as rf
+from ropefric.plotting.machines import draw_layout
 from ropefric.shown import Shown, in_words
 
 ROOT = Path(__file__).parents[1]
@@ -45,8 +47,6 @@ MADE = {
 
 @pytest.mark.parametrize("name", MADE)
 def test_a_result_shows_itself_in_every_form(name):
-    from matplotlib.figure import Figure
-
     result = MADE[name]()
     lines = repr(result).splitlines()
     assert str(result) == repr(result)
@@ -64,8 +64,7 @@ def test_a_result_shows_itself_in_every_form(name):
 def test_a_campaign_is_drawn_as_its_design():
     campaign = rf.load_campaign(ROOT / "data" / "prth-bench" / "campaign.toml")
     few = tuple(one for one in campaign.trials if one.trial != "c04-r01")
-    axes = campaign.model_copy(update={"trials": few}).plot().axes[0]
-    (drawn,) = axes.collections
+    (drawn,) = campaign.model_copy(update={"trials": few}).plot().axes[0].collections
     settings = {(one.wheel_radius_m, one.wrap_angle_rad, one.end_tension_N): 0 for one in few}
     assert len(drawn.get_offsets()) == len(settings) == 36
     assert sorted(drawn.get_array()) == sorted(force_N for _, _, force_N in settings)
@@ -76,8 +75,6 @@ def test_a_campaign_is_drawn_as_its_design():
 
 @pytest.mark.parametrize("name", ["hoist", "belt-press", "band-saw", "traction", "belt-drive", "band-brake"])
 def test_a_scene_is_drawn_as_its_layout(name):
-    from ropefric.plotting.machines import draw_layout
-
     scene = rf.load_scene(ROOT / "data" / "scenes" / f"{name}.toml")
     drawn = draw_layout(scene)
     belts = scene.kind.layout(scene.problem)
@@ -136,20 +133,10 @@ def test_a_break_away_is_drawn_on_its_recording():
     assert found.to_frame()["peak_N"].tolist() == [found.peak_N]
 
 
-@pytest.mark.parametrize(
-    ("value", "std", "said"),
-    [
-        (70.1234, 0.0512, "70.123 ± 0.051 N"),
-        (70.1234, 0.0996, "70.123 ± 0.100 N"),
-        (12345.6, 250.0, "12350 ± 250 N"),
-        (1e-30, 1e-32, "1e-30 ± 1e-32 N"),
-        (np.inf, 1.0, "inf N"),
-        (np.nan, 1.0, ""),
-        (5.0, np.nan, "5 N"),
-        (5.0, 0.0, "5 N"),
-        (True, None, "yes"),
-        (np.array([[1.0, 2.0]]), None, "1 to 2 N"),
-    ],
-)
-def test_numbers_in_words(value, std, said):
-    assert in_words(value, "N", std) == said
+def test_numbers_in_words():
+    for value, std, said in (
+        (70.1234, 0.0512, "70.123 ± 0.051 N"), (70.1234, 0.0996, "70.123 ± 0.100 N"), (12345.6, 250.0, "12350 ± 250 N"),
+        (1e-30, 1e-32, "1e-30 ± 1e-32 N"), (np.inf, 1.0, "inf N"), (np.nan, 1.0, ""), (5.0, np.nan, "5 N"),
+        (5.0, 0.0, "5 N"), (True, None, "yes"), (np.array([[1.0, 2.0]]), None, "1 to 2 N"),
+    ):  # fmt: skip
+        assert in_words(value, "N", std) == said

@@ -255,8 +255,17 @@ def _draw_traces(axes: Axes, trials: Sequence[TrialResult], colors: Sequence[Any
         style.say_instead(axes, "no recording could be read")
         return
     color_of = {trial.trial: color for trial, color in zip(trials, colors, strict=True)}
-    looks = [color_of[trial.trial] if _is_usable(trial) else style.GREY for trial in recordings]
     outlines = [trial.outline for trial in recordings]
+    _draw_outlines(
+        axes, outlines, [color_of[one.trial] if _is_usable(one) else style.GREY for one in recordings]
+    )
+    if usable := [trial for trial in trials if _is_usable(trial)]:
+        _draw_picks(axes, usable, [color_of[one.trial] for one in usable])
+    _frame_means(axes, outlines)
+    style.legend_below(axes)
+
+
+def _draw_outlines(axes: Axes, outlines: Sequence[Outline], looks: Sequence[Any]) -> None:
     around = [(np.r_[o.time_s, o.time_s[::-1]], np.r_[o.low_N, o.high_N[::-1]]) for o in outlines]
     envelopes = [np.column_stack(one) for one in around]
     means = [np.column_stack([o.time_s, o.smoothed_N]) for o in outlines]
@@ -264,12 +273,13 @@ def _draw_traces(axes: Axes, trials: Sequence[TrialResult], colors: Sequence[Any
     axes.add_collection(PolyCollection(envelopes, facecolors=looks, alpha=0.25, linewidths=0, label=label))
     axes.add_collection(LineCollection(means, colors=looks, linewidths=0.8, label="recorded, mean", zorder=2))
     axes.autoscale_view()
-    usable = [trial for trial in trials if _is_usable(trial)]
-    if usable:
-        picks = [(one.breakaway.peak_time_s, one.measured_N, color_of[one.trial]) for one in usable]
-        time_s, force_N, inks = zip(*picks, strict=True)
-        label = style.typeset("plateau F_B" if usable[0].measures_slack else "break-away force F_A")
-        axes.scatter(time_s, force_N, s=36, c=inks, label=label, edgecolors="black", linewidths=0.8, zorder=5)
+
+
+def _draw_picks(axes: Axes, usable: Sequence[TrialResult], inks: Sequence[Any]) -> None:
+    """Draw the forces picked, and the band of each level that a trial's numbers have."""
+    time_s, force_N = [one.breakaway.peak_time_s for one in usable], [one.measured_N for one in usable]
+    label = style.typeset("plateau F_B" if usable[0].measures_slack else "break-away force F_A")
+    axes.scatter(time_s, force_N, s=36, c=inks, label=label, edgecolors="black", linewidths=0.8, zorder=5)
     levels: dict[str, list[float]] = {}
     for trial in usable:
         for column, one_N in numbers.levels_drawn(trial):
@@ -279,7 +289,10 @@ def _draw_traces(axes: Axes, trials: Sequence[TrialResult], colors: Sequence[Any
         limits = f"{low_N:.4g} N" if len(level_N) == 1 else f"{low_N:.4g} to {high_N:.4g} N"
         label = style.typeset(f"{words}, {limits}")
         axes.axhspan(low_N, high_N, color=style.ORANGE, alpha=0.25, linewidth=0.8, zorder=0.5, label=label)
-    # The means are framed: a spike of one sample must not squeeze everything else flat, nor go unsaid.
+
+
+def _frame_means(axes: Axes, outlines: Sequence[Outline]) -> None:
+    """Frame the means: a spike of one sample must not squeeze everything else flat, nor go unsaid."""
     low_N = min(float(outline.smoothed_N.min()) for outline in outlines)
     high_N = max(float(outline.smoothed_N.max()) for outline in outlines)
     margin_N = 0.08 * (high_N - low_N) or 1.0
@@ -290,7 +303,6 @@ def _draw_traces(axes: Axes, trials: Sequence[TrialResult], colors: Sequence[Any
     if beyond:
         text = f"single samples as far as {' and '.join(beyond)} lie outside the frame"
         axes.set_title(text, fontsize=9, color=style.GREY, loc="left")
-    style.legend_below(axes)
 
 
 def _draw_strip(

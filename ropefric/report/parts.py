@@ -480,11 +480,7 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
         ends = [_in_its_unit(name, sweep.ranges[name]) for name in moving]
         rows = [(label, *cells) for label, cells in ends]
         return [Section(title, lines, ("quantity", "lowest", "highest"), rows, notes=sweep.warnings)]
-    points = zip(*product(*((axis.values / axis.factor).tolist() for axis in sweep.axes)), strict=True)
-    columns = [
-        *((axis.label, [f"{x:.5g}" for x in xs]) for axis, xs in zip(sweep.axes, points, strict=True)),
-        *(_in_its_unit(name, sweep.columns[name].tolist()) for name in moving),
-    ]
+    columns = _columns_of_points(sweep, moving)
     widths = [2 + max(map(len, (*label.split(), *cells))) for label, cells in columns]
     n = max(sum(reach <= _ROOM for reach in accumulate(widths)), len(sweep.axes) + 1)
     if n < len(columns):
@@ -492,6 +488,13 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
         lines.append(f"{more} more with what changes: --out FOLDER writes all to sweep.csv")
     labels, cells = zip(*columns[:n], strict=True)
     return [Section(title, lines, labels, [*zip(*cells, strict=True)], left=0, notes=sweep.warnings)]
+
+
+def _columns_of_points(sweep: "Sweep", moving: Sequence[str]) -> list[tuple[str, list[str]]]:
+    """Return what is swept and what moves with it: a label, and a cell for each point."""
+    points = zip(*product(*((axis.values / axis.factor).tolist() for axis in sweep.axes)), strict=True)
+    swept = [(axis.label, [f"{x:.5g}" for x in xs]) for axis, xs in zip(sweep.axes, points, strict=True)]
+    return [*swept, *(_in_its_unit(name, sweep.columns[name].tolist()) for name in moving)]
 
 
 def _sweep_lines(sweep: "Sweep", still: Sequence[str]) -> Iterator[str]:

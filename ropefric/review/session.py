@@ -5,7 +5,7 @@ import io
 import re
 import threading
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from functools import cached_property, partial
@@ -535,53 +535,74 @@ _MARKS = {
 }
 
 
-def with_decision(content: bytes, line: int, values: Mapping[str, str | float], path: str = "") -> bytes:
-    """Return a trial list with these cells of one of its lines set; a number is in SI, "" empties the cell."""
-    mark, codec, text = _decoded(content)
-    lines = [*io.StringIO(text, newline="")]  # with their ends as they are
-    rows = [number for number, one in enumerate(lines, start=1) if is_row(one)]
-    head = rows[0]
-    separator = separator_of(lines[head - 1])
-    header = tuple(_value(raw) for raw in _split(lines[head - 1], separator))
-    table = CellTable(path=path, separator=separator, header=header, header_line=head, rows=())
-    is_decided = {"why", "by"} <= {word_of(name) for name in header}
-    columns, others, _ = table.bind({**QUANTITIES, **(DECIDED if is_decided else {})}, TEXTS)
-    places = {name: column.index for name, column in columns.items()}
-    places |= {word_of(name): header.index(name) for name in others}
-    added = [name for name in COLUMNS if values.get(name, "") != "" and name not in places]
-    other = next((name for name in others if stem_of(name) == "peak"), "")
-    if other and {"why", "by"} & {*added}:
-        why = f"with the columns why and by, the forces in '{other}' would be decisions too"
-        fix = "rename that column, for example to reference_N, or give the list why and by yourself"
-        raise InputError(why, code="RF122", path=path, line=head, fix=fix)
+class _WrittenList:
+    """A trial list as it is written: its lines, where its rows are, and which of their cells is what."""
 
-    def written(name: str) -> str:
-        value = values.get(name, "")
+    def __init__(self, content: bytes, path: str) -> None:
+        self.mark, self.codec, text = _decoded(content)
+        self.path, self.lines = path, [*io.StringIO(text, newline="")]  # with their ends as they are
+        self.rows = [number for number, one in enumerate(self.lines, start=1) if is_row(one)]
+        self.head = self.rows[0]
+        self.separator = separator_of(self.lines[self.head - 1])
+        self.header = tuple(map(_value, self.cells_of(self.head)))
+        is_decided = {"why", "by"} <= {word_of(name) for name in self.header}
+        known = {**QUANTITIES, **(DECIDED if is_decided else {})}
+        self.columns, self.others, _ = self.table().bind(known, TEXTS)
+        self.places = {name: column.index for name, column in self.columns.items()}
+        self.places |= {word_of(name): self.header.index(name) for name in self.others}
+
+    def cells_of(self, number: int) -> list[str]:
+        """Return the cells of a line as they are written."""
+        return _split(self.lines[number - 1], self.separator)
+
+    def table(self, *numbers: int) -> CellTable:
+        """Return some of its lines as a table of cells."""
+        rows = tuple((0, tuple(map(_value, self.cells_of(number)))) for number in numbers)
+        place: dict[str, Any] = {"path": self.path, "header_line": self.head}
+        return CellTable(separator=self.separator, header=self.header, rows=rows, **place)
+
+    def refuse_other_forces(self, added: Collection[str]) -> None:
+        """Refuse to make decisions of forces that stood in the list as something else."""
+        other = next((name for name in self.others if stem_of(name) == "peak"), "")
+        if other and {"why", "by"} & {*added}:
+            why = f"with the columns why and by, the forces in '{other}' would be decisions too"
+            fix = "rename that column, for example to reference_N, or give the list why and by yourself"
+            raise InputError(why, code="RF122", path=self.path, line=self.head, fix=fix)
+
+    def cell(self, name: str, value: str | float) -> str:
+        """Return a value as a cell of this list: its quotes, the unit of its column, its decimal mark."""
         if isinstance(value, str):
             words = to_spreadsheet(" ".join(value.split()))
-            quoted = separator in words or '"' in words
+            quoted = self.separator in words or '"' in words
             return '"{}"'.format(words.replace('"', '""')) if quoted else words
-        scale = unit_factor(columns[name].unit, "s") if name in columns else 1.0
-        numbers = (_split(lines[row - 1], separator) for row in rows[1:]) if separator != "," else ()
-        cells = tuple((0, tuple(map(_value, raws))) for raws in numbers)
-        mark = CellTable(path=path, separator=separator, header=header, header_line=head, rows=cells)
-        return f"{value / scale:.12g}".replace(".", mark.decimal_mark(columns))
+        scale = unit_factor(self.columns[name].unit, "s") if name in self.columns else 1.0
+        mark = self.table(*(self.rows[1:] if self.separator != "," else ())).decimal_mark(self.columns)
+        return f"{value / scale:.12g}".replace(".", mark)
 
-    for number in rows if added else (line,):
-        bare = lines[number - 1].rstrip("\r\n")
-        cells = _split(bare, separator)
-        if number == line:
-            for name in values.keys() & places.keys():
-                new = written(name)
-                if _value(cells[places[name]]) != _value(new):
-                    cells[places[name]] = new
-        cells += added if number == head else [written(name) if number == line else "" for name in added]
-        lines[number - 1] = separator.join(cells) + lines[number - 1][len(bare) :]
+    def change(self, number: int, changed: Mapping[int, str], more: Iterable[str] = ()) -> None:
+        """Set cells of a line that say something else, and add more behind them; its end stays."""
+        line, cells = self.lines[number - 1], self.cells_of(number)
+        for place, text in changed.items():
+            if _value(cells[place]) != _value(text):
+                cells[place] = text
+        self.lines[number - 1] = self.separator.join([*cells, *more]) + line[len(line.rstrip("\r\n")) :]
+
+
+def with_decision(content: bytes, line: int, values: Mapping[str, str | float], path: str = "") -> bytes:
+    """Return a trial list with these cells of one of its lines set; a number is in SI, "" empties the cell."""
+    written = _WrittenList(content, path)
+    added = [name for name in COLUMNS if values.get(name, "") != "" and name not in written.places]
+    written.refuse_other_forces(added)
+    new = {name: written.cell(name, values.get(name, "")) for name in {*values, *added}}
+    changed = {written.places[name]: new[name] for name in values.keys() & written.places.keys()}
+    for number in written.rows if added else (line,):
+        more = added if number == written.head else [new[name] if number == line else "" for name in added]
+        written.change(number, changed if number == line else {}, more)
     try:
-        return mark + "".join(lines).encode(codec)
+        return written.mark + "".join(written.lines).encode(written.codec)
     except UnicodeEncodeError as error:
         odd = error.object[error.start : error.end]
-        why = f"the list is a text in {codec}, which has no '{odd}'"
+        why = f"the list is a text in {written.codec}, which has no '{odd}'"
         fix = "say it in other letters, or save the list as UTF-8"
         raise InputError(why, code="RF108", path=path, line=line, fix=fix) from None
 

@@ -111,8 +111,6 @@ RELOADED = 0.5
 """What the machine loads again comes to this part of the force at least, at as much as this part of the rate."""
 BRIEFLY = 0.2
 """What stood at its top for less than the machine loads by this part of the fall may have slipped there."""
-KNOCKED = 0.2
-"""What an impact leaves behind swings by less than this part of it."""
 STOOD = 0.1
 """A rounded top withholds less than this part of the climb from the rope."""
 LEVELLED = 0.5
@@ -144,8 +142,7 @@ def pick_prepared(trace: ForceTrace, prepared: Prepared, settings: PickSettings)
     """Return the break-away of a recording that is prepared already, see `pick_breakaway`."""
     force_N = prepared.blocks.force_N
     rise_N = float(force_N.max() - force_N[0])
-    knocked_N = KNOCKED * max((knock.drop_N for knock in prepared.knocks), default=0.0)
-    if rise_N <= max(2 * smallest_drop_N(prepared, settings), knocked_N):
+    if rise_N <= 2 * smallest_drop_N(prepared, settings):
         detail = (
             f"the force rises by {rise_N:.3g} N only, with {prepared.noise_N:.3g} N of noise on a sample: "
             "the recording shows no loading"
@@ -250,8 +247,8 @@ def _at_scale(trace: ForceTrace, prepared: Prepared, settings: PickSettings, sca
         bumps.append(event_of(prepared, fall, "bump", "the force comes back, and a later pull goes higher"))
     if found is None:  # pragma: no cover - the highest pull is always among those looked at
         return levels_off(prepared, force_N)
-    if bumps or prepared.knocks:
-        events = (*prepared.knocks, *bumps, *found.events)
+    if bumps:
+        events = (*bumps, *found.events)
         found = replace(found, events=tuple(sorted(events, key=lambda event: event.time_s)))
     return found
 

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import grey_opening
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray, median
 
@@ -59,12 +58,6 @@ def _second_differences(values: FloatArray) -> FloatArray:
     starts = np.linspace(0, values.size - length, n_stretches).astype(np.intp)
     index = starts[:, None] + np.arange(length)
     return np.asarray(np.diff(values[index], 2, axis=1).ravel())
-
-
-KNOCK_S, FEWEST, CLEARLY, BACK = 0.04, 6, 4.0, 0.2
-"""How long an impact takes at most, in samples at least, and how many times higher it is than what else the force does
-in that time; behind it the force swings by less than the last part of it, and lies and bends off the line by a quarter
-of that."""
 
 
 def resolution(values: FloatArray) -> float:
@@ -139,48 +132,6 @@ def remove_spikes(values: FloatArray, noise: float, is_gap: BoolArray | None = N
     cleaned = values.copy()
     cleaned[index] = np.interp(index, np.flatnonzero(good), values[good])
     return Cleaned(cleaned, index)
-
-
-def remove_knocks(
-    time_s: FloatArray, force_N: FloatArray, noise_N: float
-) -> tuple[FloatArray, list[tuple[int, float]]]:
-    """Return a force without the impacts of up to 40 ms that it took, and where and how high each was.
-
-    An impact stands on the line of the force: that goes on behind it where it led to before. The top of a slip does not
-    stand above its line by more than the machine loads in that time, and nothing goes on behind it.
-    """
-    wide = round(KNOCK_S * (force_N.size - 1) / float(time_s[-1] - time_s[0])) if force_N.size > 1 else 0
-    if wide < FEWEST or force_N.size < 4 * wide:
-        return force_N, []
-    # The largest of the smallest of each stretch of that length: what is narrower is cut off.
-    ground_N = grey_opening(force_N, size=(wide,))
-    above_N = force_N - ground_N
-    out, tops = force_N, []
-    x = np.arange(wide) - 0.5 * (wide - 1)
-    square = float(x @ x)
-    for start, stop in runs_of(above_N > SPIKE_SIGMAS * noise_N).tolist():
-        begin, end = start - 2, stop + 2
-        before, after = slice(begin - wide, begin), slice(end, end + wide)
-        if before.start < 0 or after.stop > force_N.size or stop - start < 2:
-            continue
-        height_N = float(above_N[start:stop].max())
-        slope = float(x @ force_N[before]) / square
-        turns_N = (float(x @ force_N[after]) / square - slope) * wide
-        if 4.0 * abs(turns_N) >= BACK * height_N:
-            continue
-        level_N = float(force_N[before].mean())
-        off_N = float(force_N[after].mean()) - level_N - slope * (end - begin + wide)
-        if (
-            4.0 * abs(off_N) >= BACK * height_N
-            or float((force_N[after] - slope * x).std()) >= BACK * height_N
-        ):
-            continue
-        usual_N = float(np.ptp(ground_N[before] - slope * x)) + 2.0 * median(above_N[before])
-        if height_N > CLEARLY * usual_N:
-            out = out.copy() if out is force_N else out
-            out[begin:end] = level_N + slope * (np.arange(end - begin) + 0.5 * wide)
-            tops.append((start + int(np.argmax(above_N[start:stop])), height_N))
-    return out, tops
 
 
 def _candidates(values: FloatArray, steps: FloatArray, smallest: float) -> list[int]:

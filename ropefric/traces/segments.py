@@ -11,16 +11,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray, median
-from ropefric.traces.breakaway import ForceEvent, Phase, PickSettings
+from ropefric.traces.breakaway import Phase, PickSettings
 from ropefric.traces.calibration import Saturation
 from ropefric.traces.clock import GAP_STEPS
 from ropefric.traces.events import Fall
 from ropefric.traces.noise import (
-    KNOCK_S,
     MAX_SPIKE_SAMPLES,
     find_stuck,
     noise_std,
-    remove_knocks,
     remove_spikes,
     resolution,
     without_hum,
@@ -75,7 +73,6 @@ class Prepared:
     blocks: Blocks
     notes: tuple[str, ...]
     stuck: IntArray
-    knocks: tuple[ForceEvent, ...] = ()
 
 
 class Sliding(NamedTuple):
@@ -112,7 +109,6 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
     step_N = resolution(cleaned.values) if cleaned.bad.size else step_N
     hum = without_hum(time_s, cleaned.values)
     noise_N = noise_std(hum.force_N, step_N) if hum.amplitude_N else noise_N
-    force_N, knocks = remove_knocks(time_s, hum.force_N, noise_N)
     notes = [
         *trace.notes,
         *(
@@ -129,28 +125,13 @@ def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
         notes.append(f"{cleaned.bad.size} samples left out as spikes or dropouts (at {places}{more})")
     if hum.amplitude_N:
         notes.append(f"hum of {hum.amplitude_N:.2g} N at {hum.frequency_Hz:.4g} Hz was taken out")
-    if knocks:
-        places = ", ".join(f"{time_s[i]:.4g} s" for i, _ in knocks[:3])
-        more = ", …" if len(knocks) > 3 else ""
-        notes.append(f"{len(knocks)} impact{'s' * (len(knocks) > 1)} left out (at {places}{more})")
     return Prepared(
         time_s=time_s,
-        force_N=force_N,
+        force_N=hum.force_N,
         noise_N=noise_N,
-        blocks=_block_means(time_s, force_N, step_N),
+        blocks=_block_means(time_s, hum.force_N, step_N),
         notes=tuple(notes),
         stuck=stuck,
-        knocks=tuple(
-            ForceEvent(
-                kind="bump",
-                time_s=float(time_s[i]),
-                force_N=float(hum.force_N[i]),
-                drop_N=height_N,
-                fall_s=KNOCK_S,
-                evidence="an impact: the force goes on along its line",
-            )
-            for i, height_N in knocks
-        ),
     )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from fuzz_kit import answered, fuzzed
 from hypothesis import strategies as st
 
-from ropefric.traces.breakaway import ENDINGS, PEAKS, PickSettings, Status
+from ropefric.traces.breakaway import ENDINGS, PickSettings, Status
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.protocols import PROTOCOLS
 from ropefric.traces.smoothing import average_over_samples, average_over_time, smooth
@@ -105,7 +105,7 @@ def check_clock(**recording):
         assert stamps.size == time.size or notes
 
 
-def check_picking(*, protocol, window, peak, ending, min_step, part, **recording):
+def check_picking(*, protocol, window, ending, min_step, part, **recording):
     """Whatever is picked has a force exactly where it is ok, and no standard deviation below zero."""
     time, force = nasty(**recording)
     trace = answered(lambda: ForceTrace(time_s=time, force_N=force))
@@ -113,7 +113,7 @@ def check_picking(*, protocol, window, peak, ending, min_step, part, **recording
         return
     middle = float(time[time.size // 2])
     settings = PickSettings(
-        window_s=window, peak=peak, ending=ending, min_step_N=min_step,
+        window_s=window, ending=ending, min_step_N=min_step,
         start_s=middle if part == "late" else None, stop_s=middle if part == "early" else None,
     )  # fmt: skip
     results = answered(lambda: PROTOCOLS[protocol].pick(trace, settings))
@@ -124,9 +124,7 @@ def check_picking(*, protocol, window, peak, ending, min_step, part, **recording
     for result in results:
         assert result.advice
         stds = ("kinetic_std_N", "noise_std_N", "peak_std_N", "window_s")
-        assert not any(
-            math.isinf(getattr(result, name)) for name in (*stds, "kinetic_N", "bias_N")
-        )
+        assert not any(math.isinf(getattr(result, name)) for name in (*stds, "kinetic_N", "bias_N"))
         assert not any(getattr(result, name) < 0.0 for name in stds)
         if result.status is not Status.OK:
             assert math.isnan(result.peak_N)
@@ -148,7 +146,6 @@ test_averages, test_averages_long = fuzzed(
 test_clock, test_clock_long = fuzzed(check_clock, short=60, share=0.43, **RECORDINGS)
 USUAL = {
     "window": None,
-    "peak": "smoothed",
     "ending": "sliding",
     "min_step": None,
     "part": "all",
@@ -167,7 +164,7 @@ test_picking, test_picking_long = fuzzed(
         USUAL | {"protocol": "breakaway", "shape": "pull", "n": 120, "step": 1e-320, "offset": 0.0, "seed": 1,
                  "damage": []},
     ],
-    protocol=st.sampled_from(sorted(PROTOCOLS)), window=st.sampled_from(WINDOWS), peak=st.sampled_from(PEAKS),
+    protocol=st.sampled_from(sorted(PROTOCOLS)), window=st.sampled_from(WINDOWS),
     ending=st.sampled_from(ENDINGS), min_step=st.sampled_from([None, None, 0.0, 1.0, 1e300]),
     part=st.sampled_from(["all", "all", "late", "early"]), **RECORDINGS,
 )  # fmt: skip

@@ -7,7 +7,7 @@ import pytest
 
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.result import FitResult
-from ropefric.plotting.figure import save_figure, svg_text
+from ropefric.plotting.figure import figure_files, svg_text
 from ropefric.traces.breakaway import Breakaway, Status
 from ropefric.trials.result import Extraction, Outline, TrialResult, summarise_conditions
 from ropefric.trials.table import TrialTable
@@ -26,44 +26,40 @@ def _make_trial(
     **facts,
 ):
     """A recording that rises to its peak at 8 s and slides at nine tenths of it."""
-    time_s = np.linspace(0.0, 20.0, 60)
+    time_s, usable = np.linspace(0.0, 20.0, 60), status is Status.OK
     mean_N = np.where(time_s < 8.0, force_N * time_s / 8.0, 0.9 * force_N)
     high_N = mean_N + 2.0
     high_N[10] += spike_N
-    usable = status is Status.OK
-    found = Breakaway(
-        status=status,
-        peak_N=force_N if usable else math.nan,
-        peak_time_s=peak_time_s if usable else math.nan,
-        kinetic_N=0.9 * force_N if usable and not slack else math.nan,
-    )
+    picked = {
+        "peak_N": force_N,
+        "peak_time_s": peak_time_s,
+        "kinetic_N": math.nan if slack else 0.9 * force_N,
+    }
+    found = Breakaway(status=status, **(picked if usable else {}))
     outline = Outline(time_s=time_s, low_N=mean_N - 2.0, high_N=high_N, smoothed_N=mean_N)
     measured = (found.peak_N, 1.2 if usable else math.nan)
     known = (900.0 if slack else 80.0, 0.0)
     (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if slack else (measured, known)
-    condition = {"wheel_radius_m": 0.04, "rope_radius_m": 0.0049, "wrap_angle_rad": 3.0 * math.pi}
+    about = {"wheel_radius_m": 0.04, "rope_radius_m": 0.0049, "wrap_angle_rad": 3.0 * math.pi, **facts}
+    forces = {
+        "peak_N": peak_N,
+        "peak_std_N": peak_std_N,
+        "end_tension_N": end_N,
+        "end_tension_std_N": end_std_N,
+    }
+    fate = {"kept": usable and not excluded, "excluded": excluded, "measures_slack": slack}
+    shown = None if status is Status.UNREADABLE else outline
     return TrialResult(
-        trial=name,
-        file=file or f"{name}.csv",
-        end_tension_N=end_N,
-        end_tension_std_N=end_std_N,
-        peak_N=peak_N,
-        peak_std_N=peak_std_N,
-        breakaway=found,
-        kept=usable and not excluded,
-        excluded=excluded,
-        measures_slack=slack,
-        outline=None if status is Status.UNREADABLE else outline,
-        **(condition | facts),
+        trial=name, file=file or f"{name}.csv", breakaway=found, outline=shown, **forces, **fate, **about
     )
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def make_trial():
     return _make_trial
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def extraction_of():
     """Put trials through the real rejection."""
 
@@ -89,7 +85,7 @@ def _texts_of(figure):
     return [(text.get_text(), text.get_window_extent(renderer)) for text in found if text.get_text()]
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def assert_readable():
     """No text lies outside the page or over another."""
 
@@ -107,19 +103,15 @@ def assert_readable():
     return assert_readable
 
 
-@pytest.fixture
-def assert_repeats(tmp_path):
+@pytest.fixture(scope="session")
+def assert_repeats():
     """A function that draws gives the same SVG and the same tables each time, and says something."""
 
     def assert_repeats(draw):
         first, second = draw(), draw()
         assert svg_text(first, stem="f") == svg_text(second, stem="f")
         assert first.alt == second.alt
-        written = [
-            save_figure(made, tmp_path / place, "f")
-            for place, made in zip("ab", (first, second), strict=True)
-        ]
-        assert [path.read_bytes() for path in written[0]] == [path.read_bytes() for path in written[1]]
+        assert figure_files(first, "f", formats=()) == figure_files(second, "f", formats=())
         assert first.alt.endswith(".")
         assert "nan" not in first.alt
         return first
@@ -134,15 +126,9 @@ def _pulls(mu=0.2, *, curve=0.0, seed=0):
     star += [(0.02, 6.0, 20.0), (0.06, 6.0, 20.0)]
     wheel, wrap, end = np.repeat(np.array(star).T, 4, axis=1)
     force = end * np.exp(mu * wrap * (1.0 - curve * wrap)) * np.exp(0.01 * rng.standard_normal(wheel.size))
-    return TrialTable(
-        trial=tuple(f"p{i}" for i in range(wheel.size)),
-        wheel_radius_m=wheel,
-        rope_radius_m=0.005,
-        wrap_angle_rad=wrap,
-        end_tension_N=end,
-        peak_N=force,
-        peak_std_N=0.002 * force,
-    )
+    names = tuple(f"p{i}" for i in range(wheel.size))
+    at = {"wheel_radius_m": wheel, "rope_radius_m": 0.005, "wrap_angle_rad": wrap, "end_tension_N": end}
+    return TrialTable(trial=names, **at, peak_N=force, peak_std_N=0.002 * force)
 
 
 @pytest.fixture(scope="session")
@@ -156,19 +142,19 @@ def fitted(pulls):
     return {law: fit_law(pulls, law) for law in ("constant", "wrap-power")}
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def stored():
     """A fit as it comes back from its file: without the trials themselves."""
     return lambda fit: FitResult.from_dict(fit.to_dict())
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def trials():
     """Seven good ones, one far off, one excluded, one that never slipped, one unreadable."""
-    return [
+    return (
         *(_make_trial(f"t{i}", 320.0 + i) for i in range(7)),
         _make_trial("wild", 360.0),
         _make_trial("knot", 300.0, excluded="knot in the rope"),
         _make_trial("held", 250.0, Status.NO_BREAKAWAY),
         _make_trial("torn", 0.0, Status.UNREADABLE),
-    ]
+    )

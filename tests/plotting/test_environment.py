@@ -9,56 +9,39 @@ from pathlib import Path
 
 import pytest
 
-from ropefric.plotting.figure import DataTable, FigureWithData, forget_fonts, new_figure, save_figure
+from ropefric.plotting.figure import DataTable, FigureWithData, figure_files, forget_fonts, new_figure
 from ropefric.plotting.style import house_style
 
 SCRIPT = """
 import sys
-from pathlib import Path
-from ropefric.plotting.figure import DataTable, FigureWithData, new_figure, save_figure
-from ropefric.plotting.style import house_style
-
-with house_style():
-    figure = new_figure()
-    axes = figure.subplots()
-    axes.plot([0, 1, 2], [3.0, 1.0, 2.0], label=r"$F_A$")
-    axes.set(xlabel="wrap angle [deg]", ylabel=r"$\\mu$", title="a title")
-    axes.legend()
-made = FigureWithData(figure=figure, tables=(DataTable.of_rows(("x",), ((1.0,),)),))
-save_figure(made, Path(sys.argv[1]), "figure")
+from ropefric.fitting.store import load_fit
+from ropefric.plotting.figure import save_figure
+from ropefric.plotting.fits import draw_fit_band
+save_figure(draw_fit_band(load_fit(sys.argv[1])), sys.argv[2], "figure")
 """
+FIT = Path(__file__).parents[2] / "fits" / "prth-constant.json"
 RC = "text.usetex: True\nfont.family: serif\nsavefig.dpi: 30\naxes.facecolor: red\nfigure.autolayout: True\n"
 
 
 def drawn(folder, **environment):
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", SCRIPT, str(folder)],
-        env=os.environ | environment,
-        cwd=folder.parent,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    words = [sys.executable, "-W", "error", "-c", SCRIPT, str(FIT), str(folder)]
+    how = {"env": os.environ | environment, "cwd": folder.parent, "capture_output": True, "timeout": 300}
+    done = subprocess.run(words, text=True, check=False, **how)
     assert (done.returncode, done.stderr) == (0, "")
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 
-@pytest.fixture(scope="module")
-def plain(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("plain")
-    return drawn(folder / "out")
-
-
 @pytest.mark.slow
-def test_neither_backend_nor_style_of_the_user_shows(plain, tmp_path):
+def test_neither_backend_nor_style_of_the_user_shows(tmp_path):
     """A backend that there is not, and a style in a file that is named or lies where one works."""
+    (tmp_path / "plain").mkdir()
+    plain = drawn(tmp_path / "plain" / "out")
     (tmp_path / "matplotlibrc").write_text(RC, encoding="utf-8")
     assert drawn(tmp_path / "out", MPLBACKEND="nonsense") == plain
 
 
-def test_threads_draw_what_one_draws(tmp_path):
-    def draw(number):
+def test_threads_draw_what_one_draws():
+    def draw(_):
         with house_style():
             figure = new_figure()
             axes = figure.subplots()
@@ -66,12 +49,11 @@ def test_threads_draw_what_one_draws(tmp_path):
             axes.set(xlabel="wrap angle [deg]", ylabel="force [N]")
             axes.legend()
         made = FigureWithData(figure=figure, tables=(DataTable.of_rows(("x",), ((1.0,),)),))
-        paths = save_figure(made, tmp_path / str(number), "figure")
-        return [path.read_bytes() for path in paths]
+        return figure_files(made, "figure")
 
     alone = draw(0)
     with ThreadPoolExecutor(4) as threads:
-        assert all(one == alone for one in threads.map(draw, range(1, 9)))
+        assert all(one == alone for one in threads.map(draw, range(6)))
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="open files are listed on Linux only")

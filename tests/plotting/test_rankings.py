@@ -40,27 +40,24 @@ def test_the_ladder_shows_the_comparison(pulls, assert_repeats, assert_readable)
     assert "28 trials, 7 conditions" in axes.get_title(loc="left")
 
 
+def made_up(*ranking, **facts):
+    return draw_ladder(Comparison(ranking=ranking, tests=(), notes=(), **facts))
+
+
 def test_a_law_that_is_not_counted_is_a_cross_with_its_reason():
-    ranking = (entry("constant", 0.0), entry("groove", NAN, counted=False, note="has the same forces"))
-    made = draw_ladder(Comparison(ranking=ranking, tests=(), n=6, n_trials=12, scatter_within=0.01, notes=()))
+    not_counted = entry("groove", NAN, counted=False, note="has the same forces")
+    made = made_up(entry("constant", 0.0), not_counted, n=6, n_trials=12, scatter_within=0.01)
     (axes,) = made.figure.axes
     assert [line.get_marker() for line in axes.lines if line.get_marker() != "None"] == ["D", "x"]
     assert any("has the same forces" in text.get_text() for text in axes.texts)
     assert "nan" not in made.alt
-
-
-def test_a_comparison_in_which_no_law_can_be_counted_is_drawn():
-    ranking = (entry("constant", math.inf, counted=False, note="too few"),)
-    made = draw_ladder(Comparison(ranking=ranking, tests=(), n=2, n_trials=2, scatter_within=NAN, notes=()))
-    assert made.alt == "1 law compared; none can be counted."
+    none = entry("constant", math.inf, counted=False, note="too few")
+    assert made_up(none, n=2, n_trials=2, scatter_within=NAN).alt == "1 law compared; none can be counted."
 
 
 def test_a_law_that_stands_alone_has_no_weight_in_the_ladder():
-    ranking = (
-        entry("constant", 0.0, weight=NAN),
-        entry("wrap-power", math.inf, counted=False, note="too few"),
-    )
-    made = draw_ladder(Comparison(ranking=ranking, tests=(), n=4, n_trials=8, scatter_within=NAN, notes=()))
+    other = entry("wrap-power", math.inf, counted=False, note="too few")
+    made = made_up(entry("constant", 0.0, weight=NAN), other, n=4, n_trials=8, scatter_within=NAN)
     assert "constant is best of too few to choose from" in made.alt
     texts = [text.get_text() for text in made.figure.axes[0].texts]
     assert "–" in texts
@@ -90,33 +87,27 @@ def test_the_budget_is_ranked_with_shares_of_the_variance(assert_repeats, assert
     assert f"{math.sqrt(total):.4g} N" in made.alt
 
 
-@pytest.mark.parametrize("shares", [(9, 4, 3, 0.5), (5, 5, 4.9, 4.8, 4.7), (2,)])
-def test_the_line_of_the_sum_crosses_no_number_of_the_budget(shares):
-    made = budget([(f"source {i}", value) for i, value in enumerate(shares)])
-    made.figure.canvas.draw()
-    bars, above = made.figure.axes
-    line = above.lines[0].get_path().transformed(above.lines[0].get_transform())
-    assert len(bars.texts) == len(shares)
-    for text in bars.texts:
-        assert not line.intersects_bbox(text.get_window_extent(), filled=False), text.get_text()
+def test_the_line_of_the_sum_crosses_no_number_of_the_budget():
+    for shares in ((9, 4, 3, 0.5), (5, 5, 4.9, 4.8, 4.7), (2,)):
+        made = budget([(f"source {i}", value) for i, value in enumerate(shares)])
+        made.figure.canvas.draw()
+        bars, above = made.figure.axes
+        line = above.lines[0].get_path().transformed(above.lines[0].get_transform())
+        assert len(bars.texts) == len(shares)
+        for text in bars.texts:
+            assert not line.intersects_bbox(text.get_window_extent(), filled=False), text.get_text()
 
 
-def test_a_correlated_budget_keeps_its_own_sum():
+def test_a_correlated_budget_keeps_its_own_sum_and_one_without_contributions_says_so():
     made = draw_budget(BUDGET, unit="", title="x", combined=0.9)
     assert "0.9" in made.alt
     assert sum(row[2] for row in made.tables[0].rows[:3]) == pytest.approx(1.0)
     assert made.figure.axes[0].get_xlabel().endswith("[-]")
-
-
-@pytest.mark.parametrize("rows", [[], [("gain", 0.0)], [("gain", NAN)]])
-def test_a_budget_without_contributions_says_so(rows):
-    made = budget(rows)
-    assert "no contribution is known" in made.alt
-    assert len(made.tables[0].rows) == len(rows)
-
-
-def test_one_contribution_is_all_of_it():
     assert budget([("gain", -2.0)]).tables[0].rows == (("gain", 2.0, 1.0, 1.0),)
+    for rows in ([], [("gain", 0.0)], [("gain", NAN)]):
+        made = budget(rows)
+        assert "no contribution is known" in made.alt
+        assert len(made.tables[0].rows) == len(rows)
 
 
 def test_the_tornado_has_the_widest_swing_on_top(assert_repeats, assert_readable):

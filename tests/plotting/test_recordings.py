@@ -10,7 +10,7 @@ from ropefric.fitting.compare import compare_laws
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.plotting.campaign import MOST, _in_cell, draw_recording, draw_recordings, pages_of_recordings
 from ropefric.plotting.design import draw_ladder
-from ropefric.plotting.figure import figure_files, svg_text
+from ropefric.plotting.figure import figure_files
 from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets
 from ropefric.plotting.style import law_look
 from ropefric.trials.result import Outline
@@ -44,29 +44,29 @@ def test_the_pick_stands_on_the_curve(trial):
     assert np.abs(curve - np.array(pick)).sum(axis=1).min() < 1e-9
 
 
-def test_a_campaign_of_thousands_stays_a_page(trial):
+def test_a_campaign_of_thousands_stays_a_few_pages_and_a_small_one_is_whole(trial):
     one = trial("t")
     many = [replace(one, trial=f"t{i:04d}") for i in range(3000)]
     many[2900] = replace(many[2900], excluded="by hand")
     pages = list(pages_of_recordings(many))
-    assert sum(map(len, pages)) == MOST
-    assert any(one.trial == "t2900" for page in pages for one in page)
     names = [one.trial for page in pages for one in page]
+    assert len(names) == MOST
+    assert "t2900" in names
     assert names == sorted(names)
-    one_page = len(svg_text(draw_recordings(pages[0])))
-    assert one_page * len(pages) < 1_500_000
+    assert [one for page in pages_of_recordings(many[:150]) for one in page] == many[:150]
+    texts = [text.get_text() for text in draw_recordings(pages[0]).figure.axes[0].texts]
+    assert {one.trial for one in pages[0]} <= {*texts}
 
 
-def test_all_of_a_small_campaign_are_there_in_order(trial):
-    few = [trial(f"t{i}") for i in range(150)]
-    assert [one for page in pages_of_recordings(few) for one in page] == few
-
-
-def test_one_recording_names_its_pick(trial):
-    found = trial("a", 88.25)
-    drawn = draw_recording(found)
-    assert "88.25 N" in drawn.alt
-    assert any("88.25 N" in text.get_text() for text in drawn.figure.legends[0].get_texts())
+def test_one_recording_names_its_pick_and_is_the_same_in_every_format(trial):
+    first, second = (draw_recording(trial("a", 88.25)) for _ in "ab")
+    assert "88.25 N" in first.alt
+    assert any("88.25 N" in text.get_text() for text in first.figure.legends[0].get_texts())
+    files, again = (figure_files(drawn, "f", formats=("svg", "pdf")) for drawn in (first, second))
+    assert files == again
+    assert files["f.svg"].startswith(b"<?xml")
+    assert files["f.pdf"].startswith(b"%PDF")
+    assert b"Date" not in files["f.svg"] + files["f.pdf"]
 
 
 @pytest.fixture(scope="module")
@@ -117,19 +117,8 @@ def numbers(axis):
     return {tick.label1.get_text() for tick in ticks if low <= tick.get_loc() <= high} - {""}
 
 
-@pytest.mark.parametrize(("over", "narrow"), [("wheel_radius_m", False), ("wrap_angle_rad", True)])
-def test_every_axis_has_numbers_however_short_it_is(comparison, over, narrow):
-    panels = draw_fit_band(comparison.ranking[0].fit, over=over, narrow=narrow).figure.axes
-    for axes in panels:
-        assert len(numbers(axes.yaxis)) >= 2
-    assert len(numbers(panels[-1].xaxis)) >= 2
-
-
-def test_pictures_in_every_format_are_the_same_each_time(trial):
-    first, second = (
-        figure_files(draw_recording(trial("a", 88.25)), "f", formats=("svg", "pdf")) for _ in "ab"
-    )
-    assert first == second
-    assert first["f.svg"].startswith(b"<?xml")
-    assert first["f.pdf"].startswith(b"%PDF")
-    assert b"Date" not in first["f.svg"] + first["f.pdf"]
+def test_every_axis_has_numbers_however_short_it_is(comparison):
+    for over, narrow in (("wheel_radius_m", False), ("wrap_angle_rad", True)):
+        panels = draw_fit_band(comparison.ranking[0].fit, over=over, narrow=narrow).figure.axes
+        for axis in (*(axes.yaxis for axes in panels), panels[-1].xaxis):
+            assert len(numbers(axis)) >= 2

@@ -19,7 +19,6 @@ from ropefric.pipeline import (
     Evidence,
     chart_of_design,
     evidence_files,
-    gather_evidence,
     recorded_run,
     rejection_words,
     state_design,
@@ -42,11 +41,6 @@ def capstan():
         ),
         "constant",
     )  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def evidence(run):
-    return gather_evidence(run)
 
 
 def test_the_capstan_equation_swings_as_its_formula_says(capstan):
@@ -101,24 +95,19 @@ def test_the_plan_stays_within_what_the_rig_has_done_and_helps(run, evidence):
     assert plan.repeats == 6
 
 
-def test_there_is_a_file_for_what_there_is():
+def test_there_is_a_file_for_what_there_is(evidence):
     assert evidence_files(Evidence()) == {}
-
-
-def test_the_next_tests_are_a_table(evidence):
     texts = evidence_files(evidence)
     assert list(texts) == ["uncertainty.json", "next_tests.csv"]
     assert len(list(csv.DictReader(texts["next_tests.csv"].splitlines()))) == len(evidence.plan)
 
 
-@pytest.mark.parametrize(
-    "text",
-    ["{", "[]", '{"schema": "ropefric.run/2"}', json.dumps({"schema": "ropefric.run/1", "campaign": 3})],
-)
-def test_a_manifest_that_is_none_is_said(tmp_path, text):
-    (tmp_path / "manifest.json").write_text(text, encoding="utf-8")
-    with pytest.raises(DataError, match="this is no ropefric"):
-        recorded_run(tmp_path)
+def test_a_manifest_that_is_none_is_said(tmp_path):
+    damaged = json.dumps({"schema": "ropefric.run/1", "campaign": 3})
+    for text in ("{", "[]", '{"schema": "ropefric.run/2"}', damaged):
+        (tmp_path / "manifest.json").write_text(text, encoding="utf-8")
+        with pytest.raises(DataError, match="this is no ropefric"):
+            recorded_run(tmp_path)
 
 
 def test_what_the_outlier_rule_costs_and_the_result_without_it(run, evidence, page):

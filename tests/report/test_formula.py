@@ -48,8 +48,12 @@ def row(nodes, names):
     return total + sign * product
 
 
-@pytest.mark.parametrize("law", ALL_LAWS.values(), ids=lambda law: law.name)
-def test_each_law_is_well_formed_and_has_its_parameters(law):
+def test_each_law_is_well_formed_and_has_its_parameters():
+    for law in ALL_LAWS.values():
+        assert_well_formed(law)
+
+
+def assert_well_formed(law):
     statements = formulas(law)
     assert statements
     for text in statements:
@@ -64,30 +68,22 @@ def test_each_law_is_well_formed_and_has_its_parameters(law):
         assert symbol(shown) in whole, name
 
 
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
+def test_it_says_what_is_written():
+    names = {"a": 2.0, "b": 3.0, "c": 4.0, "aw": 1.7, "exp": math.exp}
+    for text, expected in (
         ("a + b/c", 2.0 + 3.0 / 4.0),
         ("-a - (b - c)", -2.0 - (3.0 - 4.0)),
         ("a b^c", 2.0 * 3.0**4.0),
         ("(a + b)/(2 a c)", 5.0 / 16.0),
         ("(a/(a + b))^c + b", (2.0 / 5.0) ** 4.0 + 3.0),
-        ("sqrt(1 + 4 a b^2 (1 - c))/(a b)", None),
-        ("a_w^(1-b) exp(a b/c)", None),
+        ("sqrt(1 + 4 a b^2 (5 - c))/(a b)", math.sqrt(73.0) / 6.0),
+        ("a_w^(1-b) exp(a b/c)", 1.7**-2.0 * math.exp(1.5)),
         ("(-1 + a) (b + c)", 7.0),
         ("a (b + c)", 14.0),
         ("a (b/c)^(1-b) + c", 2.0 * 0.75**-2.0 + 4.0),
-    ],
-)
-def test_it_says_what_is_written(text, expected):
-    names = {"a": 2.0, "b": 3.0, "c": 4.0 if "sqrt" not in text else 0.5, "aw": 1.7, "exp": math.exp}
-    if expected is None:
-        plain = text.replace("^", "**").replace("a_w", "aw")
-        for letter in "abc":
-            plain = re.sub(rf"(?<=[\w)]) (?={letter}\b|\(|exp)", "*", plain)
-        expected = eval(plain, {"sqrt": math.sqrt} | names)  # noqa: S307  (our own text)
-    root = ET.fromstring(_Statement(text).typeset())  # noqa: S314
-    assert value(root, names) == pytest.approx(expected, rel=1e-12)
+    ):
+        root = ET.fromstring(_Statement(text).typeset())  # noqa: S314
+        assert value(root, names) == pytest.approx(expected, rel=1e-12), text
 
 
 def test_a_law_of_ones_own_in_another_notation_stays_text():
@@ -98,7 +94,7 @@ def test_a_law_of_ones_own_in_another_notation_stays_text():
     assert "".join(ET.fromstring(second).itertext()) == "μ*φ < 3 & more"  # noqa: S314
 
 
-@pytest.mark.parametrize("text", ["a = (b", "a + ", "a = b )", "integral of mu to phi", "a * b"])
-def test_what_is_no_equation_is_refused(text):
-    with pytest.raises(ValueError, match=re.escape(text.strip()[:3])):
-        _Statement(text).typeset()
+def test_what_is_no_equation_is_refused():
+    for text in ("a = (b", "a + ", "a = b )", "integral of mu to phi", "a * b"):
+        with pytest.raises(ValueError, match=re.escape(text.strip()[:3])):
+            _Statement(text).typeset()

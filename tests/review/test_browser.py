@@ -18,13 +18,7 @@ from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
-ARGUMENTS = (
-    "--headless=new",
-    "--no-sandbox",
-    "--disable-dev-shm-usage",
-    "--disable-gpu",
-    "--window-size=1280,900",
-)
+ARGUMENTS = "--headless=new --no-sandbox --disable-dev-shm-usage --disable-gpu --window-size=1280,900"
 
 
 @pytest.fixture(scope="session")
@@ -36,7 +30,7 @@ def chromium():
         pytest.skip("no Chromium that can be driven: apt-get install chromium chromium-driver")
     options = webdriver.ChromeOptions()
     options.binary_location = program
-    for argument in ARGUMENTS:
+    for argument in ARGUMENTS.split():
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     found = webdriver.Chrome(options=options, service=Service(driver))
@@ -75,6 +69,10 @@ def text(driver, name):
     return driver.find_element(By.ID, name).text
 
 
+def rows_of(driver):
+    return driver.find_elements(By.CSS_SELECTOR, ".row")
+
+
 def press(driver, *keys):
     driver.switch_to.active_element.send_keys(*keys)
 
@@ -88,21 +86,24 @@ def test_a_person_decides_and_the_list_and_the_next_extraction_follow(page, camp
     path = campaign / "trials.csv"
     before = written(path)
     driver = page(fits=True)
-    wait(driver, lambda: not text(driver, "computing").startswith("computing"))
-    # Doubtful ones come first, and the first is shown.
-    first, second = (
-        row.get_attribute("data-trial") for row in driver.find_elements(By.CSS_SELECTOR, ".row")[:2]
-    )
+
+    def until(name, words):
+        wait(driver, lambda: words in text(driver, name))
+
+    def computed():
+        wait(driver, lambda: not text(driver, "computing").startswith("computing"))
+
+    computed()
+    # Doubtful ones come first, and the first is shown; its candidate is chosen, seen, accepted.
+    first, second = (row.get_attribute("data-trial") for row in rows_of(driver)[:2])
     assert (first, second) == ("c28-r03", "c35-r02")
     assert (text(driver, "trial"), text(driver, "status")) == ("c28-r03", "doubtful: to decide")
-
-    # Its candidate is chosen, seen, accepted.
     press(driver, "1")
-    wait(driver, lambda: "it would be F_A = 79.1" in text(driver, "said"))
+    until("said", "it would be F_A = 79.1")
     press(driver, "a")
-    wait(driver, lambda: text(driver, "status") == "counts")
+    until("status", "counts")
     assert "1 to decide" in text(driver, "counts")
-    wait(driver, lambda: not text(driver, "computing").startswith("computing"))
+    computed()
     change = {cells[0].text: [cell.text for cell in cells[1:]] for cells in (
         row.find_elements(By.TAG_NAME, "td") for row in driver.find_elements(By.CSS_SELECTOR, "#change tbody tr")
     )}  # fmt: skip
@@ -122,59 +123,47 @@ def test_a_person_decides_and_the_list_and_the_next_extraction_follow(page, camp
     plot = driver.find_element(By.ID, "plot")
     x = driver.execute_script("return scales().x(S.info.candidates[0].time_s)") - plot.size["width"] / 2
     webdriver.ActionChains(driver).move_to_element_with_offset(plot, int(x) + 1, 0).click().perform()
-    wait(driver, lambda: "it would be" in text(driver, "said"))
+    until("said", "it would be")
     clicked = driver.execute_script("return S.draft")
     press(driver, Keys.ARROW_LEFT, Keys.ARROW_LEFT)
     moved, candidate = driver.execute_script("return [S.draft, S.info.candidates[0].time_s]")
     assert moved < clicked
+    assert moved == pytest.approx(candidate, abs=0.05)
     press(driver, "a")
-    wait(driver, lambda: text(driver, "status") == "counts")
+    until("status", "counts")
 
-    # Another one is excluded with its reason; a comment on a third is undone.
+    # Another one is excluded with its reason; a comment on it is undone.
     Select(driver.find_element(By.ID, "by-condition")).select_by_index(1)
-    field = driver.find_element(By.ID, "by-text")
-    field.send_keys("r02")
+    driver.find_element(By.ID, "by-text").send_keys("r02")
     assert text(driver, "n-shown") == "1 of 18 shown"
-    driver.find_element(By.CSS_SELECTOR, ".row").click()
-    wait(
-        driver,
-        lambda: (
-            text(driver, "trial") == "c11-r02" and driver.execute_script("return S.info.trial") == "c11-r02"
-        ),
-    )
+    rows_of(driver)[0].click()
+    until("trial", "c11-r02")
+    wait(driver, lambda: driver.execute_script("return S.info.trial") == "c11-r02")
     driver.find_element(By.ID, "list").send_keys("x")
     press(driver, "torn, by hand", Keys.ENTER)
-    wait(driver, lambda: text(driver, "status") == "excluded")
+    until("status", "excluded")
     driver.find_element(By.ID, "do-comment").click()
     press(driver, "loud", Keys.ENTER)
-    wait(driver, lambda: "loud" in text(driver, "detail"))
+    until("detail", "loud")
     assert written(path)["c11-r02"]["why"] == "loud"
     driver.find_element(By.ID, "list").send_keys("u")
     wait(driver, lambda: "undone" in text(driver, "said") and "loud" not in text(driver, "detail"))
 
     after = written(path)
     decided = ("pick_s", "exclude", "why", "by", "when")
-    assert [after["c28-r03"][name] for name in decided[:4]] == [
-        "2.19833",
-        "",
-        "review: candidate 1 of 1 accepted",
-        "A. Meier",
-    ]
+    accepted = ["2.19833", "", "review: candidate 1 of 1 accepted", "A. Meier"]
+    assert [after["c28-r03"][name] for name in decided[:4]] == accepted
     assert float(after["c35-r02"]["pick_s"]) == pytest.approx(moved, abs=1e-4)
-    assert moved == pytest.approx(candidate, abs=0.05)
     assert after["c35-r02"]["why"] == "review: set by hand"
     assert [after["c11-r02"][name] for name in decided[1:4]] == ["torn, by hand", "", "A. Meier"]
-    touched = {"c28-r03", "c35-r02", "c11-r02"}
     for name, row in after.items():
-        assert {key: row[key] for key in row if key not in decided} == {
-            key: before[name][key] for key in before[name] if key not in decided
-        }
-        assert bool(row["by"]) == (name in touched)
+        others = {key: cell for key, cell in row.items() if key not in decided}
+        assert others == {key: before[name][key] for key in others}
+        assert bool(row["by"]) == (name in {"c28-r03", "c35-r02", "c11-r02"})
 
     out = campaign / "fresh"
-    assert (
-        main(["extract", str(campaign / "campaign.toml"), "--out", str(out), "--no-figures", "--quiet"]) == 0
-    )
+    words = ["extract", str(campaign / "campaign.toml"), "--out", str(out), "--no-figures", "--quiet"]
+    assert main(words) == 0
     found = written(out / "trials.csv")
     shown = driver.execute_script("return [...S.rows].map(([name, row]) => [name, row.outcome, row.force_N])")
     for name, outcome, force_N in shown:
@@ -197,7 +186,9 @@ def test_five_thousand_trials_are_a_screenful(page):
     """)
 
     def names():
-        return [row.get_attribute("data-trial") for row in driver.find_elements(By.CSS_SELECTOR, ".row")]
+        return driver.execute_script(
+            "return [...document.querySelectorAll('.row')].map((row) => row.dataset.trial)"
+        )
 
     assert text(driver, "n-shown") == "5000 of 5000 shown"
     assert names()[:3] == ["t0", "t50", "t100"]

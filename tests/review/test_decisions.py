@@ -3,6 +3,7 @@
 import codecs
 import csv
 import io
+from itertools import product
 
 import pytest
 from hypothesis import given, settings
@@ -34,16 +35,13 @@ def test_columns_that_are_missing_come_last_and_comments_stay():
     )
 
 
-@pytest.mark.parametrize(
-    ("mark", "codec"),
-    [(codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be")],
-)
-@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
-def test_byte_order_mark_encoding_and_line_ends_stay(mark, codec, end):
-    lines = ["file\tnote\texclude", "a.csv\tµ\t", "b.csv\t\u2028x\t"]
-    before = mark + (end.join(lines) + end).encode(codec)
-    lines[2] = "b.csv\t\u2028x\tschräg"
-    assert with_decision(before, 3, {"exclude": "schräg"}) == mark + (end.join(lines) + end).encode(codec)
+def test_byte_order_mark_encoding_and_line_ends_stay():
+    codecs_of = {codecs.BOM_UTF8: "utf-8", codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
+    for (mark, codec), end in product(codecs_of.items(), ("\n", "\r\n", "\r")):
+        lines = ["file\tnote\texclude", "a.csv\tµ\t", "b.csv\t\u2028x\t"]
+        before = mark + (end.join(lines) + end).encode(codec)
+        lines[2] += "schräg"
+        assert with_decision(before, 3, {"exclude": "schräg"}) == mark + (end.join(lines) + end).encode(codec)
 
 
 def test_a_time_is_written_in_the_unit_of_its_column():
@@ -63,15 +61,15 @@ def test_what_is_in_the_cell_already_is_not_written_anew():
     assert with_decision(before, 2, {"exclude": "torn, by hand"}) == before
 
 
-@pytest.mark.parametrize("text", ["torn, twice", 'a "slip"', "two\nlines", "=1+1", "-5", "'quoted'"])
-def test_any_text_comes_back_as_it_was(tmp_path, text):
+def test_any_text_comes_back_as_it_was(tmp_path):
     path = tmp_path / "list.csv"
-    path.write_bytes(with_decision(b"file,exclude\na.csv,\n", 2, {"exclude": text}))
-    table, problems = read_cells(path)
-    told = table.rows[0][1][1]
-    assert not problems
-    assert told.removeprefix("'") == text.replace("\n", " ").removeprefix("'")
-    assert not told.startswith(("=", "-"))  # no spreadsheet runs it
+    for text in ("torn, twice", 'a "slip"', "two\nlines", "=1+1", "-5", "'quoted'"):
+        path.write_bytes(with_decision(b"file,exclude\na.csv,\n", 2, {"exclude": text}))
+        table, problems = read_cells(path)
+        told = table.rows[0][1][1]
+        assert not problems
+        assert told.removeprefix("'") == text.replace("\n", " ").removeprefix("'")
+        assert not told.startswith(("=", "-"))  # no spreadsheet runs it
 
 
 def test_a_letter_that_the_encoding_lacks_is_refused():

@@ -54,43 +54,27 @@ def test_the_page_asks_for_nothing_from_elsewhere(ask, served):
     assert nonce not in ask("/")[1]
 
 
-@pytest.mark.parametrize("given", [None, "", "x", "\xfc"])
-def test_whoever_lacks_the_token_gets_nothing(ask, served, given):
-    for path in ("/", "/api/overview", "/api/answer"):
-        status, tree, _ = ask(path, token=given)
-        assert (status, list(tree)) == (403, ["error"])
-    assert ask("/api/undo", {}, token=given)[0] == 403
+def test_whoever_lacks_the_token_or_names_this_address_otherwise_gets_nothing(ask, served):
+    for given in (None, "", "x", "\xfc"):
+        for path in ("/", "/api/overview", "/api/answer"):
+            status, tree, _ = ask(path, token=given)
+            assert (status, list(tree)) == (403, ["error"])
+        assert ask("/api/undo", {}, token=given)[0] == 403
+    for host in ("evil.example", f"evil.example:{served.server_port}", "127.0.0.1", "localhost:1"):
+        assert ask("/api/overview", host=host)[0] == 403
     assert ask(f"/api/overview?token={served.token}", token=None)[0] == 200
-
-
-@pytest.mark.parametrize("host", ["evil.example", "evil.example:{port}", "127.0.0.1", "localhost:1"])
-def test_another_name_for_this_address_is_refused(ask, served, host):
-    assert ask("/api/overview", host=host.format(port=served.server_port))[0] == 403
     assert ask("/api/overview", host=f"localhost:{served.server_port}")[0] == 200
 
 
-@pytest.mark.parametrize(
-    ("headers", "status"),
-    [
-        ({"Origin": "http://evil.example"}, 403),
-        ({"Origin": "null"}, 403),
-        ({"Origin": None}, 403),
-        ({"Origin": "http://127.0.0.1:1"}, 403),
-        ({"Content-Type": "text/plain"}, 415),
-        ({"Content-Type": None}, 415),
-        ({"Content-Type": "application/x-www-form-urlencoded"}, 415),
-    ],
-)
-def test_another_page_cannot_write(ask, served, headers, status):
-    path = served.review.trial_list
+def test_another_page_cannot_write(ask, served):
+    path, body = served.review.trial_list, {"trial": "c35-r01", "action": "exclude", "text": "torn"}
     before = path.read_bytes()
-    body = {"trial": "c35-r01", "action": "exclude", "text": "torn"}
-    assert (
-        ask("/api/decide", body, **{name.replace("-", "_"): value for name, value in headers.items()})[0]
-        == status
-    )
-    assert path.read_bytes() == before
+    for origin in ("http://evil.example", "null", None, "http://127.0.0.1:1"):
+        assert ask("/api/decide", body, Origin=origin)[0] == 403
+    for kind in ("text/plain", None, "application/x-www-form-urlencoded"):
+        assert ask("/api/decide", body, Content_Type=kind)[0] == 415
     assert ask("/api/decide", method="GET")[0] == 404
+    assert path.read_bytes() == before
     done, tree, _ = ask("/api/decide", body)
     assert (done, tree["rows"]["c35-r01"]["excluded"]) == (200, "torn")
     assert ask("/api/undo", {})[0] == 200

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from ropefric.traces.noise import noise_std, remove_knocks, remove_spikes, resolution
+from ropefric.traces.noise import noise_std, remove_spikes, resolution
 
 
 def ramp_and_teeth(rng, noise):
@@ -82,14 +82,3 @@ def test_spikes_are_found_in_a_steep_climb_without_noise():
     values = clean.copy()
     values[bad] += 40.0
     assert remove_spikes(values, 0.002).bad.tolist() == bad
-
-
-def test_a_knock_on_a_steep_climb_is_found():
-    """Three times as high as the climb rises meanwhile."""
-    time_s = np.arange(0.0, 1.0, 0.001)
-    climb = np.interp(time_s, (0.0, 0.3, 0.6, 1.0), (0.0, 0.0, 240.0, 240.0))
-    knock = 100.0 * np.sin(np.pi * np.clip((time_s - 0.45) / 0.02, 0.0, 1.0))
-    noise = np.random.default_rng(3).normal(0.0, 0.1, time_s.size)
-    left, (found,) = remove_knocks(time_s, climb + knock + noise, 0.1)
-    assert found == (pytest.approx(460, abs=3), pytest.approx(100.0, rel=0.1))
-    assert np.abs(left - climb).max() < 3.0

@@ -308,19 +308,22 @@ def report(
         return _report_table(out, inputs, target, law, wish)
     if about is not None:
         raise BadParameter("a campaign has a [report] of its own", param_hint="--about")
+    campaign, folder, law = _to_report(source, folder, law)
+    return work_through(out, campaigns.load_campaign(campaign), folder, wish, law=law, jobs=jobs, force=force)
+
+
+def _to_report(source: Path, folder: Path | None, law: str) -> tuple[Path, Path, str]:
+    """Return the campaign that is named, or whose results are; their folder; the law, by default that of before."""
     if source.is_dir() and not (source / "campaign.toml").is_file():
         if folder is not None:
             raise BadParameter("a folder of results is written to itself", param_hint="--out")
-        folder, (campaign, law_before) = source, pipeline.recorded_run(source)
-        law = law or law_before
-    else:
-        campaign = options.campaign_file(source)
-        folder = folder or Path("out")
-        if not law and (folder / pipeline.MANIFEST).is_file():
-            before, law_before = pipeline.recorded_run(folder)
-            law = law_before if before.resolve() == campaign.resolve() else ""
-    loaded = campaigns.load_campaign(campaign)
-    return work_through(out, loaded, folder, wish, law=law, jobs=jobs, force=force)
+        campaign, law_before = pipeline.recorded_run(source)
+        return campaign, source, law or law_before
+    campaign, folder = options.campaign_file(source), folder or Path("out")
+    if law or not (folder / pipeline.MANIFEST).is_file():
+        return campaign, folder, law
+    before, law = pipeline.recorded_run(folder)
+    return campaign, folder, law if before.resolve() == campaign.resolve() else ""
 
 
 def _report_table(

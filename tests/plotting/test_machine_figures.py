@@ -1,0 +1,281 @@
+"""Figures of scenes: a start-up of a press, the Campbell chart of a saw, a design's chart, a sweep."""
+
+import csv
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ropefric.cli.app import main
+from ropefric.errors import InputError
+from ropefric.fitting.design import design, design_chart
+from ropefric.fitting.predict import predict
+from ropefric.fitting.store import load_fit
+from ropefric.friction.condition import Conditions
+from ropefric.plotting.design import draw_design_chart
+from ropefric.plotting.figure import new_figure, save_figure
+from ropefric.plotting.machines import draw_press_start_up, draw_saw_chart, draw_sweep, name_lines
+from ropefric.scenes.sweep import Axis, Sweep
+from ropefric.systems.bandsaw.resonance import fixed_frequency, saw_chart, tooth_passing, wheel_rotation
+from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
+from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
+from ropefric.systems.press.transient.drives import DRIVE_LAWS
+from ropefric.systems.press.transient.start_up import start_up
+
+
+def rows_of(path):
+    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+
+
+def texts(axes):
+    return [text.get_text() for text in axes.texts]
+
+
+def legend(axes):
+    return [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+# The start-up of a press.
+
+
+@pytest.fixture(scope="module")
+def press():
+    take_up = Tensioner(spring_N_m=1e4, travel_m=0.01, force_N=900.0, mass_kg=30.0, damping_N_s_m=200.0)
+    rollers = (
+        Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver"),
+        Roller(name="load", radius_m=0.1, wrap_angle_rad=2.0, squeeze_torque_N_m=20.0, inertia_kg_m2=0.3),
+        Roller(
+            name="take-up", radius_m=0.08, wrap_angle_rad=3.0, role="tensioner", tensioner=take_up, inertia_kg_m2=0.2
+        ),
+    )  # fmt: skip
+    belt = Belt(
+        name="belt", loop=("drive", "load", "take-up"), linear_density_kg_m=8.0, thickness_m=0.005, width_m=1.0,
+        axial_stiffness_N=2e5, damping_s=2e-3, span_lengths_m=(0.8, 1.0, 1.3),
+    )  # fmt: skip
+    return Press(rollers=rollers, belts=(belt,), speed_m_s=1.0)
+
+
+def started(press, friction):
+    speed = DRIVE_LAWS["ramp"](speed_m_s=1.0, duration_s=0.5)
+    return start_up(press, speed=speed, time_s=np.linspace(0.0, 1.5, 76), friction=friction)
+
+
+def test_panels_show_tensions_speeds_slips_and_the_balance(press, assert_repeats, tmp_path):
+    found = started(press, 0.12)
+    assert found.slips
+    drawn = assert_repeats(lambda: draw_press_start_up(found))
+    tension, speed, slip, energy = drawn.figure.axes
+    for i, line in enumerate(tension.lines):
+        np.testing.assert_array_equal(line.get_ydata(), found.tension_N[:, i])
+    np.testing.assert_allclose(speed.lines[1].get_ydata(), 0.1 * found.roller_speed_rad_s[:, 1])
+    np.testing.assert_array_equal(speed.lines[-1].get_ydata(), found.drive_speed_m_s)
+    bars = [(bar.get_x(), bar.get_x() + bar.get_width()) for bar in slip.patches]
+    assert bars == [(one.start_s, pytest.approx(one.end_s)) for one in found.slips]
+    assert {text.get_text() for text in slip.get_yticklabels()} == {
+        f"roller {one.roller}" for one in found.slips
+    }
+    assert (energy.lines[0].get_ydata() < 1e-8).all()
+    assert "the belt slips on roller" in drawn.alt
+    for axes, unit in zip(drawn.figure.axes, ("[N]", "[m/s]", "Slip", "[-]"), strict=True):
+        assert unit in axes.get_ylabel()
+    paths = save_figure(drawn, tmp_path, "start")
+    assert {path.name for path in paths} == {"start.png", "start.csv", "start_slips.csv"}
+    rows = rows_of(tmp_path / "start.csv")
+    assert len(rows) == 76
+    assert float(rows[-1]["tension_2_N"]) == pytest.approx(found.tension_N[-1, 1], rel=1e-7)
+    rim_m_s = 0.1 * found.roller_speed_rad_s[-1, 1]
+    assert float(rows[-1]["rim_speed_load_m_s"]) == pytest.approx(rim_m_s, abs=1e-7)
+
+
+def test_a_start_without_slip_says_so(press):
+    drawn = draw_press_start_up(started(press, 2.0))
+    assert texts(drawn.figure.axes[2]) == ["no belt slips"]
+    assert drawn.alt.endswith("no belt slips.")
+    assert drawn.tables[1].rows == ()
+
+
+def test_names_never_touch_and_keep_their_order():
+    axes = new_figure().subplots()
+    values = [0.5, 0.505, 0.51, 0.8, 0.2, 0.515]
+    name_lines(axes, [(str(i), value) for i, value in enumerate(values)])
+    places = {text.get_text(): text.xyann[1] for text in axes.texts}
+    assert (np.diff([places[str(i)] for i in np.argsort(values)]) > 0.042 - 1e-9).all()
+    assert places["3"] == pytest.approx(0.8)
+
+
+# The Campbell chart of a saw.
+
+SAW = Saw(
+    free_span_m=1.6, linear_density_kg_m=0.5967, preload_N=3412.0, wheel_radius_m=0.35,
+    wheel_speed_rad_s=970 * math.pi / 30, tension_difference_N=210.95,
+)  # fmt: skip
+SPEEDS = np.linspace(0.0, 60.0, 25)
+
+
+def saw_chart_of(saw=SAW):
+    shakes = (wheel_rotation(0.35), tooth_passing(0.04), fixed_frequency("fan", 500.0))
+    return saw_chart(saw, shakes, SPEEDS, n_modes=2)
+
+
+def test_lines_are_the_modes_and_circles_the_crossings(assert_repeats, tmp_path):
+    made = saw_chart_of()
+    drawn = assert_repeats(lambda: draw_saw_chart(made))
+    (axes,) = drawn.figure.axes
+    lines = [line for line in axes.lines if line.get_label() in {"tight side", "slack side"}]
+    modes = [(side, mode) for side in (Side.TIGHT, Side.SLACK) for mode in (0, 1)]
+    for line, (side, mode) in zip(lines, modes, strict=True):
+        wanted_Hz = frequencies_Hz(SAW, side, 2, speed_m_s=SPEEDS)[:, mode]
+        np.testing.assert_allclose(line.get_ydata(), wanted_Hz, rtol=1e-12)
+    circles = {
+        (float(line.get_xdata()[0]), float(line.get_ydata()[0]))
+        for line in axes.lines
+        if line.get_marker() == "o"
+    }
+    assert circles == {(crossing.speed_m_s, crossing.frequency_Hz) for crossing in made.crossings}
+    work = [line for line in axes.lines if line.get_label() == "speed at work"]
+    assert work[0].get_xdata()[0] == pytest.approx(35.552, abs=1e-3)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("Blade speed v [m/s]", "Frequency f [Hz]")
+    excitations = ["wheel rotation", "tooth passing", "fan (above the chart)"]
+    assert legend(axes) == ["tight side", "slack side", *excitations, "speed at work"]
+    # The nearest crossing has its margin written, and no two written numbers overlap.
+    nearest = min(made.crossings, key=lambda crossing: abs(crossing.speed_margin))
+    assert f"{100 * nearest.speed_margin:+.0f} %".replace("-", "\N{MINUS SIGN}") in texts(axes)
+    assert {"mode 1", "mode 2", "1×", "2×", "3×"} <= set(texts(axes))
+    assert 4 <= sum("%" in text for text in texts(axes)) <= len(made.crossings)
+    drawn.figure.canvas.draw()
+    boxes = [text.get_window_extent() for text in axes.texts if "%" in text.get_text()]
+    assert not any(box.overlaps(other) for i, box in enumerate(boxes) for other in boxes[:i])
+    paths = save_figure(drawn, tmp_path, "saw")
+    assert [path.name for path in paths] == ["saw.png", "saw.csv", "saw_crossings.csv"]
+    assert len(rows_of(paths[1])) == 4 * SPEEDS.size
+    rows = rows_of(paths[2])
+    assert len(rows) == len(made.crossings)
+    assert float(rows[0]["speed_m_s"]) == pytest.approx(made.crossings[0].speed_m_s, rel=1e-7)
+
+
+def test_a_saw_at_rest_has_no_speed_at_work():
+    (axes,) = draw_saw_chart(saw_chart_of(replace(SAW, wheel_speed_rad_s=0.0))).figure.axes
+    assert not [line for line in axes.lines if line.get_label() == "speed at work"]
+    assert not [text for text in texts(axes) if "%" in text]
+
+
+# The chart of a design.
+
+FIT = Path(__file__).parents[2] / "fits" / "prth-coupled.json"
+
+
+def chart():
+    radii_m, wraps_rad = np.array([0.02, 0.05]), np.linspace(1.0, 25.0, 13)
+    return design_chart(load_fit(FIT), radii_m, wraps_rad, 60.0, rope_radius_m=0.0049)
+
+
+def test_lines_are_the_predictions_and_pale_outside_the_tested_range(assert_repeats):
+    made = chart()
+    drawn = assert_repeats(lambda: draw_design_chart(made, required_N=900.0))
+    (axes,) = drawn.figure.axes
+    assert (axes.get_yscale(), axes.get_xlabel()) == ("log", "Wrap angle φ [deg]")
+    assert all(words in axes.get_ylabel() for words in ("Lift force", "[N]"))
+    whole, tested = axes.lines[0], axes.lines[1]
+    at = Conditions(
+        wheel_radius_m=0.02, rope_radius_m=0.0049, wrap_angle_rad=made.wrap_angle_rad, end_tension_N=60.0
+    )
+    np.testing.assert_allclose(
+        whole.get_ydata(), predict(load_fit(FIT), at, check=False).lift_force_N, rtol=1e-12
+    )
+    shown = np.isfinite(tested.get_ydata())
+    np.testing.assert_array_equal(shown, ~made.extrapolated[0])
+    assert 0 < shown.sum() < shown.size
+    assert axes.lines[-1].get_ydata()[0] == 900.0
+    assert len(legend(axes)) == 3
+    assert "required: 900 N" in legend(axes)
+    assert (whole.get_linestyle(), axes.lines[2].get_linestyle()) == ("-", "--")
+    assert axes.lines[1].get_marker() != axes.lines[5].get_marker()
+    assert axes.child_axes[0].get_xlabel() == "Wrap [turns]"
+    assert len(drawn.tables[0].rows) == 26
+
+
+def test_design_draws_it_if_asked(tmp_path, capsys):
+    words = ["--lift", "900 N", "--solve-for", "wrap", "--wheel-radius", "35 mm", "--end-tension", "60 N"]
+    assert main(["design", "--fit", str(FIT), *words, "--chart", str(tmp_path / "chart"), "--json"]) == 0
+    assert '"files": [' in capsys.readouterr().out
+    names = {"design_chart.png", "design_chart.csv", "design_chart_smallest_wrap.csv"}
+    assert {path.name for path in (tmp_path / "chart").glob("[!.]*")} == names
+
+
+def test_the_line_of_the_load_and_the_smallest_wraps_that_reach_it():
+    made, fit = chart(), load_fit(FIT)
+    figure = draw_design_chart(made, required_N=600.0)
+    assert float(figure.figure.axes[0].lines[-1].get_ydata()[0]) == 600.0
+    rows, asked = figure.tables[1].rows, {"lift_N": 600.0, "rope_radius_m": 0.0049, "end_tension_N": 60.0}
+    for (wheel_m, required_N, safety, wrap_rad), bound_N in zip(rows, made.lower_bound_N, strict=True):
+        assert (required_N, safety) == (600.0, 1.0)
+        if not (bound_N >= 600.0).any():
+            assert np.isnan(wrap_rad)
+            continue
+        found = design(fit, wheel_radius_m=wheel_m, probability=0.95, **asked)
+        # The chart is straight in ln F between its thirteen columns, 2 rad apart.
+        assert wrap_rad == pytest.approx(float(found.value[0]), abs=0.02)
+    assert np.isfinite(rows[1][3])
+    assert f"50 mm needs {np.degrees(rows[1][3]):.4g} deg" in figure.alt
+    assert "For 600 N, lifted" in figure.alt
+    made.lift_force_N[0, 3] = np.nan  # a law without an answer leaves a gap
+    for required_N in (None, 10.0):
+        assert np.isnan(draw_design_chart(made, required_N=required_N).tables[0].rows[3][3])
+
+
+# A sweep.
+
+
+def swept(*sizes):
+    """A sweep whose lift force is the number of the point; its third point has no answer."""
+    keys = [
+        ("wheel.wrap", "deg", np.pi / 180.0),
+        ("load.end_tension", "N", 1.0),
+        ("wheel.radius", "mm", 1e-3),
+    ]
+    axes = tuple(
+        Axis(key=key, values=factor * np.linspace(1.0, size, size), unit=unit, factor=factor)
+        for (key, unit, factor), size in zip(keys, sizes, strict=False)
+    )
+    force = np.arange(float(np.prod(sizes)))
+    force[2] = np.nan
+    columns = {"lift_force_N": force, "mu_average": 0.1 + 0.0 * force}
+    failed = {"failed": 1, "first_failure": "lifts off"}
+    return Sweep(axes=axes, columns=columns, simulated=("size",), error_bound=0.0, **failed)
+
+
+def test_one_axis_is_a_line_with_units():
+    figure = draw_sweep(swept(5))
+    (axes,) = figure.figure.axes
+    assert axes.get_xlabel() == "wheel.wrap [deg]"
+    assert "[N]" in axes.get_ylabel()
+    (line,) = axes.get_lines()
+    assert line.get_xdata() == pytest.approx([1, 2, 3, 4, 5])
+    assert line.get_ydata() == pytest.approx([0, 1, np.nan, 3, 4], nan_ok=True)
+    assert figure.tables[0].header == ("wheel.wrap", "lift_force_N")
+    assert figure.tables[0].rows[4] == pytest.approx((5.0, 4.0))
+
+
+def test_a_second_axis_is_lines_told_apart_without_colour_or_a_map():
+    figure = draw_sweep(swept(3, 4))
+    lines = figure.figure.axes[0].get_lines()
+    assert len({line.get_linestyle() for line in lines}) == 3
+    assert lines[1].get_ydata() == pytest.approx([4, 5, 6, 7])
+    assert "wheel.wrap = 2 deg" in [line.get_label() for line in lines]
+    assert figure.tables[0].rows[7] == pytest.approx((2.0, 4.0, 7.0))
+    # A fine grid is thinned evenly.
+    figure = draw_sweep(swept(600, 700))
+    rows = figure.tables[0].rows
+    assert (len(rows), len({row[0] for row in rows})) == (200 * 234, 200)
+    assert rows[1] == pytest.approx((1.0, 4.0, 3.0))
+    assert "[deg]" in figure.figure.axes[0].get_ylabel()
+
+
+def test_another_number_is_drawn_on_demand_and_an_unknown_one_is_not():
+    assert draw_sweep(swept(5), quantity="mu_average").tables[0].header[-1] == "mu_average"
+    with pytest.raises(InputError, match="lift_force_N"):
+        draw_sweep(swept(5), quantity="lift")
+    with pytest.raises(InputError, match="one or two axes"):
+        draw_sweep(swept(2, 2, 2))

@@ -15,8 +15,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
 from pathlib import Path
 
-import nbformat
-from nbclient import NotebookClient
 from pydantic import BaseModel, PlainValidator
 
 import ropefric as rf
@@ -215,6 +213,10 @@ def _results(names: Iterable[str]) -> list[type]:
 
 def paper_pages() -> dict[str, bytes]:
     """Return the pages of the papers and their pictures by file name, from their notebooks, which are run for it."""
+    # Loaded here, because the tests read this module and run no notebook.
+    import nbformat  # noqa: PLC0415
+    from nbclient import NotebookClient  # noqa: PLC0415
+
     os.environ.setdefault("JUPYTER_PLATFORM_DIRS", "1")
     logging.getLogger("traitlets").setLevel(logging.WARNING)
     notebooks = {name: nbformat.read(NOTEBOOKS / f"{stem}.ipynb", 4) for name, stem in PAPERS.items()}

@@ -175,6 +175,9 @@ def test_the_site_is_built_without_a_warning_and_loads_nothing_from_elsewhere(tm
         for missing in re.findall(r'<img[^>]*?\ssrc="([^"]+)"', text):
             assert (path.parent / missing).exists(), f"{path}: {missing}"
     assert "hoist" in (site / "searchindex.js").read_text(encoding="utf-8")
+    notebook = (site / "generated" / "paper-prth.html").read_text(encoding="utf-8")
+    assert "<caption>" in notebook, "a result at the end of a cell is a table"
+    assert "paper-prth-cell-03" in notebook, "and what plot() returns a figure"
 
 
 def test_every_key_of_a_scene_has_unit_default_range_and_meaning():

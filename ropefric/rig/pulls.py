@@ -212,8 +212,7 @@ def _onset(motion: Motion, slider: Slider) -> int | None:
     """Return where the rope begins to slip for many micro-slip lengths."""
     fast = np.abs(motion.slip_m_s) > _SLIPPING * slider.speed_m_s
     bent_m = (slider.mu + slider.excess) / slider.bristle_1_m if slider.law == "lugre" else 0.0
-    micro_m = max(slider.slip_m, bent_m)
-    enough_m = min(_MACROSCOPIC * micro_m, 0.03 * float(motion.wheel_m.max()))
+    enough_m = min(_MACROSCOPIC * max(slider.slip_m, bent_m), 0.03 * float(motion.wheel_m.max()))
     edges = np.flatnonzero(np.diff(np.concatenate(([False], fast, [False])).astype(np.int8)))
     firsts, lasts = edges[::2], edges[1::2] - 1
     far = (motion.slip_m_s[firsts] > 0.0) & (motion.slip_m[lasts] - motion.slip_m[firsts] >= enough_m)
@@ -248,12 +247,12 @@ def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | N
     # A lesser fall while it slips already, or a partial slip that begins this one: two answers would be right.
     begins_s, ends_s = float(motion.time_s[onset]), float(motion.time_s[onset + fallen[0]])
     partial_N = np.interp(partial_s, motion.time_s, motion.force_N)
-    if fall_N[:peak].max(initial=0.0) > 0.3 * needed_N or any(
+    if fall_N[:peak].max(initial=0.0) > 0.3 * needed_N or min(partial_s, default=0.0) > time_s:
+        return None
+    if any(
         begins_s - lasting_s <= at_s <= ends_s or (at_s < time_s and at_N > 0.97 * peak_N)
         for at_s, at_N, (_, _, lasting_s) in zip(partial_s, partial_N, slider.partial, strict=True)
     ):
-        return None
-    if slider.partial and min(partial_s) > time_s:
         return None
     higher = np.flatnonzero(force_N[peak:] > peak_N)
     until = peak + int(higher[0]) if higher.size else force_N.size

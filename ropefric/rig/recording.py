@@ -22,10 +22,7 @@ _NEAR_PEAK_S, _CLEAR_OF_PEAK_S = 0.03, 0.012
 _LONGEST_GAP = 30
 _ROUGHNESS = (0.007, 0.02)  # standard deviation of the sliding force over the force; dry seals show 2-6 %
 # The worse hides the lesser: a file that cannot be read shows no saturation.
-_SEVERITY = (
-    *(Status.UNREADABLE, Status.TOO_SHORT, Status.SATURATED),
-    *(Status.NO_BREAKAWAY, Status.NO_PEAK, Status.OK),
-)
+_SEVERITY = tuple(map(Status, ("unreadable", "too-short", "saturated", "no-breakaway", "no-peak", "ok")))
 
 Rng = np.random.Generator
 Pull = BreakawayPull | SliderPull

@@ -35,8 +35,8 @@ _SLACK = _Cell("end_tension", "end_tension_counts", "end_cell")
 COUNTS = (_PULL.counts, _SLACK.counts)
 """Channels of raw counts: of the pull, and of a second cell on the slack side."""
 
-Tare = Callable[[FloatArray, IntArray, Calibration], Calibration]
-"""What finds the tare from time and counts, before they are turned into forces."""
+Channels = dict[str, FloatArray]
+Refusal = Callable[..., DataError]
 
 
 def si_factor(channel: str, unit: str, *, path: str = "") -> float:
@@ -71,7 +71,7 @@ def assemble_trace(
     *,
     calibration: Calibration | None = None,
     end_calibration: Calibration | None = None,
-    tared: Tare | None = None,
+    tared: Callable[[FloatArray, IntArray, Calibration], Calibration] | None = None,
 ) -> ForceTrace:
     """Return the force trace of a recording: in SI, derived channels computed, clock mended, counts calibrated.
 
@@ -81,15 +81,11 @@ def assemble_trace(
     def refuse(message: str, code: str, key: str, fix: str) -> DataError:
         return DataError(message, code=code, path=raw.source, key=key, fix=fix)
 
+    told: dict[str, Any] = {"name": raw.name, "source": raw.source}
     channels = _channels(raw, profile, refuse)
+    clock_s = _time_s(raw, channels, profile, refuse)
     others = [values for name, values in channels.items() if name != "time"]
-    keep, time_s, notes = mend_clock(
-        _time_s(raw, channels, profile, refuse),
-        others,
-        name=raw.name,
-        source=raw.source,
-        first_line=raw.first_line,
-    )
+    keep, time_s, notes = mend_clock(clock_s, others, first_line=raw.first_line, **told)
     kept = {name: values[keep] for name, values in channels.items()}
     for cell, known in ((_PULL, calibration), (_SLACK, end_calibration)):
         if cell.counts in kept and cell.newtons not in kept and known is None:
@@ -102,13 +98,11 @@ def assemble_trace(
     except RopefricError as error:
         problem = error.problem
         raise refuse(problem.message, problem.code, problem.key or "counts", problem.fix) from None
-    told: dict[str, Any] = {"name": raw.name, "source": raw.source, "notes": (*raw.notes, *notes)}
-    return ForceTrace(time_s=time_s, end_tension_N=slack["force_N"], **pull, **told)
+    notes = (*raw.notes, *notes)
+    return ForceTrace(time_s=time_s, end_tension_N=slack["force_N"], notes=notes, **told, **pull)
 
 
-def _channels(
-    raw: RawRecording, profile: ImportProfile, refuse: Callable[..., DataError]
-) -> dict[str, FloatArray]:
+def _channels(raw: RawRecording, profile: ImportProfile, refuse: Refusal) -> Channels:
     """Return what was recorded and what a profile derives from it, in SI, a force or its counts among it."""
     channels = _to_si(raw, refuse)
     if profile.derived:
@@ -122,7 +116,7 @@ def _channels(
 
 def _measured(
     cell: _Cell,
-    channels: Mapping[str, FloatArray],
+    channels: Channels,
     calibration: Calibration | None,
     tared: Callable[[IntArray, Calibration], Calibration] | None = None,
 ) -> dict[str, Any]:
@@ -135,8 +129,8 @@ def _measured(
     return {"force_N": force_N, "counts": counts, "calibration": calibration, "saturation": saturation}
 
 
-def _to_si(raw: RawRecording, refuse: Callable[..., DataError]) -> dict[str, FloatArray]:
-    channels: dict[str, FloatArray] = {}
+def _to_si(raw: RawRecording, refuse: Refusal) -> Channels:
+    channels: Channels = {}
     for name, values in raw.columns.items():
         factor = si_factor(name, raw.units.get(name, ""), path=raw.source)
         channels[name] = values
@@ -149,12 +143,7 @@ def _to_si(raw: RawRecording, refuse: Callable[..., DataError]) -> dict[str, Flo
     return channels
 
 
-def _time_s(
-    raw: RawRecording,
-    channels: dict[str, FloatArray],
-    profile: ImportProfile,
-    refuse: Callable[..., DataError],
-) -> FloatArray:
+def _time_s(raw: RawRecording, channels: Channels, profile: ImportProfile, refuse: Refusal) -> FloatArray:
     if "time" in channels:
         return channels["time"]
     rate_Hz = profile.sampling_rate_Hz

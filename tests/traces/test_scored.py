@@ -5,30 +5,25 @@ from collections import Counter
 import numpy as np
 import pytest
 from recordings import judged, load, pick, reached, score
-from thinned import thinned
 
 from ropefric.rig.strangers import recordings
 from ropefric.traces.breakaway import Status
 
-MARGIN = 0.01
-"""Of all recordings, that may be right no longer; none may be wrong that was not. Last bits differ between machines."""
+MARGIN = 2
+"""So many of all recordings may be right no longer, none wrong that was not: last bits differ between machines."""
 
 
-@pytest.mark.parametrize("part", thinned([0, 1, 2]))
-def test_stored_recordings_are_picked_as_well_as_before(part):
-    """Each third holds one recording of every kind; a better picker writes its own score (`recordings.py score`)."""
-    before = {kind: found[part::3] for kind, found in reached().items()}
-    stored, seen = [], Counter()
-    for one in load():
-        stored += [one] if seen[one.kind] % 3 == part else []
-        seen[one.kind] += 1
-    now = score(stored)
-    table = [f"{kind}: {' '.join(now[kind])}, was {' '.join(before[kind])}" for kind in now]
-    worse = "\n".join(line for kind, line in zip(now, table, strict=True) if now[kind] != before[kind])
+def test_stored_recordings_are_picked_as_well_as_before():
+    """A better picker writes its own score: `recordings.py score`."""
+    before, now = reached(), score(load())
+    assert now.keys() == before.keys()
+    changed = [kind for kind in now if now[kind] != before[kind]]
+    worse = "\n".join(f"{kind}: {' '.join(now[kind])}, was {' '.join(before[kind])}" for kind in changed)
     counts = [Counter(word for found in scores.values() for word in found) for scores in (now, before)]
-    assert now.keys() == before.keys() - {kind for kind, found in before.items() if not found}
-    assert counts[0]["right"] >= counts[1]["right"] - MARGIN * len(stored), worse
+    assert counts[0]["right"] >= counts[1]["right"] - MARGIN, worse
     assert counts[0]["wrong"] <= counts[1]["wrong"], worse
+    lost = {kind: before[kind].count("right") - now[kind].count("right") for kind in changed}
+    assert max(lost.values(), default=0) <= 1, worse
 
 
 @pytest.mark.slow

@@ -42,11 +42,8 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     group = profile.table.strip("/")
     check_choice(group, {*columns, *(path.rpartition("/")[0] for path in columns)}, "group", source)
     if group:
-        columns = {
-            path.removeprefix(f"{group}/"): column
-            for path, column in columns.items()
-            if f"{path}/".startswith(f"{group}/")
-        }
+        under = f"{group}/"
+        columns = {p.removeprefix(under): c for p, c in columns.items() if f"{p}/".startswith(under)}
     return (_table(columns, source, said),)
 
 

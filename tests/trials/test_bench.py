@@ -40,23 +40,27 @@ def errors(extraction, truth):
     )
 
 
-@pytest.fixture(scope="module")
-def bench():
-    """The committed bench, extracted once: it takes some seconds, so no other file does."""
+@pytest.fixture(scope="module", params=[2, pytest.param(1, marks=pytest.mark.slow)])
+def bench(request):
+    """The committed bench, or one condition of two, extracted once: it takes some seconds, so no other file does."""
     campaign = load_campaign(BENCH / "campaign.toml")
+    chosen = tuple(spec for spec in campaign.trials if int(spec.trial[1:3]) % request.param == 0)
+    campaign = campaign.model_copy(update={"trials": chosen})
     return extract_campaign(campaign, jobs=2), truths(campaign.folder), campaign
 
 
 def test_every_status_is_the_true_one_and_the_bad_have_their_problem_and_remedy(bench):
-    extraction, truth, _ = bench
-    assert len(extraction.trials) == len(truth["trials"]) == 432
+    extraction, truth, campaign = bench
+    assert len(extraction.trials) == len(campaign.trials) >= 216
+    assert len(truth["trials"]) == 432
     wrong = wrong_statuses(extraction, truth["trials"])
     # A zero that drifts by a twentieth of F_A, a fall that lasts half as long as what slides and a rounded top as flat
     # as a held one leave doubt, in one of fifty.
     unclear = {"zero-drift", "slow-fall", "rounded"}
     assert all(": doubtful for ok, " in said and any(fault in said for fault in unclear) for said in wrong)
     assert len(wrong) <= 0.02 * len(extraction.trials)
-    assert {trial.breakaway.status for trial in extraction.trials} == set(Status)
+    if len(campaign.trials) == 432:
+        assert {trial.breakaway.status for trial in extraction.trials} == set(Status)
     bad = {trial.file for trial in extraction.trials if trial.breakaway.status is not Status.OK}
     assert bad <= {one.path for one in extraction.problems if one.code.startswith(("RF1", "RF2"))}
     assert all(problem.fix for problem in extraction.problems)
@@ -64,12 +68,12 @@ def test_every_status_is_the_true_one_and_the_bad_have_their_problem_and_remedy(
 
 def test_break_away_forces_have_no_bias_and_little_scatter_and_their_uncertainties_cover_it(bench):
     """A spike, a gap, hum, a snag before or a higher tooth after the static peak leave it where it was."""
-    extraction, truth, _ = bench
+    extraction, truth, campaign = bench
     ok = [trial for trial in extraction.trials if trial.breakaway.status is Status.OK]
     true_N = np.array([truth["trials"][trial.trial]["lift_force_N"] for trial in ok])
     peak_N, std_N = (np.array([getattr(trial, name) for trial in ok]) for name in ("peak_N", "peak_std_N"))
     relative = peak_N / true_N - 1
-    assert relative.size > 400
+    assert relative.size > 0.92 * len(campaign.trials)
     assert abs(relative.mean()) < BIAS
     assert relative.std(ddof=1) < BIAS
     by_fault = defaultdict(list)
@@ -77,7 +81,8 @@ def test_break_away_forces_have_no_bias_and_little_scatter_and_their_uncertainti
         for fault in truth["trials"][trial.trial]["faults"] or ["none"]:
             by_fault[fault].append(error)
     usual = {"none", "spike", "dropout", "high-tooth", "drift", "noisy", "clock-jitter"}
-    assert usual | {"hum", "snag", "impact", "precursor", "rounded", "slow-fall"} <= set(by_fault)
+    if len(campaign.trials) == 432:
+        assert usual | {"hum", "snag", "impact", "precursor", "rounded", "slow-fall"} <= set(by_fault)
     for fault, of_fault in by_fault.items():
         assert abs(np.mean(of_fault)) < BIAS, fault
         assert np.max(np.abs(of_fault)) < 0.02, fault
@@ -87,9 +92,9 @@ def test_break_away_forces_have_no_bias_and_little_scatter_and_their_uncertainti
 
 
 def test_kept_means_are_the_true_ones(bench):
-    extraction, truth, _ = bench
+    extraction, truth, campaign = bench
     of_trial = {name: one.get("lift_force_N", math.nan) for name, one in truth["trials"].items()}
-    assert len(extraction.conditions) == 36
+    assert len(extraction.conditions) == len(campaign.trials) // 12
     by_condition = {
         (c["wheel_radius_m"], round(c["wrap_angle_rad"], 6), c["end_tension_N"]): c["lift_force_N"]
         for c in truth["conditions"]
@@ -108,7 +113,7 @@ def test_what_counts_is_marked_and_nothing_is_deleted(bench):
     extraction, _, campaign = bench
     assert [trial.trial for trial in extraction.trials] == [spec.trial for spec in campaign.trials]
     rejected = {name for condition in extraction.conditions for name in condition.rejected}
-    assert 5 < len(rejected) < 60
+    assert 5 < len(rejected) < 0.14 * len(campaign.trials)
     for trial in extraction.trials:
         assert trial.kept == (trial.breakaway.status is Status.OK and trial.trial not in rejected)
         assert (trial.rejected_by == "two-sigma") == (trial.trial in rejected)

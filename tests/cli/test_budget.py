@@ -167,6 +167,7 @@ def test_the_command_and_python_state_the_same(call):
 
 # --- what nobody stated is not listed as if somebody had -----------------------------------------------------------
 
+FIRST = ("--condition", "1", "--draws", "10000")
 LIMITS = ("linearity", "hysteresis", "repeatability", "transmitter")
 
 
@@ -188,9 +189,7 @@ def test_limits_that_nobody_stated_are_assumed_wherever_they_stand(call, bench, 
     assert "RF142" in said
     words = 'hysteresis = "0.02 %FS", repeatability = "0.02 %FS", transmitter = "0.1 %FS"'
     assert f"not stated, so assumed: {words}" in said
-    stated, assumed = (
-        call("budget", folder, "--condition", "1", "--json").json() for folder in (bench, unstated)
-    )
+    stated, assumed = (call("budget", folder, *FIRST, "--json").json() for folder in (bench, unstated))
     by_name = [
         {line["name"]: line.get("assumed") for line in tree["budgets"][0]["lines"]}
         for tree in (stated, assumed)
@@ -202,10 +201,10 @@ def test_limits_that_nobody_stated_are_assumed_wherever_they_stand(call, bench, 
     note = f"transmitter is assumed, nobody stated it: state cells.{cell}.transmitter"
     assert note in assumed["budgets"][0]["notes"]
     assert note not in stated["budgets"][0]["notes"]
-    text = " ".join(call("budget", unstated, "--condition", "1").out.split())
+    text = " ".join(call("budget", unstated, *FIRST).out.split())
     assert "transmitter (assumed)" in text
     assert note in text
-    assert "transmitter (assumed)" not in call("budget", bench, "--condition", "1").out
+    assert "transmitter (assumed)" not in call("budget", bench, *FIRST).out
     # The numbers are the same: only what is said of them changes.
     assert assumed["budgets"][0]["combined"] == stated["budgets"][0]["combined"]
     done = call("run", unstated, "--out", tmp_path / "out", "--no-figures")

@@ -11,7 +11,18 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import BY_NAME, NUMBER, PATH, SEVERAL, TEXT, WHOLE_NUMBER, DataError, InputError, Kind
+from ropefric.errors import (
+    BY_NAME,
+    CALL,
+    NUMBER,
+    PATH,
+    SEVERAL,
+    TEXT,
+    WHOLE_NUMBER,
+    DataError,
+    InputError,
+    Kind,
+)
 from ropefric.files.folder import Folder
 from ropefric.fitting import budgets, next_tests, resolution
 from ropefric.fitting.compare import Comparison, compare_laws
@@ -118,6 +129,8 @@ def read_trace(
     array([500., 750.])
     """
     PATH.check(path=path)
+    Kind((ImportProfile,), "an import profile").check_given(profile=profile)
+    Kind((Calibration,), "a calibration").check_given(calibration=calibration)
     used = profile or ImportProfile()
     raws = read_recordings(Path(path), used)
     named = [raw for raw in raws if raw.sample == sample] if sample else list(raws)
@@ -266,6 +279,8 @@ def extract(
         Reads the recordings in the stead of `jobs` processes of this machine; the result is the same to the last bit.
         Its workers need the recordings under the same path. What a worker that died had in hand is read here.
     """
+    WHOLE_NUMBER.check(jobs=jobs)
+    CALL.check_given(progress=progress)
     return extract_campaign(as_campaign(campaign), jobs=jobs, progress=progress, executor=executor)
 
 
@@ -410,6 +425,7 @@ def compare(
     whether that describes the trials better than any law.
     """
     SEVERAL.check_given(laws=laws)
+    CALL.check_given(progress=progress)
     NUMBER.check_given(touching_turns=touching_turns)
     table = trial_table(trials, columns=columns).of(of)
     return compare_laws(table, laws, touching_turns=touching_turns, progress=progress)
@@ -556,6 +572,7 @@ def run(
         Replace files in the folder that ropefric did not write; the campaign's own are never replaced.
     """
     PATH.check(folder=folder)
+    WHOLE_NUMBER.check(jobs=jobs)
     loaded = as_campaign(campaign)
     with campaign_folder(loaded, folder, force=overwrite) as target:
         result = run_campaign(loaded, target, law=law, jobs=jobs, executor=executor)
@@ -806,6 +823,7 @@ def plan_tests(
     >>> plan.conditions.wrap_angle_rad.tolist()
     [9.0, 12.0, 12.0]
     """
+    TEXT.check(criterion=criterion)
     WHOLE_NUMBER.check(n_conditions=n_conditions, repeats=repeats, starts=starts, seed=seed)
     NUMBER.check(level=level)
     rope_m = rope_radius_m
@@ -983,6 +1001,7 @@ def sweep(
     for axis in axes:
         Kind((str, Axis), "text such as wheel.wrap=1turn,2turn").check(axes=axis)
     PATH.check_given(table=table)
+    CALL.check_given(progress=progress)
     grid = tuple(parse_axis(loaded, axis) if isinstance(axis, str) else axis for axis in axes)
     if table is None:
         return sweep_scene(loaded, grid, progress=progress, executor=executor)
@@ -1048,6 +1067,7 @@ def monte_carlo(
     WHOLE_NUMBER.check(draws=draws, seed=seed)
     NUMBER.check(level=level)
     PATH.check_given(table=table)
+    CALL.check_given(progress=progress)
     loaded, how = _as_scene(scene), {"seed": seed, "level": level, "progress": progress, "executor": executor}
     if table is None:
         return draw_scene(loaded, draws, **how)

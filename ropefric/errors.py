@@ -4,7 +4,7 @@ Every failure that a user can cause or meet is a `RopefricError`; each also deri
 exception a Python programmer would expect, so `except ValueError` keeps working.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from numbers import Integral, Real
@@ -158,6 +158,7 @@ class Kind(NamedTuple):
 
 NUMBER, WHOLE_NUMBER = Kind((Real,), "a number"), Kind((Integral,), "a whole number")
 TEXT, PATH = Kind((str,), "text"), Kind((str, PathLike), "a path, as text or as a Path")
+CALL = Kind((Callable,), "a function")  # type: ignore[arg-type]  # abstract, and good for isinstance
 BY_NAME, SEVERAL = Kind((Mapping,), "a mapping from names to values"), Kind((Iterable,), "several values")
 
 

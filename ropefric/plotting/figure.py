@@ -278,7 +278,7 @@ def _cells(column: list[object]) -> list[object]:
     ]
 
 
-_LONG = re.compile(r"-?\d*\.\d{3,}")
+_LONG = re.compile(r"-?\b\d{0,9}\.\d{3,}")
 _REFERENCE = re.compile(r"(?<=url\(#)[^)]+|(?<=^#).+")  # a colour such as #ccc is none
 _REFERRING = ("href", "clip-path", "style")
 _FONT = "'DejaVu Sans'"

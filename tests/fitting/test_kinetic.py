@@ -8,7 +8,7 @@ import pytest
 
 import ropefric as rf
 from ropefric.cli.app import main
-from ropefric.errors import InputError
+from ropefric.errors import InputError, UnknownNameError
 
 STATIC_MU, KINETIC_MU, END_N = 0.25, 0.18, 20.0
 
@@ -70,7 +70,7 @@ def test_a_table_without_kinetic_forces_or_an_unknown_force_is_refused():
     bare = frame().drop(columns=["kinetic_N", "kinetic_mean_std_N"])
     with pytest.raises(InputError, match="no trial that is used has a kinetic force"):
         rf.fit(bare, "constant", of="kinetic")
-    with pytest.raises(InputError, match=r"of cannot be 'kinetics'.*give 'peak' or 'kinetic'"):
+    with pytest.raises(UnknownNameError, match=r"of: unknown force 'kinetics' Fix: did you mean 'kinetic'\?"):
         rf.fit(frame(), "constant", of="kinetics")
 
 

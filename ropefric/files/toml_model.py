@@ -3,7 +3,7 @@
 import datetime as dt
 import types
 from collections.abc import Callable, Collection, Mapping
-from typing import Annotated, Any, NoReturn, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, ClassVar, NoReturn, TypeVar, Union, get_args, get_origin
 
 import pydantic
 from pydantic import BaseModel, Field, PlainValidator
@@ -22,9 +22,10 @@ CUSTOM = "ropefric"
 
 
 class StrictTable(BaseModel):
-    """A TOML table that refuses keys it does not know."""
+    """A TOML table that refuses keys it does not know; of those it once knew, `gone` says what to do instead."""
 
     model_config = pydantic.ConfigDict(extra="forbid", frozen=True)
+    gone: ClassVar[Mapping[str, str]] = {}
 
     @property
     def given(self) -> dict[str, Any]:
@@ -205,9 +206,10 @@ def _problem(model: type[BaseModel], document: TomlDocument, item: Any) -> Probl
     if kind == "extra_forbidden":
         owner = _model_at(model, key[:-1])
         known = [field.alias or name for name, field in owner.model_fields.items()] if owner else []
-        message = f"unknown key '{name}'" + (f" in [{table}]" if table else "")
-        fix = getattr(owner, "gone", {}).get(name) or did_you_mean(name, known)
-        return document.problem(key, "RF120", message, fix=fix)
+        where, gone = f" in [{table}]" if table else "", getattr(owner, "gone", {})
+        if name in gone:
+            return document.problem(key, "RF120", f"there is no '{name}'{where} any more", fix=gone[name])
+        return document.problem(key, "RF120", f"unknown key '{name}'{where}", fix=did_you_mean(name, known))
     if kind.removesuffix("_type") in ("model", "model_attributes", "dict"):
         fix = f"open a table with [{key_text(key)}] on a line of its own"
         return document.problem(key, "RF110", f"expected a table, got {got(value)}", fix=fix)

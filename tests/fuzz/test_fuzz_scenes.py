@@ -140,7 +140,7 @@ test_scenes, test_scenes_long = fuzzed(
         {
             "name": "band-saw",
             "edits": [(11, "scaled", "0", 1)],
-        },  # a blade ten times as slow
+        },  # a model in the comparison beyond its critical speed
         {"name": "belt-press", "edits": [(59, "scaled", "0", 3)]},  # e^M beyond all floats
         {"name": "fast-band-saw", "edits": [(15, "scaled", "0", 4)]},  # the same of a saw's wheels
         {"name": "fast-belt-press", "edits": [(3, "junk", '"1e160 m/s"', 0)]},  # whose square is no float

@@ -278,7 +278,7 @@ def _cells(column: list[object]) -> list[object]:
     ]
 
 
-_LONG = re.compile(r"-?\b\d{0,9}\.\d{3,}")
+_NUMBER = re.compile(r"[-.\d]+")
 _REFERENCE = re.compile(r"(?<=url\(#)[^)]+|(?<=^#).+")  # a colour such as #ccc is none
 _REFERRING = ("href", "clip-path", "style")
 _FONT = "'DejaVu Sans'"
@@ -327,13 +327,16 @@ def _clean(element: ET.Element) -> None:
     element[:] = [child for child in element if not child.tag.endswith(("}metadata", "}style"))]
     for key, value in [*element.attrib.items()]:
         del element.attrib[key]
-        element.attrib[key.rpartition("}")[2]] = _LONG.sub(_rounded, value)
+        element.attrib[key.rpartition("}")[2]] = _NUMBER.sub(_rounded, value)
     if element.tag == "text":
         element.attrib["style"] = element.get("style", "").replace(_FONT, f"{_FONT},{_FALLBACK}")
         _set_indices(element)
 
 
 def _rounded(number: re.Match[str]) -> str:
+    decimals = number[0].partition(".")[2]
+    if len(decimals) < 3 or not decimals.isdigit():
+        return number[0]
     return f"{float(number[0]):.2f}".replace("-0.00", "0.00")
 
 

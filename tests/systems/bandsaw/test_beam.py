@@ -165,7 +165,7 @@ def test_strings_among_beams_and_the_scaled_form():
     assert beam.critical_speed > 1.0
 
 
-@BOTH
+@pytest.mark.parametrize("ends", [CLAMPED, pytest.param(PINNED, marks=pytest.mark.slow)])
 def test_many_beams_are_read_off_between_a_few_and_each_is_what_it_is_alone(ends, monkeypatch):
     """Boxes of stiffness and speed from narrow to wide, up to the wave speed, at every accuracy a scene asks for."""
     calls, rng = [], np.random.default_rng(4)

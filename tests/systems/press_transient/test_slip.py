@@ -212,7 +212,9 @@ def test_the_share_of_inertia_is_exact_where_the_coefficient_is_steep(kit, b):
     assert friction_limit(model, friction).share[1] == pytest.approx(float(1 / (1 + swell)), rel=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize(
+    "seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 12))]
+)
 def test_any_start_keeps_to_physics(kit, seed):
     """Random machines, drives and friction: energy adds up, belts do not push, friction stays within its limit."""
     rng = np.random.default_rng(seed)

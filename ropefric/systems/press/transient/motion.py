@@ -71,20 +71,6 @@ class ElasticPress:
         dampers = np.array([one.damping_N_s_m for one in carriers])
         self.tensioner_damping_N_s_m = dampers * ("tensioner-damping" in effects)
 
-    @property
-    def tension_per_root_energy(self) -> FloatArray:
-        """Return what a motion's √(2 energy) is worth in each tension at most, √(k + η²k² Σ 1/m) [N/√J].
-
-        By Cauchy and Schwarz, of k e and η k de/dt: 2 energy is k e² and m v² of rims and tensioners at least; drivers
-        move as they are told.
-        """
-        press = self.press
-        lightness = (press.incidence**2).T[:, self.driven] @ (
-            1.0 / (self.roller_mass_kg + self.arc_mass_kg)[self.driven]
-        )
-        lightness += (press.pull**2).T @ (1.0 / self.tensioner_mass_kg)
-        return np.sqrt(self.stiffness_N_m + self.damping_N_s_m**2 * lightness)
-
 
 def standstill_tension_N(press: Press) -> FloatArray:
     """Return the tensions of a press that stands still and unloaded, shape (n_spans,) [N].
@@ -452,12 +438,6 @@ def power_rows(motion: Motion) -> PowerRows:
     starts = np.cumsum([0, *(len(force) for force, _ in pairs[:-1])]).tolist()
     forces, speeds = (np.vstack(rows) for rows in zip(*pairs, strict=True))
     return forces, speeds, starts
-
-
-def powers_W(rows: PowerRows, w: FloatArray) -> FloatArray:
-    """Return all powers at states w of shape (n, n_w), shape (n, 6)."""
-    forces, speeds, starts = rows
-    return np.asarray(np.add.reduceat((w @ forces.T) * (w @ speeds.T), starts, axis=1))
 
 
 def power_forms(motion: Motion) -> FloatArray:

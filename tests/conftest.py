@@ -28,6 +28,18 @@ settings.register_profile("drawn", settings.get_profile("same"), derandomize=Fal
 MORE, LESS = 5, 0.5
 """How many times as many examples the long run draws, and the default one, where they are the same each time."""
 
+PORTABLE = (
+    "ropefric", "tests/friction", "tests/hard", "tests/uncertainty", "tests/traces", "tests/files", "tests/ground",
+    "tests/pipeline", "tests/test_public_api.py", "tests/test_plugins.py", "tests/trials/test_parquet.py",
+    "tests/trials/test_tables.py", "tests/trials/test_sheets.py", "tests/trials/test_one_pull_many_formats.py",
+    "tests/fitting/test_", "tests/systems/bandsaw", "tests/systems/hoist", "tests/systems/press/",
+    "tests/systems/beltdrive", "tests/systems/traction", "tests/scenes/test_published.py", "tests/cli/test_run.py",
+    "tests/cli/test_solve.py", "tests/cli/test_extract.py", "tests/cli/test_fit_commands.py",
+    "tests/plotting/test_environment.py", "tests/plotting/test_svg.py", "tests/plotting/test_condition.py",
+    "tests/report/test_page.py", "tests/rig/test_campaign.py",
+)  # fmt: skip
+"""Beginnings of what other Pythons, libraries and processors may break: last bits, formats, commands, pictures."""
+
 ROOT = Path(__file__).parents[1]
 REAL_DATA = ROOT.parent / "shared" / "data"
 
@@ -51,10 +63,12 @@ def pytest_configure(config):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
-    """Let the long run take every test that draws, but those with seeds of their own (`derandomize=True`)."""
+    """Mark what is portable; let the long run take every test that draws, but those with seeds (`derandomize=True`)."""
     name, long = "_hypothesis_internal_use_settings", is_long(config)
     changed = set()
     for item in items:
+        if item.nodeid.startswith(PORTABLE):
+            item.add_marker(pytest.mark.portable)
         given = getattr(getattr(item, "obj", None), name, None)
         if given is None or (long and (given.derandomize or item.get_closest_marker("slow"))):
             continue

@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "ropefric"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
-MOST_LINES, MOST_OF_A_MODULE = 38_600, 500
+MOST_LINES, MOST_OF_A_MODULE = 36_000, 500
 """Lines of code, in all and of a module: those that are not blank, comment or part of a docstring."""
 MOST_COMPLEX = 20
 """Branches of a function."""
@@ -33,26 +33,11 @@ LEVELS = {
 DOORS = {"__init__", "__main__"}
 
 TO_BE_REBUILT = {
-    "accuracy/measure.py measure_studies",
-    "cli/commands/campaign.py report",
-    "files/text_table.py _days",
-    "files/text_table.py _find_separator",
-    "files/text_table.py read_stamps",
     "fitting/compare.py _contests",
     "fitting/compare.py choose_law",
     "fitting/compare.py compare_laws",
     "fitting/diagnose.py _grouped",
     "fitting/diagnose.py _judged",
-    "given.py as_frame",
-    "plotting/campaign.py _draw_traces",
-    "report/parts.py sweep_sections",
-    "review/session.py with_decision",
-    "rig/pulls.py truth_of",
-    "scenes/kinds/bandsaw.py _problem",
-    "scenes/plan.py make_plan",
-    "scenes/points.py _worth_leaving_out",
-    "systems/bandsaw/measured.py identify",
-    "traces/assemble.py assemble_trace",
     "traces/decision.py _at_scale",
     "traces/decision.py _fell_away",
     "traces/decision.py _of_pull",
@@ -65,11 +50,6 @@ TO_BE_REBUILT = {
     "traces/slips.py _rivals",
     "traces/zero.py _with_drift",
     "traces/zero.py _with_level",
-    "trials/extract.py _result",
-    "trials/table.py _table",
-    "trials/trial_list.py _check",
-    "trials/trial_list.py list_from_names",
-    "trials/workers.py guarded",
 }
 """Functions of rooms that are rebuilt next, more complex than any other may be."""
 
@@ -86,8 +66,15 @@ def tree_of(path: Path) -> ast.Module:
 
 
 @cache
-def nodes_of(path: Path, *kinds: type[ast.AST]) -> tuple[ast.AST, ...]:
-    return tuple(node for node in ast.walk(tree_of(path)) if isinstance(node, kinds))
+def all_nodes(path: Path) -> dict[type[ast.AST], list[ast.AST]]:
+    found: dict[type[ast.AST], list[ast.AST]] = {}
+    for node in ast.walk(tree_of(path)):
+        found.setdefault(type(node), []).append(node)
+    return found
+
+
+def nodes_of(path: Path, *kinds: type[ast.AST]) -> list[ast.AST]:
+    return [node for kind in kinds for node in all_nodes(path).get(kind, [])]
 
 
 @cache
@@ -198,6 +185,11 @@ def code_lines(path: Path) -> int:
     return sum(1 for n, line in lines if n not in docstrings and line.strip() and line.strip()[0] != "#")
 
 
+BRANCHING = (
+    ast.If, ast.For, ast.AsyncFor, ast.While, ast.ExceptHandler, ast.IfExp, ast.Assert, ast.match_case,
+)  # fmt: skip
+
+
 def branches(function: ast.AST) -> int:
     """Branches of a function, those of functions in it apart."""
     count, todo = 1, list(ast.iter_child_nodes(function))
@@ -205,19 +197,12 @@ def branches(function: ast.AST) -> int:
         node = todo.pop()
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
             continue
-        count += isinstance(
-            node,
-            ast.If
-            | ast.For
-            | ast.AsyncFor
-            | ast.While
-            | ast.ExceptHandler
-            | ast.IfExp
-            | ast.Assert
-            | ast.match_case,
-        )
-        count += sum(1 + len(one.ifs) for one in getattr(node, "generators", ()))
-        count += len(node.values) - 1 if isinstance(node, ast.BoolOp) else 0
+        if isinstance(node, BRANCHING):
+            count += 1
+        elif isinstance(node, ast.BoolOp):
+            count += len(node.values) - 1
+        elif isinstance(node, ast.comprehension):
+            count += 1 + len(node.ifs)
         todo.extend(ast.iter_child_nodes(node))
     return count
 

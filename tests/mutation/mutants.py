@@ -20,6 +20,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 ROOMS = ("friction", "systems", "trials", "uncertainty", "fitting")
+SOONEST = ("hard", "literature", "pipeline", "friction", "systems", "fitting", "scenes", "trials", "cli")
 LONGEST_S = 1500.0
 """A suite that takes longer hangs: that is noticed too."""
 
@@ -157,11 +158,14 @@ def _noticed(folder: Path, room: str, *, its_own: bool) -> str:
     out = {"mutation", "benchmarks", "__pycache__", "test_architecture.py"}
     tests = [
         path
-        for path in sorted((folder / "tests").iterdir())
+        for path in (folder / "tests").iterdir()
         if (path.is_dir() or path.name.startswith("test_")) and path.name not in out
     ]
+    # What shows most of what may be wrong comes first.
+    tests.sort(key=lambda path: (SOONEST.index(path.name) if path.name in SOONEST else len(SOONEST), path))
     chosen = [path.as_posix() for path in tests if (path.name == room) == its_own]
-    quiet = ("-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", "--tb=no")
+    whole = ("-n", "2", "--dist", "loadfile") if not room else ("-p", "no:xdist")
+    quiet = ("-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *whole, "--tb=no")
     code, said = _run(folder, *quiet, *chosen, str(folder / "ropefric" / room))
     failed = [line.split()[1] for line in said.splitlines() if line.startswith(("FAILED", "ERROR"))]
     return "" if not code else failed[0] if failed else said.strip()[-80:]

@@ -246,15 +246,6 @@ def test_coils_that_touch_raise_the_friction_beyond_one_turn():
     assert apart["wrap effect"].supported == "yes"
 
 
-def test_less_friction_beyond_one_turn_is_no_contact(campaign):
-    """Not that conditions were too few: contact cannot lower μ, and the trials leave it little room."""
-    falling = campaign("wrap-power", [0.2, -0.5, 0.1], wraps_deg=(90, 180, 270, 360, 540, 720), loads=(40.0,))
-    found = found_in(falling, ["constant"])["coil contact"]
-    assert found.supported == "no"
-    assert "contact cannot make μ smaller" in found.evidence
-    assert found.numbers["bound_high"] < 0.2
-
-
 def test_the_winning_law_names_no_effect_that_a_better_description_does_without():
     """Wheel and load go together here, so a law with both leads the laws; straight trends without the size lead it."""
     wraps, pairs = np.radians((90, 180, 360, 720)), ((10.0, 0.015), (40.0, 0.03), (120.0, 0.06))

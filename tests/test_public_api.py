@@ -101,7 +101,7 @@ def few(tmp_path_factory):
     return path
 
 
-def test_names_load_late_and_unknown_ones_are_attribute_errors():
+def test_a_clean_process_loads_names_late_and_predicts_the_same_to_the_last_digit():
     code = (
         "import sys, ropefric as rf\n"
         "assert 'numpy' not in sys.modules\n"
@@ -109,7 +109,19 @@ def test_names_load_late_and_unknown_ones_are_attribute_errors():
         "heavy = {'pandas', 'lmfit', 'matplotlib', 'typer'} & set(sys.modules)\n"
         "assert not heavy, heavy\n"
     )
-    subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
+    asked = (
+        f"fit = rf.load_fit({str(COUPLED)!r})\n"
+        "found = rf.predict(fit, wheel_radius_m=0.05, wrap_angle_rad=8.25, end_tension_N=77.7)\n"
+        "told = repr([found.lift_force_N.tolist(), found.interval_N.tolist(), fit.covariance.tolist()])\n"
+    )
+    here = {"rf": rf}
+    exec(asked, here)  # noqa: S102  (the very lines that the other process runs)
+    command = [sys.executable, "-c", f"{code}{asked}print(told)"]
+    done = subprocess.run(command, check=True, cwd=ROOT, capture_output=True, text=True)
+    assert done.stdout.strip() == here["told"]
+
+
+def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="has no attribute 'fti'"):
         _ = rf.fti
 

@@ -344,7 +344,9 @@ def straight_fit(X: FloatArray, rise: FloatArray, means: ConditionMeans) -> tupl
     for _ in range(_ROUNDS):
         theta = np.asarray(np.linalg.lstsq(X / root[:, None], rise / root, rcond=None)[0])
         scatter = scatter_fit(X @ theta - rise, means)
-        root = np.sqrt(scatter.variance)
+        before, root = root, np.sqrt(scatter.variance)
+        if (root == before).all():
+            break
     return theta, scatter
 
 

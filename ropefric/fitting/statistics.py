@@ -555,5 +555,9 @@ def _between_variance(squared: FloatArray, known: FloatArray) -> FloatArray:
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         above = rising(middle)
+        before = low, high
         low, high = np.where(above, middle, low), np.where(above, high, middle)
+        # Nothing is left to halve, as from the first where the repeats explain all.
+        if (low == before[0]).all() and (high == before[1]).all():
+            break
     return np.asarray(0.5 * (low + high))

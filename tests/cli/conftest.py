@@ -1,6 +1,10 @@
 """A small simulated campaign and a way to call the program in process."""
 
 import json
+import os
+import sys
+import traceback
+import warnings
 from types import SimpleNamespace
 
 import pytest
@@ -39,6 +43,41 @@ def call(capfd):
         return SimpleNamespace(code=code, out=said.out, err=said.err, json=lambda: _strict(said.out))
 
     return call
+
+
+@pytest.fixture
+def forked(capfd):
+    """Run the program as a process, forked from this one, that first calls `prepare`; return code, stdout, stderr."""
+    if not hasattr(os, "fork"):
+        pytest.skip("no fork")
+
+    def forked(prepare, *argv):
+        capfd.readouterr()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # of threads: those of the runner only wait
+            number = os.fork()
+        if not number:
+            code = 70
+            try:
+                sys.argv[1:] = [str(word) for word in argv]
+                sys.stdout, sys.stderr = (
+                    os.fdopen(to, "w", encoding="utf-8", closefd=False) for to in (1, 2)
+                )
+                prepare()
+                sys.modules.pop("ropefric.__main__", None)  # which remembers the process it was loaded in
+                from ropefric.__main__ import main as door
+
+                code = door()
+                sys.stdout.flush()
+                sys.stderr.flush()
+            except BaseException:  # noqa: BLE001  (the fork must not go on with the tests)
+                os.write(2, traceback.format_exc().encode())
+            finally:
+                os._exit(code)
+        code = os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
+        return code, *capfd.readouterr()
+
+    return forked
 
 
 @pytest.fixture(scope="session")

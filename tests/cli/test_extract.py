@@ -2,8 +2,6 @@
 
 import csv
 import shutil
-import subprocess
-import sys
 
 import pytest
 
@@ -98,29 +96,3 @@ def test_what_is_wrong_is_said_before_the_work(call, campaign, tmp_path):
     assert (done.code, done.out) == (3, "")
     assert "did you mean 'wrap_angle_deg'?" in done.err
     assert "error" in call("extract", campaign, "--out", tmp_path / "out", "--json").json()
-
-
-INTERRUPTED = """
-import os, signal, sys
-signal.signal(signal.SIGINT, signal.default_int_handler)
-from ropefric.cli import app, output
-whole = output.Progress.update
-def update(self, done, *more):
-    whole(self, done, *more)
-    if done == 3:
-        os.kill(os.getpid(), signal.SIGINT)
-output.Progress.update = update
-sys.exit(app.main())
-"""
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to send")
-def test_an_interrupted_run_leaves_nothing_half_written(call, bench, tmp_path):
-    words = ["extract", str(bench), "--out", str(tmp_path), "--jobs", "2", "--no-figures"]
-    broken = subprocess.run(
-        [sys.executable, "-c", INTERRUPTED, *words], capture_output=True, text=True, check=False, timeout=60
-    )
-    assert (broken.returncode, broken.stdout) == (130, "")
-    assert "Traceback" not in broken.stderr
-    assert not list(tmp_path.rglob("*.csv"))
-    assert call(*words).code == 0

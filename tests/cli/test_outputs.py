@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -105,29 +106,28 @@ def test_a_fit_in_the_folder_of_a_scene_is_read_and_not_replaced(call, tmp_path)
 # --- what others wrote ---
 
 
-@pytest.mark.parametrize(
-    ("words", "name"),
-    [
+def test_a_folder_with_a_file_of_others_is_refused(call, tmp_path):
+    for words, name in (
         (("solve", SCENES / "hoist.toml", "--out"), "answer.json"),
         (SWEEP, "sweep_figure.csv"),
         (("cost", "integral", "--quick", "--out"), "cost.md"),
         (CHART, "design_chart.png"),
-    ],
-)
-def test_a_folder_with_a_file_of_others_is_refused(call, tmp_path, words, name):
-    (tmp_path / name).write_text("mine", encoding="utf-8")
-    (tmp_path / "other.txt").write_text("mine", encoding="utf-8")
-    done = call(*words, tmp_path)
-    assert done.code == 3
-    assert f"error RF150 {(tmp_path / name).as_posix()}  ropefric did not write this file" in done.err
-    assert "--force" in done.err
-    assert tree(tmp_path, own=True) == {name: b"mine", "other.txt": b"mine"}
-    if words[0] != "cost":
-        assert call(*words, tmp_path, "--force", "-q").code == 0
-        assert call(*words, tmp_path, "-q").code == 0
-        made = tree(tmp_path)
-        assert made[name] != b"mine"
-        assert made["other.txt"] == b"mine"
+    ):
+        folder = tmp_path / name
+        folder.mkdir()
+        for mine in (name, "other.txt"):
+            (folder / mine).write_text("mine", encoding="utf-8")
+        done = call(*words, folder)
+        assert done.code == 3, words
+        assert f"error RF150 {(folder / name).as_posix()}  ropefric did not write this file" in done.err
+        assert "--force" in done.err
+        assert tree(folder, own=True) == {name: b"mine", "other.txt": b"mine"}
+        if words[0] == "solve":
+            for option in ("--force", "-q"):
+                assert call(*words, folder, option).code == 0
+            made = tree(folder)
+            assert made[name] != b"mine"
+            assert made["other.txt"] == b"mine"
 
 
 def test_results_of_others_are_refused_before_the_work(call, bench, tmp_path):
@@ -206,8 +206,7 @@ def test_results_of_an_earlier_version_are_taken_over_only_when_asked(call, benc
     assert "the same holds for 5 more files" in done.err
     assert done.err.count("error RF150") == 4
     assert tree(out).keys() == before.keys()
-    for option in ("--force", "--no-figures"):
-        assert call("extract", bench, "--out", out, "-q", option).code == 0
+    assert call("extract", bench, "--out", out, "-q", "--force", "--no-figures").code == 0
     assert tree(out) == before
 
 
@@ -314,39 +313,59 @@ def test_a_scene_without_a_start_up_leaves_none_of_another(call, tmp_path):
 # --- the process ---
 
 
-def program(code, *words, **options):
-    """Run the program after some lines of Python; return exit code, stdout, stderr."""
+def program(code, *words, stdout=None):
+    """Run the program anew after some lines of Python; return exit code and stderr, or stdout and stderr as one."""
     start = "\nimport sys\nfrom ropefric.__main__ import main\nsys.exit(main())\n"
     done = subprocess.run(
         [sys.executable, "-c", code + start, *map(str, words)],
-        capture_output=True, text=True, check=False, timeout=120, **options,
+        stdout=stdout or subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False, timeout=120,
     )  # fmt: skip
-    return done.returncode, done.stdout, done.stderr
+    return done.returncode, (done.stdout or "") + done.stderr
 
 
-STOPPED = """
-import os, signal
-signal.signal(signal.SIGINT, signal.default_int_handler)
-import ropefric.trials.result as tables
-def stop(*_, **__):
-    os.kill(os.getpid(), signal.{signal})
-    raise AssertionError("went on")
-tables.write_tables = stop
-"""
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="no signals")
-@pytest.mark.parametrize(
-    ("name", "code"), [("SIGTERM", 143), pytest.param("SIGHUP", 129, marks=pytest.mark.slow)]
-)
-def test_a_signal_ends_the_work_in_order(call, bench, tmp_path, name, code):
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_a_signal_ends_the_work_in_order(call, forked, bench, tmp_path, name):
     words = ("extract", bench, "--out", tmp_path / "out", "--no-figures", "--jobs", "1")
-    before = "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
-    found, out, err = program(before + STOPPED.format(signal=name), *words)
-    assert (found, out) == (code, "")
+    number = getattr(signal, name)
+
+    def prepare():
+        from ropefric.trials import result
+
+        def stop(*_, **__):
+            os.kill(os.getpid(), number)
+            raise AssertionError("went on")
+
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
+        result.write_tables = stop
+
+    code, out, err = forked(prepare, *words)
+    assert (code, out) == (128 + number, "")
     assert err.endswith("error RF001  interrupted\n")
     assert tree(tmp_path / "out") == {}
     assert not (tmp_path / "out" / ".ropefric").exists()
+    assert call(*words).code == 0
+
+
+def test_an_interrupt_amid_the_recordings_leaves_nothing_half_written(call, forked, bench, tmp_path):
+    words = ("extract", bench, "--out", tmp_path, "--jobs", "2", "--no-figures")
+
+    def prepare():
+        from ropefric.cli import output
+
+        whole = output.Progress.update
+
+        def update(self, done, *more):
+            whole(self, done, *more)
+            if done == 3:
+                os.kill(os.getpid(), signal.SIGINT)
+
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        output.Progress.update = update
+
+    code, out, err = forked(prepare, *words)
+    assert (code, out) == (130, "")
+    assert "Traceback" not in err
+    assert not list(tmp_path.rglob("*.csv"))
     assert call(*words).code == 0
 
 
@@ -369,7 +388,7 @@ class Finder:
 sys.modules.pop({module!r}, None)
 sys.meta_path.insert(0, Finder())
 """
-    assert program(hook, "--help") == (code, "", "error RF001  interrupted\n")
+    assert program(hook, "--help") == (code, "error RF001  interrupted\n")
 
 
 def test_an_interrupt_that_a_library_put_into_its_own_words_is_one(call, monkeypatch):
@@ -383,34 +402,17 @@ def test_an_interrupt_that_a_library_put_into_its_own_words_is_one(call, monkeyp
     assert (done.code, done.out, done.err) == (130, "", "error RF001  interrupted\n")
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="file descriptors")
-@pytest.mark.parametrize(
-    "closed",
-    [pytest.param((1,), marks=pytest.mark.slow), pytest.param((2,), marks=pytest.mark.slow), (0, 1, 2)],
-)
-def test_closed_streams_end_no_work(bench, tmp_path, closed):
-    code = "".join(f"exec {number}<&-; " if number == 0 else f"exec {number}>&-; " for number in closed)
-    words = [sys.executable, "-m", "ropefric", "extract", str(bench), "--out", str(tmp_path), "--no-figures"]
-    done = subprocess.run(
-        ["sh", "-c", f'{code} exec "$@"', "sh", *words], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0
-    assert bool(done.stdout) == (1 not in closed)
-    assert bool(done.stderr) == (2 not in closed)
+@pytest.mark.parametrize("closed", [(1,), (2,), (0, 1, 2)])
+def test_closed_streams_end_no_work(forked, bench, tmp_path, closed):
+    def prepare():
+        for number in closed:
+            os.close(number)
+            setattr(sys, ("stdin", "stdout", "stderr")[number], None)
+
+    code, out, err = forked(prepare, "extract", bench, "--out", tmp_path, "--no-figures")
+    assert (code, bool(out), bool(err)) == (0, 1 not in closed, 2 not in closed)
     assert tree(tmp_path).keys() == {"trials.csv", "conditions.csv", "problems.csv"}
     assert b"recordings:" not in b"".join(tree(tmp_path).values())
-
-
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
-def test_a_result_that_cannot_be_told_is_no_fault_of_ours(tmp_path):
-    words = [sys.executable, "-m", "ropefric", "solve", str(SCENES / "hoist.toml"), "--out", str(tmp_path)]
-    with Path("/dev/full").open("w") as full:
-        done = subprocess.run([*words, "-q"], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
-    assert done.returncode == 3
-    assert "no space left on device" in done.stderr
-    assert "RF000" not in done.stderr
-    assert "Exception" not in done.stderr
-    assert "answer.json" in tree(tmp_path)
 
 
 NOWHERE = """
@@ -424,10 +426,17 @@ tempfile._get_default_tempdir = none
 """
 
 
-@pytest.mark.skipif(not Path("/proc/self").exists(), reason="no folder that is read-only for root too")
-def test_without_a_place_for_what_is_temporary_figures_are_drawn_all_the_same(tmp_path):
-    code, _, err = program(NOWHERE, *SWEEP, tmp_path / "out", "--quiet")
-    assert (code, err) == (0, "")
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no folder that is read-only for root too")
+def test_without_a_place_for_what_is_temporary_or_for_the_result_the_files_are_written(tmp_path):
+    """The figure is drawn without a place for settings; a result that cannot be told is no fault of ours."""
+    with Path("/dev/full").open("w") as full:
+        code, err = program(NOWHERE, *SWEEP, tmp_path / "out", "--quiet", stdout=full)
+    assert code == 3
+    assert err.startswith("error RF")
+    assert "no space left on device" in err
+    assert "RF000" not in err
+    assert "Exception" not in err
+    assert len(err.splitlines()) <= 2
     assert (tmp_path / "out" / "sweep_figure.png").stat().st_size > 10_000
 
 
@@ -435,4 +444,4 @@ def test_without_a_place_for_what_is_temporary_figures_are_drawn_all_the_same(tm
 def test_what_libraries_log_is_not_for_the_reader(tmp_path):
     """A new folder for matplotlib's settings makes it tell of its list of fonts."""
     code = f"import os\nos.environ['MPLCONFIGDIR'] = {str(tmp_path / 'mpl')!r}\n"
-    assert program(code, *SWEEP, tmp_path / "out", "--quiet")[2] == ""
+    assert program(code, *SWEEP, tmp_path / "out", "--quiet") == (0, "")

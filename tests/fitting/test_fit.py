@@ -14,7 +14,6 @@ from scipy import optimize
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting import problem as problems
 from ropefric.fitting.fit import fit_law, trial_std
-from ropefric.fitting.intervals import bootstrap
 from ropefric.fitting.statistics import pooled_scatter
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
@@ -246,17 +245,6 @@ def test_a_law_is_searched_for_on_the_conditions_of_a_large_table(monkeypatch):
     found = fit_law(table_of("wrap-power", [0.2, -0.5, 0.1], repeats=400), "wrap-power")
     assert sizes == {18}
     assert found.statistics.n == 7200
-
-
-def test_a_bootstrap_of_a_large_table_draws_condition_means():
-    """The mean of a condition scatters by 1/√n of a repeat, so nothing need be drawn for each trial."""
-    theta = [0.2, -0.5, 0.1]
-    fits = [fit_law(table_of("wrap-power", theta, repeats=repeats), "wrap-power") for repeats in (100, 150)]
-    small, large = (bootstrap(fit.problem, fit.theta, n=400, scatter=(0.01, 0.005)) for fit in fits)
-    assert fits[1].problem.n_points > problems.MANY > fits[0].problem.n_points
-    # The scatter between conditions rules: half as many repeats more change little.
-    np.testing.assert_allclose(large.theta.std(axis=0), small.theta.std(axis=0), rtol=0.15)
-    assert len(bootstrap(fits[1].problem, fits[1].theta, n=50, kind="clustered").theta) == 50
 
 
 def test_copies_of_a_trial_say_nothing_of_how_repeats_scatter():

@@ -110,7 +110,7 @@ def test_where_all_have_as_many_repeats_it_is_the_straight_line_through_the_mean
 )
 def test_intervals_hold_the_truth_in_95_of_100(sizes, between):
     """A simulation that shares no code with the estimate but the estimate itself."""
-    rng, n, inside = np.random.default_rng(11), 1500, 0
+    rng, n, inside = np.random.default_rng(11), 800, 0
     for _ in range(n):
         J, y, group = linear_problem(rng, np.array(sizes), between, 0.02)
         theta, found = solved(J, y, group)
@@ -120,9 +120,9 @@ def test_intervals_hold_the_truth_in_95_of_100(sizes, between):
 
 
 def test_the_scatter_between_conditions_is_unbiased_but_for_its_floor():
-    rng, sizes = np.random.default_rng(2), np.array([2, 6, 3, 8, 2, 4])
-    found = [solved(*linear_problem(rng, sizes, 0.05, 0.02))[1].between ** 2 for _ in range(1500)]
-    assert np.mean(found) == pytest.approx(0.05**2, rel=4 * math.sqrt(2 / 4 / 1500) + 0.01)
+    rng, sizes, n = np.random.default_rng(2), np.array([2, 6, 3, 8, 2, 4]), 800
+    found = [solved(*linear_problem(rng, sizes, 0.05, 0.02))[1].between ** 2 for _ in range(n)]
+    assert np.mean(found) == pytest.approx(0.05**2, rel=4 * math.sqrt(2 / 4 / n) + 0.01)
 
 
 # --- errors in common -----------------------------------------------------------------------------------------------
@@ -130,7 +130,7 @@ def test_the_scatter_between_conditions_is_unbiased_but_for_its_floor():
 
 def test_a_cells_gain_reaches_the_coefficient_by_hand_and_does_not_average_out():
     """ln F_A too high by ε everywhere moves μ by ε Σφ/Σφ²; what of it the residuals show is not counted twice."""
-    rng, gain, n = np.random.default_rng(8), 0.03, 200
+    rng, gain, n = np.random.default_rng(8), 0.03, 80
     estimates, claimed = [], []
     for _ in range(n):
         y = 0.2 * np.repeat(WRAPS, 4) + 0.01 * rng.standard_normal(24) + gain * rng.standard_normal()
@@ -142,7 +142,7 @@ def test_a_cells_gain_reaches_the_coefficient_by_hand_and_does_not_average_out()
     (common,) = fit.common_errors
     assert (common.name, common.unit) == ("calibration of the force cell", "-")
     assert common.change[0] == pytest.approx(gain * WRAPS.sum() / (WRAPS @ WRAPS), rel=1e-6)
-    # The spread of 200 estimates is known to 5 %; the claim holds a scatter of few degrees of freedom.
+    # The spread of 80 estimates is known to 8 %; the claim holds a scatter of few degrees of freedom.
     assert np.sqrt(np.mean(np.square(claimed))) == pytest.approx(np.std(estimates), rel=0.12)
     plain = fit_law(trials, "constant", n_starts=1)
     assert np.mean(claimed) > 1.5 * plain["mu"].std

@@ -83,7 +83,7 @@ def test_wrap_series_at_one_load_is_refused_and_at_six_is_not():
 
 
 def test_one_load_says_so_in_words():
-    tables = (pulled("wrap-power", [0.2, -0.5, 0.1], wraps=TWELVE_WRAPS, seed=s) for s in range(4))
+    tables = (pulled("wrap-power", [0.2, -0.5, 0.1], wraps=TWELVE_WRAPS, seed=s) for s in range(2))
     fits = [fit_law(table, "wrap-power") for table in tables]
     assert not any(fit.trustworthy for fit in fits)
     unseen = [fit for fit in fits if fit.status is FitStatus.UNIDENTIFIABLE]

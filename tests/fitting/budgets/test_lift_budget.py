@@ -53,16 +53,6 @@ def test_of_an_exact_wheel_the_budget_is_the_prediction(wrap_fit):
     assert math.hypot(*(part["contribution"] for part in law.correlated)) == pytest.approx(budget.combined)
 
 
-def test_of_an_exact_wheel_the_draws_are_the_drawn_prediction(wrap_fit):
-    model = lift_model(wrap_fit, WHEEL, {})
-    budget = linear_budget(model)
-    drawn = propagate(model, budget, draws=100_000)
-    found = predict(wrap_fit, WHEEL, method="monte-carlo", n=100_000)
-    low, high = found.interval_N[0]
-    assert drawn.agrees is bool(found.linear_agrees[0])
-    assert drawn.symmetric_interval == pytest.approx((low, high), abs=0.03 * (high - low))
-
-
 def test_one_pull_is_as_uncertain_as_the_prediction_interval(wrap_fit):
     budget = linear_budget(lift_model(wrap_fit, WHEEL, {}, one_pull=True))
     low, high = predict(wrap_fit, WHEEL).prediction_interval_N[0]

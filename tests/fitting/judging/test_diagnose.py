@@ -54,15 +54,14 @@ def test_a_clear_offset(campaign):
 
 
 def test_an_offset_and_a_wrap_effect_look_alike_until_the_offset_is_clear(campaign):
-    from_zero = [law for law in ALL_LAWS if law.endswith("-from-zero")]
-    found = found_in(campaign("constant-offset", [0.15, 0.1]), [*FEW, *from_zero])
+    found = found_in(campaign("constant-offset", [0.15, 0.1]), ["wrap-power", "wrap-power-from-zero"])
     assert found["wrap effect"].supported == "cannot-tell"
     assert "looks exactly like a wrap effect" in found["wrap effect"].evidence
     assert "wrap near zero" in found["offset"].experiment
     # A wrap law can imitate it as a limit, with one parameter more, and so is never far behind.
     wraps = (60, 120, 240, 360, 540, 720)
     table = campaign("constant-offset", [0.15, 0.1], loads=(5.0, 40.0), wraps_deg=wraps)
-    ranked = compare_laws(table, FEW)
+    ranked = compare_laws(table, ["wrap-power"])
     assert ranked.best.law == "constant-offset"
     assert ranked["constant"].delta_aicc > 6.0
     found = diagnose(table, ranked)
@@ -158,7 +157,7 @@ def test_effects_of_unrepeated_trials(cause, wild):
         """Which falls with the wheel, as no law has it; or rises with the load."""
         return 0.2 * (R / 0.015) ** -0.5 if cause == "size effect" else 0.2 * F**0.05
 
-    found = found_in(unrepeated(mu, wild=wild))
+    found = found_in(unrepeated(mu, wild=wild), ["size-exponential" if cause == "size effect" else "howell"])
     assert found[cause].supported == "yes"
     assert not any(found[other].supported == "yes" for other in EFFECTS - {cause})
     assert (found["wild trials"].supported == "yes") == (wild > 0.0)
@@ -247,15 +246,6 @@ def test_coils_that_touch_raise_the_friction_beyond_one_turn():
     assert apart["wrap effect"].supported == "yes"
 
 
-def test_less_friction_beyond_one_turn_is_no_contact(campaign):
-    """Not that conditions were too few: contact cannot lower μ, and the trials leave it little room."""
-    falling = campaign("wrap-power", [0.2, -0.5, 0.1], wraps_deg=(90, 180, 270, 360, 540, 720), loads=(40.0,))
-    found = found_in(falling, ["constant"])["coil contact"]
-    assert found.supported == "no"
-    assert "contact cannot make μ smaller" in found.evidence
-    assert found.numbers["bound_high"] < 0.2
-
-
 def test_the_winning_law_names_no_effect_that_a_better_description_does_without():
     """Wheel and load go together here, so a law with both leads the laws; straight trends without the size lead it."""
     wraps, pairs = np.radians((90, 180, 360, 720)), ((10.0, 0.015), (40.0, 0.03), (120.0, 0.06))
@@ -277,21 +267,22 @@ def test_groups_of_trials(campaign):
     """A change of 3 % that goes with the group, in 15 conditions of 4 pulls that scatter by 1 %."""
     plain, turn = campaign("constant", [0.2], repeats=4), np.tile([0, 1, 0, 1], 15)
     order = np.random.default_rng(3).permutation(60)
-    for cause, column, words, size in (
-        ("rope", "rope_id", [*"AB"], turn),
-        ("operator", "operator", ["ann", "bob"], turn),
-        ("dwell", "dwell", ["1.0", "10.0"], turn),
-        ("order of trials", "order", [*map(str, range(60))], order),
+    pairs = {"rope_id": "AB", "operator": ("ann", "bob"), "dwell": ("1.0", "10.0")}
+    halves = {column: tuple(words[i] for i in turn) for column, words in pairs.items()}
+    for causes, labels, size in (
+        (("rope", "operator", "dwell"), halves, turn),
+        (("order of trials",), {"order": tuple(map(str, order))}, order / 60),
     ):
         for change, supported in ((0.03, "yes"), (0.0, "no")):
-            peak_N = plain.peak_N * np.exp(change * size / (60 if cause == "order of trials" else 1))
-            labels = {column: tuple(words[i] for i in size)}
-            found = found_in(replace(plain, labels=labels, peak_N=peak_N), ["constant"])[cause]
-            assert found.supported == supported, found.evidence
-            if change:
-                assert found.numbers["bound_low"] < 0.03 < found.numbers["bound_high"]
-            else:
-                assert "may still change" in found.evidence
+            peak_N = plain.peak_N * np.exp(change * size)
+            all_found = found_in(replace(plain, labels=labels, peak_N=peak_N), ["constant"])
+            for cause in causes:
+                found = all_found[cause]
+                assert found.supported == supported, found.evidence
+                if change:
+                    assert found.numbers["bound_low"] < 0.03 < found.numbers["bound_high"]
+                else:
+                    assert "may still change" in found.evidence
     each = replace(plain, labels={"rope_id": tuple(f"r{i}" for i in plain.group())})
     found = found_in(each, ["constant"])
     assert found["rope"].supported == "cannot-tell"

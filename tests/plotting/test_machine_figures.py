@@ -62,10 +62,10 @@ def started(press, friction):
     return start_up(press, speed=speed, time_s=np.linspace(0.0, 1.5, 76), friction=friction)
 
 
-def test_panels_show_tensions_speeds_slips_and_the_balance(press, assert_repeats, tmp_path):
+def test_panels_show_tensions_speeds_slips_and_the_balance(press, told, tmp_path):
     found = started(press, 0.12)
     assert found.slips
-    drawn = assert_repeats(lambda: draw_press_start_up(found))
+    drawn = told(draw_press_start_up(found))
     tension, speed, slip, energy = drawn.figure.axes
     for i, line in enumerate(tension.lines):
         np.testing.assert_array_equal(line.get_ydata(), found.tension_N[:, i])
@@ -119,9 +119,9 @@ def saw_chart_of(saw=SAW):
     return saw_chart(saw, shakes, SPEEDS, n_modes=2)
 
 
-def test_lines_are_the_modes_and_circles_the_crossings(assert_repeats, tmp_path):
+def test_lines_are_the_modes_and_circles_the_crossings(told, tmp_path):
     made = saw_chart_of()
-    drawn = assert_repeats(lambda: draw_saw_chart(made))
+    drawn = told(draw_saw_chart(made))
     (axes,) = drawn.figure.axes
     lines = [line for line in axes.lines if line.get_label() in {"tight side", "slack side"}]
     modes = [(side, mode) for side in (Side.TIGHT, Side.SLACK) for mode in (0, 1)]
@@ -171,9 +171,9 @@ def chart():
     return design_chart(load_fit(FIT), radii_m, wraps_rad, 60.0, rope_radius_m=0.0049)
 
 
-def test_lines_are_the_predictions_and_pale_outside_the_tested_range(assert_repeats):
+def test_lines_are_the_predictions_and_pale_outside_the_tested_range(told):
     made = chart()
-    drawn = assert_repeats(lambda: draw_design_chart(made, required_N=900.0))
+    drawn = told(draw_design_chart(made, required_N=900.0))
     (axes,) = drawn.figure.axes
     assert (axes.get_yscale(), axes.get_xlabel()) == ("log", "Wrap angle φ [deg]")
     assert all(words in axes.get_ylabel() for words in ("Lift force", "[N]"))

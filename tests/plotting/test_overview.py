@@ -51,9 +51,9 @@ def test_what_was_set_aside_or_warned_of_is_flagged(make_trial):
         assert set(levels.values()) == {OK}
 
 
-def test_the_table_and_the_drawing_agree(extraction_of, trials, assert_repeats, assert_readable):
+def test_the_table_and_the_drawing_agree(extraction_of, trials, told, assert_readable):
     extraction = extraction_of(trials)
-    made = assert_repeats(lambda: draw_overview(extraction))
+    made = told(draw_overview(extraction))
     assert_readable(made)
     rows = made.tables[0].rows
     assert [row[0] for row in rows] == [t.trial for t in trials]

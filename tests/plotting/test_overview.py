@@ -80,15 +80,13 @@ def test_the_table_and_the_drawing_agree(extraction_of, trials, told, assert_rea
 
 
 def test_many_trials_are_broken_into_bands(make_trial, assert_readable):
-    for n, bands in ((1, 1), (40, 1), (41, 1), (400, 4)):
+    for n, bands in ((1, 1), (41, 1), (400, 4)):
         made = draw_overview(campaign(many(make_trial, n)))
         assert (len(made.figure.axes), len(made.tables[0].rows)) == (bands, n)
         width_inch, height_inch = made.figure.get_size_inches()
         assert width_inch == 10.0
         assert height_inch < 14.0
-        if n == 400:
-            assert_readable(made)
+        assert_readable(made)  # which draws it
         # Names keep their distance: a letter of 7 points is high.
-        made.figure.canvas.draw()
         boxes = [label.get_window_extent() for label in made.figure.axes[0].get_xticklabels()]
         assert (np.diff([box.x0 for box in boxes]) > 7.0).all(), n

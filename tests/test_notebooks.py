@@ -12,8 +12,8 @@ import pytest
 import ropefric as rf
 
 NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
-SLOW = ("01_from_traces_to_lift_force", "05_what_accuracy_costs")
-"""They read a campaign or measure times; the others run by default."""
+QUICK = ("02_belt_press",)
+"""What runs by default; the long run and the site run all."""
 
 
 def code_cells(path):
@@ -48,7 +48,10 @@ def test_notebooks_are_stored_without_outputs_end_in_assertions_and_use_the_inte
 
 @pytest.mark.parametrize(
     "path",
-    [pytest.param(one, marks=pytest.mark.slow if one.stem in SLOW else (), id=one.stem) for one in NOTEBOOKS],
+    [
+        pytest.param(one, marks=() if one.stem in QUICK else pytest.mark.slow, id=one.stem)
+        for one in NOTEBOOKS
+    ],
 )
 def test_a_notebook_runs(path, monkeypatch):
     plt = pytest.importorskip("matplotlib.pyplot")

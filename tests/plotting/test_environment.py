@@ -52,8 +52,8 @@ def test_threads_draw_what_one_draws():
         return figure_files(made, "figure")
 
     alone = draw(0)
-    with ThreadPoolExecutor(4) as threads:
-        assert all(one == alone for one in threads.map(draw, range(6)))
+    with ThreadPoolExecutor(3) as threads:
+        assert all(one == alone for one in threads.map(draw, range(3)))
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="open files are listed on Linux only")

@@ -41,10 +41,8 @@ def table_of(wraps_rad, loads_N, peaks_N):
     return TrialTable(trial=names, wrap_angle_rad=wraps_rad, end_tension_N=loads_N, peak_N=peaks_N, **common)
 
 
-def test_facets_show_the_average_coefficient_of_each_condition(
-    pulls, fitted, assert_repeats, assert_readable
-):
-    made = assert_repeats(lambda: draw_mu_facets(list(fitted.values())))
+def test_facets_show_the_average_coefficient_of_each_condition(pulls, fitted, told, assert_readable):
+    made = told(draw_mu_facets(list(fitted.values())))
     assert_readable(made)
     known = by_condition(pulls)
     assert len(made.tables[0].rows) == len(known) == 7
@@ -76,8 +74,8 @@ def test_facets_show_the_average_coefficient_of_each_condition(
     np.testing.assert_allclose([(s[0, 1], s[1, 1]) for s in segments], ends)
 
 
-def test_capstan_plot_has_eulers_line_through_the_origin(pulls, fitted, assert_repeats, assert_readable):
-    made = assert_repeats(lambda: draw_capstan([fitted["wrap-power"]]))
+def test_capstan_plot_has_eulers_line_through_the_origin(pulls, fitted, told, assert_readable):
+    made = told(draw_capstan([fitted["wrap-power"]]))
     assert_readable(made)
     known = by_condition(pulls)
     wrap, rise = np.array([k[1] for k in known]), np.array([v.mean() for v in known.values()])
@@ -129,9 +127,9 @@ def test_the_lower_panel_shows_the_trials_off_the_law(pulls, fitted):
     assert "12 trials shown of 28 fitted" in made.figure.axes[0].get_title()
 
 
-def test_residuals_of_trials_are_measured_less_fitted(pulls, fitted, assert_repeats, assert_readable, stored):
+def test_residuals_of_trials_are_measured_less_fitted(pulls, fitted, told, assert_readable, stored):
     fit = fitted["constant"]
-    made = assert_repeats(lambda: draw_residuals(fit))
+    made = told(draw_residuals(fit))
     assert_readable(made)
     table = np.array(made.tables[0].rows)
     law = np.log(pulls.end_tension_N) + fit["mu"].value * pulls.wrap_angle_rad

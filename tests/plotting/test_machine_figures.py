@@ -15,7 +15,7 @@ from ropefric.fitting.predict import predict
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions
 from ropefric.plotting.design import draw_design_chart
-from ropefric.plotting.figure import new_figure, save_figure
+from ropefric.plotting.figure import figure_files, new_figure
 from ropefric.plotting.machines import draw_press_start_up, draw_saw_chart, draw_sweep, name_lines
 from ropefric.scenes.sweep import Axis, Sweep
 from ropefric.systems.bandsaw.resonance import fixed_frequency, saw_chart, tooth_passing, wheel_rotation
@@ -25,8 +25,8 @@ from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.start_up import start_up
 
 
-def rows_of(path):
-    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+def rows_of(table):
+    return list(csv.DictReader(table.decode().splitlines()))
 
 
 def texts(axes):
@@ -62,10 +62,10 @@ def started(press, friction):
     return start_up(press, speed=speed, time_s=np.linspace(0.0, 1.5, 76), friction=friction)
 
 
-def test_panels_show_tensions_speeds_slips_and_the_balance(press, assert_repeats, tmp_path):
+def test_panels_show_tensions_speeds_slips_and_the_balance(press, told):
     found = started(press, 0.12)
     assert found.slips
-    drawn = assert_repeats(lambda: draw_press_start_up(found))
+    drawn = told(draw_press_start_up(found))
     tension, speed, slip, energy = drawn.figure.axes
     for i, line in enumerate(tension.lines):
         np.testing.assert_array_equal(line.get_ydata(), found.tension_N[:, i])
@@ -80,9 +80,9 @@ def test_panels_show_tensions_speeds_slips_and_the_balance(press, assert_repeats
     assert "the belt slips on roller" in drawn.alt
     for axes, unit in zip(drawn.figure.axes, ("[N]", "[m/s]", "Slip", "[-]"), strict=True):
         assert unit in axes.get_ylabel()
-    paths = save_figure(drawn, tmp_path, "start")
-    assert {path.name for path in paths} == {"start.png", "start.csv", "start_slips.csv"}
-    rows = rows_of(tmp_path / "start.csv")
+    files = figure_files(drawn, "start", formats=())
+    assert {*files} == {"start.csv", "start_slips.csv"}
+    rows = rows_of(files["start.csv"])
     assert len(rows) == 76
     assert float(rows[-1]["tension_2_N"]) == pytest.approx(found.tension_N[-1, 1], rel=1e-7)
     rim_m_s = 0.1 * found.roller_speed_rad_s[-1, 1]
@@ -119,9 +119,9 @@ def saw_chart_of(saw=SAW):
     return saw_chart(saw, shakes, SPEEDS, n_modes=2)
 
 
-def test_lines_are_the_modes_and_circles_the_crossings(assert_repeats, tmp_path):
+def test_lines_are_the_modes_and_circles_the_crossings(told):
     made = saw_chart_of()
-    drawn = assert_repeats(lambda: draw_saw_chart(made))
+    drawn = told(draw_saw_chart(made))
     (axes,) = drawn.figure.axes
     lines = [line for line in axes.lines if line.get_label() in {"tight side", "slack side"}]
     modes = [(side, mode) for side in (Side.TIGHT, Side.SLACK) for mode in (0, 1)]
@@ -147,10 +147,10 @@ def test_lines_are_the_modes_and_circles_the_crossings(assert_repeats, tmp_path)
     drawn.figure.canvas.draw()
     boxes = [text.get_window_extent() for text in axes.texts if "%" in text.get_text()]
     assert not any(box.overlaps(other) for i, box in enumerate(boxes) for other in boxes[:i])
-    paths = save_figure(drawn, tmp_path, "saw")
-    assert [path.name for path in paths] == ["saw.png", "saw.csv", "saw_crossings.csv"]
-    assert len(rows_of(paths[1])) == 4 * SPEEDS.size
-    rows = rows_of(paths[2])
+    files = figure_files(drawn, "saw", formats=())
+    assert [*files] == ["saw.csv", "saw_crossings.csv"]
+    assert len(rows_of(files["saw.csv"])) == 4 * SPEEDS.size
+    rows = rows_of(files["saw_crossings.csv"])
     assert len(rows) == len(made.crossings)
     assert float(rows[0]["speed_m_s"]) == pytest.approx(made.crossings[0].speed_m_s, rel=1e-7)
 
@@ -171,9 +171,9 @@ def chart():
     return design_chart(load_fit(FIT), radii_m, wraps_rad, 60.0, rope_radius_m=0.0049)
 
 
-def test_lines_are_the_predictions_and_pale_outside_the_tested_range(assert_repeats):
+def test_lines_are_the_predictions_and_pale_outside_the_tested_range(told):
     made = chart()
-    drawn = assert_repeats(lambda: draw_design_chart(made, required_N=900.0))
+    drawn = told(draw_design_chart(made, required_N=900.0))
     (axes,) = drawn.figure.axes
     assert (axes.get_yscale(), axes.get_xlabel()) == ("log", "Wrap angle φ [deg]")
     assert all(words in axes.get_ylabel() for words in ("Lift force", "[N]"))

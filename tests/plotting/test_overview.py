@@ -51,9 +51,9 @@ def test_what_was_set_aside_or_warned_of_is_flagged(make_trial):
         assert set(levels.values()) == {OK}
 
 
-def test_the_table_and_the_drawing_agree(extraction_of, trials, assert_repeats, assert_readable):
+def test_the_table_and_the_drawing_agree(extraction_of, trials, told, assert_readable):
     extraction = extraction_of(trials)
-    made = assert_repeats(lambda: draw_overview(extraction))
+    made = told(draw_overview(extraction))
     assert_readable(made)
     rows = made.tables[0].rows
     assert [row[0] for row in rows] == [t.trial for t in trials]
@@ -80,15 +80,13 @@ def test_the_table_and_the_drawing_agree(extraction_of, trials, assert_repeats, 
 
 
 def test_many_trials_are_broken_into_bands(make_trial, assert_readable):
-    for n, bands in ((1, 1), (40, 1), (41, 1), (400, 4)):
+    for n, bands in ((1, 1), (41, 1), (400, 4)):
         made = draw_overview(campaign(many(make_trial, n)))
         assert (len(made.figure.axes), len(made.tables[0].rows)) == (bands, n)
         width_inch, height_inch = made.figure.get_size_inches()
         assert width_inch == 10.0
         assert height_inch < 14.0
-        if n == 400:
-            assert_readable(made)
+        assert_readable(made)  # which draws it
         # Names keep their distance: a letter of 7 points is high.
-        made.figure.canvas.draw()
         boxes = [label.get_window_extent() for label in made.figure.axes[0].get_xticklabels()]
         assert (np.diff([box.x0 for box in boxes]) > 7.0).all(), n

@@ -25,9 +25,9 @@ def entry(law, delta, *, counted=True, note="", weight=0.5):
     )  # fmt: skip
 
 
-def test_the_ladder_shows_the_comparison(pulls, assert_repeats, assert_readable):
+def test_the_ladder_shows_the_comparison(pulls, told, assert_readable):
     ranked = compare_laws(pulls, ["constant", "wrap-power", "size-power"])
-    made = assert_repeats(lambda: draw_ladder(ranked))
+    made = told(draw_ladder(ranked))
     assert_readable(made)
     (axes,) = made.figure.axes
     assert [label.get_text() for label in axes.get_yticklabels()] == [e.law for e in ranked.ranking]
@@ -69,8 +69,8 @@ def budget(rows):
     return draw_budget(rows, unit="N", title="F_A", combined=combined)
 
 
-def test_the_budget_is_ranked_with_shares_of_the_variance(assert_repeats, assert_readable):
-    made = assert_repeats(lambda: budget(BUDGET))
+def test_the_budget_is_ranked_with_shares_of_the_variance(told, assert_readable):
+    made = told(budget(BUDGET))
     assert_readable(made)
     rows = made.tables[0].rows
     assert [row[0] for row in rows] == ["wrap", "tare", "gain", "humidity"]
@@ -110,8 +110,8 @@ def test_a_correlated_budget_keeps_its_own_sum_and_one_without_contributions_say
         assert len(made.tables[0].rows) == len(rows)
 
 
-def test_the_tornado_has_the_widest_swing_on_top(assert_repeats, assert_readable):
-    made = assert_repeats(lambda: draw_tornado(SWINGS))
+def test_the_tornado_has_the_widest_swing_on_top(told, assert_readable):
+    made = told(draw_tornado(SWINGS))
     assert_readable(made)
     assert [(row[0], row[4]) for row in made.tables[0].rows] == [
         ("μ ± 0.01", 65.0),

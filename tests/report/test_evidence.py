@@ -1,7 +1,6 @@
 """What stands behind an answer: budgets, sensitivities and plans, against closed forms and their own definition."""
 
 import csv
-import html
 import json
 import math
 import statistics
@@ -74,11 +73,11 @@ def test_the_chart_holds_the_law_on_the_wheel_that_was_asked_for(capstan):
 
 
 def test_each_condition_has_a_budget_and_the_typical_one_is_the_median(run, evidence):
-    assert [condition.number for condition, _ in evidence.measured] == list(range(1, 10))
+    assert [condition.number for condition, _ in evidence.measured] == list(range(1, 7))
     for (_, item), summary in zip(evidence.measured, run.extraction.conditions, strict=True):
         assert item.estimate == pytest.approx(summary.mean_kept_N)
         assert item.combined > summary.std_kept_N / math.sqrt(summary.n_kept)
-    middle = statistics.median(item.relative for _, item in evidence.measured)
+    middle = statistics.median_high(item.relative for _, item in evidence.measured)
     found = evidence.typical.budget
     assert found.combined / found.estimate == pytest.approx(middle)
     assert evidence.measured[evidence.typical_number - 1][1].relative == pytest.approx(middle)
@@ -110,14 +109,13 @@ def test_a_manifest_that_is_none_is_said(tmp_path):
             recorded_run(tmp_path)
 
 
-def test_what_the_outlier_rule_costs_and_the_result_without_it(run, evidence, page):
+def test_what_the_outlier_rule_costs_and_the_result_without_it(run, evidence):
     """As if the rule had taken one trial more: without the rule, the result is the one with that trial."""
     conditions, trials, answer = run.extraction.conditions, run.extraction.trials, run.answer
     sizes = [sum(trial.usable and trial.trial in item.trials for trial in trials) for item in conditions]
     lost = sum(RULES["two-sigma"].good_lost(n) for n in sizes)
     told = f"takes {lost:.2g} good trials on average; here it took"
     assert f"{told} 0 of {sum(sizes)}" in evidence.rejection[0]
-    assert evidence.rejection[0] in html.unescape(page)
     taken = int(np.flatnonzero(answer.table.used)[3])
     marked = tuple(
         replace(t, kept=False, rejected_by="two-sigma") if i == taken else t for i, t in enumerate(trials)

@@ -2,6 +2,7 @@
 
 import csv
 import hashlib
+import html
 import json
 import math
 import re
@@ -138,6 +139,16 @@ def test_every_trial_that_does_not_count_is_named_with_its_reason(page, results)
         assert f'>{row["trial"]}</th><td class="words">{verdict}</td>' in table
     kept = next(row["trial"] for row in rows if row["kept"] == "true")
     assert kept not in table
+
+
+def test_every_recording_is_shown_once_with_its_pick_and_what_the_outlier_rule_costs(run, evidence, page):
+    for trial in run.extraction.trials:
+        assert page.count(f">{trial.trial}</text>") >= 1, trial.trial
+    shown = page[page.index('id="fig-recordings_1"') :].split("</figure>")[0]
+    for trial in run.extraction.trials:
+        word = f"{trial.measured_N:.4g} N" if trial.outcome != "without a force" else trial.breakaway.status
+        assert f">{word}</text>" in shown
+    assert evidence.rejection[0] in html.unescape(page)
 
 
 def test_the_inputs_stand_in_it_with_their_hashes(page, campaign, results):

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from ropefric.cli.app import main
 from ropefric.errors import DataError, InputError
+from ropefric.fitting import compare
 from ropefric.review import session
 from ropefric.review.session import decimated
 
@@ -45,7 +46,8 @@ def test_an_accepted_candidate_counts_and_everything_else_stays(begin, campaign)
     ]  # fmt: skip
 
 
-def test_what_the_page_says_is_what_run_says(begin, settled, campaign, capfd):
+def test_what_the_page_says_is_what_run_says(begin, settled, campaign, capfd, monkeypatch):
+    monkeypatch.setattr(compare, "LAWS", {name: compare.LAWS[name] for name in compare.ALWAYS})
     review = begin(fits=True)
     first = settled(review)["now"]
     for trial in DOUBTFUL:  # the second while the first is being fitted
@@ -138,7 +140,7 @@ def test_only_what_changed_is_extracted_again(begin, campaign, monkeypatch):
     review.reload()
     review.decide("c35-r01", "exclude", text="torn")
     review.undo()
-    assert asked == [[f"c11-r0{i}" for i in range(1, 7)], ["c35-r01"], ["c35-r01"]]
+    assert asked == [[f"c11-r0{i}" for i in range(1, 5)], ["c35-r01"], ["c35-r01"]]
 
 
 @pytest.mark.parametrize("what", ["disk", "campaign"])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from thinned import thinned
+from thinned import slow
 
 from ropefric.rig.dynamics import Slider, simulate
 
@@ -101,7 +101,7 @@ def by_radau(one, end_s):
 
 @pytest.mark.parametrize(
     "changed",
-    thinned([{}, {"law": "slip"}, {"slip_m": 1e-4, "a": 0.012}, BRISTLES]),
+    [{}, slow({"law": "slip"}), slow({"slip_m": 1e-4, "a": 0.012}), BRISTLES],
     ids=["ageing", "slip", "slow weakening", "bristles"],
 )
 def test_the_first_break_is_that_of_an_independent_solver(changed):

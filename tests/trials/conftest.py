@@ -2,7 +2,6 @@
 
 import math
 import re
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -84,20 +83,16 @@ def new_lab():
     return Lab
 
 
-@pytest.fixture
-def in_process(monkeypatch):
-    """Have recordings extracted in this process, in their order or backwards."""
+def one_by_one(work, n, *, backwards=False, **_limits):
+    """Do the work in this process, in its order or backwards."""
+    yield from ((place, work(place)) for place in sorted(range(n), reverse=backwards))
 
-    @contextmanager
-    def in_process(*, backwards=False):
-        def here(work, n, **_limits):
-            yield from ((place, work(place)) for place in sorted(range(n), reverse=backwards))
 
-        with monkeypatch.context() as patch:
-            patch.setattr(extract_module, "guarded", here)
-            yield
-
-    return in_process
+@pytest.fixture(autouse=True)
+def in_process(request, monkeypatch):
+    """Have recordings read in this process: to fork another takes longer. Files about processes have `PROCESSES`."""
+    if not hasattr(request.module, "PROCESSES"):
+        monkeypatch.setattr(extract_module, "guarded", one_by_one)
 
 
 @pytest.fixture(scope="session")

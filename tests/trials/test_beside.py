@@ -73,7 +73,7 @@ def test_the_kinetic_force_has_an_uncertainty_and_reaches_the_trial_table(lab, t
 
 
 @pytest.fixture
-def doubtful_last(lab, in_process, monkeypatch):
+def doubtful_last(lab, monkeypatch):
     """Return a campaign whose last recording leaves the picker in doubt."""
     protocol = PROTOCOLS["breakaway"]
 
@@ -89,9 +89,7 @@ def doubtful_last(lab, in_process, monkeypatch):
             return type("Protocol", (), {"pick": staticmethod(pick)})
 
     monkeypatch.setattr("ropefric.trials.extract.PROTOCOLS", Doubting())
-    lab.pulls(a=100, b=101, c=100.5, d=99)
-    with in_process():
-        yield lab
+    return lab.pulls(a=100, b=101, c=100.5, d=99)
 
 
 def test_a_doubtful_trial_is_never_kept_and_comes_with_its_candidates(doubtful_last):

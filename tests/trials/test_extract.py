@@ -1,6 +1,7 @@
 """What an extraction promises of every campaign, whatever it runs on."""
 
 import gc
+import hashlib
 import json
 import math
 import tomllib
@@ -12,11 +13,14 @@ import pytest
 
 from ropefric.cli.app import main
 from ropefric.errors import InputError
+from ropefric.files import disk
 from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
 from ropefric.traces.breakaway import Status
+from ropefric.trials import extract
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.extract import extract_campaign
 from ropefric.trials.result import write_tables
+from ropefric.trials.workers import guarded
 
 BIAS = 3e-3
 
@@ -76,13 +80,15 @@ def rows_of(extraction, folder):
     return extraction.to_dict(), [path.read_bytes() for path in write_tables(extraction, folder)], outlines
 
 
-def test_results_do_not_depend_on_who_does_the_work(small_campaign, small_extraction, tmp_path, in_process):
+def test_results_do_not_depend_on_who_does_the_work(small_campaign, small_extraction, tmp_path, monkeypatch):
     campaign = load_campaign(small_campaign / "campaign.toml")
     serial, calls = rows_of(small_extraction, tmp_path), []
+    monkeypatch.setattr(extract, "guarded", guarded)
     extraction = extract_campaign(campaign, jobs=2, progress=lambda *call: calls.append(call))
     assert rows_of(extraction, tmp_path) == serial
-    with in_process(backwards=True):
-        assert rows_of(extract_campaign(campaign), tmp_path) == serial
+    backwards = lambda work, n, **_: ((place, work(place)) for place in reversed(range(n)))  # noqa: E731
+    monkeypatch.setattr(extract, "guarded", backwards)
+    assert rows_of(extract_campaign(campaign), tmp_path) == serial
     assert [(done, total) for done, total, _ in calls] == [(i + 1, 16) for i in range(16)]
     assert {text for *_, text in calls} == {f"{t.trial} {t.breakaway.status}" for t in extraction.trials}
 
@@ -194,7 +200,7 @@ def test_the_tare_is_taken_off_and_kept(lab, pull_csv):
 
 
 @pytest.mark.slow
-def test_memory_does_not_grow_with_the_number_of_recordings(lab, pull_csv, in_process):
+def test_memory_does_not_grow_with_the_number_of_recordings(lab, pull_csv):
     """What stays of a recording is its result; the samples of at most one are there at a time."""
     names = [f"r{i:02d}.csv" for i in range(40)]
     for seed, name in enumerate(names):
@@ -205,8 +211,7 @@ def test_memory_does_not_grow_with_the_number_of_recordings(lab, pull_csv, in_pr
         campaign = lab.write([lab.row(name) for name in names[:n]]).load()
         gc.collect()
         tracemalloc.start()
-        with in_process():
-            extraction = extract_campaign(campaign)
+        extraction = extract_campaign(campaign)
         gc.collect()
         held, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
@@ -217,3 +222,33 @@ def test_memory_does_not_grow_with_the_number_of_recordings(lab, pull_csv, in_pr
     few, many = peak_and_result(10), peak_and_result(40)
     assert many[0] - few[0] < (many[1] - few[1]) + samples_bytes
     assert (many[1] - few[1]) / 30 < 0.1 * samples_bytes
+
+
+@pytest.mark.parametrize(("large", "in_place"), [(False, True), (True, False), (True, True)])
+def test_hash_and_numbers_come_from_the_same_bytes(lab, pull_csv, monkeypatch, *, large, in_place):
+    """A file that is replaced between being hashed and being parsed."""
+    if large:
+        monkeypatch.setattr(disk, "KEPT_BYTES", 100)
+    lab.pulls(a=100.0)
+    target, other, real = lab.folder / "a.csv", pull_csv(150.0, seed=3).encode(), extract.read_recordings
+    first = target.read_bytes()
+    todo = [other]
+
+    def replace_it(*args, **options):
+        while todo:
+            if in_place:
+                target.write_bytes(todo.pop())
+            else:
+                (lab.folder / "new").write_bytes(todo.pop())
+                (lab.folder / "new").replace(target)
+        return real(*args, **options)
+
+    monkeypatch.setattr(extract, "read_recordings", replace_it)
+    (trial,) = lab.extract().trials
+    assert not todo
+    read_bytes = first if round(trial.peak_N) == 100 else other
+    assert trial.peak_N == pytest.approx(100 if read_bytes is first else 150, rel=0.01)
+    assert trial.sha256 == hashlib.sha256(read_bytes).hexdigest()
+    (again,) = lab.extract().trials
+    assert again.sha256 == hashlib.sha256(other).hexdigest()
+    assert again.peak_N == pytest.approx(150, rel=0.01)

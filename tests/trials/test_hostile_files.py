@@ -1,7 +1,6 @@
 """Files that kill, hang or fill the memory of whoever reads them: they are lost alone."""
 
 import gzip
-import hashlib
 import os
 import shutil
 import struct
@@ -14,11 +13,12 @@ import numpy as np
 import pytest
 
 from ropefric.cli.app import main
-from ropefric.files import disk, text
+from ropefric.files import text
 from ropefric.traces.breakaway import Status
 from ropefric.trials import extract as recording
 from ropefric.trials import workers
 
+PROCESSES = True
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux only")
 
 
@@ -86,7 +86,7 @@ def hostile_files(tmp_path_factory):
     """Return their paths."""
     folder = tmp_path_factory.mktemp("hostile")
     (folder / "nested.mat").write_bytes(mat_of_nested_cells(5000))
-    (folder / "zeros.mat").write_bytes(mat_of_zeros(6 * 10**8))
+    (folder / "zeros.mat").write_bytes(mat_of_zeros(2 * 10**8))
     corner = '<row r="1"><c r="A1"><v>1</v></c></row><row r="1048576"><c r="XFD1048576"><v>1</v></c></row>'
     write_zip(folder / "corner.xlsx", xlsx(corner))
     beyond = corner.replace("1048576", "4294967295").replace("XFD", "B")
@@ -207,36 +207,3 @@ def test_two_trials_of_one_name_keep_their_own_recordings(lab):
         peaks_N = {trial.trial: trial.peak_N for trial in trials}
         # The name somebody gave stays his.
         assert peaks_N == pytest.approx({"w#2": 60, "w#w": 100, "w#2-2": 150}, rel=0.01)
-
-
-@pytest.mark.parametrize(("large", "in_place"), [(False, True), (True, False), (True, True)])
-def test_hash_and_numbers_come_from_the_same_bytes(
-    lab, pull_csv, monkeypatch, in_process, *, large, in_place
-):
-    """A file that is replaced between being hashed and being parsed."""
-    if large:
-        monkeypatch.setattr(disk, "KEPT_BYTES", 100)
-    lab.pulls(a=100.0)
-    target, other, real = lab.folder / "a.csv", pull_csv(150.0, seed=3).encode(), recording.read_recordings
-    first = target.read_bytes()
-    todo = [other]
-
-    def replace_it(*args, **options):
-        while todo:
-            if in_place:
-                target.write_bytes(todo.pop())
-            else:
-                (lab.folder / "new").write_bytes(todo.pop())
-                (lab.folder / "new").replace(target)
-        return real(*args, **options)
-
-    monkeypatch.setattr(recording, "read_recordings", replace_it)
-    with in_process():
-        (trial,) = lab.extract().trials
-    assert not todo
-    read_bytes = first if round(trial.peak_N) == 100 else other
-    assert trial.peak_N == pytest.approx(100 if read_bytes is first else 150, rel=0.01)
-    assert trial.sha256 == hashlib.sha256(read_bytes).hexdigest()
-    (again,) = lab.extract().trials
-    assert again.sha256 == hashlib.sha256(other).hexdigest()
-    assert again.peak_N == pytest.approx(150, rel=0.01)

@@ -121,7 +121,7 @@ def test_the_tables_are_what_a_simulation_finds_and_between_their_entries_good_t
     assert trimming_bias(2, name).ratio == pytest.approx(math.sqrt(2 / math.pi))
     for n in (3, 4, 6, 8, 20, 50, 13, 25, 75):
         between = n in (13, 25, 75)
-        ratio, ratio_std, share, share_std = simulate(n, name, (400_000 if between else 600_000) // n)
+        ratio, ratio_std, share, share_std = simulate(n, name, (200_000 if between else 300_000) // n)
         table = trimming_bias(n, name)
         assert table.ratio == pytest.approx(ratio, abs=(0.004 if between else 0.001) + 4 * ratio_std), n
         assert table.share == pytest.approx(share, abs=(0.012 if between else 0.001) + 4 * share_std), n

@@ -40,7 +40,7 @@ cells = st.one_of(
 )
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=50)
 @given(
     rows=st.lists(st.tuples(cells, cells), min_size=1, max_size=30),
     head=st.sampled_from(sorted(HEADS)),

@@ -190,7 +190,7 @@ def test_many_beams_are_read_off_between_a_few_and_each_is_what_it_is_alone(ends
             calls.clear()
             found = beam_frequencies_Hz(many, ends, 4, accuracy=accuracy)
             between += len(calls) < n
-            for i in range(0, n, 7):
+            for i in range(0, n, 29):
                 alone = beam_frequencies_Hz(many.select([i]), ends, 4, accuracy=1e-2 * accuracy)[0]
                 np.testing.assert_allclose(found[i], alone, rtol=2.0 * accuracy)
     assert between >= 8

@@ -97,13 +97,7 @@ class Answers(Shown):
 
 
 def solve_points(
-    scene: Scene,
-    points: Points,
-    *,
-    progress: Progress | None,
-    write: Write | None,
-    keep: int,
-    executor: Any,
+    scene: Scene, points: Points, *, progress: Progress | None, write: Write | None, keep: int, executor: Any
 ) -> tuple[dict[str, Any], "Kept"]:
     """Return the fields of `Answers` to many cases, and what was kept of their numbers: at most some `keep` of each."""
     total, kept = prod(points.shape), Kept(points.shape, keep, summed=points.summed)

@@ -42,8 +42,7 @@ def test_an_integrator_asked_for_by_name_promises_nothing(scene_of, loaded):
 
 
 @pytest.mark.parametrize(
-    ("name", "parts"),
-    [("belt-press", ["critical", "creep.power_lost_W"]), ("band-saw", ["resonance"])],
+    ("name", "parts"), [("belt-press", ["critical", "creep.power_lost_W"]), ("band-saw", ["resonance"])]
 )
 def test_what_the_bound_does_not_cover_is_said_where_something_is_left_out(scene_of, loaded, name, parts):
     tree = loaded(name).document.data

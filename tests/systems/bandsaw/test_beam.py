@@ -182,11 +182,7 @@ def test_many_beams_are_read_off_between_a_few_and_each_is_what_it_is_alone(ends
             stiff = 10.0 ** rng.uniform(-6.0, 2.0) * np.exp(width * rng.random(n))
             fastest = min(fast * (1.0 + 0.1 * width), 0.99)
             parts = {"free_span_m": 1.0, "linear_density_kg_m": 1.0, "preload_N": 1.0}
-            many = Span(
-                **parts,
-                bending_stiffness_N_m2=stiff,
-                travel_speed_m_s=rng.uniform(fast, fastest, n),
-            )
+            many = Span(**parts, bending_stiffness_N_m2=stiff, travel_speed_m_s=rng.uniform(fast, fastest, n))
             calls.clear()
             found = beam_frequencies_Hz(many, ends, 4, accuracy=accuracy)
             between += len(calls) < n

@@ -19,13 +19,7 @@ from ropefric.systems.bandsaw.saw import (
     tension_difference_N,
     torque_N_m,
 )
-from ropefric.systems.bandsaw.span import (
-    CLAMPED,
-    PINNED,
-    Pair,
-    Span,
-    string_frequencies_Hz,
-)
+from ropefric.systems.bandsaw.span import CLAMPED, PINNED, Pair, Span, string_frequencies_Hz
 
 
 def exact_hz(span, case=0):

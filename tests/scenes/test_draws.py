@@ -22,9 +22,9 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.draws import _Draws, draw_scene
 from ropefric.scenes.points import _Run
-from ropefric.scenes.scene import number_keys, read_scene, value_at
+from ropefric.scenes.scene import read_scene
 from ropefric.scenes.solve import solve_scene
-from ropefric.scenes.sweep import parse_axis, sweep_table
+from ropefric.scenes.sweep import sweep_table
 from ropefric.systems.beltdrive.drive import solve_drive
 from ropefric.systems.friction import ScaleTo, WrapFriction
 from ropefric.uncertainty.budget import directions
@@ -390,20 +390,6 @@ def test_memory_does_not_grow_with_the_draws(hoist_of, tmp_path, monkeypatch, bl
 
     peak(500)
     assert peak(2500) < 1.2 * peak(500)
-
-
-def test_many_tolerances_are_drawn_at_some_of_the_corners_of_their_box(loaded):
-    scene = loaded("traction")
-    keys = [
-        key for key in number_keys(scene.document, scene.table) if key not in {"ropes.count", "lift.speed"}
-    ]
-    assert len(keys) > 8
-    scene = replace(scene, tolerances={key: 1e-4 * value_at(scene.table, key) for key in keys})
-    found = draw_scene(scene, 10)
-    assert found.answered == 10
-    assert found.inputs == tuple(
-        parse_axis(scene, f"{key}={value_at(scene.document.data, key)}").label for key in keys
-    )
 
 
 def test_start_ups_are_drawn_one_by_one(loaded):

@@ -133,7 +133,7 @@ def test_a_slip_of_a_millisecond_between_the_steps_of_a_grid_is_not_missed(loade
     tree = loaded("press-start-up").document.data | {"friction": {"mu": mu}, "accuracy": 0.05}
     tree["press"] = tree["press"] | {"preload": preload, "closure": "equal", "load_factor": load_factor}
     tree["rollers"] = tree["rollers"] | {"3": tree["rollers"]["3"] | {"inertia": inertia}}
-    tree["start_up"] = {"law": "constant", "simulate": "0.2 s", "points": 46, "loads": "constant"}
+    tree["start_up"] = {"law": "constant", "simulate": "0.1 s", "points": 23, "loads": "constant"}
     planned, whole = (
         solve_scene(scene_of(**tree | {"effects": effects})).answer.start_up.summary()
         for effects in ("auto", "all")

@@ -147,8 +147,10 @@ def test_each_point_of_a_small_sweep_keeps_the_promise(hoist_of):
     assert math.isfinite(planned.error_bound)
 
 
-def test_start_ups_are_swept_one_by_one(loaded, scenes_folder):
-    scene = loaded("press-start-up")
+def test_start_ups_are_swept_one_by_one(scenes_folder):
+    path = scenes_folder / "press-start-up.toml"
+    short = {"start_up.duration": "2 s", "start_up.simulate": "2.2 s", "start_up.points": 111}
+    scene = load_scene(path, short)
     swept = sweep_scene(scene, (parse_axis(scene, "press.preload=1100N,2500N"),))
     assert swept.failed == 0
     assert "transient" in swept.simulated
@@ -156,7 +158,6 @@ def test_start_ups_are_swept_one_by_one(loaded, scenes_folder):
     assert largest[0] > 1.0 > largest[1] > 0.0
     assert swept.columns["start_up.slips"].tolist() == [1.0, 0.0]
     assert swept.columns["start_up.slip_loss_J"][0] > swept.columns["start_up.slip_loss_J"][1] == 0.0
-    scene = load_scene(scenes_folder / "press-start-up.toml", {"press.preload": "2500 N"})
-    alone = solve_scene(scene).answer.start_up.summary()
+    alone = solve_scene(load_scene(path, short | {"press.preload": "2500 N"})).answer.start_up.summary()
     assert swept.columns["start_up.peak_tension_N"][1] == max(alone["peak_tension_N"].values())
     assert swept.columns["start_up.peak_utilisation"][1] == max(alone["peak_utilisation"].values())

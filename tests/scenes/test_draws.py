@@ -155,32 +155,32 @@ def assert_matches_one_by_one(scene):
             assert written[0][one.name][i] == pytest.approx(one.value[0], rel=1e-9, nan_ok=True), one.name
 
 
-@pytest.mark.parametrize("name", ALL_LAWS)
-def test_every_law_takes_parameters_of_its_own_for_each_case(name):
-    law, rng = ALL_LAWS[name], np.random.default_rng(3)
-    theta = np.array([one.start for one in law.parameters]) * rng.uniform(
-        0.95, 1.05, (4, len(law.parameters))
-    )
-    at = {
-        "wheel_radius_m": rng.uniform(0.03, 0.05, 4),
-        "rope_radius_m": 0.005,
-        "wrap_angle_rad": rng.uniform(3.0, 9.0, 4),
-        "slack_tension_N": rng.uniform(40.0, 90.0, (2, 4)),
-    }
-    whole = WrapFriction(
-        law=law, theta=theta, reference=one_condition(0.04, 0.005, 6.0, 50.0), scale_to=ScaleTo(0.2, 3.0)
-    )
-    for told in (frozenset(), frozenset({"wrap", "end-tension", "size"})):
-        found = whole.exponent(**at, told=told)
-        turned = {
-            key: one.T[..., None] if np.ndim(one) == 1 else np.transpose(one) for key, one in at.items()
+def test_every_law_takes_parameters_of_its_own_for_each_case():
+    for name in ALL_LAWS:
+        law, rng = ALL_LAWS[name], np.random.default_rng(3)
+        theta = np.array([one.start for one in law.parameters]) * rng.uniform(
+            0.95, 1.05, (4, len(law.parameters))
+        )
+        at = {
+            "wheel_radius_m": rng.uniform(0.03, 0.05, 4),
+            "rope_radius_m": 0.005,
+            "wrap_angle_rad": rng.uniform(3.0, 9.0, 4),
+            "slack_tension_N": rng.uniform(40.0, 90.0, (2, 4)),
         }
-        places = whole.exponent(**turned, told=told, places=1)
-        for i in range(4):
-            alone = {key: one if np.ndim(one) == 0 else one[..., i : i + 1] for key, one in at.items()}
-            wanted = replace(whole, theta=theta[i]).exponent(**alone, told=told)
-            assert found[..., i : i + 1] == pytest.approx(wanted, rel=1e-12)
-            assert places[i] == pytest.approx(wanted.ravel(), rel=1e-12)
+        whole = WrapFriction(
+            law=law, theta=theta, reference=one_condition(0.04, 0.005, 6.0, 50.0), scale_to=ScaleTo(0.2, 3.0)
+        )
+        for told in (frozenset(), frozenset({"wrap", "end-tension", "size"})):
+            found = whole.exponent(**at, told=told)
+            turned = {
+                key: one.T[..., None] if np.ndim(one) == 1 else np.transpose(one) for key, one in at.items()
+            }
+            places = whole.exponent(**turned, told=told, places=1)
+            for i in range(4):
+                alone = {key: one if np.ndim(one) == 0 else one[..., i : i + 1] for key, one in at.items()}
+                wanted = replace(whole, theta=theta[i]).exponent(**alone, told=told)
+                assert found[..., i : i + 1] == pytest.approx(wanted, rel=1e-12), name
+                assert places[i] == pytest.approx(wanted.ravel(), rel=1e-12), name
 
 
 # --- planned once ---
@@ -289,9 +289,8 @@ def test_draws_without_an_answer_are_counted_and_left_out_of_all_numbers(hoist_o
     assert math.isfinite(found.numbers["lift_force_N"].std)
 
 
-@pytest.mark.parametrize(
-    ("tolerances", "words"),
-    [
+def test_tolerances_that_are_none_are_refused(hoist_of):
+    for tolerances, words in [
         ({"wheel": {"warp": "5 deg"}}, "did you mean 'wheel.wrap'"),
         ({"wheel": {"wrap": "5 mm"}}, "not a unit of angle"),
         ({"wheel": {"wrap": 5.0}}, "written like its value"),
@@ -300,12 +299,10 @@ def test_draws_without_an_answer_are_counted_and_left_out_of_all_numbers(hoist_o
         ({"wheel": {"wrap": True}}, "written like its value"),
         ({"friction": {"fit": "1 N"}}, "no number"),
         ({"accuracy": 0.1}, "no number"),
-    ],
-)
-def test_tolerances_that_are_none_are_refused(hoist_of, tolerances, words):
-    with pytest.raises(DataError, match=words) as caught:
-        hoist_of(tolerances=tolerances)
-    assert caught.value.problem.key.startswith("tolerances.")
+    ]:
+        with pytest.raises(DataError, match=words) as caught:
+            hoist_of(tolerances=tolerances)
+        assert caught.value.problem.key.startswith("tolerances."), tolerances
 
 
 def test_a_tolerance_beyond_what_the_scene_can_take_is_refused(hoist_of):

@@ -8,7 +8,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,14 +20,12 @@ from ropefric.scenes.plan import solve_planned
 from ropefric.scenes.points import BLOCK, Answers, Points, Progress, Write, solve_points
 from ropefric.scenes.scene import Scene, placed, unit_of, value_at
 from ropefric.scenes.sweep import Axis, parse_axis
-from ropefric.uncertainty.budget import check_level, joint_draws, quantile, symmetric_root
+from ropefric.uncertainty.budget import check_level, joint_draws, symmetric_root
 
 MOST_DRAWS = 10_000_000
 FEWEST_DRAWS = 10
 KEPT_DRAWS = 200_000
 """Whose numbers are held, for quantiles."""
-_ALL_CORNERS = 8
-"""Tolerances at all of whose corners the box is looked at."""
 _OWN_PARAMETERS = "friction.parameters."
 
 
@@ -66,7 +63,7 @@ class _Draws(Points):
         self.columns = (*(axis.label for axis in self.axes), *(f"friction.{name}" for name in law))
 
     def at(self, places: IntArray) -> list[FloatArray]:
-        """Return the draws at places of one block."""
+        """Return the draws at places of one block; of more, other ones."""
         block, own, friction = int(places[0]) // BLOCK, places % BLOCK, self.friction
         flat = _flat(self.seed, block, len(self.axes))[own].T
         found = [
@@ -80,22 +77,6 @@ class _Draws(Points):
                 theta = np.clip(theta + scattered @ friction.root.T, *friction.bounds)
             found.append(theta)
         return found
-
-    def box(self) -> list[FloatArray]:
-        """Return corners of all tolerances, each with the parameters as fitted and far out each way."""
-        size = len(self.axes)
-        if size <= _ALL_CORNERS:
-            ways = np.array(list(product((0, 1), repeat=size))).reshape(2**size, size)
-        else:  # of very many some
-            ways = np.random.default_rng(self.seed).integers(0, 2, (2**_ALL_CORNERS, size))
-        corners = [axis.values[way] for axis, way in zip(self.axes, ways.T, strict=True)]
-        if self.friction is None:
-            return corners
-        names, theta, half, root, dof, bounds = self.friction
-        reach = quantile(1.0 - 0.5 / (self.shape[0] * len(names)), dof)
-        rays = np.vstack([np.zeros(theta.size), np.diag(half), reach * root.T.reshape(-1, theta.size)])
-        stars = np.clip(theta + np.unique(np.vstack([rays, -rays]), axis=0), *bounds)
-        return [*(np.tile(one, len(stars)) for one in corners), np.repeat(stars, len(ways), axis=0)]
 
     def drawn(self, places: IntArray) -> Mapping[str, FloatArray]:
         """Return what was drawn, in the units of the scene."""
@@ -260,7 +241,7 @@ def draw_scene(
     write: Write | None = None,
     executor: Any = None,
 ) -> Draws:
-    """Return what a scene answers to draws of what it is not sure of, planned once for their box.
+    """Return what a scene answers to draws of what it is not sure of, planned once.
 
     They are solved block by block, here or by an executor, and each is handed on to be written: memory stays flat.
     """

@@ -1,4 +1,4 @@
-"""Many cases of one scene, planned once for their box and solved block by block: a grid, or draws.
+"""Many cases of one scene, planned once for some of them and solved block by block: a grid, or draws.
 
 What the cases are is said by a `Points`; each is a list of values, one array for each of its axes. They are solved in
 one call where the system allows it, one by one elsewhere, here or by an executor, with memory that stays flat.
@@ -6,7 +6,7 @@ one call where the system allows it, one by one elsewhere, here or by an executo
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import chain, islice, tee
@@ -30,6 +30,8 @@ _ONE_BY_ONE = 20
 """Points of a piece of work that are solved one after another."""
 _SEEN_S = 1.0
 """What is solved in one call takes at most about this long."""
+_LOOKED_AT = 61
+"""Cases, evenly spaced among all, at which it is asked whether leaving effects out saves time."""
 
 Progress = Callable[[int, int, str], None]
 Write = Callable[[Mapping[str, FloatArray], int], None]
@@ -55,11 +57,7 @@ class Points(Protocol):
     """How many there are, along each axis."""
 
     def at(self, places: IntArray) -> list[FloatArray]:
-        """Return the values of all keys at places of one block in SI, and last the parameters if they differ, (n, p)."""
-        ...
-
-    def box(self) -> list[FloatArray]:
-        """Return such values at corners of the box that all points lie in, and between them."""
+        """Return the values of all keys at places in SI, and last the parameters if they differ, (n, p)."""
         ...
 
     def drawn(self, places: IntArray) -> Mapping[str, FloatArray]:  # noqa: ARG002  (of the draws)
@@ -97,13 +95,7 @@ class Answers(Shown):
 
 
 def solve_points(
-    scene: Scene,
-    points: Points,
-    *,
-    progress: Progress | None,
-    write: Write | None,
-    keep: int,
-    executor: Any,
+    scene: Scene, points: Points, *, progress: Progress | None, write: Write | None, keep: int, executor: Any
 ) -> tuple[dict[str, Any], "Kept"]:
     """Return the fields of `Answers` to many cases, and what was kept of their numbers: at most some `keep` of each."""
     total, kept = prod(points.shape), Kept(points.shape, keep, summed=points.summed)
@@ -229,7 +221,7 @@ Outcome = tuple[IntArray, _Found | RopefricError]
 
 
 class _Run:
-    """Many cases as they are solved: whether effects are worth leaving out is asked once, for the box of all axes.
+    """Many cases as they are solved: whether effects are worth leaving out is asked once, for some of them.
 
     They go wherever their bounds allow it. Where what is left then leaves a yes or no open, or a difference of two
     numbers less accurate than is wanted, the points are solved again with everything.
@@ -245,7 +237,7 @@ class _Run:
         self.room = room_for_effects(scene.accuracy)
         self.gone: frozenset[str] = frozenset()
         if scene.effects == "auto" and self.by_array:
-            # Where the box has a point without an answer, the sweep will say which.
+            # Where some make no problem, the sweep will say which.
             with suppress(RopefricError):
                 self.gone = self._worth_leaving_out(prod(points.shape))
 
@@ -272,22 +264,19 @@ class _Run:
         return kind.problem(table, friction)
 
     def _worth_leaving_out(self, total: int) -> frozenset[str]:
-        """Return the effects that have a bound and take time, if in the box that saves more than it costs."""
-        asked = worth_asking(applicable(self.kind.system.effects, self.scene.problem).values(), total)
-        if not asked:
-            return frozenset()
-        values = self.points.box()
+        """Return the effects that have a bound and take time, if leaving them out saves more than it costs."""
+        known = applicable(self.kind.system.effects, self.scene.problem)
+        gone = frozenset(one.name for one in worth_asking(known.values(), total))
+        if not gone:
+            return gone
+        values = self.points.at(np.unique(np.linspace(0, total - 1, _LOOKED_AT).astype(np.int64)))
         possible = self.kind.answerable(self.build(values))
-        if not possible.any():
-            return frozenset()
-        box = self.build([value[possible] for value in values])
-        gone = frozenset(one.name for one in asked)
+        some = self.build([value[possible] for value in values])
         # Of some it is known before anything is solved that they stay.
-        might_go = self._bounds(box, gone) <= self.room
+        might_go = self._bounds(some, gone) <= self.room
         if not might_go.any():
             return frozenset()
-        answer = self._answer(box, frozenset(applicable(self.kind.system.effects, box)) - gone)[0]
-        may_go = self._bounds(box, gone, answer) <= self.room
+        may_go = self._bounds(some, gone, self._solved(some, known.keys() - gone)[1]) <= self.room
         # Where they might go and may not, everything is solved after all.
         return gone if may_go.sum() > (might_go & ~may_go).sum() else frozenset()
 
@@ -297,16 +286,13 @@ class _Run:
         bounds = sum(one.bound(problem, answer) for one in effects if one.bound)
         return np.broadcast_to(np.asarray(bounds), (problem.n,))
 
-    def _answer(self, problem: Any, simulated: frozenset[str]) -> tuple[Any, float]:
-        """Return what a problem gives with some effects, and how far the method may be off."""
+    def _solved(self, problem: Any, simulated: Iterable[str]) -> tuple[_Found, Any]:
+        """Return what a problem gives with some effects, and its answer."""
         system = self.kind.system
         model = assemble(system, problem, simulated)
         method = system.method(model, self.scene.accuracy)
-        return system.solve(model, method), method.error
-
-    def _solved(self, problem: Any, simulated: frozenset[str]) -> tuple[_Found, Any]:
-        answer, error = self._answer(problem, simulated)
-        return _found(self.kind, problem, answer, simulated, error), answer
+        answer = system.solve(model, method)
+        return _found(self.kind, problem, answer, model.effects, method.error), answer
 
     def pieces(self, start: int, stop: int) -> list[tuple[int, int]]:
         """Return the first point of each piece of a block, and the one after its last."""
@@ -373,7 +359,7 @@ class _Run:
             if not some.any():
                 return None
             less = problem if some.all() else self.build([value[some] for value in values])
-            names = frozenset(applicable(self.kind.system.effects, less))
+            names = applicable(self.kind.system.effects, less).keys()
             found, answer = self._solved(less, names - self.gone)
             bounds = self._bounds(less, self.gone, answer)
             error = np.expm1(np.minimum(bounds, 1.0))

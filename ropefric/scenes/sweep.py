@@ -1,7 +1,7 @@
 """A scene solved over a grid of its own numbers, and the table that is written while it is: CSV, or Parquet.
 
 An axis is a key of the scene and the values it is to take. There may be millions of points, so they are solved block by
-block, planned once for their box.
+block, planned once.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -100,10 +100,6 @@ def _si(scene: Scene, key: str, text: str) -> float:
     return float(value_at(changed.table, key))
 
 
-_LEVELS = {1: 9, 2: 5, 3: 4, 4: 3}
-"""Values of each axis at which the box of a sweep is looked at, by how many axes there are; more have two."""
-
-
 class _Grid(Points):
     """The points of all combinations of values; the last axis runs fastest."""
 
@@ -118,12 +114,6 @@ class _Grid(Points):
     def at(self, places: IntArray) -> list[FloatArray]:
         grid = np.unravel_index(places, self.shape)
         return [axis.values[place] for axis, place in zip(self.axes, grid, strict=True)]
-
-    def box(self) -> list[FloatArray]:
-        levels = _LEVELS.get(len(self.axes), 2)
-        ordered = [np.unique(axis.values) for axis in self.axes]
-        chosen = [one[np.unique(np.linspace(0, one.size - 1, levels).astype(int))] for one in ordered]
-        return [one.ravel() for one in np.meshgrid(*chosen, indexing="ij")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

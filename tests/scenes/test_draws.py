@@ -22,9 +22,9 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.draws import _Draws, draw_scene
 from ropefric.scenes.points import _Run
-from ropefric.scenes.scene import number_keys, read_scene, value_at
+from ropefric.scenes.scene import read_scene
 from ropefric.scenes.solve import solve_scene
-from ropefric.scenes.sweep import parse_axis, sweep_table
+from ropefric.scenes.sweep import sweep_table
 from ropefric.systems.beltdrive.drive import solve_drive
 from ropefric.systems.friction import ScaleTo, WrapFriction
 from ropefric.uncertainty.budget import directions
@@ -155,32 +155,32 @@ def assert_matches_one_by_one(scene):
             assert written[0][one.name][i] == pytest.approx(one.value[0], rel=1e-9, nan_ok=True), one.name
 
 
-@pytest.mark.parametrize("name", ALL_LAWS)
-def test_every_law_takes_parameters_of_its_own_for_each_case(name):
-    law, rng = ALL_LAWS[name], np.random.default_rng(3)
-    theta = np.array([one.start for one in law.parameters]) * rng.uniform(
-        0.95, 1.05, (4, len(law.parameters))
-    )
-    at = {
-        "wheel_radius_m": rng.uniform(0.03, 0.05, 4),
-        "rope_radius_m": 0.005,
-        "wrap_angle_rad": rng.uniform(3.0, 9.0, 4),
-        "slack_tension_N": rng.uniform(40.0, 90.0, (2, 4)),
-    }
-    whole = WrapFriction(
-        law=law, theta=theta, reference=one_condition(0.04, 0.005, 6.0, 50.0), scale_to=ScaleTo(0.2, 3.0)
-    )
-    for told in (frozenset(), frozenset({"wrap", "end-tension", "size"})):
-        found = whole.exponent(**at, told=told)
-        turned = {
-            key: one.T[..., None] if np.ndim(one) == 1 else np.transpose(one) for key, one in at.items()
+def test_every_law_takes_parameters_of_its_own_for_each_case():
+    for name in ALL_LAWS:
+        law, rng = ALL_LAWS[name], np.random.default_rng(3)
+        theta = np.array([one.start for one in law.parameters]) * rng.uniform(
+            0.95, 1.05, (4, len(law.parameters))
+        )
+        at = {
+            "wheel_radius_m": rng.uniform(0.03, 0.05, 4),
+            "rope_radius_m": 0.005,
+            "wrap_angle_rad": rng.uniform(3.0, 9.0, 4),
+            "slack_tension_N": rng.uniform(40.0, 90.0, (2, 4)),
         }
-        places = whole.exponent(**turned, told=told, places=1)
-        for i in range(4):
-            alone = {key: one if np.ndim(one) == 0 else one[..., i : i + 1] for key, one in at.items()}
-            wanted = replace(whole, theta=theta[i]).exponent(**alone, told=told)
-            assert found[..., i : i + 1] == pytest.approx(wanted, rel=1e-12)
-            assert places[i] == pytest.approx(wanted.ravel(), rel=1e-12)
+        whole = WrapFriction(
+            law=law, theta=theta, reference=one_condition(0.04, 0.005, 6.0, 50.0), scale_to=ScaleTo(0.2, 3.0)
+        )
+        for told in (frozenset(), frozenset({"wrap", "end-tension", "size"})):
+            found = whole.exponent(**at, told=told)
+            turned = {
+                key: one.T[..., None] if np.ndim(one) == 1 else np.transpose(one) for key, one in at.items()
+            }
+            places = whole.exponent(**turned, told=told, places=1)
+            for i in range(4):
+                alone = {key: one if np.ndim(one) == 0 else one[..., i : i + 1] for key, one in at.items()}
+                wanted = replace(whole, theta=theta[i]).exponent(**alone, told=told)
+                assert found[..., i : i + 1] == pytest.approx(wanted, rel=1e-12), name
+                assert places[i] == pytest.approx(wanted.ravel(), rel=1e-12), name
 
 
 # --- planned once ---
@@ -289,9 +289,8 @@ def test_draws_without_an_answer_are_counted_and_left_out_of_all_numbers(hoist_o
     assert math.isfinite(found.numbers["lift_force_N"].std)
 
 
-@pytest.mark.parametrize(
-    ("tolerances", "words"),
-    [
+def test_tolerances_that_are_none_are_refused(hoist_of):
+    for tolerances, words in [
         ({"wheel": {"warp": "5 deg"}}, "did you mean 'wheel.wrap'"),
         ({"wheel": {"wrap": "5 mm"}}, "not a unit of angle"),
         ({"wheel": {"wrap": 5.0}}, "written like its value"),
@@ -300,12 +299,10 @@ def test_draws_without_an_answer_are_counted_and_left_out_of_all_numbers(hoist_o
         ({"wheel": {"wrap": True}}, "written like its value"),
         ({"friction": {"fit": "1 N"}}, "no number"),
         ({"accuracy": 0.1}, "no number"),
-    ],
-)
-def test_tolerances_that_are_none_are_refused(hoist_of, tolerances, words):
-    with pytest.raises(DataError, match=words) as caught:
-        hoist_of(tolerances=tolerances)
-    assert caught.value.problem.key.startswith("tolerances.")
+    ]:
+        with pytest.raises(DataError, match=words) as caught:
+            hoist_of(tolerances=tolerances)
+        assert caught.value.problem.key.startswith("tolerances."), tolerances
 
 
 def test_a_tolerance_beyond_what_the_scene_can_take_is_refused(hoist_of):
@@ -388,28 +385,14 @@ def test_memory_does_not_grow_with_the_draws(hoist_of, tmp_path, monkeypatch, bl
         tracemalloc.stop()
         return size
 
-    peak(1000)
-    assert peak(6000) < 1.2 * peak(1000)
-
-
-def test_many_tolerances_are_drawn_at_some_of_the_corners_of_their_box(loaded):
-    scene = loaded("traction")
-    keys = [
-        key for key in number_keys(scene.document, scene.table) if key not in {"ropes.count", "lift.speed"}
-    ]
-    assert len(keys) > 8
-    scene = replace(scene, tolerances={key: 1e-4 * value_at(scene.table, key) for key in keys})
-    found = draw_scene(scene, 10)
-    assert found.answered == 10
-    assert found.inputs == tuple(
-        parse_axis(scene, f"{key}={value_at(scene.document.data, key)}").label for key in keys
-    )
+    peak(500)
+    assert peak(2500) < 1.2 * peak(500)
 
 
 def test_start_ups_are_drawn_one_by_one(loaded):
     scene = loaded("press-start-up")
     tree = scene.document.data
-    tree["start_up"] = tree["start_up"] | {"duration": "0.4 s", "simulate": "0.5 s", "points": 51}
+    tree["start_up"] = tree["start_up"] | {"duration": "0.15 s", "simulate": "0.2 s", "points": 21}
     scene = read_scene(TomlDocument(path="scene.toml", data=tree, lines={}), scene.folder)
     scene = replace(scene, tolerances={"friction.mu": 0.05, "press.preload": 50.0})
     found = draw_scene(scene, 10)
@@ -435,14 +418,14 @@ def test_draws_without_an_answer_are_set_apart_and_not_looked_for_one_by_one(loa
     kind = replace(scene.kind, system=system._replace(solve=solve))
     written = []
     found = draw_scene(
-        replace(scene, kind=kind), 400, seed=1, write=lambda columns, _: written.append(columns)
+        replace(scene, kind=kind), 200, seed=1, write=lambda columns, _: written.append(columns)
     )
-    assert found.failed > 40, "a law of the wrap counted from tension has no answer for a belt so light"
+    assert found.failed > 20, "a law of the wrap counted from tension has no answer for a belt so light"
     assert len(solved) < found.failed
     (columns,) = written
-    alone = _Draws(scene, 400, 1)
+    alone = _Draws(scene, 200, 1)
     run = _Run(scene, alone)
-    for place in range(0, 400, 40):
+    for place in range(0, 200, 40):
         (outcome,) = run.outcomes((place, place + 1))
         refused = isinstance(outcome[1], RopefricError)
         assert refused == np.isnan(columns["full_pull_N"][place])

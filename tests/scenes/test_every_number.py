@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import RopefricError
+from ropefric.scenes.explain import explain_scene
 from ropefric.scenes.plan import solve_planned
 from ropefric.scenes.scene_templates import bundled_scenes
 from ropefric.scenes.solve import solve_scene
@@ -135,7 +136,7 @@ def check_many(draw, scene_of, count, seed):
 
 
 def test_every_number_of_some_saws(scene_of):
-    solved, spared = check_many(saw, scene_of, 8, 20)
+    solved, spared = check_many(saw, scene_of, 6, 20)
     assert solved >= 3
     assert spared
 
@@ -262,6 +263,17 @@ def check_start_up(scene_of, seed):
 )
 def test_planned_start_ups_near_what_decides(scene_of, seed):
     assert check_start_up(scene_of, seed)
+
+
+def test_of_a_start_up_the_exact_moments_of_slip_are_left_out(scene_of):
+    tree = starting_press(np.random.default_rng([20, 0]))
+    tree["start_up"] = {"law": "ramp", "duration": "0.1 s", "simulate": "0.15 s", "points": 16}
+    told = explain_scene(scene_of(**tree | {"friction": {"mu": 0.05}, "accuracy": 0.02})).plan.decisions
+    assert {one.name for one in told if one.fate == "left out"} == {"exact-switching"}
+    named = {one.name: one for one in told}
+    assert named["exact-switching"].worth < 1e-7 < named["exact-switching"].bound
+    assert math.isnan(named["arc-inertia"].worth), "a belt without mass has no answer where it slips"
+    assert named["transient-friction"].worth == 0.0
 
 
 @pytest.mark.slow

@@ -71,16 +71,6 @@ def test_without_measuring_nothing_is_timed(hoist_of):
     assert math.isnan(explain_scene(hoist_of(), clock=never).planned_s)
 
 
-def test_of_a_start_up_the_exact_moments_of_slip_are_left_out(loaded, scene_of):
-    tree = loaded("press-start-up").document.data
-    tree["start_up"] = tree["start_up"] | {"duration": "0.15 s", "simulate": "0.2 s", "points": 21}
-    told = by_name(scene_of(**tree))
-    assert {name for name, one in told.items() if one["fate"] == "left out"} == {"exact-switching"}
-    assert told["exact-switching"]["worth"] < 1e-8 < told["exact-switching"]["bound"]
-    assert told["arc-inertia"]["worth"] is None, "a belt without mass has no answer where it slips"
-    assert told["transient-friction"]["worth"] == 0.0
-
-
 def test_a_start_up_that_has_no_answer_is_explained(loaded, scene_of):
     tree = loaded("press-start-up").document.data
     tree["rollers"]["3"]["tensioner"] = tree["rollers"]["3"]["tensioner"] | {"travel": "-500 mm"}

@@ -3,11 +3,13 @@
 import numpy as np
 
 from ropefric.scenes.kinds import KINDS
+from ropefric.scenes.scene import load_scene
 from ropefric.scenes.solve import solve_scene
 
 
-def test_every_history_stands_under_its_name(loaded):
-    answer = solve_scene(loaded("press-start-up")).answer
+def test_every_history_stands_under_its_name(scenes_folder):
+    short = {"start_up.duration": "0.1 s", "start_up.simulate": "0.2 s", "start_up.points": 21}
+    answer = solve_scene(load_scene(scenes_folder / "press-start-up.toml", short)).answer
     columns, found = KINDS["press"].histories["start_up.csv"](answer), answer.start_up
     assert {column.shape for column in columns.values()} == {found.time_s.shape}
     spans = [span.name for span in found.press.spans]

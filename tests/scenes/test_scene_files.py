@@ -41,9 +41,8 @@ def test_accuracy_and_effects_have_defaults(scene_file):
     assert (scene.accuracy, scene.effects) == (0.01, "auto")
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "line", "code", "words"),
-    [
+def test_what_is_wrong_has_its_line_its_code_and_its_remedy(scene_file):
+    for old, new, line, code, words in [
         ('"hoist"', '"hosit"', 1, "RF120", "did you mean 'hoist'?"),
         ("0.01", "0", 2, "RF501", "above 0 and at most 1"),
         ("0.01", "-0.5", 2, "RF501", "above 0 and at most 1"),
@@ -65,16 +64,12 @@ def test_accuracy_and_effects_have_defaults(scene_file):
         ("mu = 0.2", 'law = "wrap-power"\nparameters = { a = 0.2, b = -0.5, d = 1 }', None, "", "d"),
         ("mu = 0.2", 'fit = "nowhere.json"', 14, "RF101", "no fit 'nowhere.json'"),
         ("mu = 0.2", 'mu = 0.2\nscale_to = { mu = 1, wrap = "1 turn" }', 15, "RF111", "remove scale_to"),
-    ],
-)
-def test_what_is_wrong_has_its_line_its_code_and_its_remedy(  # noqa: PLR0917  (pytest hands them over by name)
-    scene_file, old, new, line, code, words
-):
-    path = scene_file(GOOD.replace(old, new, 1))
-    problems = check_scene(path)
-    told = next(problem for problem in problems if words in str(problem))
-    if line is not None:
-        assert (told.line, told.code) == (line, code)
+    ]:
+        path = scene_file(GOOD.replace(old, new, 1))
+        problems = check_scene(path)
+        told = next(problem for problem in problems if words in str(problem))
+        if line is not None:
+            assert (told.line, told.code) == (line, code), old
 
 
 def test_everything_is_said_at_once(scene_file):

@@ -1,4 +1,4 @@
-"""Sweeps are planned once for their box: what may go goes, and no number, no yes or no differs from everything."""
+"""Sweeps are planned once: what may go goes, and no number, no yes or no differs from everything."""
 
 import csv
 import tracemalloc

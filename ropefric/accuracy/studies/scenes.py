@@ -115,7 +115,7 @@ SWEEPS: dict[str, tuple[Callable[[], Scene], tuple[str, ...], str]] = {
         ),
         ("wheel.wrap=180deg:1440deg:200", "load.end_tension=40N:500N:200"),
         "40 000 wraps and end tensions of a rope a little stiff; law: wrap-power",
-    ),
+    )
 }
 """By the name of their case: the scene, the axes, and what it is."""
 

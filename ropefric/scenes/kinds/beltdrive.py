@@ -242,10 +242,7 @@ def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
     share = float((answer.full_pull_N / (problem.tension_N - answer.circling_N))[0])
     power_kW = 1e-3 * share * speeds * (problem.tension_N[0] - problem.linear_density_kg_m[0] * speeds**2)
     at_best = np.full(2, best[0]), np.array([0.0, power_kW.max()])
-    lines = [
-        Line("at most", speeds, power_kW),
-        Line(f"best speed {best[0]:.4g} m/s", *at_best, limit=True),
-    ]
+    lines = [Line("at most", speeds, power_kW), Line(f"best speed {best[0]:.4g} m/s", *at_best, limit=True)]
     if problem.speed_rad_s is not None:
         work_W = answer.pull_N * problem.belt_speed_m_s
         lines.append(Line("at work", problem.belt_speed_m_s[:1], 1e-3 * work_W[:1]))

@@ -60,24 +60,23 @@ def string_Hz(tension_N, speed_m_s=0.0, n_modes=4):
     return np.arange(1.0, n_modes + 1.0) * (c**2 - speed_m_s**2) / (2.0 * LENGTH * c)
 
 
-@pytest.mark.parametrize(
-    ("effects", "pull", "kappa", "speed"),
-    [
+def test_the_string_is_eq_8_with_the_tension_that_the_effects_give(full_problem):
+    for effects, pull, kappa, speed in [
         ([], 0.0, 0.0, 0.0),
         (["tension-difference"], 1.0, 0.0, 0.0),  # eqs. (16), (17)
         (["wheel-inertia-tension"], 0.0, 0.4, 0.0),  # eqs. (13)-(15), and κ of them
         (["travel"], 0.0, 0.0, 1.0),  # eq. (8)
         (["tension-difference", "wheel-inertia-tension", "travel"], 1.0, 0.4, 1.0),
-    ],
-)
-def test_the_string_is_eq_8_with_the_tension_that_the_effects_give(full_problem, effects, pull, kappa, speed):
-    answer = solved(full_problem, effects)
-    for side in (T, S):
-        tension_N = PRELOAD + side.sign * pull * 0.5 * PULL + kappa * RHO * SPEED**2
-        found = answer.sides[side]
-        assert found.tension_N[0] == pytest.approx(tension_N, rel=1e-14)
-        assert found.frequencies_Hz[0] == pytest.approx(string_Hz(tension_N, speed * SPEED), rel=1e-13)
-    assert answer.sides[R].frequencies_Hz[0] == pytest.approx(string_Hz(PRELOAD), rel=1e-14)
+    ]:
+        answer = solved(full_problem, effects)
+        for side in (T, S):
+            tension_N = PRELOAD + side.sign * pull * 0.5 * PULL + kappa * RHO * SPEED**2
+            found = answer.sides[side]
+            assert found.tension_N[0] == pytest.approx(tension_N, rel=1e-14), effects
+            assert found.frequencies_Hz[0] == pytest.approx(string_Hz(tension_N, speed * SPEED), rel=1e-13), (
+                effects
+            )
+        assert answer.sides[R].frequencies_Hz[0] == pytest.approx(string_Hz(PRELOAD), rel=1e-14), effects
 
 
 def test_the_wheels_press_with_the_printed_754_newtons(full_problem):
@@ -95,24 +94,24 @@ REFERENCE = {
 }
 
 
-@pytest.mark.parametrize("ends", [PINNED, CLAMPED])
-@pytest.mark.parametrize("travels", [False, True])
-def test_bending_gives_the_reference_values_of_the_moving_beam(ends, travels):
-    problem = SawProblem(
-        free_span_m=2.0,
-        linear_density_kg_m=0.5,
-        preload_N=800.0,
-        n_modes=2,
-        wheel_radius_m=0.4,
-        wheel_speed_rad_s=50.0,
-        bending_stiffness_N_m2=0.01 * 800.0 * 4.0,
-        ends=ends,
-    )
-    c = 40.0
-    found = solved(problem, ["bending", *["travel"] * travels])
-    for side, V in ((T, 0.5 * travels), (R, 0.0)):
-        scaled = found.sides[side].frequencies_Hz[0] * 2.0 * math.pi * 2.0 / c
-        assert scaled == pytest.approx(REFERENCE[ends.name, V], rel=1e-10)
+def test_bending_gives_the_reference_values_of_the_moving_beam():
+    for ends in [PINNED, CLAMPED]:
+        for travels in [False, True]:
+            problem = SawProblem(
+                free_span_m=2.0,
+                linear_density_kg_m=0.5,
+                preload_N=800.0,
+                n_modes=2,
+                wheel_radius_m=0.4,
+                wheel_speed_rad_s=50.0,
+                bending_stiffness_N_m2=0.01 * 800.0 * 4.0,
+                ends=ends,
+            )
+            c = 40.0
+            found = solved(problem, ["bending", *["travel"] * travels])
+            for side, V in ((T, 0.5 * travels), (R, 0.0)):
+                scaled = found.sides[side].frequencies_Hz[0] * 2.0 * math.pi * 2.0 / c
+                assert scaled == pytest.approx(REFERENCE[ends.name, V], rel=1e-10), (ends, travels)
 
 
 def test_torsion_adds_its_frequencies_and_changes_no_other(full_problem):
@@ -167,22 +166,19 @@ def test_a_tiny_pull_keeps_its_digits(full_problem):
     assert use == pytest.approx(2e-10 / (slack_N * math.expm1(0.2 * math.pi)), rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("name", "field", "key"),
-    [
+def test_an_effect_without_its_data_names_the_key(full_problem):
+    for name, field, key in [
         ("tension-difference", "tension_difference_N", "drive.power"),
         ("wheel-inertia-tension", "mounting_factor", "tension.mounting_factor"),
         ("travel", "wheel_speed_rad_s", "wheel.speed"),
         ("bending", "bending_stiffness_N_m2", "blade.bending_stiffness"),
         ("torsion", "section", "blade.width"),
-    ],
-)
-def test_an_effect_without_its_data_names_the_key(full_problem, name, field, key):
-    lacking = replace(full_problem, **{field: None})
-    plan, _ = make_plan(SYSTEM, lacking, accuracy=0.01, effects="all")
-    assert next(one for one in plan.decisions if one.name == name).fate == "not applicable"
-    with pytest.raises(InputError, match=rf"{name} cannot be simulated without {key}"):
-        make_plan(SYSTEM, lacking, accuracy=0.01, effects=(name,))
+    ]:
+        lacking = replace(full_problem, **{field: None})
+        plan, _ = make_plan(SYSTEM, lacking, accuracy=0.01, effects="all")
+        assert next(one for one in plan.decisions if one.name == name).fate == "not applicable", name
+        with pytest.raises(InputError, match=rf"{name} cannot be simulated without {key}"):
+            make_plan(SYSTEM, lacking, accuracy=0.01, effects=(name,))
 
 
 def test_what_is_left_out_is_not_evaluated(full_problem):
@@ -229,11 +225,11 @@ def check_bending(ends, e, V, n_modes):
         assert found[:n].max() <= bending_bound(ends, e, V, n) + 2e-9
 
 
-@pytest.mark.parametrize("ends", [PINNED, CLAMPED])
-@pytest.mark.parametrize("e", [1e-4, 0.01, 0.1, 0.3])
-@pytest.mark.parametrize("V", [0.0, 0.7, 0.98])
-def test_bending_stays_below_its_bound(ends, e, V):
-    check_bending(ends, e, V, 10)
+def test_bending_stays_below_its_bound():
+    for ends in [PINNED, CLAMPED]:
+        for e in [1e-4, 0.01, 0.1, 0.3]:
+            for V in [0.0, 0.7, 0.98]:
+                check_bending(ends, e, V, 10)
 
 
 @pytest.mark.slow
@@ -244,12 +240,15 @@ def test_bending_stays_below_its_bound_on_the_whole_grid(ends):
             check_bending(ends, e, V, 20)
 
 
-@pytest.mark.parametrize("ends", [PINNED, CLAMPED])
-@pytest.mark.parametrize("V", [0.0, 0.5, 0.9])
-def test_the_bound_of_bending_is_the_stiffness_itself_for_thin_blades(ends, V):
+def test_the_bound_of_bending_is_the_stiffness_itself_for_thin_blades():
     """To first order in what bends a free end, and in the layer at a held one: nothing is given away."""
-    e = 1e-4
-    assert shifts(ends, e, V, 3)[2] == pytest.approx(bending_bound(ends, e, V, 3), rel=2e-3)
+    for ends in [PINNED, CLAMPED]:
+        for V in [0.0, 0.5, 0.9]:
+            e = 1e-4
+            assert shifts(ends, e, V, 3)[2] == pytest.approx(bending_bound(ends, e, V, 3), rel=2e-3), (
+                ends,
+                V,
+            )
 
 
 def test_bending_whose_layers_fill_the_span_has_no_bound():

@@ -161,44 +161,37 @@ def test_a_rough_answer_is_that_of_a_dense_search_of_the_stiff_blade(saw, stiffn
     )
 
 
-@pytest.mark.parametrize("bends", [False, True])
-@pytest.mark.parametrize(
-    "excitations", [(), (fixed_frequency("far off", 1e4),), (wheel_rotation(0.35, (1,)),)]
-)
-def test_an_excitation_that_meets_no_mode_inside_the_range_forbids_no_end_of_it(
-    saw, stiffness, bends, excitations
-):
-    stiff = replace(saw, bending_stiffness_N_m2=stiffness if bends else 0.0, preload_N=6500.0)
-    found = recommend_preload(stiff, excitations, margin=0.01, range_N=(6000.0, 7000.0), n_modes=1)
-    assert found.status is StrainStatus.KEEP
-    assert (found.preload_N, found.forbidden_N) == (6500.0, ())
+def test_an_excitation_that_meets_no_mode_inside_the_range_forbids_no_end_of_it(saw, stiffness):
+    for bends in [False, True]:
+        for excitations in [(), (fixed_frequency("far off", 1e4),), (wheel_rotation(0.35, (1,)),)]:
+            stiff = replace(saw, bending_stiffness_N_m2=stiffness if bends else 0.0, preload_N=6500.0)
+            found = recommend_preload(stiff, excitations, margin=0.01, range_N=(6000.0, 7000.0), n_modes=1)
+            assert found.status is StrainStatus.KEEP, (bends, excitations)
+            assert (found.preload_N, found.forbidden_N) == (6500.0, ()), (bends, excitations)
 
 
-@pytest.mark.parametrize(
-    ("call", "words"),
-    [
+def test_refusals(saw):
+    for call, words in [
         (lambda saw: find_crossings(saw, T, (wheel_rotation(0.35),), [10.0, 90.0]), "critical speed is 76.7"),
         (
             lambda saw: recommend_preload(saw, (wheel_rotation(0.35),), margin=0.1, range_N=(500.0, 6000.0)),
             "critical speed",
         ),
-    ],
-)  # fmt: skip
-def test_refusals(saw, call, words):
-    with pytest.raises(InputError, match=words):
-        call(saw)
+    ]:
+        with pytest.raises(InputError, match=words):
+            call(saw)
 
 
-@pytest.mark.parametrize("what", ["speed_m_s", "preload_N"])
-@pytest.mark.parametrize("accuracy", [1e-2, 1e-5, 1e-9])
-def test_frequencies_over_a_range_are_those_of_the_blade_at_every_place(saw, stiffness, what, accuracy):
-    stiff = replace(saw, bending_stiffness_N_m2=40.0 * stiffness, mounting_factor=0.3)
-    ends = {"speed_m_s": (0.0, 88.0), "preload_N": (700.0, 9000.0)}[what]
-    curve = modes_over(stiff, S, 5, what, ends=ends, accuracy=accuracy)
-    at = np.linspace(*ends, 23)
-    exact = frequencies_Hz(stiff, S, 5, **{what: at}, accuracy=1e-12)
-    assert exact[:, 0].max() > 4.0 * exact[:, 0].min(), "the range comes near to the critical speed"
-    assert np.abs(curve(at) / exact - 1.0).max() <= accuracy
+def test_frequencies_over_a_range_are_those_of_the_blade_at_every_place(saw, stiffness):
+    for what in ["speed_m_s", "preload_N"]:
+        for accuracy in [1e-2, 1e-5, 1e-9]:
+            stiff = replace(saw, bending_stiffness_N_m2=40.0 * stiffness, mounting_factor=0.3)
+            ends = {"speed_m_s": (0.0, 88.0), "preload_N": (700.0, 9000.0)}[what]
+            curve = modes_over(stiff, S, 5, what, ends=ends, accuracy=accuracy)
+            at = np.linspace(*ends, 23)
+            exact = frequencies_Hz(stiff, S, 5, **{what: at}, accuracy=1e-12)
+            assert exact[:, 0].max() > 4.0 * exact[:, 0].min(), "the range comes near to the critical speed"
+            assert np.abs(curve(at) / exact - 1.0).max() <= accuracy, (what, accuracy)
 
 
 def advice_at(saw, accuracy, margin):
@@ -206,13 +199,13 @@ def advice_at(saw, accuracy, margin):
     return recommend_preload(saw, once, margin=margin, range_N=(2500.0, 7000.0), n_modes=2, accuracy=accuracy)
 
 
-@pytest.mark.parametrize("margin", [0.02, 0.05, 0.1, 0.15, 0.2, 0.25])
-def test_a_rough_advice_is_the_fine_one_within_its_accuracy(saw, stiffness, margin):
-    stiff = replace(saw, bending_stiffness_N_m2=stiffness)
-    rough, fine = (advice_at(stiff, accuracy, margin) for accuracy in (1e-3, 1e-10))
-    assert rough.status is fine.status
-    assert rough.preload_N == pytest.approx(fine.preload_N, rel=2e-3)
-    assert len(rough.forbidden_N) == len(fine.forbidden_N)
+def test_a_rough_advice_is_the_fine_one_within_its_accuracy(saw, stiffness):
+    for margin in [0.02, 0.05, 0.1, 0.15, 0.2, 0.25]:
+        stiff = replace(saw, bending_stiffness_N_m2=stiffness)
+        rough, fine = (advice_at(stiff, accuracy, margin) for accuracy in (1e-3, 1e-10))
+        assert rough.status is fine.status, margin
+        assert rough.preload_N == pytest.approx(fine.preload_N, rel=2e-3), margin
+        assert len(rough.forbidden_N) == len(fine.forbidden_N), margin
 
 
 def test_a_preload_at_the_edge_of_what_is_forbidden_is_decided_by_more_digits(saw, stiffness):

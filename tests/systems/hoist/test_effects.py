@@ -43,22 +43,21 @@ def test_with_what_a_law_may_be_told_it_is_the_law_itself(full_problem, solved):
     assert lift.log_lift[0] == pytest.approx(law.log_lift(theta, own(full_problem))[0], rel=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("effect", "at_the_reference"),
-    [
+def test_each_effect_alone_tells_the_law_one_thing(full_problem, solved):
+    for effect, at_the_reference in [
         ("wrap-dependence", {"wheel_radius_m", "rope_radius_m", "end_tension_N"}),
         ("size", {"wrap_angle_rad", "end_tension_N"}),
         ("end-tension", {"wheel_radius_m", "rope_radius_m", "wrap_angle_rad"}),
-    ],
-)
-def test_each_effect_alone_tells_the_law_one_thing(full_problem, solved, effect, at_the_reference):
-    friction = full_problem.friction
-    seen = {
-        name: getattr(friction.reference if name in at_the_reference else full_problem, name)[0]
-        for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
-    }
-    mu = friction.law.average_mu(friction.theta, one_condition(**seen))[0]
-    assert solved(full_problem, [effect]).log_lift[0] == pytest.approx(math.log(80.0) + mu * 9.42, rel=1e-14)
+    ]:
+        friction = full_problem.friction
+        seen = {
+            name: getattr(friction.reference if name in at_the_reference else full_problem, name)[0]
+            for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
+        }
+        mu = friction.law.average_mu(friction.theta, one_condition(**seen))[0]
+        assert solved(full_problem, [effect]).log_lift[0] == pytest.approx(
+            math.log(80.0) + mu * 9.42, rel=1e-14
+        ), effect
 
 
 def test_centrifugal_agrees_with_the_friction_room(full_problem, solved):
@@ -73,19 +72,22 @@ def test_rope_weight_is_an_end_tension(full_problem, solved):
     assert solved(full_problem, ["rope-weight"]).log_lift == solved(heavier, []).log_lift
 
 
-@pytest.mark.parametrize("mu", [0.05, 0.2, 0.8])
-@pytest.mark.parametrize("rigidity", [1e-6, 1e-3, 0.05])
-def test_bending_agrees_with_the_bending_law(solved, mu, rigidity):
-    rope = HoistProblem(
-        friction=WrapFriction.constant(mu),
-        wheel_radius_m=0.04,
-        rope_radius_m=0.005,
-        wrap_angle_rad=6.0,
-        end_tension_N=60.0,
-        bending_stiffness_N_m2=rigidity,
-    )
-    wanted = ALL_LAWS["bending"].log_lift([mu, rigidity], own(rope))[0]
-    assert solved(rope, ["bending-stiffness"]).log_lift[0] == pytest.approx(wanted, rel=1e-12)
+def test_bending_agrees_with_the_bending_law(solved):
+    for mu in [0.05, 0.2, 0.8]:
+        for rigidity in [1e-6, 1e-3, 0.05]:
+            rope = HoistProblem(
+                friction=WrapFriction.constant(mu),
+                wheel_radius_m=0.04,
+                rope_radius_m=0.005,
+                wrap_angle_rad=6.0,
+                end_tension_N=60.0,
+                bending_stiffness_N_m2=rigidity,
+            )
+            wanted = ALL_LAWS["bending"].log_lift([mu, rigidity], own(rope))[0]
+            assert solved(rope, ["bending-stiffness"]).log_lift[0] == pytest.approx(wanted, rel=1e-12), (
+                mu,
+                rigidity,
+            )
 
 
 def test_all_effects_together_are_what_the_rope_element_integrates_to(full_problem, solved):
@@ -134,23 +136,20 @@ def test_the_lifted_arc_keeps_its_digits_where_the_arc_cosine_loses_them():
     assert lifted_arc_rad(0.5) == pytest.approx(math.acos(0.5), rel=1e-15)
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
+def test_what_cannot_be_is_refused_by_name(full_problem, solved):
+    for change, words in [
         ({"speed_m_s": 40.0}, "lifts off the wheel"),
         ({"bending_stiffness_N_m2": 1.0}, "too stiff to follow"),
         ({"bending_stiffness_N_m2": 0.1, "wrap_angle_rad": 0.4}, "never touches"),
-    ],
-)
-def test_what_cannot_be_is_refused_by_name(full_problem, solved, change, words):
-    with pytest.raises(InputError, match=words):
-        solved(replace(full_problem, **change))
+    ]:
+        with pytest.raises(InputError, match=words):
+            solved(replace(full_problem, **change))
 
 
-@pytest.mark.parametrize("name", ["wheel_radius_m", "end_tension_N", "bending_stiffness_N_m2", "speed_m_s"])
-def test_numbers_out_of_range_are_refused(full_problem, name):
-    with pytest.raises(InputError, match=name):
-        replace(full_problem, **{name: math.nan if name == "speed_m_s" else -1.0})
+def test_numbers_out_of_range_are_refused(full_problem):
+    for name in ["wheel_radius_m", "end_tension_N", "bending_stiffness_N_m2", "speed_m_s"]:
+        with pytest.raises(InputError, match=name):
+            replace(full_problem, **{name: math.nan if name == "speed_m_s" else -1.0})
 
 
 def test_many_cases_at_once_are_the_same_cases_one_by_one(full_problem, solved):

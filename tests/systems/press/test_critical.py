@@ -45,31 +45,27 @@ CALLS = {
 }
 
 
-@pytest.mark.parametrize("change", CALLS)
-@pytest.mark.parametrize(
-    "friction",
-    [
-        1.2,
-        0.5,
-        WrapFriction(
-            law=LAWS["wrap-power"],
-            theta=np.array([1.2, -0.3, 0.2]),
-            reference=one_condition(0.1, 0.0025, 2, 500),
-        ),
-    ],
-    ids=["constant", "slippery", "law"],
-)
-def test_the_utilisation_there_is_one(statics, change, friction):
-    values = critical(statics, friction, change).by_roller
-    checked = 0
-    for i, value in enumerate(values.values()):
-        if value is not None:
-            state = steady_state(statics, **CALLS[change](value), on_slack="flag")
-            assert SlipTable(state.press, state.effective_tension_N, friction).utilisation[
-                i
-            ] == pytest.approx(1.0, abs=1e-9)
-            checked += 1
-    assert checked >= 1 or (change, friction) == ("speed", 0.5), "at rest roller 2 slips as well"
+def test_the_utilisation_there_is_one(statics):
+    for change, call in CALLS.items():
+        for friction in [
+            1.2,
+            0.5,
+            WrapFriction(
+                law=LAWS["wrap-power"],
+                theta=np.array([1.2, -0.3, 0.2]),
+                reference=one_condition(0.1, 0.0025, 2, 500),
+            ),
+        ]:
+            values = critical(statics, friction, change).by_roller
+            checked = 0
+            for i, value in enumerate(values.values()):
+                if value is not None:
+                    state = steady_state(statics, **call(value), on_slack="flag")
+                    assert SlipTable(state.press, state.effective_tension_N, friction).utilisation[
+                        i
+                    ] == pytest.approx(1.0, abs=1e-9), (change, friction)
+                    checked += 1
+            assert checked >= 1 or (change, friction) == ("speed", 0.5), "at rest roller 2 slips as well"
 
 
 def test_the_critical_friction_is_where_utilisation_is_one(statics):
@@ -79,12 +75,16 @@ def test_the_critical_friction_is_where_utilisation_is_one(statics):
             assert SlipTable(statics.press, tension_N, mu).utilisation[i] == pytest.approx(1.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("change", CHANGES)
-@pytest.mark.parametrize("closure", ["share", "equal-torque"])
-@pytest.mark.parametrize("mu", [1.2, 0.3])
-def test_rollers_without_torque_never_slip(paper_press, closure, change, mu):
-    values = critical(solve_statics(paper_press, closure=closure), mu, change).by_roller
-    assert [name for name in ("4", "11", "12") if values[name] is not None] == []
+def test_rollers_without_torque_never_slip(paper_press):
+    for change in CHANGES:
+        for closure in ["share", "equal-torque"]:
+            for mu in [1.2, 0.3]:
+                values = critical(solve_statics(paper_press, closure=closure), mu, change).by_roller
+                assert [name for name in ("4", "11", "12") if values[name] is not None] == [], (
+                    change,
+                    closure,
+                    mu,
+                )
 
 
 def test_a_roller_that_slips_already_says_where_it_stops(statics):
@@ -107,34 +107,43 @@ def utilisations(statics, friction, change, value):
     return SlipTable(state.press, state.effective_tension_N, friction).utilisation
 
 
-@pytest.mark.parametrize("closure", ["share", "equal", "equal-torque"])
-@pytest.mark.parametrize("change", CALLS)
-@pytest.mark.parametrize("mu", [0.25, 0.35, 0.55, 0.8, 1.2])
-def test_the_first_and_the_last_are_those_of_a_scan_from_today(paper_press, closure, change, mu):
+def test_the_first_and_the_last_are_those_of_a_scan_from_today(paper_press):
     """A thousand operating points on the way: all hold, or some slip, up to the value; after it, not."""
-    statics = solve_statics(paper_press, closure=closure)
-    today = {"preload": 2000.0, "speed": paper_press.speed_m_s, "load": 1.0}[change]
-    found = critical(statics, mu, change)
-    holds = bool(utilisations(statics, mu, change, today).max() <= 1.0)
-    assert (found.state == "holds") == holds
-    ways = {"rises": np.linspace(today, 5.0 * today, 1001), "falls": np.linspace(today, 0.05 * today, 1001)}
-    for way, places in ways.items():
-        some_slip = utilisations(statics, mu, change, places).max(axis=-1) > 1.0
-        turns = np.flatnonzero(some_slip == holds)
-        if way == found.direction:
-            assert found.value is not None
-            assert (found.value > today) == (way == "rises")
-            reached = turns.size and abs(places[turns[0]] - found.value) <= 1.01 * abs(places[1] - places[0])
-            assert (
-                reached
-                or abs(found.value - today) > abs(places[-1] - today)
-                or abs(found.value) < 0.05 * today
-            )
-            use = utilisations(statics, mu, change, found.value)
-            assert use.max() == pytest.approx(1.0, abs=1e-9)
-            assert statics.press.rollers[int(np.argmax(use))].name == found.roller
-        elif found.direction is None:
-            assert not turns.size
+    for closure in ["share", "equal", "equal-torque"]:
+        for change in CALLS:
+            for mu in [0.25, 0.35, 0.55, 0.8, 1.2]:
+                statics = solve_statics(paper_press, closure=closure)
+                today = {"preload": 2000.0, "speed": paper_press.speed_m_s, "load": 1.0}[change]
+                found = critical(statics, mu, change)
+                holds = bool(utilisations(statics, mu, change, today).max() <= 1.0)
+                assert (found.state == "holds") == holds, (closure, change, mu)
+                ways = {
+                    "rises": np.linspace(today, 5.0 * today, 1001),
+                    "falls": np.linspace(today, 0.05 * today, 1001),
+                }
+                for way, places in ways.items():
+                    some_slip = utilisations(statics, mu, change, places).max(axis=-1) > 1.0
+                    turns = np.flatnonzero(some_slip == holds)
+                    if way == found.direction:
+                        assert found.value is not None, (closure, change, mu)
+                        assert (found.value > today) == (way == "rises"), (closure, change, mu)
+                        reached = turns.size and abs(places[turns[0]] - found.value) <= 1.01 * abs(
+                            places[1] - places[0]
+                        )
+                        assert (
+                            reached
+                            or abs(found.value - today) > abs(places[-1] - today)
+                            or abs(found.value) < 0.05 * today
+                        ), (closure, change, mu)
+                        use = utilisations(statics, mu, change, found.value)
+                        assert use.max() == pytest.approx(1.0, abs=1e-9), (closure, change, mu)
+                        assert statics.press.rollers[int(np.argmax(use))].name == found.roller, (
+                            closure,
+                            change,
+                            mu,
+                        )
+                    elif found.direction is None:
+                        assert not turns.size, (closure, change, mu)
 
 
 def test_a_law_that_sees_the_roller_names_the_one_that_needs_most_of_its_own(statics):

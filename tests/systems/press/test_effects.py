@@ -99,12 +99,12 @@ def tensions(problem, effects):
 CONSTANT = WrapFriction.constant(0.8)
 
 
-@pytest.mark.parametrize("gravity", [0, 1])
-@pytest.mark.parametrize("squeeze", [0, 1])
-def test_the_loads_are_the_balances_done_by_hand(gravity, squeeze):
-    effects = ["gravity-load"] * gravity + ["squeeze-load"] * squeeze
-    found = tensions(small_press(CONSTANT), effects)
-    assert found == pytest.approx(by_hand(gravity, squeeze), rel=1e-13)
+def test_the_loads_are_the_balances_done_by_hand():
+    for gravity in [0, 1]:
+        for squeeze in [0, 1]:
+            effects = ["gravity-load"] * gravity + ["squeeze-load"] * squeeze
+            found = tensions(small_press(CONSTANT), effects)
+            assert found == pytest.approx(by_hand(gravity, squeeze), rel=1e-13), (gravity, squeeze)
 
 
 def test_the_factor_on_the_loads_and_the_common_preload_act_on_what_is_simulated():
@@ -215,20 +215,20 @@ def paper_problem(paper_press):
     )
 
 
-@pytest.mark.parametrize("effect", LOADS)
-def test_each_load_alone_is_balanced_on_the_printed_machine(paper_problem, paper_data, effect):
+def test_each_load_alone_is_balanced_on_the_printed_machine(paper_problem, paper_data):
     """Eqs. (35), (36) for the tensioners, then roller by roller; `share` splits the press rollers' pull in halves."""
-    own = "gravity_torque_N_m" if effect == "gravity-load" else "squeeze_torque_N_m"
-    pull = {roller.name: getattr(roller, own) / roller.radius_m for roller in paper_problem.press.rollers}
-    k1, force = paper_data["tensioner_stiffness"], paper_data["tensioner_force_up"]
-    cos_b, cos_g = math.cos(paper_data["beta"]), math.cos(paper_data["gamma"])
-    T2 = (k1 * paper_data["tensioner_travel_up"] + force - pull["3"] * cos_b) / (1.0 + cos_b)
-    T13 = (k1 * paper_data["tensioner_travel_down"] + force - pull["13"]) / (1.0 + cos_g)
-    T4, T14 = T2 + pull["3"], T13 + pull["13"]
-    half = 0.5 * sum(pull[name] for name in "56789")
-    press_zone = T4 + T14 + np.cumsum([pull[name] for name in "5678"])
-    wanted = [T2 - pull["2"], T2, T4, T4, *press_zone, T4 + half, T14 + half, T13, T13, T13, T14]
-    assert tensions(paper_problem, [effect]) == pytest.approx(wanted, rel=1e-12)
+    for effect in LOADS:
+        own = "gravity_torque_N_m" if effect == "gravity-load" else "squeeze_torque_N_m"
+        pull = {roller.name: getattr(roller, own) / roller.radius_m for roller in paper_problem.press.rollers}
+        k1, force = paper_data["tensioner_stiffness"], paper_data["tensioner_force_up"]
+        cos_b, cos_g = math.cos(paper_data["beta"]), math.cos(paper_data["gamma"])
+        T2 = (k1 * paper_data["tensioner_travel_up"] + force - pull["3"] * cos_b) / (1.0 + cos_b)
+        T13 = (k1 * paper_data["tensioner_travel_down"] + force - pull["13"]) / (1.0 + cos_g)
+        T4, T14 = T2 + pull["3"], T13 + pull["13"]
+        half = 0.5 * sum(pull[name] for name in "56789")
+        press_zone = T4 + T14 + np.cumsum([pull[name] for name in "5678"])
+        wanted = [T2 - pull["2"], T2, T4, T4, *press_zone, T4 + half, T14 + half, T13, T13, T13, T14]
+        assert tensions(paper_problem, [effect]) == pytest.approx(wanted, rel=1e-12), effect
 
 
 def test_belt_inertia_alone_takes_rho_A_v_squared_of_each_belt_eq_39(paper_problem):
@@ -237,31 +237,31 @@ def test_belt_inertia_alone_takes_rho_A_v_squared_of_each_belt_eq_39(paper_probl
     assert change / two_belts == pytest.approx(np.full(14, -12.5940), abs=5e-5)
 
 
-@pytest.mark.parametrize("name", MOVING)
-def test_what_only_a_start_up_has_asks_for_one(paper_problem, name):
-    effect = SYSTEM.effects[name]
-    assert effect.needs(paper_problem) == ("start_up",)
-    with pytest.raises(InputError, match=f"{name} cannot be simulated without start_up"):
-        make_plan(SYSTEM, paper_problem, accuracy=0.01, effects=(name,))
+def test_what_only_a_start_up_has_asks_for_one(paper_problem):
+    for name in MOVING:
+        effect = SYSTEM.effects[name]
+        assert effect.needs(paper_problem) == ("start_up",), name
+        with pytest.raises(InputError, match=f"{name} cannot be simulated without start_up"):
+            make_plan(SYSTEM, paper_problem, accuracy=0.01, effects=(name,))
 
 
-@pytest.mark.parametrize("name", MOVING)
-def test_a_start_up_asks_for_every_mass_and_stiffness_at_once(paper_problem, name):
-    task = {
-        "speed": DRIVE_LAWS["ramp"](speed_m_s=0.9, duration_s=1.0),
-        "time_s": np.linspace(0.0, 2.0, 5),
-        "slip": False,
-        "loads": "constant",
-    }
-    started = replace(paper_problem, start_up=task)
-    missing = SYSTEM.effects[name].needs(started)
-    assert {
-        "belts.upper.axial_stiffness",
-        "belts.lower.span_lengths",
-        "rollers.2.inertia",
-        "rollers.3.tensioner.mass",
-    } <= set(missing)
-    assert "rollers.1.inertia" not in missing, "a driver's speed is given"
+def test_a_start_up_asks_for_every_mass_and_stiffness_at_once(paper_problem):
+    for name in MOVING:
+        task = {
+            "speed": DRIVE_LAWS["ramp"](speed_m_s=0.9, duration_s=1.0),
+            "time_s": np.linspace(0.0, 2.0, 5),
+            "slip": False,
+            "loads": "constant",
+        }
+        started = replace(paper_problem, start_up=task)
+        missing = SYSTEM.effects[name].needs(started)
+        assert {
+            "belts.upper.axial_stiffness",
+            "belts.lower.span_lengths",
+            "rollers.2.inertia",
+            "rollers.3.tensioner.mass",
+        } <= set(missing), name
+        assert "rollers.1.inertia" not in missing, "a driver's speed is given"
 
 
 def test_every_subset_of_effects_can_be_assembled_and_solved(paper_problem):

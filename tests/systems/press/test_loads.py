@@ -31,26 +31,28 @@ def test_the_printed_squeeze_torques_stand_for_one_product(paper_press, paper_da
     np.testing.assert_allclose(back, [84.0, 33.6, 29.4, 25.2, 16.8], rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("roller", "pull_N", "drag_kg_m2"),
-    [("2", 349.333, 296.75), ("3", 349.333, 296.75), ("5", 60.000, 50.97), ("13", 60.000, 50.97)],
-)
-def test_the_printed_gravity_torques_stand_for_two_zones(paper_press, paper_data, roller, pull_N, drag_kg_m2):
-    part = next(each for each in paper_press.rollers if each.name == roller)
-    assert part.gravity_torque_N_m / part.radius_m == pytest.approx(pull_N, abs=5e-4)
-    height_m = paper_data["sludge_height"]
-    arm_m2 = part.radius_m * paper_data["belt_width"]
-    product = part.gravity_torque_N_m / (arm_m2 * height_m * GRAVITY_M_S2)
-    assert product == pytest.approx(drag_kg_m2, abs=5e-3)
-    torque = gravity_torque_N_m(
-        sludge_friction=0.25,
-        belt_width_m=paper_data["belt_width"],
-        sludge_height_m=height_m,
-        sludge_density_kg_m3=1000.0,
-        zone_length_m=product / 250.0,
-        radius_m=part.radius_m,
-    )
-    assert float(torque) == pytest.approx(part.gravity_torque_N_m)
+def test_the_printed_gravity_torques_stand_for_two_zones(paper_press, paper_data):
+    for roller, pull_N, drag_kg_m2 in [
+        ("2", 349.333, 296.75),
+        ("3", 349.333, 296.75),
+        ("5", 60.000, 50.97),
+        ("13", 60.000, 50.97),
+    ]:
+        part = next(each for each in paper_press.rollers if each.name == roller)
+        assert part.gravity_torque_N_m / part.radius_m == pytest.approx(pull_N, abs=5e-4), roller
+        height_m = paper_data["sludge_height"]
+        arm_m2 = part.radius_m * paper_data["belt_width"]
+        product = part.gravity_torque_N_m / (arm_m2 * height_m * GRAVITY_M_S2)
+        assert product == pytest.approx(drag_kg_m2, abs=5e-3), roller
+        torque = gravity_torque_N_m(
+            sludge_friction=0.25,
+            belt_width_m=paper_data["belt_width"],
+            sludge_height_m=height_m,
+            sludge_density_kg_m3=1000.0,
+            zone_length_m=product / 250.0,
+            radius_m=part.radius_m,
+        )
+        assert float(torque) == pytest.approx(part.gravity_torque_N_m), roller
 
 
 def test_distortion_energy():

@@ -15,23 +15,6 @@ from ropefric.systems.press.slip import MEASURES, SlipTable
 from ropefric.systems.press.statics import solve_statics, steady_state
 
 MEASURED = ("as_printed", "as_plotted", "utilisation", "log", "mu_required")
-# belt_press.md, section 4: 50 rpm, 2000 N, μ = 1.2, closure "share".
-TABLE = {
-    "1": (0.0627, 0.0098, 0.03787, 0.24892, 0.2987),
-    "2": (0.8715, 1.7869, 0.53901, 0.61003, 0.7320),
-    "3": (0.0260, 0.0440, 0.01020, 0.07708, 0.0925),
-    "4": (1.2479, 1.2479, 0, 0, 0),
-    "5": (0.3904, 0.4932, 0.05439, 0.09840, 0.1181),
-    "6": (0.0645, 0.0707, 0.00316, 0.01657, 0.0199),
-    "7": (0.0371, 0.0405, 0.00173, 0.01330, 0.0160),
-    "8": (0.0461, 0.0501, 0.00205, 0.01359, 0.0163),
-    "9": (0.1674, 0.1814, 0.00715, 0.02107, 0.0253),
-    "10": (0.3033, 0.1628, 0.08111, 0.18254, 0.2190),
-    "11": (0.2327, 0.2327, 0, 0, 0),
-    "12": (0.3535, 0.3535, 0, 0, 0),
-    "13": (0.0740, 0.0796, 0.00283, 0.01371, 0.0165),
-}
-DECIMALS = (4, 4, 5, 5, 4)
 
 
 def steady_tension_N(press, closure="share"):
@@ -41,12 +24,6 @@ def steady_tension_N(press, closure="share"):
 @pytest.fixture(scope="module")
 def paper_slip(paper_press, paper_data):
     return SlipTable(paper_press, steady_tension_N(paper_press), paper_data["mu"])
-
-
-@pytest.mark.parametrize("roller", TABLE)
-def test_the_table_to_its_printed_digits(paper_slip, roller):
-    for name, wanted, decimals in zip(MEASURED, TABLE[roller], DECIMALS, strict=True):
-        assert float(paper_slip.of(roller, name)) == pytest.approx(wanted, abs=0.51 * 10.0**-decimals), name
 
 
 def test_no_roller_slips_and_roller_2_is_nearest(paper_slip):
@@ -71,25 +48,25 @@ def trends(paper_press, paper_data):
     return (*over, speed.effective_tension_N)
 
 
-@pytest.mark.parametrize("roller", ["2", "5"])
-def test_the_inverted_ratio_follows_the_text(trends, roller):
+def test_the_inverted_ratio_follows_the_text(trends):
     """Λ2 and Λ5 fall with preload and rise with speed."""
-    preload, speed, _ = trends
-    assert (np.diff(preload.of(roller, "as_plotted")) < 0).all()
-    assert (np.diff(speed.of(roller, "as_plotted")) > 0).all()
+    for roller in ["2", "5"]:
+        preload, speed, _ = trends
+        assert (np.diff(preload.of(roller, "as_plotted")) < 0).all(), roller
+        assert (np.diff(speed.of(roller, "as_plotted")) > 0).all(), roller
 
 
-@pytest.mark.parametrize("roller", ["2", "5"])
-def test_the_printed_ratio_contradicts_the_text(trends, roller):
+def test_the_printed_ratio_contradicts_the_text(trends):
     """(38) as printed rises with preload and falls with speed on the very rollers of figures 6 and 7."""
-    preload, speed, _ = trends
-    assert (np.diff(preload.of(roller, "as_printed")) > 0).all()
-    assert (np.diff(speed.of(roller, "as_printed")) < 0).all()
+    for roller in ["2", "5"]:
+        preload, speed, _ = trends
+        assert (np.diff(preload.of(roller, "as_printed")) > 0).all(), roller
+        assert (np.diff(speed.of(roller, "as_printed")) < 0).all(), roller
 
 
 def test_only_the_inverted_ratio_lets_rollers_2_and_4_exceed_one(trends):
     above = {
-        name: {roller for roller in TABLE if (trends[1].of(roller, name) > 1.0).any()}
+        name: {roller for roller in trends[1].rollers if (trends[1].of(roller, name) > 1.0).any()}
         for name in ("as_printed", "as_plotted")
     }
     assert above == {"as_plotted": {"2", "4"}, "as_printed": {"4"}}
@@ -126,35 +103,35 @@ def law_friction(b, *, a=0.5, c=0.1):
     )
 
 
-@pytest.mark.parametrize("friction", [0.8, law_friction(-0.5), law_friction(-0.8)])
-@pytest.mark.parametrize("turned", [False, True])
-def test_utilisation_is_one_at_the_limit(paper_press, friction, turned):
+def test_utilisation_is_one_at_the_limit(paper_press):
     """Tensions of which the tight one is e^M times the slack one, on a driven roller and on a driver."""
-    law = friction if isinstance(friction, WrapFriction) else WrapFriction.constant(friction)
-    roller = paper_press.rollers[1]
-    exponent = law.exponent(
-        wheel_radius_m=roller.radius_m, rope_radius_m=0.0025, wrap_angle_rad=roller.wrap_angle_rad,
-        slack_tension_N=500.0,
-    )  # fmt: skip
-    tension_N = np.full(14, 500.0)
-    tension_N[0 if turned else 1] *= float(np.exp(exponent))
-    table = SlipTable(paper_press, tension_N, friction)
-    assert float(table.of("2")) == pytest.approx(1.0, abs=1e-12)
-    assert float(table.of("2", "log")) == pytest.approx(1.0, abs=1e-12)
-    wanted = float(exponent) / roller.wrap_angle_rad
-    assert float(table.of("2", "mu_required")) == pytest.approx(wanted, rel=1e-12)
+    for friction in [0.8, law_friction(-0.5), law_friction(-0.8)]:
+        for turned in [False, True]:
+            law = friction if isinstance(friction, WrapFriction) else WrapFriction.constant(friction)
+            roller = paper_press.rollers[1]
+            exponent = law.exponent(
+                wheel_radius_m=roller.radius_m, rope_radius_m=0.0025, wrap_angle_rad=roller.wrap_angle_rad,
+                slack_tension_N=500.0,
+            )  # fmt: skip
+            tension_N = np.full(14, 500.0)
+            tension_N[0 if turned else 1] *= float(np.exp(exponent))
+            table = SlipTable(paper_press, tension_N, friction)
+            assert float(table.of("2")) == pytest.approx(1.0, abs=1e-12), (friction, turned)
+            assert float(table.of("2", "log")) == pytest.approx(1.0, abs=1e-12), (friction, turned)
+            wanted = float(exponent) / roller.wrap_angle_rad
+            assert float(table.of("2", "mu_required")) == pytest.approx(wanted, rel=1e-12), (friction, turned)
 
 
 # --- friction laws ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("theta", [(1.1, 0.0, 0.1), (1.1, -1e-10, 0.1), (0.0, -0.5, 1.2), (1e-12, -0.5, 1.2)])
-def test_a_law_that_hardly_depends_on_the_wrap_is_a_constant(paper_press, paper_slip, theta):
+def test_a_law_that_hardly_depends_on_the_wrap_is_a_constant(paper_press, paper_slip):
     """b → 0 or a → 0."""
-    friction = replace(law_friction(-0.5), theta=np.array(theta))
-    table = SlipTable(paper_press, steady_tension_N(paper_press), friction)
-    for name in MEASURED:
-        np.testing.assert_allclose(getattr(table, name), getattr(paper_slip, name), rtol=1e-8, atol=1e-12)
+    for theta in [(1.1, 0.0, 0.1), (1.1, -1e-10, 0.1), (0.0, -0.5, 1.2), (1e-12, -0.5, 1.2)]:
+        friction = replace(law_friction(-0.5), theta=np.array(theta))
+        table = SlipTable(paper_press, steady_tension_N(paper_press), friction)
+        for name in MEASURED:
+            np.testing.assert_allclose(getattr(table, name), getattr(paper_slip, name), rtol=1e-8, atol=1e-12)
 
 
 def test_a_law_sees_radius_thickness_and_slack_tension_of_each_roller(paper_press):
@@ -187,10 +164,10 @@ def test_blocks_of_points_are_the_points(paper_press):
     )
 
 
-@pytest.mark.parametrize("mu", [0.0, -1.0, float("nan"), float("inf")])
-def test_a_coefficient_is_positive(paper_press, mu):
-    with pytest.raises(InputError, match="mu is"):
-        SlipTable(paper_press, steady_tension_N(paper_press), mu)
+def test_a_coefficient_is_positive(paper_press):
+    for mu in [0.0, -1.0, float("nan"), float("inf")]:
+        with pytest.raises(InputError, match="mu is"):
+            SlipTable(paper_press, steady_tension_N(paper_press), mu)
 
 
 def test_a_law_without_friction_is_refused(paper_press):

@@ -45,15 +45,15 @@ def one_belt(n_driven, **tensioner):
     return Press(rollers=tuple(rollers), belts=(Belt(name="b", loop=loop, **CROSS_SECTION),), speed_m_s=1.5)
 
 
-@pytest.mark.parametrize("closure", SPLIT)
-def test_the_printed_machine_at_rest(paper_press, closure):
-    statics = solve_statics(paper_press, closure=closure)
-    state = steady_state(statics, speed_m_s=0.0)
-    found = dict(zip((span.name for span in paper_press.spans), state.tension_N, strict=True))
-    for name, wanted in AT_REST.items():
-        assert found[name] == pytest.approx(wanted, abs=1e-3), name
-    assert (found["9"], found["10"]) == pytest.approx(SPLIT[closure], abs=5e-3)
-    assert found["9"] + found["10"] == pytest.approx(4287.793, abs=1e-3)
+def test_the_printed_machine_at_rest(paper_press):
+    for closure, split_N in SPLIT.items():
+        statics = solve_statics(paper_press, closure=closure)
+        state = steady_state(statics, speed_m_s=0.0)
+        found = dict(zip((span.name for span in paper_press.spans), state.tension_N, strict=True))
+        for name, wanted in AT_REST.items():
+            assert found[name] == pytest.approx(wanted, abs=1e-3), name
+        assert (found["9"], found["10"]) == pytest.approx(split_N, abs=5e-3), closure
+        assert found["9"] + found["10"] == pytest.approx(4287.793, abs=1e-3), closure
 
 
 def test_the_closed_form_at_rest(paper_press, paper_data):
@@ -67,18 +67,20 @@ def test_the_closed_form_at_rest(paper_press, paper_data):
     assert float(of_span(state, "13")) == pytest.approx(T13, rel=1e-12)
 
 
-@pytest.mark.parametrize("closure", SPLIT)
-@pytest.mark.parametrize("speed_m_s", [0.0, 0.916298, 5.0])
-def test_every_balance_closes_at_any_speed(paper_press, closure, speed_m_s):
+def test_every_balance_closes_at_any_speed(paper_press):
     """Torques balance in T and in T' alike, because what runs through a roller arrives and leaves."""
-    state = steady_state(solve_statics(paper_press, closure=closure), speed_m_s=speed_m_s)
-    loads_N = paper_press.rim_load_N
-    driven = np.array([roller.role != "driver" for roller in paper_press.rollers])
-    for tension in (state.tension_N, state.effective_tension_N):
-        np.testing.assert_allclose((paper_press.incidence @ tension - loads_N)[driven], 0.0, atol=1e-9)
-    np.testing.assert_allclose(paper_press.pull @ steady_state(
-        solve_statics(paper_press, closure=closure), speed_m_s=0.0
-    ).tension_N, 2600.0)  # fmt: skip
+    for closure in SPLIT:
+        for speed_m_s in [0.0, 0.916298, 5.0]:
+            state = steady_state(solve_statics(paper_press, closure=closure), speed_m_s=speed_m_s)
+            loads_N = paper_press.rim_load_N
+            driven = np.array([roller.role != "driver" for roller in paper_press.rollers])
+            for tension in (state.tension_N, state.effective_tension_N):
+                np.testing.assert_allclose(
+                    (paper_press.incidence @ tension - loads_N)[driven], 0.0, atol=1e-9
+                )
+            np.testing.assert_allclose(paper_press.pull @ steady_state(
+                solve_statics(paper_press, closure=closure), speed_m_s=0.0
+            ).tension_N, 2600.0)  # fmt: skip
 
 
 def test_one_belt_less_than_two_would_break_the_balance_of_roller_5(paper_press):
@@ -175,40 +177,41 @@ def test_the_closures_in_order():
 # --- other machines --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("n_driven", [0, 1, 6])
-def test_one_belt_by_hand(n_driven):
+def test_one_belt_by_hand():
     """One belt, one driver, one tensioner: the tensions follow from the tensioner round the loop."""
-    press = one_belt(n_driven, downstream_angle_rad=0.4)
-    T = steady_state(solve_statics(press), speed_m_s=0.0).tension_N
-    out = (20000 * 0.03 + 800.0) / (1 + math.cos(0.4))  # the take-up itself bears no load
-    wanted = [out, out]
-    for roller in reversed(press.rollers[1:-1]):
-        wanted.insert(0, wanted[0] - roller.torque_N_m / roller.radius_m)
-    np.testing.assert_allclose(T, wanted, rtol=1e-12)
+    for n_driven in [0, 1, 6]:
+        press = one_belt(n_driven, downstream_angle_rad=0.4)
+        T = steady_state(solve_statics(press), speed_m_s=0.0).tension_N
+        out = (20000 * 0.03 + 800.0) / (1 + math.cos(0.4))  # the take-up itself bears no load
+        wanted = [out, out]
+        for roller in reversed(press.rollers[1:-1]):
+            wanted.insert(0, wanted[0] - roller.torque_N_m / roller.radius_m)
+        np.testing.assert_allclose(T, wanted, rtol=1e-12)
 
 
-@pytest.mark.parametrize("shared", [1, 2, 4])
-def test_two_belts_over_any_number_of_shared_rollers(shared):
+def test_two_belts_over_any_number_of_shared_rollers():
     """The shared run may be one roller; by symmetry `share` splits two equal belts evenly."""
-    middle = [
-        Roller(name=f"m{i}", radius_m=0.1, wrap_angle_rad=2, squeeze_torque_N_m=4.0) for i in range(shared)
-    ]
-    sides = []
-    for k in "ab":
-        sides.append(Roller(name=f"d{k}", radius_m=0.1, wrap_angle_rad=3, role="driver"))
-        sides.append(
-            Roller(name=f"t{k}", radius_m=0.1, wrap_angle_rad=3, role="tensioner", tensioner=spring())
-        )
-    names = tuple(roller.name for roller in middle)
-    belts = tuple(Belt(name=k, loop=(*names, f"d{k}", f"t{k}"), **CROSS_SECTION) for k in "ab")
-    press = Press(rollers=(*middle, *sides), belts=belts, speed_m_s=0.5)
-    for closure in SPLIT:
-        statics = solve_statics(press, closure=closure)
-        assert statics.rank == len(press.spans) - 1
-        T = steady_state(statics)
-        tight = [float(of_span(T, s.name)) for s in press.spans if s.start == f"m{shared - 1}"]
-        assert tight[0] == pytest.approx(tight[1])
-        assert tight[0] == pytest.approx(700.0 - 2.0 * 0.25 + 20.0 * shared)
+    for shared in [1, 2, 4]:
+        middle = [
+            Roller(name=f"m{i}", radius_m=0.1, wrap_angle_rad=2, squeeze_torque_N_m=4.0)
+            for i in range(shared)
+        ]
+        sides = []
+        for k in "ab":
+            sides.append(Roller(name=f"d{k}", radius_m=0.1, wrap_angle_rad=3, role="driver"))
+            sides.append(
+                Roller(name=f"t{k}", radius_m=0.1, wrap_angle_rad=3, role="tensioner", tensioner=spring())
+            )
+        names = tuple(roller.name for roller in middle)
+        belts = tuple(Belt(name=k, loop=(*names, f"d{k}", f"t{k}"), **CROSS_SECTION) for k in "ab")
+        press = Press(rollers=(*middle, *sides), belts=belts, speed_m_s=0.5)
+        for closure in SPLIT:
+            statics = solve_statics(press, closure=closure)
+            assert statics.rank == len(press.spans) - 1, shared
+            T = steady_state(statics)
+            tight = [float(of_span(T, s.name)) for s in press.spans if s.start == f"m{shared - 1}"]
+            assert tight[0] == pytest.approx(tight[1]), shared
+            assert tight[0] == pytest.approx(700.0 - 2.0 * 0.25 + 20.0 * shared), shared
 
 
 @st.composite
@@ -416,15 +419,17 @@ def loop_lengths_m(press):
     return np.array([sum(b.span_lengths_m) + sum(arcs_m[name] for name in b.loop) for b in press.belts])
 
 
-@pytest.mark.parametrize("EA", [1e6, 2e6, 1e7])
-def test_the_elastic_speed_effect_in_closed_form(paper_press, paper_data, EA):
-    press = elastic(paper_press, EA)
-    shift = speed_shift_kg_m(solve_statics(press), "elastic")
-    lengths_m = loop_lengths_m(press)
-    cosines = np.array([1 + math.cos(paper_data["beta"]), 1 + math.cos(paper_data["gamma"])])
-    s = cosines**2 * (EA / lengths_m) / paper_data["tensioner_stiffness"]
-    upper, lower = -15.0 / (1 + s)
-    np.testing.assert_allclose(shift, [upper] * 4 + [upper + lower] * 4 + [upper] + [lower] * 5, rtol=1e-12)
+def test_the_elastic_speed_effect_in_closed_form(paper_press, paper_data):
+    for EA in [1e6, 2e6, 1e7]:
+        press = elastic(paper_press, EA)
+        shift = speed_shift_kg_m(solve_statics(press), "elastic")
+        lengths_m = loop_lengths_m(press)
+        cosines = np.array([1 + math.cos(paper_data["beta"]), 1 + math.cos(paper_data["gamma"])])
+        s = cosines**2 * (EA / lengths_m) / paper_data["tensioner_stiffness"]
+        upper, lower = -15.0 / (1 + s)
+        np.testing.assert_allclose(
+            shift, [upper] * 4 + [upper + lower] * 4 + [upper] + [lower] * 5, rtol=1e-12
+        )
 
 
 def test_the_elastic_speed_effect_between_its_limits(paper_press):
@@ -436,22 +441,24 @@ def test_the_elastic_speed_effect_between_its_limits(paper_press):
     np.testing.assert_allclose(loose, 0.0, atol=1e-9)
 
 
-@pytest.mark.parametrize("closure", SPLIT)
-def test_the_elastic_run_obeys_the_translation_of_the_tensioners(paper_press, closure):
+def test_the_elastic_run_obeys_the_translation_of_the_tensioners(paper_press):
     """(21), (22) at rest in x: k1 x + F = P T' with the travel that the belts' length allows."""
-    press = elastic(paper_press)
-    statics = solve_statics(press, closure=closure)
-    v = 6.0
-    state = steady_state(statics, speed_m_s=v, tensioner="elastic")
-    travel_m = (press.pull @ state.effective_tension_N - 2000.0) / 20000.0
-    assert (travel_m < 0.03).all()
-    shift = speed_shift_kg_m(statics, "elastic")
-    np.testing.assert_allclose(
-        state.effective_tension_N, steady_state(statics, speed_m_s=0.0).tension_N + v**2 * shift
-    )
-    upper = shift[0]  # belt 1 alone: its length changes as its tensioner gives way
-    longer_m = loop_lengths_m(press)[0] / 2e6 * (upper + 15.0) * v**2
-    assert longer_m == pytest.approx((0.03 - travel_m[0]) * (1 + math.cos(math.radians(19.9))), rel=1e-9)
+    for closure in SPLIT:
+        press = elastic(paper_press)
+        statics = solve_statics(press, closure=closure)
+        v = 6.0
+        state = steady_state(statics, speed_m_s=v, tensioner="elastic")
+        travel_m = (press.pull @ state.effective_tension_N - 2000.0) / 20000.0
+        assert (travel_m < 0.03).all(), closure
+        shift = speed_shift_kg_m(statics, "elastic")
+        np.testing.assert_allclose(
+            state.effective_tension_N, steady_state(statics, speed_m_s=0.0).tension_N + v**2 * shift
+        )
+        upper = shift[0]  # belt 1 alone: its length changes as its tensioner gives way
+        longer_m = loop_lengths_m(press)[0] / 2e6 * (upper + 15.0) * v**2
+        assert longer_m == pytest.approx(
+            (0.03 - travel_m[0]) * (1 + math.cos(math.radians(19.9))), rel=1e-9
+        ), closure
 
 
 def test_elasticity_needs_its_data(paper_press):

@@ -91,7 +91,6 @@ def account_is_physical(found):
 @pytest.mark.parametrize(
     "case",
     [
-        {"law": "ramp", "loads": "with-speed", "mu": 0.25, "load_N_m": 20.0},
         {"law": "ramp", "loads": "with-speed", "mu": 0.12, "load_N_m": 40.0},
         *(pytest.param(random_case(seed), marks=pytest.mark.slow) for seed in range(24)),
     ],
@@ -123,7 +122,7 @@ def test_a_press_that_its_drivers_cannot_pull_stands(kit, mu, loads):
     """Rolled along by drags that never change their sign, it would run backward for ever."""
     press = kit.paper(force_N=1100.0)
     found = start_up(
-        press, speed=kit.run_up(duration_s=4.0), time_s=np.linspace(0.0, 8.0, 161), friction=mu, loads=loads
+        press, speed=kit.run_up(duration_s=1.0), time_s=np.linspace(0.0, 3.0, 61), friction=mu, loads=loads
     )
     account_is_physical(found)
     # A roller may swing back and forth on its belts, but none is carried away backward.
@@ -228,8 +227,8 @@ def regularised_paper(press, speed, loads, times_s, mu):
     ],
 )
 def test_the_paper_s_machine_coded_on_its_graph_slips_and_holds_alike(kit, law, loads, mu):
-    press, times_s = kit.paper(force_N=1100.0), np.linspace(0.02, 0.8, 40)
-    speed = drive_of(law, kit.speed_m_s, 0.4)
+    press, times_s = kit.paper(force_N=1100.0), np.linspace(0.02, 0.44, 22)
+    speed = drive_of(law, kit.speed_m_s, 0.25)
     wanted = regularised_paper(press, speed, loads, times_s, mu)
     found = start_up(press, speed=speed, time_s=times_s, friction=mu, loads=loads)
     account_is_physical(found)

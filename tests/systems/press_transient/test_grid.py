@@ -102,8 +102,8 @@ def test_a_roller_on_the_verge_of_slip_is_decided_as_at_the_exact_moments(kit, a
 
 def test_a_held_roller_stands_where_the_drive_s_law_changes(kit):
     """A piece of the drive ends between two places of the grid; what stands there goes on standing."""
-    speed = kit.run_up("ramp", duration_s=0.4321)
-    question = {"speed": speed, "time_s": np.linspace(0.0, 1.0, 101), "friction": 0.2}
+    speed = kit.run_up("ramp", duration_s=0.2161)
+    question = {"speed": speed, "time_s": np.linspace(0.0, 0.6, 61), "friction": 0.2}
     press = kit.paper(force_N=1100.0)
     found, exact = (start_up(press, exact_switching=one, **question) for one in (False, True))
     standing = np.abs(exact.roller_speed_rad_s[-1]) < 1e-9

@@ -108,22 +108,22 @@ def test_standstill_is_at_rest_and_balances_the_tensioners(kit):
     assert np.abs(problem.rate(problem.start, problem.inputs.at(0.0))).max() < 1e-9
 
 
-@pytest.mark.parametrize("part", sorted(MOVING))
-def test_what_is_left_out_is_absent(kit, part):
-    model = ElasticPress(kit.paper(), effects=MOVING - {part})
-    whole = ElasticPress(kit.paper())
-    fields = {
-        "arc-inertia": "arc_mass_kg",
-        "belt-damping": "damping_N_s_m",
-        "tensioner-damping": "tensioner_damping_N_s_m",
-        "belt-inertia": "density_kg_m",
-    }
-    for name, field in fields.items():
-        assert getattr(model, field).any() == (name != part)
-        assert getattr(whole, field).all()
-    assert model.arc_mass_kg[5] == 0.0 or model.arc_mass_kg[5] == pytest.approx(
-        2 * 15 * 0.2 * math.radians(131.8)
-    )
+def test_what_is_left_out_is_absent(kit):
+    for part in sorted(MOVING):
+        model = ElasticPress(kit.paper(), effects=MOVING - {part})
+        whole = ElasticPress(kit.paper())
+        fields = {
+            "arc-inertia": "arc_mass_kg",
+            "belt-damping": "damping_N_s_m",
+            "tensioner-damping": "tensioner_damping_N_s_m",
+            "belt-inertia": "density_kg_m",
+        }
+        for name, field in fields.items():
+            assert getattr(model, field).any() == (name != part), part
+            assert getattr(whole, field).all(), part
+        assert model.arc_mass_kg[5] == 0.0 or model.arc_mass_kg[5] == pytest.approx(
+            2 * 15 * 0.2 * math.radians(131.8)
+        ), part
 
 
 def test_missing_data_is_named(paper_without_data):

@@ -22,7 +22,7 @@ LAW = WrapFriction(
 def test_a_start_up_settles_where_it_says_slips_on_the_way_included(kit, mu, slipped):
     press = kit.paper(eta_s=2e-2, C1=1e4, load=0.3, force_N=3000.0)
     found = start_up(
-        press, speed=kit.run_up("ramp", duration_s=0.3), time_s=np.linspace(0.0, 40.0, 41), friction=mu
+        press, speed=kit.run_up("ramp", duration_s=0.3), time_s=np.linspace(0.0, 25.0, 26), friction=mu
     )
     assert set(found.summary()["first_slip_s"]) >= slipped
     assert bool(found.slips) == bool(slipped)
@@ -101,7 +101,7 @@ def test_elastic_creep_carries_the_settled_state_to_the_closure_share(kit):
 def test_friction_that_follows_the_tensions_ends_at_the_steady_measure(kit, force_N, exact_switching):
     """The utilisation at the end is that of the law at the tensions there, in the roller that slips as well."""
     press = kit.paper(eta_s=1e-2, force_N=force_N)
-    question = {"speed": kit.run_up(duration_s=3.0), "time_s": np.linspace(0.0, 5.0, 501), "friction": LAW}
+    question = {"speed": kit.run_up(duration_s=1.5), "time_s": np.linspace(0.0, 2.5, 251), "friction": LAW}
     found, frozen = (
         start_up(press, follows=follows, exact_switching=exact_switching, **question)
         for follows in (True, False)

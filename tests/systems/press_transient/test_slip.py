@@ -26,7 +26,7 @@ MU = 0.3
 def hard_start(kit):
     """Half a second to full speed with little friction: both drivers and roller 2 slip."""
     return start_up(
-        kit.paper(), speed=kit.run_up("ramp", duration_s=0.5), time_s=np.linspace(0, 2, 801), friction=MU
+        kit.paper(), speed=kit.run_up("ramp", duration_s=0.5), time_s=np.linspace(0, 1.2, 481), friction=MU
     )
 
 
@@ -34,7 +34,7 @@ def hard_start(kit):
 def slack_start(kit):
     """Full speed at once: spans behind the drivers go slack."""
     speed = kit.run_up("constant", 1.0)
-    return start_up(kit.small(), speed=speed, time_s=np.linspace(0.0, 1.0, 4001), friction=0.6)
+    return start_up(kit.small(), speed=speed, time_s=np.linspace(0.0, 0.6, 2401), friction=0.6)
 
 
 def sides(found):
@@ -81,7 +81,7 @@ def test_what_slips_when(hard_start):
     summary = hard_start.summary()
     assert summary["peak_utilisation"]["2"] == pytest.approx(1.0, abs=1e-7)
     assert summary["peak_utilisation"]["6"] < 0.5
-    assert summary["slipping_s"]["2"] > 1.5
+    assert summary["slipping_s"]["2"] > 0.8
     rows = {roller.name: i for i, roller in enumerate(hard_start.press.rollers)}
     for slip in hard_start.slips:
         inside = (hard_start.time_s > slip.start_s) & (hard_start.time_s < slip.end_s)
@@ -118,7 +118,7 @@ def test_energies_add_up_with_slip(request, name):
 @pytest.mark.parametrize(("load", "rtol"), [(0.0, 1e-8), (1.0, 2e-5)])
 def test_friction_that_suffices_changes_nothing(kit, load, rtol):
     """But for the first moments, in which drag holds the rollers that the linear model's loads push backward."""
-    question = {"speed": kit.run_up(), "time_s": np.linspace(0.0, 4.0, 81), "friction": 1.2}
+    question = {"speed": kit.run_up(), "time_s": np.linspace(0.0, 2.5, 51), "friction": 1.2}
     free, bound = (start_up(kit.paper(load=load), slip=slip, **question) for slip in (True, False))
     assert free.slips == bound.slips == ()
     np.testing.assert_allclose(free.tension_N, bound.tension_N, rtol=rtol)
@@ -137,11 +137,11 @@ def test_the_threshold_of_slip_in_a_slow_start(kit, factor, slips):
     settled_N = settled(ElasticPress(press), kit.speed_m_s).tension_N - 15.0 * kit.speed_m_s**2
     needed = math.log(settled_N[1] / settled_N[0]) / press.rollers[1].wrap_angle_rad
     found = start_up(
-        press, speed=kit.run_up(duration_s=12.0), time_s=np.linspace(0.0, 13.0, 14), friction=factor * needed
+        press, speed=kit.run_up(duration_s=6.0), time_s=np.linspace(0.0, 6.5, 14), friction=factor * needed
     )
     assert list(found.summary()["first_slip_s"]) == (["2"] if slips else [])
     if slips:
-        assert found.summary()["first_slip_s"]["2"] > 6.0
+        assert found.summary()["first_slip_s"]["2"] > 3.0
 
 
 def test_the_limit_of_a_constant_coefficient(kit):
@@ -167,33 +167,36 @@ def local_mu(friction, slack_N):
     return lambda s: a * (phi0 + s) ** b + c
 
 
-@pytest.mark.parametrize("friction", [0.8, LAW])
-@pytest.mark.parametrize("inertia_N", [0.0, 3.0, -3.0, 60.0])
-@pytest.mark.parametrize("alpha", [0.5, 2.5, 5.0])
-def test_utilisation_is_one_at_the_limit_of_the_belt_element(kit, friction, inertia_N, alpha):
+def test_utilisation_is_one_at_the_limit_of_the_belt_element(kit):
     """The belt element dT/dφ = ρAR²θ'' − F with F at its greatest everywhere, integrated directly."""
-    model = ElasticPress(kit.small(wrap_rad=alpha))
-    slack_N = float(model.preload_N[0])
-    mu = local_mu(friction, slack_N)
-    limit = friction_limit(model, friction)
-    for way in (1.0, -1.0):  # friction brakes the belt, or drives it; the angle counts from the slack side
-        run = solve_ivp(
-            lambda s, T, way=way: way * inertia_N + mu(s) * T,
-            (0.0, alpha),
-            [slack_N],
-            method="DOP853",
-            rtol=1e-13,
-            atol=1e-12,
-        )
-        sides = [slack_N, float(run.y[0, -1])][:: int(way)]
-        found = friction_utilisation(
-            limit,
-            friction_N=np.full(3, sides[1] - sides[0] - inertia_N * alpha),
-            upstream_N=np.full(3, sides[0]),
-            downstream_N=np.full(3, sides[1]),
-            arc_force_N=np.full(3, inertia_N * alpha),
-        )
-        assert found[1] == pytest.approx(1.0, abs=1e-9)
+    for friction in [0.8, LAW]:
+        for inertia_N in [0.0, 3.0, -3.0, 60.0]:
+            for alpha in [0.5, 2.5, 5.0]:
+                model = ElasticPress(kit.small(wrap_rad=alpha))
+                slack_N = float(model.preload_N[0])
+                mu = local_mu(friction, slack_N)
+                limit = friction_limit(model, friction)
+                for way in (
+                    1.0,
+                    -1.0,
+                ):  # friction brakes the belt, or drives it; the angle counts from the slack side
+                    run = solve_ivp(
+                        lambda s, T, way=way, mu=mu, inertia_N=inertia_N: way * inertia_N + mu(s) * T,
+                        (0.0, alpha),
+                        [slack_N],
+                        method="DOP853",
+                        rtol=1e-13,
+                        atol=1e-12,
+                    )
+                    sides = [slack_N, float(run.y[0, -1])][:: int(way)]
+                    found = friction_utilisation(
+                        limit,
+                        friction_N=np.full(3, sides[1] - sides[0] - inertia_N * alpha),
+                        upstream_N=np.full(3, sides[0]),
+                        downstream_N=np.full(3, sides[1]),
+                        arc_force_N=np.full(3, inertia_N * alpha),
+                    )
+                    assert found[1] == pytest.approx(1.0, abs=1e-9), (friction, inertia_N, alpha)
 
 
 @pytest.mark.parametrize("b", [-0.3, -0.7, -0.95])

@@ -140,9 +140,8 @@ def test_ropes_without_weight_leave_nothing_to_hold_when_stalled(tmp_path):
     assert cases["loading"]["utilisation_std"] > 0.0
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
+def test_bad_keys_are_refused_by_name(tmp_path):
+    for old, new, words in [
         ('groove       = "undercut"', 'groove = "undercutt"', "did you mean 'undercut'"),
         ('undercut     = "90 deg"', "", "the groove undercut has no undercut"),
         ('groove       = "undercut"', 'groove = "v-hardened"', "the groove v-hardened has no undercut"),
@@ -153,13 +152,11 @@ def test_ropes_without_weight_leave_nothing_to_hold_when_stalled(tmp_path):
         ('"0.5 m/s^2"', '"9.9 m/s^2"', "without tension"),
         ('"auto"', '["wrap-dependence"]', "cannot be simulated without friction"),
         ('"auto"', '["sped"]', "did you mean 'speed'"),
-    ],
-)
-def test_bad_keys_are_refused_by_name(tmp_path, old, new, words):
-    assert old in scene_text("traction")
-    with pytest.raises(DataError, match=words) as caught:
-        rf.solve(scene(tmp_path, old, new))
-    assert caught.value.problem.line is not None
+    ]:
+        assert old in scene_text("traction"), old
+        with pytest.raises(DataError, match=words) as caught:
+            rf.solve(scene(tmp_path, old, new))
+        assert caught.value.problem.line is not None, old
 
 
 def test_angles_of_no_groove_are_refused():

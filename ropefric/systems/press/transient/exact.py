@@ -216,7 +216,7 @@ class Phase(Propagator):
         rate = np.vstack([rows @ self.read, np.eye(n_z - n, n_z, k=n + 1)])
         watched = np.vstack([np.empty((0, n_w)), *(guard.row for guard in self.guards)]) @ self.read
         self.rate, self.watch = rate, np.vstack([watched, watched @ rate])
-        self._known: dict[float, tuple[FloatArray, FloatArray]] = {}
+        self._flows, self._works = dict[float, FloatArray](), dict[float, FloatArray]()
 
     @cached_property
     def forms(self) -> FloatArray:
@@ -249,12 +249,17 @@ class Phase(Propagator):
         # Rounding makes equal steps differ in their last digits; one matrix serves them all.
         return [*first, *[float(f"{left / count:.11e}")] * count]
 
-    def over(self, length_s: float, *, comes_again: bool = False) -> tuple[FloatArray, FloatArray]:
-        """Return the matrices of z after a step and of the works during it; kept for a length that comes again."""
-        made = self._known.get(length_s) or (self.step(length_s), self.integrals(self.forms, length_s))
-        if comes_again:
-            self._known[length_s] = made
-        return made
+    def flow_over(self, length_s: float) -> FloatArray:
+        """Return the matrix of z after a step, kept for a length that comes again."""
+        if length_s not in self._flows:
+            self._flows[length_s] = self.step(length_s)
+        return self._flows[length_s]
+
+    def works_over(self, length_s: float) -> FloatArray:
+        """Return the matrices of the works during a step, kept as well; they take longer than all else."""
+        if length_s not in self._works:
+            self._works[length_s] = self.integrals(self.forms, length_s)
+        return self._works[length_s]
 
 
 def lowest_between(
@@ -442,7 +447,7 @@ class HybridSolver:
         """Return the guard that ends the mode within a step, or None; the time that passed, and z after it."""
         self._steps += 1
         check_steps(self._steps)
-        flow, integrals = phase.over(length, comes_again=True)
+        flow = phase.flow_over(length)
 
         def along(tau: float) -> FloatArray:
             return phase.step(tau) @ z
@@ -453,7 +458,9 @@ class HybridSolver:
             guard, passed = first_to_fall(phase, along, fired, passed)
             if passed == 0.0:
                 return guard, passed, z
-            flow, integrals = phase.over(passed)
+            flow, integrals = phase.step(passed), phase.integrals(phase.forms, passed)
+        else:
+            integrals = phase.works_over(length)
         strained = z.copy()
         strained[: len(self._unmoved)] = self._unmoved @ z[: len(self._unmoved)]
         self.works = self.works + (integrals @ strained) @ strained

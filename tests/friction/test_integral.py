@@ -89,7 +89,7 @@ def test_wrap_laws_keep_their_digits(regimes, rise, seed, reference):
     exact = reference.power_rise if rise is power_rise else reference.exponential_rise
     for regime, draw in regimes.items():
         rng = np.random.default_rng(seed)
-        for case in (draw(rng) for _ in range(8)):
+        for case in (draw(rng) for _ in range(4)):
             assert abs(mp.mpf(rise(*case)) / exact(*case) - 1) < ASKED, (regime, case)
 
 
@@ -98,7 +98,7 @@ def test_power_law_near_the_angle_where_the_problem_itself_is_ill_conditioned(re
     # neither far above nor far below the wrap no method in doubles can do better than a few eps/s.
     a = 0.2
     for s in (1e-2, 1e-4, 1e-6):
-        for start in 10.0 ** np.random.default_rng(8).uniform(-2, 1, 8):
+        for start in 10.0 ** np.random.default_rng(8).uniform(-2, 1, 4):
             b = s - 1.0
             case = (a * start ** (b + 1.0) / (b + 1.0), 3.0, a, b, 0.0)
             off = abs(mp.mpf(power_rise(*case)) / reference.power_rise(*case) - 1)

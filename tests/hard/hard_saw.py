@@ -337,11 +337,13 @@ def boundary_layer():
     """Return the worst error; the third order of the layers is below 1e-14 from 1e-15 on."""
     errors = []
     for ends in ENDS.values():
+        # Every speed and every stiffness for both ends, not all of their product.
+        for number, stiffness in enumerate((1e-1, 1e-3, 1e-6, 1e-10, 1e-14)):
+            speed = SPEEDS[number % 3]
+            found = solve_beam(ScaledBeam.at_speed(stiffness, speed, ends), accuracy=1e-12).frequencies
+            truth = beam_frequencies(found[[0, 5]], stiffness, ends, speed=speed)
+            errors += [relative(*pair) for pair in zip(found[[0, 5]], truth, strict=True)]
         for speed in SPEEDS:
-            for stiffness in (1e-1, 1e-3, 1e-6, 1e-10, 1e-14):
-                found = solve_beam(ScaledBeam.at_speed(stiffness, speed, ends), accuracy=1e-12).frequencies
-                truth = beam_frequencies(found[[0, 5]], stiffness, ends, speed=speed)
-                errors += [relative(*pair) for pair in zip(found[[0, 5]], truth, strict=True)]
             for stiffness in (1e-15, 1e-18, 1e-24, 1e-40, 1e-160, 1e-300, 5e-324):
                 found = solve_beam(ScaledBeam.at_speed(stiffness, speed, ends), accuracy=1e-12).frequencies
                 with mp.workdps(60):
@@ -420,7 +422,7 @@ def blades_of_extreme_data_answer_or_refuse():
              "mounting_factor": 0.5, "wheel_speed_m_s": 35.0, "travel_speed_m_s": 35.0,
              "bending_stiffness_N_m2": 1.06}  # fmt: skip
     rng, answered = np.random.default_rng(13), 0
-    for _ in range(150):
+    for _ in range(80):
         moved = extreme(parts, rng)
         if answer(lambda moved=moved: Span(**moved).tension_N) is None:
             continue
@@ -429,7 +431,7 @@ def blades_of_extreme_data_answer_or_refuse():
         answered += answer(partial(beam_frequencies_Hz, span, CLAMPED, 2)) is not None
         answer(partial(string_frequencies_Hz, span, 2))
         answer(partial(beam_frequencies_Hz, span, PINNED, 2))
-    assert answered > 15
+    assert answered > 8
     for name in ("pull_N", "travel_speed_m_s"):
         for value in (-1e31, 1e31, 1e160, 1.7e308):
             refused(partial(Span, **parts | {name: value}), f"{name} is .*, beyond anything from 1e-30 to 1e")

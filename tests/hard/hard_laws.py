@@ -223,7 +223,8 @@ def size_ratio():
                 yield from ((name, theta, pull(wheel=wheel, rope=rope)) for wheel, rope in sizes)
 
     near = worst_law_error(cases([(1e-9, 0.005), (0.001, 0.005), (1e9, 0.005), (0.04, 1e-9)], 2))
-    return max(near, worst_law_error(cases([(1e-300, 0.005), (0.04, 1e-298)], 1), digits=950))
+    far = [case for case in cases([(1e-300, 0.005), (0.04, 1e-298)], 1) if case[0] != "coupled"]
+    return max(near, worst_law_error(far, digits=950))
 
 
 @refusals

@@ -74,6 +74,25 @@ def exponent_to_zero():
 
 
 @fact
+def ordinary_pulls_keep_a_digit_more():
+    """With b + 1 or b of any size, either part of μ nothing or next to it, and an end tension just below the limit."""
+    rng = np.random.default_rng(7)
+    for _ in range(6):
+        (wrap, b), tension = rng.uniform((0.1, -0.95), (40.0, -0.01)), math.exp(rng.uniform(0.1, 6.0))
+        steep, tiny, saturating = (
+            -(10.0 ** rng.uniform(-1.0, 1.3)),
+            10.0 ** rng.uniform(-200, -10),
+            math.exp(0.6),
+        )
+        power = ([0.2, b, 0.1], [0.0, b, 0.1], [tiny, b, 0.1])
+        exponential = ([0.2, 2.0 * b, 0.1], [0.2, steep, 0.1], [0.2, b, 1e-12], [0.0, b, 0.1])
+        cases = [("wrap-power", theta, pull(wrap, tension)) for theta in power]
+        cases += [("wrap-exponential", theta, pull(wrap, tension)) for theta in exponential]
+        limited = ("wrap-exponential", [0.2, -rng.uniform(0.01, 0.33), 0.0], pull(wrap, saturating))
+        assert worst_law_error([*cases, limited], digits=60, slopes=False) < 1e-13
+
+
+@fact
 def without_an_exponent_it_is_eulers_equation():
     for name in ("wrap-power", "wrap-exponential"):
         for b in (-1e-300, -5e-324, -0.0, 0.0):

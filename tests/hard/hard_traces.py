@@ -310,7 +310,12 @@ def identical_conditions_show_one_parameter_only():
 
 @fact
 def fewer_trials_than_parameters_are_counted():
-    for name, n in (("constant-offset", 1), ("wrap-power", 1), ("wrap-exponential", 2), ("size-exponential", 3)):
+    for name, n in (
+        ("constant-offset", 1),
+        ("wrap-power", 1),
+        ("wrap-exponential", 2),
+        ("size-exponential", 3),
+    ):
         pulls = plan([0.04], (2.0, 5.0, 9.0)[:n], [20.0])
         fit = fitted(pulls, np.log(20.0) + 0.2 * pulls.wrap_angle_rad + 0.01, name)
         free = sum(item.vary for item in fit.parameters)

@@ -92,15 +92,6 @@ def ordinary_pulls_keep_a_digit_more():
         assert worst_law_error([*cases, limited], digits=60, slopes=False) < 1e-13
 
 
-@fact
-def without_an_exponent_it_is_eulers_equation():
-    for name in ("wrap-power", "wrap-exponential"):
-        for b in (-1e-300, -5e-324, -0.0, 0.0):
-            assert np.isclose(
-                lift(name, [0.2, b, 0.1], 7.0), math.log(20.0) + 0.3 * 7.0, rtol=1e-15, atol=0.0
-            )
-
-
 # Far from φ = 1 rad, where ln φ changes sign and the slope by b with it.
 INTEGRAL_START = 3.7
 

@@ -120,18 +120,6 @@ def stiff_rope():
     )
 
 
-@fact
-def a_rope_without_stiffness_is_left_with_the_root_of_it():
-    """Two arcs of √(2E/F) each lose their friction, and nothing else does to this order."""
-    mu, limp = 0.3, math.log(TENSION) + 0.3 * WRAP
-    for ratio in (1e-12, 1e-16):
-        found = lifted(rope(mu=mu, stiffness_N=TENSION * ratio))
-        arcs = math.sqrt(2.0 * ratio) * (1.0 + math.exp(-0.5 * mu * WRAP))
-        assert WRAP - found.contact_rad[0] == pytest.approx(arcs, abs=4e-15, rel=1e-5)
-        assert limp - found.log_lift[0] == pytest.approx(mu * arcs, abs=4e-15, rel=1e-5)
-    assert lifted(rope(mu=mu, stiffness_N=5e-324)).log_lift[0] == limp
-
-
 @refusals
 def ropes_that_cannot_follow_or_never_touch():
     """One that hardly touches lifts what pulls it."""

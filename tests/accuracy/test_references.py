@@ -7,8 +7,13 @@ import pytest
 from ropefric.accuracy.studies import blade_modes, end_tension, fit, integral, interval
 from ropefric.friction.laws import LAWS
 
-mp.mp.dps = 50
 HALF_A_UNIT = 1.2e-16
+
+
+@pytest.fixture(autouse=True)
+def _fifty_digits():
+    with mp.workdps(50):
+        yield
 
 
 def agrees(stored, exact):
@@ -24,33 +29,33 @@ def quadrature(start, wrap, b):
     return mp.mpf(integral.A) * power + mp.mpf(integral.C) * delta
 
 
-@pytest.mark.parametrize(
-    ("stored", "start", "wrap", "b"),
-    [
+def test_integrals():
+    many = zip(
+        integral.MANY, [(p, delta) for p in (0.5, 1.7, 5.0, 15.0) for delta in (1.5, 12.0)], strict=True
+    )
+    for stored, start, wrap, b in (
         (integral.REGULAR, 1.7, 9.4, -0.5),
         (integral.FROM_ZERO, 0.0, 9.4, -0.5),
         (integral.NEAR_MINUS_ONE, 1e-3, 9.4, integral.NEARLY),
         (integral.SHORT_WRAP, 10.0, 1e-6, -0.5),
-        *((value, p, delta, -0.5) for value, (p, delta) in zip(
-            integral.MANY, [(p, delta) for p in (0.5, 1.7, 5.0, 15.0) for delta in (1.5, 12.0)], strict=True)),
-    ],
-)  # fmt: skip
-def test_integrals(stored, start, wrap, b):
-    assert agrees(stored, quadrature(start, wrap, b))
+        *((value, p, delta, -0.5) for value, (p, delta) in many),
+    ):
+        assert agrees(stored, quadrature(start, wrap, b)), (start, wrap, b)
 
 
-@pytest.mark.parametrize("b", list(end_tension.POWER))
-def test_starts_of_the_power_law(b):
-    a, c, s = mp.mpf(end_tension.A), mp.mpf(end_tension.C), mp.mpf(b) + 1
-    for stored, y in zip(end_tension.POWER[b], end_tension.LOG_TENSION, strict=True):
-        u, target = mp.mpf(stored), mp.mpf(y)
+def test_starts_of_the_power_law():
+    a, c = mp.mpf(end_tension.A), mp.mpf(end_tension.C)
+    for b, starts in end_tension.POWER.items():
+        s = mp.mpf(b) + 1
+        for stored, y in zip(starts, end_tension.LOG_TENSION, strict=True):
+            u, target = mp.mpf(stored), mp.mpf(y)
 
-        def surplus(v, target=target):
-            return a / s * mp.exp(s * v) + c * mp.exp(v) - target
+            def surplus(v, s=s, target=target):
+                return a / s * mp.exp(s * v) + c * mp.exp(v) - target
 
-        # The root lies within a unit in the last place of what is stored.
-        width = mp.mpf(np.spacing(max(abs(stored), 1e-16)))
-        assert surplus(u - width) < 0 < surplus(u + width)
+            # The root lies within a unit in the last place of what is stored.
+            width = mp.mpf(np.spacing(max(abs(stored), 1e-16)))
+            assert surplus(u - width) < 0 < surplus(u + width), (b, y)
 
 
 def test_starts_of_the_exponential_law():
@@ -109,12 +114,15 @@ def clamped_determinant(w, stiffness, speed):
     return mp.det(rows) / mp.fprod(waves[i] - waves[j] for i in range(4) for j in range(i))
 
 
-@pytest.mark.parametrize("stiffness", list(blade_modes.FREQUENCIES))
-def test_frequencies(stiffness):
-    for stored in blade_modes.FREQUENCIES[stiffness]:
+def test_frequencies():
+    for stiffness, stored in (
+        (e, w) for e, frequencies in blade_modes.FREQUENCIES.items() for w in frequencies
+    ):
         near = mp.mpf(stored)
         found = mp.findroot(
-            lambda w: clamped_determinant(w, mp.mpf(stiffness), mp.mpf(blade_modes.SPEED)),
+            lambda w, stiffness=stiffness: clamped_determinant(
+                w, mp.mpf(stiffness), mp.mpf(blade_modes.SPEED)
+            ),
             (near, near * (1 + mp.mpf(10) ** -9)),
             solver="secant",
             tol=mp.mpf(10) ** -30,

@@ -1,4 +1,4 @@
-"""The closed forms against 50 digits, against quadrature, and against the numbers printed on paper."""
+"""The closed forms against quadrature and the numbers printed on paper; tests/hard has them in many digits."""
 
 import math
 
@@ -13,8 +13,6 @@ from ropefric.errors import SolverError
 from ropefric.friction import integral
 from ropefric.friction.condition import one_condition
 from ropefric.friction.integral import (
-    PowerSpan,
-    exponential_start_rad,
     exprel_slope,
     log1prel,
     log1prel_slope,
@@ -23,101 +21,9 @@ from ropefric.friction.integral import (
 from ropefric.friction.laws import LAWS
 from ropefric.friction.laws.wrap import exponential_rise
 
-# Issue 3 asks for 1e-12; what is reached is 5e-15, and the tests hold a tenth of what is asked.
-ASKED = 1e-13
-
-
-def power_rise(y, delta, a, b, c):
-    return float(a * PowerSpan(power_log_start(y, a, b, c), delta, b).integral() + c * delta)
-
-
-def wrap_exponential_rise(y, delta, a, b, c):
-    return float(exponential_rise(exponential_start_rad(y, a, b, c), np.float64(delta), a, b, c))
-
 
 def lift(name, theta, wrap_rad, tension_N):
     return float(LAWS[name].log_lift(theta, one_condition(0.04, 0.005, wrap_rad, tension_N))[0])
-
-
-def decades(rng, low, high):
-    return 10.0 ** rng.uniform(low, high)
-
-
-POWER_REGIMES = {
-    "ordinary": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, r.uniform(-0.95, -0.01), 0.1),
-    "zero wrap": lambda r: (r.uniform(0.1, 6), decades(r, -15, -6), 0.3, r.uniform(-0.95, -0.01), 0.1),
-    "F_B -> F_0": lambda r: (decades(r, -15, -3), r.uniform(0.1, 40), 0.3, r.uniform(-0.95, -0.01), 0.1),
-    "both": lambda r: (decades(r, -15, -3), decades(r, -12, -3), 0.3, r.uniform(-0.95, -0.01), 0.05),
-    "F_B = F_0": lambda r: (0.0, r.uniform(0.1, 40), 0.3, r.uniform(-0.95, -0.01), 0.05),
-    "b -> 0": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, -decades(r, -15, -3), 0.1),
-    "b = 0": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, 0.0, 0.1),
-    "phi0 underflows": lambda r: (r.uniform(0.1, 6), decades(r, -9, 2), 0.2, -1 + 1e-3, 0.1),
-    "phi0 underflows, c = 0": lambda r: (r.uniform(0.1, 6), decades(r, -9, 2), 0.2, -1 + 1e-3, 0.0),
-    "b + 1 = 1e-9": lambda r: (r.uniform(0.1, 6), decades(r, -9, 2), 0.2, -1 + 1e-9, 0.05),
-    "hundreds of turns": lambda r: (r.uniform(0.1, 6), r.uniform(600, 6000), 0.4, r.uniform(-0.95, -0.01), 0.2),
-    "a = 0": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.0, -0.5, 0.1),
-    "tiny a": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), decades(r, -200, -10), -0.5, 0.1),
-}  # fmt: skip
-
-
-def saturating(r):
-    a, b = 0.2, -r.uniform(0.01, 2)
-    return a / -b * r.uniform(0.01, 0.99), r.uniform(0.1, 40), a, b, 0.0
-
-
-EXPONENTIAL_REGIMES = {
-    "ordinary": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, -r.uniform(0.01, 2), 0.1),
-    "zero wrap": lambda r: (r.uniform(0.1, 6), decades(r, -15, -6), 0.2, -r.uniform(0.01, 2), 0.1),
-    "F_B -> F_0": lambda r: (decades(r, -15, -3), r.uniform(0.1, 40), 0.2, -r.uniform(0.01, 2), 0.1),
-    "F_B = F_0": lambda r: (0.0, r.uniform(0.1, 40), 0.2, -r.uniform(0.01, 2), 0.1),
-    "b -> 0": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, -decades(r, -15, -3), 0.1),
-    "b = 0": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, 0.0, 0.1),
-    "steep": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, -decades(r, 0, 1.3), 0.1),
-    "c -> 0": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.2, -r.uniform(0.01, 2), decades(r, -12, -3)),
-    "c = 0": saturating,
-    "hundreds of turns": lambda r: (r.uniform(0.1, 6), r.uniform(600, 6000), 0.2, -r.uniform(0.01, 2), 0.2),
-    "a = 0": lambda r: (r.uniform(0.1, 6), r.uniform(0.1, 40), 0.0, -0.5, 0.1),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("regimes", "rise", "seed"),
-    [(POWER_REGIMES, power_rise, 7), (EXPONENTIAL_REGIMES, wrap_exponential_rise, 9)],
-    ids=["power", "exponential"],
-)
-def test_wrap_laws_keep_their_digits(regimes, rise, seed, reference):
-    exact = reference.power_rise if rise is power_rise else reference.exponential_rise
-    for regime, draw in regimes.items():
-        rng = np.random.default_rng(seed)
-        for case in (draw(rng) for _ in range(8)):
-            assert abs(mp.mpf(rise(*case)) / exact(*case) - 1) < ASKED, (regime, case)
-
-
-def test_power_law_near_the_angle_where_the_problem_itself_is_ill_conditioned(reference):
-    # φ0 = (y s/a)^{1/s}: one rounding of y moves φ0, and with it the rise, by up to 1/s roundings. Where φ0 is
-    # neither far above nor far below the wrap no method in doubles can do better than a few eps/s.
-    a = 0.2
-    for s in (1e-2, 1e-4, 1e-6):
-        for start in 10.0 ** np.random.default_rng(8).uniform(-2, 1, 8):
-            b = s - 1.0
-            case = (a * start ** (b + 1.0) / (b + 1.0), 3.0, a, b, 0.0)
-            off = abs(mp.mpf(power_rise(*case)) / reference.power_rise(*case) - 1)
-            assert off < 8 * np.finfo(float).eps / s, case
-
-
-def test_stretch_away_from_zero_goes_through_minus_one():
-    p = 0.7
-    for b in (-1.0, -1 - 1e-15, -1 + 1e-15, -1 - 1e-6, -1 + 1e-6, -1.5, -0.5, 0.0, 2.0):
-        for delta in (1e-12, 1e-9, 0.3, 100.0):
-            with mp.workdps(60):
-                s, lo, hi = mp.mpf(b) + 1, mp.mpf(p), mp.mpf(p) + mp.mpf(delta)
-                truth = mp.log(hi / lo) if s == 0 else (hi**s - lo**s) / s
-                slope = mp.quad(lambda t, s=s: mp.exp(s * t) * t, [mp.log(lo), mp.log(hi)])
-            found = float(integral.power_integral(delta, 1.0, b, start_rad=p))
-            assert abs(found / truth - 1) < ASKED, (b, delta)
-            # Relative to ∫ φ^b |ln φ|: ln φ changes sign at 1 rad, and the slope itself may pass through zero.
-            scale = max(abs(slope), truth * 0.3)
-            assert abs(float(PowerSpan(math.log(p), delta, b).slope()) - slope) < 1e-12 * scale, (b, delta)
 
 
 def test_the_numbers_on_paper():

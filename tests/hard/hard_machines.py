@@ -120,18 +120,6 @@ def stiff_rope():
     )
 
 
-@fact
-def a_rope_without_stiffness_is_left_with_the_root_of_it():
-    """Two arcs of √(2E/F) each lose their friction, and nothing else does to this order."""
-    mu, limp = 0.3, math.log(TENSION) + 0.3 * WRAP
-    for ratio in (1e-12, 1e-16):
-        found = lifted(rope(mu=mu, stiffness_N=TENSION * ratio))
-        arcs = math.sqrt(2.0 * ratio) * (1.0 + math.exp(-0.5 * mu * WRAP))
-        assert WRAP - found.contact_rad[0] == pytest.approx(arcs, abs=4e-15, rel=1e-5)
-        assert limp - found.log_lift[0] == pytest.approx(mu * arcs, abs=4e-15, rel=1e-5)
-    assert lifted(rope(mu=mu, stiffness_N=5e-324)).log_lift[0] == limp
-
-
 @refusals
 def ropes_that_cannot_follow_or_never_touch():
     """One that hardly touches lifts what pulls it."""
@@ -188,10 +176,10 @@ def hoists_of_extreme_data_answer_or_refuse():
     rng, answered = np.random.default_rng(14), 0
     for mu in (0.2, 1e-300, 1e3):
         friction = WrapFriction.constant(mu)
-        for _ in range(100):
+        for _ in range(50):
             moved = {"friction": friction} | extreme(parts, rng)
             answered += answer(lambda moved=moved: lifted(HoistProblem(**moved)).log_lift) is not None
-    assert answered > 30
+    assert answered > 15
     for value in (-1e31, 1e31, 1e160, 1.7e308):
         call = partial(HoistProblem, friction=friction, **parts | {"speed_m_s": value})
         refused(call, "speed_m_s is .*, beyond anything from 1e-30 to 1e")
@@ -264,7 +252,7 @@ def true_tensions(problem, time_s):
 def stiff_belts():
     """Return the worst error of decay rates that lie nine powers of ten apart."""
     speed, worst = DRIVE_LAWS["s-curve"](speed_m_s=1.0, duration_s=2.0), 0.0
-    for case in [(1e6, 0.0), (1e8, 1e-3), (1e8, 0.1), (1e10, 1e-3), (1e10, 0.1)]:
+    for case in [(1e6, 0.0), (1e8, 1e-3), (1e10, 0.1)]:
         problem = linear_start(small_press(*case), speed)
         true = true_tensions(problem, 1.3)
         for times_s in ([1.3], np.linspace(0.0, 1.3, 131)):
@@ -304,7 +292,7 @@ def slip_threshold():
 @regime("slack belts", 1e-8, "the balance of energy; no belt pushes",
         "a press thrown to full speed, EA = 1e5 … 1e7 N, 1e8 N in the long run: what drive, loads, belts, "
         "slip and motion leave over of the energy, and how far any belt pushes")  # fmt: skip
-def slack_belts(cases=((1e5, 0.0), (2e5, 2e-3), (1e7, 1e-3))):
+def slack_belts(cases=((1e5, 0.0), (1e7, 1e-3))):
     speed, worst = DRIVE_LAWS["constant"](speed_m_s=1.0), 0.0
     for case in cases:
         times_s = np.linspace(0.0, 0.3, 601)

@@ -209,18 +209,6 @@ def critical_beam():
     return max(errors)
 
 
-@fact
-def the_first_frequency_vanishes_with_the_root_of_the_margin():
-    """ω² (m + gᵀK⁻¹g) = margin · k for the buckling mode, whose inertia the gyroscopic forces only raise."""
-    for ends in ENDS.values():
-        rates = [
-            solve_beam(at_shortfall(1e-3, shortfall, ends), 1).frequencies[0] / math.sqrt(shortfall)
-            for shortfall in (1e-8, 1e-11, 1e-14)
-        ]
-        np.testing.assert_allclose(rates[1:], rates[:-1], rtol=1e-4)
-        np.testing.assert_allclose(rates[2], rates[1], rtol=1e-7)
-
-
 @refusals
 def beams_at_their_critical_speed_and_above():
     for ends in ENDS.values():
@@ -337,11 +325,13 @@ def boundary_layer():
     """Return the worst error; the third order of the layers is below 1e-14 from 1e-15 on."""
     errors = []
     for ends in ENDS.values():
+        # Every speed and every stiffness for both ends, not all of their product.
+        for number, stiffness in enumerate((1e-1, 1e-3, 1e-6, 1e-10, 1e-14)):
+            speed = SPEEDS[number % 3]
+            found = solve_beam(ScaledBeam.at_speed(stiffness, speed, ends), accuracy=1e-12).frequencies
+            truth = beam_frequencies(found[[0, 5]], stiffness, ends, speed=speed)
+            errors += [relative(*pair) for pair in zip(found[[0, 5]], truth, strict=True)]
         for speed in SPEEDS:
-            for stiffness in (1e-1, 1e-3, 1e-6, 1e-10, 1e-14):
-                found = solve_beam(ScaledBeam.at_speed(stiffness, speed, ends), accuracy=1e-12).frequencies
-                truth = beam_frequencies(found[[0, 5]], stiffness, ends, speed=speed)
-                errors += [relative(*pair) for pair in zip(found[[0, 5]], truth, strict=True)]
             for stiffness in (1e-15, 1e-18, 1e-24, 1e-40, 1e-160, 1e-300, 5e-324):
                 found = solve_beam(ScaledBeam.at_speed(stiffness, speed, ends), accuracy=1e-12).frequencies
                 with mp.workdps(60):
@@ -373,26 +363,6 @@ def _judge_order(beam):
             assert np.abs(coarse / wanted - 1.0).max() > accuracy, beam
 
 
-@fact
-def the_string_with_its_layers_is_left_at_the_third_order():
-    """What is left falls with ε³: −8 n²π²V²η³ between pins, which have ε⁴ at rest."""
-    for ends in ENDS.values():
-        for speed in (0.0, 0.5, 0.9):
-            left = []
-            for eps in (4e-4, 2e-4, 1e-4):
-                found = solve_beam(ScaledBeam.at_speed(eps**2, speed, ends), 3, accuracy=1e-13).frequencies
-                eta = eps / math.sqrt(1.0 - speed**2)
-                with mp.workdps(30):
-                    truth = [with_layers(n, eps**2, speed, ends) for n in (1, 2, 3)]
-                    pairs = zip(found, truth, strict=True)
-                    left.append([float(mp.mpf(float(w)) / t - 1) / eta**3 for w, t in pairs])
-            if ends.turns:
-                pi_n = math.pi * np.arange(1, 4)
-                np.testing.assert_allclose(left[2], -8.0 * (speed * pi_n) ** 2, rtol=0.05, atol=0.2)
-            else:
-                np.testing.assert_allclose(left[1:], left[:-1], rtol=0.05)
-
-
 @refusals
 def beams_without_stiffness():
     """A blade of none is the string to the last bit; a stiffness of which no float is left is refused."""
@@ -420,7 +390,7 @@ def blades_of_extreme_data_answer_or_refuse():
              "mounting_factor": 0.5, "wheel_speed_m_s": 35.0, "travel_speed_m_s": 35.0,
              "bending_stiffness_N_m2": 1.06}  # fmt: skip
     rng, answered = np.random.default_rng(13), 0
-    for _ in range(150):
+    for _ in range(80):
         moved = extreme(parts, rng)
         if answer(lambda moved=moved: Span(**moved).tension_N) is None:
             continue
@@ -429,7 +399,7 @@ def blades_of_extreme_data_answer_or_refuse():
         answered += answer(partial(beam_frequencies_Hz, span, CLAMPED, 2)) is not None
         answer(partial(string_frequencies_Hz, span, 2))
         answer(partial(beam_frequencies_Hz, span, PINNED, 2))
-    assert answered > 15
+    assert answered > 8
     for name in ("pull_N", "travel_speed_m_s"):
         for value in (-1e31, 1e31, 1e160, 1.7e308):
             refused(partial(Span, **parts | {name: value}), f"{name} is .*, beyond anything from 1e-30 to 1e")

@@ -1,6 +1,6 @@
-"""Makes the helpers of this folder, and of all, importable under importmode=importlib."""
+"""Makes the helpers of this folder importable under importmode=importlib."""
 
 import sys
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
+sys.path.insert(0, str(Path(__file__).parent))

@@ -24,15 +24,15 @@ EFFECTS = {
 }
 
 
-@pytest.mark.parametrize("name", EFFECTS)
-def test_every_effect_is_told_of(call, name):
-    done = call("explain", SCENES / f"{name}.toml", "--json")
-    assert done.code == 0, done.err
-    tree = done.json()
-    assert sorted(one["name"] for one in tree["effects"]) == sorted(EFFECTS[name])
-    assert all(set(one) == KEYS for one in tree["effects"])
-    assert tree["measured"] is None
-    assert done.out == json.dumps(tree, indent=2, sort_keys=True, ensure_ascii=False) + "\n"
+def test_every_effect_is_told_of(call):
+    for name, effects in EFFECTS.items():
+        done = call("explain", SCENES / f"{name}.toml", "--json")
+        assert done.code == 0, done.err
+        tree = done.json()
+        assert sorted(one["name"] for one in tree["effects"]) == sorted(effects)
+        assert all(set(one) == KEYS for one in tree["effects"])
+        assert tree["measured"] is None
+        assert done.out == json.dumps(tree, indent=2, sort_keys=True, ensure_ascii=False) + "\n"
 
 
 @pytest.mark.parametrize("name", EFFECTS)

@@ -67,10 +67,7 @@ def test_json_alone_on_stdout_and_the_same_bytes_however_it_is_worked_through(ca
     assert files(tmp_path / "a") == before
 
 
-def test_a_law_can_be_asked_for(call, bench, tmp_path):
-    done = call("run", bench, "--out", tmp_path, "--no-figures", "--law", "coupled")
-    assert done.code == NOT_TRUSTED
-    assert "The law: coupled, as asked for; not judged" in done.out
+def test_an_unknown_law_is_refused_before_the_work(call, bench, tmp_path):
     refused = call("run", bench, "--out", tmp_path / "other", "--law", "constnat")
     assert refused.code == 3
     assert "did you mean 'constant'?" in refused.err
@@ -110,7 +107,9 @@ def test_one_count_is_said_everywhere_and_adds_up(call, bench, tmp_path):
         )
     text = (folder / "campaign.toml").read_text(encoding="utf-8").replace("two-sigma", "mad")
     (folder / "campaign.toml").write_text(text.replace('name = "', 'name = "<b>&', 1), encoding="utf-8")
-    done = call("run", folder, "--out", tmp_path / "out", "--no-figures")
+    done = call("run", folder, "--out", tmp_path / "out", "--no-figures", "--law", "coupled")
+    assert done.code == NOT_TRUSTED
+    assert "The law: coupled, as asked for; not judged" in done.out
     tree = call("extract", folder, "--out", tmp_path / "out", "--no-figures", "--json").json()
     counts = tree["counts"]
     parts = [counts[f"n_{name}"] for name in ("kept", "rejected", "excluded", "without_force")]

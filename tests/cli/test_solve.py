@@ -49,18 +49,18 @@ TOLD = {
 }
 
 
-@pytest.mark.parametrize("name", TOLD)
-def test_the_answer_in_words_and_as_json(call, name):
-    done = call("solve", SCENES / f"{name}.toml")
-    assert done.code == 0, done.err
-    flat = " ".join(done.out.split()).lower()
-    for one in TOLD[name]:
-        assert one.lower() in flat
-    done = call("solve", SCENES / f"{name}.toml", "--json")
-    tree = done.json()
-    assert done.out == json.dumps(tree, indent=2, sort_keys=True, ensure_ascii=False) + "\n"
-    assert set(tree["effects"]) == {"simulated", "left_out", "not_applicable"}
-    assert tree["error_bound"] >= 0.0
+def test_the_answer_in_words_and_as_json(call):
+    for name, words in TOLD.items():
+        done = call("solve", SCENES / f"{name}.toml")
+        assert done.code == 0, done.err
+        flat = " ".join(done.out.split()).lower()
+        for one in words:
+            assert one.lower() in flat
+        done = call("solve", SCENES / f"{name}.toml", "--json")
+        tree = done.json()
+        assert done.out == json.dumps(tree, indent=2, sort_keys=True, ensure_ascii=False) + "\n"
+        assert set(tree["effects"]) == {"simulated", "left_out", "not_applicable"}
+        assert tree["error_bound"] >= 0.0
 
 
 def test_the_same_input_gives_the_same_bytes_and_quiet_drops_the_notes(call, tmp_path):
@@ -180,20 +180,19 @@ MISTAKES = [
 ]
 
 
-@pytest.mark.parametrize("mistake", MISTAKES, ids=lambda mistake: mistake[0])
-def test_a_bad_scene_is_an_error_with_file_line_and_key(call, scene, mistake):
-    name, changes, code, key = mistake
-    path = scene(name, **changes)
-    done = call("solve", path, "--json")
-    assert done.code == 3
-    error = done.json()["error"]
-    assert {"code", "message", "where", "fix"} <= set(error)
-    assert error["code"] == code
-    assert re.fullmatch(rf"{re.escape(str(path))}:\d+ {re.escape(key)}", error["where"])
-    assert error["fix"]
-    told = call("solve", path)
-    assert (told.code, told.out) == (3, "")
-    assert error["message"][:40] in " ".join(told.err.split())
+def test_a_bad_scene_is_an_error_with_file_line_and_key(call, scene):
+    for name, changes, code, key in MISTAKES:
+        path = scene(name, **changes)
+        done = call("solve", path, "--json")
+        assert done.code == 3
+        error = done.json()["error"]
+        assert {"code", "message", "where", "fix"} <= set(error)
+        assert error["code"] == code
+        assert re.fullmatch(rf"{re.escape(str(path))}:\d+ {re.escape(key)}", error["where"])
+        assert error["fix"]
+        told = call("solve", path)
+        assert (told.code, told.out) == (3, "")
+        assert error["message"][:40] in " ".join(told.err.split())
 
 
 def test_all_mistakes_of_a_scene_are_told_at_once(call, scene):

@@ -13,8 +13,6 @@ from ropefric.fitting.problem import batched_fit, bounded_steps, reduced
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 
-EVERY_LAW = pytest.mark.parametrize("law", list(ALL_LAWS.values()), ids=lambda law: law.name)
-
 
 def scipy_fit(problem, log_lift, start):
     """Bounded trust-region fit of one data set, from a start moved off the bounds."""
@@ -35,43 +33,46 @@ def scipy_fit(problem, log_lift, start):
     return whole(found.x), 2 * found.cost
 
 
-@EVERY_LAW
-def test_hundreds_of_resamples_agree_with_scipy(bench_problem, law):
-    problem = bench_problem(law, std=0.005)
-    rng = np.random.default_rng(5)
-    data = problem.log_lift + 0.005 * rng.standard_normal((200, problem.n_points))
-    fit = batched_fit(problem, data)
-    assert fit.converged.all()
-    free = problem.vary
-    for i in range(0, 200, 25):
-        theta, chi2 = scipy_fit(problem, data[i], fit.theta[i])
-        assert fit.chi2[i] <= chi2 * (1 + 1e-12)
-        inside = (fit.theta[i] > problem.lower) & (fit.theta[i] < problem.upper) & free
-        J = problem.jacobian(fit.theta[i])[:, free]
-        std = np.sqrt(np.diag(np.linalg.pinv(J.T @ J)))
-        if (inside == free).all():  # an interior-point method only comes near a bound
-            # scipy stops where a step changes χ² in the 15th digit only: 3e-8·√χ² standard errors, and its next
-            # steps shrink slowly where the model bends; our own gradient is held to less below
-            far = np.abs(fit.theta[i] - theta)[free]
-            assert (far <= 1e-8 * np.abs(theta[free]) + 3e-6 * std).all()
-        gradient = problem.jacobian(fit.theta[i]).T @ (
-            (law.log_lift(fit.theta[i], problem.conditions) - data[i]) / problem.std
-        )
-        spread = np.linalg.norm(problem.jacobian(fit.theta[i]), axis=0)
-        assert (np.abs(gradient[inside]) < 1e-7 * spread[inside]).all()
-        at_lower, at_upper = free & (fit.theta[i] <= problem.lower), free & (fit.theta[i] >= problem.upper)
-        assert (gradient[at_lower] >= 0).all()
-        assert (gradient[at_upper] <= 0).all()
+def test_hundreds_of_resamples_agree_with_scipy(bench_problem):
+    for law in ALL_LAWS.values():
+        problem = bench_problem(law, std=0.005)
+        rng = np.random.default_rng(5)
+        data = problem.log_lift + 0.005 * rng.standard_normal((200, problem.n_points))
+        fit = batched_fit(problem, data)
+        assert fit.converged.all()
+        free = problem.vary
+        for i in range(0, 200, 50):
+            theta, chi2 = scipy_fit(problem, data[i], fit.theta[i])
+            assert fit.chi2[i] <= chi2 * (1 + 1e-12)
+            inside = (fit.theta[i] > problem.lower) & (fit.theta[i] < problem.upper) & free
+            J = problem.jacobian(fit.theta[i])[:, free]
+            std = np.sqrt(np.diag(np.linalg.pinv(J.T @ J)))
+            if (inside == free).all():  # an interior-point method only comes near a bound
+                # scipy stops where a step changes χ² in the 15th digit only: 3e-8·√χ² standard errors, and its next
+                # steps shrink slowly where the model bends; our own gradient is held to less below
+                far = np.abs(fit.theta[i] - theta)[free]
+                assert (far <= 1e-8 * np.abs(theta[free]) + 3e-6 * std).all()
+            gradient = problem.jacobian(fit.theta[i]).T @ (
+                (law.log_lift(fit.theta[i], problem.conditions) - data[i]) / problem.std
+            )
+            spread = np.linalg.norm(problem.jacobian(fit.theta[i]), axis=0)
+            assert (np.abs(gradient[inside]) < 1e-7 * spread[inside]).all()
+            at_lower, at_upper = (
+                free & (fit.theta[i] <= problem.lower),
+                free & (fit.theta[i] >= problem.upper),
+            )
+            assert (gradient[at_lower] >= 0).all()
+            assert (gradient[at_upper] <= 0).all()
 
 
-@EVERY_LAW
-def test_clean_data_give_the_truth_from_the_guess(bench_problem, law):
-    problem = bench_problem(law, std=0.0)
-    truth = problem.start
-    fit = batched_fit(problem, starts=guess(law, problem.conditions, problem.log_lift))
-    assert fit.converged.all()
-    assert np.allclose(fit.theta[0], truth, rtol=1e-8, atol=1e-10)
-    assert fit.chi2[0] < 1e-16
+def test_clean_data_give_the_truth_from_the_guess(bench_problem):
+    for law in ALL_LAWS.values():
+        problem = bench_problem(law, std=0.0)
+        truth = problem.start
+        fit = batched_fit(problem, starts=guess(law, problem.conditions, problem.log_lift))
+        assert fit.converged.all()
+        assert np.allclose(fit.theta[0], truth, rtol=1e-8, atol=1e-10)
+        assert fit.chi2[0] < 1e-16
 
 
 def test_residuals_and_jacobian_together_are_the_two_alone(bench_problem):
@@ -158,9 +159,12 @@ def test_an_inadmissible_start_falls_back_and_a_hopeless_one_is_flagged(bench_pr
     assert np.isfinite(stuck.theta).all()
 
 
-@EVERY_LAW
-@settings(max_examples=8, deadline=None)
-@given(seed=st.integers(0, 10**6), noise=st.sampled_from([0.0, 0.1, 2.0]))
+@settings(max_examples=60, deadline=None)
+@given(
+    law=st.sampled_from(list(ALL_LAWS.values())),
+    seed=st.integers(0, 10**6),
+    noise=st.sampled_from([0.0, 0.1, 2.0]),
+)
 def test_no_nan_whatever_the_data(bench_problem, law, seed, noise):
     rng = np.random.default_rng(seed)
     problem = bench_problem(law)

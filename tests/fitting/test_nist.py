@@ -4,6 +4,8 @@ Data and certified values: National Institute of Standards and Technology, Stati
 https://www.itl.nist.gov/div898/strd/nls/nls_main.shtml.
 """
 
+from itertools import product
+
 import numpy as np
 import pytest
 from scipy import optimize
@@ -129,23 +131,21 @@ def problem_of(model, y, x, start, *, lower=-np.inf, upper=np.inf):
     )
 
 
-@pytest.mark.parametrize(
-    ("name", "which"), [("Misra1a", 0), ("Misra1a", 1), ("Eckerle4", 1), ("Thurber", 0), ("Thurber", 1)]
-)
-@pytest.mark.parametrize("bounded", [False, True])
-def test_certified_values_and_standard_deviations_to_six_digits(name, which, bounded):
-    data, model, starts, values, deviations, rss = CASES[name]
-    y, x = data.T
-    bounds = {"lower": 0.0, "upper": 1e4} if bounded else {}
-    found = batched_fit(
-        problem_of(model, y, x, starts[which], **bounds), max_iterations=2000, tolerance=1e-13
-    )
-    assert found.converged[0]
-    assert found.theta[0] == pytest.approx(values, rel=1e-7)
-    assert found.chi2[0] == pytest.approx(rss, rel=1e-8)
-    variance = found.chi2[0] / (len(y) - len(values))
-    std = np.sqrt(np.diag(plain_covariance(model(found.theta[0], x)[1])) * variance)
-    assert std == pytest.approx(deviations, rel=1e-6)
+def test_certified_values_and_standard_deviations_to_six_digits():
+    starts_of = (("Misra1a", 0), ("Misra1a", 1), ("Eckerle4", 1), ("Thurber", 0), ("Thurber", 1))
+    for (name, which), bounded in product(starts_of, (False, True)):
+        data, model, starts, values, deviations, rss = CASES[name]
+        y, x = data.T
+        bounds = {"lower": 0.0, "upper": 1e4} if bounded else {}
+        found = batched_fit(
+            problem_of(model, y, x, starts[which], **bounds), max_iterations=2000, tolerance=1e-13
+        )
+        assert found.converged[0]
+        assert found.theta[0] == pytest.approx(values, rel=1e-7)
+        assert found.chi2[0] == pytest.approx(rss, rel=1e-8)
+        variance = found.chi2[0] / (len(y) - len(values))
+        std = np.sqrt(np.diag(plain_covariance(model(found.theta[0], x)[1])) * variance)
+        assert std == pytest.approx(deviations, rel=1e-6)
 
 
 def test_the_far_start_of_eckerle4_is_never_called_a_success():

@@ -55,15 +55,13 @@ def test_degrees_of_freedom_of_two_groups_are_those_printed():
 
 
 def test_degrees_of_freedom_are_the_moments_of_the_quadratic_form():
-    """2 E²/Var of Σ d r² with the matrices written out, and drawn."""
+    """2 E²/Var of Σ d r² with the matrices written out."""
     rng = np.random.default_rng(3)
     U, d = np.linalg.qr(rng.normal(size=(9, 3)))[0], rng.uniform(0.1, 4.0, 9)
     M = np.eye(9) - U @ U.T
     form = M @ np.diag(d) @ M
     exact = np.trace(form) ** 2 / np.trace(form @ form)
     assert squares_dof(U, d) == pytest.approx(exact, rel=1e-5)
-    values = ((rng.normal(size=(200_000, 9)) @ M) ** 2) @ d
-    assert 2 * values.mean() ** 2 / values.var() == pytest.approx(exact, rel=0.02)
     assert squares_dof(U, np.full(9, 0.3)) == pytest.approx(6.0)
 
 

@@ -4,6 +4,7 @@ Also the reference numbers of the model paper's analysis: ratios of singular val
 """
 
 import dataclasses
+from itertools import product
 from math import inf, isnan
 
 import numpy as np
@@ -35,25 +36,25 @@ def ratio(law, theta, *, size_ratios=(8.0,), wraps=(6.0,), loads=(20.0,)):
 # ---- reference numbers; the designs are eight wheels (and eight wraps) evenly over the range printed ----
 
 
-@pytest.mark.parametrize("span", [(3, 15), (8, 40)])
-@pytest.mark.parametrize("theta", [(0.2, -0.2, -0.3), (0.46, -0.22, -0.3), (0.2, -0.2, 0.0)])
-def test_ratio_of_the_exponential_size_law_is_10_to_16(span, theta):
-    assert 10 <= ratio("size-exponential", theta, size_ratios=np.linspace(*span, 8)).ratio <= 16
+def test_ratio_of_the_exponential_size_law_is_10_to_16():
+    for span, theta in product(
+        [(3, 15), (8, 40)], [(0.2, -0.2, -0.3), (0.46, -0.22, -0.3), (0.2, -0.2, 0.0)]
+    ):
+        assert 10 <= ratio("size-exponential", theta, size_ratios=np.linspace(*span, 8)).ratio <= 16
 
 
-@pytest.mark.parametrize(("span", "printed", "tolerance"), [((3, 15), 985, 0.5), ((8, 40), 5900, 50)])
-def test_ratio_of_the_power_size_law(span, printed, tolerance):
-    seen = ratio("size-power", (0.2, 1.0, 0.02), size_ratios=np.linspace(*span, 8))
-    assert seen.ratio == pytest.approx(printed, abs=tolerance)
-    assert set(seen.weak) == {"mu_inf", "b"}, "mu_inf + b is seen, not which of the two"
+def test_ratio_of_the_power_size_law():
+    for span, printed, tolerance in (((3, 15), 985, 0.5), ((8, 40), 5900, 50)):
+        seen = ratio("size-power", (0.2, 1.0, 0.02), size_ratios=np.linspace(*span, 8))
+        assert seen.ratio == pytest.approx(printed, abs=tolerance)
+        assert set(seen.weak) == {"mu_inf", "b"}, "mu_inf + b is seen, not which of the two"
 
 
-@pytest.mark.parametrize(("c", "printed"), [(-0.4, 750), (-0.1, 2.4e3), (-0.02, 1.2e4)])
-def test_ratio_of_the_coupled_law_grows_as_the_exponent_vanishes(c, printed):
-    # The source states no design beyond this; over the grids tried its three numbers come out within 3 %.
-    seen = ratio("coupled", (0.2, -0.2, -0.1, c, 0.05), size_ratios=np.linspace(3, 15, 8),
-                 wraps=np.linspace(np.pi / 2, 4 * np.pi, 8))  # fmt: skip
-    assert seen.ratio == pytest.approx(printed, rel=0.035)
+def test_ratio_of_the_coupled_law_grows_as_the_exponent_vanishes():
+    for c, printed in ((-0.4, 750), (-0.1, 2.4e3), (-0.02, 1.2e4)):
+        seen = ratio("coupled", (0.2, -0.2, -0.1, c, 0.05), size_ratios=np.linspace(3, 15, 8),
+                     wraps=np.linspace(np.pi / 2, 4 * np.pi, 8))  # fmt: skip
+        assert seen.ratio == pytest.approx(printed, rel=0.035)
 
 
 @pytest.mark.parametrize(

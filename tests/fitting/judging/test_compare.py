@@ -122,16 +122,16 @@ def test_one_radius_and_low_tension_never_crash(campaign):
     comparison.to_dict()
 
 
-@pytest.mark.parametrize("n", [1, 2, 3])
-def test_hardly_any_trials(n):
-    wraps = np.array([3.0, 6.0, 9.0])[:n]
-    at = Conditions(wheel_radius_m=0.03, rope_radius_m=0.005, wrap_angle_rad=wraps, end_tension_N=20.0)
-    try:
-        comparison = compare_laws(table_at(at, np.log(20.0) + 0.2 * wraps), ["constant", "wrap-power"])
-    except RopefricError:
-        return
-    assert comparison.to_dict()["ranking"]
-    assert all(e.weight == 0.0 for e in comparison.ranking if not e.counted)
+def test_hardly_any_trials():
+    for n in (1, 2, 3):
+        wraps = np.array([3.0, 6.0, 9.0])[:n]
+        at = Conditions(wheel_radius_m=0.03, rope_radius_m=0.005, wrap_angle_rad=wraps, end_tension_N=20.0)
+        try:
+            comparison = compare_laws(table_at(at, np.log(20.0) + 0.2 * wraps), ["constant", "wrap-power"])
+        except RopefricError:
+            continue
+        assert comparison.to_dict()["ranking"]
+        assert all(e.weight == 0.0 for e in comparison.ranking if not e.counted)
 
 
 def test_repeats_are_not_evidence_about_the_law(campaign):

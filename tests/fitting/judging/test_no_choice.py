@@ -32,9 +32,7 @@ def test_a_law_that_stands_alone_has_no_weight(four_with_an_offset):
     tree = four_with_an_offset.to_dict()
     assert tree["conclusive"] is False
     assert tree["ranking"][0]["weight"] is None
-
-
-def test_the_test_that_speaks_against_it_is_named(four_with_an_offset):
+    # The test that speaks against it is named.
     tests = {(test.simpler, test.fuller): test.p_value for test in four_with_an_offset.tests}
     assert tests["constant", "constant-offset"] < 0.01
     text = " ".join(four_with_an_offset.notes)

@@ -6,7 +6,6 @@ import math
 import operator
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from scipy import stats
 from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import averaged, linear_std, new_rope_std, predict
-from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
@@ -67,18 +65,6 @@ def test_disagreement_is_told(wrap_fit):
     assert not found.linear_agrees.all()
     assert "the interval depends on how the parameters' uncertainty is carried over" in found.notes(0)[-1]
     assert predict(vague, pulls([30.0]), check=False).linear_agrees is None
-
-
-def test_a_fifth_of_the_interval_is_no_chance_of_two_thousand_draws():
-    """Of the fit of version 0.1.0 the upper end moves by 14, 24 and 42 % of the half width when drawn."""
-    fit = load_fit(Path(__file__).parents[1] / "coupled-0.1.0.json")
-    settings = {"wheel_radius_m": 0.04, "rope_radius_m": fit.only_rope_radius_m(), "end_tension_N": 20.0}
-    wheels = Conditions(wrap_angle_rad=np.radians([180.0, 540.0, 1080.0]), **settings)
-    linear, drawn = predict(fit, wheels), predict(fit, wheels, method="monte-carlo", n=50_000)
-    ends, drawn_ends = np.log(linear.interval_N), np.log(drawn.interval_N)
-    moved = np.abs(drawn_ends - ends)[:, 1] / (0.5 * np.diff(ends, axis=1)[:, 0])
-    np.testing.assert_allclose(moved, [0.14, 0.24, 0.42], atol=0.04)
-    assert linear.linear_agrees.tolist() == [True, False, False]
 
 
 @pytest.mark.parametrize("speed", [0.0, 10.0])
@@ -144,13 +130,13 @@ def test_bad_arguments(constant_fit):
 
 def test_prediction_interval_covers_new_ropes(campaign):
     """95 % of single pulls at a new condition lie inside, between-condition scatter included."""
-    at, inside, n, rng = pulls([6.0]), 0, 100, np.random.default_rng(11)
+    at, inside, n, rng = pulls([6.0]), 0, 60, np.random.default_rng(11)
     for seed in range(n):
         table = campaign("constant", [0.2], between=0.02, repeats=3, seed=seed, loads=(5.0, 20.0))
         low, high = predict(fit_law(table, "constant"), at, check=False).prediction_interval_N[0]
         new = 20 * math.exp(1.2 + 0.02 * rng.standard_normal() + 0.01 * rng.standard_normal())
         inside += low <= new <= high
-    # Binomial: 0.95 ± 3.5 standard deviations of 100.
+    # Binomial: 0.95 ± 3.5 standard deviations.
     assert abs(inside / n - 0.95) < 3.5 * math.sqrt(0.95 * 0.05 / n)
 
 

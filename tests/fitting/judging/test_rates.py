@@ -116,12 +116,3 @@ def test_a_fuller_law_is_rarely_preferred_on_constant_data():
 def test_a_fuller_law_is_preferred_in_a_twentieth_of_constant_campaigns_at_most(design):
     """1000 campaigns a design: 5 % and two standard errors of that share."""
     assert preferred_shares(*design, n=1000)["fuller"] <= 0.05 + 2.0 * np.sqrt(0.05 * 0.95 / 1000)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("design", "law", "theta"),
-    [((12, 5, 0.0), "constant-offset", (0.2, 0.1)), ((20, 3, 0.0), "wrap-power", (0.2, -0.5, 0.1))],
-)
-def test_a_clear_effect_is_preferred(design, law, theta):
-    assert preferred_shares(*design, n=50, law=law, theta=theta)["fuller"] >= 0.9

@@ -45,7 +45,7 @@ def test_faults_combine_the_worst_status_counts_and_what_does_not_go_together_is
 
 def test_spikes_are_one_or_two_samples_and_sometimes_near_the_peak():
     near = 0
-    for seed in range(40):
+    for seed in range(30):
         clean, spoilt = record(seed), record(seed, "spike")
         changed = clean.counts != spoilt.counts
         assert 1 <= changed.sum() <= 6
@@ -53,7 +53,7 @@ def test_spikes_are_one_or_two_samples_and_sometimes_near_the_peak():
         assert 0 <= spoilt.counts.min() <= spoilt.counts.max() <= CEILING
         near += (np.abs(clean.time_s[changed] - clean.truth.breakaway_time_s) < 0.03).any()
         assert spoilt.truth.lift_force_N == clean.truth.lift_force_N
-    assert 5 < near < 30
+    assert 4 < near < 22
 
 
 def test_dropouts_are_short_and_spare_the_peak():

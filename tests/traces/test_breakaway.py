@@ -279,7 +279,7 @@ def test_every_status_has_advice_and_every_protocol_a_description():
 # --- whatever is recorded ---
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(st.floats(0.05, 40.0), st.floats(-5.0, 5.0))
 def test_units_and_zero_of_time_do_not_matter(scale, delay_s):
     """Force scaled, time shifted: the same peak, scaled, at the same place."""

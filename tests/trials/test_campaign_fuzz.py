@@ -13,7 +13,7 @@ FOLDER = Path(__file__).parent / "good"
 GOOD, TRIALS = ((FOLDER / name).read_text(encoding="utf-8") for name in ("campaign.toml", "trials.csv"))
 HEADER = [*TRIALS.split("\n")[0].split(","), "wrap_turns", "from_s", "sample", "x (y)"]
 LINES = [number for number, line in enumerate(GOOD.splitlines()) if " = " in line]
-quick = settings(max_examples=40, deadline=None, suppress_health_check=[*HealthCheck])
+quick = settings(max_examples=24, deadline=None, suppress_health_check=[*HealthCheck])
 
 
 def answers(bench):

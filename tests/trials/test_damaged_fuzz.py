@@ -11,7 +11,7 @@ from ropefric.traces.breakaway import Status
 from ropefric.trials.extract import extract_campaign, extract_recording
 
 HEAD = "time_s,force_N\n"
-FUZZ = settings(deadline=None, max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FUZZ = settings(deadline=None, max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
 NO_FORCE = set(Status) - {Status.OK}
 
 

@@ -105,37 +105,34 @@ def seal_friction(lab, real_data, name):
     return seal(lab, real_data, name, force), table[:, 0] / 1000, table[:, 6] - table[:, 5] * 1e5 * area_m2
 
 
-@pytest.mark.parametrize("name", [*WITH_PEAK, *WITHOUT_PEAK])
-def test_a_seal_that_sticks_first_gives_its_static_peak_and_one_that_only_slides_no_number(
-    lab, real_data, name
-):
-    trial, time_s, force_N = seal_friction(lab, real_data, name)
-    if name in WITH_PEAK:
-        assert trial.breakaway.status == "ok", trial.breakaway.detail
-        assert trial.peak_N == pytest.approx(force_N[time_s < 0.2].max(), rel=0.1)
-        assert trial.breakaway.peak_time_s < 0.2
-        assert trial.kept
-    else:
-        assert trial.breakaway.status == "no-peak", trial.breakaway.detail
-        assert math.isnan(trial.peak_N)
-        assert trial.to_dict()["peak_N"] is None
+def test_a_seal_that_sticks_first_gives_its_static_peak_and_one_that_only_slides_no_number(lab, real_data):
+    for name in WITH_PEAK:
+        trial, time_s, force_N = seal_friction(lab, real_data, name)
+        assert trial.breakaway.status == "ok", (name, trial.breakaway.detail)
+        assert trial.peak_N == pytest.approx(force_N[time_s < 0.2].max(), rel=0.1), name
+        assert trial.breakaway.peak_time_s < 0.2, name
+        assert trial.kept, name
+    for name in WITHOUT_PEAK:
+        trial, time_s, force_N = seal_friction(lab, real_data, name)
+        assert trial.breakaway.status == "no-peak", (name, trial.breakaway.detail)
+        assert math.isnan(trial.peak_N), name
+        assert trial.to_dict()["peak_N"] is None, name
         # What a bare maximum would have returned lies in the middle of a later stroke.
-        assert time_s[np.argmax(force_N)] > 1
+        assert time_s[np.argmax(force_N)] > 1, name
 
 
-@pytest.mark.parametrize("name", RAW_STEPS_N)
-def test_the_steps_of_the_source_are_those_of_the_force_channel_alone(lab, real_data, name):
+def test_the_steps_of_the_source_are_those_of_the_force_channel_alone(lab, real_data):
     """SOURCE.txt counts them from the raw channel 7, not from the friction force."""
-    table = np.loadtxt(real_data / "seal_breakaway" / f"{name}.csv", delimiter="\t")
-    time_s, raw_N = table[:, 0] / 1000, table[:, 6]
-    sliding = (time_s >= 1) & (time_s <= 3)
-    step_N = raw_N[time_s < 0.5].max() - raw_N[sliding].mean()
-    assert step_N == pytest.approx(RAW_STEPS_N[name], rel=0.02)
     part = '[protocol]\nfrom = "0 s"\nuntil = "3 s"\n'
-    trial = seal(lab, real_data, name, 'force = { column = 7, unit = "N" }\n', part)
-    assert trial.breakaway.status == "ok", trial.breakaway.detail
-    assert trial.peak_N - raw_N[sliding].mean() == pytest.approx(RAW_STEPS_N[name], rel=0.1)
-    assert trial.peak_N - trial.breakaway.kinetic_N == pytest.approx(RAW_STEPS_N[name], rel=0.1)
+    for name, told_N in RAW_STEPS_N.items():
+        table = np.loadtxt(real_data / "seal_breakaway" / f"{name}.csv", delimiter="\t")
+        time_s, raw_N = table[:, 0] / 1000, table[:, 6]
+        slides_N = raw_N[(time_s >= 1) & (time_s <= 3)].mean()
+        assert raw_N[time_s < 0.5].max() - slides_N == pytest.approx(told_N, rel=0.02), name
+        trial = seal(lab, real_data, name, 'force = { column = 7, unit = "N" }\n', part)
+        assert trial.breakaway.status == "ok", (name, trial.breakaway.detail)
+        for level_N in (slides_N, trial.breakaway.kinetic_N):
+            assert trial.peak_N - level_N == pytest.approx(told_N, rel=0.1), name
 
 
 # --- phy_mini_ia_capstan -------------------------------------------------------------------------------------------
@@ -146,9 +143,11 @@ def capstan_table(real_data):
         return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(stream)]
 
 
-@pytest.fixture
-def capstan(lab, real_data):
-    """Plateaus by file, and what the authors read off by hand."""
+def friction(trial):
+    return math.log(trial.peak_N / trial.end_tension_N) / trial.wrap_angle_rad
+
+
+def test_every_plateau_of_the_authors_comes_out_as_an_end_tension_under_a_known_weight(lab, real_data):
     authors = capstan_table(real_data)
     wraps_rad = {int(row["nominal_deg"]): row["wrap_rad_measured"] for row in authors}
     rows = [
@@ -158,22 +157,10 @@ def capstan(lab, real_data):
     ]
     settings = '[protocol]\nname = "held"\nside = "slack"\n'
     extraction = lab.write(rows, settings, data=(real_data / "phy_mini_ia_capstan").as_posix()).extract()
-    plateaus = {
-        degrees: [trial for trial in extraction.trials if trial.trial.startswith(f"wrap{degrees}#")]
-        for degrees in wraps_rad
-    }
-    return extraction, plateaus, authors
-
-
-def friction(trial):
-    return math.log(trial.peak_N / trial.end_tension_N) / trial.wrap_angle_rad
-
-
-def test_every_plateau_of_the_authors_comes_out(capstan):
-    _, plateaus, authors = capstan
-    assert all(len(found) == (4 if degrees == 270 else 3) for degrees, found in plateaus.items())
+    numbers = [(degrees, i) for degrees in wraps_rad for i in range(1, 5 if degrees == 270 else 4)]
+    assert [trial.trial for trial in extraction.trials] == [f"wrap{degrees}#{i}" for degrees, i in numbers]
     for row in authors:
-        found = plateaus[int(row["nominal_deg"])]
+        found = (t for t in extraction.trials if t.trial.startswith(f"wrap{int(row['nominal_deg'])}#"))
         nearest = min(found, key=lambda trial: abs(trial.end_tension_N - row["F_hold_mid_N"]))
         assert nearest.breakaway.status == "ok"
         assert abs(friction(nearest) - row["mu_capstan"]) < MU_TOLERANCE
@@ -181,11 +168,6 @@ def test_every_plateau_of_the_authors_comes_out(capstan):
             assert row["F_hold_min_N"] < nearest.end_tension_N < row["F_hold_max_N"]
         else:
             assert nearest.end_tension_N == pytest.approx(row["F_hold_mid_N"], rel=0.01)
-
-
-def test_plateaus_are_end_tensions_under_a_known_weight(capstan):
-    extraction, plateaus, _ = capstan
-    assert [trial.trial for trial in plateaus[45]] == ["wrap45#1", "wrap45#2", "wrap45#3"]
     for trial in extraction.trials:
         assert trial.measures_slack
         assert trial.peak_N == WEIGHT_N

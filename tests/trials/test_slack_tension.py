@@ -30,10 +30,10 @@ def recording(slack_N, wrap_rad, *, seed=0):
     return time_s, *(values + NOISE_N * rng.standard_normal(time_s.size) for values in (pull_N, end_N))
 
 
-def write(lab, settings=CHANNELS, *, scale=1.0, counts=False, **cells):
-    """Write three wraps of four pulls each, whose slack tension is up to 30 % above the 20 N of the list."""
+def write(lab, settings=CHANNELS, *, n=12, scale=1.0, counts=False, **cells):
+    """Write four pulls at each of three wraps, or the first `n`, with up to 30 % more slack tension than the list's 20 N."""
     rows, slack_N = [], []
-    for i in range(12):
+    for i in range(n):
         wrap_deg = (90, 180, 360)[i // 4]
         slack_N.append(20.0 * (1.0 + 0.1 * (i % 4)))
         time_s, pull_N, end_N = recording(slack_N[-1], math.radians(wrap_deg), seed=i)
@@ -80,25 +80,27 @@ def test_a_cell_of_its_own_turns_counts_into_the_slack_tension(lab):
         'end_tension = { column = "slack", unit = "N" }', 'end_tension_counts = "slack"'
     )
     settings += '[adc]\nbits = 16\nhigh = "5 V"\n[cells.K2]\nfull_scale = "100 N"\n'
-    lab, slack_N = write(lab, settings, scale=655.35, counts=True, end_cell="K2")
+    lab, slack_N = write(lab, settings, n=4, scale=655.35, counts=True, end_cell="K2")
     trials = lab.extract().trials
     assert [trial.end_tension_N for trial in trials] == pytest.approx(slack_N, abs=0.15)
     # 0.1 % of 100 N by the transmitter, as a flat distribution, and three times 0.02 %.
-    assert [trial.end_tension_std_N for trial in trials] == pytest.approx([0.0608] * 12, rel=0.15)
+    assert [trial.end_tension_std_N for trial in trials] == pytest.approx([0.0608] * 4, rel=0.15)
 
 
 def test_counts_without_a_cell_are_an_error_of_the_list(lab):
     settings = CHANNELS.replace(
         'end_tension = { column = "slack", unit = "N" }', 'end_tension_counts = "slack"'
     )
-    lab, _ = write(lab, settings + '[adc]\nbits = 16\nhigh = "5 V"\n[cells.K2]\nfull_scale = "100 N"\n')
+    lab, _ = write(
+        lab, n=1, settings=settings + '[adc]\nbits = 16\nhigh = "5 V"\n[cells.K2]\nfull_scale = "100 N"\n'
+    )
     assert "end_cell" in {problem.key for problem in check_campaign(lab.path) if problem.severity == "error"}
     lab.write([lab.row("p00.csv", end_cell="K2")], settings)
     assert any("recordings in counts need" in problem.message for problem in check_campaign(lab.path))
 
 
 def test_a_slack_side_that_pushes_is_an_error_of_that_trial(lab):
-    lab, _ = write(lab, scale=-1.0)
+    lab, _ = write(lab, n=2, scale=-1.0)
     extraction = lab.extract()
     assert {trial.breakaway.status for trial in extraction.trials} == {Status.UNREADABLE}
     assert {problem.code for problem in extraction.problems if problem.severity == "error"} == {"RF242"}

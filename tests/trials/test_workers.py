@@ -123,7 +123,7 @@ def runs(process):
 @LINUX
 @pytest.mark.parametrize(
     "how",
-    ["SIGINT", *(pytest.param(one, marks=pytest.mark.slow) for one in ("SIGKILL", "SIGTERM", "SIGHUP"))],
+    ["SIGKILL", *(pytest.param(one, marks=pytest.mark.slow) for one in ("SIGINT", "SIGTERM", "SIGHUP"))],
 )
 def test_a_killed_run_leaves_no_process_behind(tmp_path, how):
     script = tmp_path / "hold.py"

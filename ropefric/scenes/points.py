@@ -319,36 +319,31 @@ class _Run:
 
     def _outcomes(self, start: int, stop: int) -> Iterator[Outcome]:
         places = np.arange(start, stop)
-        values, problem, possible = self.points.at(places), None, np.ones(1, dtype=np.bool_)
+        values, problem, lost = self.points.at(places), None, np.zeros(1, dtype=np.bool_)
         if self.by_array:
             with suppress(RopefricError):  # some of them make no problem; halving them finds which
                 problem = self.build(values)
-                possible = self.kind.answerable(problem)
-        if possible.all():
+                lost = ~self.kind.answerable(problem)
+        if lost.any():
+            yield from self._refused(places, values, lost)
+            problem, places, values = None, *_some(~lost, places, values)
+        if places.size:
             yield from self._points(places, values, problem)
-        else:
-            yield from self._refused(places, values, ~possible)
-            if possible.any():
-                yield from self._points(places[possible], [value[possible] for value in values])
 
     def _refused(self, places: IntArray, values: list[FloatArray], refused: BoolArray) -> Iterator[Outcome]:
         """Yield what points without an answer give, of which one is solved, to hear why not."""
         lost = np.flatnonzero(refused)
-        yield from self._points(places[lost[:1]], [value[lost[:1]] for value in values])
+        yield from self._points(*_some(lost[:1], places, values))
         if lost.size > 1:
             yield places[lost[1:]], InputError("there is no answer")
 
     def _points(self, places: IntArray, values: list[FloatArray], problem: Any = None) -> Iterator[Outcome]:
         """Yield what points give, with less than everything where that may be."""
-        rest = np.ones(places.size, dtype=np.bool_)
         if self.gone and (lessened := self._lessened(problem, values)) is not None:
-            some, found = lessened
-            rest[some] = False
-            yield places[some], found
-        if rest.all():
-            yield from self._whole(places, values, problem)
-        elif rest.any():
-            yield from self._whole(places[rest], [value[rest] for value in values])
+            less, found = lessened
+            yield places[less], found
+            problem, places, values = None, *_some(~less, places, values)
+        yield from self._whole(places, values, problem)
 
     def _lessened(self, problem: Any, values: list[FloatArray]) -> tuple[BoolArray, _Found] | None:
         """Return which points can be solved with less than everything, and what they give."""
@@ -388,10 +383,10 @@ class _Run:
                     return
                 if refused.shape != places.shape or not refused.any():
                     for half in np.array_split(np.arange(places.size), 2):
-                        yield from self._whole(places[half], [value[half] for value in values])
+                        yield from self._whole(*_some(half, places, values))
                     return
                 yield from self._refused(places, values, refused)
-                problem, places, values = None, places[~refused], [value[~refused] for value in values]
+                problem, places, values = None, *_some(~refused, places, values)
             else:
                 yield places, found
                 return
@@ -403,6 +398,12 @@ class _Run:
         plan, answer = solve_planned(scene, problem, "all" if whole else "")
         found = _found(kind, problem, answer, frozenset(plan.simulated), plan.error_bound)
         return found._replace(left_out=frozenset(plan.left_out))
+
+
+def _some(
+    some: BoolArray | IntArray, places: IntArray, values: list[FloatArray]
+) -> tuple[IntArray, list[FloatArray]]:
+    return places[some], [value[some] for value in values]
 
 
 def _is_settled(found: _Found, error: FloatArray, accuracy: float) -> BoolArray:

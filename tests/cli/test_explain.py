@@ -7,36 +7,22 @@ import pytest
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
 KEYS = {
-    "name",
-    "simulated",
-    "fate",
-    "bound",
-    "why",
-    "missing",
-    "adds",
-    "instead",
-    "worth",
-    "time_share",
-    "time_s",
+    "name", "simulated", "fate", "bound", "why", "missing", "adds", "instead", "worth", "time_share", "time_s",
     "time_spread_s",
-}
+}  # fmt: skip
 EFFECTS = {
     "climbing-hoist": [
-        "wrap-dependence",
-        "size",
-        "end-tension",
-        "rope-weight",
-        "centrifugal",
-        "bending-stiffness",
+        "wrap-dependence", "size", "end-tension", "rope-weight", "centrifugal", "bending-stiffness",
     ],
     "fast-belt-press": [
-        *("gravity-load", "squeeze-load", "belt-inertia", "tensioner-spring", "belt-elasticity"),
-        "elastic-creep",
-        *("wrap-dependence", "size", "belt-damping", "tensioner-damping", "arc-inertia"),
-        *("transient-friction", "exact-switching", "transient"),
+        "gravity-load", "squeeze-load", "belt-inertia", "tensioner-spring", "belt-elasticity",
+        "elastic-creep", "wrap-dependence", "size", "belt-damping", "tensioner-damping", "arc-inertia",
+        "transient-friction", "exact-switching", "transient",
     ],
-    "fast-band-saw": ["tension-difference", "wheel-inertia-tension", "travel", "bending", "torsion"],
-}
+    "fast-band-saw": [
+        "tension-difference", "wheel-inertia-tension", "travel", "bending", "torsion",
+    ],
+}  # fmt: skip
 
 
 @pytest.fixture(autouse=True)

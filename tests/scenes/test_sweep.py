@@ -1,7 +1,6 @@
 """Sweeps: the grid's answers are the scenes' own, one by one, whichever way they are reached."""
 
 import csv
-import math
 
 import numpy as np
 import pytest
@@ -93,23 +92,6 @@ def test_columns_are_written_row_by_row_with_empty_cells_for_what_is_not_known()
     assert columns_text(columns) == "time_s,tension_N\n0,1.25\n0.5,\n"
 
 
-@pytest.mark.parametrize("block", [2, 5, 50_000])
-def test_the_table_has_the_last_axis_fastest_whatever_is_written_at_once(
-    hoist_of, tmp_path, monkeypatch, block
-):
-    monkeypatch.setattr("ropefric.scenes.points.BLOCK", block)
-    monkeypatch.setattr("ropefric.scenes.sweep.BLOCK", block)
-    scene = hoist_of(effects="all")
-    axes = tuple(parse_axis(scene, text) for text in ("wheel.wrap=1turn,2turn", "load.end_tension=10N:50N:5"))
-    with sweep_table(axes, Folder(tmp_path), "sweep.csv") as written:
-        swept = sweep_scene(scene, axes, write=written.add)
-    table = np.loadtxt(tmp_path / "sweep.csv", delimiter=",", skiprows=1)
-    count = axes[1].values.size
-    assert table[:, 0].tolist() == [1.0] * count + [2.0] * count
-    assert table[:, 1] == pytest.approx(np.tile(axes[1].values, 2), rel=1e-9)
-    assert table[:, 2] == pytest.approx(swept.columns["lift_force_N"], rel=1e-8)
-
-
 def test_a_sweep_without_any_answer_is_refused(hoist_of):
     scene = hoist_of(effects="all")
     with pytest.raises(InputError, match="no point of the sweep has an answer"):
@@ -132,16 +114,6 @@ def test_progress_counts_all_points(hoist_of):
         progress=lambda done, total, what: seen.append((done, total)),
     )
     assert seen == [(50_000, 70_000), (70_000, 70_000)]
-
-
-def test_each_point_of_a_small_sweep_keeps_the_promise(hoist_of):
-    scene = hoist_of()
-    wraps = "wheel.wrap=45deg:1440deg:12"
-    planned = sweep_scene(scene, (parse_axis(scene, wraps),))
-    full = sweep_scene(hoist_of(effects="all"), (parse_axis(scene, wraps),))
-    ratio = planned.columns["lift_force_N"] / full.columns["lift_force_N"]
-    assert np.abs(ratio - 1.0).max() <= min(0.01, planned.error_bound) * (1 + 1e-9)
-    assert math.isfinite(planned.error_bound)
 
 
 def test_start_ups_are_swept_one_by_one(scenes_folder):

@@ -1,9 +1,8 @@
 """Scenes of a band saw: the frequencies of its blade at rest and running, and what may shake it."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -383,39 +382,28 @@ def _saw(answer: SawAnswer, problem: SawProblem) -> Saw | None:
     return replace(whole, bending_stiffness_N_m2=0.0)
 
 
-def _judged(find: Callable[[], Any], *names: str) -> dict[str, Any]:
-    """Return these numbers of what is found, with its status and advice; the reason where nothing can be."""
+def _recommended(saw: Saw, problem: SawProblem, accuracy: float) -> dict[str, Any] | None:
+    """Return the preload that keeps the margin wanted, with advice; why there is none; None where none is asked for."""
+    if problem.margin_wanted is None or problem.preload_range_N is None:
+        return None
+    wanted: dict[str, Any] = {"margin": problem.margin_wanted, "range_N": problem.preload_range_N}
+    wanted |= {"n_modes": problem.n_modes, "accuracy": accuracy}
     try:
-        found = find()
+        found = resonance.recommend_preload(saw, problem.excitations, **wanted)
     except RopefricError as error:
         return {"status": "not possible", "advice": error.problem.message}
-    return {name: getattr(found, name) for name in names} | {
-        "status": found.status.value,
-        "advice": found.status.advice,
-    }
+    numbers = {"preload_N": found.preload_N, "margin": found.margin, "forbidden_N": found.forbidden_N}
+    return numbers | {"status": found.status.value, "advice": found.status.advice}
 
 
 def _resonance(saw: Saw, problem: SawProblem, accuracy: float) -> dict[str, Any]:
-    shakes, n_modes, recommended = problem.excitations, problem.n_modes, None
-    margin, range_N = problem.margin_wanted, problem.preload_range_N
-    if margin is not None and range_N is not None:
-        wanted: dict[str, Any] = {
-            "margin": margin,
-            "range_N": range_N,
-            "n_modes": n_modes,
-            "accuracy": accuracy,
-        }
-        advise = partial(resonance.recommend_preload, saw, shakes, **wanted)
-        recommended = _judged(advise, "preload_N", "margin", "forbidden_N")
-    nearest, crossings = (
-        resonance.margins(saw, _RUNNING, shakes, n_modes)[:_NEAREST],
-        list[resonance.Crossing](),
-    )
+    shakes, n_modes, crossings = problem.excitations, problem.n_modes, list[resonance.Crossing]()
     for side in _RUNNING:
         speeds = _speeds_m_s(saw, side)
         crossings += resonance.find_crossings(saw, side, shakes, speeds, n_modes, accuracy=accuracy)
+    nearest = resonance.margins(saw, _RUNNING, shakes, n_modes)[:_NEAREST]
     return {
-        "recommended_preload": recommended,
+        "recommended_preload": _recommended(saw, problem, accuracy),
         "nearest": [one._asdict() for one in nearest],
         "crossings": [one._asdict() | {"speed_margin": kind.finite(one.speed_margin)} for one in crossings],
     }

@@ -105,7 +105,7 @@ def test_a_folder_without_results_is_3(tmp_path, capfd):
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("run")
+@pytest.mark.usefixtures("page")
 def test_the_same_bytes_from_anywhere(campaign, results, tmp_path, monkeypatch):
     """Another process count, another folder and a relative path make the same file."""
     monkeypatch.chdir(campaign)

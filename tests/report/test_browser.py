@@ -14,7 +14,7 @@ webdriver = pytest.importorskip("selenium.webdriver")
 from selenium.webdriver.chrome.service import Service  # noqa: E402
 from selenium.webdriver.common.keys import Keys  # noqa: E402
 
-pytestmark = [pytest.mark.usefixtures("run"), pytest.mark.slow]
+pytestmark = [pytest.mark.usefixtures("page"), pytest.mark.slow]
 FLAGS = "--headless=new --no-sandbox --disable-dev-shm-usage --disable-gpu --hide-scrollbars"
 FINE, LARGE = 4.5, 3.0
 A4_PX = 96 * (297 - 30) / 25.4

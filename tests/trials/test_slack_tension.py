@@ -31,7 +31,7 @@ def recording(slack_N, wrap_rad, *, seed=0):
 
 
 def write(lab, settings=CHANNELS, *, n=12, scale=1.0, counts=False, **cells):
-    """Write four pulls at each of three wraps, or the first `n`, with up to 30 % more slack tension than the list's 20 N."""
+    """Write four pulls at each of three wraps, or the first `n`, the slack up to 30 % above the 20 N of the list."""
     rows, slack_N = [], []
     for i in range(n):
         wrap_deg = (90, 180, 360)[i // 4]

@@ -185,6 +185,8 @@ def test_refusals_name_the_condition(plan):
         LAWS["wrap-power"].log_lift([0.2, -1.0, 0.1], plan)
     with pytest.raises(InputError, match=r"parameter set 1"):
         LAWS["wrap-power"].log_lift([[0.2, -0.5, 0.1], [0.2, -1.2, 0.1]], plan)
+    with pytest.raises(InputError, match="keep it at zero or below"):
+        LAWS["wrap-exponential"].log_lift([0.2, 0.5, 0.1], plan)
     with pytest.raises(InputError, match="never reaches"):
         LAWS["wrap-exponential"].log_lift([0.1, -0.5, 0.0], plan)
     with pytest.raises(InputError, match=r"cannot bend the rope round the wheel at condition 0"):

@@ -99,6 +99,7 @@ def test_a_trial_table_gives_chain_and_weights_as_it_states_them():
     table = table_at(grid([0.04], [3, 3, 6, 6], [20]), np.log([40, 41, 80, 82]), **stds)
     first, second = conditions_of_table(table, gravity_limit=0.0)
     assert first.lift.quantities[1].std == pytest.approx(math.sqrt((0.09 + 0.16) / 2))
+    assert any("as if shared" in note for note in first.notes)
     assert linear_budget(force_model(first.end)).combined == pytest.approx(0.02)
     assert (second.number, second.wrap_std_rad, second.n) == (2, 0.01, 2)
     read = with_measured_end(first)

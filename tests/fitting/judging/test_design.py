@@ -70,7 +70,7 @@ def test_constant_law_on_paper(constant_fit):
     assert find(constant_fit, "wrap", 300.0, probability=None).value[0] == pytest.approx(y / mu, rel=1e-12)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(load=st.floats(25, 5000), more=st.floats(1.01, 3), probability=st.floats(0.5, 0.999))
 def test_heavier_and_surer_needs_more_wrap(wrap_fit, load, more, probability):
     base = find(wrap_fit, "wrap", load, probability=probability, limits=(0.0, 1000.0)).value[0]

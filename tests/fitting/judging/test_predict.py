@@ -34,6 +34,7 @@ def test_constant_law_by_hand(constant_fit):
     t = stats.t.ppf(0.95, constant_fit.statistics.interval_dof)
     high = np.log(20) + (mu + t * std) * np.array([3, 9])
     np.testing.assert_allclose(np.log(found.interval_N[:, 1]), high, rtol=1e-12)
+    np.testing.assert_allclose(found.log_half_width, t * std * np.array([3, 9]), rtol=1e-9)
     s = constant_fit.statistics
     # Welch and Satterthwaite: what repeats alone show has their degrees of freedom, the rest those of the conditions.
     law2, nu = (std * np.array([3, 9])) ** 2, s.interval_dof

@@ -29,12 +29,7 @@ __all__ = ["MACHINE_LINE", "PICTURES", "cost_block", "hard_cases", "with_blocks"
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "data" / "pictures"
-PICTURES = {
-    "integral": "many",
-    "press-transient": "stiff",
-    "blade-modes": "blade",
-    "scenes": "saw",
-}
+PICTURES = {"integral": "many", "press-transient": "stiff", "blade-modes": "blade", "scenes": "saw"}
 """The case of each study that is shown."""
 MACHINE_LINE = "Times in the pictures: "
 _DPI = 80
@@ -81,10 +76,8 @@ def _press() -> str:
 
 def _blade() -> str:
     (string,) = error_table("blade-modes", "blade", method="string")
-    one, thin = (
-        enough("blade-modes", 1e-6, "blade", method=f"Galerkin, {name}").setting
-        for name in ("one element", "thin end elements")
-    )
+    one, thin = (enough("blade-modes", 1e-6, "blade", method=f"Galerkin, {name}").setting
+                 for name in ("one element", "thin end elements"))  # fmt: skip
     return (
         f"**Blade.** The string is off by {100 * string.error:.2g} %. A beam to one part in a million takes {one} in "
         f"one element, and {thin} where thin elements at the ends carry their boundary layers."
@@ -128,10 +121,8 @@ def _power(value: float) -> str:
 
 def picks_block() -> str:
     """Return what five pickers say of recordings of rigs that none of them was made for."""
-    lines = [
-        "| recordings | picker | right | wrong | missed | doubtful | made up | error of 95 % below |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    lines = ["| recordings | picker | right | wrong | missed | doubtful | made up | error of 95 % below |",
+             "|---|---|---|---|---|---|---|---|"]  # fmt: skip
     for case in STUDIES["picks"].cases:
         for method, setting, _, quick in PICKERS:
             if not quick:
@@ -210,13 +201,11 @@ def write_sessions(names: list[str]) -> list[str]:
 
 def write_blocks(only: list[str]) -> list[str]:
     """Measure these blocks, or all, where their markers are in a page, write them there, and return their names."""
-    makers: dict[str, Callable[[], str]] = {
-        "cost": lambda: cost_block(this_machine().line),
-        "hard-cases": lambda: hard_cases().table(),
-        "picks": picks_block,
-        "uncertainty": lambda: small_campaigns().uncertainty_block(),
-        "verdicts": lambda: small_campaigns().verdicts_block(),
-    }
+    makers: dict[str, Callable[[], str]] = {"cost": lambda: cost_block(this_machine().line),
+                                            "hard-cases": lambda: hard_cases().table(),
+                                            "picks": picks_block,
+                                            "uncertainty": lambda: small_campaigns().uncertainty_block(),
+                                            "verdicts": lambda: small_campaigns().verdicts_block()}  # fmt: skip
     written = []
     for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))):
         text = page.read_text(encoding="utf-8")

@@ -20,26 +20,16 @@ from ropefric.friction.laws import LAWS
 from ropefric.trials.table import TrialTable
 
 WITHIN, GAIN, OUTLIER = 0.02, 0.03, 0.15
-TRUTH = {
-    "constant": (0.2,),
-    "wrap-power": (0.25, -0.4, 0.1),
-    "coupled": (0.46, -0.22, -0.3, -0.48, 0.055),
-}
+TRUTH = {"constant": (0.2,), "wrap-power": (0.25, -0.4, 0.1), "coupled": (0.46, -0.22, -0.3, -0.48, 0.055)}
 # Inside what is tested, and at none of its conditions.
-WHEEL = Conditions(
-    wheel_radius_m=np.array([0.035]),
-    rope_radius_m=np.array([0.0049]),
-    wrap_angle_rad=np.array([7.0]),
-    end_tension_N=np.array([60.0]),
-)
+WHEEL = Conditions(wheel_radius_m=np.array([0.035]), rope_radius_m=np.array([0.0049]),
+                   wrap_angle_rad=np.array([7.0]), end_tension_N=np.array([60.0]))  # fmt: skip
 # What may be true of the mean coefficient: the effect by its name in laws, the setting that it goes with as a power, and
 # by how much of itself it changes over the whole span of that setting.
-EFFECTS = {
-    "no effect": ("", "wrap_angle_rad", 8.0, 0.0),
-    "wrap effect": ("wrap-dependence", "wrap_angle_rad", 8.0, -0.2),
-    "size effect": ("size", "wheel_radius_m", 4.0, 0.25),
-    "load dependence": ("end-tension", "end_tension_N", 12.0, -0.2),
-}
+EFFECTS = {"no effect": ("", "wrap_angle_rad", 8.0, 0.0),
+           "wrap effect": ("wrap-dependence", "wrap_angle_rad", 8.0, -0.2),
+           "size effect": ("size", "wheel_radius_m", 4.0, 0.25),
+           "load dependence": ("end-tension", "end_tension_N", 12.0, -0.2)}  # fmt: skip
 # Campaigns of constant data, and of each effect, that the docs show at so many conditions.
 WRONG = {6: 50, 8: 50}
 FOUND = {6: 60, 8: 60, 12: 60, 20: 100, 36: 100}
@@ -79,12 +69,10 @@ class Design(NamedTuple):
             size = np.array([1, 5, 9])[np.arange(k) % 3]
         # Every wrap at every load; all but the laws without a size effect go round the wheels with them.
         wheels = np.arange(k) % 5 if self.law == "coupled" or judged else k * [2]
-        at = Conditions(
-            wheel_radius_m=np.array([0.015, 0.02, 0.03, 0.04, 0.06])[wheels],
-            rope_radius_m=np.full(k, 0.0049),
-            wrap_angle_rad=pi * np.array([0.5, 1.0, 2.0, 4.0])[np.arange(k) % 4],
-            end_tension_N=np.array([10.0, 40.0, 120.0])[(np.arange(k) // 4) % 3],
-        )
+        at = Conditions(wheel_radius_m=np.array([0.015, 0.02, 0.03, 0.04, 0.06])[wheels],
+                        rope_radius_m=np.full(k, 0.0049),
+                        wrap_angle_rad=pi * np.array([0.5, 1.0, 2.0, 4.0])[np.arange(k) % 4],
+                        end_tension_N=np.array([10.0, 40.0, 120.0])[(np.arange(k) // 4) % 3])  # fmt: skip
         group = np.repeat(np.arange(k), size)
         law, gain = LAWS[self.law], GAIN if self.special == "gain" else 0.0
         log_lift = law.log_lift(self.theta, at)
@@ -103,22 +91,14 @@ class Design(NamedTuple):
         return TrialTable(trial=tuple(map(str, range(group.size))), **columns), float(new)
 
 
-DESIGNS = (
-    Design("wrap-power", 12, 5),
-    *(Design("wrap-power", k, 5) for k in (6, 8, 20, 36)),
-    *(Design("wrap-power", 12, n) for n in (1, 3, 12)),
-    *(Design("wrap-power", k, 5, 0.0) for k in (8, 12)),
-    *(Design("constant", k, 5) for k in (6, 12)),
-    *(Design("coupled", k, 5) for k in (12, 36)),
-    *(Design("wrap-power", 12, 5, special=one) for one in ("gain", "bound", "outlier", "uneven")),
-)
+DESIGNS = (Design("wrap-power", 12, 5), *(Design("wrap-power", k, 5) for k in (6, 8, 20, 36)),
+           *(Design("wrap-power", 12, n) for n in (1, 3, 12)),
+           *(Design("wrap-power", k, 5, 0.0) for k in (8, 12)),
+           *(Design("constant", k, 5) for k in (6, 12)), *(Design("coupled", k, 5) for k in (12, 36)),
+           *(Design("wrap-power", 12, 5, special=one) for one in ("gain", "bound", "outlier", "uneven")))  # fmt: skip
 # Of constant data on several wheels, by conditions, repeats and scatter between conditions.
-JUDGED = {
-    (k, n, between): Design("constant", k, n, between, "no effect")
-    for k in (6, 8, 12, 20, 36)
-    for n in (1, 3, 5, 12)
-    for between in (0.0, WITHIN)
-}
+JUDGED = {(k, n, between): Design("constant", k, n, between, "no effect") for k in (6, 8, 12, 20, 36)
+          for n in (1, 3, 5, 12) for between in (0.0, WITHIN)}  # fmt: skip
 
 
 def coverage(design, n):
@@ -128,12 +108,8 @@ def coverage(design, n):
         table, new = design.table(seed)
         found = predict(fit_law(table, design.law), WHEEL)
         ends = np.log([found.interval_N[0], found.prediction_interval_N[0]])
-        held.append(
-            [
-                low - 1e-12 <= truth <= high + 1e-12
-                for (low, high), truth in zip(ends, (mean, new), strict=True)
-            ]
-        )
+        held.append([low - 1e-12 <= truth <= high + 1e-12
+                     for (low, high), truth in zip(ends, (mean, new), strict=True)])  # fmt: skip
     return dict(zip(("mean", "pull"), np.mean(held, axis=0).tolist(), strict=True))  # fmt: skip
 
 
@@ -182,11 +158,8 @@ def verdicts_block():
         shares = (verdicts(JUDGED[size, *column], n)["law"] for column in columns)
         lines.append(f"| {size} | {n} | {' | '.join(f'{100 * share:.0f}{_PERCENT}' for share in shares)} |")
     effects = list(EFFECTS)[1:]
-    lines += [
-        "",
-        f"| conditions of 5 | campaigns | {' | '.join(effects)} |",
-        f"|---|---{len(effects) * '|---'}|",
-    ]
+    lines += ["", f"| conditions of 5 | campaigns | {' | '.join(effects)} |",
+              f"|---|---{len(effects) * '|---'}|"]  # fmt: skip
     for size, n in FOUND.items():
         true = (JUDGED[size, 5, WITHIN]._replace(special=effect) for effect in effects)
         shares = (with_interval(verdicts(one, n)["effect"], n) for one in true)

@@ -158,16 +158,11 @@ def test_an_answer_that_is_no_number_is_an_infinite_error():
 
 def made_study(calls):
     def setting(name, error, *, quick):
-        return Setting(
-            method=name, setting="", call=lambda: calls.append(name),
-            assess=lambda: Outcome(error=error, evaluations=7.0), quick=quick,
-        )  # fmt: skip
+        return Setting(method=name, setting="", call=lambda: calls.append(name),
+                       assess=lambda: Outcome(error=error, evaluations=7.0), quick=quick)  # fmt: skip
 
-    case = Case(
-        name="only",
-        title="",
-        settings=lambda: (setting("a", 1e-3, quick=True), setting("b", 1e-9, quick=False)),
-    )
+    case = Case(name="only", title="",
+                settings=lambda: (setting("a", 1e-3, quick=True), setting("b", 1e-9, quick=False)))  # fmt: skip
     return Study(name="made", title="", question="", reference="", counted="", cases=(case,),
                  findings=lambda points: tuple(p.method for p in points))  # fmt: skip
 
@@ -224,13 +219,9 @@ def test_an_interrupted_study_goes_on_with_the_same_points(tmp_path, monkeypatch
 LONG = {"picks", "scenes"}
 
 
-@pytest.mark.parametrize(
-    "study",
-    [
-        pytest.param(one, id=name, marks=pytest.mark.slow if name in LONG else ())
-        for name, one in STUDIES.items()
-    ],
-)
+@pytest.mark.parametrize("study",
+                         [pytest.param(one, id=name, marks=pytest.mark.slow if name in LONG else ())
+                          for name, one in STUDIES.items()])  # fmt: skip
 def test_every_study_keeps_the_contract(study):
     assert study.cases
     for text in (study.title, study.question, study.reference, study.counted):

@@ -42,15 +42,11 @@ def test_every_picker_finds_a_plain_break_and_survives_missing_samples_and_nothi
 def test_the_score_counts_every_outcome_once():
     trace = pull()
     known = [Known(trace, 100.0)] * 5 + [Known(trace, nan)] * 4
-    picked = [
-        (100.1, 0.1, False), (101.0, 0.1, False), (150.0, 0.1, False), (nan, nan, False), (nan, nan, True),
-        (nan, nan, False), (nan, nan, True), (80.0, 0.1, False), (nan, nan, False),
-    ]  # fmt: skip
+    picked = [(100.1, 0.1, False), (101.0, 0.1, False), (150.0, 0.1, False), (nan, nan, False),
+              (nan, nan, True), (nan, nan, False), (nan, nan, True), (80.0, 0.1, False), (nan, nan, False)]  # fmt: skip
     found = score(picked, known)
-    assert dict(found.shares) == {
-        "recordings": 9.0, "right": 0.4, "wrong": 0.2, "missed": 0.2, "doubtful": 0.2, "false": 0.25,
-        "within_2u": pytest.approx(1 / 3),
-    }  # fmt: skip
+    assert dict(found.shares) == {"recordings": 9.0, "right": 0.4, "wrong": 0.2, "missed": 0.2,
+                                  "doubtful": 0.2, "false": 0.25, "within_2u": pytest.approx(1 / 3)}  # fmt: skip
     assert found.bias == pytest.approx(0.0055)
     assert found.noise == pytest.approx(0.009 / np.sqrt(2))
     assert found.error == pytest.approx(np.quantile([0.001, 0.01, 0.5], 0.95))
@@ -79,13 +75,9 @@ def test_where_ropefric_loses_it_says_so():
     def point(method, **shares):
         return Measured(case="lab", method=method, setting="", error=0.1, evaluations=1.0, shares=shares)
 
-    losing = (
-        point("ropefric", right=0.5, wrong=0.0, false=0.0),
-        point("mean", right=0.9, wrong=0.1, false=1.0),
-    )
+    losing = (point("ropefric", right=0.5, wrong=0.0, false=0.0),
+              point("mean", right=0.9, wrong=0.1, false=1.0))  # fmt: skip
     assert STUDIES["picks"].findings(losing) == ("lab: ropefric loses to mean: right 50 % against 90 %.",)
-    winning = (
-        point("ropefric", right=1.0, wrong=0.0, false=0.0),
-        point("mean", right=0.9, wrong=0.1, false=1.0),
-    )
+    winning = (point("ropefric", right=1.0, wrong=0.0, false=0.0),
+               point("mean", right=0.9, wrong=0.1, false=1.0))  # fmt: skip
     assert STUDIES["picks"].findings(winning) == ()

@@ -100,14 +100,10 @@ def started(request):
     """The study's press as a scene with a start-up: its model with all effects, and the study's case."""
     speed = DRIVE_LAWS["s-curve"](speed_m_s=press_transient.SPEED_M_S, duration_s=press_transient.RUN_UP_S)
     task = {"speed": speed, "time_s": np.array(press_transient.TIMES_S), "slip": False, "loads": "with-speed"}
-    problem = PressProblem(
-        press=press_transient.machine(*press_transient.BELTS[request.param]),
-        closure="share",
-        friction=WrapFriction.constant(0.9),
-        speed_m_s=np.array([press_transient.SPEED_M_S]),
-        load_factor=np.array([1.0]),
-        start_up=task,
-    )
+    problem = PressProblem(press=press_transient.machine(*press_transient.BELTS[request.param]),
+                           closure="share", friction=WrapFriction.constant(0.9),
+                           speed_m_s=np.array([press_transient.SPEED_M_S]), load_factor=np.array([1.0]),
+                           start_up=task)  # fmt: skip
     return request.param, make_plan(PRESS, problem, accuracy=0.01, effects="all")[1]
 
 

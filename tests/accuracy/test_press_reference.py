@@ -30,10 +30,8 @@ class Machine:
         self.k = [number(stiffness_N) / number(length) for length in (1.2, 0.8, 0.9, 1.6)]
         self.density = number(15.0)
         radii, angles = (0.075, 0.075, 0.25), (0.49, 2.85, 0.99)
-        self.mass = [
-            number(J) / number(R) ** 2 + self.density * number(R) * number(angle)
-            for J, R, angle in zip((0.37, 0.37, 13.9), radii, angles, strict=True)
-        ]
+        self.mass = [number(J) / number(R) ** 2 + self.density * number(R) * number(angle)
+                     for J, R, angle in zip((0.37, 0.37, 13.9), radii, angles, strict=True)]  # fmt: skip
         self.load = [number(M) / number(R) for M, R in zip((26.2, 26.2, 99.0), radii, strict=True)]
         self.cos = mp.cos(number(0.347))
         self.rest = (number(2e4) * number(0.03) + 2000) / (1 + self.cos)

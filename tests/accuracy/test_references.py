@@ -119,15 +119,11 @@ def test_frequencies():
         (e, w) for e, frequencies in blade_modes.FREQUENCIES.items() for w in frequencies
     ):
         near = mp.mpf(stored)
-        found = mp.findroot(
-            lambda w, stiffness=stiffness: clamped_determinant(
-                w, mp.mpf(stiffness), mp.mpf(blade_modes.SPEED)
-            ),
-            (near, near * (1 + mp.mpf(10) ** -9)),
-            solver="secant",
-            tol=mp.mpf(10) ** -30,
-            verify=False,
-        )
+        found = mp.findroot(lambda w, stiffness=stiffness: clamped_determinant(
+                                w, mp.mpf(stiffness), mp.mpf(blade_modes.SPEED)
+                            ),
+                            (near, near * (1 + mp.mpf(10) ** -9)), solver="secant", tol=mp.mpf(10) ** -30,
+                            verify=False)  # fmt: skip
         assert abs(mp.im(found)) < mp.mpf(10) ** -25
         assert agrees(stored, mp.re(found))
 

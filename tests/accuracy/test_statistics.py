@@ -27,10 +27,8 @@ def test_draws_err_with_one_over_the_root_of_the_number_where_the_law_is_linear(
 
 
 def test_draws_from_a_covariance_end_at_its_own_error_where_the_law_bends():
-    covariance, profile, last = (
-        error_table("interval", "curved", method=method)[-1].error
-        for method in ("covariance", "profile", "monte carlo")
-    )
+    covariance, profile, last = (error_table("interval", "curved", method=method)[-1].error
+                                 for method in ("covariance", "profile", "monte carlo"))  # fmt: skip
     # The root mean square of both arms against the larger of the two.
     assert 0.5 * covariance < last < 1.1 * covariance
     assert profile < 1e-5 < covariance

@@ -23,19 +23,14 @@ def point(case, method, error, seconds, setting="", *, n=1):
 @pytest.fixture(scope="module")
 def result():
     """Two cases: slow and sure against quick and rough, and a case that one method cannot solve."""
-    cases = (
-        Case(name="easy", title="a case", settings=tuple),
-        Case(name="hard", title="a < b case", settings=tuple),
-    )
+    cases = (Case(name="easy", title="a case", settings=tuple),
+             Case(name="hard", title="a < b case", settings=tuple))  # fmt: skip
     study = Study(name="made-up", title="A study", question="Why?", reference="by hand", counted="steps", cases=cases,
                   used="by hand, with care", findings=lambda points: (f"{len(points)} points.",))  # fmt: skip
-    points = (
-        *(point("easy", "slow", 10.0**-n, 1e-4 * n, f"n = {n}", n=n) for n in (1, 3, 5)),
-        *(point("easy", "quick", 0.05 / n, 1e-6 * n, f"n = {n}", n=n) for n in (1, 2, 4)),
-        point("easy", "exact", 0.0, 1e-2, "n = 1"),
-        point("hard", "slow", math.inf, 1e-4, "n = 1"),
-        point("hard", "exact", 1e-15, 1e-2, "n = 1"),
-    )
+    points = (*(point("easy", "slow", 10.0**-n, 1e-4 * n, f"n = {n}", n=n) for n in (1, 3, 5)),
+              *(point("easy", "quick", 0.05 / n, 1e-6 * n, f"n = {n}", n=n) for n in (1, 2, 4)),
+              point("easy", "exact", 0.0, 1e-2, "n = 1"), point("hard", "slow", math.inf, 1e-4, "n = 1"),
+              point("hard", "exact", 1e-15, 1e-2, "n = 1"))  # fmt: skip
     return StudyResult(study=study, points=points, quick=True)
 
 
@@ -112,12 +107,10 @@ def test_a_busy_machine_is_told(result):
 
 def test_the_sentence_on_the_closed_form_follows_the_measurement():
     for gauss_s, verdict in [(9e-6, "is not the fastest"), (9e-3, "a closed form is the fastest")]:
-        points = (
-            point("regular", "gauss-legendre", 1e-15, gauss_s, "16 points"),
-            point("regular", "closed form, textbook", 1e-3, 1e-6),
-            point("regular", "closed form, stable", 1e-16, 3e-5),
-            point("regular", "closed form", 1e-16, 1e-4),
-        )
+        points = (point("regular", "gauss-legendre", 1e-15, gauss_s, "16 points"),
+                  point("regular", "closed form, textbook", 1e-3, 1e-6),
+                  point("regular", "closed form, stable", 1e-16, 3e-5),
+                  point("regular", "closed form", 1e-16, 1e-4))  # fmt: skip
         first, *others = STUDIES["integral"].findings(points)
         assert verdict in first
         assert "100 µs (closed form" in first

@@ -67,12 +67,7 @@ def test_six_modes_with_the_check(benchmark):
 
 
 def test_a_million_strings(benchmark):
-    span = Span(
-        free_span_m=1.6,
-        linear_density_kg_m=0.5967,
-        preload_N=np.linspace(2000.0, 9000.0, 1_000_000),
-        wheel_speed_m_s=35.0,
-        travel_speed_m_s=35.0,
-        mounting_factor=0.5,
-    )
+    span = Span(free_span_m=1.6, linear_density_kg_m=0.5967,
+                preload_N=np.linspace(2000.0, 9000.0, 1_000_000), wheel_speed_m_s=35.0,
+                travel_speed_m_s=35.0, mounting_factor=0.5)  # fmt: skip
     assert benchmark.pedantic(string_frequencies_Hz, args=(span, 1), rounds=3).shape == (1_000_000, 1)

@@ -24,22 +24,16 @@ def fit():
     peak = np.exp(
         LAWS["coupled"].log_lift([0.25, -0.2, -0.3, -0.4, 0.05], at) + 0.01 * rng.standard_normal(len(at))
     )
-    table = TrialTable(
-        trial=tuple(map(str, range(len(at)))), wheel_radius_m=wheel, rope_radius_m=0.005, wrap_angle_rad=wrap,
-        end_tension_N=load, peak_N=peak,
-    )  # fmt: skip
+    table = TrialTable(trial=tuple(map(str, range(len(at)))), wheel_radius_m=wheel, rope_radius_m=0.005,
+                       wrap_angle_rad=wrap, end_tension_N=load, peak_N=peak)  # fmt: skip
     return fit_law(table, "coupled")
 
 
 @pytest.mark.parametrize("probability", [None, 0.95])
 def test_wrap_of_a_million_designs(benchmark, fit, probability):
     loads = np.geomspace(30, 500, N)
-    settings = {
-        "rope_radius_m": 0.005,
-        "wheel_radius_m": 0.04,
-        "end_tension_N": 20.0,
-        "probability": probability,
-    }
+    settings = {"rope_radius_m": 0.005, "wheel_radius_m": 0.04, "end_tension_N": 20.0,
+                "probability": probability}  # fmt: skip
     found = benchmark.pedantic(design, args=(fit,), kwargs={"lift_N": loads} | settings, rounds=1)
     assert found.reached.all()
 

@@ -34,29 +34,16 @@ def lift_force_N(law, theta, conditions):
 @pytest.fixture(scope="module")
 def problem():
     """216 conditions: 6 wheels, 6 wraps, 6 loads."""
-    wheel, wrap, load = np.meshgrid(
-        [0.02, 0.03, 0.04, 0.06, 0.08, 0.12],
-        np.pi * np.array([0.5, 1, 2, 3, 4, 6]),
-        [2.0, 5.0, 10.0, 20.0, 80.0, 200.0],
-    )
-    plan = Conditions(
-        wheel_radius_m=wheel.ravel(),
-        rope_radius_m=0.0049,
-        wrap_angle_rad=wrap.ravel(),
-        end_tension_N=load.ravel(),
-    )
+    wheel, wrap, load = np.meshgrid([0.02, 0.03, 0.04, 0.06, 0.08, 0.12],
+                                    np.pi * np.array([0.5, 1, 2, 3, 4, 6]),
+                                    [2.0, 5.0, 10.0, 20.0, 80.0, 200.0])  # fmt: skip
+    plan = Conditions(wheel_radius_m=wheel.ravel(), rope_radius_m=0.0049, wrap_angle_rad=wrap.ravel(),
+                      end_tension_N=load.ravel())  # fmt: skip
     noise = STD * np.random.default_rng(1).standard_normal(216)
-    return FitProblem(
-        law=LAW,
-        conditions=plan,
-        log_lift=LAW.log_lift(TRUTH, plan) + noise,
-        std=np.full(216, STD),
-        group=np.arange(216),
-        start=np.array([0.3, -0.3, -0.5, -0.3, 0.08]),
-        lower=LAW.lower,
-        upper=LAW.upper,
-        vary=np.ones(5, bool),
-    )
+    return FitProblem(law=LAW, conditions=plan, log_lift=LAW.log_lift(TRUTH, plan) + noise,
+                      std=np.full(216, STD), group=np.arange(216),
+                      start=np.array([0.3, -0.3, -0.5, -0.3, 0.08]), lower=LAW.lower, upper=LAW.upper,
+                      vary=np.ones(5, bool))  # fmt: skip
 
 
 def lmfit_fit(problem, log_lift, start):
@@ -119,12 +106,8 @@ def test_bootstrap_refits(benchmark, problem):
 
 def designs(n):
     rng = np.random.default_rng(11)
-    return Conditions(
-        wheel_radius_m=rng.uniform(0.02, 0.1, n),
-        rope_radius_m=0.005,
-        wrap_angle_rad=rng.uniform(1, 12, n),
-        end_tension_N=rng.uniform(1.5, 200, n),
-    )
+    return Conditions(wheel_radius_m=rng.uniform(0.02, 0.1, n), rope_radius_m=0.005,
+                      wrap_angle_rad=rng.uniform(1, 12, n), end_tension_N=rng.uniform(1.5, 200, n))  # fmt: skip
 
 
 def lift_by_quadrature(conditions):

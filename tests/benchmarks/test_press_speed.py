@@ -16,13 +16,10 @@ def statics():
     up = Tensioner(spring_N_m=2e4, travel_m=0.03, force_N=2000.0, downstream_angle_rad=0.35)
     down = Tensioner(spring_N_m=2e4, travel_m=0.03, force_N=2000.0, upstream_angle_rad=0.99)
     roles = {1: "driver", 10: "driver", 3: "tensioner", 13: "tensioner"}
-    rollers = tuple(
-        Roller(
-            name=str(i), radius_m=0.1 + 0.01 * (i % 5), wrap_angle_rad=1.0 + 0.1 * i, role=roles.get(i, "driven"),
-            squeeze_torque_N_m=0.0 if i in {1, 10} else 10.0, tensioner={3: up, 13: down}.get(i),
-        )
-        for i in range(1, 14)
-    )  # fmt: skip
+    rollers = tuple(Roller(name=str(i), radius_m=0.1 + 0.01 * (i % 5), wrap_angle_rad=1.0 + 0.1 * i,
+                           role=roles.get(i, "driven"), squeeze_torque_N_m=0.0 if i in {1, 10} else 10.0,
+                           tensioner={3: up, 13: down}.get(i))
+                    for i in range(1, 14))  # fmt: skip
     data = {"linear_density_kg_m": 15.0, "thickness_m": 0.005, "width_m": 2.0}
     upper = Belt(name="upper", loop=tuple(map(str, range(1, 10))), **data)
     lower = Belt(name="lower", loop=("9", "10", "11", "12", "13", "5", "6", "7", "8"), **data)

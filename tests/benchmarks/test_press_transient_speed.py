@@ -23,18 +23,11 @@ def machine(eta_s):
     """The size of the paper's press: thirteen rollers on one belt."""
     take_up = Tensioner(spring_N_m=2e4, travel_m=0.03, force_N=2000.0, mass_kg=121.0, damping_N_s_m=500.0)
     names = tuple(str(i) for i in range(1, 14))
-    rollers = tuple(
-        Roller(
-            name=name,
-            radius_m=0.15,
-            wrap_angle_rad=math.radians(90.0),
-            role="driver" if name == "1" else "tensioner" if name == "3" else "driven",
-            inertia_kg_m2=1.5,
-            squeeze_torque_N_m=0.0 if name == "1" else 15.0,
-            tensioner=take_up if name == "3" else None,
-        )
-        for name in names
-    )
+    rollers = tuple(Roller(name=name, radius_m=0.15, wrap_angle_rad=math.radians(90.0),
+                           role="driver" if name == "1" else "tensioner" if name == "3" else "driven",
+                           inertia_kg_m2=1.5, squeeze_torque_N_m=0.0 if name == "1" else 15.0,
+                           tensioner=take_up if name == "3" else None)
+                    for name in names)  # fmt: skip
     belt = Belt(
         name="belt", loop=names, linear_density_kg_m=15.0, thickness_m=0.005, width_m=2.0, axial_stiffness_N=2e6,
         damping_s=eta_s, span_lengths_m=tuple(0.6 + 0.1 * i for i in range(13)),
@@ -83,23 +76,16 @@ def test_exact_against_the_best_of_solve_ivp(benchmark, problem):
 
 def test_a_start_up_with_slip(benchmark):
     speed = DRIVE_LAWS["ramp"](speed_m_s=0.9, duration_s=0.3)
-    found = benchmark.pedantic(
-        start_up,
-        args=(machine(1e-3),),
-        kwargs={"speed": speed, "time_s": TIMES_S, "friction": 0.15},
-        rounds=1,
-    )
+    found = benchmark.pedantic(start_up, args=(machine(1e-3),),
+                               kwargs={"speed": speed, "time_s": TIMES_S, "friction": 0.15}, rounds=1)  # fmt: skip
     assert found.slips
 
 
 @pytest.mark.parametrize("friction", [0.15, 0.9], ids=["belts slip", "only drags let go"])
 def test_a_start_up_on_a_grid(benchmark, friction):
     """Changes of contacts to 0.5 %; how many times the exact moments take is in the extra information."""
-    question = {
-        "speed": DRIVE_LAWS["ramp"](speed_m_s=0.9, duration_s=0.3),
-        "time_s": np.linspace(0.0, 10.0, 2001),
-        "friction": friction,
-    }
+    question = {"speed": DRIVE_LAWS["ramp"](speed_m_s=0.9, duration_s=0.3),
+                "time_s": np.linspace(0.0, 10.0, 2001), "friction": friction}  # fmt: skip
     found = benchmark(start_up, machine(1e-3), exact_switching=False, **question)
     begun = time.perf_counter()
     exact = start_up(machine(1e-3), **question)

@@ -6,12 +6,8 @@ import pytest
 from ropefric.errors import InputError
 from ropefric.friction.condition import Conditions, condition_groups, distinct, levels, same_setting
 
-GOOD = {
-    "wheel_radius_m": 0.04,
-    "rope_radius_m": 0.005,
-    "wrap_angle_rad": [1.0, 2.0, 3.0],
-    "end_tension_N": 20,
-}
+GOOD = {"wheel_radius_m": 0.04, "rope_radius_m": 0.005, "wrap_angle_rad": [1.0, 2.0, 3.0],
+        "end_tension_N": 20}  # fmt: skip
 
 
 def test_scalars_spread_and_arrays_are_the_conditions_own():

@@ -12,12 +12,7 @@ from scipy.integrate import quad, solve_ivp
 from ropefric.errors import SolverError
 from ropefric.friction import integral
 from ropefric.friction.condition import one_condition
-from ropefric.friction.integral import (
-    exprel_slope,
-    log1prel,
-    log1prel_slope,
-    power_log_start,
-)
+from ropefric.friction.integral import exprel_slope, log1prel, log1prel_slope, power_log_start
 from ropefric.friction.laws import LAWS
 from ropefric.friction.laws.wrap import exponential_rise
 
@@ -45,10 +40,8 @@ def test_five_newton_steps_are_not_enough_near_minus_one(monkeypatch):
 
 
 @settings(deadline=None, max_examples=40)
-@given(
-    a=st.floats(0.01, 1), b=st.floats(-0.9, 0), c=st.floats(0.01, 0.5),
-    wrap=st.floats(0.01, 60), tension=st.floats(1.1, 1000), exponential=st.booleans(),
-)  # fmt: skip
+@given(a=st.floats(0.01, 1), b=st.floats(-0.9, 0), c=st.floats(0.01, 0.5), wrap=st.floats(0.01, 60),
+       tension=st.floats(1.1, 1000), exponential=st.booleans())  # fmt: skip
 def test_lift_is_the_solution_of_the_differential_equation(*, a, b, c, wrap, tension, exponential):
     """d ln F/dφ = μ(φ) with F = 1 N at φ = 0: φ0 by halving an interval, the lift by Runge-Kutta from there."""
 
@@ -72,9 +65,7 @@ def test_lift_is_the_solution_of_the_differential_equation(*, a, b, c, wrap, ten
 
 
 @settings(deadline=None, max_examples=50)
-@given(
-    p=st.floats(1e-3, 50), delta=st.floats(1e-3, 50), b=st.floats(-3, 2), rate=st.floats(-5, 0.2)
-)  # fmt: skip
+@given(p=st.floats(1e-3, 50), delta=st.floats(1e-3, 50), b=st.floats(-3, 2), rate=st.floats(-5, 0.2))
 def test_integrals_agree_with_quadrature(p, delta, b, rate):
     power = quad(lambda t: math.exp((b + 1) * t), math.log(p), math.log(p + delta), epsrel=1e-12, epsabs=0)[0]
     assert float(integral.power_integral(delta, 1.0, b, start_rad=p)) == pytest.approx(power, rel=1e-9)

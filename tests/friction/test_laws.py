@@ -11,10 +11,8 @@ from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.testing import check_law, typical, varied
 
-CONTRACT = [
-    "constant", "constant-offset", "size-power", "size-exponential", "wrap-exponential", "wrap-power", "coupled",
-    "thickness", "bending", "howell", "groove",
-]  # fmt: skip
+CONTRACT = ["constant", "constant-offset", "size-power", "size-exponential", "wrap-exponential",
+            "wrap-power", "coupled", "thickness", "bending", "howell", "groove"]  # fmt: skip
 EVERY_LAW = pytest.mark.parametrize("law", list(ALL_LAWS.values()), ids=lambda law: law.name)
 EULER = Conditions(
     wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[1.0, 5.0, 20.0], end_tension_N=20
@@ -130,12 +128,10 @@ def test_anything_gives_a_number_or_a_reason(law, data):
     """Inside and outside the bounds: finite answers or InputError, and no warning, anywhere."""
     wild = st.floats(-1e3, 1e3) | st.sampled_from([0.0, 1e308, -1e308])
     wide = [data.draw(st.floats(p.lower, p.upper) | wild) for p in law.parameters]
-    pulls = Conditions(
-        wheel_radius_m=data.draw(st.floats(1e-6, 1e6)),
-        rope_radius_m=data.draw(st.floats(1e-6, 1e6)),
-        wrap_angle_rad=data.draw(st.just(0.0) | st.floats(1e-300, 1e4)),
-        end_tension_N=data.draw(st.just(1.0) | st.floats(1e-3, 1e9)),
-    )
+    pulls = Conditions(wheel_radius_m=data.draw(st.floats(1e-6, 1e6)),
+                       rope_radius_m=data.draw(st.floats(1e-6, 1e6)),
+                       wrap_angle_rad=data.draw(st.just(0.0) | st.floats(1e-300, 1e4)),
+                       end_tension_N=data.draw(st.just(1.0) | st.floats(1e-3, 1e9)))  # fmt: skip
     reasons = law.validity(wide, pulls)
     assert bool(law.admissible(wide, pulls)) == (not reasons)
     for question in (law.log_lift, law.jacobian, law.log_lift_gradient_conditions):

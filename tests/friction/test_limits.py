@@ -11,12 +11,8 @@ from ropefric.friction.laws import LAWS
 
 
 def pulls(**changes):
-    base = {
-        "wheel_radius_m": 0.04,
-        "rope_radius_m": 0.005,
-        "wrap_angle_rad": [0.5, 3.0, 20.0],
-        "end_tension_N": 20,
-    }
+    base = {"wheel_radius_m": 0.04, "rope_radius_m": 0.005, "wrap_angle_rad": [0.5, 3.0, 20.0],
+            "end_tension_N": 20}  # fmt: skip
     return Conditions(**base | changes)
 
 

@@ -34,21 +34,14 @@ def by_hand(sheet):
     return sheet.line("mu_F phi", "mu_F * phi")
 
 
-TOY = FrictionLaw(
-    name="toy",
-    equation="F_A = F_B exp(mu (1 + s ln F_B) phi)",
-    source="nobody",
-    parameters=(
-        Parameter("mu", "-", start=0.2, lower=0.0, upper=5.0, meaning="coefficient at 1 N"),
-        Parameter("s", "-", start=0.0, lower=-1.0, upper=1.0, meaning="how it grows with the end tension"),
-    ),
-    coefficient="average",
-    effects=frozenset({"end-tension"}),
-    physics=Logarithmic(),
-    candidates=lambda mu, _conditions, _log_lift: [[mu, 0.0], [mu, 0.1]],
-    special_cases=(CONSTANT,),
-    arithmetic=by_hand,
-)
+TOY = FrictionLaw(name="toy", equation="F_A = F_B exp(mu (1 + s ln F_B) phi)", source="nobody",
+                  parameters=(Parameter("mu", "-", start=0.2, lower=0.0, upper=5.0,
+                                        meaning="coefficient at 1 N"),
+                              Parameter("s", "-", start=0.0, lower=-1.0, upper=1.0,
+                                        meaning="how it grows with the end tension")),
+                  coefficient="average", effects=frozenset({"end-tension"}), physics=Logarithmic(),
+                  candidates=lambda mu, _conditions, _log_lift: [[mu, 0.0], [mu, 0.1]],
+                  special_cases=(CONSTANT,), arithmetic=by_hand)  # fmt: skip
 TRUTH = np.array([0.15, 0.06])
 
 
@@ -64,15 +57,8 @@ def frame(monkeypatch):
         wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=wrap_rad, end_tension_N=tension_N
     )
     noise = 0.01 * np.random.default_rng(1).standard_normal(len(at))
-    return pd.DataFrame(
-        {
-            "wheel_radius_mm": 40,
-            "rope_diameter_mm": 10,
-            "wrap_angle_rad": wrap_rad,
-            "end_tension_N": tension_N,
-            "peak_N": np.exp(TOY.log_lift(TRUTH, at) + noise),
-        }
-    )
+    return pd.DataFrame({"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": wrap_rad,
+                         "end_tension_N": tension_N, "peak_N": np.exp(TOY.log_lift(TRUTH, at) + noise)})  # fmt: skip
 
 
 def test_a_new_law_is_fitted_compared_and_tested_against_its_special_case(frame):

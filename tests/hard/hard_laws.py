@@ -79,11 +79,8 @@ def ordinary_pulls_keep_a_digit_more():
     rng = np.random.default_rng(7)
     for _ in range(6):
         (wrap, b), tension = rng.uniform((0.1, -0.95), (40.0, -0.01)), math.exp(rng.uniform(0.1, 6.0))
-        steep, tiny, saturating = (
-            -(10.0 ** rng.uniform(-1.0, 1.3)),
-            10.0 ** rng.uniform(-200, -10),
-            math.exp(0.6),
-        )
+        steep, tiny, saturating = (-(10.0 ** rng.uniform(-1.0, 1.3)), 10.0 ** rng.uniform(-200, -10),
+                                   math.exp(0.6))  # fmt: skip
         power = ([0.2, b, 0.1], [0.0, b, 0.1], [tiny, b, 0.1])
         exponential = ([0.2, 2.0 * b, 0.1], [0.2, steep, 0.1], [0.2, b, 1e-12], [0.0, b, 0.1])
         cases = [("wrap-power", theta, pull(wrap, tension)) for theta in power]
@@ -115,19 +112,13 @@ def stretches():
         "laws from above")  # fmt: skip
 def exponent_to_minus_one():
     cases = [("wrap-power-from-zero", [0.2, s - 1, 0.1], pull(7.0)) for s in (1e-3, 1e-9, 2.0**-52)]
-    cases += [
-        (name, [0.2, -0.2, -0.3, s - 1, 0.1], pull(7.0))
-        for name in ("coupled", "coupled-from-zero")
-        for s in (1e-3, 2.0**-52)
-    ]
+    cases += [(name, [0.2, -0.2, -0.3, s - 1, 0.1], pull(7.0)) for name in ("coupled", "coupled-from-zero")
+              for s in (1e-3, 2.0**-52)]  # fmt: skip
     errors = [worst_law_error(cases, digits=520)]
     for b, delta, value, slope in stretches():
         span = PowerSpan(np.log(INTEGRAL_START), delta, b)
-        errors += [
-            relative(power_integral(delta, 1.0, b, start_rad=INTEGRAL_START), value),
-            relative(span.integral(), value),
-            relative(span.slope(), slope),
-        ]
+        errors += [relative(power_integral(delta, 1.0, b, start_rad=INTEGRAL_START), value),
+                   relative(span.integral(), value), relative(span.slope(), slope)]  # fmt: skip
     return max(errors)
 
 
@@ -153,13 +144,10 @@ def integrals_that_diverge():
         "a φ^b + c and the coupled law with b + 1 = 1e-3 … 2e-16, F_B = 1.5 … 1e6 N: ln F_A and slopes")  # fmt: skip
 def start_underflow():
     """Return the worst error: ln φ0 is −5298 and far less."""
-    power = [
-        ("wrap-power", [0.2, s - 1.0, c], pull(wrap, tension))
-        for s, c, wrap, tension in [
-            (1e-3, 0.1, 5.0, 2.7), (1e-3, 0.0, 40.0, 200.0), (1e-3, 0.01, 1e-9, 20.0), (1e-9, 0.1, 5.0, 1e6),
-            (2.0**-52, 0.1, 17.0, 1.5), (2.0**-52, 0.0, 0.3, 20.0),
-        ]
-    ]  # fmt: skip
+    power = [("wrap-power", [0.2, s - 1.0, c], pull(wrap, tension))
+             for s, c, wrap, tension in [(1e-3, 0.1, 5.0, 2.7), (1e-3, 0.0, 40.0, 200.0),
+                                         (1e-3, 0.01, 1e-9, 20.0), (1e-9, 0.1, 5.0, 1e6),
+                                         (2.0**-52, 0.1, 17.0, 1.5), (2.0**-52, 0.0, 0.3, 20.0)]]  # fmt: skip
     coupled = [("coupled", [0.2, -0.2, -0.3, s - 1.0, 0.05], pull()) for s in (1e-3, 1e-12)]
     return worst_law_error([*power, *coupled], digits=500)
 
@@ -173,11 +161,9 @@ def a_start_far_below_every_float():
     assert slopes[0, 2] == 0.0
 
 
-FROM_REFERENCE = {
-    "wrap-power": [[0.2, -0.5, 0.1], [0.3, -0.9, 0.0]],
-    "wrap-exponential": [[0.2, -0.5, 0.1], [0.1, -5.0, 1e-6]],
-    "coupled": [[0.2, -0.2, -0.3, -0.6, 0.05]],
-}
+FROM_REFERENCE = {"wrap-power": [[0.2, -0.5, 0.1], [0.3, -0.9, 0.0]],
+                  "wrap-exponential": [[0.2, -0.5, 0.1], [0.1, -5.0, 1e-6]],
+                  "coupled": [[0.2, -0.2, -0.3, -0.6, 0.05]]}  # fmt: skip
 
 
 @regime("F_B → F_0⁺", 1e-12, EQUATION,
@@ -207,10 +193,8 @@ def tensions_below_the_reference():
         )
         assert 0.0 <= law.log_lift_gradient_conditions(theta, at_reference)[0, 2] < 1.0
         for tension in (1 - 2.0**-53, 0.5, 1e-300, 5e-324):
-            call, said = (
-                partial(lift, name, theta, 2.0, tension),
-                "below F_0 = 1 N, so no wrap angle stands for it",
-            )
+            call, said = (partial(lift, name, theta, 2.0, tension),
+                          "below F_0 = 1 N, so no wrap angle stands for it")  # fmt: skip
             assert "without_end_tension" in refused(call, said).fix
             assert free.average_mu(theta, at(2.0, tension))[0] > 0.0
             yield call, said
@@ -219,13 +203,10 @@ def tensions_below_the_reference():
 @regime("r → 0 and r → ∞", 1e-12, EQUATION,
         "every law with a size effect, R_w/R_r from 1e-298 to 1e298, b = 0 too: ln F_A and slopes")  # fmt: skip
 def size_ratio():
-    parameters = {
-        "size-power": [[0.2, 1.5, 0.02], [0.2, 1.0, 0.0]],
-        "size-exponential": [[0.2, -0.2, -0.3], [0.2, -0.2, 0.0]],
-        "coupled": [[0.2, -0.2, -0.3, -0.4, 0.05], [0.2, -0.2, 0.0, -0.4, 0.05]],
-        "thickness": [[0.2], [3.0]],
-        "howell": [[0.5, 0.9]],
-    }
+    parameters = {"size-power": [[0.2, 1.5, 0.02], [0.2, 1.0, 0.0]],
+                  "size-exponential": [[0.2, -0.2, -0.3], [0.2, -0.2, 0.0]],
+                  "coupled": [[0.2, -0.2, -0.3, -0.4, 0.05], [0.2, -0.2, 0.0, -0.4, 0.05]],
+                  "thickness": [[0.2], [3.0]], "howell": [[0.5, 0.9]]}  # fmt: skip
 
     def cases(sizes, most):
         for name, sets in parameters.items():
@@ -334,14 +315,10 @@ def ropes_that_lift_off():
     for tension in (1e-310, 1e-300, 20.0, 1e300):
         assert moving(25.0, tension, 1e300, 0.0) == lift("constant", [0.2], 25.0, tension)
     for speed in (16.0, 16.000001, 1e9, 1e160, 1.7e308, -17.0):
-        yield (
-            partial(moving, 25.0, 16.0, 0.0625, speed),
-            "is not below F_B at condition 0 .*: the rope lifts off the wheel",
-        )
-    yield (
-        partial(moving, 25.0, 16.5, 0.0625, 16.0, name="wrap-power", theta=[0.2, -0.5, 0.1]),
-        "F_B = 0.5 N is below F_0",
-    )
+        yield (partial(moving, 25.0, 16.0, 0.0625, speed),
+               "is not below F_B at condition 0 .*: the rope lifts off the wheel")  # fmt: skip
+    yield (partial(moving, 25.0, 16.5, 0.0625, 16.0, name="wrap-power", theta=[0.2, -0.5, 0.1]),
+           "F_B = 0.5 N is below F_0")  # fmt: skip
     for speed in (np.nan, np.inf, -np.inf):
         yield partial(moving, 25.0, 16.0, 0.0625, speed), "must be finite"
 
@@ -359,13 +336,9 @@ def extreme_inputs():
     load = [(name, START[name], pull(tension=F)) for name, tensions in loads.items() for F in tensions]
     sizes = ["size-exponential", "size-power", "thickness"]
     both = [(name, START[name], pull(wheel=1e300, rope=1e300)) for name in sizes]
-    tiny = [
-        ("constant", [1e-300], pull()),
-        ("wrap-power", [1e-300, -0.5, 0.1], pull()),
-        ("wrap-power", [0.2, -0.5, 1e-300], pull()),
-        ("wrap-exponential", [1e-300, -0.5, 0.1], pull()),
-        ("thickness", [1e-150], pull()),
-    ]
+    tiny = [("constant", [1e-300], pull()), ("wrap-power", [1e-300, -0.5, 0.1], pull()),
+            ("wrap-power", [0.2, -0.5, 1e-300], pull()), ("wrap-exponential", [1e-300, -0.5, 0.1], pull()),
+            ("thickness", [1e-150], pull())]  # fmt: skip
     return max(worst_law_error(load, digits=120), worst_law_error([*both, *tiny], digits=500))
 
 
@@ -380,14 +353,11 @@ def laws_answer_extremes_or_refuse():
             at, bounds = one_condition(*settings), [(p.lower, p.upper, p.start) for p in law.parameters]
             theta = [[*b, rng.choice(EXTREMES), -rng.choice(EXTREMES)][rng.integers(5)] for b in bounds]
             place, density, speed, force = rng.choice(EXTREMES, 4)
-            calls = (
-                partial(law.log_lift_and_jacobian, theta, at),
-                partial(law.log_lift_gradient_conditions, theta, at),
-                partial(law.average_mu, theta, at),
-                partial(law.local_mu, theta, place, at),
-                partial(_log_lift_running, law, density, speed, theta, at),
-                partial(guess, law, at, [force]),
-            )
+            calls = (partial(law.log_lift_and_jacobian, theta, at),
+                     partial(law.log_lift_gradient_conditions, theta, at),
+                     partial(law.average_mu, theta, at), partial(law.local_mu, theta, place, at),
+                     partial(_log_lift_running, law, density, speed, theta, at),
+                     partial(guess, law, at, [force]))  # fmt: skip
             answered += sum(answer(call) is not None for call in calls)
         assert answered > 4, name
 

@@ -37,15 +37,10 @@ ARCS = 2.0 * float(lifted_arc_rad(SHARE))
 def rope(*, wrap=WRAP, tension=TENSION, mu=0.2, friction=None, stiffness_N=0.0, moving=False):
     """Return a rope of EI = 2R²E, of a constant coefficient if no friction is given."""
     motion = {"linear_density_kg_m": DENSITY, "speed_m_s": SPEED} if moving else {}
-    return HoistProblem(
-        friction=WrapFriction.constant(mu) if friction is None else friction,
-        wheel_radius_m=WHEEL,
-        rope_radius_m=ROPE,
-        wrap_angle_rad=wrap,
-        end_tension_N=tension,
-        bending_stiffness_N_m2=2.0 * RADIUS**2 * stiffness_N,
-        **motion,
-    )
+    return HoistProblem(friction=WrapFriction.constant(mu) if friction is None else friction,
+                        wheel_radius_m=WHEEL, rope_radius_m=ROPE, wrap_angle_rad=wrap,
+                        end_tension_N=tension, bending_stiffness_N_m2=2.0 * RADIUS**2 * stiffness_N,
+                        **motion)  # fmt: skip
 
 
 def lifted(problem):
@@ -76,12 +71,9 @@ HOIST_TRUTH = "the two arcs' equations, solved in 60 digits"
         "F_B/ρv² − 1 = 1e-3 … 2e-16, limp or half as stiff as it can follow, wraps of 25 and 200 rad: ln "
         "F_A of what a scene assembles")  # fmt: skip
 def hoist_inertia():
-    return max(
-        lift_error(wrap=wrap, tension=CIRCLING * (1.0 + above), stiffness_N=share * CIRCLING * above, moving=True)
-        for above in (1e-3, 2.0**-30, 2.0**-52)
-        for share in (0.0, 0.5)
-        for wrap in (25.0, 200.0)
-    )  # fmt: skip
+    return max(lift_error(wrap=wrap, tension=CIRCLING * (1.0 + above), stiffness_N=share * CIRCLING * above,
+                          moving=True)
+               for above in (1e-3, 2.0**-30, 2.0**-52) for share in (0.0, 0.5) for wrap in (25.0, 200.0))  # fmt: skip
 
 
 @refusals
@@ -95,11 +87,8 @@ def hoists_that_lift_off():
         for speed in (SPEED, np.nextafter(SPEED, 17.0), -17.0, 1e9, 1e30):
             fast = replace(at_rest, speed_m_s=speed)
             yield partial(lifted, fast), "is not below the end tension of 16 N: the rope lifts off the wheel"
-    from_reference = WrapFriction(
-        law=ALL_LAWS["wrap-power"],
-        theta=np.array([0.2, -0.5, 0.1]),
-        reference=one_condition(WHEEL, ROPE, 6.0, 60.0),
-    )
+    from_reference = WrapFriction(law=ALL_LAWS["wrap-power"], theta=np.array([0.2, -0.5, 0.1]),
+                                  reference=one_condition(WHEEL, ROPE, 6.0, 60.0))  # fmt: skip
     barely = rope(wrap=25.0, tension=16.5, friction=from_reference, moving=True)
     yield partial(lifted, barely), "F_B = 0.5 N is below F_0"
 
@@ -112,12 +101,8 @@ def stiff_rope():
     cases = [(WRAP, ratio) for ratio in ratios]
     for share in (2.0**-20, SHARE, 1.0 - 2.0**-10):
         cases += [(2.0 * float(lifted_arc_rad(share)) * (1 + above), share) for above in (1e-3, 1e-8, 1e-14)]
-    return max(
-        lift_error(mu=mu, wrap=wrap, stiffness_N=LEFT[moving] * share, moving=moving)
-        for moving in LEFT
-        for mu in (0.1, 3.0)
-        for wrap, share in cases
-    )
+    return max(lift_error(mu=mu, wrap=wrap, stiffness_N=LEFT[moving] * share, moving=moving)
+               for moving in LEFT for mu in (0.1, 3.0) for wrap, share in cases)  # fmt: skip
 
 
 @refusals
@@ -191,23 +176,12 @@ LOAD_WRAP, DRIVE_WRAP = 2.0, 3.0
 def small_press(EA_N, eta_s, load_N_m=20.0):
     take_up = Tensioner(spring_N_m=1e4, travel_m=0.01, force_N=900.0, mass_kg=30.0, damping_N_s_m=200.0)
     load = {"squeeze_torque_N_m": load_N_m, "inertia_kg_m2": 0.3}
-    rollers = (
-        Roller(name="drive", radius_m=0.1, wrap_angle_rad=DRIVE_WRAP, role="driver"),
-        Roller(name="load", radius_m=0.1, wrap_angle_rad=LOAD_WRAP, **load),
-        Roller(
-            name="take-up", radius_m=0.08, wrap_angle_rad=3.0, role="tensioner", tensioner=take_up, inertia_kg_m2=0.2
-        ),
-    )  # fmt: skip
-    belt = Belt(
-        name="belt",
-        loop=("drive", "load", "take-up"),
-        linear_density_kg_m=8.0,
-        thickness_m=0.005,
-        width_m=1.0,
-        axial_stiffness_N=EA_N,
-        damping_s=eta_s,
-        span_lengths_m=(0.8, 1.0, 1.3),
-    )
+    rollers = (Roller(name="drive", radius_m=0.1, wrap_angle_rad=DRIVE_WRAP, role="driver"),
+               Roller(name="load", radius_m=0.1, wrap_angle_rad=LOAD_WRAP, **load),
+               Roller(name="take-up", radius_m=0.08, wrap_angle_rad=3.0, role="tensioner",
+                      tensioner=take_up, inertia_kg_m2=0.2))  # fmt: skip
+    belt = Belt(name="belt", loop=("drive", "load", "take-up"), linear_density_kg_m=8.0, thickness_m=0.005,
+                width_m=1.0, axial_stiffness_N=EA_N, damping_s=eta_s, span_lengths_m=(0.8, 1.0, 1.3))  # fmt: skip
     return Press(rollers=rollers, belts=(belt,), speed_m_s=1.0)
 
 

@@ -17,10 +17,8 @@ from ropefric.errors import RopefricError
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 
-__all__ = [
-    "EPS", "FACTS", "REFUSALS", "REGIMES", "START", "Regime", "answer", "fact", "refusals", "refused", "regime",
-    "relative", "worst_law_error",
-]  # fmt: skip
+__all__ = ["EPS", "FACTS", "REFUSALS", "REGIMES", "START", "Regime", "answer", "fact", "refusals",
+           "refused", "regime", "relative", "worst_law_error"]  # fmt: skip
 
 EPS = float(np.finfo(float).eps)
 # Nothing smaller is a normal float: below it digits go one by one whatever the formula.
@@ -125,10 +123,8 @@ def _law_errors(name, theta, pull, slopes) -> Iterator[float]:
         yield relative(law.average_mu(theta, at)[0], rise / mp.mpf(pull[2]))
     if slopes:
         found = [*law.jacobian(theta, at)[0], *law.log_lift_gradient_conditions(theta, at)[0]]
-        truth = [
-            *hard_truth.parameter_slopes(name, theta, pull),
-            *hard_truth.condition_slopes(name, theta, pull),
-        ]
+        truth = [*hard_truth.parameter_slopes(name, theta, pull),
+                 *hard_truth.condition_slopes(name, theta, pull)]  # fmt: skip
         yield from (relative(*pair) for pair in zip(found, truth, strict=True))
 
 

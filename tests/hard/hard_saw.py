@@ -144,13 +144,8 @@ def beam_error(span):
 
 
 def saw(wheel_speed_rad_s, tension_difference_N, **more):
-    return Saw(
-        **BLADE,
-        wheel_radius_m=0.35,
-        wheel_speed_rad_s=wheel_speed_rad_s,
-        tension_difference_N=tension_difference_N,
-        **more,
-    )
+    return Saw(**BLADE, wheel_radius_m=0.35, wheel_speed_rad_s=wheel_speed_rad_s,
+               tension_difference_N=tension_difference_N, **more)  # fmt: skip
 
 
 SHORTFALLS = [10.0**-k for k in range(3, 16)]
@@ -159,12 +154,9 @@ SHORTFALLS = [10.0**-k for k in range(3, 16)]
 @regime("v → c⁻, string", 1e-14, STRING,
         "1 − v/c = 1e-3 … 1e-15: frequencies from tension, mass, mounting and speed")  # fmt: skip
 def critical_string():
-    return max(
-        error
-        for shortfall in SHORTFALLS
-        for kappa in (0.0, 0.3, 0.75)
-        for error in string_errors(running(limit(kappa, PULLED) * (1.0 - shortfall), kappa, PULLED), 6)
-    )
+    return max(error for shortfall in SHORTFALLS for kappa in (0.0, 0.3, 0.75)
+               for error in string_errors(running(limit(kappa, PULLED) * (1.0 - shortfall), kappa, PULLED),
+                                          6))  # fmt: skip
 
 
 @refusals
@@ -236,11 +228,9 @@ def constant_force():
                 errors.append(relative(critical, mp.sqrt(held / (1 - mp.mpf(kappa)))))
         for v in {min(critical * (1.0 - less), 1e6) for less in (1e-2, 1e-9, 1e-13)} | {35.0}:
             errors += string_errors(running(v, kappa, PULLED))
-    return max(*errors, *(
-        beam_error(running(v, kappa, PULLED, bending_stiffness_N_m2=STIFFNESS))
-        for kappa in (1.0 - 1e-3, 1.0 - 1e-9, 1.0)
-        for v in (35.0, 1000.0)
-    ))  # fmt: skip
+    return max(*errors,
+               *(beam_error(running(v, kappa, PULLED, bending_stiffness_N_m2=STIFFNESS))
+                 for kappa in (1.0 - 1e-3, 1.0 - 1e-9, 1.0) for v in (35.0, 1000.0)))  # fmt: skip
 
 
 @refusals

@@ -218,34 +218,21 @@ def windows_of_extreme_data_answer_or_refuse():
         answer(partial(choose_window, *x[:3], longest_s=x[3]))
 
 
-TRUTH = {
-    "constant": [0.2],
-    "constant-offset": [0.2, 0.05],
-    "size-exponential": [0.25, -0.3, -0.2],
-    "wrap-exponential": [0.3, -0.5, 0.1],
-    "wrap-power": [0.2, -0.5, 0.1],
-    "coupled": [0.25, -0.3, -0.2, -0.5, 0.05],
-    "thickness": [0.25],
-    "howell": [0.5, 0.9],
-}
+TRUTH = {"constant": [0.2], "constant-offset": [0.2, 0.05], "size-exponential": [0.25, -0.3, -0.2],
+         "wrap-exponential": [0.3, -0.5, 0.1], "wrap-power": [0.2, -0.5, 0.1],
+         "coupled": [0.25, -0.3, -0.2, -0.5, 0.05], "thickness": [0.25], "howell": [0.5, 0.9]}  # fmt: skip
 
 
 def plan(radii=(0.02, 0.03, 0.05, 0.09), wraps=(2.0, 5.0, 9.0, 14.0), loads=(2.0, 10.0, 60.0), repeats=1):
     wheel, wrap, load, _ = np.meshgrid(radii, wraps, loads, np.arange(repeats), indexing="ij")
-    return Conditions(
-        wheel_radius_m=wheel.ravel(),
-        rope_radius_m=0.005,
-        wrap_angle_rad=wrap.ravel(),
-        end_tension_N=load.ravel(),
-    )
+    return Conditions(wheel_radius_m=wheel.ravel(), rope_radius_m=0.005, wrap_angle_rad=wrap.ravel(),
+                      end_tension_N=load.ravel())  # fmt: skip
 
 
 def fitted(pulls, log_lift, name):
     """Return a fit after making sure that it is sound: finite, within its bounds, and not silent where it is not ok."""
-    columns = {
-        one: getattr(pulls, one)
-        for one in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
-    }
+    columns = {one: getattr(pulls, one)
+               for one in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")}  # fmt: skip
     trials = TrialTable(trial=tuple(f"t{i}" for i in range(len(pulls))), **columns, peak_N=np.exp(log_lift))
     fit = fit_law(trials, name)
     for item in fit.parameters:
@@ -357,12 +344,9 @@ def tables_without_a_trial_that_can_be_used():
 
 @fact
 def fits_with_one_extreme_number_answer_or_refuse():
-    columns = {
-        "wheel_radius_m": np.repeat([0.02, 0.04, 0.08], 4),
-        "rope_radius_m": np.full(12, 0.005),
-        "wrap_angle_rad": np.tile([3.0, 6.0, 9.0, 12.0], 3),
-        "end_tension_N": np.tile([5.0, 20.0, 80.0], 4),
-    }
+    columns = {"wheel_radius_m": np.repeat([0.02, 0.04, 0.08], 4), "rope_radius_m": np.full(12, 0.005),
+               "wrap_angle_rad": np.tile([3.0, 6.0, 9.0, 12.0], 3),
+               "end_tension_N": np.tile([5.0, 20.0, 80.0], 4)}  # fmt: skip
     columns["peak_N"] = columns["end_tension_N"] * np.exp(0.2 * columns["wrap_angle_rad"])
     for name, values in {"constant": (1e-300, 1e160), "size-exponential": (5e-324, 1e300)}.items():
         for column, plain in columns.items():

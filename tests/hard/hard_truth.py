@@ -77,11 +77,8 @@ def _log_start_of_power(y, a, b, c):
     """Return ln φ0 of a φ0^{b+1}/(b+1) + c φ0 = y; in u = ln φ0 the left side is convex and rises."""
     s = b + 1
     tops = ([mp.log(y * s / a) / s] if a > 0 else []) + ([mp.log(y / c)] if c > 0 else [])
-    return _newton(
-        lambda u: a / s * mp.exp(s * u) + c * mp.exp(u) - y,
-        lambda u: a * mp.exp(s * u) + c * mp.exp(u),
-        min(tops),
-    )
+    return _newton(lambda u: a / s * mp.exp(s * u) + c * mp.exp(u) - y,
+                   lambda u: a * mp.exp(s * u) + c * mp.exp(u), min(tops))  # fmt: skip
 
 
 def _power(y, delta, a, b, c):

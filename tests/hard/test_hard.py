@@ -11,11 +11,9 @@ from hard_regime import refused as assert_refused
 from hard_regime import shown
 
 PAGE = (Path(__file__).parents[2] / "docs" / "hard-cases.md").read_text(encoding="utf-8")
-ROWS = {
-    cells[0]: cells
-    for line in PAGE.split("<!-- hard-cases -->\n", 1)[1].split("<!-- end -->", 1)[0].splitlines()
-    for cells in [tuple(line.removeprefix("| ").removesuffix(" |").split(" | "))]
-}
+ROWS = {cells[0]: cells
+        for line in PAGE.split("<!-- hard-cases -->\n", 1)[1].split("<!-- end -->", 1)[0].splitlines()
+        for cells in [tuple(line.removeprefix("| ").removesuffix(" |").split(" | "))]}  # fmt: skip
 
 
 def named(declared):

@@ -28,15 +28,10 @@ def hoist_of(scene_of):
     """A function: a hoist scene, its tables changed by keywords; None takes a table or key out."""
 
     def make(**changes):
-        tree = {
-            "system": "hoist",
-            "accuracy": 0.01,
-            "effects": "auto",
-            "wheel": {"radius": "40 mm", "wrap": "540 deg", "speed": "0.3 m/s"},
-            "rope": {"diameter": "9.8 mm", "linear_density": "62 g/m"},
-            "load": {"end_tension": "80 N"},
-            "friction": {"fit": "../../fits/prth-coupled.json"},
-        }
+        tree = {"system": "hoist", "accuracy": 0.01, "effects": "auto",
+                "wheel": {"radius": "40 mm", "wrap": "540 deg", "speed": "0.3 m/s"},
+                "rope": {"diameter": "9.8 mm", "linear_density": "62 g/m"}, "load": {"end_tension": "80 N"},
+                "friction": {"fit": "../../fits/prth-coupled.json"}}  # fmt: skip
         for name, value in changes.items():
             if isinstance(value, dict) and name in tree and name != "friction":
                 tree[name] = {key: one for key, one in {**tree[name], **value}.items() if one is not None}

@@ -13,10 +13,8 @@ from ropefric.scenes.solve import solve_scene
 def texts(scenes_folder):
     """The bundled scenes as text, with their fits wherever they are read from."""
     fits = (scenes_folder.parents[1] / "fits").as_posix()
-    return {
-        path.stem: path.read_text(encoding="utf-8").replace("../../fits", fits)
-        for path in scenes_folder.glob("*.toml")
-    }
+    return {path.stem: path.read_text(encoding="utf-8").replace("../../fits", fits)
+            for path in scenes_folder.glob("*.toml")}  # fmt: skip
 
 
 def line_of(text, words):
@@ -39,13 +37,8 @@ MISTAKES = {
         ('"131.8 deg"', '"361 deg"', "361 deg", "rollers.6.wrap", "after 360 deg"),
         ('preload  = "2000 N"', 'preload  = "20 N"', "20 N", "press.preload", "goes slack"),
         ('preload  = "2000 N"', "", "[rollers.3.tensioner]", "rollers.3.tensioner", "has no force"),
-        (
-            'density = "1500 kg/m^3"',
-            'density = "1500 kg/m^3"\nlinear_density = "15 kg/m"',
-            "[belts.upper]",
-            "belts.upper",
-            "either density or linear_density",
-        ),
+        ('density = "1500 kg/m^3"', 'density = "1500 kg/m^3"\nlinear_density = "15 kg/m"', "[belts.upper]",
+         "belts.upper", "either density or linear_density"),
         ('"share"', '"shares"', '"shares"', "press.closure", "did you mean 'share'"),
         ('"share" ', '"speed-ratio" ', "[belts.upper]", "belts.upper.axial_stiffness", "speed-ratio"),
         ('"gravity-load"', '"gravity-lode"', "gravity-lode", "effects[0]", "did you mean 'gravity-load'"),
@@ -56,50 +49,33 @@ MISTAKES = {
         ('role = "driver"', 'role = "drivn"', "drivn", "rollers.1.role", "did you mean"),
         ('role = "tensioner"', "", "[rollers.3]", "rollers.3.role", "table of its own"),
         ('"2 m"', '"2 kg"', "2 kg", "belts.upper.width", "not a unit of length"),
-        ("mu = 1.2", 'mu = 1.2\nfit = "x.json"', "x.json", "friction.fit", "keep one"),
+        ("mu = 1.2", 'mu = 1.2\nfit = "x.json"', "x.json", "friction.fit", "keep one")
     ],
-    "press-start-up": [
-        ('inertia = "0.852 kg*m^2"', "", "effects  =", "effects", "rollers.9.inertia"),
-        ('duration = "4 s"', "", 'law = "s-curve"', "start_up.law", "needs a duration"),
-    ],
+    "press-start-up": [('inertia = "0.852 kg*m^2"', "", "effects  =", "effects", "rollers.9.inertia"),
+                       ('duration = "4 s"', "", 'law = "s-curve"', "start_up.law", "needs a duration")],
     "band-saw-fixed-axles": [('"970 rpm"', '"2100 rpm"', "2100", "wheel.speed", "critical speed")],
     "band-saw": [
         ("mounting_factor = 1.0", "mounting_factor = 1.2", "1.2", "tension.mounting_factor", "0 to 1"),
         ("mounting_factor = 1.0", "mounting_factor = -0.1", "-0.1", "tension.mounting_factor", "0 to 1"),
-        (
-            'power = "7.5 kW"',
-            'tension_difference = "7000 N"',
-            "preload",
-            "tension.preload",
-            "raise the preload above 3500 N",
-        ),
+        ('power = "7.5 kW"', 'tension_difference = "7000 N"', "preload", "tension.preload",
+         "raise the preload above 3500 N"),
         ('speed = "970 rpm"', "", "[wheel]", "wheel.speed", 'add speed = "970 rpm"'),
         ('"7.5 kW"', '"7.5 kW"\ntorque = "3 N*m"', "[drive]", "drive", "power and torque are given"),
         ('linear_density = "0.5967 kg/m"', "", "[blade]", "blade", "mass is not known"),
-        (
-            'linear_density = "0.5967 kg/m"',
-            'linear_density = "0.5967 kg/m"\ndensity = "7800 kg/m^3"',
-            "linear_density",
-            "blade.linear_density",
-            "keep one of them",
-        ),
+        ('linear_density = "0.5967 kg/m"', 'linear_density = "0.5967 kg/m"\ndensity = "7800 kg/m^3"',
+         "linear_density", "blade.linear_density", "keep one of them"),
         ('"1.6 m"', '"1.6 s"', "1.6 s", "blade.free_span", "not a unit of length"),
         ('"clamped"', '"glued"', "glued", "blade.ends", "known: clamped, pinned"),
         ('"22 mm"', '"0 mm"', '"0 mm"', "excitation.tooth_pitch", "not more than 0"),
         ("margin = 0.1", "margin = 2", "margin = 2", "excitation.margin", "not between 0 and 1"),
         ('"2500 N", "6', '"7500 N", "6', "7500 N", "excitation.preload_range", "the lower first"),
-        (
-            "[excitation]",
-            '[[measured]]\nside = "rest"\nfrequency = "23.6 Hz"\n\n[excitation]',
-            "[[measured]]",
-            "measured",
-            "take it out; the frequencies of the answer are what is left",
-        ),
+        ("[excitation]", '[[measured]]\nside = "rest"\nfrequency = "23.6 Hz"\n\n[excitation]',
+         "[[measured]]", "measured", "take it out; the frequencies of the answer are what is left"),
         ("modes = 6", "modes = 0", "modes", "blade.modes", "from 1 to 40"),
-        ('"travel"', '"bendin"', "bendin", "effects[2]", "did you mean 'bending'"),
+        ('"travel"', '"bendin"', "bendin", "effects[2]", "did you mean 'bending'")
     ],
-    "climbing-hoist": [('end_tension = "80 N"', "", "[load]", "load.end_tension", "for the payload")],
-}
+    "climbing-hoist": [('end_tension = "80 N"', "", "[load]", "load.end_tension", "for the payload")]
+}  # fmt: skip
 
 
 def test_a_mistake_is_refused_with_line_key_and_remedy(texts, scene_file):
@@ -125,17 +101,10 @@ def test_an_accuracy_that_is_none_is_refused(texts, scene_file):
 
 @pytest.mark.parametrize(
     ("scene", "changes"),
-    [
-        (
-            "belt-press",
-            {'"175 mm"': "175", '"28.1 deg"': '"28.1 N"', "mu = 1.2": "mu = -1", "width": "widht"},
-        ),
-        (
-            "band-saw",
-            {'"1.6 m"': "1.6", '"0.7 m"': '"0.7 rpm"', "modes = 6": "modes = 60", '"clamped"': '"glued"'},
-        ),
-    ],
-)
+    [("belt-press", {'"175 mm"': "175", '"28.1 deg"': '"28.1 N"', "mu = 1.2": "mu = -1", "width": "widht"}),
+     ("band-saw",
+      {'"1.6 m"': "1.6", '"0.7 m"': '"0.7 rpm"', "modes = 6": "modes = 60", '"clamped"': '"glued"'})]
+)  # fmt: skip
 def test_everything_is_said_at_once(texts, scene_file, scene, changes):
     text = texts[scene]
     lines = set()
@@ -150,12 +119,8 @@ def test_everything_is_said_at_once(texts, scene_file, scene, changes):
 def test_all_data_that_a_closure_lacks_are_named_together(texts, scene_file):
     text = texts["belt-press"].replace('"share"', '"speed-ratio"', 1)
     keys = {one.key for one in refused(scene_file(text))}
-    assert keys == {
-        "belts.upper.axial_stiffness",
-        "belts.lower.axial_stiffness",
-        "rollers.1.overspeed",
-        "rollers.10.overspeed",
-    }
+    assert keys == {"belts.upper.axial_stiffness", "belts.lower.axial_stiffness", "rollers.1.overspeed",
+                    "rollers.10.overspeed"}  # fmt: skip
 
 
 def test_all_data_that_a_start_up_lacks_are_named_together(texts, scene_file):

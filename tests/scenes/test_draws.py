@@ -161,12 +161,9 @@ def test_every_law_takes_parameters_of_its_own_for_each_case():
         theta = np.array([one.start for one in law.parameters]) * rng.uniform(
             0.95, 1.05, (4, len(law.parameters))
         )
-        at = {
-            "wheel_radius_m": rng.uniform(0.03, 0.05, 4),
-            "rope_radius_m": 0.005,
-            "wrap_angle_rad": rng.uniform(3.0, 9.0, 4),
-            "slack_tension_N": rng.uniform(40.0, 90.0, (2, 4)),
-        }
+        at = {"wheel_radius_m": rng.uniform(0.03, 0.05, 4), "rope_radius_m": 0.005,
+              "wrap_angle_rad": rng.uniform(3.0, 9.0, 4),
+              "slack_tension_N": rng.uniform(40.0, 90.0, (2, 4))}  # fmt: skip
         whole = WrapFriction(
             law=law, theta=theta, reference=one_condition(0.04, 0.005, 6.0, 50.0), scale_to=ScaleTo(0.2, 3.0)
         )
@@ -189,12 +186,8 @@ def test_every_law_takes_parameters_of_its_own_for_each_case():
 @pytest.mark.parametrize("payload", [None, "5 kg", "33 kg"])
 def test_draws_are_planned_once_and_keep_the_promise(hoist_of, payload):
     """A stiffness that is worth little goes; no number differs by more than wanted, and no draw lifts or not."""
-    changes = {
-        "accuracy": 0.02,
-        "rope": STIFF,
-        "load": {"end_tension": "80 N", "payload": payload},
-        "tolerances": {"wheel": {"wrap": "20 deg"}, "load": {"end_tension": "10 %"}},
-    }
+    changes = {"accuracy": 0.02, "rope": STIFF, "load": {"end_tension": "80 N", "payload": payload},
+               "tolerances": {"wheel": {"wrap": "20 deg"}, "load": {"end_tension": "10 %"}}}  # fmt: skip
     kept = []
     for effects in ("auto", "all"):
         written = []
@@ -225,21 +218,12 @@ def test_draws_of_enormous_forces_have_no_deviation_and_end_in_no_crash(hoist_of
 
 def test_the_share_that_resonates_is_counted_over_draws(loaded, scene_of):
     """A string's first mode goes with √F_0: from which preload on it leaves the margin has a closed form."""
-    tree = {
-        "system": "bandsaw",
-        "effects": "all",
-        "accuracy": 0.1,
-        "blade": {"free_span": "1 m", "linear_density": "0.5 kg/m", "modes": 1},
-        "wheel": {"radius": "0.35 m", "speed": "0 rpm"},
-        "tension": {"preload": "3000 N"},
-        "excitation": {
-            "wheel_harmonics": 0,
-            "frequencies": ["36 Hz"],
-            "margin": 0.05,
-            "preload_range": ["2000 N", "4000 N"],
-        },
-        "tolerances": {"tension": {"preload": "10 %"}},
-    }
+    tree = {"system": "bandsaw", "effects": "all", "accuracy": 0.1,
+            "blade": {"free_span": "1 m", "linear_density": "0.5 kg/m", "modes": 1},
+            "wheel": {"radius": "0.35 m", "speed": "0 rpm"}, "tension": {"preload": "3000 N"},
+            "excitation": {"wheel_harmonics": 0, "frequencies": ["36 Hz"], "margin": 0.05,
+                           "preload_range": ["2000 N", "4000 N"]},
+            "tolerances": {"tension": {"preload": "10 %"}}}  # fmt: skip
     first_N, last_N = (0.5 * (2.0 * 36.0 * share) ** 2 for share in (0.95, 1.05))
     share = (min(last_N, 3300.0) - max(first_N, 2700.0)) / 600.0
     assert 0.2 < share < 0.9

@@ -19,25 +19,16 @@ from ropefric.scenes.solve import solve_scene
 from ropefric.systems.press.answer import settles
 from ropefric.systems.press.transient.start_up import largest_difference
 
-LAWS = {
-    "constant": {"mu": (0.05, 0.5)},
-    "constant-offset": {"mu": (0.05, 0.4), "k": (0.0, 0.2)},
-    "size-power": {"mu_inf": (0.05, 0.3), "a": (0.0, 1.0), "b": (0.3, 2.0)},
-    "size-exponential": {"mu_inf": (0.1, 0.4), "a": (-0.4, -0.05), "b": (-1.0, 0.0)},
-    "wrap-exponential": {"a": (0.01, 0.4), "b": (-1.0, -0.02), "c": (0.02, 0.2)},
-    "wrap-power": {"a": (0.01, 0.4), "b": (-0.9, -0.05), "c": (0.02, 0.2)},
-    "coupled": {
-        "mu_inf": (0.1, 0.5),
-        "a": (-0.5, -0.05),
-        "b": (-1.0, 0.0),
-        "c": (-0.9, -0.05),
-        "d": (0.02, 0.15),
-    },
-    "thickness": {"mu": (0.05, 0.4)},
-    "bending": {"mu": (0.05, 0.4), "rigidity_N_m2": (1e-7, 1e-4)},
-    "howell": {"A": (0.1, 0.5), "n": (0.7, 0.99)},
-    "wrap-power-from-zero": {"a": (0.01, 0.4), "b": (-0.9, -0.05), "c": (0.02, 0.2)},
-}
+LAWS = {"constant": {"mu": (0.05, 0.5)}, "constant-offset": {"mu": (0.05, 0.4), "k": (0.0, 0.2)},
+        "size-power": {"mu_inf": (0.05, 0.3), "a": (0.0, 1.0), "b": (0.3, 2.0)},
+        "size-exponential": {"mu_inf": (0.1, 0.4), "a": (-0.4, -0.05), "b": (-1.0, 0.0)},
+        "wrap-exponential": {"a": (0.01, 0.4), "b": (-1.0, -0.02), "c": (0.02, 0.2)},
+        "wrap-power": {"a": (0.01, 0.4), "b": (-0.9, -0.05), "c": (0.02, 0.2)},
+        "coupled": {"mu_inf": (0.1, 0.5), "a": (-0.5, -0.05), "b": (-1.0, 0.0), "c": (-0.9, -0.05),
+                    "d": (0.02, 0.15)},
+        "thickness": {"mu": (0.05, 0.4)}, "bending": {"mu": (0.05, 0.4), "rigidity_N_m2": (1e-7, 1e-4)},
+        "howell": {"A": (0.1, 0.5), "n": (0.7, 0.99)},
+        "wrap-power-from-zero": {"a": (0.01, 0.4), "b": (-0.9, -0.05), "c": (0.02, 0.2)}}  # fmt: skip
 FITS = ("constant", "size-exponential", "wrap-power", "coupled", "howell")
 ABOUT_THE_PLAN = {"effects", "error_bound", "method", "accuracy"}
 
@@ -66,17 +57,11 @@ def saw(rng, scene_of):
     gap = 10.0 ** rng.uniform(-3.0, 0.0)
     speed = (1.0 - gap) * math.sqrt(preload / rho)
     stiffness = 10.0 ** rng.uniform(-8.0, -1.0) * preload * length**2
-    tree["blade"] = {
-        "free_span": with_unit(length, "m"),
-        "linear_density": with_unit(rho, "kg/m"),
-        "bending_stiffness": with_unit(stiffness, "N*m^2"),
-        "modes": int(rng.integers(1, 7)),
-        "ends": str(rng.choice(["clamped", "pinned"])),
-    }
-    tree["tension"] = {
-        "preload": with_unit(preload, "N"),
-        "mounting_factor": float(rng.choice([0.0, 1.0, rng.uniform()])),
-    }
+    tree["blade"] = {"free_span": with_unit(length, "m"), "linear_density": with_unit(rho, "kg/m"),
+                     "bending_stiffness": with_unit(stiffness, "N*m^2"), "modes": int(rng.integers(1, 7)),
+                     "ends": str(rng.choice(["clamped", "pinned"]))}  # fmt: skip
+    tree["tension"] = {"preload": with_unit(preload, "N"),
+                       "mounting_factor": float(rng.choice([0.0, 1.0, rng.uniform()]))}  # fmt: skip
     tree["wheel"] = {"radius": "0.35 m", "speed": with_unit(speed / 0.35, "rad/s")}
     tree["drive"] = {"tension_difference": with_unit(rng.uniform(0, 0.2) * preload * gap, "N")}
     tree.pop("excitation", None)
@@ -84,11 +69,9 @@ def saw(rng, scene_of):
         tree["effects"] = "all"
         first_Hz = solve_scene(scene_of(**tree)).to_dict()["slack"]["frequencies_Hz"][0]
         tree["excitation"] = {
-            "wheel_harmonics": 2,
-            "frequencies": [with_unit(first_Hz * near_one(rng), "Hz")],
-            "margin": 0.1,
-            "preload_range": [with_unit(0.9 * preload, "N"), with_unit(1.5 * preload, "N")],
-        }
+            "wheel_harmonics": 2, "frequencies": [with_unit(first_Hz * near_one(rng), "Hz")], "margin": 0.1,
+            "preload_range": [with_unit(0.9 * preload, "N"), with_unit(1.5 * preload, "N")]
+        }  # fmt: skip
     return tree
 
 
@@ -178,11 +161,8 @@ def starting_press(rng):
     def inertia():
         return with_unit(log_uniform(rng, 0.03, 5.0), "kg*m^2")
 
-    rollers = {
-        "drive": {
-            "radius": "100 mm", "wrap": with_unit(rng.uniform(1.5, 3.6), "rad"), "role": "driver", "inertia": inertia()
-        }
-    }  # fmt: skip
+    rollers = {"drive": {"radius": "100 mm", "wrap": with_unit(rng.uniform(1.5, 3.6), "rad"),
+                         "role": "driver", "inertia": inertia()}}  # fmt: skip
     for place in range(int(rng.integers(1, 4))):
         radius_m = rng.uniform(0.05, 0.2)
         pull_N = force_N * float(rng.choice([0.0, rng.uniform(0.0, 0.6), 10.0 ** rng.uniform(-3, 0)]))
@@ -190,29 +170,21 @@ def starting_press(rng):
             "radius": with_unit(radius_m, "m"), "wrap": with_unit(rng.uniform(0.3, 3.6), "rad"),
             "inertia": inertia(), "squeeze_torque": with_unit(pull_N * radius_m, "N*m"),
         }  # fmt: skip
-    rollers["take"] = {
-        "radius": "80 mm", "wrap": with_unit(rng.uniform(1.5, 3.4), "rad"), "role": "tensioner", "inertia": inertia(),
-        "tensioner": {
-            "spring": with_unit(log_uniform(rng, 30, 1e5), "N/m"), "mass": with_unit(log_uniform(rng, 1, 160), "kg"),
-            "damping": with_unit(log_uniform(rng, 1, 5e3), "N*s/m"),
-        },
-    }  # fmt: skip
-    return {
-        "system": "press",
-        "press": {"speed": with_unit(speed_m_s, "m/s"), "preload": with_unit(force_N, "N"), "closure": "share"},
-        "rollers": rollers,
-        "belts": {
-            "belt": {
-                "loop": list(rollers), "width": "1 m", "thickness": "5 mm",
-                "linear_density": with_unit(log_uniform(rng, 0.1, 20), "kg/m"),
-                "axial_stiffness": with_unit(log_uniform(rng, 30, 1e5), "kN"),
-                "damping": with_unit(log_uniform(rng, 1e-5, 0.05), "s"),
-                "span_lengths": [with_unit(rng.uniform(0.3, 2.0), "m") for _ in rollers],
-            }
-        },
-        "friction": friction(rng),
-        "start_up": drive(rng, speed_m_s),
-    }  # fmt: skip
+    rollers["take"] = {"radius": "80 mm", "wrap": with_unit(rng.uniform(1.5, 3.4), "rad"),
+                       "role": "tensioner", "inertia": inertia(),
+                       "tensioner": {"spring": with_unit(log_uniform(rng, 30, 1e5), "N/m"),
+                                     "mass": with_unit(log_uniform(rng, 1, 160), "kg"),
+                                     "damping": with_unit(log_uniform(rng, 1, 5e3), "N*s/m")}}  # fmt: skip
+    return {"system": "press",
+            "press": {"speed": with_unit(speed_m_s, "m/s"), "preload": with_unit(force_N, "N"),
+                      "closure": "share"},
+            "rollers": rollers,
+            "belts": {"belt": {"loop": list(rollers), "width": "1 m", "thickness": "5 mm",
+                               "linear_density": with_unit(log_uniform(rng, 0.1, 20), "kg/m"),
+                               "axial_stiffness": with_unit(log_uniform(rng, 30, 1e5), "kN"),
+                               "damping": with_unit(log_uniform(rng, 1e-5, 0.05), "s"),
+                               "span_lengths": [with_unit(rng.uniform(0.3, 2.0), "m") for _ in rollers]}},
+            "friction": friction(rng), "start_up": drive(rng, speed_m_s)}  # fmt: skip
 
 
 def plan_and_answer(scene_of, tree, effects, accuracy=0.02):

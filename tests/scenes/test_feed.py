@@ -27,13 +27,8 @@ def saw(scene_of):
 def test_the_limit_of_both_sides_and_the_smaller_of_them(saw):
     solution = solve_scene(saw())
     tree = solution.to_dict()
-    section = Section(
-        width_m=0.085,
-        thickness_m=0.0009,
-        density_kg_m3=0.5967 / 7.65e-5,
-        young_modulus_Pa=206e9,
-        shear_modulus_Pa=79.4e9,
-    )
+    section = Section(width_m=0.085, thickness_m=0.0009, density_kg_m3=0.5967 / 7.65e-5,
+                      young_modulus_Pa=206e9, shear_modulus_Pa=79.4e9)  # fmt: skip
     for side, sign in (("tight", 1.0), ("slack", -1.0)):
         net_N = 3412.0 + sign * float(
             solution.scene.problem.pull_N[0]
@@ -84,9 +79,7 @@ def test_a_blade_without_its_section_is_refused(scene_of):
 
 def test_the_bundled_scene_shows_how_it_is_asked_for():
     text = (Path(__file__).parents[2] / "data" / "scenes" / "band-saw.toml").read_text(encoding="utf-8")
-    shown = (
-        text.replace("# [feed]", "[feed]")
-        .replace("# force", "force")
-        .replace("# guide_distance", "guide_distance")
-    )
+    shown = (text.replace("# [feed]", "[feed]").replace("# force", "force").replace(
+                 "# guide_distance", "guide_distance"
+             ))  # fmt: skip
     assert tomllib.loads(shown)["feed"]["force"] == "100 N"

@@ -80,12 +80,8 @@ def test_a_wheel_outside_the_tests_is_flagged(hoist_of):
 
 
 def test_a_law_scaled_to_a_coefficient_has_that_average_there(hoist_of):
-    friction = {
-        "law": "wrap-power",
-        "parameters": {"a": 0.2, "b": -0.5, "c": 0.1},
-        "scale_to": {"mu": 0.3, "wrap": "540 deg"},
-        "reference": {"end_tension": "80 N"},
-    }
+    friction = {"law": "wrap-power", "parameters": {"a": 0.2, "b": -0.5, "c": 0.1},
+                "scale_to": {"mu": 0.3, "wrap": "540 deg"}, "reference": {"end_tension": "80 N"}}  # fmt: skip
     solution = solve_scene(hoist_of(friction=friction, effects=["wrap-dependence", "end-tension"]))
     assert solution.to_dict()["mu_average"] == pytest.approx(0.3, rel=1e-13)
 

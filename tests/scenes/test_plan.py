@@ -17,27 +17,15 @@ from ropefric.systems.hoist.effects import SYSTEM
 
 def toy(bounds, method_error=0.0):
     """A system whose answer is the product of e^bound of the effects in it."""
-    effects = [
-        Effect(
-            name=name,
-            adds="",
-            instead="nothing",
-            cost=0.1,
-            needs=lambda problem: (),
-            bound=lambda problem, answer, bound=bound: np.array([bound]),
-        )
-        for name, bound in bounds.items()
-    ]
-    return System(
-        name="toy",
-        effects=Registry("effect", effects),
-        model=Model,
-        method=lambda model, budget: Method(
-            name="m", settings={"budget": budget}, error=method_error, why=""
-        ),
-        solve=lambda model, method: math.exp(sum(bounds[name] for name in model.effects)),
-        distance=lambda answer, reference, whole: abs(answer / reference - 1.0),
-    )
+    effects = [Effect(name=name, adds="", instead="nothing", cost=0.1, needs=lambda problem: (),
+                      bound=lambda problem, answer, bound=bound: np.array([bound]))
+               for name, bound in bounds.items()]  # fmt: skip
+    return System(name="toy", effects=Registry("effect", effects), model=Model,
+                  method=lambda model, budget: Method(
+                      name="m", settings={"budget": budget}, error=method_error, why=""
+                  ),
+                  solve=lambda model, method: math.exp(sum(bounds[name] for name in model.effects)),
+                  distance=lambda answer, reference, whole: abs(answer / reference - 1.0))  # fmt: skip
 
 
 def planned(bounds, accuracy, effects="auto", **options):
@@ -137,10 +125,8 @@ def test_an_effect_is_added_by_one_declaration():
     def bound(problem, answer):
         return np.log1p(problem.wind_N / problem.force_N)
 
-    wind = Effect(
-        name="wind", adds="the wind", instead="still air", bound=bound, needs=missing({"wind_N": "wind.force"}),
-        cost=0.1,
-    )  # fmt: skip
+    wind = Effect(name="wind", adds="the wind", instead="still air", bound=bound,
+                  needs=missing({"wind_N": "wind.force"}), cost=0.1)  # fmt: skip
     system = closed_form_system("pull", Registry("effect", [wind]), solve, error=0.0, why="")
     windy = Pull(force_N=100.0, wind_N=2.0)
     plan, model = make_plan(system, windy, accuracy=0.05, effects="auto")

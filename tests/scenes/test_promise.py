@@ -93,10 +93,8 @@ def test_how_many_belts_a_power_takes_is_open_within_the_bound_of_a_list(loaded,
     tree = loaded("belt-drive").document.data | {"effects": ["wedge", "centrifugal"]}
     full_W = solve_scene(scene_of(**{name: one for name, one in tree.items() if name != "load"})).quantities
     power_W = next(one.value[0] for one in full_W if one.name == "full_power_W")
-    open_, settled = (
-        solve_scene(scene_of(**tree | {"load": {"power": f"{share * power_W:.6g} W"}}))
-        for share in (0.9999, 0.6)
-    )
+    open_, settled = (solve_scene(scene_of(**tree | {"load": {"power": f"{share * power_W:.6g} W"}}))
+                      for share in (0.9999, 0.6))  # fmt: skip
     assert "the power takes 2 to 3 belts" in open_.undecided
     assert not settled.undecided
 
@@ -109,10 +107,8 @@ def test_every_measure_of_slip_and_the_tension_at_rest_keep_the_bound_of_a_list(
     planned, whole = (solve_scene(scene_of(**tree | {"effects": one})) for one in (named, "all"))
     bound = planned.plan.error_bound
     for measure in ("utilisation", "log", "mu_required", "as_printed", "as_plotted"):
-        found, wanted = (
-            np.array([one[measure] for one in solution.to_dict()["slip"].values()])
-            for solution in (planned, whole)
-        )
+        found, wanted = (np.array([one[measure] for one in solution.to_dict()["slip"].values()])
+                         for solution in (planned, whole))  # fmt: skip
         assert (np.abs(found - wanted) <= bound * wanted + 1e-12).all(), measure
     for tension in ("tension_N", "effective_tension_N"):
         for span, wanted_N in whole.to_dict()[tension].items():
@@ -121,22 +117,16 @@ def test_every_measure_of_slip_and_the_tension_at_rest_keep_the_bound_of_a_list(
     assert planned.to_dict()["loads"] == whole.to_dict()["loads"]
 
 
-@pytest.mark.parametrize(
-    "case",
-    [
-        ("3920 N", 0.34, 1.0, "1.3 kg*m^2", "4"),
-        pytest.param(("1930 N", 0.35, 1.2, "8 kg*m^2", "5"), marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize("case",
+                         [("3920 N", 0.34, 1.0, "1.3 kg*m^2", "4"),
+                          pytest.param(("1930 N", 0.35, 1.2, "8 kg*m^2", "5"), marks=pytest.mark.slow)])  # fmt: skip
 def test_a_slip_of_a_millisecond_between_the_steps_of_a_grid_is_not_missed(loaded, scene_of, case):
     preload, mu, load_factor, inertia, roller = case
     tree = loaded("press-start-up").document.data | {"friction": {"mu": mu}, "accuracy": 0.05}
     tree["press"] = tree["press"] | {"preload": preload, "closure": "equal", "load_factor": load_factor}
     tree["rollers"] = tree["rollers"] | {"3": tree["rollers"]["3"] | {"inertia": inertia}}
     tree["start_up"] = {"law": "constant", "simulate": "0.1 s", "points": 23, "loads": "constant"}
-    planned, whole = (
-        solve_scene(scene_of(**tree | {"effects": effects})).answer.start_up.summary()
-        for effects in ("auto", "all")
-    )
+    planned, whole = (solve_scene(scene_of(**tree | {"effects": effects})).answer.start_up.summary()
+                      for effects in ("auto", "all"))  # fmt: skip
     assert whole["slipping_s"][roller] < 2e-3
     assert planned["first_slip_s"].keys() == whole["first_slip_s"].keys()

@@ -52,11 +52,8 @@ def test_a_grid_in_one_call_is_the_scenes_one_by_one(hoist_of):
     axes = (parse_axis(scene, "wheel.radius=20mm,60mm"), parse_axis(scene, "wheel.wrap=90deg:900deg:4"))
     swept = sweep_scene(scene, axes)
     assert swept.shape == (2, 4)
-    alone = [
-        solve_scene(hoist_of(effects="all", wheel={"radius": f"{radius} mm", "wrap": f"{wrap} deg"}))
-        for radius in (20, 60)
-        for wrap in (90, 360, 630, 900)
-    ]
+    alone = [solve_scene(hoist_of(effects="all", wheel={"radius": f"{radius} mm", "wrap": f"{wrap} deg"}))
+             for radius in (20, 60) for wrap in (90, 360, 630, 900)]  # fmt: skip
     wanted = [solution.quantities[0].value[0] for solution in alone]
     assert swept.columns["lift_force_N"].tolist() == pytest.approx(wanted, rel=1e-12)
 
@@ -108,11 +105,8 @@ def test_a_key_is_swept_once(hoist_of):
 def test_progress_counts_all_points(hoist_of):
     scene = hoist_of()
     seen = []
-    sweep_scene(
-        scene,
-        (parse_axis(scene, "wheel.wrap=90deg:900deg:70000"),),
-        progress=lambda done, total, what: seen.append((done, total)),
-    )
+    sweep_scene(scene, (parse_axis(scene, "wheel.wrap=90deg:900deg:70000"),),
+                progress=lambda done, total, what: seen.append((done, total)))  # fmt: skip
     assert seen == [(50_000, 70_000), (70_000, 70_000)]
 
 

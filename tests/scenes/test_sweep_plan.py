@@ -87,13 +87,11 @@ def test_a_blade_is_a_string_where_its_tension_makes_it_one(loaded, scene_of):
 def check_random_hoists(hoist_of, count, seed):
     """Boxes of two numbers, each from a scene of its own, with every optional part and near their limits."""
     rng = np.random.default_rng(seed)
-    laws = {
-        "wrap-power": {"a": (0.0, 0.4), "b": (-0.9, -0.05), "c": (0.02, 0.2)},
-        "wrap-exponential": {"a": (0.0, 0.4), "b": (-1.0, -0.02), "c": (0.02, 0.2)},
-        "size-exponential": {"mu_inf": (0.1, 0.4), "a": (-0.4, -0.05), "b": (-1.0, 0.0)},
-        "constant-offset": {"a": (0.05, 0.4), "b": (0.0, 0.2)},
-        "howell": {"a": (0.1, 0.5), "b": (0.7, 0.99)},
-    }
+    laws = {"wrap-power": {"a": (0.0, 0.4), "b": (-0.9, -0.05), "c": (0.02, 0.2)},
+            "wrap-exponential": {"a": (0.0, 0.4), "b": (-1.0, -0.02), "c": (0.02, 0.2)},
+            "size-exponential": {"mu_inf": (0.1, 0.4), "a": (-0.4, -0.05), "b": (-1.0, 0.0)},
+            "constant-offset": {"a": (0.05, 0.4), "b": (0.0, 0.2)},
+            "howell": {"a": (0.1, 0.5), "b": (0.7, 0.99)}}  # fmt: skip
     from ropefric.friction.laws import ALL_LAWS
 
     spared = 0
@@ -104,23 +102,19 @@ def check_random_hoists(hoist_of, count, seed):
         parameters = {key: float(rng.uniform(*bound)) for key, bound in zip(names, bounds, strict=True)}
         tension, wrap = 10.0 ** rng.uniform(0.7, 2.7), rng.uniform(30.0, 1200.0)
         speed, stiff = rng.uniform(0.0, 12.0), 10.0 ** rng.uniform(-7.0, -2.5)
-        axes = {
-            "load.end_tension": f"{tension:g}N:{tension * rng.uniform(1.05, 20):g}N:60:log",
-            "wheel.wrap": f"{wrap:g}deg:{wrap * rng.uniform(1.01, 3.0):g}deg:50",
-            "wheel.radius": f"15mm:{rng.uniform(16, 300):g}mm:50",
-            "wheel.speed": f"0.1m/s:{0.2 + speed:g}m/s:50",
-            "rope.bending_stiffness": f"{stiff:g}N*m^2:{stiff * rng.uniform(1.1, 100):g}N*m^2:50:log",
-        }
+        axes = {"load.end_tension": f"{tension:g}N:{tension * rng.uniform(1.05, 20):g}N:60:log",
+                "wheel.wrap": f"{wrap:g}deg:{wrap * rng.uniform(1.01, 3.0):g}deg:50",
+                "wheel.radius": f"15mm:{rng.uniform(16, 300):g}mm:50",
+                "wheel.speed": f"0.1m/s:{0.2 + speed:g}m/s:50",
+                "rope.bending_stiffness": f"{stiff:g}N*m^2:{stiff * rng.uniform(1.1, 100):g}N*m^2:50:log"}  # fmt: skip
         chosen = rng.choice(list(axes), 2, replace=False)
-        planned = compared(
-            hoist_of,
-            *(f"{key}={axes[key]}" for key in chosen),
-            accuracy=float(rng.choice([0.001, 0.01, 0.02, 0.1])),
-            friction={"law": name, "parameters": parameters},
-            wheel={"wrap": f"{wrap:g} deg", "speed": f"{speed:g} m/s"},
-            rope=STIFF | {"bending_stiffness": f"{stiff:g} N*m^2"},
-            load={"end_tension": f"{tension:g} N", "payload": f"{tension * rng.uniform(0.05, 1.0):g} kg"},
-        )
+        planned = compared(hoist_of, *(f"{key}={axes[key]}" for key in chosen),
+                           accuracy=float(rng.choice([0.001, 0.01, 0.02, 0.1])),
+                           friction={"law": name, "parameters": parameters},
+                           wheel={"wrap": f"{wrap:g} deg", "speed": f"{speed:g} m/s"},
+                           rope=STIFF | {"bending_stiffness": f"{stiff:g} N*m^2"},
+                           load={"end_tension": f"{tension:g} N",
+                                 "payload": f"{tension * rng.uniform(0.05, 1.0):g} kg"})  # fmt: skip
         spared += bool(planned.left_out)
     return spared
 
@@ -148,17 +142,11 @@ def test_hundreds_of_random_sweeps_keep_the_promise(hoist_of):
     "others", [(), ("centrifugal",), ("wrap-dependence", "size", "end-tension", "rope-weight")]
 )
 def test_the_bound_of_a_stiffness_holds_case_by_case(hoist_of, others):
-    problem = replace(
-        hoist_of(rope=STIFF).problem,
-        wrap_angle_rad=np.linspace(0.3, 25.0, 500),
-        bending_stiffness_N_m2=np.geomspace(1e-7, 3e-3, 500),
-        speed_m_s=6.0,
-    )
+    problem = replace(hoist_of(rope=STIFF).problem, wrap_angle_rad=np.linspace(0.3, 25.0, 500),
+                      bending_stiffness_N_m2=np.geomspace(1e-7, 3e-3, 500), speed_m_s=6.0)  # fmt: skip
     assert SYSTEM.effects["bending-stiffness"].bound is stiffness_bound
-    with_it, without = (
-        solve_lift(Model(problem=problem, effects=frozenset(others) | own))
-        for own in ({"bending-stiffness"}, frozenset())
-    )
+    with_it, without = (solve_lift(Model(problem=problem, effects=frozenset(others) | own))
+                        for own in ({"bending-stiffness"}, frozenset()))  # fmt: skip
     bound = stiffness_bound(problem, without)
     assert (stiffness_bound(problem) <= bound).all()
     worth = np.abs(with_it.logs - without.logs).max(axis=0)
@@ -228,10 +216,8 @@ def test_a_sweep_in_python_writes_its_table_too(hoist_of, tmp_path):
 def test_memory_does_not_grow_with_the_grid(hoist_of, tmp_path):
     def peak(count):
         scene = hoist_of(friction={"mu": 0.2})
-        axes = (
-            parse_axis(scene, f"wheel.wrap=90deg:900deg:{count}"),
-            parse_axis(scene, "wheel.radius=1cm:9cm:50"),
-        )
+        axes = (parse_axis(scene, f"wheel.wrap=90deg:900deg:{count}"),
+                parse_axis(scene, "wheel.radius=1cm:9cm:50"))  # fmt: skip
         tracemalloc.start()
         with sweep_table(axes, Folder(tmp_path), "sweep.csv") as table:
             sweep_scene(scene, axes, write=table.add, keep=1000)
@@ -250,21 +236,16 @@ def test_without_pyarrow_parquet_says_what_to_install(hoist_of, tmp_path, monkey
     monkeypatch.setattr(plain_text, "import_module", missing)
     scene = hoist_of()
     axes = (parse_axis(scene, "wheel.wrap=1turn,2turn"),)
-    with (
-        pytest.raises(InputError, match=r"ropefric\[parquet\]"),
-        sweep_table(axes, Folder(tmp_path), "s.parquet"),
-    ):
+    with (pytest.raises(InputError, match=r"ropefric\[parquet\]"),
+          sweep_table(axes, Folder(tmp_path), "s.parquet")):  # fmt: skip
         pass
 
 
 def test_a_list_of_effects_says_how_far_it_is_from_everything(hoist_of, loaded):
     axes = ("wheel.wrap=90deg:1440deg:20", "load.end_tension=20N:500N:15")
-    listed, whole = (
-        sweep_scene(scene, tuple(parse_axis(scene, text) for text in axes))
-        for scene in (
-            hoist_of(effects=effects, rope=STIFF) for effects in (["wrap-dependence", "size"], "all")
-        )
-    )
+    listed, whole = (sweep_scene(scene, tuple(parse_axis(scene, text) for text in axes))
+                     for scene in (hoist_of(effects=effects, rope=STIFF)
+                                   for effects in (["wrap-dependence", "size"], "all")))  # fmt: skip
     off = max(np.abs(values / whole.columns[name] - 1.0).max() for name, values in listed.columns.items())
     assert off <= listed.error_bound < (1.0 + 1e-9) * off + 1e-9, "what is quick is solved to know it"
     assert listed.left_out["centrifugal"] == 300

@@ -95,18 +95,13 @@ def test_a_bare_coefficient_extrapolates_nothing(loaded):
 
 def test_a_wheel_that_nothing_presses_on_has_no_grip_for_certain(scene_of):
     """A stiff blade faster than its string: what is used of a grip of nothing is infinite, whatever the friction."""
-    scene = scene_of(
-        system="bandsaw",
-        effects="all",
-        blade={
-            "free_span": "0.3 m", "width": "85 mm", "thickness": "0.9 mm", "density": "7800 kg/m^3",
-            "youngs_modulus": "206 GPa", "shear_modulus": "79.4 GPa",
-        },
-        wheel={"radius": "0.35 m", "speed": "128 rad/s"},
-        tension={"preload": "1000 N"},
-        drive={"tension_difference": "100 N"},
-        friction={"fit": "../../fits/prth-coupled.json"},
-    )  # fmt: skip
+    scene = scene_of(system="bandsaw", effects="all",
+                     blade={"free_span": "0.3 m", "width": "85 mm", "thickness": "0.9 mm",
+                            "density": "7800 kg/m^3", "youngs_modulus": "206 GPa",
+                            "shear_modulus": "79.4 GPa"},
+                     wheel={"radius": "0.35 m", "speed": "128 rad/s"}, tension={"preload": "1000 N"},
+                     drive={"tension_difference": "100 N"},
+                     friction={"fit": "../../fits/prth-coupled.json"})  # fmt: skip
     solution = solve_scene(scene)
     use = next(one for one in solution.quantities if one.name == "wheel.utilisation")
     assert np.isinf(use.value[0])

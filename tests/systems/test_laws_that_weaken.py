@@ -12,10 +12,8 @@ USUAL = {"A": 5.0, "mu": 0.6, "mu_inf": 0.8, "d": 0.4, "a": 3.0, "b": 3.0}
 
 def parameters(law, rng):
     """Parameters anywhere within the bounds, most of them as they are usual, some at an end."""
-    ends = [
-        (max(one.lower, -USUAL.get(one.name, 9.0)), min(one.upper, USUAL.get(one.name, 9.0)))
-        for one in law.parameters
-    ]
+    ends = [(max(one.lower, -USUAL.get(one.name, 9.0)), min(one.upper, USUAL.get(one.name, 9.0)))
+            for one in law.parameters]  # fmt: skip
     theta = np.array([rng.uniform(low, high) for low, high in ends])
     return np.where(rng.random(theta.size) < 0.1, [end[rng.integers(2)] for end in ends], theta)
 
@@ -27,12 +25,9 @@ def test_a_law_that_weakens_keeps_to_what_that_means():
         checked = 0
         for _ in range(60):
             theta = parameters(law, rng)
-            own = {
-                "wheel_radius_m": 10.0 ** rng.uniform(-2.0, 0.0),
-                "rope_radius_m": 10.0 ** rng.uniform(-3.5, -2.0),
-                "wrap_angle_rad": rng.uniform(0.1, 30.0),
-                "end_tension_N": 10.0 ** rng.uniform(0.0, 4.0),
-            }
+            own = {"wheel_radius_m": 10.0 ** rng.uniform(-2.0, 0.0),
+                   "rope_radius_m": 10.0 ** rng.uniform(-3.5, -2.0),
+                   "wrap_angle_rad": rng.uniform(0.1, 30.0), "end_tension_N": 10.0 ** rng.uniform(0.0, 4.0)}  # fmt: skip
 
             def rise(**other):
                 at = {key: np.broadcast_to(value, n) for key, value in {**own, **other}.items()}  # noqa: B023

@@ -28,14 +28,10 @@ def saw(machine):
     omega = machine["wheel_speed"] * math.pi / 30.0
     radius = 0.5 * machine["wheel_diameter"]
     torque = torque_N_m(1e3 * machine["power"], omega, printed=True)
-    return Saw(
-        free_span_m=machine["free_span"],
-        linear_density_kg_m=machine["density"] * machine["cross_section"],
-        preload_N=machine["preload"],
-        wheel_radius_m=radius,
-        wheel_speed_rad_s=omega,
-        tension_difference_N=float(tension_difference_N(torque, radius)),
-    )
+    return Saw(free_span_m=machine["free_span"],
+               linear_density_kg_m=machine["density"] * machine["cross_section"],
+               preload_N=machine["preload"], wheel_radius_m=radius, wheel_speed_rad_s=omega,
+               tension_difference_N=float(tension_difference_N(torque, radius)))  # fmt: skip
 
 
 @pytest.fixture(scope="session")

@@ -24,12 +24,10 @@ from ropefric.systems.bandsaw.saw import Side, frequencies_Hz, span_of
 from ropefric.systems.bandsaw.span import CLAMPED, ENDS, PINNED, Span, string_frequencies_Hz
 
 # Scaled reference values: ends, V -> first two frequencies at eps² = 1e-2.
-REFERENCE = {
-    (PINNED, 0.0): (3.29297666427, 7.420503498402),
-    (PINNED, 0.5): (2.647332317678, 6.567103155113),
-    (CLAMPED, 0.0): (4.099316099897, 9.126431110071),
-    (CLAMPED, 0.5): (3.445561083223, 8.337819919385),
-}
+REFERENCE = {(PINNED, 0.0): (3.29297666427, 7.420503498402),
+             (PINNED, 0.5): (2.647332317678, 6.567103155113),
+             (CLAMPED, 0.0): (4.099316099897, 9.126431110071),
+             (CLAMPED, 0.5): (3.445561083223, 8.337819919385)}  # fmt: skip
 BOTH = pytest.mark.parametrize("ends", ENDS.values(), ids=list(ENDS))
 
 
@@ -70,10 +68,8 @@ def test_error_halves_with_the_expected_power(ends):
     beam = ScaledBeam.at_speed(1e-2, 0.5, ends)
     exact_ = solve_beam(beam, 3, accuracy=1e-13).frequencies
     for order, power in ((3, 4), (4, 6)):  # polynomials of degree p, a fourth-order operator: h^2(p-1)
-        errors = [
-            np.abs(galerkin_modes(beam, (1.0 / n,) * n, order, 3).frequencies / exact_ - 1.0)
-            for n in (16, 32)
-        ]
+        errors = [np.abs(galerkin_modes(beam, (1.0 / n,) * n, order, 3).frequencies / exact_ - 1.0)
+                  for n in (16, 32)]  # fmt: skip
         np.testing.assert_allclose(np.log2(errors[0] / errors[1]), power, atol=0.12)
     errors = [
         np.abs(galerkin_modes(beam, (1.0,), p, 3).frequencies / exact_ - 1.0).max() for p in (8, 12, 16)
@@ -224,10 +220,8 @@ def drawn_beams(count, seed):
     """Beams from strings with thin layers to stiff ones, half of them near the critical speed, with what is asked."""
     rng = np.random.default_rng(seed)
     for one in range(count):
-        ends, shortfall = (
-            (PINNED, CLAMPED)[one % 2],
-            10.0 ** rng.uniform(-7, 0) if one % 4 < 2 else rng.random(),
-        )
+        ends, shortfall = ((PINNED, CLAMPED)[one % 2],
+                           10.0 ** rng.uniform(-7, 0) if one % 4 < 2 else rng.random())  # fmt: skip
         asked = int(rng.choice([1, 2, 3, 6, 12])), float(rng.choice([2.5e-4, 1e-6, 1e-10]))
         yield at_shortfall(10.0 ** rng.uniform(-9, 0), shortfall, ends), *asked
 

@@ -35,18 +35,9 @@ SPEED = OMEGA * RADIUS
 @pytest.fixture(scope="module")
 def full_problem(stiffness):
     """The printed saw with data for every effect."""
-    return SawProblem(
-        free_span_m=LENGTH,
-        linear_density_kg_m=RHO,
-        preload_N=PRELOAD,
-        n_modes=4,
-        wheel_radius_m=RADIUS,
-        wheel_speed_rad_s=OMEGA,
-        tension_difference_N=PULL,
-        mounting_factor=0.4,
-        bending_stiffness_N_m2=stiffness,
-        section=STEEL_85_09,
-    )
+    return SawProblem(free_span_m=LENGTH, linear_density_kg_m=RHO, preload_N=PRELOAD, n_modes=4,
+                      wheel_radius_m=RADIUS, wheel_speed_rad_s=OMEGA, tension_difference_N=PULL,
+                      mounting_factor=0.4, bending_stiffness_N_m2=stiffness, section=STEEL_85_09)  # fmt: skip
 
 
 def solved(problem, effects, *, accuracy=1e-10):
@@ -86,27 +77,18 @@ def test_the_wheels_press_with_the_printed_754_newtons(full_problem):
 
 
 # Scaled frequencies w l/c of the page for eps² = EI/(F l²) = 0.01.
-REFERENCE = {
-    ("pinned", 0.0): (3.29297666427, 7.420503498402),
-    ("pinned", 0.5): (2.647332317678, 6.567103155113),
-    ("clamped", 0.0): (4.099316099897, 9.126431110071),
-    ("clamped", 0.5): (3.445561083223, 8.337819919385),
-}
+REFERENCE = {("pinned", 0.0): (3.29297666427, 7.420503498402),
+             ("pinned", 0.5): (2.647332317678, 6.567103155113),
+             ("clamped", 0.0): (4.099316099897, 9.126431110071),
+             ("clamped", 0.5): (3.445561083223, 8.337819919385)}  # fmt: skip
 
 
 def test_bending_gives_the_reference_values_of_the_moving_beam():
     for ends in [PINNED, CLAMPED]:
         for travels in [False, True]:
-            problem = SawProblem(
-                free_span_m=2.0,
-                linear_density_kg_m=0.5,
-                preload_N=800.0,
-                n_modes=2,
-                wheel_radius_m=0.4,
-                wheel_speed_rad_s=50.0,
-                bending_stiffness_N_m2=0.01 * 800.0 * 4.0,
-                ends=ends,
-            )
+            problem = SawProblem(free_span_m=2.0, linear_density_kg_m=0.5, preload_N=800.0, n_modes=2,
+                                 wheel_radius_m=0.4, wheel_speed_rad_s=50.0,
+                                 bending_stiffness_N_m2=0.01 * 800.0 * 4.0, ends=ends)  # fmt: skip
             c = 40.0
             found = solved(problem, ["bending", *["travel"] * travels])
             for side, V in ((T, 0.5 * travels), (R, 0.0)):
@@ -143,11 +125,8 @@ def test_all_effects_are_the_moving_beam_under_the_sum_of_the_tensions(full_prob
 def test_the_wheels_grip_is_counted_from_what_the_slack_side_presses(full_problem):
     """U = ΔF/((F_slack − ρAv²)(e^M − 1)), M of a power law by its integral from the slack side's angle."""
     a, b, c = 0.15, -0.4, 0.05
-    friction = WrapFriction(
-        law=ALL_LAWS["wrap-power"],
-        theta=np.array([a, b, c]),
-        reference=one_condition(0.35, 4.5e-4, 3.0, 100.0),
-    )
+    friction = WrapFriction(law=ALL_LAWS["wrap-power"], theta=np.array([a, b, c]),
+                            reference=one_condition(0.35, 4.5e-4, 3.0, 100.0))  # fmt: skip
     answer = solved(replace(full_problem, friction=friction), ["tension-difference", "travel"])
     slack_N = PRELOAD - 0.5 * PULL - RHO * SPEED**2
 
@@ -205,16 +184,8 @@ def shifts(ends, e, V, n_modes):
 
 
 def bending_bound(ends, e, V, n_modes):
-    scaled = SawProblem(
-        free_span_m=1.0,
-        linear_density_kg_m=1.0,
-        preload_N=1.0,
-        n_modes=n_modes,
-        wheel_radius_m=1.0,
-        wheel_speed_rad_s=V,
-        bending_stiffness_N_m2=e**2,
-        ends=ends,
-    )
+    scaled = SawProblem(free_span_m=1.0, linear_density_kg_m=1.0, preload_N=1.0, n_modes=n_modes,
+                        wheel_radius_m=1.0, wheel_speed_rad_s=V, bending_stiffness_N_m2=e**2, ends=ends)  # fmt: skip
     return float(bound_of(scaled).max())
 
 
@@ -259,15 +230,9 @@ def test_bending_whose_layers_fill_the_span_has_no_bound():
 # --- random saws ---
 
 
-GRIPS = (
-    None,
-    WrapFriction.constant(0.2),
-    WrapFriction(
-        law=ALL_LAWS["wrap-power"],
-        theta=np.array([0.15, -0.4, 0.05]),
-        reference=one_condition(0.35, 4.5e-4, 3.0, 100.0),
-    ),
-)
+GRIPS = (None, WrapFriction.constant(0.2),
+         WrapFriction(law=ALL_LAWS["wrap-power"], theta=np.array([0.15, -0.4, 0.05]),
+                      reference=one_condition(0.35, 4.5e-4, 3.0, 100.0)))  # fmt: skip
 
 
 @st.composite
@@ -282,20 +247,13 @@ def saws(draw):
     speed = (1.0 - gap) * math.sqrt(slack / rho)
     if draw(st.booleans()):
         speed *= 0.1
-    problem = SawProblem(
-        free_span_m=length,
-        linear_density_kg_m=rho,
-        preload_N=preload,
-        n_modes=draw(st.integers(1, 8)),
-        wheel_radius_m=0.35,
-        wheel_speed_rad_s=speed / 0.35,
-        tension_difference_N=pull,
-        mounting_factor=draw(st.floats(0.0, 1.0)),
-        bending_stiffness_N_m2=10.0 ** draw(st.floats(-7.0, -0.5)) * preload * length**2,
-        ends=draw(st.sampled_from([PINNED, CLAMPED])),
-        section=STEEL_85_09,
-        friction=draw(st.sampled_from(GRIPS)),
-    )
+    problem = SawProblem(free_span_m=length, linear_density_kg_m=rho, preload_N=preload,
+                         n_modes=draw(st.integers(1, 8)), wheel_radius_m=0.35,
+                         wheel_speed_rad_s=speed / 0.35, tension_difference_N=pull,
+                         mounting_factor=draw(st.floats(0.0, 1.0)),
+                         bending_stiffness_N_m2=10.0 ** draw(st.floats(-7.0, -0.5)) * preload * length**2,
+                         ends=draw(st.sampled_from([PINNED, CLAMPED])), section=STEEL_85_09,
+                         friction=draw(st.sampled_from(GRIPS)))  # fmt: skip
     optional = ("tension_difference_N", "mounting_factor", "bending_stiffness_N_m2", "section")
     left_away = draw(st.sampled_from([None, None, None, *optional]))
     return problem if left_away is None else replace(problem, **{left_away: None})

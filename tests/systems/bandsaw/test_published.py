@@ -25,17 +25,9 @@ def frequency_Hz(mode, free_span_m, wave_speed_m_s, speed_m_s=0.0):
 
 T, S, R = Side.TIGHT, Side.SLACK, Side.REST
 # f_1 unrounded; the tables' inertia tension acts whether or not the column regards the speed.
-EXACT_HZ = {
-    (1, R, False): 23.6307,
-    (2, T, False): 23.9932,
-    (2, S, False): 23.2626,
-    (2, T, True): 18.8486,
-    (2, S, True): 17.9564,
-    (3, T, False): 26.4406,
-    (3, S, False): 25.7795,
-    (3, T, True): 21.7723,
-    (3, S, True): 20.9914,
-}
+EXACT_HZ = {(1, R, False): 23.6307, (2, T, False): 23.9932, (2, S, False): 23.2626, (2, T, True): 18.8486,
+            (2, S, True): 17.9564, (3, T, False): 26.4406, (3, S, False): 25.7795, (3, T, True): 21.7723,
+            (3, S, True): 20.9914}  # fmt: skip
 
 
 # Cells of the print that its own way of reckoning does not give: (table, side, runs, mode) -> what it gives.

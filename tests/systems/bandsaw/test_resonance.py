@@ -46,14 +46,10 @@ def test_at_a_crossing_mode_and_excitation_agree(saw, stiffness, bends, kappa):
     pairs = {(crossing.mode, crossing.excitation, crossing.harmonic) for crossing in found}
     assert len(pairs) == len(found)
     ends = frequencies_Hz(stiff, S, 2, speed_m_s=[0.0, 70.0])
-    turned = {
-        (mode + 1, excitation.name, harmonic)
-        for excitation in excitations
-        for h, harmonic in enumerate(excitation.harmonics)
-        for mode in range(2)
-        if ends[0, mode] > excitation.frequencies_Hz(0.0)[h]
-        and ends[1, mode] <= excitation.frequencies_Hz(70.0)[h]
-    }
+    turned = {(mode + 1, excitation.name, harmonic) for excitation in excitations
+              for h, harmonic in enumerate(excitation.harmonics) for mode in range(2)
+              if ends[0, mode] > excitation.frequencies_Hz(0.0)[h]
+              and ends[1, mode] <= excitation.frequencies_Hz(70.0)[h]}  # fmt: skip
     assert pairs == turned
     assert found
 
@@ -96,10 +92,8 @@ def test_the_recommended_preload_is_the_nearest_that_keeps_the_margin(saw, stiff
     for preload in np.linspace(2510.0, 6990.0, 20):
         inside = any(start < preload < stop for start, stop in found.forbidden_N)
         assert inside == (nearest(stiff, excitations, float(preload), n_modes) < 0.15)
-    kept = recommend_preload(
-        replace(stiff, preload_N=found.preload_N * 1.001), excitations, margin=0.15,
-        range_N=(2500.0, 7000.0), n_modes=n_modes,
-    )  # fmt: skip
+    kept = recommend_preload(replace(stiff, preload_N=found.preload_N * 1.001), excitations, margin=0.15,
+                             range_N=(2500.0, 7000.0), n_modes=n_modes)  # fmt: skip
     assert kept.status is StrainStatus.KEEP
     assert kept.preload_N == found.preload_N * 1.001
 
@@ -126,17 +120,11 @@ def test_what_cannot_be_had_is_refused_with_the_best_there_is(saw):
 def test_a_rough_answer_is_that_of_a_dense_search_of_the_stiff_blade(saw, stiffness, seed):
     """Margins, crossings near the speed at work and the preload, against frequencies at twelve digits on grids."""
     rng = np.random.default_rng([7, seed])
-    stiff = replace(
-        saw,
-        bending_stiffness_N_m2=stiffness * 10.0 ** rng.uniform(-1.0, 1.0),
-        mounting_factor=float(rng.uniform()),
-        preload_N=float(rng.uniform(2600.0, 5000.0)),
-    )
+    stiff = replace(saw, bending_stiffness_N_m2=stiffness * 10.0 ** rng.uniform(-1.0, 1.0),
+                    mounting_factor=float(rng.uniform()), preload_N=float(rng.uniform(2600.0, 5000.0)))  # fmt: skip
     own_Hz = float(frequencies_Hz(stiff, S, 2, accuracy=1e-12)[0, 1])
-    shakes = (
-        fixed_frequency("near", own_Hz * (1.0 + 10.0 ** rng.uniform(-5.0, -2.0))),
-        wheel_rotation(0.35, (1,)),
-    )
+    shakes = (fixed_frequency("near", own_Hz * (1.0 + 10.0 ** rng.uniform(-5.0, -2.0))),
+              wheel_rotation(0.35, (1,)))  # fmt: skip
     rough = margins(stiff, (S,), shakes, 2)[0]
     assert rough.margin == pytest.approx(own_Hz / rough.excitation_Hz - 1.0, rel=1e-3)
     speeds = np.linspace(0.0, 1.2 * stiff.speed_m_s, 3)

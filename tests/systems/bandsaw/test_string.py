@@ -34,14 +34,8 @@ def exact_hz(span, case=0):
 
 
 @settings(max_examples=40, deadline=None)
-@given(
-    preload=st.floats(100, 1e5),
-    pull=st.floats(-0.4, 0.4),
-    kappa=st.floats(0, 1),
-    share=st.floats(0, 0.999),
-    density=st.floats(0.05, 5),
-    more=st.floats(1.001, 4),
-)
+@given(preload=st.floats(100, 1e5), pull=st.floats(-0.4, 0.4), kappa=st.floats(0, 1),
+       share=st.floats(0, 0.999), density=st.floats(0.05, 5), more=st.floats(1.001, 4))  # fmt: skip
 def test_scaling_and_tendencies(*, preload, pull, kappa, share, density, more):
     parts = {"free_span_m": 1.3, "linear_density_kg_m": density, "preload_N": preload,
              "pull_N": pull * preload, "mounting_factor": kappa}  # fmt: skip

@@ -97,13 +97,8 @@ def test_creep_against_the_belt_followed_round_the_driving_pulley():
     belt = {**CLOSED, "driven_radius_m": 0.3, "driven_wrap_rad": 3.2, "axial_stiffness_N": stiff_N}
     found = solved(problem_of(0.3, **belt, power_W=4000.0))
     slip, circling_N = found.slip_arc_rad[0, 0], found.circling_N[0]
-    leaves = solve_ivp(
-        lambda _, tension_N: -0.3 * (tension_N - circling_N),
-        (0.0, slip),
-        found.tight_N,
-        rtol=1e-11,
-        atol=1e-9,
-    ).y[0, -1]
+    leaves = solve_ivp(lambda _, tension_N: -0.3 * (tension_N - circling_N), (0.0, slip), found.tight_N,
+                       rtol=1e-11, atol=1e-9).y[0, -1]  # fmt: skip
     assert leaves == pytest.approx(found.slack_N[0], rel=1e-9)
     assert found.speed_ratio[0] == pytest.approx(
         (1.0 + leaves / stiff_N) / (1.0 + found.tight_N[0] / stiff_N), rel=1e-12
@@ -132,10 +127,8 @@ def test_a_law_that_feels_the_tension_is_told_what_presses_on_the_slack_side():
     friction = WrapFriction(
         law=law, theta=np.array([0.3, 0.9]), reference=one_condition(0.15, 0.005, 3.0, 500.0)
     )
-    problem = DriveProblem(
-        friction=friction, closure="limit", belt_count=1.0, rope_radius_m=0.005, wheel_radius_m=0.15,
-        wrap_angle_rad=3.0, tension_N=1000.0,
-    )  # fmt: skip
+    problem = DriveProblem(friction=friction, closure="limit", belt_count=1.0, rope_radius_m=0.005,
+                           wheel_radius_m=0.15, wrap_angle_rad=3.0, tension_N=1000.0)  # fmt: skip
     found = solved(problem)
     exponent = friction.exponent(
         wheel_radius_m=0.15, rope_radius_m=0.005, wrap_angle_rad=3.0, slack_tension_N=found.full_slack_N,

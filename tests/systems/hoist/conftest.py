@@ -22,17 +22,9 @@ def coupled():
 @pytest.fixture(scope="session")
 def full_problem(coupled):
     """A hoist that has data for every effect."""
-    return HoistProblem(
-        friction=coupled,
-        wheel_radius_m=0.04,
-        rope_radius_m=0.0049,
-        wrap_angle_rad=9.42,
-        end_tension_N=80.0,
-        speed_m_s=3.0,
-        linear_density_kg_m=0.062,
-        hanging_length_m=5.0,
-        bending_stiffness_N_m2=1e-3,
-    )
+    return HoistProblem(friction=coupled, wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=9.42,
+                        end_tension_N=80.0, speed_m_s=3.0, linear_density_kg_m=0.062, hanging_length_m=5.0,
+                        bending_stiffness_N_m2=1e-3)  # fmt: skip
 
 
 @pytest.fixture(scope="session")

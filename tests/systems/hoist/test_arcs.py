@@ -26,16 +26,10 @@ def test_a_constant_coefficient_gives_eulers_arc(solved):
     np.testing.assert_allclose(arcs.slip_rad + arcs.stick_rad, 9.42, rtol=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("name", "theta"),
-    [
-        ("wrap-power", (0.2, -0.5, 0.1)),
-        ("wrap-exponential", (0.15, -0.1, 0.1)),
-        ("coupled", (0.46, -0.22, -0.3, -0.48, 0.055)),
-        ("wrap-power-from-zero", (0.1, -0.3, 0.1)),
-        ("howell", (0.3, 0.9)),
-    ],
-)
+@pytest.mark.parametrize(("name", "theta"),
+                         [("wrap-power", (0.2, -0.5, 0.1)), ("wrap-exponential", (0.15, -0.1, 0.1)),
+                          ("coupled", (0.46, -0.22, -0.3, -0.48, 0.055)),
+                          ("wrap-power-from-zero", (0.1, -0.3, 0.1)), ("howell", (0.3, 0.9))])  # fmt: skip
 def test_the_arc_of_a_coefficient_that_changes_is_where_an_integration_reaches_the_payload(
     solved, name, theta
 ):
@@ -52,14 +46,8 @@ def test_the_arc_of_a_coefficient_that_changes_is_where_an_integration_reaches_t
         return y[0] - np.log(payload_N)
 
     reached.terminal = True
-    run = solve_ivp(
-        lambda angle, y: law.local_mu(theta, angle, at),
-        (start, 9.42),
-        [first],
-        events=reached,
-        rtol=1e-10,
-        atol=1e-12,
-    )
+    run = solve_ivp(lambda angle, y: law.local_mu(theta, angle, at), (start, 9.42), [first], events=reached,
+                    rtol=1e-10, atol=1e-12)  # fmt: skip
     arcs = solved(hoist(friction, payload_N)).arcs
     assert arcs.slip_rad[0] == pytest.approx(run.t_events[0][0], rel=1e-7)
 
@@ -84,13 +72,8 @@ def test_more_payload_slips_farther_and_more_end_tension_less(solved, coupled):
 def test_what_does_not_press_is_taken_off_both_sides(solved):
     """P = F − ρv² − EI/2R² counts, the arcs where a stiff rope stands off do not."""
     density, speed, stiffness = 0.062, 12.0, 1e-3
-    problem = hoist(
-        WrapFriction.constant(0.2),
-        200.0,
-        linear_density_kg_m=density,
-        speed_m_s=speed,
-        bending_stiffness_N_m2=stiffness,
-    )
+    problem = hoist(WrapFriction.constant(0.2), 200.0, linear_density_kg_m=density, speed_m_s=speed,
+                    bending_stiffness_N_m2=stiffness)  # fmt: skip
     lift = solved(problem, ["centrifugal", "bending-stiffness"])
     idle_N = density * speed**2 + stiffness / (2.0 * 0.0449**2)
     assert lift.arcs.slip_rad[0] == pytest.approx(np.log((200.0 - idle_N) / (80.0 - idle_N)) / 0.2, rel=1e-12)

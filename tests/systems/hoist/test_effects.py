@@ -22,12 +22,8 @@ from ropefric.systems.hoist.effects import SYSTEM, stiffness_bound
 
 
 def own(problem):
-    return one_condition(
-        problem.wheel_radius_m[0],
-        problem.rope_radius_m[0],
-        problem.wrap_angle_rad[0],
-        problem.end_tension_N[0],
-    )
+    return one_condition(problem.wheel_radius_m[0], problem.rope_radius_m[0], problem.wrap_angle_rad[0],
+                         problem.end_tension_N[0])  # fmt: skip
 
 
 def test_without_effects_it_is_the_capstan_with_the_coefficient_of_the_reference(full_problem, solved):
@@ -50,10 +46,8 @@ def test_each_effect_alone_tells_the_law_one_thing(full_problem, solved):
         ("end-tension", {"wheel_radius_m", "rope_radius_m", "wrap_angle_rad"}),
     ]:
         friction = full_problem.friction
-        seen = {
-            name: getattr(friction.reference if name in at_the_reference else full_problem, name)[0]
-            for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
-        }
+        seen = {name: getattr(friction.reference if name in at_the_reference else full_problem, name)[0]
+                for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")}  # fmt: skip
         mu = friction.law.average_mu(friction.theta, one_condition(**seen))[0]
         assert solved(full_problem, [effect]).log_lift[0] == pytest.approx(
             math.log(80.0) + mu * 9.42, rel=1e-14
@@ -75,14 +69,9 @@ def test_rope_weight_is_an_end_tension(full_problem, solved):
 def test_bending_agrees_with_the_bending_law(solved):
     for mu in [0.05, 0.2, 0.8]:
         for rigidity in [1e-6, 1e-3, 0.05]:
-            rope = HoistProblem(
-                friction=WrapFriction.constant(mu),
-                wheel_radius_m=0.04,
-                rope_radius_m=0.005,
-                wrap_angle_rad=6.0,
-                end_tension_N=60.0,
-                bending_stiffness_N_m2=rigidity,
-            )
+            rope = HoistProblem(friction=WrapFriction.constant(mu), wheel_radius_m=0.04,
+                                rope_radius_m=0.005, wrap_angle_rad=6.0, end_tension_N=60.0,
+                                bending_stiffness_N_m2=rigidity)  # fmt: skip
             wanted = ALL_LAWS["bending"].log_lift([mu, rigidity], own(rope))[0]
             assert solved(rope, ["bending-stiffness"]).log_lift[0] == pytest.approx(wanted, rel=1e-12), (
                 mu,
@@ -101,23 +90,12 @@ def test_all_effects_together_are_what_the_rope_element_integrates_to(full_probl
     slack_N = 80.0 + 0.062 * GRAVITY_M_S2 * 5.0
     pressing = slack_N - circling - stiff
     exponent = c_power + 1.0
-    phi_0 = brentq(
-        lambda phi: mu_R * phi**exponent / exponent + d * phi - math.log(pressing),
-        1e-9,
-        1e3,
-        xtol=1e-14,
-        rtol=1e-15,
-    )
+    phi_0 = brentq(lambda phi: mu_R * phi**exponent / exponent + d * phi - math.log(pressing), 1e-9, 1e3,
+                   xtol=1e-14, rtol=1e-15)  # fmt: skip
 
     def tight_N(contact):
-        run = solve_ivp(
-            lambda phi, F: (mu_R * phi**c_power + d) * (F - circling - stiff),
-            (phi_0, phi_0 + contact),
-            [slack_N],
-            method="DOP853",
-            rtol=1e-13,
-            atol=1e-10,
-        )
+        run = solve_ivp(lambda phi, F: (mu_R * phi**c_power + d) * (F - circling - stiff),
+                        (phi_0, phi_0 + contact), [slack_N], method="DOP853", rtol=1e-13, atol=1e-10)  # fmt: skip
         return run.y[0, -1]
 
     def gap(contact):
@@ -163,23 +141,14 @@ def test_a_law_that_has_the_stiffness_in_it_does_not_get_it_twice():
     friction = WrapFriction(
         law=ALL_LAWS["bending"], theta=np.array([0.2, 1e-3]), reference=one_condition(0.04, 0.005, 3.0, 60.0)
     )
-    rope = HoistProblem(
-        friction=friction,
-        wheel_radius_m=0.04,
-        rope_radius_m=0.005,
-        wrap_angle_rad=6.0,
-        end_tension_N=60.0,
-        bending_stiffness_N_m2=1e-3,
-    )
+    rope = HoistProblem(friction=friction, wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=6.0,
+                        end_tension_N=60.0, bending_stiffness_N_m2=1e-3)  # fmt: skip
     assert SYSTEM.effects["bending-stiffness"].needs(rope)
 
 
 def test_a_law_that_helps_the_rope_to_slip_is_refused(solved):
-    friction = WrapFriction(
-        law=ALL_LAWS["constant-offset"],
-        theta=np.array([0.1, -0.3]),
-        reference=one_condition(0.04, 0.005, 6.0, 60.0),
-    )
+    friction = WrapFriction(law=ALL_LAWS["constant-offset"], theta=np.array([0.1, -0.3]),
+                            reference=one_condition(0.04, 0.005, 6.0, 60.0))  # fmt: skip
     rope = HoistProblem(
         friction=friction, wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=2.0, end_tension_N=60.0
     )
@@ -189,13 +158,8 @@ def test_a_law_that_helps_the_rope_to_slip_is_refused(solved):
 
 
 def laws():
-    coupled = st.tuples(
-        st.floats(0.1, 0.6),
-        st.floats(-0.5, -0.05),
-        st.floats(-1.0, 0.0),
-        st.floats(-0.9, -0.05),
-        st.floats(0.01, 0.2),
-    ).map(lambda theta: ("coupled", theta))
+    coupled = st.tuples(st.floats(0.1, 0.6), st.floats(-0.5, -0.05), st.floats(-1.0, 0.0),
+                        st.floats(-0.9, -0.05), st.floats(0.01, 0.2)).map(lambda theta: ("coupled", theta))  # fmt: skip
     wrap = st.tuples(st.floats(0.01, 0.5), st.floats(-0.9, -0.05), st.floats(0.01, 0.3)).map(
         lambda theta: ("wrap-power", theta)
     )
@@ -213,42 +177,26 @@ def laws():
 @st.composite
 def hoists(draw):
     name, theta = draw(laws())
-    friction = WrapFriction(
-        law=ALL_LAWS[name],
-        theta=np.array(theta),
-        reference=one_condition(
-            draw(st.floats(0.01, 0.2)),
-            draw(st.floats(0.002, 0.01)),
-            draw(st.floats(0.5, 20.0)),
-            draw(st.floats(2, 500)),
-        ),
-    )
-    optional = {
-        "speed_m_s": st.floats(0.0, 10.0),
-        "linear_density_kg_m": st.floats(0.01, 0.5),
-        "hanging_length_m": st.floats(0.1, 40.0),
-    }
+    friction = WrapFriction(law=ALL_LAWS[name], theta=np.array(theta),
+                            reference=one_condition(
+                                draw(st.floats(0.01, 0.2)), draw(st.floats(0.002, 0.01)),
+                                draw(st.floats(0.5, 20.0)), draw(st.floats(2, 500))
+                            ))  # fmt: skip
+    optional = {"speed_m_s": st.floats(0.0, 10.0), "linear_density_kg_m": st.floats(0.01, 0.5),
+                "hanging_length_m": st.floats(0.1, 40.0)}  # fmt: skip
     given_ones = {key: draw(values) for key, values in optional.items() if draw(st.booleans())}
-    return HoistProblem(
-        friction=friction,
-        wheel_radius_m=draw(st.floats(0.015, 0.2)),
-        rope_radius_m=draw(st.floats(0.002, 0.01)),
-        wrap_angle_rad=draw(st.floats(0.5, 25.0)),
-        end_tension_N=draw(st.floats(2.0, 500.0)),
-        bending_stiffness_N_m2=draw(st.floats(1e-7, 5e-3)),
-        **given_ones,
-    )
+    return HoistProblem(friction=friction, wheel_radius_m=draw(st.floats(0.015, 0.2)),
+                        rope_radius_m=draw(st.floats(0.002, 0.01)),
+                        wrap_angle_rad=draw(st.floats(0.5, 25.0)),
+                        end_tension_N=draw(st.floats(2.0, 500.0)),
+                        bending_stiffness_N_m2=draw(st.floats(1e-7, 5e-3)), **given_ones)  # fmt: skip
 
 
 def numbers(lift):
     """Every number of the answer, as logarithms taken here."""
     with np.errstate(divide="ignore"):
-        return np.array([
-            lift.log_lift[0],
-            np.log(lift.average_mu[0]),
-            np.log(lift.contact_rad[0]),
-            np.log(lift.end_tension_N[0]),
-        ])  # fmt: skip
+        return np.array([lift.log_lift[0], np.log(lift.average_mu[0]), np.log(lift.contact_rad[0]),
+                         np.log(lift.end_tension_N[0])])  # fmt: skip
 
 
 def worth(with_it, without):

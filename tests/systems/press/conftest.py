@@ -22,30 +22,19 @@ def rows(name):
 def paper_data():
     """The printed machine data in SI units, by name."""
     factor = {"mm": 1e-3, "N/mm": 1e3, "deg": math.pi / 180, "1/min": 2 * math.pi / 60}
-    return {
-        row["quantity"]: float(row["value"]) * factor.get(row["unit"], 1.0)
-        for row in rows("belt_press_machine.csv")
-    }
+    return {row["quantity"]: float(row["value"]) * factor.get(row["unit"], 1.0)
+            for row in rows("belt_press_machine.csv")}  # fmt: skip
 
 
 @pytest.fixture(scope="session")
 def paper_press(paper_data):
     """The printed machine at 50 rpm, without what the paper does not give."""
     data = paper_data
-    carriers = {
-        "3": Tensioner(
-            spring_N_m=data["tensioner_stiffness"],
-            travel_m=data["tensioner_travel_up"],
-            force_N=data["tensioner_force_up"],
-            downstream_angle_rad=data["beta"],
-        ),
-        "13": Tensioner(
-            spring_N_m=data["tensioner_stiffness"],
-            travel_m=data["tensioner_travel_down"],
-            force_N=data["tensioner_force_down"],
-            upstream_angle_rad=data["gamma"],
-        ),
-    }
+    carriers = {"3": Tensioner(spring_N_m=data["tensioner_stiffness"], travel_m=data["tensioner_travel_up"],
+                               force_N=data["tensioner_force_up"], downstream_angle_rad=data["beta"]),
+                "13": Tensioner(spring_N_m=data["tensioner_stiffness"],
+                                travel_m=data["tensioner_travel_down"],
+                                force_N=data["tensioner_force_down"], upstream_angle_rad=data["gamma"])}  # fmt: skip
     rollers = []
     for row in rows("belt_press_rollers.csv"):
         name = row["roller"]
@@ -61,14 +50,7 @@ def paper_press(paper_data):
             )
         )
     area_m2 = data["belt_width"] * data["belt_thickness"]
-    belts = tuple(
-        Belt(
-            name=name,
-            loop=loop,
-            linear_density_kg_m=data["belt_density"] * area_m2,
-            thickness_m=data["belt_thickness"],
-            width_m=data["belt_width"],
-        )
-        for name, loop in (("upper", UPPER), ("lower", LOWER))
-    )
+    belts = tuple(Belt(name=name, loop=loop, linear_density_kg_m=data["belt_density"] * area_m2,
+                       thickness_m=data["belt_thickness"], width_m=data["belt_width"])
+                  for name, loop in (("upper", UPPER), ("lower", LOWER)))  # fmt: skip
     return Press(rollers=tuple(rollers), belts=belts, speed_m_s=0.175 * data["driver_speed"])

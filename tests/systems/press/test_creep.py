@@ -22,12 +22,8 @@ SPEED = 3.0
 
 
 def problem_of(press, closure="share", **operation):
-    return PressProblem(
-        press=press,
-        closure=closure,
-        friction=CONSTANT,
-        **{"speed_m_s": SPEED, "load_factor": 1.0} | operation,
-    )
+    return PressProblem(press=press, closure=closure, friction=CONSTANT,
+                        **{"speed_m_s": SPEED, "load_factor": 1.0} | operation)  # fmt: skip
 
 
 def solved(problem, effects=BOTH):
@@ -42,22 +38,11 @@ def with_stiffness(press, *stiffness_N):
 
 def two_rollers(stiffness_N=4e5, *, pull_N=1000.0, radius_m=0.2):
     """A driver and a roller on a take-up of constant force that holds the tight side."""
-    load = Roller(
-        name="load",
-        radius_m=radius_m,
-        wrap_angle_rad=3.0,
-        role="tensioner",
-        gravity_torque_N_m=pull_N * radius_m,
-        tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=5000.0),
-    )
-    belt = Belt(
-        name="belt",
-        loop=("drive", "load"),
-        linear_density_kg_m=2.0,
-        thickness_m=0.005,
-        width_m=0.1,
-        axial_stiffness_N=stiffness_N,
-    )
+    load = Roller(name="load", radius_m=radius_m, wrap_angle_rad=3.0, role="tensioner",
+                  gravity_torque_N_m=pull_N * radius_m,
+                  tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=5000.0))  # fmt: skip
+    belt = Belt(name="belt", loop=("drive", "load"), linear_density_kg_m=2.0, thickness_m=0.005,
+                width_m=0.1, axial_stiffness_N=stiffness_N)  # fmt: skip
     drive = Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver")
     return Press(rollers=(drive, load), belts=(belt,), speed_m_s=SPEED)
 
@@ -82,26 +67,14 @@ def test_two_rollers_are_the_belt_drive():
     found = solved(problem_of(press))
     tight_N, slack_N = found.state.tension_N[0][[1, 0]]
     assert tight_N - slack_N == pytest.approx(1000.0, rel=1e-12)
-    drive = solve_drive(
-        DriveModel(
-            problem=DriveProblem(
-                friction=CONSTANT,
-                closure="limit",
-                wheel_radius_m=0.1,
-                wrap_angle_rad=3.0,
-                tension_N=tight_N,
-                rope_radius_m=0.0025,
-                belt_count=1.0,
-                speed_rad_s=SPEED / 0.1,
-                driven_radius_m=0.2,
-                driven_wrap_rad=3.0,
-                linear_density_kg_m=2.0,
-                axial_stiffness_N=4e5,
-                power_W=1000.0 * SPEED,
-            ),
-            effects=frozenset({"centrifugal", "creep"}),
-        )
-    )
+    drive = solve_drive(DriveModel(problem=DriveProblem(
+                                       friction=CONSTANT, closure="limit", wheel_radius_m=0.1,
+                                       wrap_angle_rad=3.0, tension_N=tight_N, rope_radius_m=0.0025,
+                                       belt_count=1.0, speed_rad_s=SPEED / 0.1, driven_radius_m=0.2,
+                                       driven_wrap_rad=3.0, linear_density_kg_m=2.0, axial_stiffness_N=4e5,
+                                       power_W=1000.0 * SPEED
+                                   ),
+                                   effects=frozenset({"centrifugal", "creep"})))  # fmt: skip
     assert drive.slack_N[0] == pytest.approx(slack_N, rel=1e-12)
     ratio = drive.speed_ratio[0]
     assert ratio == pytest.approx((1.0 + slack_N / 4e5) / (1.0 + tight_N / 4e5), rel=1e-15)
@@ -154,10 +127,8 @@ def test_what_the_drivers_supply_less_what_the_loads_take_is_lost_by_creep(paper
             answer = solved(problem_of(press, closure, load_factor=factor))
             rims = dict(zip((one.name for one in press.rollers), answer.rim_speed_m_s[0], strict=True))
             radius = {one.name: one.radius_m for one in press.rollers}
-            supplied_W = sum(
-                torque[0] * rims[name] / radius[name]
-                for name, torque in answer.state.driver_torque_N_m.items()
-            )
+            supplied_W = sum(torque[0] * rims[name] / radius[name]
+                             for name, torque in answer.state.driver_torque_N_m.items())  # fmt: skip
             taken_W = sum(factor * one.torque_N_m * rims[one.name] / one.radius_m for one in press.rollers)
             assert answer.creep_loss_W[0] == pytest.approx(supplied_W - taken_W, rel=1e-9), (closure, factor)
             # Round each loop it is v_b/(2 EA) Σ (T_i − T_i−1)², which cannot be negative.
@@ -204,21 +175,13 @@ def machine_of(**loops):
     """Belts by their loops of one-letter rollers: a and d drive, c and t tighten, b and e are loaded."""
     carrier = Tensioner(spring_N_m=1e4, travel_m=0.01, force_N=900.0)
     roles = {"a": "driver", "d": "driver", "c": "tensioner", "t": "tensioner"}
-    rollers = [
-        Roller(
-            name=name, radius_m=0.1, wrap_angle_rad=2.0, role=roles.get(name, "driven"),
-            squeeze_torque_N_m=20.0 * (name in "be"), tensioner=carrier if name in "ct" else None,
-            overspeed={"a": 0.0, "d": 3e-4}.get(name),
-        )
-        for name in sorted(set("".join(loops.values())))
-    ]  # fmt: skip
-    belts = [
-        Belt(
-            name=name, loop=tuple(loop), linear_density_kg_m=1.0, thickness_m=0.005, width_m=1.0,
-            axial_stiffness_N=1e6 * place,
-        )
-        for place, (name, loop) in enumerate(loops.items(), start=1)
-    ]  # fmt: skip
+    rollers = [Roller(name=name, radius_m=0.1, wrap_angle_rad=2.0, role=roles.get(name, "driven"),
+                      squeeze_torque_N_m=20.0 * (name in "be"), tensioner=carrier if name in "ct" else None,
+                      overspeed={"a": 0.0, "d": 3e-4}.get(name))
+               for name in sorted(set("".join(loops.values())))]  # fmt: skip
+    belts = [Belt(name=name, loop=tuple(loop), linear_density_kg_m=1.0, thickness_m=0.005, width_m=1.0,
+                  axial_stiffness_N=1e6 * place)
+             for place, (name, loop) in enumerate(loops.items(), start=1)]  # fmt: skip
     return Press(rollers=tuple(rollers), belts=tuple(belts), speed_m_s=1.0)
 
 
@@ -234,12 +197,9 @@ def test_belts_that_meet_and_part_twice_creep_alike_at_both_places():
     spans = {
         (span.start, span.end): tension for span, tension in zip(press.spans, state.tension_N, strict=True)
     }
-    behind_e, behind_f = (
-        [(spans[driver, way] - spans[place, by]) / (1e6 * EA) for driver, way, place, by, EA in two]
-        for two in (
-            (("c", "a", "b", "e", 1), ("t", "d", "d", "e", 2)),
-            (("c", "a", "e", "f", 1), ("t", "d", "h", "f", 2)),
-        )
-    )
+    behind_e, behind_f = ([(spans[driver, way] - spans[place, by]) / (1e6 * EA)
+                           for driver, way, place, by, EA in two]
+                          for two in ((("c", "a", "b", "e", 1), ("t", "d", "d", "e", 2)),
+                                      (("c", "a", "e", "f", 1), ("t", "d", "h", "f", 2))))  # fmt: skip
     for one, other in (behind_e, behind_f):
         assert one - other == pytest.approx(-3e-4, rel=1e-9)

@@ -38,11 +38,8 @@ def test_the_critical_preload_in_closed_form(statics):
     assert critical(statics, 1.2, "preload").value == pytest.approx(wanted, rel=1e-12)
 
 
-CALLS = {
-    "preload": lambda x: {"preload_N": x},
-    "speed": lambda x: {"speed_m_s": x},
-    "load": lambda x: {"load_factor": x},
-}
+CALLS = {"preload": lambda x: {"preload_N": x}, "speed": lambda x: {"speed_m_s": x},
+         "load": lambda x: {"load_factor": x}}  # fmt: skip
 
 
 def test_the_utilisation_there_is_one(statics):
@@ -80,11 +77,8 @@ def test_rollers_without_torque_never_slip(paper_press):
         for closure in ["share", "equal-torque"]:
             for mu in [1.2, 0.3]:
                 values = critical(solve_statics(paper_press, closure=closure), mu, change).by_roller
-                assert [name for name in ("4", "11", "12") if values[name] is not None] == [], (
-                    change,
-                    closure,
-                    mu,
-                )
+                assert [name for name in ("4", "11", "12")
+                        if values[name] is not None] == [], (change, closure, mu)  # fmt: skip
 
 
 def test_a_roller_that_slips_already_says_where_it_stops(statics):
@@ -117,10 +111,8 @@ def test_the_first_and_the_last_are_those_of_a_scan_from_today(paper_press):
                 found = critical(statics, mu, change)
                 holds = bool(utilisations(statics, mu, change, today).max() <= 1.0)
                 assert (found.state == "holds") == holds, (closure, change, mu)
-                ways = {
-                    "rises": np.linspace(today, 5.0 * today, 1001),
-                    "falls": np.linspace(today, 0.05 * today, 1001),
-                }
+                ways = {"rises": np.linspace(today, 5.0 * today, 1001),
+                        "falls": np.linspace(today, 0.05 * today, 1001)}  # fmt: skip
                 for way, places in ways.items():
                     some_slip = utilisations(statics, mu, change, places).max(axis=-1) > 1.0
                     turns = np.flatnonzero(some_slip == holds)
@@ -130,29 +122,21 @@ def test_the_first_and_the_last_are_those_of_a_scan_from_today(paper_press):
                         reached = turns.size and abs(places[turns[0]] - found.value) <= 1.01 * abs(
                             places[1] - places[0]
                         )
-                        assert (
-                            reached
-                            or abs(found.value - today) > abs(places[-1] - today)
-                            or abs(found.value) < 0.05 * today
-                        ), (closure, change, mu)
+                        assert (reached or abs(found.value - today) > abs(places[-1] - today)
+                                or abs(found.value) < 0.05 * today), (closure, change, mu)  # fmt: skip
                         use = utilisations(statics, mu, change, found.value)
                         assert use.max() == pytest.approx(1.0, abs=1e-9), (closure, change, mu)
                         assert statics.press.rollers[int(np.argmax(use))].name == found.roller, (
-                            closure,
-                            change,
-                            mu,
-                        )
+                            closure, change, mu
+                        )  # fmt: skip
                     elif found.direction is None:
                         assert not turns.size, (closure, change, mu)
 
 
 def test_a_law_that_sees_the_roller_names_the_one_that_needs_most_of_its_own(statics):
     """As all coefficients fall in proportion; not the one whose coefficient is largest where it slips."""
-    steep = WrapFriction(
-        law=LAWS["wrap-power"],
-        theta=np.array([1.5, -0.9, 0.05]),
-        reference=one_condition(0.1, 0.0025, 2, 500),
-    )
+    steep = WrapFriction(law=LAWS["wrap-power"], theta=np.array([1.5, -0.9, 0.05]),
+                         reference=one_condition(0.1, 0.0025, 2, 500))  # fmt: skip
     found = critical(statics, steep, "friction")
     tension_N = steady_state(statics).effective_tension_N
     slip = SlipTable(statics.press, tension_N, steep)

@@ -20,16 +20,8 @@ from ropefric.systems.press.effects import SYSTEM
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 
-STEADY = (
-    "gravity-load",
-    "squeeze-load",
-    "belt-inertia",
-    "tensioner-spring",
-    "belt-elasticity",
-    "elastic-creep",
-    "wrap-dependence",
-    "size",
-)
+STEADY = ("gravity-load", "squeeze-load", "belt-inertia", "tensioner-spring", "belt-elasticity",
+          "elastic-creep", "wrap-dependence", "size")  # fmt: skip
 MOVING = ("belt-damping", "tensioner-damping", "arc-inertia", "transient")
 
 # One belt over a driver, a loaded roller and a tensioner: small enough to be done by hand.
@@ -40,39 +32,15 @@ RHO, SPEED, STIFF, LENGTHS = 12.0, 5.0, 8e5, (1.0, 1.5, 0.8)
 
 
 def small_press(friction, **operation):
-    rollers = (
-        Roller(name="drive", radius_m=0.15, wrap_angle_rad=WRAPS[0], role="driver"),
-        Roller(
-            name="load",
-            radius_m=R_LOAD,
-            wrap_angle_rad=WRAPS[1],
-            gravity_torque_N_m=GRAVITY,
-            squeeze_torque_N_m=SQUEEZE,
-        ),
-        Roller(
-            name="tensioner",
-            radius_m=R_TENS,
-            wrap_angle_rad=WRAPS[2],
-            role="tensioner",
-            gravity_torque_N_m=DRAG,
-            tensioner=Tensioner(
-                spring_N_m=SPRING,
-                travel_m=TRAVEL,
-                force_N=FORCE,
-                upstream_angle_rad=ANGLES[0],
-                downstream_angle_rad=ANGLES[1],
-            ),
-        ),
-    )
-    belt = Belt(
-        name="belt",
-        loop=("drive", "load", "tensioner"),
-        linear_density_kg_m=RHO,
-        thickness_m=THICK,
-        width_m=1.0,
-        axial_stiffness_N=STIFF,
-        span_lengths_m=LENGTHS,
-    )
+    rollers = (Roller(name="drive", radius_m=0.15, wrap_angle_rad=WRAPS[0], role="driver"),
+               Roller(name="load", radius_m=R_LOAD, wrap_angle_rad=WRAPS[1], gravity_torque_N_m=GRAVITY,
+                      squeeze_torque_N_m=SQUEEZE),
+               Roller(name="tensioner", radius_m=R_TENS, wrap_angle_rad=WRAPS[2], role="tensioner",
+                      gravity_torque_N_m=DRAG,
+                      tensioner=Tensioner(spring_N_m=SPRING, travel_m=TRAVEL, force_N=FORCE,
+                                          upstream_angle_rad=ANGLES[0], downstream_angle_rad=ANGLES[1])))  # fmt: skip
+    belt = Belt(name="belt", loop=("drive", "load", "tensioner"), linear_density_kg_m=RHO,
+                thickness_m=THICK, width_m=1.0, axial_stiffness_N=STIFF, span_lengths_m=LENGTHS)  # fmt: skip
     press = Press(rollers=rollers, belts=(belt,), speed_m_s=SPEED)
     given_ones = {"speed_m_s": SPEED, "load_factor": 1.0} | operation
     return PressProblem(press=press, closure="share", friction=friction, **given_ones)
@@ -182,11 +150,8 @@ def test_a_law_is_integrated_over_the_wrap_from_the_angle_of_the_slack_tension(t
 @pytest.mark.parametrize("told", [True, False])
 def test_size_is_the_rollers_radius_over_half_the_belts_thickness(told):
     mu_inf, a, b = 0.9, -0.03, -0.2
-    friction = WrapFriction(
-        law=ALL_LAWS["size-exponential"],
-        theta=np.array([mu_inf, a, b]),
-        reference=one_condition(0.12, 0.0025, 2.0, 900.0),
-    )
+    friction = WrapFriction(law=ALL_LAWS["size-exponential"], theta=np.array([mu_inf, a, b]),
+                            reference=one_condition(0.12, 0.0025, 2.0, 900.0))  # fmt: skip
     radii = np.array([0.15, R_LOAD, R_TENS]) if told else np.full(3, 0.12)
     mu = mu_inf * (1.0 - np.exp(a * radii / (0.5 * THICK) + b))
     found = solved(small_press(friction), [*LOADS, "size"] if told else LOADS).slip.utilisation[0]
@@ -206,13 +171,8 @@ def test_all_effects_are_the_sum_of_the_parts():
 @pytest.fixture(scope="module")
 def paper_problem(paper_press):
     """The printed machine at 50 rpm."""
-    return PressProblem(
-        press=paper_press,
-        closure="share",
-        friction=WrapFriction.constant(1.2),
-        speed_m_s=paper_press.speed_m_s,
-        load_factor=1.0,
-    )
+    return PressProblem(press=paper_press, closure="share", friction=WrapFriction.constant(1.2),
+                        speed_m_s=paper_press.speed_m_s, load_factor=1.0)  # fmt: skip
 
 
 def test_each_load_alone_is_balanced_on_the_printed_machine(paper_problem, paper_data):
@@ -247,20 +207,12 @@ def test_what_only_a_start_up_has_asks_for_one(paper_problem):
 
 def test_a_start_up_asks_for_every_mass_and_stiffness_at_once(paper_problem):
     for name in MOVING:
-        task = {
-            "speed": DRIVE_LAWS["ramp"](speed_m_s=0.9, duration_s=1.0),
-            "time_s": np.linspace(0.0, 2.0, 5),
-            "slip": False,
-            "loads": "constant",
-        }
+        task = {"speed": DRIVE_LAWS["ramp"](speed_m_s=0.9, duration_s=1.0),
+                "time_s": np.linspace(0.0, 2.0, 5), "slip": False, "loads": "constant"}  # fmt: skip
         started = replace(paper_problem, start_up=task)
         missing = SYSTEM.effects[name].needs(started)
-        assert {
-            "belts.upper.axial_stiffness",
-            "belts.lower.span_lengths",
-            "rollers.2.inertia",
-            "rollers.3.tensioner.mass",
-        } <= set(missing), name
+        assert {"belts.upper.axial_stiffness", "belts.lower.span_lengths", "rollers.2.inertia",
+                "rollers.3.tensioner.mass"} <= set(missing), name  # fmt: skip
         assert "rollers.1.inertia" not in missing, "a driver's speed is given"
 
 

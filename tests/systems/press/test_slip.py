@@ -65,10 +65,8 @@ def test_the_printed_ratio_contradicts_the_text(trends):
 
 
 def test_only_the_inverted_ratio_lets_rollers_2_and_4_exceed_one(trends):
-    above = {
-        name: {roller for roller in trends[1].rollers if (trends[1].of(roller, name) > 1.0).any()}
-        for name in ("as_printed", "as_plotted")
-    }
+    above = {name: {roller for roller in trends[1].rollers if (trends[1].of(roller, name) > 1.0).any()}
+             for name in ("as_printed", "as_plotted")}  # fmt: skip
     assert above == {"as_plotted": {"2", "4"}, "as_printed": {"4"}}
 
 
@@ -109,10 +107,8 @@ def test_utilisation_is_one_at_the_limit(paper_press):
         for turned in [False, True]:
             law = friction if isinstance(friction, WrapFriction) else WrapFriction.constant(friction)
             roller = paper_press.rollers[1]
-            exponent = law.exponent(
-                wheel_radius_m=roller.radius_m, rope_radius_m=0.0025, wrap_angle_rad=roller.wrap_angle_rad,
-                slack_tension_N=500.0,
-            )  # fmt: skip
+            exponent = law.exponent(wheel_radius_m=roller.radius_m, rope_radius_m=0.0025,
+                                    wrap_angle_rad=roller.wrap_angle_rad, slack_tension_N=500.0)  # fmt: skip
             tension_N = np.full(14, 500.0)
             tension_N[0 if turned else 1] *= float(np.exp(exponent))
             table = SlipTable(paper_press, tension_N, friction)
@@ -140,12 +136,10 @@ def test_a_law_sees_radius_thickness_and_slack_tension_of_each_roller(paper_pres
     tension_N = steady_tension_N(paper_press)
     found = SlipTable(paper_press, tension_N, friction).exponent
     slack = np.minimum(tension_N @ paper_press.into.T, tension_N @ paper_press.out_of.T)
-    at = Conditions(
-        wheel_radius_m=np.array([roller.radius_m for roller in paper_press.rollers]),
-        rope_radius_m=0.0025,
-        wrap_angle_rad=np.array([roller.wrap_angle_rad for roller in paper_press.rollers]),
-        end_tension_N=slack,
-    )
+    at = Conditions(wheel_radius_m=np.array([roller.radius_m for roller in paper_press.rollers]),
+                    rope_radius_m=0.0025,
+                    wrap_angle_rad=np.array([roller.wrap_angle_rad for roller in paper_press.rollers]),
+                    end_tension_N=slack)  # fmt: skip
     np.testing.assert_allclose(found, law.log_lift(theta, at) - np.log(slack), rtol=1e-12)
 
 
@@ -193,46 +187,25 @@ def test_a_belt_that_lifts_off_has_no_grip(paper_press):
 PROVABLE = st.sampled_from(["share", "equal-torque"])
 
 
-@given(
-    closure=PROVABLE,
-    mu=st.floats(0.05, 2.0),
-    speed_m_s=st.floats(0.0, 4.0),
-    load=st.floats(0.01, 1.2),
-    preload_N=st.floats(1600.0, 5000.0),
-    more=st.floats(1.0, 3000.0),
-)
+@given(closure=PROVABLE, mu=st.floats(0.05, 2.0), speed_m_s=st.floats(0.0, 4.0), load=st.floats(0.01, 1.2),
+       preload_N=st.floats(1600.0, 5000.0), more=st.floats(1.0, 3000.0))  # fmt: skip
 @settings(max_examples=15, deadline=None)
 def test_more_preload_never_raises_utilisation(paper_press, *, closure, mu, speed_m_s, load, preload_N, more):
     """Constant μ, all tensioners together, closures that split by the loads alone; see `utilisation`."""
-    state = steady_state(
-        solve_statics(paper_press, closure=closure),
-        preload_N=[preload_N, preload_N + more],
-        speed_m_s=speed_m_s,
-        load_factor=load,
-        on_slack="flag",
-    )
+    state = steady_state(solve_statics(paper_press, closure=closure),
+                         preload_N=[preload_N, preload_N + more], speed_m_s=speed_m_s, load_factor=load,
+                         on_slack="flag")  # fmt: skip
     less, tighter = SlipTable(state.press, state.effective_tension_N, mu).utilisation
     assert (tighter <= less * (1 + 1e-12) + 1e-12).all()
 
 
-@given(
-    closure=PROVABLE,
-    mu=st.floats(0.05, 2.0),
-    speed_m_s=st.floats(0.0, 4.0),
-    load=st.floats(0.01, 1.0),
-    more=st.floats(1e-3, 0.4),
-    preload_N=st.floats(1600.0, 5000.0),
-)
+@given(closure=PROVABLE, mu=st.floats(0.05, 2.0), speed_m_s=st.floats(0.0, 4.0), load=st.floats(0.01, 1.0),
+       more=st.floats(1e-3, 0.4), preload_N=st.floats(1600.0, 5000.0))  # fmt: skip
 @settings(max_examples=15, deadline=None)
 def test_more_load_never_lowers_utilisation(paper_press, *, closure, mu, speed_m_s, load, more, preload_N):
     """Constant μ and one factor on all loads."""
-    state = steady_state(
-        solve_statics(paper_press, closure=closure),
-        preload_N=preload_N,
-        speed_m_s=speed_m_s,
-        load_factor=[load, load + more],
-        on_slack="flag",
-    )
+    state = steady_state(solve_statics(paper_press, closure=closure), preload_N=preload_N,
+                         speed_m_s=speed_m_s, load_factor=[load, load + more], on_slack="flag")  # fmt: skip
     less, heavier = SlipTable(state.press, state.effective_tension_N, mu).utilisation
     assert (heavier >= less * (1 - 1e-12) - 1e-12).all()
 
@@ -244,14 +217,10 @@ def test_outside_that_domain_it_does_not_hold(paper_press):
     heavier = SlipTable(machine, steady_tension_N(machine), 1.2).utilisation
     base = SlipTable(paper_press, steady_tension_N(paper_press), 1.2).utilisation
     assert heavier[4] < base[4]
-    tighter = tuple(
-        replace(r, tensioner=replace(r.tensioner, force_N=3000.0)) if r.name == "3" else r
-        for r in paper_press.rollers
-    )
-    one, other = (
-        SlipTable(press, steady_tension_N(press, closure="equal"), 1.2).utilisation
-        for press in (paper_press, replace(paper_press, rollers=tighter))
-    )
+    tighter = tuple(replace(r, tensioner=replace(r.tensioner, force_N=3000.0)) if r.name == "3" else r
+                    for r in paper_press.rollers)  # fmt: skip
+    one, other = (SlipTable(press, steady_tension_N(press, closure="equal"), 1.2).utilisation
+                  for press in (paper_press, replace(paper_press, rollers=tighter)))  # fmt: skip
     assert other[9] > one[9]
     friction = law_friction(-0.9, a=0.5, c=0.0)
     state = steady_state(solve_statics(paper_press), preload_N=[2000.0, 4000.0])

@@ -14,10 +14,8 @@ from ropefric.errors import InputError, SolverError
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
 from ropefric.systems.press.statics import CLOSURES, solve_statics, speed_shift_kg_m, steady_state
 
-AT_REST = {
-    "1": 821.382, "2": 1170.716, "3": 1520.049, "4": 1520.049, "5": 3615.793, "6": 3783.793, "7": 3951.793,
-    "8": 4119.793, "11": 1639.743, "12": 1639.743, "13": 1639.743, "14": 1699.743,
-}  # fmt: skip
+AT_REST = {"1": 821.382, "2": 1170.716, "3": 1520.049, "4": 1520.049, "5": 3615.793, "6": 3783.793,
+           "7": 3951.793, "8": 4119.793, "11": 1639.743, "12": 1639.743, "13": 1639.743, "14": 1699.743}  # fmt: skip
 SPLIT = {"share": (2054.05, 2233.74), "equal": (2143.90, 2143.90), "equal-torque": (1734.72, 2553.08)}
 CROSS_SECTION = {"linear_density_kg_m": 2.0, "thickness_m": 0.005, "width_m": 1.0}
 
@@ -36,11 +34,8 @@ def one_belt(n_driven, **tensioner):
         Roller(name=f"r{i}", radius_m=0.05 + 0.01 * i, wrap_angle_rad=1.0, gravity_torque_N_m=1.0 + i)
         for i in range(n_driven)
     ]
-    rollers.append(
-        Roller(
-            name="take-up", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner", tensioner=spring(**tensioner)
-        )
-    )
+    rollers.append(Roller(name="take-up", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner",
+                          tensioner=spring(**tensioner)))  # fmt: skip
     loop = tuple(roller.name for roller in rollers)
     return Press(rollers=tuple(rollers), belts=(Belt(name="b", loop=loop, **CROSS_SECTION),), speed_m_s=1.5)
 
@@ -123,10 +118,8 @@ def test_equal_torque_is_a_torque(paper_press):
 
 
 def with_speeds(press, stiffness_N=(2e6, 2e6), overspeed=(0.0, 0.0)):
-    rollers = tuple(
-        replace(r, overspeed=overspeed[0 if r.name == "1" else 1]) if r.role == "driver" else r
-        for r in press.rollers
-    )
+    rollers = tuple(replace(r, overspeed=overspeed[0 if r.name == "1" else 1]) if r.role == "driver" else r
+                    for r in press.rollers)  # fmt: skip
     belts = tuple(replace(b, axial_stiffness_N=EA) for b, EA in zip(press.belts, stiffness_N, strict=True))
     return replace(press, rollers=rollers, belts=belts)
 
@@ -155,12 +148,9 @@ def test_speed_ratio_solves_steady_creep(paper_press):
 
     def residuals(unknown):
         v_upper, v_lower, V5, T9 = unknown * [1.0, 1.0, 1.0, 1e3]
-        return [
-            v_upper * (1 + T9 / EA[0]) - (1 + over[0]),
-            v_lower * (1 + (total - T9) / EA[1]) - (1 + over[1]),
-            v_upper * (1 + T4 / EA[0]) - V5,
-            v_lower * (1 + T14 / EA[1]) - V5,
-        ]
+        return [v_upper * (1 + T9 / EA[0]) - (1 + over[0]),
+                v_lower * (1 + (total - T9) / EA[1]) - (1 + over[1]), v_upper * (1 + T4 / EA[0]) - V5,
+                v_lower * (1 + T14 / EA[1]) - V5]  # fmt: skip
 
     exact = fsolve(residuals, [1.0, 1.0, 1.0, 2.0], xtol=1e-13)[3] * 1e3
     # Linear in the strain, of order 1e-3: the pick-up of some hundred newtons is met to a few tenths of one.
@@ -192,10 +182,8 @@ def test_one_belt_by_hand():
 def test_two_belts_over_any_number_of_shared_rollers():
     """The shared run may be one roller; by symmetry `share` splits two equal belts evenly."""
     for shared in [1, 2, 4]:
-        middle = [
-            Roller(name=f"m{i}", radius_m=0.1, wrap_angle_rad=2, squeeze_torque_N_m=4.0)
-            for i in range(shared)
-        ]
+        middle = [Roller(name=f"m{i}", radius_m=0.1, wrap_angle_rad=2, squeeze_torque_N_m=4.0)
+                  for i in range(shared)]  # fmt: skip
         sides = []
         for k in "ab":
             sides.append(Roller(name=f"d{k}", radius_m=0.1, wrap_angle_rad=3, role="driver"))
@@ -237,10 +225,8 @@ def machines(draw):
             Roller(name=f"t{k}", radius_m=0.1, wrap_angle_rad=3, role="tensioner", tensioner=take_up)
         )
     a1, a2, shared, b1, b2 = parts
-    belts = (
-        Belt(name="a", loop=(*shared, *a1, "da", "ta", *a2), **CROSS_SECTION),
-        Belt(name="b", loop=(*shared, *b1, "db", *b2, "tb"), **CROSS_SECTION),
-    )
+    belts = (Belt(name="a", loop=(*shared, *a1, "da", "ta", *a2), **CROSS_SECTION),
+             Belt(name="b", loop=(*shared, *b1, "db", *b2, "tb"), **CROSS_SECTION))  # fmt: skip
     return Press(rollers=tuple(rollers), belts=belts, speed_m_s=1.0)
 
 
@@ -274,12 +260,10 @@ def test_three_belts_need_two_statements():
 
 
 def test_two_drivers_of_one_belt():
-    rollers = (
-        Roller(name="d1", radius_m=0.1, wrap_angle_rad=3, role="driver"),
-        Roller(name="m", radius_m=0.1, wrap_angle_rad=3, squeeze_torque_N_m=10.0),
-        Roller(name="d2", radius_m=0.1, wrap_angle_rad=3, role="driver"),
-        Roller(name="t", radius_m=0.1, wrap_angle_rad=3, role="tensioner", tensioner=spring()),
-    )
+    rollers = (Roller(name="d1", radius_m=0.1, wrap_angle_rad=3, role="driver"),
+               Roller(name="m", radius_m=0.1, wrap_angle_rad=3, squeeze_torque_N_m=10.0),
+               Roller(name="d2", radius_m=0.1, wrap_angle_rad=3, role="driver"),
+               Roller(name="t", radius_m=0.1, wrap_angle_rad=3, role="tensioner", tensioner=spring()))  # fmt: skip
     belt = Belt(name="b", loop=("d1", "m", "d2", "t"), **CROSS_SECTION)
     press = Press(rollers=rollers, belts=(belt,), speed_m_s=0.0)
     torque = steady_state(solve_statics(press, closure="equal-torque")).tension_N
@@ -326,28 +310,19 @@ def test_grids_are_the_points_by_themselves(paper_press):
     assert grid.tension_N.shape == (2, 3, 14)
     for i, F in enumerate(preload.ravel()):
         for j, v in enumerate(speed):
-            moved = replace(
-                paper_press,
-                rollers=tuple(
-                    replace(
-                        r,
-                        gravity_torque_N_m=load * r.gravity_torque_N_m,
-                        squeeze_torque_N_m=load * r.squeeze_torque_N_m,
-                        tensioner=r.tensioner and replace(r.tensioner, force_N=F),
-                    )
-                    for r in paper_press.rollers
-                ),
-                speed_m_s=v,
-            )
+            moved = replace(paper_press,
+                            rollers=tuple(replace(r, gravity_torque_N_m=load * r.gravity_torque_N_m,
+                                                  squeeze_torque_N_m=load * r.squeeze_torque_N_m,
+                                                  tensioner=r.tensioner and replace(r.tensioner, force_N=F))
+                                          for r in paper_press.rollers),
+                            speed_m_s=v)  # fmt: skip
             point = steady_state(solve_statics(moved))
             np.testing.assert_allclose(grid.tension_N[i, j], point.tension_N, rtol=1e-12)
 
 
 def test_each_tensioner_can_have_its_own_preload(paper_press):
-    rollers = tuple(
-        replace(r, tensioner=replace(r.tensioner, force_N=3000.0)) if r.name == "3" else r
-        for r in paper_press.rollers
-    )
+    rollers = tuple(replace(r, tensioner=replace(r.tensioner, force_N=3000.0)) if r.name == "3" else r
+                    for r in paper_press.rollers)  # fmt: skip
     both = steady_state(solve_statics(replace(paper_press, rollers=rollers)))
     base = steady_state(solve_statics(paper_press))
     rise = both.effective_tension_N - base.effective_tension_N
@@ -375,12 +350,8 @@ def test_a_slack_span_is_refused_by_name_or_flagged(paper_press):
     assert np.isfinite(flagged.effective_tension_N).all()
 
 
-@given(
-    preload_N=st.floats(1500, 1e5),
-    speed_m_s=st.floats(0, 4),
-    load=st.floats(0, 1.2),
-    scale=st.floats(0.1, 10),
-)
+@given(preload_N=st.floats(1500, 1e5), speed_m_s=st.floats(0, 4), load=st.floats(0, 1.2),
+       scale=st.floats(0.1, 10))  # fmt: skip
 @settings(max_examples=30, deadline=None)
 def test_tensions_are_homogeneous_in_forces(paper_press, preload_N, speed_m_s, load, scale):
     """All forces times a number: springs, preloads, loads and ρAv²."""
@@ -397,20 +368,12 @@ def test_tensions_are_homogeneous_in_forces(paper_press, preload_N, speed_m_s, l
 
 
 def elastic(press, EA=2e6, spring_N_m=None):
-    belts = (
-        replace(
-            press.belts[0], axial_stiffness_N=EA, span_lengths_m=(1.0, 1.2, 0.8, 1.5, 0.6, 0.6, 0.6, 0.6, 1.1)
-        ),
-        replace(
-            press.belts[1], axial_stiffness_N=EA, span_lengths_m=(0.9, 2.0, 1.0, 0.7, 1.3, 0.6, 0.6, 0.6, 0.6)
-        ),
-    )
-    rollers = tuple(
-        replace(r, tensioner=replace(r.tensioner, spring_N_m=spring_N_m))
-        if r.tensioner and spring_N_m is not None
-        else r
-        for r in press.rollers
-    )
+    belts = (replace(press.belts[0], axial_stiffness_N=EA,
+                     span_lengths_m=(1.0, 1.2, 0.8, 1.5, 0.6, 0.6, 0.6, 0.6, 1.1)),
+             replace(press.belts[1], axial_stiffness_N=EA,
+                     span_lengths_m=(0.9, 2.0, 1.0, 0.7, 1.3, 0.6, 0.6, 0.6, 0.6)))  # fmt: skip
+    rollers = tuple(replace(r, tensioner=replace(r.tensioner, spring_N_m=spring_N_m)) if r.tensioner
+                    and spring_N_m is not None else r for r in press.rollers)  # fmt: skip
     return replace(press, belts=belts, rollers=rollers)
 
 

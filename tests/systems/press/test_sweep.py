@@ -13,15 +13,11 @@ SPEEDS, PRELOADS = np.linspace(0.0, 8.0, 9), np.linspace(600.0, 1000.0, 5)
 @pytest.fixture(scope="module")
 def statics():
     """One belt over a driver, a loaded roller, an idler and a take-up."""
-    rollers = (
-        Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver"),
-        Roller(name="load", radius_m=0.1, wrap_angle_rad=1.0, squeeze_torque_N_m=12.0),
-        Roller(name="idler", radius_m=0.1, wrap_angle_rad=1.0),
-        Roller(
-            name="take-up", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner",
-            tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=600.0),
-        ),
-    )  # fmt: skip
+    rollers = (Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver"),
+               Roller(name="load", radius_m=0.1, wrap_angle_rad=1.0, squeeze_torque_N_m=12.0),
+               Roller(name="idler", radius_m=0.1, wrap_angle_rad=1.0),
+               Roller(name="take-up", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner",
+                      tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=600.0)))  # fmt: skip
     loop = tuple(roller.name for roller in rollers)
     belt = Belt(name="belt", loop=loop, linear_density_kg_m=1.0, thickness_m=0.005, width_m=1.0)
     return solve_statics(Press(rollers=rollers, belts=(belt,), speed_m_s=2.0))

@@ -27,18 +27,8 @@ def tube_inertia(radius_m, wall_m=0.009, length_m=2.2):
     return 0.5 * math.pi * 7850.0 * length_m * (radius_m**4 - (radius_m - wall_m) ** 4)
 
 
-def paper_machine(
-    *,
-    EA_N=2e6,
-    eta_s=1e-3,
-    C1=500.0,
-    k1=2e4,
-    force_N=2000.0,
-    load=1.0,
-    density=15.0,
-    overspeed=None,
-    travel_m=0.03,
-):
+def paper_machine(*, EA_N=2e6, eta_s=1e-3, C1=500.0, k1=2e4, force_N=2000.0, load=1.0, density=15.0,
+                  overspeed=None, travel_m=0.03):  # fmt: skip
     angles = {3: (0.0, BETA), 13: (GAMMA, 0.0)}
     rollers = []
     for i, (radius_mm, wrap_deg) in enumerate(zip(RADII_MM, WRAPS_DEG, strict=True), 1):
@@ -48,53 +38,31 @@ def paper_machine(
                 spring_N_m=k1, travel_m=travel_m, force_N=force_N, mass_kg=121.0, damping_N_s_m=C1,
                 upstream_angle_rad=angles[i][0], downstream_angle_rad=angles[i][1],
             )  # fmt: skip
-        rollers.append(
-            Roller(
-                name=str(i),
-                radius_m=1e-3 * radius_mm,
-                wrap_angle_rad=math.radians(wrap_deg),
-                role="driver" if i in {1, 10} else "tensioner" if tensioner else "driven",
-                tensioner=tensioner,
-                inertia_kg_m2=tube_inertia(1e-3 * radius_mm),
-                gravity_torque_N_m=load * GRAVITY_N_M.get(i, 0.0),
-                squeeze_torque_N_m=load * SQUEEZE_N_M.get(i, 0.0),
-                overspeed=overspeed if i == 10 else None,
-            )
-        )
-    belts = [
-        Belt(
-            name=name,
-            loop=tuple(str(i) for i in loop),
-            linear_density_kg_m=density,
-            thickness_m=0.005,
-            width_m=2.0,
-            axial_stiffness_N=EA_N,
-            damping_s=eta_s,
-            span_lengths_m=tuple(LENGTHS_M[i] for i in spans),
-        )
-        for name, loop, spans in (
-            ("upper", (1, 2, 3, 4, 5, 6, 7, 8, 9), (1, 2, 3, 4, 5, 6, 7, 8, 9)),
-            ("lower", (9, 10, 11, 12, 13, 5, 6, 7, 8), (10, 11, 12, 13, 14, 5, 6, 7, 8)),
-        )
-    ]
+        rollers.append(Roller(name=str(i), radius_m=1e-3 * radius_mm, wrap_angle_rad=math.radians(wrap_deg),
+                              role="driver" if i in {1, 10} else "tensioner" if tensioner else "driven",
+                              tensioner=tensioner, inertia_kg_m2=tube_inertia(1e-3 * radius_mm),
+                              gravity_torque_N_m=load * GRAVITY_N_M.get(i, 0.0),
+                              squeeze_torque_N_m=load * SQUEEZE_N_M.get(i, 0.0),
+                              overspeed=overspeed if i == 10 else None))  # fmt: skip
+    belts = [Belt(name=name, loop=tuple(str(i) for i in loop), linear_density_kg_m=density,
+                  thickness_m=0.005, width_m=2.0, axial_stiffness_N=EA_N, damping_s=eta_s,
+                  span_lengths_m=tuple(LENGTHS_M[i] for i in spans))
+             for name, loop, spans in (("upper", (1, 2, 3, 4, 5, 6, 7, 8, 9), (1, 2, 3, 4, 5, 6, 7, 8, 9)),
+                                       ("lower", (9, 10, 11, 12, 13, 5, 6, 7, 8),
+                                        (10, 11, 12, 13, 14, 5, 6, 7, 8)))]  # fmt: skip
     return Press(rollers=tuple(rollers), belts=tuple(belts), speed_m_s=SPEED_M_S)
 
 
 def small_machine(*, EA_N=2e5, eta_s=2e-3, load_N_m=20.0, k1=1e4, C1=200.0, wrap_rad=2.0, force_N=900.0):
     """A driver, a loaded roller and a take-up on one belt."""
     take_up = Tensioner(spring_N_m=k1, travel_m=0.01, force_N=force_N, mass_kg=30.0, damping_N_s_m=C1)
-    rollers = (
-        Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver", inertia_kg_m2=0.4),
-        Roller(name="load", radius_m=0.1, wrap_angle_rad=wrap_rad, squeeze_torque_N_m=load_N_m, inertia_kg_m2=0.3),
-        Roller(
-            name="take-up", radius_m=0.08, wrap_angle_rad=3.0, role="tensioner", tensioner=take_up,
-            inertia_kg_m2=0.2,
-        ),
-    )  # fmt: skip
-    belt = Belt(
-        name="belt", loop=("drive", "load", "take-up"), linear_density_kg_m=8.0, thickness_m=0.005, width_m=1.0,
-        axial_stiffness_N=EA_N, damping_s=eta_s, span_lengths_m=(0.8, 1.0, 1.3),
-    )  # fmt: skip
+    rollers = (Roller(name="drive", radius_m=0.1, wrap_angle_rad=3.0, role="driver", inertia_kg_m2=0.4),
+               Roller(name="load", radius_m=0.1, wrap_angle_rad=wrap_rad, squeeze_torque_N_m=load_N_m,
+                      inertia_kg_m2=0.3),
+               Roller(name="take-up", radius_m=0.08, wrap_angle_rad=3.0, role="tensioner",
+                      tensioner=take_up, inertia_kg_m2=0.2))  # fmt: skip
+    belt = Belt(name="belt", loop=("drive", "load", "take-up"), linear_density_kg_m=8.0, thickness_m=0.005,
+                width_m=1.0, axial_stiffness_N=EA_N, damping_s=eta_s, span_lengths_m=(0.8, 1.0, 1.3))  # fmt: skip
     return Press(rollers=rollers, belts=(belt,), speed_m_s=1.0)
 
 
@@ -111,22 +79,15 @@ def random_start(seed, laws=("s-curve", "s-curve", "ramp", "table", "constant"))
         EA_N=10 ** rng.uniform(6, 7), eta_s=10 ** rng.uniform(-3.5, -2), C1=10 ** rng.uniform(1.5, 3.5),
         k1=10 ** rng.uniform(3.7, 4.7), force_N=rng.uniform(800, 3500), load=rng.uniform(0.3, 1.2),
     )  # fmt: skip
-    speed_m_s, law, duration_s = (
-        SPEED_M_S * rng.uniform(0.3, 2),
-        str(rng.choice(laws)),
-        10 ** rng.uniform(-0.3, 0.7),
-    )
+    speed_m_s, law, duration_s = (SPEED_M_S * rng.uniform(0.3, 2), str(rng.choice(laws)),
+                                  10 ** rng.uniform(-0.3, 0.7))  # fmt: skip
     if law == "table":
         times_s, speeds = [0.0, duration_s / 3, duration_s], [0.0, speed_m_s / 2, speed_m_s]
         drive = DRIVE_LAWS[law](time_s=times_s, speed_m_s=speeds)
     else:
         drive = run_up(law, speed_m_s, duration_s)
-    return press, {
-        "speed": drive,
-        "time_s": np.linspace(0.0, duration_s + rng.uniform(0.5, 4), 1001),
-        "friction": rng.uniform(0.15, 1.2),
-        "loads": str(rng.choice(["with-speed", "constant"])),
-    }
+    return press, {"speed": drive, "time_s": np.linspace(0.0, duration_s + rng.uniform(0.5, 4), 1001),
+                   "friction": rng.uniform(0.15, 1.2), "loads": str(rng.choice(["with-speed", "constant"]))}  # fmt: skip
 
 
 def linear_problem(press, speed=None, loads="with-speed", **model):
@@ -158,13 +119,10 @@ def random_state():
 def paper_without_data():
     """The machine as printed: no stiffness, lengths, inertia or mass."""
     whole = paper_machine()
-    rollers = tuple(
-        replace(
-            roller,
-            inertia_kg_m2=None,
-            tensioner=None if roller.tensioner is None else replace(roller.tensioner, mass_kg=None),
-        )
-        for roller in whole.rollers
-    )
+    rollers = tuple(replace(roller, inertia_kg_m2=None,
+                            tensioner=None if roller.tensioner is None else replace(
+                                roller.tensioner, mass_kg=None
+                            ))
+                    for roller in whole.rollers)  # fmt: skip
     belts = tuple(replace(belt, axial_stiffness_N=None, span_lengths_m=None) for belt in whole.belts)
     return replace(whole, rollers=rollers, belts=belts)

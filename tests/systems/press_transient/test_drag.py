@@ -72,13 +72,9 @@ def regularised(press, speed, loads, times_s, mu):
 
 def random_case(seed):
     rng = np.random.default_rng(seed)
-    return {
-        "law": ("constant", "ramp", "s-curve", "table")[seed % 4],
-        "loads": ("with-speed", "constant")[seed // 4 % 2],
-        "mu": rng.uniform(0.05, 0.3),
-        "load_N_m": rng.uniform(5.0, 60.0),
-        "k1": 10.0 ** rng.uniform(3.0, 5.0),
-    }
+    return {"law": ("constant", "ramp", "s-curve", "table")[seed % 4],
+            "loads": ("with-speed", "constant")[seed // 4 % 2], "mu": rng.uniform(0.05, 0.3),
+            "load_N_m": rng.uniform(5.0, 60.0), "k1": 10.0 ** rng.uniform(3.0, 5.0)}  # fmt: skip
 
 
 def account_is_physical(found):
@@ -88,13 +84,9 @@ def account_is_physical(found):
         assert (np.diff(taken) >= -1e-9 * energy.scale_J).all()
 
 
-@pytest.mark.parametrize(
-    "case",
-    [
-        {"law": "ramp", "loads": "with-speed", "mu": 0.12, "load_N_m": 40.0},
-        *(pytest.param(random_case(seed), marks=pytest.mark.slow) for seed in range(24)),
-    ],
-)
+@pytest.mark.parametrize("case",
+                         [{"law": "ramp", "loads": "with-speed", "mu": 0.12, "load_N_m": 40.0},
+                          *(pytest.param(random_case(seed), marks=pytest.mark.slow) for seed in range(24))])  # fmt: skip
 def test_a_machine_coded_by_itself_slips_and_holds_alike(kit, case):
     press = kit.small(load_N_m=case["load_N_m"], k1=case.get("k1", 1e4))
     speed, times_s = drive_of(case["law"]), np.linspace(0.01, 1.0, 100)
@@ -109,15 +101,10 @@ def test_a_machine_coded_by_itself_slips_and_holds_alike(kit, case):
     np.testing.assert_allclose((rims + found.slip_speed_m_s)[:, 1:], wanted[:, 4:6], atol=0.01)
 
 
-@pytest.mark.parametrize(
-    ("mu", "loads"),
-    [
-        (0.2, "with-speed"),
-        pytest.param(0.15, "constant", marks=pytest.mark.slow),
-        pytest.param(0.15, "with-speed", marks=pytest.mark.slow),
-        pytest.param(0.2, "constant", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize(("mu", "loads"),
+                         [(0.2, "with-speed"), pytest.param(0.15, "constant", marks=pytest.mark.slow),
+                          pytest.param(0.15, "with-speed", marks=pytest.mark.slow),
+                          pytest.param(0.2, "constant", marks=pytest.mark.slow)])  # fmt: skip
 def test_a_press_that_its_drivers_cannot_pull_stands(kit, mu, loads):
     """Rolled along by drags that never change their sign, it would run backward for ever."""
     press = kit.paper(force_N=1100.0)
@@ -138,13 +125,9 @@ def test_any_paper_machine_keeps_its_account(kit, law, seed):
     press = kit.paper(
         force_N=rng.uniform(500.0, 3000.0), EA_N=10.0 ** rng.uniform(6.0, 7.0), load=rng.uniform(0.2, 1.5)
     )
-    found = start_up(
-        press,
-        speed=drive_of(law, kit.speed_m_s, 10.0 ** rng.uniform(-0.5, 0.3)),
-        time_s=np.linspace(0.0, 0.6, 61),
-        friction=rng.uniform(0.05, 0.3),
-        loads=("with-speed", "constant")[seed % 2],
-    )
+    found = start_up(press, speed=drive_of(law, kit.speed_m_s, 10.0 ** rng.uniform(-0.5, 0.3)),
+                     time_s=np.linspace(0.0, 0.6, 61), friction=rng.uniform(0.05, 0.3),
+                     loads=("with-speed", "constant")[seed % 2])  # fmt: skip
     account_is_physical(found)
 
 
@@ -217,15 +200,11 @@ def regularised_paper(press, speed, loads, times_s, mu):
     return np.hstack(found).T
 
 
-@pytest.mark.parametrize(
-    ("law", "loads", "mu"),
-    [
-        ("table", "with-speed", 0.3),
-        pytest.param("ramp", "with-speed", 0.2, marks=pytest.mark.slow),
-        pytest.param("s-curve", "constant", 0.15, marks=pytest.mark.slow),
-        pytest.param("constant", "with-speed", 0.25, marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize(("law", "loads", "mu"),
+                         [("table", "with-speed", 0.3),
+                          pytest.param("ramp", "with-speed", 0.2, marks=pytest.mark.slow),
+                          pytest.param("s-curve", "constant", 0.15, marks=pytest.mark.slow),
+                          pytest.param("constant", "with-speed", 0.25, marks=pytest.mark.slow)])  # fmt: skip
 def test_the_paper_s_machine_coded_on_its_graph_slips_and_holds_alike(kit, law, loads, mu):
     press, times_s = kit.paper(force_N=1100.0), np.linspace(0.02, 0.44, 22)
     speed = drive_of(law, kit.speed_m_s, 0.25)

@@ -9,12 +9,8 @@ from ropefric.errors import InputError
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, common_pieces, final_value, piecewise
 
 TABLE = {"time_s": [0.0, 0.5, 2.0], "speed_m_s": [0.0, 0.8, 1.5]}
-LAWS = {
-    "constant": {"speed_m_s": 1.5},
-    "ramp": {"speed_m_s": 1.5, "duration_s": 2.0},
-    "s-curve": {"speed_m_s": 1.5, "duration_s": 2.0},
-    "table": TABLE,
-}
+LAWS = {"constant": {"speed_m_s": 1.5}, "ramp": {"speed_m_s": 1.5, "duration_s": 2.0},
+        "s-curve": {"speed_m_s": 1.5, "duration_s": 2.0}, "table": TABLE}  # fmt: skip
 
 
 def test_every_law_is_tried_here():
@@ -48,11 +44,9 @@ def test_the_s_curve_has_no_jump_of_acceleration():
     assert float(acceleration(1.0)) == pytest.approx(1.5 * 1.5 / 2.0)
 
 
-@given(
-    st.lists(st.floats(0.01, 3.0), min_size=1, max_size=4),
-    st.lists(st.lists(st.floats(-5.0, 5.0), min_size=3, max_size=3), min_size=5, max_size=5),
-    st.floats(0.0, 12.0),
-)
+@given(st.lists(st.floats(0.01, 3.0), min_size=1, max_size=4),
+       st.lists(st.lists(st.floats(-5.0, 5.0), min_size=3, max_size=3), min_size=5, max_size=5),
+       st.floats(0.0, 12.0))  # fmt: skip
 @settings(max_examples=40, deadline=None)
 def test_taylor_coefficients_on_common_pieces_give_the_function_back(gaps, rows, time_s):
     starts = np.concatenate([[0.0], np.cumsum(gaps)])

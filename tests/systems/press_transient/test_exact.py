@@ -37,10 +37,8 @@ def test_a_step_of_one_equation_by_hand(rate):
         x = mp.mpf(rate)
         t_, y_ = mp.mpf(t), mp.mpf(y0)
         exact = t_**2 - 2 * t_ / x + 2 / x**2 + (y_ - 2 / x**2) * mp.exp(-x * t_)
-        square = mp.quad(
-            lambda s: (s**2 - 2 * s / x + 2 / x**2 + (y_ - 2 / x**2) * mp.exp(-x * s)) ** 2,
-            [0, min(1 / x, t_ / 2), min(20 / x, t_ / 1.5), min(200 / x, t_ / 1.2), t_],
-        )
+        square = mp.quad(lambda s: (s**2 - 2 * s / x + 2 / x**2 + (y_ - 2 / x**2) * mp.exp(-x * s)) ** 2,
+                         [0, min(1 / x, t_ / 2), min(20 / x, t_ / 1.5), min(200 / x, t_ / 1.2), t_])  # fmt: skip
     assert z[0] == pytest.approx(float(exact), rel=1e-13 if rate < 1e6 else 1e-11)
     form = np.zeros((1, 2, 2))
     form[0, 0, 0] = 1.0
@@ -162,16 +160,11 @@ def test_loads_from_the_start_begin_in_balance_with_them(kit):
     np.testing.assert_allclose(unloaded.tension_N[0] @ kit.paper().incidence.T, 0.0, atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ({"time_s": [1.0, 0.5]}, "rise"),
-        ({"time_s": [-1.0, 0.5]}, "rise"),
-        ({"time_s": []}, "finite times"),
-        ({"friction": 0.3, "effects": MOVING - {"arc-inertia"}}, "own mass"),
-        ({"friction": -0.3}, "positive"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "said"),
+                         [({"time_s": [1.0, 0.5]}, "rise"), ({"time_s": [-1.0, 0.5]}, "rise"),
+                          ({"time_s": []}, "finite times"),
+                          ({"friction": 0.3, "effects": MOVING - {"arc-inertia"}}, "own mass"),
+                          ({"friction": -0.3}, "positive")])  # fmt: skip
 def test_bad_questions_are_refused(kit, arguments, said):
     whole = {"speed": kit.run_up(), "time_s": [0.0, 1.0]} | arguments
     with pytest.raises(InputError, match=said):

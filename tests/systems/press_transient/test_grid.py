@@ -140,12 +140,8 @@ def planned(kit, seed, effects, accuracy=0.02):
 
 
 def test_a_span_that_is_slack_all_along_is_compared_by_where_it_settles(kit):
-    found = start_up(
-        kit.small(load_N_m=0.0),
-        speed=kit.run_up("s-curve", 1.0, 0.3),
-        time_s=np.linspace(0.0, 0.5, 51),
-        friction=0.5,
-    )
+    found = start_up(kit.small(load_N_m=0.0), speed=kit.run_up("s-curve", 1.0, 0.3),
+                     time_s=np.linspace(0.0, 0.5, 51), friction=0.5)  # fmt: skip
     slack, moved = (replace(found, tension_N=found.tension_N * [0.0, 1.0, 1.0]) for _ in range(2))
     assert largest_difference(slack, moved) == 0.0
     settled = moved.settled._replace(tension_N=moved.settled.tension_N * (1.0 + 1e-9))

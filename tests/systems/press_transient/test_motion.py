@@ -112,12 +112,8 @@ def test_what_is_left_out_is_absent(kit):
     for part in sorted(MOVING):
         model = ElasticPress(kit.paper(), effects=MOVING - {part})
         whole = ElasticPress(kit.paper())
-        fields = {
-            "arc-inertia": "arc_mass_kg",
-            "belt-damping": "damping_N_s_m",
-            "tensioner-damping": "tensioner_damping_N_s_m",
-            "belt-inertia": "density_kg_m",
-        }
+        fields = {"arc-inertia": "arc_mass_kg", "belt-damping": "damping_N_s_m",
+                  "tensioner-damping": "tensioner_damping_N_s_m", "belt-inertia": "density_kg_m"}  # fmt: skip
         for name, field in fields.items():
             assert getattr(model, field).any() == (name != part), part
             assert getattr(whole, field).all(), part

@@ -182,20 +182,14 @@ def test_utilisation_is_one_at_the_limit_of_the_belt_element(kit):
                 ):  # friction brakes the belt, or drives it; the angle counts from the slack side
                     run = solve_ivp(
                         lambda s, T, way=way, mu=mu, inertia_N=inertia_N: way * inertia_N + mu(s) * T,
-                        (0.0, alpha),
-                        [slack_N],
-                        method="DOP853",
-                        rtol=1e-13,
-                        atol=1e-12,
-                    )
+                        (0.0, alpha), [slack_N], method="DOP853", rtol=1e-13, atol=1e-12
+                    )  # fmt: skip
                     sides = [slack_N, float(run.y[0, -1])][:: int(way)]
                     found = friction_utilisation(
-                        limit,
-                        friction_N=np.full(3, sides[1] - sides[0] - inertia_N * alpha),
-                        upstream_N=np.full(3, sides[0]),
-                        downstream_N=np.full(3, sides[1]),
-                        arc_force_N=np.full(3, inertia_N * alpha),
-                    )
+                        limit, friction_N=np.full(3, sides[1] - sides[0] - inertia_N * alpha),
+                        upstream_N=np.full(3, sides[0]), downstream_N=np.full(3, sides[1]),
+                        arc_force_N=np.full(3, inertia_N * alpha)
+                    )  # fmt: skip
                     assert found[1] == pytest.approx(1.0, abs=1e-9), (friction, inertia_N, alpha)
 
 
@@ -221,19 +215,13 @@ def test_the_share_of_inertia_is_exact_where_the_coefficient_is_steep(kit, b):
 def test_any_start_keeps_to_physics(kit, seed):
     """Random machines, drives and friction: energy adds up, belts do not push, friction stays within its limit."""
     rng = np.random.default_rng(seed)
-    press = kit.small(
-        EA_N=10.0 ** rng.uniform(5.0, 8.0),
-        eta_s=rng.choice([1e-4, 1e-3, 1e-2, 0.1]),
-        load_N_m=rng.uniform(0.0, 60.0),
-        k1=10.0 ** rng.uniform(2.0, 6.0),
-    )
-    found = start_up(
-        press,
-        speed=kit.run_up(rng.choice(["s-curve", "ramp", "constant"]), 0.9, 10.0 ** rng.uniform(-1.5, 0.0)),
-        time_s=np.linspace(0.0, 0.3, 61),
-        friction=rng.uniform(0.05, 1.0),
-        loads=str(rng.choice(["with-speed", "constant"])),
-    )
+    press = kit.small(EA_N=10.0 ** rng.uniform(5.0, 8.0), eta_s=rng.choice([1e-4, 1e-3, 1e-2, 0.1]),
+                      load_N_m=rng.uniform(0.0, 60.0), k1=10.0 ** rng.uniform(2.0, 6.0))  # fmt: skip
+    found = start_up(press,
+                     speed=kit.run_up(rng.choice(["s-curve", "ramp", "constant"]), 0.9,
+                                      10.0 ** rng.uniform(-1.5, 0.0)),
+                     time_s=np.linspace(0.0, 0.3, 61), friction=rng.uniform(0.05, 1.0),
+                     loads=str(rng.choice(["with-speed", "constant"])))  # fmt: skip
     assert found.energy.relative_residual < 1e-8
     assert found.tension_N.min() >= 0.0
     assert found.utilisation.max() <= 1.0 + 1e-6

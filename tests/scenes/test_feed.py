@@ -79,7 +79,7 @@ def test_a_blade_without_its_section_is_refused(scene_of):
 
 def test_the_bundled_scene_shows_how_it_is_asked_for():
     text = (Path(__file__).parents[2] / "data" / "scenes" / "band-saw.toml").read_text(encoding="utf-8")
-    shown = (text.replace("# [feed]", "[feed]").replace("# force", "force").replace(
-                 "# guide_distance", "guide_distance"
-             ))  # fmt: skip
+    shown = text
+    for key in ("[feed]", "force", "guide_distance"):
+        shown = shown.replace(f"# {key}", key)
     assert tomllib.loads(shown)["feed"]["force"] == "100 N"

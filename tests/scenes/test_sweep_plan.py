@@ -12,6 +12,7 @@ import ropefric as rf
 from ropefric.errors import InputError
 from ropefric.files import plain_text
 from ropefric.files.folder import Folder
+from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes import points as solving
 from ropefric.scenes import sweep as tables
 from ropefric.scenes.sweep import parse_axis, sweep_scene, sweep_table
@@ -84,18 +85,16 @@ def test_a_blade_is_a_string_where_its_tension_makes_it_one(loaded, scene_of):
     assert 0 < planned.left_out["bending"] < 12
 
 
-def check_random_hoists(hoist_of, count, seed):
+def test_random_sweeps_keep_the_promise(hoist_of):
     """Boxes of two numbers, each from a scene of its own, with every optional part and near their limits."""
-    rng = np.random.default_rng(seed)
     laws = {"wrap-power": {"a": (0.0, 0.4), "b": (-0.9, -0.05), "c": (0.02, 0.2)},
             "wrap-exponential": {"a": (0.0, 0.4), "b": (-1.0, -0.02), "c": (0.02, 0.2)},
             "size-exponential": {"mu_inf": (0.1, 0.4), "a": (-0.4, -0.05), "b": (-1.0, 0.0)},
             "constant-offset": {"a": (0.05, 0.4), "b": (0.0, 0.2)},
             "howell": {"a": (0.1, 0.5), "b": (0.7, 0.99)}}  # fmt: skip
-    from ropefric.friction.laws import ALL_LAWS
-
     spared = 0
-    for _ in range(count):
+    for part in range(10):
+        rng = np.random.default_rng([1, part])
         name = str(rng.choice(sorted(laws)))
         bounds = list(laws[name].values())
         names = ALL_LAWS[name].parameter_names
@@ -108,34 +107,19 @@ def check_random_hoists(hoist_of, count, seed):
                 "wheel.speed": f"0.1m/s:{0.2 + speed:g}m/s:50",
                 "rope.bending_stiffness": f"{stiff:g}N*m^2:{stiff * rng.uniform(1.1, 100):g}N*m^2:50:log"}  # fmt: skip
         chosen = rng.choice(list(axes), 2, replace=False)
-        planned = compared(hoist_of, *(f"{key}={axes[key]}" for key in chosen),
-                           accuracy=float(rng.choice([0.001, 0.01, 0.02, 0.1])),
-                           friction={"law": name, "parameters": parameters},
-                           wheel={"wrap": f"{wrap:g} deg", "speed": f"{speed:g} m/s"},
-                           rope=STIFF | {"bending_stiffness": f"{stiff:g} N*m^2"},
-                           load={"end_tension": f"{tension:g} N",
-                                 "payload": f"{tension * rng.uniform(0.05, 1.0):g} kg"})  # fmt: skip
-        spared += bool(planned.left_out)
-    return spared
-
-
-def answered(hoist_of, count, seed):
-    found = 0
-    for part in range(count):
         try:
-            found += check_random_hoists(hoist_of, 1, [seed, part])
+            planned = compared(hoist_of, *(f"{key}={axes[key]}" for key in chosen),
+                               accuracy=float(rng.choice([0.001, 0.01, 0.02, 0.1])),
+                               friction={"law": name, "parameters": parameters},
+                               wheel={"wrap": f"{wrap:g} deg", "speed": f"{speed:g} m/s"},
+                               rope=STIFF | {"bending_stiffness": f"{stiff:g} N*m^2"},
+                               load={"end_tension": f"{tension:g} N",
+                                     "payload": f"{tension * rng.uniform(0.05, 1.0):g} kg"})  # fmt: skip
         except InputError as error:
             assert "no point of the sweep" in str(error) or "gives the coefficient" in str(error)  # noqa: PT017
-    return found
-
-
-def test_random_sweeps_keep_the_promise(hoist_of):
-    assert answered(hoist_of, 10, 1) > 3
-
-
-@pytest.mark.slow
-def test_hundreds_of_random_sweeps_keep_the_promise(hoist_of):
-    assert answered(hoist_of, 600, 2) > 200
+            continue
+        spared += bool(planned.left_out)
+    assert spared > 3
 
 
 @pytest.mark.parametrize(

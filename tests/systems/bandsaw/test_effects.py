@@ -172,9 +172,6 @@ def test_what_is_left_out_is_not_evaluated(full_problem):
 
 # --- how far bending can go ---
 
-LAYERS = (1e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.45, 1.0)
-SPEEDS = (0.0, 0.3, 0.7, 0.9, 0.98, 0.995, 0.999)
-
 
 @cache
 def shifts(ends, e, V, n_modes):
@@ -189,26 +186,14 @@ def bending_bound(ends, e, V, n_modes):
     return float(bound_of(scaled).max())
 
 
-def check_bending(ends, e, V, n_modes):
-    found = shifts(ends, e, V, n_modes)
-    assert found.min() > -2e-9
-    for n in range(1, n_modes + 1):
-        assert found[:n].max() <= bending_bound(ends, e, V, n) + 2e-9
-
-
 def test_bending_stays_below_its_bound():
     for ends in [PINNED, CLAMPED]:
         for e in [1e-4, 0.01, 0.1, 0.3]:
             for V in [0.0, 0.7, 0.98]:
-                check_bending(ends, e, V, 10)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("ends", [PINNED, CLAMPED])
-def test_bending_stays_below_its_bound_on_the_whole_grid(ends):
-    for e in LAYERS:
-        for V in SPEEDS:
-            check_bending(ends, e, V, 20)
+                found = shifts(ends, e, V, 10)
+                assert found.min() > -2e-9
+                for n in range(1, 11):
+                    assert found[:n].max() <= bending_bound(ends, e, V, n) + 2e-9, (ends, e, V, n)
 
 
 def test_the_bound_of_bending_is_the_stiffness_itself_for_thin_blades():
@@ -259,8 +244,9 @@ def saws(draw):
     return problem if left_away is None else replace(problem, **{left_away: None})
 
 
-def check_promise(problem, accuracy):
-    """Return whether the stiffness was left out, after the planned answer was held against the whole one."""
+@settings(deadline=None, max_examples=15, derandomize=True)
+@given(problem=saws(), accuracy=st.sampled_from([0.3, 0.05, 0.01, 1e-3]))
+def test_the_promise_holds_for_random_saws(problem, accuracy):
     plan, model = make_plan(SYSTEM, problem, accuracy=accuracy, effects="auto")
     _, full = make_plan(SYSTEM, problem, accuracy=accuracy, effects="all")
     try:
@@ -270,32 +256,13 @@ def check_promise(problem, accuracy):
     difference = SYSTEM.distance(SYSTEM.solve(model, plan.method), everything, everything)
     assert difference <= min(accuracy, plan.error_bound) + 2e-9
     assert plan.keeps_accuracy
-    return bool(plan.left_out)
 
 
-ACCURACIES = st.sampled_from([0.3, 0.05, 0.01, 1e-3])
-
-
-@settings(deadline=None, max_examples=15, derandomize=True)
-@given(problem=saws(), accuracy=ACCURACIES)
-def test_the_promise_holds_for_random_saws(problem, accuracy):
-    check_promise(problem, accuracy)
-
-
-@pytest.mark.slow
-def test_the_promise_holds_for_thousands_of_random_saws():
-    found = []
-
-    @settings(deadline=None, max_examples=2000)
-    @given(problem=saws(), accuracy=ACCURACIES)
-    def run(problem, accuracy):
-        found.append(check_promise(problem, accuracy))
-
-    run()
-    assert sum(found) > 0.2 * len(found)
-
-
-def check_bound(problem, others):
+@settings(deadline=None, max_examples=15)
+@given(
+    problem=saws(), others=st.sets(st.sampled_from(["tension-difference", "wheel-inertia-tension", "travel"]))
+)
+def test_the_stiffness_is_worth_no_more_than_its_bound(problem, others):
     """The stiffness's worth, with whatever others are in, stays below its bound."""
     if SYSTEM.effects["bending"].needs(problem) or math.isinf(bound := float(bound_of(problem).max())):
         return
@@ -307,19 +274,3 @@ def check_bound(problem, others):
     for side in Side:
         with_it, without = (one.sides[side].frequencies_Hz for one in pair)
         assert np.abs(np.log(with_it / without)).max() <= bound + 3e-8, side
-
-
-SOME = st.sets(st.sampled_from(["tension-difference", "wheel-inertia-tension", "travel"]))
-
-
-@settings(deadline=None, max_examples=15)
-@given(problem=saws(), others=SOME)
-def test_the_stiffness_is_worth_no_more_than_its_bound(problem, others):
-    check_bound(problem, others)
-
-
-@pytest.mark.slow
-@settings(deadline=None, max_examples=300)
-@given(problem=saws(), others=SOME)
-def test_the_stiffness_is_worth_no_more_than_its_bound_in_hundreds_of_saws(problem, others):
-    check_bound(problem, others)

@@ -205,7 +205,9 @@ def worth(with_it, without):
     return float(np.abs(np.where(same, 0.0, with_it) - np.where(same, 0.0, without)).max())
 
 
-def check_stiffness(problem, solved):
+@settings(deadline=None, max_examples=20)
+@given(problem=hoists())
+def test_the_stiffness_is_worth_no_more_than_its_bound(problem, solved):
     """The bound for many cases at once, from the answer of a limp rope, holds whatever else is simulated."""
     others = [
         name for name, one in SYSTEM.effects.items() if not one.needs(problem) and name != "bending-stiffness"
@@ -219,16 +221,3 @@ def check_stiffness(problem, solved):
         if math.isfinite(limit):
             stiff = numbers(solved(problem, [*some, "bending-stiffness"]))
             assert worth(stiff, numbers(limp)) <= limit * (1.0 + 1e-9) + 1e-11, some
-
-
-@settings(deadline=None, max_examples=20)
-@given(problem=hoists())
-def test_the_stiffness_is_worth_no_more_than_its_bound(problem, solved):
-    check_stiffness(problem, solved)
-
-
-@pytest.mark.slow
-@settings(deadline=None, max_examples=1000)
-@given(problem=hoists())
-def test_the_stiffness_is_worth_no_more_than_its_bound_in_thousands_of_scenes(problem, solved):
-    check_stiffness(problem, solved)

@@ -67,14 +67,11 @@ def test_two_rollers_are_the_belt_drive():
     found = solved(problem_of(press))
     tight_N, slack_N = found.state.tension_N[0][[1, 0]]
     assert tight_N - slack_N == pytest.approx(1000.0, rel=1e-12)
-    drive = solve_drive(DriveModel(problem=DriveProblem(
-                                       friction=CONSTANT, closure="limit", wheel_radius_m=0.1,
-                                       wrap_angle_rad=3.0, tension_N=tight_N, rope_radius_m=0.0025,
-                                       belt_count=1.0, speed_rad_s=SPEED / 0.1, driven_radius_m=0.2,
-                                       driven_wrap_rad=3.0, linear_density_kg_m=2.0, axial_stiffness_N=4e5,
-                                       power_W=1000.0 * SPEED
-                                   ),
-                                   effects=frozenset({"centrifugal", "creep"})))  # fmt: skip
+    belt = DriveProblem(friction=CONSTANT, closure="limit", wheel_radius_m=0.1, wrap_angle_rad=3.0,
+                        tension_N=tight_N, rope_radius_m=0.0025, belt_count=1.0, speed_rad_s=SPEED / 0.1,
+                        driven_radius_m=0.2, driven_wrap_rad=3.0, linear_density_kg_m=2.0,
+                        axial_stiffness_N=4e5, power_W=1000.0 * SPEED)  # fmt: skip
+    drive = solve_drive(DriveModel(problem=belt, effects=frozenset({"centrifugal", "creep"})))
     assert drive.slack_N[0] == pytest.approx(slack_N, rel=1e-12)
     ratio = drive.speed_ratio[0]
     assert ratio == pytest.approx((1.0 + slack_N / 4e5) / (1.0 + tight_N / 4e5), rel=1e-15)

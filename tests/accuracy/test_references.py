@@ -33,13 +33,10 @@ def test_integrals():
     many = zip(
         integral.MANY, [(p, delta) for p in (0.5, 1.7, 5.0, 15.0) for delta in (1.5, 12.0)], strict=True
     )
-    for stored, start, wrap, b in (
-        (integral.REGULAR, 1.7, 9.4, -0.5),
-        (integral.FROM_ZERO, 0.0, 9.4, -0.5),
-        (integral.NEAR_MINUS_ONE, 1e-3, 9.4, integral.NEARLY),
-        (integral.SHORT_WRAP, 10.0, 1e-6, -0.5),
-        *((value, p, delta, -0.5) for value, (p, delta) in many),
-    ):
+    for stored, start, wrap, b in ((integral.REGULAR, 1.7, 9.4, -0.5), (integral.FROM_ZERO, 0.0, 9.4, -0.5),
+                                   (integral.NEAR_MINUS_ONE, 1e-3, 9.4, integral.NEARLY),
+                                   (integral.SHORT_WRAP, 10.0, 1e-6, -0.5),
+                                   *((value, p, delta, -0.5) for value, (p, delta) in many)):  # fmt: skip
         assert agrees(stored, quadrature(start, wrap, b)), (start, wrap, b)
 
 

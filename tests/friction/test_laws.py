@@ -46,11 +46,8 @@ def test_rise_and_slopes_together_are_to_the_last_bit_those_alone_and_many_sets_
                 assert np.array_equal(jacobian, law.jacobian(theta, pulls)), law.name
         assert log_lift.shape == (216,)
         assert law.jacobian(sets, plan).shape == (6, 216, p)
-        assert (
-            law.local_mu(sets, plan.wrap_angle_rad, plan).shape
-            == law.average_mu(sets, plan).shape
-            == (6, 216)
-        )
+        coefficients = law.local_mu(sets, plan.wrap_angle_rad, plan), law.average_mu(sets, plan)
+        assert [one.shape for one in coefficients] == [(6, 216)] * 2
         assert law.admissible(sets, plan).all()
         assert law.validity(sets, plan) == ()
 

@@ -244,17 +244,14 @@ def negative_coefficient():
             for name in ("coupled", "coupled-from-zero"):
                 call = partial(getattr(ALL_LAWS[name], way), [*theta, -0.4, 0.05], small)
                 yield call, r"e\^\(a r \+ b\) > 1"
-    for name, theta, said in [
-        ("constant", [-1e-300], "negative"),
-        ("wrap-power", [-1e-300, -0.4, 0.1], "coefficient of φ\\^k is .* negative"),
-        ("wrap-power", [0.2, -0.4, -1e-300], "constant part of μ is .* negative"),
-        ("wrap-exponential", [-1e-300, -0.4, 0.1], "negative: μ would rise"),
-        ("wrap-exponential", [0.2, -0.4, -1e-300], "negative: μ turns negative"),
-        ("thickness", [-1e-300], "negative"),
-        ("groove", [-1e-300, 0.3], "negative"),
-        ("howell", [0.0, 0.9], "needs it positive"),
-        ("bending", [-1e-300, 1e-4], "negative"),
-    ]:
+    for name, theta, said in [("constant", [-1e-300], "negative"),
+                              ("wrap-power", [-1e-300, -0.4, 0.1], "coefficient of φ\\^k is .* negative"),
+                              ("wrap-power", [0.2, -0.4, -1e-300], "constant part of μ is .* negative"),
+                              ("wrap-exponential", [-1e-300, -0.4, 0.1], "negative: μ would rise"),
+                              ("wrap-exponential", [0.2, -0.4, -1e-300], "negative: μ turns negative"),
+                              ("thickness", [-1e-300], "negative"), ("groove", [-1e-300, 0.3], "negative"),
+                              ("howell", [0.0, 0.9], "needs it positive"),
+                              ("bending", [-1e-300, 1e-4], "negative")]:  # fmt: skip
         yield partial(lift, name, theta), said
     pulls = Conditions(
         wheel_radius_m=[0.04, 0.03, 0.01], rope_radius_m=0.005, wrap_angle_rad=6.0, end_tension_N=20

@@ -297,12 +297,8 @@ def identical_conditions_show_one_parameter_only():
 
 @fact
 def fewer_trials_than_parameters_are_counted():
-    for name, n in (
-        ("constant-offset", 1),
-        ("wrap-power", 1),
-        ("wrap-exponential", 2),
-        ("size-exponential", 3),
-    ):
+    for name, n in (("constant-offset", 1), ("wrap-power", 1), ("wrap-exponential", 2),
+                    ("size-exponential", 3)):  # fmt: skip
         pulls = plan([0.04], (2.0, 5.0, 9.0)[:n], [20.0])
         fit = fitted(pulls, np.log(20.0) + 0.2 * pulls.wrap_angle_rad + 0.01, name)
         free = sum(item.vary for item in fit.parameters)
@@ -315,16 +311,14 @@ def fewer_trials_than_parameters_are_counted():
 @fact
 def one_value_of_a_regressor_is_named():
     one_wheel, one_wrap, one_load = {"radii": [0.04]}, {"wraps": [6.0]}, {"loads": [20.0]}
-    for name, series, said in [
-        ("size-exponential", one_wheel, "only one size ratio"),
-        ("size-power", one_wheel, "only one size ratio"),
-        ("coupled", one_wheel, "only one size ratio"),
-        ("constant-offset", one_wrap, "only one wrap angle"),
-        ("wrap-power", one_wrap | one_load, "only one wrap angle"),
-        ("wrap-power-from-zero", one_wrap, "only one wrap angle"),
-        ("wrap-exponential-from-zero", one_wrap, "only one wrap angle"),
-        ("wrap-power", one_load, "only one end tension"),
-    ]:
+    for name, series, said in [("size-exponential", one_wheel, "only one size ratio"),
+                               ("size-power", one_wheel, "only one size ratio"),
+                               ("coupled", one_wheel, "only one size ratio"),
+                               ("constant-offset", one_wrap, "only one wrap angle"),
+                               ("wrap-power", one_wrap | one_load, "only one wrap angle"),
+                               ("wrap-power-from-zero", one_wrap, "only one wrap angle"),
+                               ("wrap-exponential-from-zero", one_wrap, "only one wrap angle"),
+                               ("wrap-power", one_load, "only one end tension")]:  # fmt: skip
         pulls = plan(**series, repeats=2)
         scatter = 0.01 * np.random.default_rng(9).normal(size=len(pulls))
         fit = fitted(pulls, LAWS["coupled"].log_lift(TRUTH["coupled"], pulls) + scatter, name)

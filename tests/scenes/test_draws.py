@@ -274,16 +274,14 @@ def test_draws_without_an_answer_are_counted_and_left_out_of_all_numbers(hoist_o
 
 
 def test_tolerances_that_are_none_are_refused(hoist_of):
-    for tolerances, words in [
-        ({"wheel": {"warp": "5 deg"}}, "did you mean 'wheel.wrap'"),
-        ({"wheel": {"wrap": "5 mm"}}, "not a unit of angle"),
-        ({"wheel": {"wrap": 5.0}}, "written like its value"),
-        ({"wheel": {"wrap": "0 deg"}}, "more than 0"),
-        ({"wheel": {"wrap": "-5 deg"}}, "more than 0"),
-        ({"wheel": {"wrap": True}}, "written like its value"),
-        ({"friction": {"fit": "1 N"}}, "no number"),
-        ({"accuracy": 0.1}, "no number"),
-    ]:
+    for tolerances, words in [({"wheel": {"warp": "5 deg"}}, "did you mean 'wheel.wrap'"),
+                              ({"wheel": {"wrap": "5 mm"}}, "not a unit of angle"),
+                              ({"wheel": {"wrap": 5.0}}, "written like its value"),
+                              ({"wheel": {"wrap": "0 deg"}}, "more than 0"),
+                              ({"wheel": {"wrap": "-5 deg"}}, "more than 0"),
+                              ({"wheel": {"wrap": True}}, "written like its value"),
+                              ({"friction": {"fit": "1 N"}}, "no number"),
+                              ({"accuracy": 0.1}, "no number")]:  # fmt: skip
         with pytest.raises(DataError, match=words) as caught:
             hoist_of(tolerances=tolerances)
         assert caught.value.problem.key.startswith("tolerances."), tolerances

@@ -50,10 +50,8 @@ def test_what_is_wrong_has_its_line_its_code_and_its_remedy(scene_file):
         ("0.01", "nan", 2, "RF110", "expected a number"),
         ('"auto"', '["centrifugla"]', 3, "RF120", "did you mean 'centrifugal'?"),
         ('"auto"', '"centrifugal"', 3, "RF110", "a list"),
-        ('"auto"', '["size", "size"]', 3, "RF111", "twice"),
-        ('"40 mm"', "40", 5, "RF130", '"40 mm"'),
-        ('"40 mm"', '"40 N"', 5, "RF130", "length"),
-        ('"40 mm"', '"-40 mm"', 5, "RF110", "not more than 0"),
+        ('"auto"', '["size", "size"]', 3, "RF111", "twice"), ('"40 mm"', "40", 5, "RF130", '"40 mm"'),
+        ('"40 mm"', '"40 N"', 5, "RF130", "length"), ('"40 mm"', '"-40 mm"', 5, "RF110", "not more than 0"),
         ("wrap   =", "warp   =", 6, "RF120", "did you mean 'wrap'?"),
         ('end_tension = "80 N"', 'payload = "120 kg"', 11, "RF121", "end_tension"),
         ("mu = 0.2", "mu = -0.2", 14, "RF110", "not more than 0"),
@@ -63,8 +61,8 @@ def test_what_is_wrong_has_its_line_its_code_and_its_remedy(scene_file):
         ("mu = 0.2", 'law = "wrap-power"', 13, "RF121", "a = …, b = …, c = …"),
         ("mu = 0.2", 'law = "wrap-power"\nparameters = { a = 0.2, b = -0.5, d = 1 }', None, "", "d"),
         ("mu = 0.2", 'fit = "nowhere.json"', 14, "RF101", "no fit 'nowhere.json'"),
-        ("mu = 0.2", 'mu = 0.2\nscale_to = { mu = 1, wrap = "1 turn" }', 15, "RF111", "remove scale_to"),
-    ]:
+        ("mu = 0.2", 'mu = 0.2\nscale_to = { mu = 1, wrap = "1 turn" }', 15, "RF111", "remove scale_to")
+    ]:  # fmt: skip
         path = scene_file(GOOD.replace(old, new, 1))
         problems = check_scene(path)
         told = next(problem for problem in problems if words in str(problem))

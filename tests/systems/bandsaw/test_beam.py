@@ -196,12 +196,9 @@ def test_refusals():
         (lambda: ScaledBeam.at_speed(0.0, 0.5, PINNED), InputError, "without stiffness is a string"),
         (lambda: ScaledBeam.at_speed(1e-2, 1.05, PINNED), InputError, "not below the critical 1.04818703"),
         (lambda: order_for(ScaledBeam.at_speed(1e-2, 0.5, PINNED), 600, 1e-6), SolverError, "above 400"),
-        (
-            lambda: chebyshev_frequencies(ScaledBeam.at_speed(1e-2, 0.5, PINNED), 10, 6),
-            InputError,
-            "16 or more",
-        ),
-    ]:
+        (lambda: chebyshev_frequencies(ScaledBeam.at_speed(1e-2, 0.5, PINNED), 10, 6), InputError,
+         "16 or more")
+    ]:  # fmt: skip
         with pytest.raises(error, match=words):
             call()
 

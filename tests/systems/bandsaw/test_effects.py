@@ -146,13 +146,11 @@ def test_a_tiny_pull_keeps_its_digits(full_problem):
 
 
 def test_an_effect_without_its_data_names_the_key(full_problem):
-    for name, field, key in [
-        ("tension-difference", "tension_difference_N", "drive.power"),
-        ("wheel-inertia-tension", "mounting_factor", "tension.mounting_factor"),
-        ("travel", "wheel_speed_rad_s", "wheel.speed"),
-        ("bending", "bending_stiffness_N_m2", "blade.bending_stiffness"),
-        ("torsion", "section", "blade.width"),
-    ]:
+    for name, field, key in [("tension-difference", "tension_difference_N", "drive.power"),
+                             ("wheel-inertia-tension", "mounting_factor", "tension.mounting_factor"),
+                             ("travel", "wheel_speed_rad_s", "wheel.speed"),
+                             ("bending", "bending_stiffness_N_m2", "blade.bending_stiffness"),
+                             ("torsion", "section", "blade.width")]:  # fmt: skip
         lacking = replace(full_problem, **{field: None})
         plan, _ = make_plan(SYSTEM, lacking, accuracy=0.01, effects="all")
         assert next(one for one in plan.decisions if one.name == name).fate == "not applicable", name

@@ -143,13 +143,11 @@ def test_refusals_name_the_critical_speed(saw):
 
 
 def test_functions_refuse():
-    for call, words in [
-        (lambda: torque_N_m(7500.0, 0.0), "wheel_speed_rad_s is 0"),
-        (lambda: torque_N_m(-1.0, 1.0), "power_W is -1"),
-        (lambda: tension_difference_N(1.0, 0.0), "wheel_radius_m is 0"),
-        (lambda: Section(width_m=0.001, thickness_m=0.1), "0.1 m thick"),
-        (lambda: Section(width_m=0.0, thickness_m=0.1), "width_m is 0"),
-    ]:
+    for call, words in [(lambda: torque_N_m(7500.0, 0.0), "wheel_speed_rad_s is 0"),
+                        (lambda: torque_N_m(-1.0, 1.0), "power_W is -1"),
+                        (lambda: tension_difference_N(1.0, 0.0), "wheel_radius_m is 0"),
+                        (lambda: Section(width_m=0.001, thickness_m=0.1), "0.1 m thick"),
+                        (lambda: Section(width_m=0.0, thickness_m=0.1), "width_m is 0")]:  # fmt: skip
         with pytest.raises(InputError, match=words):
             call()
 

@@ -115,11 +115,9 @@ def test_the_lifted_arc_keeps_its_digits_where_the_arc_cosine_loses_them():
 
 
 def test_what_cannot_be_is_refused_by_name(full_problem, solved):
-    for change, words in [
-        ({"speed_m_s": 40.0}, "lifts off the wheel"),
-        ({"bending_stiffness_N_m2": 1.0}, "too stiff to follow"),
-        ({"bending_stiffness_N_m2": 0.1, "wrap_angle_rad": 0.4}, "never touches"),
-    ]:
+    for change, words in [({"speed_m_s": 40.0}, "lifts off the wheel"),
+                          ({"bending_stiffness_N_m2": 1.0}, "too stiff to follow"),
+                          ({"bending_stiffness_N_m2": 0.1, "wrap_angle_rad": 0.4}, "never touches")]:  # fmt: skip
         with pytest.raises(InputError, match=words):
             solved(replace(full_problem, **change))
 

@@ -44,15 +44,9 @@ CALLS = {"preload": lambda x: {"preload_N": x}, "speed": lambda x: {"speed_m_s":
 
 def test_the_utilisation_there_is_one(statics):
     for change, call in CALLS.items():
-        for friction in [
-            1.2,
-            0.5,
-            WrapFriction(
-                law=LAWS["wrap-power"],
-                theta=np.array([1.2, -0.3, 0.2]),
-                reference=one_condition(0.1, 0.0025, 2, 500),
-            ),
-        ]:
+        for friction in [1.2, 0.5,
+                         WrapFriction(law=LAWS["wrap-power"], theta=np.array([1.2, -0.3, 0.2]),
+                                      reference=one_condition(0.1, 0.0025, 2, 500))]:  # fmt: skip
             values = critical(statics, friction, change).by_roller
             checked = 0
             for i, value in enumerate(values.values()):

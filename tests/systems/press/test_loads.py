@@ -25,12 +25,8 @@ def test_the_printed_squeeze_torques_stand_for_one_product(paper_press, paper_da
 
 
 def test_the_printed_gravity_torques_stand_for_two_zones(paper_press, paper_data):
-    for roller, pull_N, drag_kg_m2 in [
-        ("2", 349.333, 296.75),
-        ("3", 349.333, 296.75),
-        ("5", 60.000, 50.97),
-        ("13", 60.000, 50.97),
-    ]:
+    for roller, pull_N, drag_kg_m2 in [("2", 349.333, 296.75), ("3", 349.333, 296.75), ("5", 60.000, 50.97),
+                                       ("13", 60.000, 50.97)]:  # fmt: skip
         part = next(each for each in paper_press.rollers if each.name == roller)
         assert part.gravity_torque_N_m / part.radius_m == pytest.approx(pull_N, abs=5e-4), roller
         height_m = paper_data["sludge_height"]

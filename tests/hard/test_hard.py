@@ -3,8 +3,6 @@
 import resource
 from pathlib import Path
 
-import hard_machines
-import hard_traces
 import pytest
 import table as hard_table
 from hard_regime import refused as assert_refused
@@ -54,13 +52,13 @@ def test_refused(calls):
 
 @pytest.mark.slow
 def test_stiff_belts_that_go_slack():
-    assert hard_machines.slack_belts([(1e8, 1e-4)]) <= 1e-8
+    assert hard_table.hard_machines.slack_belts([(1e8, 1e-4)]) <= 1e-8
 
 
 @pytest.mark.slow
 def test_a_hundred_million_samples():
     """Two arrays of 0.8 GB, two masks of 0.1 GB, and a little."""
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    assert hard_traces.many_samples(100_000_000) <= 1e-9
+    assert hard_table.hard_traces.many_samples(100_000_000) <= 1e-9
     grown_GB = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1e6
     assert grown_GB < 2.2

@@ -41,7 +41,7 @@ def test_a_share_has_its_binomial_interval():
     assert found == ["0 % (0 to 31 %)", "30 % (7 to 65 %)", "70 % (35 to 93 %)", "100 % (69 to 100 %)"]
 
 
-@pytest.mark.slow
+@pytest.mark.hours
 def test_printed_intervals_hold_the_mean_and_a_pull_in_93_to_97_of_100():
     """Of 300 campaigns: the limits, and two standard errors of a share."""
     room = 2 * np.sqrt(0.95 * 0.05 / 300)
@@ -51,7 +51,7 @@ def test_printed_intervals_hold_the_mean_and_a_pull_in_93_to_97_of_100():
             assert 0.93 - room < share < 0.97 + room, (design.name, name)
 
 
-@pytest.mark.slow
+@pytest.mark.hours
 @pytest.mark.parametrize("design", [*JUDGED.values()][1::14], ids=lambda one: one.name)
 def test_constant_data_rarely_support_another_law(design):
     """Of 60 campaigns, at a true share of 5 %: 8 and more are seen once in 100 times."""
@@ -67,7 +67,7 @@ def test_constant_data_support_another_law_in_a_twentieth_of_campaigns_at_most(d
     assert verdicts(design, 1000)["law"] <= 0.05 + 2.0 * np.sqrt(0.05 * 0.95 / 1000)
 
 
-@pytest.mark.slow
+@pytest.mark.hours
 def test_a_clear_effect_is_found_in_most_campaigns():
     """A fifth of μ over all wheels or loads, 12 conditions of 5: nearly always; over the wraps an offset may do too."""
     for effect, least in (("size effect", 0.9), ("load dependence", 0.9), ("wrap effect", 0.3)):

@@ -61,7 +61,7 @@ def test_the_page_says_what_the_pickers_did():
     assert block_of("picks") == shown, "run python tests/regenerate_readme.py picks"
 
 
-@pytest.mark.slow
+@pytest.mark.hours
 def test_the_page_says_how_many_intervals_hold_the_truth():
     """Every design stands there; those that take little time are counted again."""
     shown = block_of("uncertainty").splitlines()

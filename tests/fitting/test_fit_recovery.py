@@ -65,7 +65,7 @@ def test_clustered_errors_are_right_where_conditions_scatter_and_absolute_ones_a
     assert absolute.std(ddof=1) > 2.5
 
 
-@pytest.mark.slow
+@pytest.mark.hours
 @pytest.mark.parametrize("law", TRUTH)
 def test_pulls_of_every_law(law):
     z = pulls(law, range(400), clustered=False)
@@ -74,7 +74,7 @@ def test_pulls_of_every_law(law):
     assert z.std(axis=0, ddof=1).max() < 1.15
 
 
-@pytest.mark.slow
+@pytest.mark.hours
 @pytest.mark.parametrize("law", ["constant", "coupled"])
 def test_clustered_pulls(law):
     z = pulls(law, range(400), between=0.01)

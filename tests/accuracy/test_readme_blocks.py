@@ -55,13 +55,13 @@ def printed(statement):
     return subprocess.run(command, cwd=ROOT / "tests", capture_output=True, check=True).stdout.decode("utf-8")
 
 
-@pytest.mark.slow
+@pytest.mark.hours
 def test_the_page_says_what_the_pickers_did():
     shown = printed("import sys; sys.stdout.reconfigure(encoding='utf-8'); print(made.picks_block(), end='')")
     assert block_of("picks") == shown, "run python tests/regenerate_readme.py picks"
 
 
-@pytest.mark.hours
+@pytest.mark.slow
 def test_the_page_says_how_many_intervals_hold_the_truth():
     """Every design stands there; those that take little time are counted again."""
     shown = block_of("uncertainty").splitlines()

@@ -29,7 +29,7 @@ HOSTILE = (
     "1.234,5", "1;2", "#", "\t", "\r",
 )  # fmt: skip
 
-LONG = int(os.environ.get("ROPEFRIC_FUZZ_EXAMPLES", "100000"))
+LONG = int(os.environ.get("ROPEFRIC_FUZZ_EXAMPLES", "15000"))
 HANG_S = 10
 
 

@@ -1,6 +1,6 @@
 """How every fuzz target is run: short by default, long with `-m slow`, both the same on every machine.
 
-ROPEFRIC_FUZZ_EXAMPLES is the number of examples of the whole long run (100 000 if not set); every target has its
+ROPEFRIC_FUZZ_EXAMPLES is the number of examples of the whole long run (15 000 if not set); every target has its
 share of it. Ten seconds an example are a hang.
 """
 

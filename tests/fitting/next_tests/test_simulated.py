@@ -39,9 +39,8 @@ def test_the_promised_error_is_the_error_found(bench, guessed, wanted, campaigns
     assert found.covered >= 0.85
 
 
-@pytest.mark.parametrize(
-    ("name", "where"), thinned([("size-exponential", "large wheel"), ("howell", "strong")])
-)
+@pytest.mark.parametrize(("name", "where"), thinned([("size-exponential", "large wheel"),
+    ("howell", "strong")]))  # fmt: skip
 def test_a_plan_carried_out_beats_one_factor_at_a_time(compared, name, where):
     ours, theirs = compared(name, where, n=4)
     assert np.median(theirs.widths) > WORTHWHILE * np.median(ours.widths)
@@ -101,14 +100,11 @@ def pulled(planned, conditions, folder, seed):
     from ropefric.trials.extract import extract_campaign
 
     settings = (conditions.wheel_radius_m, conditions.wrap_angle_rad, conditions.end_tension_N)
-    rows = tuple(
-        RigCondition(wheel_radius_m=R, wrap_angle_rad=phi, end_tension_N=F)
-        for R, phi, F in np.transpose(settings).tolist()
-    )
-    plan = CampaignPlan(
-        name="planned", law=planned.law.name, parameters=planned.law.as_mapping(planned.theta),
-        rope_diameter_m=0.0098, conditions=rows, design=rows[0], repeats=4, faults={},
-        bench=Bench(trial_scatter=planned.scatter.within, condition_scatter=planned.scatter.between),
-    )  # fmt: skip
+    rows = tuple(RigCondition(wheel_radius_m=R, wrap_angle_rad=phi, end_tension_N=F)
+        for R, phi, F in np.transpose(settings).tolist())  # fmt: skip
+    plan = CampaignPlan(name="planned", law=planned.law.name,
+        parameters=planned.law.as_mapping(planned.theta), rope_diameter_m=0.0098, conditions=rows,
+        design=rows[0], repeats=4, faults={}, bench=Bench(trial_scatter=planned.scatter.within,
+        condition_scatter=planned.scatter.between))  # fmt: skip
     simulate_campaign(folder, plan, seed=seed)
     return trial_table(extract_campaign(load_campaign(folder / "campaign.toml")))

@@ -80,19 +80,6 @@ def test_wrap_series_at_one_load_is_refused_and_at_six_is_not():
     assert six.status == "ok", six.advice
 
 
-def test_one_load_says_so_in_words():
-    tables = (pulled("wrap-power", [0.2, -0.5, 0.1], wraps=TWELVE_WRAPS, seed=s) for s in range(2))
-    fits = [fit_law(table, "wrap-power") for table in tables]
-    assert not any(fit.trustworthy for fit in fits)
-    unseen = [fit for fit in fits if fit.status is FitStatus.UNIDENTIFIABLE]
-    assert unseen
-    for fit in unseen:
-        text = fit.advice[0]
-        assert "The data do not show" in text
-        assert ("There is only one end tension (F_B = 20 N): a wrap series at one load cannot fix the law" in
-            text)  # fmt: skip
-
-
 # ---- designs that cannot show a parameter ----
 
 

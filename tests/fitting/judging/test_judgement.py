@@ -171,14 +171,6 @@ def test_a_law_asked_for_against_the_data_is_not_supported(compared):
     assert "constant was asked for" in choice.verdict.reason
 
 
-def test_a_simpler_law_is_supported_beside_a_richer_one_that_says_the_same():
-    table = pulls("constant", [0.25], wraps=np.linspace(1.57, 12.57, 8), repeats=5, within=0.03, seed=1)
-    comparison = compare_laws(table, ["wrap-power", "wrap-exponential"])
-    assert comparison.best.law == "constant"
-    for wrap in (2.0, 6.0, 12.0):
-        assert choose_law(comparison, "", one_condition(0.04, 0.005, wrap, 20.0)).verdict.supported
-
-
 # --- intervals ------------------------------------------------------------------------------------------------------
 
 

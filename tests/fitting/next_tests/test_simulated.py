@@ -69,15 +69,6 @@ def test_a_plan_knows_which_error_all_its_tests_share(bench, guessed, wanted):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["constant", "size-exponential", "wrap-power", "howell", "coupled"])
-@pytest.mark.parametrize("where", ["inside", "large wheel", "strong"])
-def test_all_plans_carried_out_beat_one_factor_at_a_time(compared, name, where):
-    ours, theirs = compared(name, where, n=20)
-    assert np.median(theirs.widths) > WORTHWHILE * np.median(ours.widths)
-    assert (theirs.errors**2).mean() > WORTHWHILE * (ours.errors**2).mean()
-
-
-@pytest.mark.slow
 def test_a_plan_pulled_on_the_virtual_rig_beats_one_factor_at_a_time(bench, guessed, wanted, usual, tmp_path):
     """Recordings with ramp, noise, converter and tare, extracted, fitted, predicted: the whole way, three times."""
     scatter = MeanScatter(within=0.017, between=0.01)

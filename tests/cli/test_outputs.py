@@ -421,4 +421,4 @@ def test_without_a_place_for_what_is_temporary_or_for_the_result_the_files_are_w
 def test_what_libraries_log_is_not_for_the_reader(tmp_path):
     """A new folder for matplotlib's settings makes it tell of its list of fonts."""
     code = f"import os\nos.environ['MPLCONFIGDIR'] = {str(tmp_path / 'mpl')!r}\n"
-    assert program(code, *SWEEP, tmp_path / "out", "--quiet") == (0, "")
+    assert program(code, *SWEEP, tmp_path / "out", "--quiet", stdout=subprocess.DEVNULL) == (0, "")

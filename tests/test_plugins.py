@@ -47,9 +47,8 @@ wheels = { w = { radius = "40 mm" } }
 protocol = { name = "largest-sample" }
 rejection = { rule = "half-range" }
 """
-LAB["trials.csv"] = "trial,file,wheel,wrap_deg,end_tension_N\n" + "".join(
-    f"p{i},pull{i}.rlg,w,180,20\n" for i in range(5)
-)
+LAB["trials.csv"] = "trial,file,wheel,wrap_deg,end_tension_N\n" + "".join(f"p{i},pull{i}.rlg,w,180,20\n"
+    for i in range(5))  # fmt: skip
 
 
 @pytest.fixture
@@ -79,11 +78,8 @@ def test_every_plugin_of_the_page_keeps_its_promises(lab, capsys):
         assert len(told["promises"]) >= 2
         assert all(one["promise"].endswith(".") for one in told["promises"])
         assert not plugins.loaded(), "a command's plugins are not those of the next"
-    edit(
-        lab / "my_law.py",
-        "return by_radius, a + b / (1.0 + conditions.wrap_angle_rad)",
-        "return by_radius, a + b",
-    )
+    edit(lab / "my_law.py", "return by_radius, a + b / (1.0 + conditions.wrap_angle_rad)",
+        "return by_radius, a + b")  # fmt: skip
     edit(lab / "my_rule.py", "return flagged if", "return deviations if")
     for name, broken in (("my_law.py", "the slope by wrap_angle_rad is"), ("my_rule.py", "the answer is")):
         code, told = run(capsys, "check-plugin", name)
@@ -97,19 +93,15 @@ def test_what_a_plugin_prints_stays_out_of_the_json(lab, capsys):
     for line in (("show", fit, "--plugin", "talks.py"), ("--plugin", "talks.py", "show", fit)):
         assert main(["--json", *line]) == 0
         told = capsys.readouterr()
-        assert json.loads(told.out)["law"] == "coupled"
-        assert told.err == "hello\n"
+        assert (json.loads(told.out)["law"], told.err) == ("coupled", "hello\n")
 
 
 def test_a_law_is_fitted_compared_and_stored_with_its_plugin(lab, capsys):
-    code, fit = run(
-        capsys, "fit", str(TRIALS), "--law", "two-term", "--plugin", "my_law.py", "--out", "two.json"
-    )
+    code, fit = run(capsys, "fit", str(TRIALS), "--law", "two-term", "--plugin", "my_law.py", "--out",
+        "two.json")  # fmt: skip
     assert code in {0, 4}
     (known,) = fit["provenance"]["plugins"]
-    assert known["file"] == "my_law.py"
-    assert known["declares"] == ["LAW two-term"]
-    assert len(known["sha256"]) == 64
+    assert (known["file"], known["declares"], len(known["sha256"])) == ("my_law.py", ["LAW two-term"], 64)
     assert "two-term" not in LAWS
     # Without the plugin the fit says what it needs; with it, it predicts.
     wheel = ["--wheel-radius", "40 mm", "--wrap", "400 deg", "--end-tension", "60 N"]
@@ -189,9 +181,8 @@ def test_a_machine_is_solved_explained_and_swept(lab, capsys):
     assert told["hold_margin"] == pytest.approx(held_N / 2000.0, rel=1e-12)
     assert told["plugins"][0]["declares"] == ["KIND bollard"]
     found = rf.sweep("quay.toml", "post.wrap=1turn,2turn,3turn")
-    assert found.columns["held_N"] == pytest.approx(
-        150.0 * np.exp(0.25 * 2 * np.pi * np.array([1, 2, 3])), rel=1e-12
-    )
+    assert found.columns["held_N"] == pytest.approx(150.0 * np.exp(0.25 * 2 * np.pi * np.array([1, 2, 3])),
+        rel=1e-12)  # fmt: skip
     assert main(["solve", "quay.toml"]) == 0
     assert "Pull that the hand holds" in capsys.readouterr().out
     code, told = run(capsys, "solve", "quay.toml", "--sweep", "post.wrap=1turn:4turn:4")
@@ -237,10 +228,8 @@ def test_a_broken_plugin_is_an_error_with_its_line(tmp_path, capsys):
 
 def test_what_is_not_there_is_refused(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name, words in {
-        "nothing.py": "no such file",
-        "our-lab": "no installed plugin is called 'our-lab'",
-    }.items():
+    for name, words in {"nothing.py": "no such file",
+            "our-lab": "no installed plugin is called 'our-lab'"}.items():  # fmt: skip
         with pytest.raises(rf.RopefricError, match=words):
             rf.load_plugin(name)
 
@@ -283,7 +272,5 @@ def test_the_rest_of_the_page_is_true():
         assert f"{kind.__module__}.{kind.__qualname__}" == where
     assert {"RF160", "RF161", "RF162"} <= set(re.findall(r"RF\d+", PAGE))
     assert all(hasattr(testing, name) for name in re.findall(r"check_\w+", PAGE))
-    assert set(FILES) == {
-        *(f"my_{one}.py" for one in ("law", "reader", "rule", "protocol", "machine")),
-        "quay.toml",
-    }
+    assert set(FILES) == {*(f"my_{one}.py" for one in ("law", "reader", "rule", "protocol", "machine")),
+        "quay.toml"}  # fmt: skip

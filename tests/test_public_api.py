@@ -81,8 +81,7 @@ def bare(function):
 
 def test_the_public_names_and_signatures_are_these_and_documented():
     assert {name: bare(getattr(rf, name)) for name in dir(rf) if name in SIGNATURES} == SIGNATURES
-    assert rf.__all__ == ["__version__", *CLASSES, *SIGNATURES]
-    assert dir(rf) == sorted(rf.__all__)
+    assert (rf.__all__, dir(rf)) == (["__version__", *CLASSES, *SIGNATURES], sorted(rf.__all__))
     for name in SIGNATURES:
         assert inspect.getdoc(getattr(rf, name)).startswith(("Load ", "Return ", "Write "))
     # Editors are told the same.
@@ -102,13 +101,10 @@ def few(tmp_path_factory):
 
 
 def test_a_clean_process_loads_names_late_and_predicts_the_same_to_the_last_digit():
-    code = (
-        "import sys, ropefric as rf\n"
-        "assert 'numpy' not in sys.modules\n"
+    code = ("import sys, ropefric as rf\nassert 'numpy' not in sys.modules\n"
         "rf.read_trace, rf.reject, rf.extract, rf.load_scene, rf.solve, rf.explain, rf.sweep, rf.budget\n"
         "heavy = {'pandas', 'lmfit', 'matplotlib', 'typer'} & set(sys.modules)\n"
-        "assert not heavy, heavy\n"
-    )
+        "assert not heavy, heavy\n")  # fmt: skip
     asked = (
         f"fit = rf.load_fit({str(COUPLED)!r})\n"
         "found = rf.predict(fit, wheel_radius_m=0.05, wrap_angle_rad=8.25, end_tension_N=77.7)\n"
@@ -151,9 +147,8 @@ def test_an_extraction_is_a_table(tmp_path):
     fit = rf.fit(extraction, "constant")
     assert fit.statistics.n == 8
     stated = rf.measured_budgets(extraction, draws=20_000)
-    assert [one.budget.estimate for one in stated] == pytest.approx(
-        [one.mean_kept_N for one in extraction.conditions], rel=1e-12
-    )
+    assert [one.budget.estimate for one in stated] == pytest.approx([one.mean_kept_N
+        for one in extraction.conditions], rel=1e-12)  # fmt: skip
     trace = rf.read_trial(campaign, "c01-r02")
     assert rf.find_breakaway(trace).peak_N == pytest.approx(extraction.trials[1].peak_N, rel=1e-12)
     assert rf.smooth(trace).window_s == pytest.approx(extraction.trials[1].breakaway.window_s, rel=0.01)
@@ -186,17 +181,14 @@ def test_what_is_not_there_or_not_one_is_told():
 
 def test_comparison_and_diagnosis_fit_together(few):
     comparison = rf.compare(few, ["coupled", "constant"])
-    assert comparison.best.law == "coupled"
-    assert rf.diagnose(few, comparison)["wrap effect"].supported == "yes"
+    assert (comparison.best.law, rf.diagnose(few, comparison)["wrap effect"].supported) == ("coupled", "yes")
 
 
 def test_side_by_side_recordings_need_a_name(tmp_path):
     path = tmp_path / "wide.csv"
     path.write_text("A,,B,\ntime_s,force_N,time_s,force_N\n0,1,0,2\n1,2,1,3\n2,3,2,4\n", encoding="utf-8")
-    profile = ImportProfile(
-        separator=",", header_row=2, data_row=3, block_names_row=1, block_columns=2,
-        channels={"time": Channel(column="time_s"), "force": Channel(column="force_N")},
-    )  # fmt: skip
+    profile = ImportProfile(separator=",", header_row=2, data_row=3, block_names_row=1, block_columns=2,
+        channels={"time": Channel(column="time_s"), "force": Channel(column="force_N")})  # fmt: skip
     assert rf.read_trace(path, profile, sample="B").force_N.tolist() == [2.0, 3.0, 4.0]
     with pytest.raises(DataError, match="names 2 of them"):
         rf.read_trace(path, profile)
@@ -205,8 +197,7 @@ def test_side_by_side_recordings_need_a_name(tmp_path):
 def test_a_scene_is_solved_explained_and_swept_from_its_file_or_loaded():
     scene = rf.load_scene(HOIST)
     solved, loaded = rf.solve(HOIST), rf.solve(scene)
-    assert solved.to_dict() == loaded.to_dict()
-    assert rf.explain(scene).plan.simulated == solved.plan.simulated
+    assert (solved.to_dict(), rf.explain(scene).plan.simulated) == (loaded.to_dict(), solved.plan.simulated)
     found = rf.sweep(scene, "wheel.radius=40mm,20mm", "wheel.wrap=540deg,720deg")
     assert found.shape == (2, 2)
     lift_N = found.columns["lift_force_N"]
@@ -261,9 +252,8 @@ def test_tables_of_any_form_with_names_and_units_of_ones_own(tmp_path):
     """A frame with a lab's headers, columns by name, an array and quantities all give the same trials."""
     unit = pint.UnitRegistry()
     forces, wraps_deg = np.array([36.6, 66.1, 121.7]), np.degrees([3.0, 6.0, 9.0]).tolist()
-    lab = pd.DataFrame(
-        {"D [cm]": 8.0, "d [mm]": 10.0, "Winkel": wraps_deg, "F0": 20.0, "F [kN]": forces / 1e3}
-    )
+    lab = pd.DataFrame({"D [cm]": 8.0, "d [mm]": 10.0, "Winkel": wraps_deg, "F0": 20.0,
+        "F [kN]": forces / 1e3})  # fmt: skip
     names = {"D [cm]": "wheel_diameter [cm]", "d [mm]": "rope_diameter_mm", "Winkel": "wrap_deg", "F0": "end_tension_N",
              "F [kN]": "peak_kN"}  # fmt: skip
     columns = {"wheel_radius": ["4 cm"] * 3, "rope_diameter": "10 mm", "wrap": [f"{one!r} deg" for one in wraps_deg],
@@ -297,13 +287,10 @@ def test_a_recording_of_any_form_gives_the_same_break_away():
     time_s = np.arange(2500) / 1000
     force_N = np.interp(time_s, [0.3, 1.3, 1.32], [0, 100, 80])
     lab = pd.DataFrame({"Zeit": time_s, "F": force_N})
-    found = [
-        rf.find_breakaway(ForceTrace(time_s=time_s, force_N=force_N)),
-        rf.find_breakaway(time_s, force_N),
-        rf.find_breakaway(time_s.tolist(), force_N.tolist()),
+    found = [rf.find_breakaway(ForceTrace(time_s=time_s, force_N=force_N)),
+        rf.find_breakaway(time_s, force_N), rf.find_breakaway(time_s.tolist(), force_N.tolist()),
         rf.find_breakaway({"t_s": time_s, "load [N]": force_N}),
-        rf.find_breakaway(lab, columns={"Zeit": "time_s", "F": "force_N"}),
-    ]
+        rf.find_breakaway(lab, columns={"Zeit": "time_s", "F": "force_N"})]  # fmt: skip
     assert {one.peak_N for one in found} == {found[0].peak_N}
     smoothed = rf.smooth({"time_ms": 1e3 * time_s, "force_N": force_N}, 0.01)
     assert smoothed.window_s == pytest.approx(0.01, rel=0.1)

@@ -60,9 +60,8 @@ def forked(capfd):
             code = 70
             try:
                 sys.argv[1:] = [str(word) for word in argv]
-                sys.stdout, sys.stderr = (
-                    os.fdopen(to, "w", encoding="utf-8", closefd=False) for to in (1, 2)
-                )
+                sys.stdout, sys.stderr = (os.fdopen(to, "w", encoding="utf-8", closefd=False)
+                    for to in (1, 2))  # fmt: skip
                 prepare()
                 sys.modules.pop("ropefric.__main__", None)  # which remembers the process it was loaded in
                 from ropefric.__main__ import main as door

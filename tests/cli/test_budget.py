@@ -19,14 +19,11 @@ COUPLED = ROOT / "fits" / "prth-coupled.json"
 LARGER = ROOT / "tests" / "fitting" / "coupled-0.1.0.json"
 """Its parameters are less certain, so that the law is not linear within their errors."""
 WHEEL = ("--wheel-radius", "35 mm", "--wrap", "400 deg", "--end-tension", "60 N")
-LINE_KEYS = {
-    *("name", "symbol", "unit", "estimate", "standard_uncertainty", "type", "distribution", "divisor"),
-    *("sensitivity", "contribution", "share", "dof"),
-}
-KEYS = {
-    *("schema", "quantity", "unit", "estimate", "lines", "combined", "effective_dof", "coverage_factor"),
-    *("level", "expanded", "interval", "monte_carlo", "improvements", "notes", "status", "trustworthy"),
-}
+LINE_KEYS = {*("name", "symbol", "unit", "estimate", "standard_uncertainty", "type", "distribution",
+    "divisor"), *("sensitivity", "contribution", "share", "dof")}  # fmt: skip
+KEYS = {*("schema", "quantity", "unit", "estimate", "lines", "combined", "effective_dof", "coverage_factor"),
+    *("level", "expanded", "interval", "monte_carlo", "improvements", "notes", "status",
+    "trustworthy")}  # fmt: skip
 
 
 @pytest.fixture(autouse=True)
@@ -67,8 +64,7 @@ def test_of_an_exact_wheel_it_is_what_predict_says(call):
 def test_every_condition_of_a_table_has_its_budget(call):
     done = call("budget", TRIALS, "--quantity", "mu", "--draws", "10000", "--json")
     budgets = done.json()["budgets"]
-    assert done.code == 0
-    assert [each["condition"] for each in budgets] == list(range(1, 37))
+    assert (done.code, [each["condition"] for each in budgets]) == (0, list(range(1, 37)))
     for each in budgets:
         mu = math.log(each["lift_force_N"] / each["end_tension_N"]) / each["wrap_angle_rad"]
         assert each["estimate"] == pytest.approx(mu)
@@ -114,13 +110,10 @@ def test_what_is_not_to_be_trusted_is_4(call, tmp_path):
     path = tmp_path / "t.csv"
     path.write_text(f"{header}\n40,10,180,20,40,0.4\n40,10,360,20,80,0.4\n", encoding="utf-8")
     done = call("budget", path, "--draws", "10000", "--json")
-    assert done.code == 4
-    assert {each["status"] for each in done.json()["budgets"]} == {"no-repeats"}
+    assert (done.code, {each["status"] for each in done.json()["budgets"]}) == (4, {"no-repeats"})
 
 
-BAD = {
-    (): (2, "give a campaign or trial table, or --fit"),
-    (TRIALS, "--fit", COUPLED): (2, "not both"),
+BAD = {(): (2, "give a campaign or trial table, or --fit"), (TRIALS, "--fit", COUPLED): (2, "not both"),
     (TRIALS, "--quantity", "nu"): (2, "neither force nor mu"),
     (TRIALS, "--condition", "99"): (3, "numbered 1 to 36"),
     (TRIALS, "--condition", "1", "--u-wrap", "2"): (2, 'for example "2 deg"'),
@@ -128,8 +121,7 @@ BAD = {
     (TRIALS, "--condition", "1", "--draws", "5"): (3, "draw 10000 or more"),
     ("--fit", COUPLED): (2, "--wheel-radius and --wrap and --end-tension missing"),
     ("--fit", COUPLED, *WHEEL[:4]): (2, "--end-tension missing"),
-    ("nowhere.csv",): (3, "nowhere.csv"),
-}
+    ("nowhere.csv",): (3, "nowhere.csv")}  # fmt: skip
 
 
 def test_what_it_cannot_follow_is_told(call):
@@ -184,10 +176,8 @@ def test_limits_that_nobody_stated_are_assumed_wherever_they_stand(call, bench, 
     words = 'hysteresis = "0.02 %FS", repeatability = "0.02 %FS", transmitter = "0.1 %FS"'
     assert f"not stated, so assumed: {words}" in said
     stated, assumed = (call("budget", folder, *FIRST, "--json").json() for folder in (bench, unstated))
-    by_name = [
-        {line["name"]: line.get("assumed") for line in tree["budgets"][0]["lines"]}
-        for tree in (stated, assumed)
-    ]
+    by_name = [{line["name"]: line.get("assumed") for line in tree["budgets"][0]["lines"]}
+        for tree in (stated, assumed)]  # fmt: skip
     assert by_name[0]["transmitter"] is None
     cell = by_name[1]["transmitter"].split(".")[1]
     assert by_name[1]["transmitter"] == f"cells.{cell}.transmitter"
@@ -214,5 +204,4 @@ def test_a_cell_knows_what_was_assumed_of_it():
     calibration = Calibration(cell=cell)
     assert calibration.to_dict()["cell"]["assumed"] == list(LIMITS[1:])
     components = {one.name: one.assumed for one in chain_quantities(300.0, calibration)}
-    assert components["linearity"] == ""
-    assert components["transmitter"] == "cells.K1.transmitter"
+    assert (components["linearity"], components["transmitter"]) == ("", "cells.K1.transmitter")

@@ -53,10 +53,8 @@ def test_a_workbook_tells_the_same_as_text(call, tmp_path):
     for line in [HEAD, *rows()]:
         book.active.append(line)
     book.save(tmp_path / "list.xlsx")
-    texts = [
-        call("check", path).out.partition("\n")[2]
-        for path in (tmp_path / "list.xlsx", write(tmp_path / "list.csv", HEAD, rows()))
-    ]
+    texts = [call("check", path).out.partition("\n")[2]
+        for path in (tmp_path / "list.xlsx", write(tmp_path / "list.csv", HEAD, rows()))]  # fmt: skip
     assert texts[0] == texts[1]
     assert "constant-offset: is told from constant (in " in texts[0]
     assert "may be told in 50 % or more" in texts[0]
@@ -86,8 +84,7 @@ def test_the_list_of_a_campaign_leads_to_the_campaign(call, bench):
 
 def test_a_table_of_other_things_says_what_it_lacks(call, tmp_path):
     done = call("check", write(tmp_path / "run.csv", ["time_s", "force_N"], [[0, 1], [1, 2]]))
-    assert done.code == 3
-    assert done.err.count("there is no column for the") == 4
+    assert (done.code, done.err.count("there is no column for the")) == (3, 4)
 
 
 def test_of_many_mistakes_alike_some_are_said_and_the_others_counted(call, tmp_path):
@@ -96,7 +93,6 @@ def test_of_many_mistakes_alike_some_are_said_and_the_others_counted(call, tmp_p
     head = "trial,wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N"
     path.write_text("\n".join([head, *rows, ""]), encoding="utf-8")
     done = call("fit", path, "--law", "constant")
-    assert done.code == 3
-    assert done.err.count("stands in line") == 20
+    assert (done.code, done.err.count("stands in line")) == (3, 20)
     assert "27 more like these" in done.err
     assert len(call("fit", path, "--law", "constant", "--json").json()["error"]["problems"]) == 47

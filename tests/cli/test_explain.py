@@ -6,23 +6,14 @@ from pathlib import Path
 import pytest
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
-KEYS = {
-    "name", "simulated", "fate", "bound", "why", "missing", "adds", "instead", "worth", "time_share", "time_s",
-    "time_spread_s",
-}  # fmt: skip
-EFFECTS = {
-    "climbing-hoist": [
-        "wrap-dependence", "size", "end-tension", "rope-weight", "centrifugal", "bending-stiffness",
-    ],
-    "fast-belt-press": [
-        "gravity-load", "squeeze-load", "belt-inertia", "tensioner-spring", "belt-elasticity",
-        "elastic-creep", "wrap-dependence", "size", "belt-damping", "tensioner-damping", "arc-inertia",
-        "transient-friction", "exact-switching", "transient",
-    ],
-    "fast-band-saw": [
-        "tension-difference", "wheel-inertia-tension", "travel", "bending", "torsion",
-    ],
-}  # fmt: skip
+KEYS = {"name", "simulated", "fate", "bound", "why", "missing", "adds", "instead", "worth", "time_share",
+    "time_s", "time_spread_s"}  # fmt: skip
+EFFECTS = {"climbing-hoist": ["wrap-dependence", "size", "end-tension", "rope-weight", "centrifugal",
+    "bending-stiffness"], "fast-belt-press": ["gravity-load", "squeeze-load", "belt-inertia",
+    "tensioner-spring", "belt-elasticity", "elastic-creep", "wrap-dependence", "size", "belt-damping",
+    "tensioner-damping", "arc-inertia", "transient-friction", "exact-switching", "transient"],
+    "fast-band-saw": ["tension-difference", "wheel-inertia-tension", "travel", "bending",
+    "torsion"]}  # fmt: skip
 
 
 @pytest.fixture(autouse=True)
@@ -55,9 +46,8 @@ def test_every_effect_is_told_of_and_measured_it_is_within_what_was_promised(cal
 def test_words_say_fate_worth_and_reason(call):
     done = call("explain", SCENES / "climbing-hoist.toml", "--measure", "--quiet")
     flat = " ".join(done.out.split())
-    assert "centrifugal simulated 4.2e-05" in flat
+    assert all(one in flat for one in ("centrifugal simulated 4.2e-05", "as planned"))
     assert "the scene does not give rope.bending_stiffness" in flat
-    assert "as planned" in flat
     assert done.err == ""
 
 
@@ -88,20 +78,17 @@ def test_without_a_start_up_its_effects_ask_for_one_and_nothing_else(call):
 
 def test_a_long_list_of_missing_keys_is_cut_short_in_words_and_whole_in_json(call, tmp_path):
     path = tmp_path / "scene.toml"
-    text = (
-        (SCENES / "belt-press.toml").read_text(encoding="utf-8").replace('effects = "auto"', "effects = []")
-    )
-    path.write_text(
-        text + '\n[start_up]\nlaw = "ramp"\nduration = "1 s"\nsimulate = "2 s"\n', encoding="utf-8"
-    )
+    text = ((SCENES / "belt-press.toml").read_text(encoding="utf-8").replace('effects = "auto"',
+        "effects = []"))  # fmt: skip
+    path.write_text(text + '\n[start_up]\nlaw = "ramp"\nduration = "1 s"\nsimulate = "2 s"\n',
+        encoding="utf-8")  # fmt: skip
     done = call("explain", path, "--json")
     (transient,) = (one for one in done.json()["effects"] if one["name"] == "transient")
     told = " ".join(call("explain", path).out.split())
     n = len(transient["missing"])
     assert n > 4
-    assert (
-        f"transient: the scene does not give {', '.join(transient['missing'][:4])} and {n - 4} more" in told
-    )
+    assert (f"transient: the scene does not give {', '.join(transient['missing'][:4])} and {n - 4} more" in
+        told)  # fmt: skip
     assert all(key in transient["why"] for key in transient["missing"])
 
 
@@ -110,16 +97,13 @@ def test_a_picture_and_the_json_of_it_are_written(call, tmp_path):
     assert done.code == 0, done.err
     tree = done.json()
     assert [Path(one).name for one in tree["files"]] == ["explanation.json", "effects.png", "effects.csv"]
-    assert (
-        json.loads((tmp_path / "told" / "explanation.json").read_text(encoding="utf-8"))["system"]
-        == "bandsaw"
-    )
+    assert (json.loads((tmp_path / "told" / "explanation.json").read_text(encoding="utf-8"))["system"] ==
+        "bandsaw")  # fmt: skip
     header, *rows = (tmp_path / "told" / "effects.csv").read_text(encoding="utf-8").splitlines()
     assert header == "effect,fate,bound,worth,time_s"
     assert [row.split(",")[0] for row in rows] == EFFECTS["fast-band-saw"]
-    assert tree["measured"]["saved_s"] == pytest.approx(
-        tree["measured"]["all_effects_s"] - tree["measured"]["planned_s"]
-    )
+    assert tree["measured"]["saved_s"] == pytest.approx(tree["measured"]["all_effects_s"] -
+        tree["measured"]["planned_s"])  # fmt: skip
 
 
 def test_a_scene_whose_effects_have_no_bound_is_drawn_too(call, tmp_path):

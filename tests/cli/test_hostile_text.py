@@ -16,10 +16,9 @@ from ropefric.plotting.figure import DataTable, FigureWithData, new_figure, svg_
 from ropefric.trials.table import read_trial_table
 
 ROOT = Path(__file__).parents[2]
-NAMES = (
-    r"$\frac{$", "$x$ and $", "a\x1b[31mred\x07", "\u202egnp.exe", "=cmd|' /C calc'!A0", "+1", "@SUM(A1)", "-3",
-    "'=x", "''", "<script>alert(1)</script>", "]]>&amp;--", "Trial", "trial", "../../x", "CON", "x" * 300, 'a,b;c"d',
-)  # fmt: skip
+NAMES = (r"$\frac{$", "$x$ and $", "a\x1b[31mred\x07", "\u202egnp.exe", "=cmd|' /C calc'!A0", "+1",
+    "@SUM(A1)", "-3", "'=x", "''", "<script>alert(1)</script>", "]]>&amp;--", "Trial", "trial", "../../x",
+    "CON", "x" * 300, 'a,b;c"d')  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -58,9 +57,8 @@ def test_a_run_ends_well_and_shows_every_name(done, call, tmp_path, figures):
         if path.suffix == ".csv":
             with path.open(encoding="utf-8", newline="") as stream:
                 cells = [cell for row in csv.reader(stream) for cell in row]
-            assert not [
-                cell for cell in cells if cell[:1] in tuple("=+@\t\r") or (cell in NAMES and cell == "-3")
-            ], path
+            assert not [cell for cell in cells if cell[:1] in tuple("=+@\t\r")
+                or (cell in NAMES and cell == "-3")], path  # fmt: skip
 
 
 def test_spreadsheet_text_comes_back():
@@ -72,13 +70,11 @@ def test_spreadsheet_text_comes_back():
 
 def test_headers_steer_no_terminal(call, tmp_path):
     path = tmp_path / "head.csv"
-    path.write_bytes(
-        b"time (s);\x1b[31mforce\x07 (N)\n" + b"".join(b"%d;%d\n" % (i, i * i) for i in range(9))
-    )
+    path.write_bytes(b"time (s);\x1b[31mforce\x07 (N)\n" + b"".join(b"%d;%d\n" % (i, i * i)
+        for i in range(9)))  # fmt: skip
     for argv in (("inspect", path), ("inspect", tmp_path / "no\x1b[31mfile")):
         ended = call(*argv)
-        assert "\x1b" not in ended.out + ended.err
-        assert "\x07" not in ended.out + ended.err
+        assert not any(one in ended.out + ended.err for one in ("\x1b", "\x07"))
         assert r"\x1b[31m" in ended.out + ended.err
 
 

@@ -25,8 +25,7 @@ def test_people_see_columns_units_ranges_and_the_profile(call, recording):
 
 def test_json_carries_the_profile(call, recording):
     found = call("inspect", recording, "--json").json()
-    assert found["decimal"] == ","
-    assert tomllib.loads(found["profile_toml"])["import"]["decimal"] == ","
+    assert (found["decimal"], tomllib.loads(found["profile_toml"])["import"]["decimal"]) == (",", ",")
 
 
 def test_the_profile_is_written_and_nothing_is_overwritten_unasked(call, recording, tmp_path):
@@ -89,9 +88,8 @@ def test_the_only_column_in_newtons_is_suggested_as_the_force(call, tmp_path):
 
 def test_of_two_columns_in_newtons_none_is_suggested(call, tmp_path):
     path = tmp_path / "zug.csv"
-    path.write_text(
-        "Zeit (ms);oben [N];unten [kN]\n" + "".join(f"{i};{i};{i}\n" for i in range(9)), encoding="utf-8"
-    )
+    path.write_text("Zeit (ms);oben [N];unten [kN]\n" + "".join(f"{i};{i};{i}\n" for i in range(9)),
+        encoding="utf-8")  # fmt: skip
     done = call("inspect", path)
     assert "force =" not in done.out
     assert "which column is the force" in done.out
@@ -100,8 +98,7 @@ def test_of_two_columns_in_newtons_none_is_suggested(call, tmp_path):
 def test_a_folder_is_no_recording(call, bench, tmp_path):
     done = call("inspect", bench)
     assert done.code == 3
-    assert "this is a folder" in done.err
-    assert "ropefric check" in done.err
+    assert all(one in done.err for one in ("this is a folder", "ropefric check"))
     (tmp_path / "pull.csv").write_text("time_s,force_N\n", encoding="utf-8")
     assert "such as pull.csv" in call("inspect", tmp_path).err
 

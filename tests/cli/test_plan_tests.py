@@ -17,10 +17,8 @@ CELL = ("--max-force", "800 N")
 WHEEL = ("--wheel-radius", "35 mm", "--wrap", "400 deg", "--end-tension", "60 N")
 GUESS = ("--law", "wrap-power", "--guess", "a=0.2", "--guess", "b=-0.5", "--guess", "c=0.1")
 GUESSED = (*GUESS, "--rope-diameter", "9.8 mm", "--scatter-within", "1.7 %")
-KEYS = {
-    *("schema", "law", "criterion", "conditions", "wanted", "before", "after", "one_factor", "gain", "notes"),
-    *("scatter", "parameters", "expected_std", "level", "seed"),
-}
+KEYS = {*("schema", "law", "criterion", "conditions", "wanted", "before", "after", "one_factor", "gain",
+    "notes"), *("scatter", "parameters", "expected_std", "level", "seed")}  # fmt: skip
 
 
 @pytest.fixture(autouse=True)
@@ -31,12 +29,8 @@ def at_home(monkeypatch):
 def test_the_example_in_the_help_works(call):
     done = call(*shlex.split(find_commands()["plan-tests"].example)[1:], "--quiet")
     assert (done.code, done.err) == (0, "")
-    words = (
-        "12 conditions to test, 144 pulls",
-        "with this plan",
-        "one factor at a time",
-        "whatever is planned",
-    )
+    words = ("12 conditions to test, 144 pulls", "with this plan", "one factor at a time",
+        "whatever is planned")  # fmt: skip
     assert all(one in done.out for one in words)
 
 
@@ -64,8 +58,7 @@ def test_a_plan_from_a_fit_adds_to_it(call):
     assert 20.0 < found["before"][0]["dof"] < 36.0
     assert found["after"][0]["std_N"] < found["before"][0]["std_N"]
     assert found["scatter"]["within"] == pytest.approx(0.016, abs=2e-4)
-    assert found["scatter"]["instrument_N"] == pytest.approx(0.75, abs=0.05)
-    assert call(*words).json() == found
+    assert (found["scatter"]["instrument_N"], call(*words).json()) == (pytest.approx(0.75, abs=0.05), found)
     assert call(*words, "--criterion", "d").json()["criterion"] == "d"
 
 
@@ -86,18 +79,15 @@ def test_a_range_becomes_settings_one_can_set():
     assert read_levels("20 mm; 1 in", "m", "--wheels", 3) == (0.02, 0.0254)
 
 
-BAD = {
-    (*RIG, *CELL, *WHEEL): (2, "give a fit, or a law with --guess"),
-    (*GUESSED, *CELL, *WHEEL): (2, "--wheels"),
-    (*GUESS, *RIG, *CELL, *WHEEL): (2, 'Write it like "1.7 %"'),
+BAD = {(*RIG, *CELL, *WHEEL): (2, "give a fit, or a law with --guess"),
+    (*GUESSED, *CELL, *WHEEL): (2, "--wheels"), (*GUESS, *RIG, *CELL, *WHEEL): (2, 'Write it like "1.7 %"'),
     (*GUESS, "--scatter-within", "1.7 %", *RIG, *CELL, *WHEEL): (2, "does not know its rope"),
     (*GUESSED[2:], "--law", "wrap-pwoer", *RIG, *CELL, *WHEEL): (3, "did you mean 'wrap-power'?"),
     (*GUESSED, *RIG, *CELL, *WHEEL, "--conditions", "2"): (3, "cannot determine the 3 parameters"),
     (*GUESSED, *RIG, "--max-force", "1 N", *WHEEL): (3, "leave 0 conditions"),
     (*GUESSED, *RIG[:2], "--wraps", "90 .. 1080", *RIG[4:], *CELL, *WHEEL): (2, 'for example "90 deg"'),
     (*GUESSED, *RIG, *CELL, *WHEEL, "--criterion", "e"): (3, "by 'v' or 'd'"),
-    (*GUESSED, "--hold", "q", *RIG, *CELL, *WHEEL): (3, "no parameter 'q'"),
-}
+    (*GUESSED, "--hold", "q", *RIG, *CELL, *WHEEL): (3, "no parameter 'q'")}  # fmt: skip
 
 
 def test_what_it_cannot_follow_is_told(call):
@@ -112,5 +102,4 @@ def test_a_plan_that_must_be_singular_says_what_would_help(call):
     words = (*law, *GUESSED[8:], "--wheels", "30 mm", *RIG[2:], *CELL, *WHEEL)
     done = call("plan-tests", *words)
     assert done.code == 3
-    assert "singular" in done.err
-    assert "give more wheels" in done.err
+    assert all(one in done.err for one in ("singular", "give more wheels"))

@@ -40,13 +40,11 @@ def scene(tmp_path):
     return write
 
 
-TOLD = {
-    "hoist": ["Lift force [N]", "95 % interval", "effects: wrap-dependence, size, end-tension"],
+TOLD = {"hoist": ["Lift force [N]", "95 % interval", "effects: wrap-dependence, size, end-tension"],
     "climbing-hoist": ["rope-weight, centrifugal"],
     "belt-press": ["no roller slips; nearest to it is roller 2", "falls to 1277 N", "Power [W] 1673.77"],
     "band-saw": ["Natural frequencies", "critical speed", "left out: bending, torsion"],
-    "fast-band-saw": [],
-}
+    "fast-band-saw": []}  # fmt: skip
 
 
 def test_the_answer_in_words_and_as_json(call):
@@ -85,13 +83,8 @@ def test_out_writes_the_answer(call, tmp_path):
 
 
 def test_a_sweep_of_two_axes_is_a_table_a_figure_and_a_summary(call, tmp_path):
-    done = call(
-        "solve",
-        SCENES / "hoist.toml",
-        *("--sweep", "wheel.wrap=90deg:1440deg:4:log"),
-        *("--sweep", "load.end_tension=10N, 20 N, 40 N"),
-        *("--out", tmp_path / "out", "--json"),
-    )
+    done = call("solve", SCENES / "hoist.toml", *("--sweep", "wheel.wrap=90deg:1440deg:4:log"),
+        *("--sweep", "load.end_tension=10N, 20 N, 40 N"), *("--out", tmp_path / "out", "--json"))  # fmt: skip
     assert done.code == 0, done.err
     tree = done.json()
     assert [axis["key"] for axis in tree["axes"]] == ["wheel.wrap", "load.end_tension"]
@@ -100,26 +93,19 @@ def test_a_sweep_of_two_axes_is_a_table_a_figure_and_a_summary(call, tmp_path):
     assert tree["points"] == len(tree["columns"]["lift_force_N"]) == 12
     with (tmp_path / "out" / "sweep.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
-    assert len(rows) == 12
-    assert [row["load.end_tension [N]"] for row in rows[:3]] == ["10", "20", "40"]
+    assert (len(rows), [row["load.end_tension [N]"] for row in rows[:3]]) == (12, ["10", "20", "40"])
     lifts = [float(row["lift_force_N"]) for row in rows]
     assert lifts == pytest.approx(tree["columns"]["lift_force_N"], rel=1e-8)
     figures = [path for path in (tmp_path / "out").iterdir() if path.name.startswith("sweep_figure")]
     assert any(path.suffix == ".png" and path.stat().st_size > 10_000 for path in figures)
-    assert {Path(one).name for one in tree["files"]} == {
-        path.name for path in (tmp_path / "out").glob("[!.]*")
-    }
+    assert {Path(one).name for one in tree["files"]} == {path.name
+        for path in (tmp_path / "out").glob("[!.]*")}  # fmt: skip
 
 
 def test_a_sweep_of_three_axes_has_a_table_and_no_figure(call, tmp_path):
-    done = call(
-        "solve",
-        SCENES / "hoist.toml",
-        *("--sweep", "wheel.wrap=1turn,2turn"),
-        *("--sweep", "load.end_tension=10N,20N,30N"),
-        *("--sweep", "wheel.radius=30mm,60mm"),
-        *("--out", tmp_path / "out", "--json"),
-    )
+    done = call("solve", SCENES / "hoist.toml", *("--sweep", "wheel.wrap=1turn,2turn"),
+        *("--sweep", "load.end_tension=10N,20N,30N"), *("--sweep", "wheel.radius=30mm,60mm"),
+        *("--out", tmp_path / "out", "--json"))  # fmt: skip
     assert done.json()["points"] == 12
     assert [path.name for path in (tmp_path / "out").glob("[!.]*")] == ["sweep.csv"]
     with (tmp_path / "out" / "sweep.csv").open(encoding="utf-8", newline="") as stream:
@@ -161,9 +147,8 @@ def test_points_without_answer_are_null_and_counted(call, scene):
 
 def test_an_unknown_bound_is_null_and_said(call, scene):
     """With the centrifugal effect, which is not asked for, the rope would lift off."""
-    path = scene(
-        "hoist", speed=(r"\[rope\]", 'speed = "60 m/s"\n[rope]'), effects=('"auto"', '["wrap-dependence"]')
-    )
+    path = scene("hoist", speed=(r"\[rope\]", 'speed = "60 m/s"\n[rope]'),
+        effects=('"auto"', '["wrap-dependence"]'))  # fmt: skip
     tree = call("solve", path, "--json").json()
     assert tree["error_bound"] is None
     assert any("not known" in one for one in tree["warnings"])
@@ -171,13 +156,12 @@ def test_an_unknown_bound_is_null_and_said(call, scene):
     assert swept["error_bound"] is None
 
 
-MISTAKES = [
-    ("hoist", {"a": (r"accuracy = [\d.]+", "accuracy = 0")}, "RF501", "accuracy"),
+MISTAKES = [("hoist", {"a": (r"accuracy = [\d.]+", "accuracy = 0")}, "RF501", "accuracy"),
     ("belt-press", {"a": ('"2000 N"', '"20 N"')}, "RF523", "press.preload"),
     ("belt-press", {"a": ('"belt-inertia"', '"transient"')}, "RF502", "effects"),
     ("band-saw-fixed-axles", {"a": ('"970 rpm"', '"2100 rpm"')}, "RF530", "wheel.speed"),
-    ("band-saw", {"a": ("mounting_factor = 1.0", "mounting_factor = 2")}, "RF110", "tension.mounting_factor"),
-]
+    ("band-saw", {"a": ("mounting_factor = 1.0", "mounting_factor = 2")}, "RF110",
+    "tension.mounting_factor")]  # fmt: skip
 
 
 def test_a_bad_scene_is_an_error_with_file_line_and_key(call, scene):
@@ -213,8 +197,7 @@ def test_what_is_no_sweep_or_no_scene_is_refused(call, tmp_path):
     assert "nothing.toml" in done.json()["error"]["where"] + done.json()["error"]["message"]
     done = call("solve", SCENES / "hoist.toml", "--cluster", "local")
     assert done.code == 3
-    assert "--cluster" in done.err
-    assert "add --sweep" in done.err
+    assert all(one in done.err for one in ("--cluster", "add --sweep"))
     both = call("solve", SCENES / "hoist.toml", "--draws", "500", "--sweep", "wheel.wrap=1turn,2turn")
     assert both.code == 3
     assert "a sweep is not drawn" in both.err
@@ -245,19 +228,16 @@ def test_a_folder_is_answered_with_what_may_be_meant(call, tmp_path, bench):
     assert f"`ropefric run {bench.as_posix()}`" in " ".join(call("solve", bench).err.split())
     empty = call("solve", tmp_path)
     assert empty.code == 3
-    assert "this is a folder, not a scene file" in empty.err
-    assert "fix: name a file" in empty.err
+    assert all(one in empty.err for one in ("this is a folder, not a scene file", "fix: name a file"))
 
 
 def test_the_level_of_the_intervals_is_asked_for(call):
     """By Student's t of the degrees of freedom that `predict` gives the same wheel."""
     wheel = one_condition(0.04, 0.0049, 3.0 * math.pi, 80.0)
     dof = float(predict(load_fit(ROOT / "fits" / "prth-coupled.json"), wheel).dof[0])
-    wide, narrow = (
-        call("solve", SCENES / "hoist.toml", "--level", level, "--json").json() for level in ("0.95", "0.5")
-    )
-    assert (wide["level"], narrow["level"]) == (0.95, 0.5)
-    assert wide["lift_force_N"] == narrow["lift_force_N"]
+    wide, narrow = (call("solve", SCENES / "hoist.toml", "--level", level, "--json").json()
+        for level in ("0.95", "0.5"))  # fmt: skip
+    assert ((wide["level"], narrow["level"]), wide["lift_force_N"]) == ((0.95, 0.5), narrow["lift_force_N"])
     width = [math.log(high / low) for low, high in (tree["interval_N"] for tree in (wide, narrow))]
     assert width[1] / width[0] == pytest.approx(quantile(0.75, dof) / quantile(0.975, dof), rel=1e-6)
     for level in ("0", "1", "1.5", "nan"):
@@ -329,8 +309,7 @@ def test_where_a_roller_slips_already_what_holds_it_is_told(call, scene):
 
     path = at(1100)
     done, tree = call("solve", path), call("solve", path, "--json").json()
-    assert done.code == 4
-    assert tree["slips"] == ["2"]
+    assert (done.code, tree["slips"]) == (4, ["2"])
     rises, falls = ("slips", "rises"), ("slips", "falls")
     assert states(tree) == {"preload": rises, "speed": ("slips", None), "load": falls, "friction": rises}
     found = tree["critical"]
@@ -338,13 +317,11 @@ def test_where_a_roller_slips_already_what_holds_it_is_told(call, scene):
     assert found["load"]["value"] < 1.0
     assert found["friction"]["value"] > 1.2
     said = " ".join(done.out.split())
-    for words in (
-        "rollers that slip already: 2 (utilisation 1.26)",
-        "it stops where the preload of all tensioners rises to 1277 N",
-        "no slower run of the belts holds it",
-        "it stops where all loads fall to what they are times 0.9047",
-        "it stops where the coefficient rises to 1.426",
-    ):
+    for words in ("rollers that slip already: 2 (utilisation 1.26)",
+            "it stops where the preload of all tensioners rises to 1277 N",
+            "no slower run of the belts holds it",
+            "it stops where all loads fall to what they are times 0.9047",
+            "it stops where the coefficient rises to 1.426"):  # fmt: skip
         assert words in said
     for wrong in ("falls to", "grow by"):
         assert wrong not in said
@@ -368,16 +345,14 @@ def test_a_start_up_is_answered_where_only_its_steady_run_is_slack(call, scene):
     path = scene("press-start-up", preload=('preload  = "1100 N"', 'preload  = "100 N"'))
     done, tree = call("solve", path), call("solve", path, "--json").json()
     assert done.code == 0, done.err
-    assert (
-        min(tree["effective_tension_N"].values()) < 0.0 < min(tree["start_up"]["lowest_tension_N"].values())
-    )
+    assert (min(tree["effective_tension_N"].values()) < 0.0 <
+        min(tree["start_up"]["lowest_tension_N"].values()))  # fmt: skip
     assert tree["slip"]["1"]["utilisation"] is None
     assert tree["critical"]["preload"]["direction"] == "rises"
     assert tree["critical"]["friction"]["value"] is None
     assert not tree["start_up"]["settles"]["steady"]
-    assert (
-        "the steady run is not reached: at the end of the time simulated roller 1 slips, 2 slips" in done.out
-    )
+    assert ("the steady run is not reached: at the end of the time simulated roller 1 slips, 2 slips" in
+        done.out)  # fmt: skip
     steady = scene("belt-press", preload=('preload  = "2000 N"', 'preload  = "100 N"'))
     assert call("solve", steady, "--json").json()["error"]["code"] == "RF523"
 
@@ -387,8 +362,7 @@ def test_draws_are_a_summary_and_a_table(call, tmp_path):
     done = call(*words, "--out", tmp_path, "--json")
     assert done.code == 0
     told = done.json()
-    assert told["draws"] == 500
-    assert told["quantiles_percent"] == [2.5, 50.0, 97.5]
+    assert (told["draws"], told["quantiles_percent"]) == (500, [2.5, 50.0, 97.5])
     assert (tmp_path / "draws.json").exists()
     assert len((tmp_path / "draws.csv").read_text(encoding="utf-8").splitlines()) == 501
     assert "500 draws (seed 3)" in call(*words).out

@@ -21,10 +21,8 @@ from ropefric import plugins
 from ropefric.cli.app import main
 
 ROOT = Path(__file__).parents[2]
-PAGES = [
-    ROOT / "README.md",
-    *(page for page in sorted(ROOT.glob("docs/**/*.md")) if page.parent.name != "generated"),
-]
+PAGES = [ROOT / "README.md", *(page for page in sorted(ROOT.glob("docs/**/*.md"))
+    if page.parent.name != "generated")]  # fmt: skip
 LEFT_OUT = "…"
 WAITS = "ropefric review "
 """A command that serves until somebody ends it is not run, and what a page says of it stays."""
@@ -164,10 +162,9 @@ def run_page(page, *, anew=False):
         for step in steps_of(block):
             printed = step.shown if step.command.startswith(WAITS) else shell.run(step.command)
             if not anew and not agrees(step.shown, printed):
-                raise AssertionError(
-                    f"{page.name}: $ {step.command}\nprints\n" + "\n".join(printed) + "\nand not\n"
-                    "" + "\n".join(step.shown) + "\nrun python tests/regenerate_readme.py sessions"
-                )
+                raise AssertionError(f"{page.name}: $ {step.command}\nprints\n" + "\n".join(printed) +
+                    "\nand not\n" + "\n".join(step.shown) +
+                    "\nrun python tests/regenerate_readme.py sessions")  # fmt: skip
             lines += [f"$ {step.command}", *(written_anew(step.shown, printed) if anew else step.shown)]
         return "```console\n" + "".join(f"{line}\n" for line in lines) + "```"
 

@@ -6,24 +6,10 @@ import sessions
 PRINTED = ["The law: coupled", "  a   1.25", "  b   3.5", "  c   7", "", "Doubts", "  - none"]
 
 
-AGREE = [
-    PRINTED,
-    ["…"],
-    ["The law: coupled", "…"],
-    ["…", "  - none"],
-    ["…", "  b   3.5", "…"],
-    ["The law: coupled", "…", "  c   7", "…", "Doubts", "  - none"],
-]
-DIFFER = [
-    [],
-    PRINTED[:-1],
-    PRINTED[1:],
-    ["  b   3.5", "…"],
-    ["…", "  b   3.5"],
-    ["…", "  b   3.6", "…"],
-    ["…", "  b   3.5", "Doubts", "…"],
-    ["…", "Doubts", "…", "  b   3.5", "…"],
-]
+AGREE = [PRINTED, ["…"], ["The law: coupled", "…"], ["…", "  - none"], ["…", "  b   3.5", "…"],
+    ["The law: coupled", "…", "  c   7", "…", "Doubts", "  - none"]]  # fmt: skip
+DIFFER = [[], PRINTED[:-1], PRINTED[1:], ["  b   3.5", "…"], ["…", "  b   3.5"], ["…", "  b   3.6", "…"],
+    ["…", "  b   3.5", "Doubts", "…"], ["…", "Doubts", "…", "  b   3.5", "…"]]  # fmt: skip
 
 
 def test_parts_in_order_agree_and_other_lines_do_not():

@@ -18,11 +18,8 @@ from ropefric.files.folder import OWN, Folder, OutputFolder, as_folder
 
 def tree(folder):
     """Every file people see, with its text."""
-    return {
-        path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8")
-        for path in sorted(folder.rglob("*"))
-        if path.is_file() and OWN not in path.parts
-    }
+    return {path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8")
+        for path in sorted(folder.rglob("*")) if path.is_file() and OWN not in path.parts}  # fmt: skip
 
 
 def put(out, contents, part="answer", **options):
@@ -157,8 +154,7 @@ def test_what_cannot_be_a_folder_is_said_at_once(tmp_path):
     for name in ("file", "file/below", "x" * 300, "fi\0le"):
         with pytest.raises(DataError) as caught:
             OutputFolder(tmp_path / name, family="campaign").__enter__()
-        assert caught.value.code == "RF105"
-        assert tree(tmp_path) == {"file": "mine"}
+        assert (caught.value.code, tree(tmp_path)) == ("RF105", {"file": "mine"})
 
 
 def test_a_file_in_the_place_of_a_folder_is_said_at_once(out):
@@ -166,8 +162,7 @@ def test_a_file_in_the_place_of_a_folder_is_said_at_once(out):
     (out / "sub").write_text("mine", encoding="utf-8")
     with pytest.raises(DataError, match="not a directory") as caught:
         put(out, {"sub/b.txt": "new"}, names=["sub/b.txt"], force=True)
-    assert caught.value.where == (out / "sub").as_posix()
-    assert tree(out) == {"sub": "mine"}
+    assert (caught.value.where, tree(out)) == ((out / "sub").as_posix(), {"sub": "mine"})
 
 
 def test_a_folder_that_vanishes_before_the_lock_is_made_again(out, monkeypatch):
@@ -282,8 +277,7 @@ def test_after_a_kill_every_file_is_whole_and_the_next_run_goes_on(out, at):
     assert "gone.txt" not in tree(out)
     assert (out / OWN / "lock").exists()
     put(out, {"a.txt": "newer"}, names=["*.txt"], basis="a.txt")
-    assert tree(out) == {"a.txt": "newer"}
-    assert [path.name for path in (out / OWN).iterdir()] == ["files.json"]
+    assert (tree(out), [path.name for path in (out / OWN).iterdir()]) == ({"a.txt": "newer"}, ["files.json"])
 
 
 def test_a_run_that_is_stopped_before_the_end_leaves_the_old_result(out):
@@ -344,9 +338,8 @@ with OutputFolder(out, family="campaign"):
 
 @pytest.fixture
 def holder(out):
-    process = subprocess.Popen(
-        [sys.executable, "-c", HOLD, str(out)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    )
+    process = subprocess.Popen([sys.executable, "-c", HOLD, str(out)], stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE, text=True)  # fmt: skip
     assert process.stdout.readline() == "held\n"
     yield process
     process.kill()
@@ -371,16 +364,10 @@ def test_a_lock_ends_with_its_process(out, holder):
 
 
 def test_a_worker_that_outlives_its_parent_holds_no_lock(out):
-    code = (
-        "import os, signal, sys, time\n"
-        "from ropefric.files.folder import OutputFolder\n"
-        "with OutputFolder(sys.argv[1], family='campaign'):\n"
-        "    if os.fork() == 0:\n"
-        "        os.close(1)\n"
-        "        sys.stdin.read()\n"
-        "        os._exit(0)\n"
-        "    os.kill(os.getpid(), signal.SIGKILL)\n"
-    )
+    code = ("import os, signal, sys, time\nfrom ropefric.files.folder import OutputFolder\n"
+        "with OutputFolder(sys.argv[1], family='campaign'):\n    if os.fork() == 0:\n"
+        "        os.close(1)\n        sys.stdin.read()\n        os._exit(0)\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n")  # fmt: skip
     process = subprocess.Popen([sys.executable, "-c", code, str(out)], stdin=subprocess.PIPE)
     try:
         assert process.wait() == -signal.SIGKILL

@@ -62,13 +62,8 @@ def test_pipes_and_devices_are_told_at_once(fifo):
 @POSIX
 def test_every_command_tells_a_pipe_or_device(fifo, monkeypatch, capfd):
     monkeypatch.chdir(fifo.parent)
-    commands = [
-        "inspect PATH --format delimited",
-        "solve PATH",
-        "show PATH",
-        "check PATH",
-        "fit PATH --law coupled",
-    ]
+    commands = ["inspect PATH --format delimited", "solve PATH", "show PATH", "check PATH",
+        "fit PATH --law coupled"]  # fmt: skip
     for command in (*commands, "extract PATH"):
         for path in ("fifo", "/dev/null") if command == "check PATH" else ("fifo",):
             assert main(command.replace("PATH", path).split()) == 3

@@ -34,16 +34,14 @@ def refuse_from(monkeypatch, where, number):
 
 
 def test_a_disk_that_is_full_or_refuses_is_the_users_to_mend(target, monkeypatch):
-    for number, hint in {
-        errno.ENOSPC: "make room", errno.EDQUOT: "make room", errno.EROFS: "you may write to", errno.EIO: "another place"
-    }.items():  # fmt: skip
+    for number, hint in {errno.ENOSPC: "make room", errno.EDQUOT: "make room",
+            errno.EROFS: "you may write to", errno.EIO: "another place"}.items():  # fmt: skip
         refuse_from(monkeypatch, "fsync", number)
         with pytest.raises(DataError, match="cannot be written") as caught:
             write_file(target, "new")
         assert (caught.value.code, caught.value.where) == ("RF105", target.as_posix())
         assert hint in caught.value.fix
-        assert target.read_text(encoding="utf-8") == "old"
-        assert names(target.parent) == ["trials.csv"]
+        assert (target.read_text(encoding="utf-8"), names(target.parent)) == ("old", ["trials.csv"])
 
 
 def test_whatever_ends_the_writing_leaves_the_old_file_and_no_rest(target):
@@ -51,22 +49,15 @@ def test_whatever_ends_the_writing_leaves_the_old_file_and_no_rest(target):
         with pytest.raises(BaseException), replacing(target) as stream:  # noqa: B017, PT012
             stream.write(b"half of the n")
             raise failure
-        assert target.read_text(encoding="utf-8") == "old"
-        assert names(target.parent) == ["trials.csv"]
+        assert (target.read_text(encoding="utf-8"), names(target.parent)) == ("old", ["trials.csv"])
 
 
 def test_a_process_that_is_killed_in_the_middle_leaves_the_old_file(target):
-    code = (
-        "import os, signal, sys\n"
-        "from pathlib import Path\n"
-        "from ropefric.files.disk import replacing\n"
-        "with replacing(Path(sys.argv[1])) as stream:\n"
-        "    stream.write(b'x' * 100_000)\n"
-        "    os.kill(os.getpid(), signal.SIGKILL)\n"
-    )
+    code = ("import os, signal, sys\nfrom pathlib import Path\n"
+        "from ropefric.files.disk import replacing\nwith replacing(Path(sys.argv[1])) as stream:\n"
+        "    stream.write(b'x' * 100_000)\n    os.kill(os.getpid(), signal.SIGKILL)\n")  # fmt: skip
     done = subprocess.run([sys.executable, "-c", code, str(target)], check=False)
-    assert done.returncode == -signal.SIGKILL
-    assert target.read_text(encoding="utf-8") == "old"
+    assert (done.returncode, target.read_text(encoding="utf-8")) == (-signal.SIGKILL, "old")
 
 
 def test_nobody_reads_half_a_file(target):

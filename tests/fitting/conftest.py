@@ -15,9 +15,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 def bench_plan(repeats=1):
     """4 wheels x 4 wraps x 4 loads, each pulled several times."""
-    wheel, wrap, load = np.meshgrid(
-        [0.02, 0.03, 0.05, 0.1], np.pi * np.array([0.5, 1, 2, 4]), [2.0, 10.0, 50.0, 200.0]
-    )
+    wheel, wrap, load = np.meshgrid([0.02, 0.03, 0.05, 0.1], np.pi * np.array([0.5, 1, 2, 4]),
+        [2.0, 10.0, 50.0, 200.0])  # fmt: skip
     columns = (np.repeat(column.ravel(), repeats) for column in (wheel, wrap, load))
     names = ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")
     return Conditions(rope_radius_m=0.0049, **dict(zip(names, columns, strict=True)))
@@ -34,14 +33,9 @@ def bench_problem():
         rng = np.random.default_rng(seed)
         group = np.arange(n) // repeats
         scatter = std * rng.standard_normal(n) + between * rng.standard_normal(n // repeats)[group]
-        settings = {
-            "start": theta,
-            "lower": law.lower,
-            "upper": law.upper,
-            "vary": np.array([not p.fixed for p in law.parameters]),
-            "std": np.full(n, std or 0.01),
-            "log_lift": law.log_lift(theta, conditions) + scatter,
-        }
+        settings = {"start": theta, "lower": law.lower, "upper": law.upper,
+            "vary": np.array([not p.fixed for p in law.parameters]), "std": np.full(n, std or 0.01),
+            "log_lift": law.log_lift(theta, conditions) + scatter}  # fmt: skip
         return FitProblem(law=law, conditions=conditions, group=group, **(settings | changes))
 
     return make

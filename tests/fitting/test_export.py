@@ -13,9 +13,8 @@ COUPLED, WRAPS = "fits/prth-coupled.json", np.radians([90.0, 360.0, 1080.0])
 
 
 def test_the_table_is_the_law():
-    table = rf.friction_table(
-        COUPLED, wrap_angle_rad=WRAPS, end_tension_N=[20, 80], wheel_radius_m=["20 mm", "40 mm"]
-    )
+    table = rf.friction_table(COUPLED, wrap_angle_rad=WRAPS, end_tension_N=[20, 80],
+        wheel_radius_m=["20 mm", "40 mm"])  # fmt: skip
     frame = table.to_frame()
     assert len(frame) == 12
     predicted = rf.predict(COUPLED, frame)

@@ -38,9 +38,8 @@ def test_constant_law_is_the_weighted_mean_by_hand():
     scatter = np.sqrt(((cells - cells.mean(axis=1, keepdims=True)) ** 2).sum() / (cells.size - len(cells)))
     assert fit.statistics.scatter_within == pytest.approx(scatter, rel=1e-9)
     assert fit["mu"].std == pytest.approx(scatter / np.sqrt(phi @ phi), rel=5e-4)
-    assert fit.covariance_kind == "absolute"
+    assert (fit.covariance_kind, fit.covariance[0, 0]) == ("absolute", pytest.approx(fit["mu"].std ** 2))
     assert "scale_covar = False" in fit.notes[0]
-    assert fit.covariance[0, 0] == pytest.approx(fit["mu"].std ** 2)
 
 
 def test_trial_weights_give_generalised_least_squares_with_a_shared_error():
@@ -55,30 +54,26 @@ def test_trial_weights_give_generalised_least_squares_with_a_shared_error():
     std = trial_std(within, shared, group)
     weighted = J / std[:, None]
     assert np.linalg.inv(weighted.T @ weighted) == pytest.approx(covariance, rel=1e-10)
-    assert np.linalg.lstsq(weighted, y / std, rcond=None)[0] == pytest.approx(
-        covariance @ J.T @ inverse @ y, rel=1e-10
-    )
+    assert np.linalg.lstsq(weighted, y / std, rcond=None)[0] == pytest.approx(covariance @ J.T @ inverse @ y,
+        rel=1e-10)  # fmt: skip
 
 
 def test_errors_of_the_settings_widen_the_errors_and_shift_the_weights():
     plain = table_of("constant", [0.2])
-    rough = dataclasses.replace(
-        plain, wrap_std_rad=np.full(len(plain), 0.1), end_tension_std_N=plain.end_tension_N / 50
-    )
+    rough = dataclasses.replace(plain, wrap_std_rad=np.full(len(plain), 0.1),
+        end_tension_std_N=plain.end_tension_N / 50)  # fmt: skip
     fit = fit_law(rough, "constant", clustered=False)
     mu, n_c = fit["mu"].value, 3
     shared = (mu * 0.1) ** 2 + 0.02**2
-    assert fit.problem.std == pytest.approx(
-        np.sqrt(fit.statistics.scatter_within**2 + n_c * shared), rel=1e-3
-    )
+    assert fit.problem.std == pytest.approx(np.sqrt(fit.statistics.scatter_within**2 + n_c * shared),
+        rel=1e-3)  # fmt: skip
     assert fit["mu"].std > 2 * fit_law(plain, "constant", clustered=False)["mu"].std
 
 
 def test_instrument_error_does_not_average_out_over_repeats():
     """A hundred repeats of each condition leave what the force cell adds."""
-    few, many = (
-        table_of("constant", [0.2], repeats=n, peak_std_N=None or np.nan, loads=(50,)) for n in (4, 100)
-    )
+    few, many = (table_of("constant", [0.2], repeats=n, peak_std_N=None or np.nan, loads=(50,))
+        for n in (4, 100))  # fmt: skip
     few, many = (dataclasses.replace(table, peak_std_N=0.02 * table.peak_N) for table in (few, many))
     stds = [fit_law(table, "constant", clustered=False)["mu"].std for table in (few, many)]
     phi = np.tile([3.0, 6.0, 9.0], 3)
@@ -104,25 +99,7 @@ def test_unused_trials_do_not_count():
     kept = np.arange(len(table)) % 5 != 0
     spoiled = dataclasses.replace(table, peak_N=wild, kept=kept)
     fit = fit_law(spoiled, "constant")
-    assert fit.statistics.n == kept.sum()
-    assert fit["mu"].value == pytest.approx(0.2, abs=0.002)
-
-
-def test_robust_losses_resist_outliers():
-    truth = [0.2, -0.5, 0.1]
-    table = table_of("wrap-power", truth, wraps=np.linspace(2, 12, 8), loads=np.geomspace(2, 200, 5))
-    bad = np.where(np.arange(len(table)) % 10 == 3, 1.3 * table.peak_N, table.peak_N)
-    spoiled = dataclasses.replace(table, peak_N=bad)
-
-    def error(**loss):
-        fit = fit_law(spoiled, "wrap-power", **loss)
-        law, at = fit.problem.law, fit.problem.conditions
-        assert all(item.std > 0 for item in fit.parameters)
-        return np.abs(law.log_lift(fit.theta, at) - law.log_lift(truth, at)).mean()
-
-    plain = error()
-    for loss in ("soft_l1", "huber", "cauchy"):
-        assert error(loss=loss) < 0.35 * plain, loss
+    assert (fit.statistics.n, fit["mu"].value) == (kept.sum(), pytest.approx(0.2, abs=0.002))
 
 
 def test_fixed_bounded_and_started():
@@ -143,15 +120,13 @@ def test_fixed_bounded_and_started():
 
 def test_settings_that_cannot_be_are_refused():
     table = table_of("constant", [0.2])
-    for options, error, said in (
-        ({"fixed": {"nu": 1}}, UnknownNameError, "constant has no parameter 'nu'"),
-        ({"bounds": {"mu": (1, 0)}}, InputError, "leave nothing between them"),
-        ({"start": {"mu": -1}}, InputError, "start value mu = -1 lies outside its bounds 0 … 5"),
-        ({"fixed": {"mu": 9}}, InputError, "mu = 9 lies outside"),
-        ({"loss": "quadratic"}, UnknownNameError, "unknown loss 'quadratic'"),
-        ({"n_starts": 0}, InputError, "at least one"),
-        ({"scale_covar": "maybe"}, InputError, "'auto', True or False"),
-    ):
+    for options, error, said in (({"fixed": {"nu": 1}}, UnknownNameError, "constant has no parameter 'nu'"),
+            ({"bounds": {"mu": (1, 0)}}, InputError, "leave nothing between them"),
+            ({"start": {"mu": -1}}, InputError, "start value mu = -1 lies outside its bounds 0 … 5"),
+            ({"fixed": {"mu": 9}}, InputError, "mu = 9 lies outside"),
+            ({"loss": "quadratic"}, UnknownNameError, "unknown loss 'quadratic'"),
+            ({"n_starts": 0}, InputError, "at least one"),
+            ({"scale_covar": "maybe"}, InputError, "'auto', True or False")):  # fmt: skip
         with pytest.raises(error, match=said):
             fit_law(table, "constant", **options)
     with pytest.raises(UnknownNameError, match="did you mean 'wrap-power'"):
@@ -160,43 +135,30 @@ def test_settings_that_cannot_be_are_refused():
 
 def test_same_minimum_as_scipy_alone_from_the_truth():
     truth = [0.46, -0.22, -0.3, -0.48, 0.055]
-    table = table_of(
-        "coupled", truth, radii=(0.01, 0.02, 0.04, 0.08), wraps=(2, 5, 9, 12), loads=(2, 20, 150)
-    )
+    table = table_of("coupled", truth, radii=(0.01, 0.02, 0.04, 0.08), wraps=(2, 5, 9, 12),
+        loads=(2, 20, 150))  # fmt: skip
     fit = fit_law(table, "coupled")
     law, problem = LAWS["coupled"], fit.problem
-    reference = optimize.least_squares(
-        lambda theta: (law.log_lift(theta, problem.conditions) - problem.log_lift) / problem.std,
-        truth, bounds=(law.lower, law.upper), x_scale=np.abs(truth), xtol=1e-15, ftol=1e-15, gtol=1e-15,
-    )  # fmt: skip
+    reference = optimize.least_squares(lambda theta: (law.log_lift(theta,
+        problem.conditions) - problem.log_lift) / problem.std, truth, bounds=(law.lower, law.upper),
+        x_scale=np.abs(truth), xtol=1e-15, ftol=1e-15, gtol=1e-15)  # fmt: skip
     assert fit.statistics.chi2 <= 2 * reference.cost * (1 + 5e-9), "beyond the nine digits that are kept"
     assert fit.theta == pytest.approx(reference.x, rel=1e-4)
-
-
-def test_fit_is_deterministic_and_leaves_its_input_alone():
-    table = table_of("coupled", [0.46, -0.22, -0.3, -0.48, 0.055])
-    before = table.peak_N.copy()
-    one, two = fit_law(table, "coupled"), fit_law(table, "coupled")
-    assert one.to_dict() == two.to_dict()
-    assert np.array_equal(before, table.peak_N)
 
 
 def test_zero_scatter_gives_the_truth_and_no_failure():
     table = table_of("wrap-power", [0.2, -0.5, 0.1], wraps=(2, 5, 8, 12), loads=(2, 20, 200), within=0.0)
     fit = fit_law(table, "wrap-power")
-    assert fit.theta == pytest.approx([0.2, -0.5, 0.1], rel=1e-6)
-    assert fit.status == "ok"
+    assert (fit.theta, fit.status) == (pytest.approx([0.2, -0.5, 0.1], rel=1e-6), "ok")
 
 
-@given(
-    mu=st.floats(0.05, 0.6), scale=st.floats(0.1, 100), seed=st.integers(0, 99), within=st.floats(0.001, 0.1)
-)
+@given(mu=st.floats(0.05, 0.6), scale=st.floats(0.1, 100), seed=st.integers(0, 99),
+    within=st.floats(0.001, 0.1))  # fmt: skip
 @settings(max_examples=8, deadline=None)
 def test_constant_coefficient_does_not_depend_on_the_unit_of_force(mu, scale, seed, within):
     table = table_of("constant", [mu], within=within, seed=seed, loads=(20,))
-    larger = dataclasses.replace(
-        table, peak_N=table.peak_N * scale, end_tension_N=table.end_tension_N * scale
-    )
+    larger = dataclasses.replace(table, peak_N=table.peak_N * scale,
+        end_tension_N=table.end_tension_N * scale)  # fmt: skip
     one, two = fit_law(table, "constant"), fit_law(larger, "constant")
     assert two["mu"].value == pytest.approx(one["mu"].value, rel=1e-6)
     assert two["mu"].std == pytest.approx(one["mu"].std, rel=1e-6)
@@ -207,15 +169,13 @@ def test_scatter_between_conditions_is_found():
     group = np.repeat(np.arange(200), 5)
     pulls = 0.01 * rng.normal(size=1000)
     assert pooled_scatter(pulls, group).within == pytest.approx(0.01, rel=0.06)
-    table = table_of(
-        "constant", [0.2], radii=np.linspace(0.02, 0.08, 10), wraps=np.linspace(2, 12, 12), loads=(20,)
-    )
+    table = table_of("constant", [0.2], radii=np.linspace(0.02, 0.08, 10), wraps=np.linspace(2, 12, 12),
+        loads=(20,))  # fmt: skip
     new_rope = np.exp(0.03 * np.repeat(rng.normal(size=120), 3))
     fit = fit_law(dataclasses.replace(table, peak_N=table.peak_N * new_rope), "constant")
-    assert fit.statistics.scatter_within == pytest.approx(0.01, rel=0.1)
+    assert (fit.statistics.scatter_within, fit.status) == (pytest.approx(0.01, rel=0.1), "ok")
     assert fit.statistics.scatter_between == pytest.approx(0.03, rel=0.2)
     assert any("beyond their repeats" in text for text in fit.advice)
-    assert fit.status == "ok"
 
 
 def test_the_bench_is_determined_well_enough_to_be_trusted():
@@ -237,14 +197,10 @@ def test_the_bench_is_determined_well_enough_to_be_trusted():
 def test_a_law_is_searched_for_on_the_conditions_of_a_large_table(monkeypatch):
     """The sums of squares of a condition are those of its mean but for a constant."""
     sizes, evaluate = set(), problems.Reduced.evaluate
-    monkeypatch.setattr(
-        problems.Reduced, "evaluate", lambda self, *args: (
-            sizes.add(len(self.conditions)) or evaluate(self, *args)
-        )
-    )  # fmt: skip
+    monkeypatch.setattr(problems.Reduced, "evaluate", lambda self,
+        *args: (sizes.add(len(self.conditions)) or evaluate(self, *args)))  # fmt: skip
     found = fit_law(table_of("wrap-power", [0.2, -0.5, 0.1], repeats=400), "wrap-power")
-    assert sizes == {18}
-    assert found.statistics.n == 7200
+    assert (sizes, found.statistics.n) == ({18}, 7200)
 
 
 def test_copies_of_a_trial_say_nothing_of_how_repeats_scatter():

@@ -8,19 +8,11 @@ from ropefric.fitting.fit import fit_law
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
 
-TRUTH = {
-    "constant": [0.2],
-    "constant-offset": [0.2, 0.05],
-    "size-power": [0.25, 3.0, 0.05],
-    "size-exponential": [0.3, -0.2, -0.3],
-    "wrap-exponential": [0.25, -0.15, 0.08],
-    "wrap-power": [0.2, -0.5, 0.1],
-    "coupled": [0.46, -0.22, -0.3, -0.48, 0.055],
-    "thickness": [0.2],
-    "bending": [0.2, 1e-4],
-    "howell": [0.5, 0.85],
-    "groove": [0.07, LAWS["groove"].parameters[1].start],
-}
+TRUTH = {"constant": [0.2], "constant-offset": [0.2, 0.05], "size-power": [0.25, 3.0, 0.05],
+    "size-exponential": [0.3, -0.2, -0.3], "wrap-exponential": [0.25, -0.15, 0.08],
+    "wrap-power": [0.2, -0.5, 0.1], "coupled": [0.46, -0.22, -0.3, -0.48, 0.055], "thickness": [0.2],
+    "bending": [0.2, 1e-4], "howell": [0.5, 0.85],
+    "groove": [0.07, LAWS["groove"].parameters[1].start]}  # fmt: skip
 
 
 def conditions():

@@ -85,8 +85,7 @@ def test_the_commands_fit_compare_predict_and_verify_a_kinetic_law(tmp_path, cap
     wheel = ["--wheel-radius", "40 mm", "--wrap", "3 rad", "--end-tension", "30 N"]
     main(["predict", "--fit", "fits/kinetic.json", *wheel])
     said = capsys.readouterr()
-    assert "Kinetic force" in said.out
-    assert "F_A while sliding = " in said.out
+    assert all(one in said.out for one in ("Kinetic force", "F_A while sliding = "))
     assert "a law of the kinetic force" in said.err
     assert main(["verify", "fits"]) == 0
     capsys.readouterr()

@@ -68,26 +68,17 @@ def thurber(b, x):
 
 
 CASES = {
-    "Misra1a": (
-        MISRA1A, misra, [(500, 1e-4), (250, 5e-4)],
-        (2.3894212918e02, 5.5015643181e-04),
-        (2.7070075241e00, 7.2668688436e-06),
-        1.2455138894e-01,
-    ),
-    "Eckerle4": (
-        ECKERLE4, eckerle, [(1, 10, 500), (1.5, 5, 450)],
-        (1.5543827178e00, 4.0888321754e00, 4.5154121844e02),
-        (1.5408051163e-02, 4.6803020753e-02, 4.6800518816e-02),
-        1.4635887487e-03,
-    ),
+    "Misra1a": (MISRA1A, misra, [(500, 1e-4), (250, 5e-4)],
+                (2.3894212918e02, 5.5015643181e-04), (2.7070075241e00, 7.2668688436e-06), 1.2455138894e-01),
+    "Eckerle4": (ECKERLE4, eckerle, [(1, 10, 500), (1.5, 5, 450)],
+                 (1.5543827178e00, 4.0888321754e00, 4.5154121844e02),
+                 (1.5408051163e-02, 4.6803020753e-02, 4.6800518816e-02), 1.4635887487e-03),
     "Thurber": (
         THURBER, thurber, [(1000, 1000, 400, 40, 0.7, 0.3, 0.03), (1300, 1500, 500, 75, 1, 0.4, 0.05)],
         (1.2881396800e03, 1.4910792535e03, 5.8323836877e02, 7.5416644291e01, 9.6629502864e-01, 3.9797285797e-01,
          4.9727297349e-02),
         (4.6647963344e00, 3.9571156086e01, 2.8698696102e01, 5.5675370270e00, 3.1333340687e-02, 1.4984928198e-02,
-         6.5842344623e-03),
-        5.6427082397e03,
-    ),
+         6.5842344623e-03), 5.6427082397e03),
 }  # fmt: skip
 
 
@@ -118,17 +109,10 @@ SHIFT = 4.0
 
 def problem_of(model, y, x, start, *, lower=-np.inf, upper=np.inf):
     p = len(start)
-    return FitProblem(
-        law=Model(model, p),
-        conditions=Conditions(wheel_radius_m=1, rope_radius_m=1, wrap_angle_rad=x + SHIFT, end_tension_N=1),
-        log_lift=y,
-        std=np.ones_like(y),
-        group=np.arange(len(y)),
-        start=np.array(start, float),
-        lower=np.broadcast_to(np.asarray(lower, float), p),
-        upper=np.broadcast_to(np.asarray(upper, float), p),
-        vary=np.ones(p, bool),
-    )
+    return FitProblem(law=Model(model, p), conditions=Conditions(wheel_radius_m=1, rope_radius_m=1,
+        wrap_angle_rad=x + SHIFT, end_tension_N=1), log_lift=y, std=np.ones_like(y), group=np.arange(len(y)),
+        start=np.array(start, float), lower=np.broadcast_to(np.asarray(lower, float), p),
+        upper=np.broadcast_to(np.asarray(upper, float), p), vary=np.ones(p, bool))  # fmt: skip
 
 
 def test_certified_values_and_standard_deviations_to_six_digits():
@@ -137,9 +121,8 @@ def test_certified_values_and_standard_deviations_to_six_digits():
         data, model, starts, values, deviations, rss = CASES[name]
         y, x = data.T
         bounds = {"lower": 0.0, "upper": 1e4} if bounded else {}
-        found = batched_fit(
-            problem_of(model, y, x, starts[which], **bounds), max_iterations=2000, tolerance=1e-13
-        )
+        found = batched_fit(problem_of(model, y, x, starts[which], **bounds), max_iterations=2000,
+            tolerance=1e-13)  # fmt: skip
         assert found.converged[0]
         assert found.theta[0] == pytest.approx(values, rel=1e-7)
         assert found.chi2[0] == pytest.approx(rss, rel=1e-8)

@@ -79,8 +79,7 @@ def test_the_ends_are_where_a_constrained_fit_says(bench_problem):
 def test_near_a_bound_the_interval_is_one_sided_and_says_so(bench_problem):
     problem = bench_problem(LAWS["constant-offset"], [0.2, 0.0], lower=np.array([0.0, 0.0]))
     found = profiled(problem, [0.2, 0.0])
-    assert found.ci[1, 0] == 0.0
-    assert found.at_bound.tolist() == [[False, False], [True, False]]
+    assert (found.ci[1, 0], found.at_bound.tolist()) == (0.0, [[False, False], [True, False]])
     assert found.notes == ("k: the data set no lower limit before its bound 0; the interval is one-sided",)
     # A minimum on the bound is profiled inwards.
     problem = bench_problem(LAWS["constant-offset"], [0.2, -0.01], lower=np.array([0.0, 0.0]))
@@ -91,12 +90,10 @@ def test_near_a_bound_the_interval_is_one_sided_and_says_so(bench_problem):
 
 def test_no_bound_and_no_limit_is_infinite(bench_problem):
     """One wheel and one wrap: mu and k are one number, so neither has a limit."""
-    plan = Conditions(
-        wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=6, end_tension_N=np.arange(1, 9)
-    )
-    problem = bench_problem(
-        LAWS["constant-offset"], plan=plan, lower=np.array([0.0, -np.inf]), upper=np.full(2, np.inf)
-    )
+    plan = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=6,
+        end_tension_N=np.arange(1, 9))  # fmt: skip
+    problem = bench_problem(LAWS["constant-offset"], plan=plan, lower=np.array([0.0, -np.inf]),
+        upper=np.full(2, np.inf))  # fmt: skip
     found = profiled(problem, [0.2, 0.0])
     assert found.ci[0, 0] == 0.0
     assert np.isinf(found.ci[1, 0])
@@ -104,9 +101,8 @@ def test_no_bound_and_no_limit_is_infinite(bench_problem):
 
 
 def test_where_the_law_ends_the_interval_ends(bench_problem):
-    plan = Conditions(
-        wheel_radius_m=0.02, rope_radius_m=0.005, wrap_angle_rad=[12.0, 13, 14, 15, 16], end_tension_N=2
-    )
+    plan = Conditions(wheel_radius_m=0.02, rope_radius_m=0.005, wrap_angle_rad=[12.0, 13, 14, 15, 16],
+        end_tension_N=2)  # fmt: skip
     alone = np.array([False, True])
     problem = bench_problem(LAWS["bending"], [0.2, 1e-3], plan=plan, std=6.0, vary=alone)
     found = profiled(problem, [0.2, 1e-3])
@@ -133,8 +129,7 @@ def test_one_parameter_free_of_many(bench_problem):
 
 def test_nothing_free_and_no_degree_of_freedom(bench_problem):
     found = profiled(bench_problem(LAWS["constant"], vary=np.array([False])), [0.2])
-    assert found.ci.tolist() == [[0.2, 0.2]]
-    assert found.n_fits == 1
+    assert (found.ci.tolist(), found.n_fits) == ([[0.2, 0.2]], 1)
     plan = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[2.0, 4], end_tension_N=20)
     problem = bench_problem(LAWS["constant-offset"], plan=plan)
     assert np.isfinite(profile_intervals(problem, [0.2, 0.0]).ci).all()
@@ -166,9 +161,8 @@ def test_95_percent_intervals_hold_the_truth(bench_problem, law):
 
 @pytest.mark.hours
 @pytest.mark.parametrize("distance", [0.0, 0.5, 1.5])
-@pytest.mark.parametrize(
-    ("name", "theta", "index"), [("constant-offset", [0.2, 0.0], 1), ("wrap-power", [0.2, -0.4, 0.0], 2)]
-)
+@pytest.mark.parametrize(("name", "theta", "index"),
+    [("constant-offset", [0.2, 0.0], 1), ("wrap-power", [0.2, -0.4, 0.0], 2)])  # fmt: skip
 def test_95_percent_intervals_hold_a_truth_near_its_bound(bench_problem, name, theta, index, distance):
     """A truth this many standard errors above its lower bound of zero.
 

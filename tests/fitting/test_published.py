@@ -36,9 +36,8 @@ def test_press_torques_are_those_of_one_squeeze():
     # b R Δh K_max with Δh K_max = 84 N/m; roller 5 carries two units.
     units = (rollers["squeeze_torque_N_m"] / (2 * rollers["roller_radius_mm"] / 1000 * 84)).dropna()
     assert units.round(6).to_dict() == {5: 2.0, 6: 1.0, 7: 1.0, 8: 1.0, 9: 1.0}
-    loads = (
-        rollers[["gravity_torque_N_m", "squeeze_torque_N_m"]].sum(axis=1) / rollers["roller_radius_mm"] * 1000
-    )
+    loads = (rollers[["gravity_torque_N_m", "squeeze_torque_N_m"]].sum(axis=1) / rollers["roller_radius_mm"] *
+        1000)  # fmt: skip
     assert loads.sum() == pytest.approx(1826.667, abs=0.001)
     machine = values("belt_press_machine.csv")
     speed = math.pi * machine["driver_speed"] / 30 * 0.175
@@ -52,8 +51,7 @@ def test_blade_frequencies_are_multiples_of_the_first_but_for_the_misprint():
         first = series.loc[series["mode"] == 1, "frequency_Hz"].item()
         off = series[(series["frequency_Hz"] - first * series["mode"]).abs() > 0.051 * series["mode"]]
         if (table, side, state) == (3, "tight", "running"):
-            assert off["mode"].tolist() == [5]
-            assert off["remark"].item() == "misprint for 109.0"
+            assert (off["mode"].tolist(), off["remark"].item()) == ([5], "misprint for 109.0")
         else:
             assert off.empty, (table, side, state)
 

@@ -37,9 +37,8 @@ def ratio(law, theta, *, size_ratios=(8.0,), wraps=(6.0,), loads=(20.0,)):
 
 
 def test_ratio_of_the_exponential_size_law_is_10_to_16():
-    for span, theta in product(
-        [(3, 15), (8, 40)], [(0.2, -0.2, -0.3), (0.46, -0.22, -0.3), (0.2, -0.2, 0.0)]
-    ):
+    for span, theta in product([(3, 15), (8, 40)],
+            [(0.2, -0.2, -0.3), (0.46, -0.22, -0.3), (0.2, -0.2, 0.0)]):  # fmt: skip
         assert 10 <= ratio("size-exponential", theta, size_ratios=np.linspace(*span, 8)).ratio <= 16
 
 
@@ -57,11 +56,9 @@ def test_ratio_of_the_coupled_law_grows_as_the_exponent_vanishes():
         assert seen.ratio == pytest.approx(printed, rel=0.035)
 
 
-@pytest.mark.parametrize(
-    ("loads", "printed", "tolerance"),
+@pytest.mark.parametrize(("loads", "printed", "tolerance"),
     [([20.0], (0.75, 3.7, 2.0), (0.005, 0.05, 0.05)),
-     (np.geomspace(1.5, 200, 6), (0.004, 0.011, 0.009), (0.0005, 0.0005, 0.0005))],
-)  # fmt: skip
+    (np.geomspace(1.5, 200, 6), (0.004, 0.011, 0.009), (0.0005, 0.0005, 0.0005))])  # fmt: skip
 def test_standard_errors_of_a_wrap_series_at_one_load_and_at_six(loads, printed, tolerance):
     """0.75, 3.7, 2.0 at one load; 0.004, 0.011, 0.009 at six, at a = 0.2, b = -0.5, c = 0.1 and sd 0.005."""
     phi, F = (axis.ravel() for axis in np.meshgrid(TWELVE_WRAPS, loads))
@@ -83,39 +80,21 @@ def test_wrap_series_at_one_load_is_refused_and_at_six_is_not():
     assert six.status == "ok", six.advice
 
 
-def test_one_load_says_so_in_words():
-    tables = (pulled("wrap-power", [0.2, -0.5, 0.1], wraps=TWELVE_WRAPS, seed=s) for s in range(2))
-    fits = [fit_law(table, "wrap-power") for table in tables]
-    assert not any(fit.trustworthy for fit in fits)
-    unseen = [fit for fit in fits if fit.status is FitStatus.UNIDENTIFIABLE]
-    assert unseen
-    for fit in unseen:
-        text = fit.advice[0]
-        assert "The data do not show" in text
-        assert (
-            "There is only one end tension (F_B = 20 N): a wrap series at one load cannot fix the law" in text
-        )
-
-
 # ---- designs that cannot show a parameter ----
 
 
 def test_one_radius_does_not_show_the_size_effect():
     fit = fit_law(pulled("constant", [0.2], wraps=(3, 6, 9)), "size-exponential")
-    assert fit.status == "unidentifiable"
+    assert (fit.status, fit["a"].std, fit.identifiability.ratio) == ("unidentifiable", inf, inf)
     assert "The data do not show mu_inf, a and b" in fit.advice[0]
     assert "only one size ratio (R_w/R_r = 8)" in fit.advice[0]
-    assert fit["a"].std == inf
     assert fit["a"].ci95 == (fit["a"].lower, fit["a"].upper)
-    assert fit.identifiability.ratio == inf
 
 
 def test_one_wrap_does_not_show_an_offset():
     fit = fit_law(pulled("constant", [0.2], radii=(0.02, 0.04, 0.08), loads=(5, 20, 80)), "constant-offset")
-    assert fit.status == "unidentifiable"
-    assert "mu and k" in fit.advice[0]
-    assert "only one wrap angle (343.8 deg)" in fit.advice[0]
-    assert fit.identifiability.worst_pair == ("mu", "k")
+    assert (fit.status, fit.identifiability.worst_pair) == ("unidentifiable", ("mu", "k"))
+    assert all(one in fit.advice[0] for one in ("mu and k", "only one wrap angle (343.8 deg)"))
     assert fit.identifiability.weak_direction in {"mu up while k down", "k up while mu down"}
 
 
@@ -152,9 +131,8 @@ def test_parameter_at_its_bound_is_no_result():
     assert fit["n"].value == fit["n"].upper == 1.0
     assert isnan(fit["n"].std)
     assert not fit.trustworthy
-    assert any(
-        "n of howell lies on its bound 1, which is not a measurement of it" in text for text in fit.advice
-    )
+    assert any("n of howell lies on its bound 1, which is not a measurement of it" in text
+        for text in fit.advice)  # fmt: skip
     assert fit["A"].std > 0
     narrow = fit_law(table, "constant", bounds={"mu": (0.0, 0.11)})
     assert (narrow["mu"].value, narrow["mu"].at_bound, str(narrow.status)) == (0.11, True, "at-bound")
@@ -169,9 +147,8 @@ def test_an_effect_that_is_not_there_cannot_be_seen():
 
 
 def test_residual_structure_names_the_effect_that_is_missing():
-    table = pulled(
-        "size-exponential", [0.3, -0.2, -0.3], radii=0.005 * np.array([2, 3, 5, 8, 12, 20]), wraps=(3, 6, 9)
-    )
+    table = pulled("size-exponential", [0.3, -0.2, -0.3], radii=0.005 * np.array([2, 3, 5, 8, 12, 20]),
+        wraps=(3, 6, 9))  # fmt: skip
     fit = fit_law(table, "constant")
     assert fit.status == "residual-structure"
     assert "follows the size ratio" in fit.advice[0]
@@ -183,17 +160,15 @@ def test_trends_are_not_found_where_there_are_none():
     rng = np.random.default_rng(0)
     r, phi, F = (axis.ravel() for axis in np.meshgrid([3, 6, 12.0], [3, 6, 9.0, 12], [5, 20, 80.0]))
     group = np.repeat(np.arange(36), 4)
-    pulls = Conditions(
-        wheel_radius_m=0.005 * r, rope_radius_m=0.005, wrap_angle_rad=phi, end_tension_N=F
-    ).select(group)
+    pulls = Conditions(wheel_radius_m=0.005 * r, rope_radius_m=0.005, wrap_angle_rad=phi,
+        end_tension_N=F).select(group)  # fmt: skip
     J = pulls.wrap_angle_rad[:, None] / 0.01
     found = []
     for _ in range(400):
         noise = 0.01 * rng.normal(size=144) + 0.05 * rng.normal(size=36)[group]
         rest = noise - J[:, 0] * (J[:, 0] @ noise) / (J[:, 0] @ J[:, 0])
         found += [trend.p_value for trend in find_trends(J, rest, np.full(144, 0.01), group, pulls)]
-    assert len(found) == 1200
-    assert np.mean(np.array(found) < 0.05) == pytest.approx(0.05, abs=0.02)
+    assert (len(found), np.mean(np.array(found) < 0.05)) == (1200, pytest.approx(0.05, abs=0.02))
     assert np.mean(np.array(found) < 1e-3) < 0.006
 
 
@@ -206,8 +181,7 @@ def test_load_effect_from_a_measured_slack_side_is_refused():
     table = table_at(at, np.full(18, np.log(8.0)))
     assert table.measures_slack
     fit = fit_law(table, "constant")
-    assert fit.status == "ok"
-    assert fit["mu"].value == pytest.approx(0.18, abs=4 * fit["mu"].std)
+    assert (fit.status, fit["mu"].value) == ("ok", pytest.approx(0.18, abs=4 * fit["mu"].std))
     wrong = fit_law(table, "wrap-power")
     assert not wrong.trustworthy
     assert any("would agree with any such data" in text for text in wrong.advice)
@@ -220,9 +194,8 @@ def test_extreme_scatter():
 
 
 def test_search_that_stops_early_is_not_a_success(monkeypatch):
-    monkeypatch.setattr(
-        fitting, "batched_fit", lambda problem, **more: batched_fit(problem, **(more | {"max_iterations": 1}))
-    )
+    monkeypatch.setattr(fitting, "batched_fit", lambda problem,
+        **more: batched_fit(problem, **(more | {"max_iterations": 1})))  # fmt: skip
     table = pulled("wrap-power", [0.2, -0.5, 0.1], wraps=TWELVE_WRAPS, loads=(2, 20, 200))
     fit = fit_law(table, "wrap-power", start={"a": 3.0, "b": -0.9, "c": 0.5}, n_starts=1)
     assert fit.status == "not-converged"
@@ -230,18 +203,11 @@ def test_search_that_stops_early_is_not_a_success(monkeypatch):
     assert not fit.trustworthy
 
 
-def test_every_status_has_advice():
-    assert all(status.advice.endswith(".") for status in FitStatus)
-    assert FitStatus("at-bound") is FitStatus.AT_BOUND
-
-
 def test_identifiability_by_hand():
     seen = identify(np.array([[1.0, 0.0], [0.0, 2.0]]), ["a", "b"])
     assert seen.ratio == pytest.approx(1.0)
     same = identify(np.array([[1.0, 1.0, 0.0], [2.0, 2.0, 1.0], [1.0, 1.0, 3.0]]), ["a", "b", "c"])
-    assert same.ratio == inf
-    assert same.unseen == ("a", "b")
-    assert identify(np.zeros((3, 1)), ["a"]).unseen == ("a",)
+    assert (same.ratio, same.unseen, identify(np.zeros((3, 1)), ["a"]).unseen) == (inf, ("a", "b"), ("a",))
     assert identify(np.ones((1, 2)), ["a", "b"]).unseen == ("a", "b")
     assert identify(np.zeros((3, 0)), []).ratio == 1.0
 

@@ -20,14 +20,13 @@ from ropefric.errors import RopefricError
 
 __all__ = ["HOSTILE", "LONG", "answered", "fuzzed", "limit", "scratch", "usable"]
 
-HOSTILE = (
-    "", "nan", "-inf", "1e300", "5e-324", "1e400", "9" * 5000, "-0", "1e-99999999999999999999", "١٢", "0x1F", "1_000",
-    "1e300 mm", "1e300 Hz", "10**10**10 mm", "9**9**9**9", "1 " + "a" * 30 + "!", "9.8 Millimeterdurchmesserlaut-2019",
-    "1 m" + "²" * 30, "_" * 20_000, "(" * 20_000, "a." * 20_000, "[" * 5000, "{a=" * 2000, '"', "'''", '"""', "\\",
-    "\x00", "\x1b[31m", "\ufeff", "\u202e", "$\\frac{$", "=cmd|'/C calc'!A0", "+1", "@SUM(A1)", "-1+1", "../../x",
-    "CON", "x" * 400, "%s%n", "{0}", "<script>", "&", "]]>", "NaN", "true", "null", "1979-05-27", "12:00", "1,5",
-    "1.234,5", "1;2", "#", "\t", "\r",
-)  # fmt: skip
+HOSTILE = ("", "nan", "-inf", "1e300", "5e-324", "1e400", "9" * 5000, "-0", "1e-99999999999999999999", "١٢",
+    "0x1F", "1_000", "1e300 mm", "1e300 Hz", "10**10**10 mm", "9**9**9**9", "1 " + "a" * 30 + "!",
+    "9.8 Millimeterdurchmesserlaut-2019", "1 m" + "²" * 30, "_" * 20_000, "(" * 20_000, "a." * 20_000,
+    "[" * 5000, "{a=" * 2000, '"', "'''", '"""', "\\", "\x00", "\x1b[31m", "\ufeff", "\u202e", "$\\frac{$",
+    "=cmd|'/C calc'!A0", "+1", "@SUM(A1)", "-1+1", "../../x", "CON", "x" * 400, "%s%n", "{0}", "<script>",
+    "&", "]]>", "NaN", "true", "null", "1979-05-27", "12:00", "1,5", "1.234,5", "1;2", "#", "\t",
+    "\r")  # fmt: skip
 
 LONG = int(os.environ.get("ROPEFRIC_FUZZ_EXAMPLES", "15000"))
 HANG_S = 10
@@ -86,13 +85,8 @@ def fuzzed(check, *, short, share, examples=(), **strategies):
     """
 
     def build(n):
-        @settings(
-            max_examples=max(n, 1),
-            derandomize=True,
-            deadline=None,
-            database=None,
-            suppress_health_check=list(HealthCheck),
-        )
+        @settings(max_examples=max(n, 1), derandomize=True, deadline=None, database=None,
+            suppress_health_check=list(HealthCheck))  # fmt: skip
         @given(**strategies)
         def test(**drawn):
             with limit():

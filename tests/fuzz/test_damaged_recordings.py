@@ -40,11 +40,10 @@ CHUNK = 300
 TRUE_N, NEAR = 100.0, 0.025
 HEAD = "time_s,force_N"
 WORDS = ("", "nan", "NaN", "ERR", "-", "#N/A", "=1+1", "1e400", "--", "\x1b[0m", "$x$", "é")
-HEADS = (
-    "", HEAD.upper(), HEAD.replace(",", ""), "force_N", f"{HEAD},{HEAD}", "\x00", "time_s,force_N,", '"time_s,force_N',
-    "time_s;force_N", "time (aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa!),force_N", "time_s,force (10**10**10 N)",
-    "time_s,force " + "_" * 20_000, "time_s," + "(" * 20_000, "\x1b[2J,force_N", f"{HEAD}\n[s],[N]", f"{HEAD}\n\n\n",
-)  # fmt: skip
+HEADS = ("", HEAD.upper(), HEAD.replace(",", ""), "force_N", f"{HEAD},{HEAD}", "\x00", "time_s,force_N,",
+    '"time_s,force_N', "time_s;force_N", "time (aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa!),force_N",
+    "time_s,force (10**10**10 N)", "time_s,force " + "_" * 20_000, "time_s," + "(" * 20_000,
+    "\x1b[2J,force_N", f"{HEAD}\n[s],[N]", f"{HEAD}\n\n\n")  # fmt: skip
 
 
 @cache
@@ -146,9 +145,8 @@ def marked(rng, lines, peak):
 
 
 def header(rng, lines, peak):
-    return text(
-        lines, rng.choice([*HEADS, HEAD[: rng.randrange(len(HEAD))], f"# {rng.choice(HOSTILE)}\n{HEAD}"])
-    )
+    return text(lines, rng.choice([*HEADS, HEAD[: rng.randrange(len(HEAD))],
+        f"# {rng.choice(HOSTILE)}\n{HEAD}"]))  # fmt: skip
 
 
 def second_header(rng, lines, peak):
@@ -175,10 +173,9 @@ def spoilt_gzip(rng, lines, peak):
     return bytes(data)
 
 
-DAMAGES = (
-    cut, cut, cut_in_a_number, dropped, dropped_block, doubled, reordered, zeroed, frozen, stuck, separators, decimals,
-    line_ends, mac_ends, marked, header, header, second_header, words, spoilt_gzip,
-)  # fmt: skip
+DAMAGES = (cut, cut, cut_in_a_number, dropped, dropped_block, doubled, reordered, zeroed, frozen, stuck,
+    separators, decimals, line_ends, mac_ends, marked, header, header, second_header, words,
+    spoilt_gzip)  # fmt: skip
 
 
 @cache
@@ -239,9 +236,8 @@ def good(suffix):
         from nptdms import ChannelObject, TdmsWriter
 
         with TdmsWriter(stream) as writer:
-            writer.write_segment(
-                [ChannelObject("g", "time_s", time_s), ChannelObject("g", "force_N", force_N)]
-            )
+            writer.write_segment([ChannelObject("g", "time_s", time_s),
+                ChannelObject("g", "force_N", force_N)])  # fmt: skip
     return stream.getvalue()
 
 
@@ -296,18 +292,13 @@ def test_texts(start):
 @pytest.mark.slow
 def test_packed_recordings_in_a_process_of_their_own():
     """With 6 GB of addresses and ten minutes of processor at the most."""
-    script = (
-        "import resource, sys\n"
-        "resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))\n"
+    script = ("import resource, sys\nresource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))\n"
         "resource.setrlimit(resource.RLIMIT_CPU, (600, 600))\n"
-        f"sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
-        "import test_damaged_recordings as here\n"
+        f"sys.path.insert(0, {str(Path(__file__).parent)!r})\nimport test_damaged_recordings as here\n"
         "for number in range(here.N_TEXTS, here.N_INPUTS):\n"
-        "    print(number, here.faults([number]), flush=True)\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, timeout=900, check=False
-    )
+        "    print(number, here.faults([number]), flush=True)\n")  # fmt: skip
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=900,
+        check=False)  # fmt: skip
     told = done.stdout.splitlines()
     assert [line for line in told if not line.endswith("{}")] == []
     assert (done.returncode, len(told)) == (0, N_INPUTS - N_TEXTS), done.stderr[-300:]
@@ -319,13 +310,12 @@ def test_hostile_words_for_options():
     for word in HOSTILE:
         said = rng.choice(["", "1", "1 ", "-1e3"]) + word + rng.choice(["", " mm", " N", "!"])
         unit = rng.choice(["m", "N", "rad", ""])
-        for read, *given in (
-            (parse_quantity, said, unit), (parse_any_quantity, said), (unit_factor, said, unit),
-            (split_unit_suffix, said), (read_levels, f"{said} .. {said}", unit, "--x", 5),
-            (read_levels, said, unit, "--x", 5), (parse_axis, scene, f"wheel.wrap={said}"),
-            (parse_axis, scene, f"wheel.wrap=1deg:{said}:{said}"),
-            (lambda one: parse_assignments([one, f"a={one}"], option="--x"), said),
-        ):  # fmt: skip
+        for read, *given in ((parse_quantity, said, unit), (parse_any_quantity, said),
+                (unit_factor, said, unit), (split_unit_suffix, said),
+                (read_levels, f"{said} .. {said}", unit, "--x", 5), (read_levels, said, unit, "--x", 5),
+                (parse_axis, scene, f"wheel.wrap={said}"),
+                (parse_axis, scene, f"wheel.wrap=1deg:{said}:{said}"),
+                (lambda one: parse_assignments([one, f"a={one}"], option="--x"), said)):  # fmt: skip
             try:
                 with limit():
                     answered(lambda read=read, given=given: read(*given))

@@ -12,10 +12,9 @@ GOOD = Path(__file__).parents[1] / "trials" / "good"
 LINES = GOOD.joinpath("campaign.toml").read_text(encoding="utf-8").splitlines()
 TRIALS = GOOD.joinpath("trials.csv").read_bytes()
 KEYS = [number for number, line in enumerate(LINES) if " = " in line]
-JUNK = (
-    "", '"', "[", "]", "[[x]]", "=", "{}", "[]", "-1", "nan", "inf", "true", '"x"', "0xffff", "1e400", "1979-05-27",
-    "\x00", "é", "9" * 400, '"1 mm"', '"1e400 m"', '"-1 N"', '"1 N/s"', "'''", "#", "[a.b.c]", "a.b = 1", *HOSTILE,
-)  # fmt: skip
+JUNK = ("", '"', "[", "]", "[[x]]", "=", "{}", "[]", "-1", "nan", "inf", "true", '"x"', "0xffff", "1e400",
+    "1979-05-27", "\x00", "é", "9" * 400, '"1 mm"', '"1e400 m"', '"-1 N"', '"1 N/s"', "'''", "#", "[a.b.c]",
+    "a.b = 1", *HOSTILE)  # fmt: skip
 FOLDER = scratch()
 (FOLDER / "recordings").mkdir()
 for _name in "abc":
@@ -60,17 +59,8 @@ def check_campaign_file(moves, edits):
             assert trial.wrap_angle_rad >= 0.0
 
 
-test_campaigns, test_campaigns_long = fuzzed(
-    check_campaign_file,
-    short=40,
-    share=0.006,
-    moves=st.lists(
-        st.tuples(
-            st.integers(0, 99),
-            st.integers(0, 99),
-            st.sampled_from(["value", "value", "twice", "gone", "moved"]),
-        ),
-        max_size=3,
-    ),
-    edits=st.lists(st.tuples(st.integers(0, 3000), st.integers(0, 15), st.sampled_from(JUNK)), max_size=2),
-)
+test_campaigns, test_campaigns_long = fuzzed(check_campaign_file, short=40, share=0.006,
+    moves=st.lists(st.tuples(st.integers(0, 99), st.integers(0, 99),
+    st.sampled_from(["value", "value", "twice", "gone", "moved"])), max_size=3),
+    edits=st.lists(st.tuples(st.integers(0, 3000), st.integers(0, 15), st.sampled_from(JUNK)),
+    max_size=2))  # fmt: skip

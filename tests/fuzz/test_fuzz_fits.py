@@ -19,9 +19,8 @@ from ropefric.trials.table import TrialTable
 
 FOLDER = scratch()
 EXTREME = (5e-324, 1e-310, 1e-300, 1e-160, 1e-16, 1e16, 1e160, 1e300)
-PULLS = Conditions(
-    wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[0.0, 3.0, 30.0], end_tension_N=[1.5, 20.0, 90.0]
-)
+PULLS = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[0.0, 3.0, 30.0],
+    end_tension_N=[1.5, 20.0, 90.0])  # fmt: skip
 
 
 def sound(fit):
@@ -55,31 +54,26 @@ def sound(fit):
             assert low * (1 - 1e-12) <= found.lift_force_N[0] <= high * (1 + 1e-12)
 
 
-CHANGES = {
-    "plain": {}, "one wrap": {"wrap_angle_rad": 3.0}, "one wheel": {"wheel_radius_m": 0.04},
+CHANGES = {"plain": {}, "one wrap": {"wrap_angle_rad": 3.0}, "one wheel": {"wheel_radius_m": 0.04},
     "one condition": {"wheel_radius_m": 0.04, "wrap_angle_rad": 3.0, "end_tension_N": 20.0},
     "reference load": {"end_tension_N": 1.0}, "below the reference": {"end_tension_N": 0.5},
-    "no wrap": {"wrap_angle_rad": 0.0}, "tiny wraps": {"wrap_angle_rad": 1e-9}, "many turns": {"wrap_angle_rad": 900.0},
-}  # fmt: skip
+    "no wrap": {"wrap_angle_rad": 0.0}, "tiny wraps": {"wrap_angle_rad": 1e-9},
+    "many turns": {"wrap_angle_rad": 900.0}}  # fmt: skip
 
 
 @np.errstate(all="ignore")
 def trials(kind, n, scatter, seed, extreme):
     """Return a table of pulls."""
     rng = np.random.default_rng(seed)
-    columns = {
-        "wheel_radius_m": rng.choice([0.01, 0.02, 0.04, 0.08], n),
-        "rope_radius_m": np.full(n, 0.005),
+    columns = {"wheel_radius_m": rng.choice([0.01, 0.02, 0.04, 0.08], n), "rope_radius_m": np.full(n, 0.005),
         "wrap_angle_rad": rng.choice([1.5, 3.0, 6.0, 9.0, 12.0], n),
-        "end_tension_N": rng.choice([2.0, 5.0, 20.0, 80.0], n),
-    }
+        "end_tension_N": rng.choice([2.0, 5.0, 20.0, 80.0], n)}  # fmt: skip
     change = CHANGES[kind]
     for name, value in change.items():
         columns[name] = np.full(n, value)
     mu = 0.2 * (1 - np.exp(-0.3 * columns["wheel_radius_m"] / columns["rope_radius_m"]))
-    columns["peak_N"] = columns["end_tension_N"] * np.exp(
-        mu * columns["wrap_angle_rad"] + scatter * rng.normal(size=n)
-    )
+    columns["peak_N"] = columns["end_tension_N"] * np.exp(mu * columns["wrap_angle_rad"] + scatter *
+        rng.normal(size=n))  # fmt: skip
     for place, value in extreme:
         columns[sorted(columns)[place % len(columns)]][place % n] = value
     return TrialTable(trial=tuple(f"t{i}" for i in range(n)), **columns)
@@ -95,20 +89,15 @@ def check_fit(law, loss, clustered, **table):
 @cache
 def stored():
     """Return the trees of a few fits, good and doubtful."""
-    cases = (
-        ("constant", "plain", 6),
-        ("wrap-power", "plain", 24),
-        ("coupled", "plain", 5),
-        ("size-power", "one wheel", 12),
-    )
+    cases = (("constant", "plain", 6), ("wrap-power", "plain", 24), ("coupled", "plain", 5),
+        ("size-power", "one wheel", 12))  # fmt: skip
     tables = [(law, trials(kind=kind, n=n, scatter=0.01, seed=5, extreme=[])) for law, kind, n in cases]
     return [json.loads(fit_text(fit_law(table, law, n_starts=1))) for law, table in tables]
 
 
-VALUES = (
-    None, 0, -1, 1.5, 1e300, -1e300, 1e-310, -0.0, 10**400, 2**70, math.nan, math.inf, -math.inf, "", "x", "ok",
-    "scaled", True, False, [], {}, [[]], [1, 2], ["a", "b"], {"a": None}, [None] * 3, *HOSTILE,
-)  # fmt: skip
+VALUES = (None, 0, -1, 1.5, 1e300, -1e300, 1e-310, -0.0, 10**400, 2**70, math.nan, math.inf, -math.inf, "",
+    "x", "ok", "scaled", True, False, [], {}, [[]], [1, 2], ["a", "b"], {"a": None}, [None] * 3,
+    *HOSTILE)  # fmt: skip
 
 
 def _places(tree, at=()):
@@ -168,33 +157,17 @@ test_fit, test_fit_long = fuzzed(
     scatter=st.sampled_from([0.0, 1e-15, 1e-3, 0.02, 0.5]), seed=st.integers(0, 10**6),
     extreme=st.lists(st.tuples(st.integers(0, 99), st.sampled_from(EXTREME)), max_size=2),
 )  # fmt: skip
-test_stored, test_stored_long = fuzzed(
-    check_stored,
-    short=90,
-    share=0.04,
-    examples=[
-        _edit(0, "law", value=[None] * 3),
-        _edit(0, "parameters", "mu", "value", value=1e300),
-        _edit(0, "parameters", "mu", "value", value=10**400),
-        _edit(0, "parameters", "mu", "at_bound", value=True),
-        _edit(0, "covariance", 0, 0, value=-1e300),
-        _edit(0, "covariance", 0, 0, value=math.inf),
-        _edit(0, "statistics", "chi2", value=math.nan),
-        _edit(0, "statistics", "interval_dof", value=2**70),
-        _edit(0, "statistics", "scatter_within", value=10**400),
-        _edit(0, "statistics", "scatter_between", value=1e300),
-        _edit(0, "provenance", "input", value=["a", "b"]),
-        _edit(0, "identifiability", "ratio", value=10**400),
-        _edit(1, "covariance", 1, 0, value=-1e300),
-        _edit(1, "parameters", "a", "ci95", value=[1, 2]),
-        _edit(2, "status", value="ok"),
-        _edit(2, "advice", value=[]),
-    ],
-    which=st.integers(0, 3),
+test_stored, test_stored_long = fuzzed(check_stored, short=90, share=0.04,
+    examples=[_edit(0, "law", value=[None] * 3), _edit(0, "parameters", "mu", "value", value=1e300),
+    _edit(0, "parameters", "mu", "value", value=10**400),
+    _edit(0, "parameters", "mu", "at_bound", value=True), _edit(0, "covariance", 0, 0, value=-1e300),
+    _edit(0, "covariance", 0, 0, value=math.inf), _edit(0, "statistics", "chi2", value=math.nan),
+    _edit(0, "statistics", "interval_dof", value=2**70),
+    _edit(0, "statistics", "scatter_within", value=10**400),
+    _edit(0, "statistics", "scatter_between", value=1e300), _edit(0, "provenance", "input", value=["a", "b"]),
+    _edit(0, "identifiability", "ratio", value=10**400), _edit(1, "covariance", 1, 0, value=-1e300),
+    _edit(1, "parameters", "a", "ci95", value=[1, 2]), _edit(2, "status", value="ok"),
+    _edit(2, "advice", value=[])], which=st.integers(0, 3),
     edits=st.lists(st.tuples(st.integers(0, 999), st.integers(-6, len(VALUES) - 1)), max_size=4),
-    cut=st.none()
-    | st.tuples(
-        st.integers(0, 5000), st.integers(0, 6),
-        st.sampled_from(["", "}", "NaN", "1e999", "\\ud800", ",", '"', "-", "]"]),
-    ),
-)  # fmt: skip
+    cut=st.none() | st.tuples(st.integers(0, 5000), st.integers(0, 6),
+    st.sampled_from(["", "}", "NaN", "1e999", "\\ud800", ",", '"', "-", "]"])))  # fmt: skip

@@ -35,9 +35,8 @@ def check_tendencies(name, places, wheel, rope, tension):
         assert (lift >= along.log_end_tension).all()
     slack = 4e-15 * np.abs(lift).max()
     assert (np.diff(lift) >= -slack).all()
-    heavier = Conditions(
-        wheel_radius_m=wheel, rope_radius_m=rope, wrap_angle_rad=WRAPS, end_tension_N=tension * 1.5
-    )
+    heavier = Conditions(wheel_radius_m=wheel, rope_radius_m=rope, wrap_angle_rad=WRAPS,
+        end_tension_N=tension * 1.5)  # fmt: skip
     more = answered(lambda: law.log_lift(theta, heavier))
     if more is not None:
         assert (more >= lift - 2 * slack).all()
@@ -56,13 +55,9 @@ def check_tendencies(name, places, wheel, rope, tension):
     assert force is None or np.isfinite(force).all()
 
 
-test_tendencies, test_tendencies_long = fuzzed(
-    check_tendencies,
-    short=150,
-    share=0.13,
-    name=st.sampled_from(sorted(ALL_LAWS)),
-    places=st.lists(PLACE, min_size=5, max_size=5),
+test_tendencies, test_tendencies_long = fuzzed(check_tendencies, short=150, share=0.13,
+    name=st.sampled_from(sorted(ALL_LAWS)), places=st.lists(PLACE, min_size=5, max_size=5),
     wheel=st.sampled_from([0.04, 0.04, 1e-12, 1e9]) | st.floats(0.005, 1.0),
     rope=st.sampled_from([0.005, 0.005, 1e-9]) | st.floats(0.0005, 0.05),
-    tension=st.sampled_from([1.0, 1.0 + 2**-52, 20.0, 0.5, 1e-300, 1e9, 1e300]) | st.floats(0.1, 1e4),
-)
+    tension=st.sampled_from([1.0, 1.0 + 2**-52, 20.0, 0.5, 1e-300, 1e9, 1e300]) | st.floats(0.1,
+    1e4))  # fmt: skip

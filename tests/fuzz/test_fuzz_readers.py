@@ -20,31 +20,19 @@ def _text(separator=",", decimal=".", head="time_s{0}force_N\n"):
     return head.format(separator) + (rows.replace(".", decimal) if decimal != "." else rows)
 
 
-GOOD = (
-    _text(),
-    _text(";", ","),
-    _text("\t"),
-    _text("|"),
+GOOD = (_text(), _text(";", ","), _text("\t"), _text("|"),
     "# rig 2\nOperator;Jo\n\n" + _text(";", ",", "t (s){0}F (kN)\n"),
     "F,t,,\nN,s,,\nA,,B,\n" + "".join(f"{f},{t},{f + 1},{t}\n" for t, f in ROWS),
-    "force_N\n" + "".join(f"{f}\n" for _, f in ROWS),
-)
-JUNK = (
-    "", '"', "'", ",", ";", "\t", "\n", "\r", "\r\n", "\x00", "\ufeff", "-", ".", "e", "E+", "1e400", "nan", "inf", "NA",
-    "#", "é", "\x81", " ", "1,234,567", "12:00:01", "2024-01-01", "0x1F", "1_000", "9" * 400, "time_s", "force_N", "s",
-    "(", "µ",
-)  # fmt: skip
+    "force_N\n" + "".join(f"{f}\n" for _, f in ROWS))  # fmt: skip
+JUNK = ("", '"', "'", ",", ";", "\t", "\n", "\r", "\r\n", "\x00", "\ufeff", "-", ".", "e", "E+", "1e400",
+    "nan", "inf", "NA", "#", "é", "\x81", " ", "1,234,567", "12:00:01", "2024-01-01", "0x1F", "1_000",
+    "9" * 400, "time_s", "force_N", "s", "(", "µ")  # fmt: skip
 NAMES = ("r.csv", "r.txt", "r.dat", "r.csv.gz", "r.mat", "r.xlsx", "r.tdms")
-PROFILES = (
-    ImportProfile(),
-    ImportProfile(),
-    ImportProfile(sampling_rate_Hz=1000.0),
-    ImportProfile(decimal=","),
-    ImportProfile(separator=";"),
-    ImportProfile(missing=("NA", "")),
+PROFILES = (ImportProfile(), ImportProfile(), ImportProfile(sampling_rate_Hz=1000.0),
+    ImportProfile(decimal=","), ImportProfile(separator=";"), ImportProfile(missing=("NA", "")),
     ImportProfile(format="delimited", header_row=1),
-    ImportProfile(format="wide", header_row=1, units_row=2, block_names_row=3, data_row=4, block_columns=2),
-)
+    ImportProfile(format="wide", header_row=1, units_row=2, block_names_row=3, data_row=4,
+    block_columns=2))  # fmt: skip
 
 
 def judge(data, name, profile):
@@ -81,20 +69,10 @@ def check_bytes(data, name, profile):
 
 
 PROFILE = st.integers(0, len(PROFILES) - 1)
-test_spoilt_text, test_spoilt_text_long = fuzzed(
-    check_spoilt_text,
-    short=90,
-    share=0.03,
-    which=st.integers(0, len(GOOD) - 1),
-    edits=st.lists(st.tuples(st.integers(0, 900), st.integers(0, 30), st.sampled_from(JUNK)), max_size=6),
-    name=st.sampled_from(["r.csv", "r.csv", "r.txt", "r.csv.gz"]),
-    profile=PROFILE,
-)
-test_bytes, test_bytes_long = fuzzed(
-    check_bytes,
-    short=90,
-    share=0.03,
+test_spoilt_text, test_spoilt_text_long = fuzzed(check_spoilt_text, short=90, share=0.03,
+    which=st.integers(0, len(GOOD) - 1), edits=st.lists(st.tuples(st.integers(0, 900), st.integers(0, 30),
+    st.sampled_from(JUNK)), max_size=6), name=st.sampled_from(["r.csv", "r.csv", "r.txt", "r.csv.gz"]),
+    profile=PROFILE)  # fmt: skip
+test_bytes, test_bytes_long = fuzzed(check_bytes, short=90, share=0.03,
     data=st.binary(max_size=300) | st.text("0123456789.,;\t\n\r -+eE\"'#aN", max_size=200).map(str.encode),
-    name=st.sampled_from(NAMES),
-    profile=PROFILE,
-)
+    name=st.sampled_from(NAMES), profile=PROFILE)  # fmt: skip

@@ -14,19 +14,16 @@ from ropefric.scenes.solve import solve_scene
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
 FITS = (SCENES / "../../fits").resolve().as_posix()
-TEXTS = {
-    path.stem: path.read_text(encoding="utf-8").replace("../../fits", FITS).splitlines()
-    for path in sorted(SCENES.glob("*.toml"))
-}
+TEXTS = {path.stem: path.read_text(encoding="utf-8").replace("../../fits", FITS).splitlines()
+    for path in sorted(SCENES.glob("*.toml"))}  # fmt: skip
 # A start-up takes a second; its garbled forms are for the long run of its own tests.
 CHEAP = [name for name in TEXTS if name != "press-start-up"]
-JUNK = (
-    "0", "-1", "1", "1e-300", "1e300", "nan", "inf", "true", "[]", "{}", '""', '"x"', '"auto"', '"all"', "[1]",
-    '["size"]', '["travel", "bending"]', '["belt-inertia"]', '"1 mm"', '"-1 mm"', '"1e300 m"', '"1e-300 m"',
-    '"0 N"', '"1e9 N"', '"1 kN"', '"1 N*m"', '"90 deg"', '"1e6 turn"', '"1e-9 deg"', '"100 m/s"', '"1e5 rpm"',
-    '"1e160 m/s"', '"1e300 kg/m"', '"1e200 rpm"', '"1e-200 N"', '"1e200 N"', '"1e200 N*m^2"', '"1e-200 m"',
-    '"1 MPa"', '"1 kg"', '"1e-12 kg/m"', '"clamped"', '"pinned"', '"equal"', '"speed-ratio"', '"driver"', *HOSTILE,
-)  # fmt: skip
+JUNK = ("0", "-1", "1", "1e-300", "1e300", "nan", "inf", "true", "[]", "{}", '""', '"x"', '"auto"', '"all"',
+    "[1]", '["size"]', '["travel", "bending"]', '["belt-inertia"]', '"1 mm"', '"-1 mm"', '"1e300 m"',
+    '"1e-300 m"', '"0 N"', '"1e9 N"', '"1 kN"', '"1 N*m"', '"90 deg"', '"1e6 turn"', '"1e-9 deg"',
+    '"100 m/s"', '"1e5 rpm"', '"1e160 m/s"', '"1e300 kg/m"', '"1e200 rpm"', '"1e-200 N"', '"1e200 N"',
+    '"1e200 N*m^2"', '"1e-200 m"', '"1 MPa"', '"1 kg"', '"1e-12 kg/m"', '"clamped"', '"pinned"', '"equal"',
+    '"speed-ratio"', '"driver"', *HOSTILE)  # fmt: skip
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
 FOLDER = scratch()
 

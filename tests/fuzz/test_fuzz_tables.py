@@ -10,30 +10,18 @@ from ropefric.fitting.fit import fit_law
 from ropefric.trials.table import read_trial_table, table_from_frame
 
 FOLDER = scratch()
-USUAL = (
-    "trial",
-    "wheel_radius_mm",
-    "rope_diameter_mm",
-    "wrap_angle_deg",
-    "end_tension_N",
-    "peak_N",
-    "kept",
-    "status",
-)
-HEADERS = (
-    *USUAL, "wheel_diameter_mm", "rope_radius_mm", "wrap_turns", "wrap_angle_rad", "end_mass_kg", "lift_force_kN",
-    "peak_std_N", "end_tension_std_N", "wrap_angle_std_deg", "wheel_radius_std_mm", "comment", "", "peak",
-    "wheel_radius", "peak_furlong",
-)  # fmt: skip
-CELLS = (
-    "", "40", "9.8", "180", "540", "20", "80", "321.7", "-1", "0", "-0.0", "1e300", "1e-300", "1e400", "5e-324", "nan",
-    "NaN", "inf", "-inf", "0,5", "1.234,5", "1,234.5", "true", "false", "yes", "maybe", "ok", "no-peak", "x", '"', "a b",
-    "9" * 50, "١", "1e", "0x10", "2024-01-01", "\x00", "\u00a0", *HOSTILE,
-)  # fmt: skip
-GOOD = "\n".join(
-    [",".join(USUAL)]
-    + [f"t{i},{40 + 10 * (i % 3)},9.8,{180 * (1 + i % 4)},20,{40 + 7 * i},true,ok" for i in range(12)]
-)
+USUAL = ("trial", "wheel_radius_mm", "rope_diameter_mm", "wrap_angle_deg", "end_tension_N", "peak_N", "kept",
+    "status")  # fmt: skip
+HEADERS = (*USUAL, "wheel_diameter_mm", "rope_radius_mm", "wrap_turns", "wrap_angle_rad", "end_mass_kg",
+    "lift_force_kN", "peak_std_N", "end_tension_std_N", "wrap_angle_std_deg", "wheel_radius_std_mm",
+    "comment", "", "peak", "wheel_radius", "peak_furlong")  # fmt: skip
+CELLS = ("", "40", "9.8", "180", "540", "20", "80", "321.7", "-1", "0", "-0.0", "1e300", "1e-300", "1e400",
+    "5e-324", "nan", "NaN", "inf", "-inf", "0,5", "1.234,5", "1,234.5", "true", "false", "yes", "maybe", "ok",
+    "no-peak", "x", '"', "a b", "9" * 50, "١", "1e", "0x10", "2024-01-01", "\x00", "\u00a0",
+    *HOSTILE)  # fmt: skip
+GOOD = "\n".join([",".join(USUAL)] +
+    [f"t{i},{40 + 10 * (i % 3)},9.8,{180 * (1 + i % 4)},20,{40 + 7 * i},true,ok"
+    for i in range(12)])  # fmt: skip
 
 
 def judge(data):
@@ -78,23 +66,11 @@ def check_any_table(header, rows, mark, ending):
     judge(ending.join(mark.join(row) for row in [header, *rows]).encode("utf-8", "surrogatepass"))
 
 
-test_spoilt, test_spoilt_long = fuzzed(
-    check_spoilt_table,
-    short=70,
-    share=0.04,
-    edits=st.lists(
-        st.tuples(st.integers(0, 12), st.integers(0, 7), st.integers(0, len(CELLS) - 1)), max_size=5
-    ),
-    junk=st.lists(
-        st.tuples(
-            st.integers(0, 700), st.integers(0, 20), st.sampled_from(["", ",", ";", "\n", '"', "\t", "\ufeff", "e"])
-        ),
-        max_size=2,
-    ),
-)  # fmt: skip
-test_any, test_any_long = fuzzed(
-    check_any_table, short=60, share=0.04,
+test_spoilt, test_spoilt_long = fuzzed(check_spoilt_table, short=70, share=0.04,
+    edits=st.lists(st.tuples(st.integers(0, 12), st.integers(0, 7), st.integers(0, len(CELLS) - 1)),
+    max_size=5), junk=st.lists(st.tuples(st.integers(0, 700), st.integers(0, 20),
+    st.sampled_from(["", ",", ";", "\n", '"', "\t", "\ufeff", "e"])), max_size=2))  # fmt: skip
+test_any, test_any_long = fuzzed(check_any_table, short=60, share=0.04,
     header=st.permutations(USUAL).map(tuple) | st.lists(st.sampled_from(HEADERS), max_size=10).map(tuple),
     rows=st.lists(st.lists(st.sampled_from(CELLS), min_size=1, max_size=10), max_size=5),
-    mark=st.sampled_from(",;\t"), ending=st.sampled_from(["\n", "\r\n", "\r", "\n\n"]),
-)  # fmt: skip
+    mark=st.sampled_from(",;\t"), ending=st.sampled_from(["\n", "\r\n", "\r", "\n\n"]))  # fmt: skip

@@ -28,17 +28,13 @@ def nasty(*, shape, n, step, scale, offset, seed, damage):
     i = np.arange(n)
     top = max(1, int(rng.uniform(0.1, 0.95) * n))
     climb = np.minimum(i / top, 1.0) * 100
-    force = {
-        "pull": lambda: np.where(i < top, climb, 80 + rng.normal(0, 2, n)),
-        "noise": lambda: rng.normal(0, 1, n),
-        "flat": lambda: np.full(n, 7.0),
+    force = {"pull": lambda: np.where(i < top, climb, 80 + rng.normal(0, 2, n)),
+        "noise": lambda: rng.normal(0, 1, n), "flat": lambda: np.full(n, 7.0),
         "chaos": lambda: rng.choice([0.0, 5e-324, 1e-160, 1.0, -1.0, 1e9, -1e99, 1e100], n),
-        "ramp": lambda: climb,
-        "teeth": lambda: 50 + 20 * np.mod(i, max(top // 4, 2)) / max(top // 4, 2) + rng.normal(0, 0.1, n),
-        "counts": lambda: np.round(np.where(i < top, climb, 80 + rng.normal(0, 2, n))),
-        "drop": lambda: np.where(i < top, climb, 0.0),
-        "steps": lambda: np.floor(i / max(n // 5, 1)) * rng.choice([-10, 10]),
-    }[shape]()
+        "ramp": lambda: climb, "teeth": lambda: 50 + 20 * np.mod(i, max(top // 4, 2)) / max(top // 4,
+        2) + rng.normal(0, 0.1, n), "counts": lambda: np.round(np.where(i < top, climb,
+        80 + rng.normal(0, 2, n))), "drop": lambda: np.where(i < top, climb, 0.0),
+        "steps": lambda: np.floor(i / max(n // 5, 1)) * rng.choice([-10, 10])}[shape]()  # fmt: skip
     force = force * scale + offset
     time = i * step + rng.choice([0.0, 0.0, 1e9, -1e9]) if step < 1e10 else i * step
     for kind in damage:
@@ -59,28 +55,20 @@ def nasty(*, shape, n, step, scale, offset, seed, damage):
     return time, force
 
 
-RECORDINGS = {
-    "shape": st.sampled_from(SHAPES),
-    "n": st.sampled_from(SIZES),
-    "step": st.sampled_from(STEPS) | st.just(0.004),
-    "scale": st.sampled_from(SCALES),
-    "offset": st.sampled_from(OFFSETS),
-    "seed": st.integers(0, 10**6),
-    "damage": st.lists(
-        st.sampled_from(["missing", "spike", "gap", "repeat", "jitter", "lost stamp"]), max_size=2
-    ),
-}
+RECORDINGS = {"shape": st.sampled_from(SHAPES), "n": st.sampled_from(SIZES),
+    "step": st.sampled_from(STEPS) | st.just(0.004), "scale": st.sampled_from(SCALES),
+    "offset": st.sampled_from(OFFSETS), "seed": st.integers(0, 10**6),
+    "damage": st.lists(st.sampled_from(["missing", "spike", "gap", "repeat", "jitter", "lost stamp"]),
+    max_size=2)}  # fmt: skip
 
 
 def check_averages(window, n_window, **recording):
     """An average lies between the smallest and the largest sample, and is missing only where all are."""
     time, force = nasty(**recording)
     window = 0.01 if window is None else window
-    for found in (
-        answered(lambda: average_over_samples(force, n_window)),
-        answered(lambda: average_over_time(time, force, window)),
-        answered(lambda: smooth(ForceTrace(time_s=time, force_N=force), window).force_N),
-    ):
+    for found in (answered(lambda: average_over_samples(force, n_window)),
+            answered(lambda: average_over_time(time, force, window)),
+            answered(lambda: smooth(ForceTrace(time_s=time, force_N=force), window).force_N)):  # fmt: skip
         if found is None:
             continue
         assert found.shape == force.shape
@@ -112,10 +100,8 @@ def check_picking(*, protocol, window, ending, min_step, part, **recording):
     if trace is None:
         return
     middle = float(time[time.size // 2])
-    settings = PickSettings(
-        window_s=window, ending=ending, min_step_N=min_step,
-        start_s=middle if part == "late" else None, stop_s=middle if part == "early" else None,
-    )  # fmt: skip
+    settings = PickSettings(window_s=window, ending=ending, min_step_N=min_step,
+        start_s=middle if part == "late" else None, stop_s=middle if part == "early" else None)  # fmt: skip
     results = answered(lambda: PROTOCOLS[protocol].pick(trace, settings))
     if results is None:
         return
@@ -139,18 +125,11 @@ def check_picking(*, protocol, window, ending, min_step, part, **recording):
             assert phase.start_s <= phase.end_s
 
 
-test_averages, test_averages_long = fuzzed(
-    check_averages, short=60, share=0.14, window=st.sampled_from(WINDOWS),
-    n_window=st.sampled_from([1, 3, 31, 999, 10**7 + 1]), **RECORDINGS,
-)  # fmt: skip
+test_averages, test_averages_long = fuzzed(check_averages, short=60, share=0.14,
+    window=st.sampled_from(WINDOWS), n_window=st.sampled_from([1, 3, 31, 999, 10**7 + 1]),
+    **RECORDINGS)  # fmt: skip
 test_clock, test_clock_long = fuzzed(check_clock, short=60, share=0.43, **RECORDINGS)
-USUAL = {
-    "window": None,
-    "ending": "sliding",
-    "min_step": None,
-    "part": "all",
-    "scale": 1.0,
-}
+USUAL = {"window": None, "ending": "sliding", "min_step": None, "part": "all", "scale": 1.0}
 test_picking, test_picking_long = fuzzed(
     check_picking, short=120, share=0.1,
     examples=[

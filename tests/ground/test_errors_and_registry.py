@@ -20,31 +20,19 @@ from ropefric.registry import Registry, did_you_mean
 
 
 def test_every_error_is_ours_and_pythons():
-    for ours, pythons in (
-        (InputError, ValueError),
-        (UnknownNameError, LookupError),
-        (DataError, ValueError),
-        (FitError, RuntimeError),
-        (SolverError, RuntimeError),
-    ):
+    for ours, pythons in ((InputError, ValueError), (UnknownNameError, LookupError), (DataError, ValueError),
+            (FitError, RuntimeError), (SolverError, RuntimeError)):  # fmt: skip
         assert issubclass(ours, RopefricError)
         assert issubclass(ours, pythons)
         assert ours("x").exit_code == 3
 
 
 def test_an_error_tells_what_where_and_how():
-    error = DataError(
-        "the wrap angle is empty", code="RF121", path="trials.csv", line=14, key="wrap", fix="fill it"
-    )
+    error = DataError("the wrap angle is empty", code="RF121", path="trials.csv", line=14, key="wrap",
+        fix="fill it")  # fmt: skip
     assert str(error) == "trials.csv:14 wrap: the wrap angle is empty Fix: fill it"
-    assert error.to_dict() == {
-        "error": {
-            "code": "RF121",
-            "message": "the wrap angle is empty",
-            "where": "trials.csv:14 wrap",
-            "fix": "fill it",
-        }
-    }
+    assert error.to_dict() == {"error": {"code": "RF121", "message": "the wrap angle is empty",
+        "where": "trials.csv:14 wrap", "fix": "fill it"}}  # fmt: skip
 
 
 def test_errors_survive_the_way_between_processes():
@@ -59,13 +47,9 @@ def test_errors_survive_the_way_between_processes():
 def test_only_errors_are_raised_and_all_of_them():
     raise_problems([Problem(code="RF310", message="few repeats", severity="warning")])
     with pytest.raises(DataError) as caught:
-        raise_problems(
-            [
-                Problem(code="RF310", message="few repeats", severity="warning"),
-                Problem(code="RF101", message="no file", path="a"),
-                Problem(code="RF102", message="no number", path="b"),
-            ]
-        )
+        raise_problems([Problem(code="RF310", message="few repeats", severity="warning"),
+            Problem(code="RF101", message="no file", path="a"),
+            Problem(code="RF102", message="no number", path="b")])  # fmt: skip
     assert [problem.code for problem in caught.value.problems] == ["RF101", "RF102"]
     assert caught.value.code == "RF101"
 
@@ -81,8 +65,7 @@ def test_a_registry_is_ordered_read_only_and_helpful():
     assert list(registry) == ["wrap-power", "constant"]
     assert registry["constant"] is members[1]
     assert "constant" in registry
-    assert len(registry) == 2
-    assert registry.get("constnat", "none") == "none"
+    assert (len(registry), registry.get("constnat", "none")) == (2, "none")
     assert registry.get("constant") is members[1]
     with pytest.raises(UnknownNameError, match="unknown law 'constnat' Fix: did you mean 'constant'"):
         registry["constnat"]

@@ -86,11 +86,9 @@ def test_a_pool_that_breaks_in_the_middle_loses_nothing(n):
     with ProcessPoolExecutor(2) as pool:
         assert list(spread(fatal_elsewhere, range(n), pool)) == [i * i for i in range(n)]
         told = []
-        again = spread(
-            square, range(3), pool, again=lambda piece, error: told.append((piece, type(error).__name__))
-        )
-        assert list(again) == [None] * 3
-        assert told == [(piece, "BrokenProcessPool") for piece in range(3)]
+        again = spread(square, range(3), pool, again=lambda piece,
+            error: told.append((piece, type(error).__name__)))  # fmt: skip
+        assert (list(again), told) == ([None] * 3, [(piece, "BrokenProcessPool") for piece in range(3)])
 
 
 def test_what_is_wrong_with_the_work_is_raised_as_with_one_process():
@@ -155,10 +153,8 @@ def test_without_an_address_there_is_no_cluster_and_without_dask_it_says_what_to
 def test_an_address_without_a_port_is_refused_before_dask_tries_it(monkeypatch, address):
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr(distributed, "Client", None)
-    with (
-        pytest.raises(InputError, match=r"no scheduler answers at .* the address has no port"),
-        cluster(address),
-    ):
+    with (pytest.raises(InputError, match=r"no scheduler answers at .* the address has no port"),
+            cluster(address)):  # fmt: skip
         pass
 
 

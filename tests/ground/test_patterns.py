@@ -109,16 +109,12 @@ class Automaton:
             return self.build(value[3])
         if kind is _constants.BRANCH:
             parts = [self.build(branch) for branch in value[1]]
-            return (
-                set().union(*(p[0] for p in parts)),
-                set().union(*(p[1] for p in parts)),
-                any(p[2] for p in parts),
-            )
+            return (set().union(*(p[0] for p in parts)), set().union(*(p[1] for p in parts)),
+                any(p[2] for p in parts))  # fmt: skip
         if kind in (_constants.AT, _constants.ASSERT, _constants.ASSERT_NOT, _constants.GROUPREF):
             if kind in (_constants.ASSERT, _constants.ASSERT_NOT):
-                assert not any(
-                    inner[0] in (_constants.MAX_REPEAT, _constants.MIN_REPEAT) for inner in value[1]
-                )
+                assert not any(inner[0] in (_constants.MAX_REPEAT, _constants.MIN_REPEAT)
+                    for inner in value[1])  # fmt: skip
             return set(), set(), True
         return (*[self.leaf(one)] * 2, False)
 
@@ -145,12 +141,8 @@ class Automaton:
                         for now in self.step(queue[0], letter):
                             if now == (p, q, q):
                                 return p, q
-                            if (
-                                now not in seen
-                                and p in reach[now[0]]
-                                and q in reach[now[1]] | {now[1]}
-                                and q in reach[now[2]]
-                            ):
+                            if (now not in seen and p in reach[now[0]] and q in reach[now[1]] | {now[1]}
+                                    and q in reach[now[2]]):  # fmt: skip
                                 seen.add(now)
                                 queue.append(now)
                     queue.popleft()
@@ -191,15 +183,13 @@ def test_every_pattern_is_linear_and_a_constant_of_its_module():
         assert not fault(*pattern, methods), names
 
 
-SLOW = (
-    (r"(a+)+b", "match"), (r"(aa|a)*b", "match"), (r"\s*(.+?)[\s._]*[(]x", "fullmatch"), (r"\d+\.?\d*x", "match"),
-    (r"(?:[^\W\d_]+|_)+\d", "fullmatch"), (r"\s*,", "sub"), (r"a+_", "search"), (r"(x+x+)+y", "match"),
-    (r"[\d.,]*,[\d.,]*", "fullmatch"), (r"(.*?,){3,}x", "match"), (r"(ab|a|b)*c", "match"),
-)  # fmt: skip
-QUICK = (
-    (r"\s++,x", "match"), (r"\d++(?:\.\d*+)?", "fullmatch"), (r"a*", "sub"), (r"[a-z]+_\d+", "match"),
-    (r"(?:,\d{3})+", "fullmatch"), (r'"[^"]*"', "fullmatch"), (r"a?b?c?", "match"), (r"\$[a-z]+\$", "search"),
-)  # fmt: skip
+SLOW = ((r"(a+)+b", "match"), (r"(aa|a)*b", "match"), (r"\s*(.+?)[\s._]*[(]x", "fullmatch"),
+    (r"\d+\.?\d*x", "match"), (r"(?:[^\W\d_]+|_)+\d", "fullmatch"), (r"\s*,", "sub"), (r"a+_", "search"),
+    (r"(x+x+)+y", "match"), (r"[\d.,]*,[\d.,]*", "fullmatch"), (r"(.*?,){3,}x", "match"),
+    (r"(ab|a|b)*c", "match"))  # fmt: skip
+QUICK = ((r"\s++,x", "match"), (r"\d++(?:\.\d*+)?", "fullmatch"), (r"a*", "sub"), (r"[a-z]+_\d+", "match"),
+    (r"(?:,\d{3})+", "fullmatch"), (r'"[^"]*"', "fullmatch"), (r"a?b?c?", "match"),
+    (r"\$[a-z]+\$", "search"))  # fmt: skip
 
 
 def test_slow_patterns_are_told_from_quick_ones():

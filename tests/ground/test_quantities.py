@@ -33,15 +33,13 @@ def test_what_people_write():
         ("490.9 mm^2", "m^2", 490.9e-6), ("3 bar", "Pa", 3e5), ("-2 mV", "V", -0.002), ("1e3 N", "N", 1000.0),
     ):  # fmt: skip
         assert parse_quantity(text, si_unit) == pytest.approx(value, rel=1e-15), text
-    for text, value in (
-        ("490.9 mm^2", 490.9e-6), ("3 bar", 3e5), ("1 lbf", 4.4482216152605), ("2 kN/mm", 2e6), ("5 min", 300.0),
-        ("0.5", 0.5), ("-1.5e-3 V", -1.5e-3), ("9.80665 m/s^2", 9.80665), ("180 deg", math.pi), ("12 %", 0.12),
-        ("2 1/min", 1 / 30), ("1 N*mm", 1e-3), ("3 µm", 3e-6),
-    ):  # fmt: skip
+    for text, value in (("490.9 mm^2", 490.9e-6), ("3 bar", 3e5), ("1 lbf", 4.4482216152605),
+            ("2 kN/mm", 2e6), ("5 min", 300.0), ("0.5", 0.5), ("-1.5e-3 V", -1.5e-3),
+            ("9.80665 m/s^2", 9.80665), ("180 deg", math.pi), ("12 %", 0.12), ("2 1/min", 1 / 30),
+            ("1 N*mm", 1e-3), ("3 µm", 3e-6)):  # fmt: skip
         assert parse_any_quantity(text) == near(value), text
-    for text, value in (
-        ("0.02 %FS", 2e-4), ("0.02 % FS", 2e-4), ("0.02%", 2e-4), ("1 % of full scale", 0.01), ("0 %F.S.", 0.0),
-    ):  # fmt: skip
+    for text, value in (("0.02 %FS", 2e-4), ("0.02 % FS", 2e-4), ("0.02%", 2e-4), ("1 % of full scale", 0.01),
+            ("0 %F.S.", 0.0)):  # fmt: skip
         assert parse_fraction(text) == value, text
     # Decimal numbers stay what was written.
     assert (parse_quantity("9.8 mm", "m"), parse_quantity("0.1 mm", "m")) == (0.0098, 0.0001)
@@ -50,20 +48,19 @@ def test_what_people_write():
 
 
 def test_what_is_refused_and_how():
-    for text, si_unit, words in (
-        (40, "m", 'radius: 40 has no unit Fix: write it with one, for example "40 mm"'),
-        ("5 kn", "N", "'kn' is a knot, not a force. Fix: write 'kN'"), ("5 hz", "Hz", "write 'Hz'"),
-        ("540 Grad", "rad", "'Grad' is not clear as [rad]. Fix: write 'deg' or 'gon'"),
-        ("540 grad", "rad", "write 'deg' or 'gon'"), ("40 N", "m", "'N' is not a unit of length"),
-        ("40,5 mm", "m", "has a decimal comma"), ("40 foos", "m", "unknown unit 'foos'"),
-        ("mm", "m", "cannot read 'mm' as a number with a unit"), ("", "m", "cannot read ''"),
-        (True, "m", "True is not a quantity"), (None, "m", "None is not a quantity"),
-        ("1e999 m", "m", "not a finite number"), ("1 9**9**9**9", "m", "is not a unit"),
-        ("1 m^9^9^9^9", "m", "is not a unit"),
-        ("1e300 mm", "m", "too large: 1e+30 m is the limit"), ("1e300 Hz", "Hz", "too large: 1e+30 Hz is the limit"),
-        ("-1e31 N", "N", "too large"), ("5e-324", "", "too small: 1e-30 is the limit"),
-        ("1e-28 mm", "m", "too small"), ("5e-324 mm", "m", "too small"),
-    ):  # fmt: skip
+    for text, si_unit, words in ((40, "m",
+            'radius: 40 has no unit Fix: write it with one, for example "40 mm"'),
+            ("5 kn", "N", "'kn' is a knot, not a force. Fix: write 'kN'"), ("5 hz", "Hz", "write 'Hz'"),
+            ("540 Grad", "rad", "'Grad' is not clear as [rad]. Fix: write 'deg' or 'gon'"),
+            ("540 grad", "rad", "write 'deg' or 'gon'"), ("40 N", "m", "'N' is not a unit of length"),
+            ("40,5 mm", "m", "has a decimal comma"), ("40 foos", "m", "unknown unit 'foos'"),
+            ("mm", "m", "cannot read 'mm' as a number with a unit"), ("", "m", "cannot read ''"),
+            (True, "m", "True is not a quantity"), (None, "m", "None is not a quantity"),
+            ("1e999 m", "m", "not a finite number"), ("1 9**9**9**9", "m", "is not a unit"),
+            ("1 m^9^9^9^9", "m", "is not a unit"), ("1e300 mm", "m", "too large: 1e+30 m is the limit"),
+            ("1e300 Hz", "Hz", "too large: 1e+30 Hz is the limit"), ("-1e31 N", "N", "too large"),
+            ("5e-324", "", "too small: 1e-30 is the limit"), ("1e-28 mm", "m", "too small"),
+            ("5e-324 mm", "m", "too small")):  # fmt: skip
         with pytest.raises(InputError, match=re.escape(words)) as caught:
             parse_quantity(text, si_unit, name="radius")
         assert caught.value.code == ("RF110" if words.startswith("too ") else "RF130")
@@ -76,13 +73,11 @@ def test_what_is_refused_and_how():
             assert caught.value.code == "RF130", text
 
 
-HOSTILE = (
-    "9.8 Millimeterdurchmesserlautdatenblatt-2019", "10**10**10 mm", "1 aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa!",
-    "1 m²²²²²²²²²²", "1 m^999", "1 percent^99 percent^99", "1 " + "m" * 20_000, "1" * 20_000 + " m",
-    "1 " + "(" * 20_000, " " * 20_000 + "x", "1" + " " * 20_000 + "m", "1e" + "9" * 20_000 + " m",
-    "1" + " m" * 20_000,
-    10**5000, "1e-99999999999999999999 m", "0e99999999999999999999 x",
-)  # fmt: skip
+HOSTILE = ("9.8 Millimeterdurchmesserlautdatenblatt-2019", "10**10**10 mm",
+    "1 aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa!", "1 m²²²²²²²²²²", "1 m^999", "1 percent^99 percent^99",
+    "1 " + "m" * 20_000, "1" * 20_000 + " m", "1 " + "(" * 20_000, " " * 20_000 + "x",
+    "1" + " " * 20_000 + "m", "1e" + "9" * 20_000 + " m", "1" + " m" * 20_000, 10**5000,
+    "1e-99999999999999999999 m", "0e99999999999999999999 x")  # fmt: skip
 
 
 def test_no_text_keeps_us_busy():
@@ -124,11 +119,10 @@ def test_millimetres_are_thousandths(number):
 
 
 def test_headers_give_up_their_units():
-    for header, wanted in {
-        "wrap_angle_deg": ("wrap_angle", "deg"), "Force (kN)": ("Force", "kN"), "Force [kN]": ("Force", "kN"),
-        "Time.(s)": ("Time", "s"), "linear_density_g_m": ("linear_density", "g/m"), "speed_m_s": ("speed", "m/s"),
-        "file": ("file", ""), "_mm": ("_mm", ""),
-    }.items():  # fmt: skip
+    for header, wanted in {"wrap_angle_deg": ("wrap_angle", "deg"), "Force (kN)": ("Force", "kN"),
+            "Force [kN]": ("Force", "kN"), "Time.(s)": ("Time", "s"),
+            "linear_density_g_m": ("linear_density", "g/m"), "speed_m_s": ("speed", "m/s"),
+            "file": ("file", ""), "_mm": ("_mm", "")}.items():  # fmt: skip
         assert split_unit_suffix(header) == wanted
 
 

@@ -22,30 +22,19 @@ def test_effective_degrees_of_freedom_of_g_4():
     """JCGM 100, G.4.1: relative uncertainties 0.25, 0.57, 0.82 % from 10, 5, 15 readings."""
     parts = [0.25, 0.57, 0.82]
     dof = effective_dof(parts, [9.0, 4.0, 14.0])
-    assert math.hypot(*parts) == pytest.approx(1.03, abs=0.005)
-    assert dof == pytest.approx(19.0, abs=0.05)
+    assert (math.hypot(*parts), dof) == (pytest.approx(1.03, abs=0.005), pytest.approx(19.0, abs=0.05))
     assert quantile(0.975, dof) == pytest.approx(2.09, abs=0.005)
 
 
-VOLTAGE = Block(
-    name="V, I, φ",
-    symbols=("V", "I", "phi"),
-    estimates=np.array([4.9990, 19.6610e-3, 1.04446]),
-    covariance=np.outer([0.0032, 0.0095e-3, 0.00075], [0.0032, 0.0095e-3, 0.00075])
-    * np.array([[1.0, -0.36, 0.86], [-0.36, 1.0, -0.65], [0.86, -0.65, 1.0]]),
-    dof=4.0,
-)
+VOLTAGE = Block(name="V, I, φ", symbols=("V", "I", "phi"), estimates=np.array([4.9990, 19.6610e-3, 1.04446]),
+    covariance=np.outer([0.0032, 0.0095e-3, 0.00075],
+    [0.0032, 0.0095e-3, 0.00075]) * np.array([[1.0, -0.36, 0.86], [-0.36, 1.0, -0.65], [0.86, -0.65, 1.0]]),
+    dof=4.0)  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("function", "value", "std"),
-    [
-        (lambda v, i, p: v / i * np.cos(p), 127.732, 0.071),
-        (lambda v, i, p: v / i * np.sin(p), 219.847, 0.295),
-        (lambda v, i, _: v / i, 254.260, 0.236),
-    ],
-    ids=["R", "X", "Z"],
-)
+@pytest.mark.parametrize(("function", "value", "std"),
+    [(lambda v, i, p: v / i * np.cos(p), 127.732, 0.071), (lambda v, i, p: v / i * np.sin(p), 219.847, 0.295),
+    (lambda v, i, _: v / i, 254.260, 0.236)], ids=["R", "X", "Z"])  # fmt: skip
 def test_correlated_inputs_of_h_2(function, value, std):
     """JCGM 100, H.2: resistance, reactance, impedance from correlated voltage, current and phase."""
 
@@ -53,35 +42,19 @@ def test_correlated_inputs_of_h_2(function, value, std):
         return function(*x.T)
 
     at, step = VOLTAGE.estimates, np.array([1e-4, 1e-7, 1e-5])
-    slopes = [
-        float(evaluate((at + d)[None, :])[0] - evaluate((at - d)[None, :])[0]) / (2 * d.sum())
-        for d in np.diag(step)
-    ]
-    model = MeasurementModel(
-        name="y",
-        symbol="y",
-        unit="Ω",
-        quantities=(),
-        block=VOLTAGE,
-        evaluate=evaluate,
-        sensitivities=np.array(slopes),
-    )
+    slopes = [float(evaluate((at + d)[None, :])[0] - evaluate((at - d)[None, :])[0]) / (2 * d.sum())
+        for d in np.diag(step)]  # fmt: skip
+    model = MeasurementModel(name="y", symbol="y", unit="Ω", quantities=(), block=VOLTAGE, evaluate=evaluate,
+        sensitivities=np.array(slopes))  # fmt: skip
     budget = linear_budget(model)
     # The inputs are printed to two digits of their uncertainty, and strongly correlated.
-    assert budget.estimate == pytest.approx(value, abs=0.006)
+    assert (budget.estimate, budget.effective_dof) == (pytest.approx(value, abs=0.006), pytest.approx(4.0))
     assert budget.combined == pytest.approx(std, abs=0.0015)
-    assert budget.effective_dof == pytest.approx(4.0)
 
 
 def sum_of(quantities):
-    return MeasurementModel(
-        name="sum",
-        symbol="Y",
-        unit="-",
-        quantities=tuple(quantities),
-        evaluate=lambda x: x.sum(axis=1),
-        sensitivities=np.ones(len(quantities)),
-    )
+    return MeasurementModel(name="sum", symbol="Y", unit="-", quantities=tuple(quantities),
+        evaluate=lambda x: x.sum(axis=1), sensitivities=np.ones(len(quantities)))  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -99,10 +72,8 @@ def test_the_additive_examples_of_the_supplement(widths, std, linear_end, drawn_
     if widths is None:
         quantities = [Quantity(name, name, "-", 1.0) for name in names]
     else:
-        quantities = [
-            limit_of_error(name, name, "-", width * math.sqrt(3.0))
-            for name, width in zip(names, widths, strict=True)
-        ]
+        quantities = [limit_of_error(name, name, "-", width * math.sqrt(3.0))
+            for name, width in zip(names, widths, strict=True)]  # fmt: skip
     model = sum_of(quantities)
     budget = linear_budget(model)
     drawn = propagate(model, budget, draws=400_000, seed=1)
@@ -120,10 +91,8 @@ def test_the_additive_examples_of_the_supplement(widths, std, linear_end, drawn_
         assert drawn.validated_digits < 2
 
 
-@pytest.mark.parametrize(
-    ("std", "digits", "tolerance"),
-    [(0.00035, 2, 0.5e-5), (2.0, 1, 0.5), (0.996, 1, 0.5), (0.949, 1, 0.05), (0.996, 2, 0.05)],
-)
+@pytest.mark.parametrize(("std", "digits", "tolerance"),
+    [(0.00035, 2, 0.5e-5), (2.0, 1, 0.5), (0.996, 1, 0.5), (0.949, 1, 0.05), (0.996, 2, 0.05)])  # fmt: skip
 def test_the_numerical_tolerance_of_7_9_2(std, digits, tolerance):
     assert numerical_tolerance(std, digits) == pytest.approx(tolerance)
 

@@ -50,12 +50,10 @@ def pulls():
                 known = cell or ForceCell(name="K1", full_scale_N=1000.0)
                 own = Calibration(cell=known, tare_N=tare, tare_std_N=0.2)
                 picked = Breakaway(status=Status.OK, peak_N=force, peak_std_N=0.3, bias_N=-0.12)
-                pulled = TrialResult(
-                    trial=f"{condition}-{repeat}", file="", wheel_radius_m=0.04, rope_radius_m=0.005,
-                    wrap_angle_rad=3.0 * (condition + 1), end_tension_N=force if slack else 60.0,
-                    peak_N=60.0 if slack else force, breakaway=picked, kept=True, measures_slack=slack,
-                    calibration=own,
-                )  # fmt: skip
+                pulled = TrialResult(trial=f"{condition}-{repeat}", file="", wheel_radius_m=0.04,
+                    rope_radius_m=0.005, wrap_angle_rad=3.0 * (condition + 1),
+                    end_tension_N=force if slack else 60.0, peak_N=60.0 if slack else force, breakaway=picked,
+                    kept=True, measures_slack=slack, calibration=own)  # fmt: skip
                 trials.append(pulled)
         marked, conditions, problems = summarise_conditions(trials, rule)
         return Extraction(name="made", trials=marked, conditions=conditions, problems=problems)

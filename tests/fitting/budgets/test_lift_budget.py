@@ -21,10 +21,9 @@ UNSURE = {"wheel_radius_m": 2e-4, "rope_radius_m": 5e-5, "wrap_angle_rad": 0.03,
 
 def test_pairs_are_the_diagonal_of_every_set_at_every_condition():
     rng = np.random.default_rng(4)
-    at = Conditions(
-        wheel_radius_m=0.04 * (1 + 0.05 * rng.standard_normal(30)), rope_radius_m=0.005,
-        wrap_angle_rad=8 + 0.5 * rng.standard_normal(30), end_tension_N=60 + rng.standard_normal(30),
-    )  # fmt: skip
+    at = Conditions(wheel_radius_m=0.04 * (1 + 0.05 * rng.standard_normal(30)), rope_radius_m=0.005,
+        wrap_angle_rad=8 + 0.5 * rng.standard_normal(30),
+        end_tension_N=60 + rng.standard_normal(30))  # fmt: skip
     for law in ALL_LAWS.values():
         start = np.array([item.start for item in law.parameters])
         theta = np.clip(start * (1 + 0.02 * rng.standard_normal((30, start.size))), law.lower, law.upper)

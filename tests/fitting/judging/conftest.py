@@ -12,31 +12,22 @@ from ropefric.trials.table import TrialTable
 
 # F_hold [N] per trial at seven measured wraps [rad], load 7.8816 N: phy_mini_ia_capstan, student-grade rig.
 WEIGHT_N = 7.8816
-HOLD_N = {
-    0.924659: (6.591050, 6.594155, 6.603858),
-    1.544442: (6.116782, 6.094271, 6.068656),
-    2.314410: (5.213459, 5.354149, 5.274198),
-    3.050048: (4.582977, 4.576574, 4.589381),
-    4.138666: (3.345494, 3.572731, 3.655787),
-    4.749059: (3.490064, 3.595630, 3.263021),
-    5.472672: (2.824070, 2.910619, 2.996779),
-}
+HOLD_N = {0.924659: (6.591050, 6.594155, 6.603858), 1.544442: (6.116782, 6.094271, 6.068656),
+    2.314410: (5.213459, 5.354149, 5.274198), 3.050048: (4.582977, 4.576574, 4.589381),
+    4.138666: (3.345494, 3.572731, 3.655787), 4.749059: (3.490064, 3.595630, 3.263021),
+    5.472672: (2.824070, 2.910619, 2.996779)}  # fmt: skip
 
 
 @pytest.fixture(scope="session")
 def cylinder_table():
     wrap = np.repeat(list(HOLD_N), 3)
     hold = np.concatenate([np.array(values) for values in HOLD_N.values()])
-    return TrialTable(
-        trial=tuple(f"t{i}" for i in range(21)), wheel_radius_m=0.02, rope_radius_m=0.003,
-        wrap_angle_rad=wrap, end_tension_N=hold, peak_N=WEIGHT_N,
-    )  # fmt: skip
+    return TrialTable(trial=tuple(f"t{i}" for i in range(21)), wheel_radius_m=0.02, rope_radius_m=0.003,
+        wrap_angle_rad=wrap, end_tension_N=hold, peak_N=WEIGHT_N)  # fmt: skip
 
 
-def make_campaign(
-    law, theta, *, radii=(0.03,), loads=(5.0, 20.0, 80.0), wraps_deg=(90, 180, 360, 540, 720), repeats=5,
-    within=0.01, between=0.0, seed=0,
-):  # fmt: skip
+def make_campaign(law, theta, *, radii=(0.03,), loads=(5.0, 20.0, 80.0), wraps_deg=(90, 180, 360, 540, 720),
+        repeats=5, within=0.01, between=0.0, seed=0):  # fmt: skip
     """Pulls that obey a law, wheel by wheel, load by load, wrap by wrap."""
     rng = np.random.default_rng(seed)
     axes = [axis.ravel() for axis in np.meshgrid(radii, loads, np.radians(wraps_deg), indexing="ij")]

@@ -44,12 +44,9 @@ def test_printed_aicc_of_a_rope_on_a_cylinder(cylinder_table):
     line = np.polyfit(wrap, y, 1)
     rates = np.linspace(-3, 2, 400)
     rates = rates[np.abs(rates) > 0.02]
-    rss = {
-        2: np.sum((y - mu * wrap) ** 2),
-        3: np.sum((y - np.polyval(line, wrap)) ** 2),
+    rss = {2: np.sum((y - mu * wrap) ** 2), 3: np.sum((y - np.polyval(line, wrap)) ** 2),
         "power": _average_form_rss(wrap, y, lambda x, b: x**b, rates),
-        "exponential": _average_form_rss(wrap, y, lambda x, b: np.exp(b * x), rates),
-    }
+        "exponential": _average_form_rss(wrap, y, lambda x, b: np.exp(b * x), rates)}  # fmt: skip
     printed = {2: (-134.9, 2), 3: (-132.5, 3), "power": (-129.5, 4), "exponential": (-129.6, 4)}
     assert round(float(mu), 3) == 0.181
     for name, (value, k) in printed.items():
@@ -91,8 +88,7 @@ def test_ranking_shape(cylinder_comparison):
     comparison = cylinder_comparison
     tree = comparison.to_dict()
     assert {"law", "aicc", "delta_aicc", "weight", "bic", "status"} <= set(tree["ranking"][0])
-    assert tree["ranking"][0]["law"] == "constant"
-    assert {row["law"] for row in tree["ranking"]} == set(LAWS)
+    assert (tree["ranking"][0]["law"], {row["law"] for row in tree["ranking"]}) == ("constant", set(LAWS))
     assert sum(row["weight"] for row in tree["ranking"]) == pytest.approx(1.0)
     order = [e.aicc for e in comparison.ranking if e.counted]
     assert order == sorted(order)
@@ -199,8 +195,7 @@ def test_f_test_against_regression_of_a_line():
     rss1 = np.sum((y - x * (x @ y) / (x @ x)) ** 2)
     rss2 = np.sum((y - np.polyval(np.polyfit(x, y, 1), x)) ** 2)
     F, dof, p = f_test(rss1, rss2, n=15, p_simpler=1, p_fuller=2)
-    assert dof == (1, 13)
-    assert p == pytest.approx(stats.f.sf(F, 1, 13), rel=1e-10)
+    assert (dof, p) == ((1, 13), pytest.approx(stats.f.sf(F, 1, 13), rel=1e-10))
     # With one extra parameter F is t² of the intercept.
     found = stats.linregress(x, y)
     assert pytest.approx((found.intercept / found.intercept_stderr) ** 2, rel=1e-9) == F
@@ -209,11 +204,9 @@ def test_f_test_against_regression_of_a_line():
 
 def test_nested_pairs_are_nested():
     """At the simpler law's parameters the fuller one gives its forces."""
-    pulls = Conditions(
-        wheel_radius_m=[0.02, 0.05], rope_radius_m=0.005, wrap_angle_rad=[3, 9], end_tension_N=[5, 50]
-    )
-    special = {
-        ("constant-offset", "constant"): ([0.2, 0.0], [0.2]),
+    pulls = Conditions(wheel_radius_m=[0.02, 0.05], rope_radius_m=0.005, wrap_angle_rad=[3, 9],
+        end_tension_N=[5, 50])  # fmt: skip
+    special = {("constant-offset", "constant"): ([0.2, 0.0], [0.2]),
         ("size-power", "constant"): ([0.2, 0.0, 0.0], [0.2]),
         ("size-exponential", "constant"): ([0.2, -20.0, -20.0], [0.2]),
         ("wrap-exponential", "constant"): ([0.0, -1.0, 0.2], [0.2]),
@@ -227,27 +220,22 @@ def test_nested_pairs_are_nested():
         ("coupled", "wrap-power"): ([0.2, -20.0, -20.0, -0.5, 0.1], [0.2, -0.5, 0.1]),
         ("coupled-from-zero", "wrap-power-from-zero"): ([0.2, -20.0, -20.0, -0.5, 0.1], [0.2, -0.5, 0.1]),
         ("howell", "constant"): ([0.2, 1.0], [0.2]),
-        ("bending", "constant"): ([0.2, 1e-9], [0.2]),
-    }
-    assert set(special) == {
-        (law.name, simpler.name) for law in ALL_LAWS.values() for simpler in law.special_cases
-    }
+        ("bending", "constant"): ([0.2, 1e-9], [0.2])}  # fmt: skip
+    assert set(special) == {(law.name, simpler.name) for law in ALL_LAWS.values()
+        for simpler in law.special_cases}  # fmt: skip
     for (fuller, simpler), (theta, plain) in special.items():
         tolerance = 1e-3 if fuller == "bending" else 1e-7
-        np.testing.assert_allclose(
-            ALL_LAWS[fuller].log_lift(theta, pulls), ALL_LAWS[simpler].log_lift(plain, pulls), atol=tolerance
-        )
+        np.testing.assert_allclose(ALL_LAWS[fuller].log_lift(theta, pulls),
+            ALL_LAWS[simpler].log_lift(plain, pulls), atol=tolerance)  # fmt: skip
 
 
 def test_criteria_by_their_own_formulae():
-    assert aicc(-10.0, 5, 4) == math.inf
-    assert aicc(-10.0, 30, 3) == pytest.approx(-10 + 6 + 24 / 26)
+    assert (aicc(-10.0, 5, 4), aicc(-10.0, 30, 3)) == (math.inf, pytest.approx(-10 + 6 + 24 / 26))
     assert bic(-10.0, 30, 3) == pytest.approx(-10 + 3 * math.log(30))
     assert akaike_weights([math.inf, math.nan]).tolist() == [0.0, 0.0]
     assert akaike_weights([-math.inf, 3.0]).tolist() == [1.0, 0.0]
     weights = akaike_weights([1000.0, 1002.0, 1e6])
-    assert weights.sum() == pytest.approx(1.0)
-    assert weights[1] / weights[0] == pytest.approx(math.exp(-1))
+    assert (weights.sum(), weights[1] / weights[0]) == (pytest.approx(1.0), pytest.approx(math.exp(-1)))
 
 
 def test_scatter_between_conditions_is_the_likeliest(campaign):

@@ -26,8 +26,7 @@ def found_in(table, laws=FEW):
 @pytest.mark.slow
 def test_real_rope_on_a_cylinder_has_no_wrap_effect(cylinder_table, cylinder_comparison):
     found = diagnose(cylinder_table, cylinder_comparison)
-    assert found["wrap effect"].supported == "no"
-    assert found["offset"].supported == "no"
+    assert (found["wrap effect"].supported, found["offset"].supported) == ("no", "no")
     assert found["load dependence"].supported == "cannot-tell"  # one load was lifted
     assert found["size effect"].supported == "cannot-tell"
     assert "describes the trials" in found.summary
@@ -37,8 +36,7 @@ def test_real_rope_on_a_cylinder_has_no_wrap_effect(cylinder_table, cylinder_com
 
 def test_wrap_and_load_effect_of_the_wrap_law(campaign):
     found = found_in(campaign("wrap-power", [0.2, -0.5, 0.1]))
-    assert found["wrap effect"].supported == "yes"
-    assert found["load dependence"].supported == "yes"
+    assert (found["wrap effect"].supported, found["load dependence"].supported) == ("yes", "yes")
     assert found["offset"].supported == "no"
     assert found["load dependence"].numbers["slope_per_doubling"] < 0
     assert "does not describe" in found.summary
@@ -48,9 +46,8 @@ def test_a_clear_offset(campaign):
     """No wrap law has a μ that rises with the wrap, so none mimics an offset that takes force away."""
     wraps = (30, 60, 90, 180, 360, 720, 1080)
     found = found_in(campaign("constant-offset", [0.15, -0.1], wraps_deg=wraps, within=0.005))
-    assert found["offset"].supported == "yes"
+    assert (found["offset"].supported, found["offset"].numbers["k"]) == ("yes", pytest.approx(-0.1, abs=0.01))
     assert found["wrap effect"].supported != "yes"
-    assert found["offset"].numbers["k"] == pytest.approx(-0.1, abs=0.01)
 
 
 def test_an_offset_and_a_wrap_effect_look_alike_until_the_offset_is_clear(campaign):
@@ -72,17 +69,8 @@ def test_an_offset_and_a_wrap_effect_look_alike_until_the_offset_is_clear(campai
 def test_size_effect(campaign):
     theta, radii = [0.25, -0.2, -0.3], (0.015, 0.03, 0.06)
     found = found_in(campaign("size-exponential", theta, radii=radii, repeats=3))
-    assert found["size effect"].supported == "yes"
-    assert found["wrap effect"].supported == "no"
+    assert (found["size effect"].supported, found["wrap effect"].supported) == ("yes", "no")
     assert found["size effect"].numbers["slope_per_doubling"] > 0
-
-
-@pytest.mark.slow
-def test_obedient_rope_is_left_alone(campaign):
-    table = campaign("constant", [0.18], radii=(0.02, 0.04), between=0.005, repeats=3, seed=3)
-    found = diagnose(table)
-    assert {c.cause for c in found.causes if c.supported == "yes"} <= {"condition scatter"}
-    assert "describes the trials" in found.summary
 
 
 def test_effects_that_many_conditions_do_not_show_are_not_there(campaign):
@@ -96,19 +84,11 @@ def test_effects_that_many_conditions_do_not_show_are_not_there(campaign):
 
 def test_few_conditions_cannot_tell(campaign):
     found = found_in(campaign("constant", [0.18], wraps_deg=(180,), repeats=3))
-    assert found["offset"].supported == "cannot-tell"
-    assert found["wrap effect"].supported == "cannot-tell"
+    assert (found["offset"].supported, found["wrap effect"].supported) == ("cannot-tell", "cannot-tell")
     # AICc turns down every extra parameter at five conditions; the F-test still sees the offset.
     found = found_in(campaign("constant-offset", [0.15, 0.06], loads=(20.0,), repeats=3))
     assert found["offset"].numbers["p_value"] < 0.01
     assert found["offset"].supported == "cannot-tell"
-
-
-@pytest.mark.slow
-def test_new_ropes_scatter(campaign):
-    assert diagnose(campaign("constant", [0.2], between=0.03))["condition scatter"].supported == "yes"
-    assert diagnose(campaign("constant", [0.2]))["condition scatter"].supported == "no"
-    assert diagnose(campaign("constant", [0.2], repeats=1))["condition scatter"].supported == "cannot-tell"
 
 
 def test_trials_that_never_slipped(campaign):
@@ -122,9 +102,8 @@ def test_trials_that_never_slipped(campaign):
 def test_a_comparison_without_data_is_refused(campaign):
     table = campaign("constant", [0.2], repeats=2)
     comparison = compare_laws(table, [ALL_LAWS["constant"]])
-    bare = tuple(
-        replace(e, fit=None if e.fit is None else replace(e.fit, problem=None)) for e in comparison.ranking
-    )
+    bare = tuple(replace(e, fit=None if e.fit is None else replace(e.fit, problem=None))
+        for e in comparison.ranking)  # fmt: skip
     with pytest.raises(InputError, match="carries no data"):
         diagnose(table, replace(comparison, ranking=bare))
     assert np.isfinite(comparison.scatter_within)
@@ -158,24 +137,14 @@ def test_effects_of_unrepeated_trials(cause, wild):
         return 0.2 * (R / 0.015) ** -0.5 if cause == "size effect" else 0.2 * F**0.05
 
     found = found_in(unrepeated(mu, wild=wild), ["size-exponential" if cause == "size effect" else "howell"])
-    assert found[cause].supported == "yes"
+    assert (found[cause].supported, found["wild trials"].supported == "yes") == ("yes", wild > 0.0)
     assert not any(found[other].supported == "yes" for other in EFFECTS - {cause})
-    assert (found["wild trials"].supported == "yes") == (wild > 0.0)
     assert "does not describe" in found.summary
-
-
-def test_a_rising_wrap_effect_may_be_coils_that_touch():
-    """Three wraps do not tell the two apart, nor an offset; but that one of them is there is said."""
-    found = found_in(unrepeated(lambda R, phi, F: 0.15 + 0.02 * np.log(phi)))
-    assert found["wrap effect"].supported == "cannot-tell"
-    assert found["wrap effect"].numbers["p_value"] < 0.01
-    assert "describes the trials" not in found.summary
 
 
 def test_a_wild_trial_leaves_no_law_supported():
     found = compare_laws(unrepeated(lambda R, phi, F: 0.2, wild=3.0), FEW)
-    assert found.wild == ("t4",)
-    assert choose_law(found).verdict.word == "undecided"
+    assert (found.wild, choose_law(found).verdict.word) == (("t4",), "undecided")
     assert "trial t4 lies far off" in choose_law(found).verdict.reason
 
 
@@ -199,8 +168,7 @@ def test_what_six_points_could_have_hidden(campaign):
     table = campaign("constant", [0.2], wraps_deg=(90, 180), loads=(5.0, 20.0, 80.0), repeats=1, within=0.02)
     cause = found_in(table)["wrap effect"]
     assert cause.supported == "no"
-    assert "μ may still fall by up to" in cause.evidence
-    assert "from 90 to 180 deg" in cause.evidence
+    assert all(one in cause.evidence for one in ("μ may still fall by up to", "from 90 to 180 deg"))
     y, phi = np.log(table.peak_N / table.end_tension_N), table.wrap_angle_rad
     X = np.stack([phi, phi * np.log(phi / phi.min())], axis=-1)
     theta, rss = np.linalg.lstsq(X, y, rcond=None)[:2]
@@ -215,8 +183,7 @@ def test_limits_stand_where_conditions_are_too_few_for_any_law(campaign):
     table = campaign("constant", [0.2], wraps_deg=(90, 180), loads=(20.0, 60.0), repeats=5, within=0.01)
     cause = found_in(table, ["constant"])["wrap effect"]
     assert cause.supported == "cannot-tell"
-    assert "too few for any law" in cause.evidence
-    assert "from 90 to 180 deg" in cause.evidence
+    assert all(one in cause.evidence for one in ("too few for any law", "from 90 to 180 deg"))
     assert -0.5 < cause.numbers["bound_low"] < 0.0 < cause.numbers["bound_high"] < 0.5
 
 
@@ -230,8 +197,7 @@ def test_coils_that_touch_raise_the_friction_beyond_one_turn():
     table = table_at(at, np.log(F) + mu * phi + 0.01 * np.random.default_rng(2).standard_normal(16))
     ranked = compare_laws(table, FEW)
     found = diagnose(table, ranked)["coil contact"]
-    assert found.supported == "yes"
-    assert found.numbers["slope"] == pytest.approx(0.06, abs=0.01)
+    assert (found.supported, found.numbers["slope"]) == ("yes", pytest.approx(0.06, abs=0.01))
     # No law knows it, and the ranking says so; the number is that of the diagnosis, and nothing is fitted for it.
     assert ranked.contact["slope"] == pytest.approx(found.numbers["slope"], rel=0.05)
     assert ranked.contact["lead"] == pytest.approx(ranked.best.aicc - ranked.contact["aicc"])
@@ -242,8 +208,7 @@ def test_coils_that_touch_raise_the_friction_beyond_one_turn():
     apart = compare_laws(table, FEW, touching_turns=0.0)
     assert not apart.contact
     apart = diagnose(table, apart, touching_turns=0.0)
-    assert apart["coil contact"].supported == "no"
-    assert apart["wrap effect"].supported == "yes"
+    assert (apart["coil contact"].supported, apart["wrap effect"].supported) == ("no", "yes")
 
 
 def test_the_winning_law_names_no_effect_that_a_better_description_does_without():
@@ -259,8 +224,7 @@ def test_the_winning_law_names_no_effect_that_a_better_description_does_without(
     assert "size" in ALL_LAWS[ranked.best.law].effects
     found = diagnose(table, ranked)
     assert found["size effect"].numbers["lead_on_others"] < 0.0
-    assert found["size effect"].supported == "cannot-tell"
-    assert found["wrap effect"].supported == "yes"
+    assert (found["size effect"].supported, found["wrap effect"].supported) == ("cannot-tell", "yes")
 
 
 def test_groups_of_trials(campaign):
@@ -269,10 +233,8 @@ def test_groups_of_trials(campaign):
     order = np.random.default_rng(3).permutation(60)
     pairs = {"rope_id": "AB", "operator": ("ann", "bob"), "dwell": ("1.0", "10.0")}
     halves = {column: tuple(words[i] for i in turn) for column, words in pairs.items()}
-    for causes, labels, size in (
-        (("rope", "operator", "dwell"), halves, turn),
-        (("order of trials",), {"order": tuple(map(str, order))}, order / 60),
-    ):
+    for causes, labels, size in ((("rope", "operator", "dwell"), halves, turn),
+            (("order of trials",), {"order": tuple(map(str, order))}, order / 60)):  # fmt: skip
         for change, supported in ((0.03, "yes"), (0.0, "no")):
             peak_N = plain.peak_N * np.exp(change * size)
             all_found = found_in(replace(plain, labels=labels, peak_N=peak_N), ["constant"])
@@ -329,7 +291,6 @@ def test_scatter_between_conditions_is_no_reason_to_leave_the_law():
 def test_rounding_is_no_scatter_that_an_effect_could_be_judged_by():
     for repeats in (1, 3):
         found = found_in(small_table(GRID, repeats))
-        assert "±" not in found.summary
-        assert "may still" not in found.summary
+        assert not any(one in found.summary for one in ("±", "may still"))
         assert "bound_low" not in found["wrap effect"].numbers
         assert "±" not in found["load dependence"].evidence

@@ -20,9 +20,8 @@ NOT_TRUSTED = 4
 WHEEL = ("--wheel-radius", "40 mm", "--wrap", "200 deg", "--end-tension", "20 N")
 
 
-def pulls(
-    law, theta, radii=(0.04,), wraps=(6.0,), loads=(20.0,), *, repeats=4, within=0.01, between=(0.0,), seed=1
-):
+def pulls(law, theta, radii=(0.04,), wraps=(6.0,), loads=(20.0,), *, repeats=4, within=0.01, between=(0.0,),
+        seed=1):  # fmt: skip
     """A table that obeys a law, each condition off it by the next of `between`."""
     at = grid(radii, wraps, loads, repeats)
     off = np.repeat(np.resize(between, len(at) // repeats), repeats)
@@ -145,10 +144,8 @@ def test_what_a_law_says_of_a_setting_that_all_trials_have_alike_is_not_supporte
     untested = "the trials have one size ratio and one end tension only: "
     untested += "what howell says of others is not tested"
     assert comparison.best.law == "howell"
-    elsewhere = {
-        "end tension": one_condition(0.04, 0.005, 7.0, 60.0),
-        "size": one_condition(0.08, 0.005, 7.0, 40.0),
-    }
+    elsewhere = {"end tension": one_condition(0.04, 0.005, 7.0, 60.0),
+        "size": one_condition(0.08, 0.005, 7.0, 40.0)}  # fmt: skip
     for named, wheel in {untested: None, **elsewhere}.items():
         verdict = choose_law(comparison, "", wheel).verdict
         assert verdict.word == "undecided"
@@ -174,14 +171,6 @@ def test_a_law_asked_for_against_the_data_is_not_supported(compared):
     assert "constant was asked for" in choice.verdict.reason
 
 
-def test_a_simpler_law_is_supported_beside_a_richer_one_that_says_the_same():
-    table = pulls("constant", [0.25], wraps=np.linspace(1.57, 12.57, 8), repeats=5, within=0.03, seed=1)
-    comparison = compare_laws(table, ["wrap-power", "wrap-exponential"])
-    assert comparison.best.law == "constant"
-    for wrap in (2.0, 6.0, 12.0):
-        assert choose_law(comparison, "", one_condition(0.04, 0.005, wrap, 20.0)).verdict.supported
-
-
 # --- intervals ------------------------------------------------------------------------------------------------------
 
 
@@ -192,8 +181,7 @@ def test_an_interval_that_depends_on_how_it_is_made_is_undecided(tmp_path, capfd
     found = ropefric.predict(fit, wheel_radius_m=0.04, wrap_angle_rad=5.0, end_tension_N=40.0)
     linear, drawn = found.interval_N[0], found.drawn_interval_N[0]
     assert np.abs(drawn - linear).max() > 0.5 * np.ptp(linear)
-    assert fit.verdict.word == "supported"
-    assert found.verdict().word == "undecided"
+    assert (fit.verdict.word, found.verdict().word) == ("supported", "undecided")
     ropefric.save_fit(fit, tmp_path / "fit.json")
     wheel = ("--wheel-radius", "40 mm", "--wrap", "5 rad", "--end-tension", "40 N")
     assert main(["predict", "--fit", str(tmp_path / "fit.json"), *wheel, "--quiet"]) == NOT_TRUSTED
@@ -208,8 +196,7 @@ def test_nothing_left_over_gives_no_interval(tmp_path, capfd):
     capfd.readouterr()
     assert main(["predict", "--fit", stored, *WHEEL, "--quiet"]) == NOT_TRUSTED
     said = capfd.readouterr().out
-    assert "standard error not known" in said
-    assert "interval of the mean: not known" in said
+    assert all(one in said for one in ("standard error not known", "interval of the mean: not known"))
     main(["predict", "--fit", stored, *WHEEL, "--quiet", "--json"])
     tree = json.loads(capfd.readouterr().out)
     assert tree["std_N"] is None

@@ -40,13 +40,9 @@ def test_one_wheel_tells_no_size_effect():
 
 
 def test_the_words_go_with_the_number_beside_them():
-    for power, words in (
-        (0.1949, "cannot be told from constant (in 19 %"),
-        (0.2, "can hardly be told from constant (in 20 %"),
-        (0.79, "may be told from constant (in 79 %"),
-        (0.796, "is told from constant (in 80 %"),
-        (1.0, "is told from constant (in 100 %"),
-    ):
+    for power, words in ((0.1949, "cannot be told from constant (in 19 %"),
+            (0.2, "can hardly be told from constant (in 20 %"), (0.79, "may be told from constant (in 79 %"),
+            (0.796, "is told from constant (in 80 %"), (1.0, "is told from constant (in 100 %")):  # fmt: skip
         found = LawOutlook(law="howell", expected_std={}, untold=(), power={"constant": power})
         assert words in found.text
         verb = words.partition(" from")[0]
@@ -79,10 +75,8 @@ def test_the_power_is_that_of_simulated_campaigns():
 def test_a_plan_says_what_it_can_tell():
     scatter = MeanScatter(within=0.02, between=0.01)
     law = planned_guess(LAWS["constant-offset"], {"mu": 0.2, "k": 0.1}, scatter)
-    limits = RigLimits(
-        wheel_radius_m=(0.03,), wrap_angle_rad=(2.0, 4.0, 6.0, 8.0, 10.0), end_tension_N=(20.0, 40.0),
-        rope_radius_m=0.005, largest_force_N=1000.0,
-    )  # fmt: skip
+    limits = RigLimits(wheel_radius_m=(0.03,), wrap_angle_rad=(2.0, 4.0, 6.0, 8.0, 10.0),
+        end_tension_N=(20.0, 40.0), rope_radius_m=0.005, largest_force_N=1000.0)  # fmt: skip
     plan = plan_tests(law, limits, one_condition(0.03, 0.005, 7.0, 20.0), n_conditions=6, repeats=5)
     told = "with this plan: constant-offset: is told from constant"
     assert any(note.startswith(told) for note in plan.notes)

@@ -15,13 +15,9 @@ from ropefric.fitting.resolution import MeanScatter, RigLimits, levels, nearest_
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 
-LAW_GUESSES = {
-    "constant": {"mu": 0.15},
-    "size-exponential": {"mu_inf": 0.25, "a": -0.25, "b": -0.2},
-    "wrap-power": {"a": 0.2, "b": -0.5, "c": 0.1},
-    "howell": None,
-    "coupled": {"mu_inf": 0.46, "a": -0.22, "b": -0.3, "c": -0.48, "d": 0.055},
-}
+LAW_GUESSES = {"constant": {"mu": 0.15}, "size-exponential": {"mu_inf": 0.25, "a": -0.25, "b": -0.2},
+    "wrap-power": {"a": 0.2, "b": -0.5, "c": 0.1}, "howell": None,
+    "coupled": {"mu_inf": 0.46, "a": -0.22, "b": -0.3, "c": -0.48, "d": 0.055}}  # fmt: skip
 WANTED = {"inside": (0.035, 400.0, 60.0), "large wheel": (0.1, 540.0, 60.0), "strong": (0.05, 900.0, 150.0)}
 SCATTER = MeanScatter(within=0.017, between=0.01)
 
@@ -29,13 +25,9 @@ SCATTER = MeanScatter(within=0.017, between=0.01)
 @pytest.fixture(scope="session")
 def bench():
     """The wheels, wraps and weights of the PRTH bench, with its smaller cell."""
-    return RigLimits(
-        wheel_radius_m=(0.015, 0.02, 0.03, 0.04, 0.06),
+    return RigLimits(wheel_radius_m=(0.015, 0.02, 0.03, 0.04, 0.06),
         wrap_angle_rad=tuple(map(math.radians, levels(90.0, 1080.0, 12, step=45.0))),
-        end_tension_N=levels(5.0, 200.0, 10),
-        rope_radius_m=0.0049,
-        largest_force_N=800.0,
-    )
+        end_tension_N=levels(5.0, 200.0, 10), rope_radius_m=0.0049, largest_force_N=800.0)  # fmt: skip
 
 
 @pytest.fixture(scope="session")

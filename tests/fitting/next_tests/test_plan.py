@@ -36,9 +36,8 @@ def test_no_number_of_pulls_takes_away_what_they_all_share(guessed):
     wraps, target = np.array([2.0, 5.0, 9.0]), one_condition(0.04, 0.0049, 12.0, 20.0)
     totals = []
     for k, repeats in ((1, 1), (1, 10**6), (10**4, 10**4)):
-        at = Conditions(
-            wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=np.tile(wraps, k), end_tension_N=20
-        )
+        at = Conditions(wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=np.tile(wraps, k),
+            end_tension_N=20)  # fmt: skip
         (total,), shared = planned.evidence(at, repeats).errors(planned.gradients(target))
         effect = 2.0 / (20.0 * np.exp(0.15 * wraps))
         own2 = 1e-4 + 4e-4 / repeats
@@ -53,11 +52,8 @@ def test_no_number_of_pulls_takes_away_what_they_all_share(guessed):
 
 
 def test_a_plan_says_when_more_pulls_do_not_help(bench, guessed, wanted):
-    known, bad = (
-        plan_tests(guessed("constant", MeanScatter(within=0.02, between=0.01, instrument_N=u_N)), bench,
-                   wanted("inside"), n_conditions=30, repeats=100, starts=1)
-        for u_N in (0.1, 20.0)
-    )  # fmt: skip
+    known, bad = (plan_tests(guessed("constant", MeanScatter(within=0.02, between=0.01, instrument_N=u_N)),
+        bench, wanted("inside"), n_conditions=30, repeats=100, starts=1) for u_N in (0.1, 20.0))  # fmt: skip
     assert not any("more pulls hardly help" in note for note in known.notes)
     (note,) = (note for note in bad.notes if "more pulls hardly help" in note)
     assert "measuring chain" in note
@@ -73,9 +69,8 @@ def test_errors_that_a_fit_shares_reach_the_plan_as_in_its_prediction(bench, roo
     by_fit = fit.friction_law.jacobian(fit.theta, target) @ fit.common_changes
     np.testing.assert_allclose(shared, by_fit, rtol=1e-7)
     at = bench.conditions()
-    (many,), (most,) = (
-        planned.known.joined(planned.evidence(at, repeats)).errors(along)[0] for repeats in (1000, 10**9)
-    )
+    (many,), (most,) = (planned.known.joined(planned.evidence(at, repeats)).errors(along)[0]
+        for repeats in (1000, 10**9))  # fmt: skip
     found = planned.known.joined(planned.evidence(at, 10**9))
     left = np.linalg.norm(found.errors(along)[1])
     assert most < many < before[0]
@@ -103,12 +98,8 @@ def test_an_error_that_cannot_be_told_is_infinite(guessed):
     assert np.isinf(expected_std(planned, guessed("wrap-power").known, other)).all()
 
 
-@pytest.mark.parametrize(
-    ("name", "where"),
-    thinned(
-        [(name, where) for name in LAW_GUESSES for where in ("inside", "large wheel", "strong")], every=4
-    ),
-)
+@pytest.mark.parametrize(("name", "where"), thinned([(name, where) for name in LAW_GUESSES
+    for where in ("inside", "large wheel", "strong")], every=4))  # fmt: skip
 def test_a_plan_is_worth_half_as_much_again_as_one_factor_at_a_time(bench, guessed, wanted, name, where):
     found = plan_tests(guessed(name), bench, wanted(where), starts=2)
     assert found.gain > WORTHWHILE
@@ -173,9 +164,8 @@ def test_several_wanted_conditions_are_served_together(bench, guessed, wanted):
 
 
 @pytest.mark.parametrize(("between", "said"), [(0.02, True), (0.0, False)])
-def test_new_conditions_are_recommended_before_repeats_where_conditions_scatter(
-    bench, guessed, wanted, between, said
-):
+def test_new_conditions_are_recommended_before_repeats_where_conditions_scatter(bench, guessed, wanted,
+        between, said):  # fmt: skip
     planned, target = guessed("howell", MeanScatter(within=0.017, between=between)), wanted("inside")
     plan = plan_tests(planned, bench, target, repeats=6, n_conditions=10, starts=1)
     (note,) = [text for text in plan.notes if "instead of" in text] or [""]
@@ -192,8 +182,7 @@ def test_tests_that_add_to_a_fit_know_what_it_knows(bench, root):
     planned = planned_fit(fit)
     target = one_condition(0.1, 0.0049, math.radians(720), 80.0)
     found = plan_tests(planned, bench, target, n_conditions=6, starts=2)
-    assert found.before.dof == 31
-    assert found.after.dof == 37
+    assert (found.before.dof, found.after.dof) == (31, 37)
     assert found.after.std_log[0] < found.before.std_log[0]
     assert found.gain > 1.0
 

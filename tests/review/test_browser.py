@@ -109,7 +109,7 @@ def test_a_person_decides_and_the_list_and_the_next_extraction_follow(page, camp
     )}  # fmt: skip
     assert change["F_A of c28-r03"][0] == "–"
     assert change["F_A of c28-r03"][1].startswith("79.1")
-    assert change["counting"] == ["5 of 6", "6 of 6"]
+    assert change["counting"] == ["3 of 4", "4 of 4"]
     for name in ("Its condition: mean", "s", "Lift force, 95 % interval"):
         was, now = change[name]
         assert was != now
@@ -135,7 +135,7 @@ def test_a_person_decides_and_the_list_and_the_next_extraction_follow(page, camp
     # Another one is excluded with its reason; a comment on it is undone.
     Select(driver.find_element(By.ID, "by-condition")).select_by_index(1)
     driver.find_element(By.ID, "by-text").send_keys("r02")
-    assert text(driver, "n-shown") == "1 of 18 shown"
+    assert text(driver, "n-shown") == "1 of 12 shown"
     rows_of(driver)[0].click()
     until("trial", "c11-r02")
     wait(driver, lambda: driver.execute_script("return S.info.trial") == "c11-r02")

@@ -9,7 +9,6 @@ from concurrent.futures import Executor
 from dataclasses import fields, replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from distributed import Client, LocalCluster
 
@@ -22,7 +21,6 @@ from ropefric.scenes.sweep import SweepTable, parse_axis, sweep_scene
 from ropefric.trials import extract as extracting
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.result import write_tables
-from ropefric.trials.table import TrialTable
 
 # Threads that dask leaves behind make every later extraction of this process start others afresh, not fork them.
 pytestmark = pytest.mark.slow
@@ -89,26 +87,6 @@ def test_recordings_that_workers_do_not_find_are_an_error_and_no_bad_recordings(
     assert "under the same name" in caught.value.fix
 
 
-@pytest.mark.parametrize(
-    ("conditions", "method"), [(36, "bootstrap"), (6, "bootstrap-t"), (6, "bootstrap"), (36, "bootstrap-t")]
-)
-def test_resamples_are_the_same(client, method, conditions):
-    """With few conditions scatter is drawn about the law, with many whole conditions are."""
-    wraps = np.repeat(np.linspace(1.0, 12.0, conditions), 5)
-    scatter = 0.02 * np.random.default_rng(1).standard_normal(wraps.size)
-    table = TrialTable(
-        trial=tuple(map(str, range(wraps.size))), wheel_radius_m=0.03, rope_radius_m=0.005, wrap_angle_rad=wraps,
-        end_tension_N=40.0, peak_N=40.0 * np.exp(0.2 * wraps + scatter),
-    )  # fmt: skip
-    one, two = (
-        rf.fit(table, "constant", intervals=method, resamples=1700, executor=by) for by in (None, client)
-    )
-    assert repr(one.parameters) == repr(two.parameters)
-    assert (
-        one.provenance["intervals"] == two.provenance["intervals"] == {"method": method, "n": 1700, "seed": 0}
-    )
-
-
 def test_errors_of_a_study_are_the_same(client, monkeypatch):
     monkeypatch.setattr(measure, "time_call", lambda *_: measure.Timing(1.0, 1.0, 1.0, 1, 1))
     study = STUDIES["interval"]
@@ -117,11 +95,9 @@ def test_errors_of_a_study_are_the_same(client, monkeypatch):
     assert len({point.method for point in one.points}) > 2
 
 
-SWEEPS = {
-    "planned for its box": ("hoist", ["wheel.wrap=90deg:1440deg:300", "rope.diameter=1mm:80mm:400"]),
+SWEEPS = {"planned for its box": ("hoist", ["wheel.wrap=90deg:1440deg:300", "rope.diameter=1mm:80mm:400"]),
     "some without an answer": ("press-start-up", ["friction.mu=0.001,0.1,0.3"]),
-    "point by point": ("belt-press", ["belts.upper.width=1m:2m:45"]),
-}
+    "point by point": ("belt-press", ["belts.upper.width=1m:2m:45"])}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", SWEEPS)
@@ -164,8 +140,7 @@ def test_a_recording_that_kills_its_reader_costs_that_recording(client, bench, t
     fatal = replace(bench.trials[20], path=tmp_path / "nested.mat")
     spoilt = bench.model_copy(update={"trials": (*bench.trials[:20], fatal, *bench.trials[21:])})
     found = rf.extract(spoilt, executor=client)
-    assert repr(found) == repr(rf.extract(spoilt))
-    assert found.trials[20].breakaway.status == "unreadable"
+    assert (repr(found), found.trials[20].breakaway.status) == (repr(rf.extract(spoilt)), "unreadable")
 
 
 def test_twenty_thousand_recordings_and_a_worker_killed_in_the_middle(client, tmp_path):
@@ -178,7 +153,6 @@ def test_twenty_thousand_recordings_and_a_worker_killed_in_the_middle(client, tm
 
     campaign = rf.load_campaign(lab)
     found = rf.extract(campaign, executor=client, progress=progress)
-    assert len(found.trials) == 20_000
-    assert len(found.conditions) == 2_000
+    assert (len(found.trials), len(found.conditions)) == (20_000, 2_000)
     alone = rf.extract(campaign)
     assert written(found, tmp_path / "two") == written(alone, tmp_path / "one")

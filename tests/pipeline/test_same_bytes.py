@@ -33,13 +33,11 @@ def every_simd_path_off():
     return " ".join(name for name in umath.__cpu_dispatch__ if umath.__cpu_features__.get(name))
 
 
-SETTINGS = {
-    "no SIMD": {"NPY_DISABLE_CPU_FEATURES": every_simd_path_off()},
+SETTINGS = {"no SIMD": {"NPY_DISABLE_CPU_FEATURES": every_simd_path_off()},
     "AVX2": {"NPY_DISABLE_CPU_FEATURES": " ".join(re.findall(r"\S*(?:512|V4)\S*", every_simd_path_off()))},
-    "Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
-    "Prescott": {"OPENBLAS_CORETYPE": "Prescott"},
-    "two threads": {"OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2", "PYTHONHASHSEED": "12"},
-}
+    "Haswell": {"OPENBLAS_CORETYPE": "Haswell"}, "Prescott": {"OPENBLAS_CORETYPE": "Prescott"},
+    "two threads": {"OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2", "PYTHONHASHSEED": "12"}
+}  # fmt: skip
 
 
 def small_campaign(folder):

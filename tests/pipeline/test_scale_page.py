@@ -43,8 +43,7 @@ def test_parts_are_extracted_put_together_and_fitted(shared, monkeypatch, capfd)
     _, merge = blocks("python")
     exec(compile(merge, "scale.md", "exec"), {})  # noqa: S102
     whole, one = rf.trial_table("all.parquet"), rf.trial_table("results/part-2/trials.csv")
-    assert len(whole) == 40
-    assert whole.trial[20:] == tuple(f"part-2/{name}" for name in one.trial)
+    assert (len(whole), whole.trial[20:]) == (40, tuple(f"part-2/{name}" for name in one.trial))
     assert whole.peak_N[20:].tolist() == one.peak_N.tolist()
     told = [shlex.split(line)[1:] for line in lines if "all.parquet" in line]
     assert [words[0] for words in told] == ["compare", "fit"]

@@ -12,40 +12,23 @@ from ropefric.trials.result import Extraction, Outline, TrialResult, summarise_c
 from ropefric.trials.table import TrialTable
 
 
-def _make_trial(
-    name,
-    force_N,
-    status=Status.OK,
-    *,
-    excluded="",
-    spike_N=0.0,
-    file="",
-    peak_time_s=8.0,
-    slack=False,
-    **facts,
-):
+def _make_trial(name, force_N, status=Status.OK, *, excluded="", spike_N=0.0, file="", peak_time_s=8.0,
+    slack=False, **facts):  # fmt: skip
     """A recording that rises to its peak at 8 s and slides at nine tenths of it."""
     time_s, usable = np.linspace(0.0, 20.0, 60), status is Status.OK
     mean_N = np.where(time_s < 8.0, force_N * time_s / 8.0, 0.9 * force_N)
     high_N = mean_N + 2.0
     high_N[10] += spike_N
-    picked = {
-        "peak_N": force_N,
-        "peak_time_s": peak_time_s,
-        "kinetic_N": math.nan if slack else 0.9 * force_N,
-    }
+    picked = {"peak_N": force_N, "peak_time_s": peak_time_s, "kinetic_N": math.nan if slack
+        else 0.9 * force_N}  # fmt: skip
     found = Breakaway(status=status, **(picked if usable else {}))
     outline = Outline(time_s=time_s, low_N=mean_N - 2.0, high_N=high_N, smoothed_N=mean_N)
     measured = (found.peak_N, 1.2 if usable else math.nan)
     known = (900.0 if slack else 80.0, 0.0)
     (peak_N, peak_std_N), (end_N, end_std_N) = (known, measured) if slack else (measured, known)
     about = {"wheel_radius_m": 0.04, "rope_radius_m": 0.0049, "wrap_angle_rad": 3.0 * math.pi, **facts}
-    forces = {
-        "peak_N": peak_N,
-        "peak_std_N": peak_std_N,
-        "end_tension_N": end_N,
-        "end_tension_std_N": end_std_N,
-    }
+    forces = {"peak_N": peak_N, "peak_std_N": peak_std_N, "end_tension_N": end_N,
+        "end_tension_std_N": end_std_N}  # fmt: skip
     fate = {"kept": usable and not excluded, "excluded": excluded, "measures_slack": slack}
     shown = None if status is Status.UNREADABLE else outline
     return TrialResult(
@@ -146,10 +129,7 @@ def stored():
 @pytest.fixture(scope="session")
 def trials():
     """Seven good ones, one far off, one excluded, one that never slipped, one unreadable."""
-    return (
-        *(_make_trial(f"t{i}", 320.0 + i) for i in range(7)),
-        _make_trial("wild", 360.0),
+    return (*(_make_trial(f"t{i}", 320.0 + i) for i in range(7)), _make_trial("wild", 360.0),
         _make_trial("knot", 300.0, excluded="knot in the rope"),
-        _make_trial("held", 250.0, Status.NO_BREAKAWAY),
-        _make_trial("torn", 0.0, Status.UNREADABLE),
-    )
+        _make_trial("held", 250.0, Status.NO_BREAKAWAY), _make_trial("torn", 0.0, Status.UNREADABLE)
+    )  # fmt: skip

@@ -2,8 +2,6 @@
 
 import io
 import os
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -11,33 +9,6 @@ import pytest
 
 from ropefric.plotting.figure import DataTable, FigureWithData, figure_files, forget_fonts, new_figure
 from ropefric.plotting.style import house_style
-
-SCRIPT = """
-import sys
-from ropefric.fitting.store import load_fit
-from ropefric.plotting.figure import save_figure
-from ropefric.plotting.fits import draw_fit_band
-save_figure(draw_fit_band(load_fit(sys.argv[1])), sys.argv[2], "figure")
-"""
-FIT = Path(__file__).parents[2] / "fits" / "prth-constant.json"
-RC = "text.usetex: True\nfont.family: serif\nsavefig.dpi: 30\naxes.facecolor: red\nfigure.autolayout: True\n"
-
-
-def drawn(folder, **environment):
-    words = [sys.executable, "-W", "error", "-c", SCRIPT, str(FIT), str(folder)]
-    how = {"env": os.environ | environment, "cwd": folder.parent, "capture_output": True, "timeout": 300}
-    done = subprocess.run(words, text=True, check=False, **how)
-    assert (done.returncode, done.stderr) == (0, "")
-    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
-
-
-@pytest.mark.slow
-def test_neither_backend_nor_style_of_the_user_shows(tmp_path):
-    """A backend that there is not, and a style in a file that is named or lies where one works."""
-    (tmp_path / "plain").mkdir()
-    plain = drawn(tmp_path / "plain" / "out")
-    (tmp_path / "matplotlibrc").write_text(RC, encoding="utf-8")
-    assert drawn(tmp_path / "out", MPLBACKEND="nonsense") == plain
 
 
 def test_threads_draw_what_one_draws():

@@ -49,8 +49,7 @@ def test_facets_show_the_average_coefficient_of_each_condition(pulls, fitted, to
     within = fitted["constant"].statistics.scatter_within
     for wheel_m, rope_m, wrap_rad, end_N, n, mu, std in made.tables[0].rows:
         rises = next(v for k, v in known.items() if k == pytest.approx((wheel_m, wrap_rad, end_N)))
-        assert (rope_m, n) == (pytest.approx(0.005), 4)
-        assert mu == pytest.approx(rises.mean() / wrap_rad)
+        assert ((rope_m, n), mu) == ((pytest.approx(0.005), 4), pytest.approx(rises.mean() / wrap_rad))
         # The scatter of four pulls over two, and 0.2 % of the instrument which every pull shares.
         assert std == pytest.approx(math.hypot(within / 2.0, 0.002) / wrap_rad, rel=1e-3)
     axes = made.figure.axes
@@ -59,8 +58,7 @@ def test_facets_show_the_average_coefficient_of_each_condition(pulls, fitted, to
     assert all(words in made.figure.get_suptitle() for words in ("28 trials, 7 conditions", "k = 2"))
     # Each law in its own line style, at the common settings.
     for one, over in zip(axes, FACETS, strict=True):
-        assert len(styles(one)) == 2
-        assert sum(row[0] == over for row in made.tables[1].rows) == 2 * 61
+        assert (len(styles(one)), sum(row[0] == over for row in made.tables[1].rows)) == (2, 2 * 61)
     for over, law, x, mu in made.tables[1].rows[::30]:
         fit = fitted[law]
         assert mu == pytest.approx(
@@ -186,12 +184,3 @@ def test_no_wrap_is_lost_from_a_figure_over_the_load(wrap_deg):
     )
     assert "12 trials shown of 12 fitted" in made.figure.axes[0].get_title()
     assert len(made.tables[1].rows) == 3
-
-
-def test_no_load_is_lost_from_a_figure_over_the_wrap():
-    wraps = np.repeat(np.radians([90.0, 180.0, 720.0]), 2)
-    for load_lbf in (5.0, 50.0):
-        load_N = load_lbf * 4.4482216152605
-        peaks_N = load_N * np.exp(0.1 * wraps + 0.01 * np.array([1, -1, 1, -1, 1, -1]))
-        made = draw_fit_band(fit_law(table_of(wraps, load_N, peaks_N), "constant"))
-        assert "6 trials shown of 6 fitted" in made.figure.axes[0].get_title()

@@ -128,11 +128,8 @@ def test_lines_are_the_modes_and_circles_the_crossings(told):
     for line, (side, mode) in zip(lines, modes, strict=True):
         wanted_Hz = frequencies_Hz(SAW, side, 2, speed_m_s=SPEEDS)[:, mode]
         np.testing.assert_allclose(line.get_ydata(), wanted_Hz, rtol=1e-12)
-    circles = {
-        (float(line.get_xdata()[0]), float(line.get_ydata()[0]))
-        for line in axes.lines
-        if line.get_marker() == "o"
-    }
+    circles = {(float(line.get_xdata()[0]), float(line.get_ydata()[0])) for line in axes.lines
+        if line.get_marker() == "o"}  # fmt: skip
     assert circles == {(crossing.speed_m_s, crossing.frequency_Hz) for crossing in made.crossings}
     work = [line for line in axes.lines if line.get_label() == "speed at work"]
     assert work[0].get_xdata()[0] == pytest.approx(35.552, abs=1e-3)
@@ -187,13 +184,11 @@ def test_lines_are_the_predictions_and_pale_outside_the_tested_range(told):
     shown = np.isfinite(tested.get_ydata())
     np.testing.assert_array_equal(shown, ~made.extrapolated[0])
     assert 0 < shown.sum() < shown.size
-    assert axes.lines[-1].get_ydata()[0] == 900.0
-    assert len(legend(axes)) == 3
+    assert (axes.lines[-1].get_ydata()[0], len(legend(axes))) == (900.0, 3)
     assert "required: 900 N" in legend(axes)
     assert (whole.get_linestyle(), axes.lines[2].get_linestyle()) == ("-", "--")
     assert axes.lines[1].get_marker() != axes.lines[5].get_marker()
-    assert axes.child_axes[0].get_xlabel() == "Wrap [turns]"
-    assert len(drawn.tables[0].rows) == 26
+    assert (axes.child_axes[0].get_xlabel(), len(drawn.tables[0].rows)) == ("Wrap [turns]", 26)
 
 
 def test_design_draws_it_if_asked(tmp_path, capsys):
@@ -230,15 +225,10 @@ def test_the_line_of_the_load_and_the_smallest_wraps_that_reach_it():
 
 def swept(*sizes):
     """A sweep whose lift force is the number of the point; its third point has no answer."""
-    keys = [
-        ("wheel.wrap", "deg", np.pi / 180.0),
-        ("load.end_tension", "N", 1.0),
-        ("wheel.radius", "mm", 1e-3),
-    ]
-    axes = tuple(
-        Axis(key=key, values=factor * np.linspace(1.0, size, size), unit=unit, factor=factor)
-        for (key, unit, factor), size in zip(keys, sizes, strict=False)
-    )
+    keys = [("wheel.wrap", "deg", np.pi / 180.0), ("load.end_tension", "N", 1.0),
+        ("wheel.radius", "mm", 1e-3)]  # fmt: skip
+    axes = tuple(Axis(key=key, values=factor * np.linspace(1.0, size, size), unit=unit, factor=factor)
+        for (key, unit, factor), size in zip(keys, sizes, strict=False))  # fmt: skip
     force = np.arange(float(np.prod(sizes)))
     force[2] = np.nan
     columns = {"lift_force_N": force, "mu_average": 0.1 + 0.0 * force}

@@ -39,12 +39,9 @@ def test_what_was_set_aside_or_warned_of_is_flagged(make_trial):
     trial = make_trial("a", 320.0)
     assert set(check_trial(trial)) == {OK}
     problem = Problem(code="RF000", message="doubtful", severity="warning")
-    cases = {
-        "not excluded by the user": {"excluded": "knot"},
-        "not rejected by the rule": {"rejected_by": "two-sigma"},
-        "no warning": {"problems": (problem,)},
-        "below the converter's ceiling": {"saturated_samples": 3},
-    }
+    cases = {"not excluded by the user": {"excluded": "knot"},
+        "not rejected by the rule": {"rejected_by": "two-sigma"}, "no warning": {"problems": (problem,)},
+        "below the converter's ceiling": {"saturated_samples": 3}}  # fmt: skip
     for check, change in cases.items():
         levels = dict(zip(CHECKS, check_trial(dataclasses.replace(trial, **change)), strict=True))
         assert levels.pop(check) is FLAG

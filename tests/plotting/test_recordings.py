@@ -33,8 +33,7 @@ def test_a_peak_of_one_sample_is_not_lost_in_its_cell(trial):
     curve, _, numbers = _in_cell(trial("a"), outline())
     assert len(curve) <= 2 * 44
     assert curve[:, 1].min() == pytest.approx(0.86 - 0.5)  # the spike, on top of the cell
-    assert numbers[0][2] == "10.0 to 90.0 N"
-    assert numbers[1][2] == "3 s"
+    assert (numbers[0][2], numbers[1][2]) == ("10.0 to 90.0 N", "3 s")
 
 
 def test_the_pick_stands_on_the_curve(trial):

@@ -31,9 +31,7 @@ def alone(extracted):
 def test_it_is_one_picture_with_its_words(drawn):
     page = svg_text(drawn)
     root = ET.fromstring(page)  # noqa: S314  (our own text)
-    assert root.tag == "svg"
-    assert root.attrib["role"] == "img"
-    assert root.attrib["aria-label"] == drawn.alt
+    assert (root.tag, root.attrib["role"], root.attrib["aria-label"]) == ("svg", "img", drawn.alt)
     words = ["".join(text.itertext()) for text in root.iter("text")]
     assert "Time t [s]" in words
     assert "Break-away force FA [N]" in words  # one run of words, the index in a tspan of its own
@@ -82,10 +80,8 @@ def test_no_figure_is_without_words():
         figure = new_figure()
         figure.subplots().set(xlabel="Time t [s]", ylabel="Break-away force $F_{\\mathrm{A}}$ [N]")
     table = DataTable.of_rows(("n",), ((1,), (2,)))
-    assert (
-        FigureWithData(figure=figure, tables=(table,)).alt
-        == "Break-away force F_A [N] over Time t [s] (2 rows of data)."
-    )
+    assert (FigureWithData(figure=figure,
+        tables=(table,)).alt == "Break-away force F_A [N] over Time t [s] (2 rows of data).")  # fmt: skip
     assert FigureWithData(figure=new_figure(), tables=(), alt=" ").alt == "Figure (0 rows of data)."
 
 

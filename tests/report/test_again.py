@@ -21,11 +21,8 @@ BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
 
 
 def files(folder):
-    return {
-        path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in sorted(folder.rglob("*"))
-        if path.is_file()
-    }
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(folder.rglob("*"))
+        if path.is_file()}  # fmt: skip
 
 
 def with_prediction(run, prediction):
@@ -102,19 +99,6 @@ def test_a_folder_without_results_is_3(tmp_path, capfd):
     assert "no results stand here" in capfd.readouterr().err
     assert main(["report", str(tmp_path / "nowhere.toml")]) == 3
     assert main(["report", str(tmp_path), "--out", str(tmp_path)]) == 2
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("page")
-def test_the_same_bytes_from_anywhere(campaign, results, tmp_path, monkeypatch):
-    """Another process count, another folder and a relative path make the same file."""
-    monkeypatch.chdir(campaign)
-    folder = tmp_path / "deeper" / "still"
-    assert main(["run", "campaign.toml", "--out", str(folder), "--jobs", "2", "--quiet"]) in {0, 4}
-    made, before = files(folder), files(results)
-    # These two name the campaign's files the way they were given.
-    for name in before.keys() - {"manifest.json", "problems.csv"}:
-        assert made[name] == before[name], name
 
 
 @pytest.mark.slow

@@ -122,13 +122,9 @@ def test_what_the_outlier_rule_costs_and_the_result_without_it(run, evidence):
     )
     kept = answer.table.kept & (np.arange(len(trials)) != taken)
     fit = fit_law(replace(answer.table, kept=kept), answer.fit.law)
-    changed = replace(
-        run,
-        extraction=replace(run.extraction, trials=marked),
-        answer=replace(
-            answer, table=replace(answer.table, kept=kept), winner=replace(answer.winner, fit=fit)
-        ),
-    )
+    changed = replace(run, extraction=replace(run.extraction, trials=marked),
+        answer=replace(answer, table=replace(answer.table, kept=kept),
+        winner=replace(answer.winner, fit=fit)))  # fmt: skip
     expected, without = rejection_words(changed)
     assert f"{told} 1 of {sum(sizes)}" in expected
     lifts_N = [predict(one, answer.prediction.conditions).lift_force_N[0] for one in (answer.fit, fit)]

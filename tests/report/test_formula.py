@@ -10,10 +10,8 @@ import pytest
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.report.page import _Statement, formulas, symbol
 
-ELEMENTS = {
-    *("math", "mrow", "mi", "mn", "mo", "msub", "msup", "msubsup", "mfrac", "msqrt"),
-    *("munderover", "mspace", "mtext"),
-}
+ELEMENTS = {*("math", "mrow", "mi", "mn", "mo", "msub", "msup", "msubsup", "mfrac", "msqrt"),
+    *("munderover", "mspace", "mtext")}  # fmt: skip
 
 
 def value(node, names):
@@ -70,18 +68,12 @@ def assert_well_formed(law):
 
 def test_it_says_what_is_written():
     names = {"a": 2.0, "b": 3.0, "c": 4.0, "aw": 1.7, "exp": math.exp}
-    for text, expected in (
-        ("a + b/c", 2.0 + 3.0 / 4.0),
-        ("-a - (b - c)", -2.0 - (3.0 - 4.0)),
-        ("a b^c", 2.0 * 3.0**4.0),
-        ("(a + b)/(2 a c)", 5.0 / 16.0),
+    for text, expected in (("a + b/c", 2.0 + 3.0 / 4.0), ("-a - (b - c)", -2.0 - (3.0 - 4.0)),
+        ("a b^c", 2.0 * 3.0**4.0), ("(a + b)/(2 a c)", 5.0 / 16.0),
         ("(a/(a + b))^c + b", (2.0 / 5.0) ** 4.0 + 3.0),
         ("sqrt(1 + 4 a b^2 (5 - c))/(a b)", math.sqrt(73.0) / 6.0),
-        ("a_w^(1-b) exp(a b/c)", 1.7**-2.0 * math.exp(1.5)),
-        ("(-1 + a) (b + c)", 7.0),
-        ("a (b + c)", 14.0),
-        ("a (b/c)^(1-b) + c", 2.0 * 0.75**-2.0 + 4.0),
-    ):
+        ("a_w^(1-b) exp(a b/c)", 1.7**-2.0 * math.exp(1.5)), ("(-1 + a) (b + c)", 7.0), ("a (b + c)", 14.0),
+        ("a (b/c)^(1-b) + c", 2.0 * 0.75**-2.0 + 4.0)):  # fmt: skip
         root = ET.fromstring(_Statement(text).typeset())  # noqa: S314
         assert value(root, names) == pytest.approx(expected, rel=1e-12), text
 

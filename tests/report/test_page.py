@@ -14,14 +14,10 @@ from ropefric.fitting.store import load_fit
 
 LARGEST_BYTES = 3_000_000
 VOID = {"meta", "br", "hr", "img", "input", "link"}
-CHAPTERS = (
-    *("result", "warnings", "trials", "recordings", "friction", "law"),
-    *("uncertainty", "design", "next", "provenance"),
-)
-FIGURES = (
-    *("typical_recording", "law", "overview", "recordings_1", "mu_facets", "capstan", "fit_over_wrap"),
-    *("ladder", "residuals", "budget_lift", "tornado", "design_chart"),
-)
+CHAPTERS = (*("result", "warnings", "trials", "recordings", "friction", "law"),
+    *("uncertainty", "design", "next", "provenance"))  # fmt: skip
+FIGURES = (*("typical_recording", "law", "overview", "recordings_1", "mu_facets", "capstan",
+    "fit_over_wrap"), *("ladder", "residuals", "budget_lift", "tornado", "design_chart"))  # fmt: skip
 
 
 class Outline(HTMLParser):
@@ -157,8 +153,7 @@ def test_the_inputs_stand_in_it_with_their_hashes(page, campaign, results):
     for said in ("ropefric run campaign.toml --out out", "seeds: fit 0", "numpy", "rejection"):
         assert said in page
     manifest = json.loads((results / "manifest.json").read_text(encoding="utf-8"))
-    assert manifest["schema"] == "ropefric.run/1"
-    assert manifest["settings"]["rope"]["radius_m"] == 0.0049
+    assert (manifest["schema"], manifest["settings"]["rope"]["radius_m"]) == ("ropefric.run/1", 0.0049)
     assert (results / manifest["campaign"]).resolve() == (campaign / "campaign.toml").resolve()
     # But neither a place nor a time.
     for place in (campaign.parent, results.parent):

@@ -42,5 +42,4 @@ def test_a_page_holds_what_the_text_holds_and_escapes_it():
 def test_what_is_no_number_is_shown_as_none_and_an_open_interval_as_open():
     shown = {math.nan: "–", math.inf: "∞", -math.inf: "−∞", None: "–", 0.0: "0", 1234567.0: "1.235e+06"}
     assert [plain(value) for value in shown] == [*shown.values()]
-    assert interval((0.1, math.inf)) == "0.1 … ∞"
-    assert interval((math.nan, math.nan)) == "–"
+    assert (interval((0.1, math.inf)), interval((math.nan, math.nan))) == ("0.1 … ∞", "–")

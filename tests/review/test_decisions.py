@@ -17,10 +17,8 @@ PICK = {"pick_s": 1.25, "why": "seen", "by": "A. Meier", "when": "2026-11-22T14:
 
 
 def test_a_german_list_keeps_everything_but_three_cells():
-    before = (
-        "# Prüfstand 3; Seil ø 9,8\r\nfile;end_tension_N; Bemerkung ;pick_s;why;by;when\r\n"
-        ";;;;;;\r\na.csv; 60,5;schräg ;;;;\r\nb.csv;60; ;;;;\r\n\r\n"
-    ).encode("cp1252")
+    before = ("# Prüfstand 3; Seil ø 9,8\r\nfile;end_tension_N; Bemerkung ;pick_s;why;by;when\r\n"
+        ";;;;;;\r\na.csv; 60,5;schräg ;;;;\r\nb.csv;60; ;;;;\r\n\r\n").encode("cp1252")  # fmt: skip
     after = with_decision(before, 4, PICK | {"why": "größter Wert"})
     row = "a.csv; 60,5;schräg ;1,25;größter Wert;A. Meier;2026-11-22T14:30:00+00:00\r\n".encode("cp1252")
     assert after == before.replace("a.csv; 60,5;schräg ;;;;\r\n".encode("cp1252"), row)
@@ -29,10 +27,8 @@ def test_a_german_list_keeps_everything_but_three_cells():
 def test_columns_that_are_missing_come_last_and_comments_stay():
     before = b"file,wrap_angle_deg\n# a, remark\na.csv,180\n\nb.csv,90"
     after = with_decision(before, 5, PICK)
-    assert after == (
-        b"file,wrap_angle_deg,pick_s,why,by,when\n# a, remark\na.csv,180,,,,\n\n"
-        b"b.csv,90,1.25,seen,A. Meier,2026-11-22T14:30:00+00:00"
-    )
+    assert after == (b"file,wrap_angle_deg,pick_s,why,by,when\n# a, remark\na.csv,180,,,,\n\n"
+        b"b.csv,90,1.25,seen,A. Meier,2026-11-22T14:30:00+00:00")  # fmt: skip
 
 
 def test_byte_order_mark_encoding_and_line_ends_stay():
@@ -103,10 +99,8 @@ def test_whatever_stands_in_other_cells_stays(tmp_path_factory, data, separator,
     text = data.draw(CELLS)
     after = with_decision(before, line, {"exclude": text})
     lines = [one.split(end.encode()) for one in (before, after)]
-    assert [place for place, pair in enumerate(zip(*lines, strict=True), 1) if pair[0] != pair[1]] in (
-        [],
-        [line],
-    )
+    assert [place for place, pair in enumerate(zip(*lines, strict=True), 1) if pair[0] != pair[1]] in ([],
+        [line])  # fmt: skip
     path = tmp_path_factory.getbasetemp() / "list.csv"
     path.write_bytes(after)
     told = dict(read_cells(path)[0].rows)[line]

@@ -48,8 +48,7 @@ def test_the_page_asks_for_nothing_from_elsewhere(ask, served):
     assert "default-src 'none'" in policy
     assert "unsafe" not in policy
     nonce = re.search(r"'nonce-([^']+)'", policy)[1]
-    assert page.count(f'nonce="{nonce}"') == 2
-    assert headers["Referrer-Policy"] == "no-referrer"
+    assert (page.count(f'nonce="{nonce}"'), headers["Referrer-Policy"]) == (2, "no-referrer")
     # The next page has another one.
     assert nonce not in ask("/")[1]
 
@@ -73,20 +72,15 @@ def test_another_page_cannot_write(ask, served):
         assert ask("/api/decide", body, Origin=origin)[0] == 403
     for kind in ("text/plain", None, "application/x-www-form-urlencoded"):
         assert ask("/api/decide", body, Content_Type=kind)[0] == 415
-    assert ask("/api/decide", method="GET")[0] == 404
-    assert path.read_bytes() == before
+    assert (ask("/api/decide", method="GET")[0], path.read_bytes()) == (404, before)
     done, tree, _ = ask("/api/decide", body)
-    assert (done, tree["rows"]["c35-r01"]["excluded"]) == (200, "torn")
-    assert ask("/api/undo", {})[0] == 200
+    assert ((done, tree["rows"]["c35-r01"]["excluded"]), ask("/api/undo", {})[0]) == ((200, "torn"), 200)
     assert path.read_bytes() == before
 
 
 def test_requests_that_make_no_sense_are_answered_in_words(ask):
-    for path in (
-        "/api/trial",
-        "/api/curve?trial=c35-r01&columns=x",
-        "/api/preview?trial=c35-r01&pick_s=soon",
-    ):
+    for path in ("/api/trial", "/api/curve?trial=c35-r01&columns=x",
+        "/api/preview?trial=c35-r01&pick_s=soon"):  # fmt: skip
         assert ask(path)[0] == 400
     for path in ("/x", "/api/", "/api/../page.html", "/page.html"):
         assert ask(path)[0] == 404
@@ -109,8 +103,7 @@ def test_a_fault_of_ours_is_told_in_words(ask, served, monkeypatch):
 
 def test_data_come_as_json_and_are_kept_nowhere(ask):
     status, tree, headers = ask("/api/curve?trial=c35-r01&start_s=&stop_s=&columns=200")
-    assert status == 200
-    assert headers["Cache-Control"] == "no-store"
+    assert (status, headers["Cache-Control"]) == (200, "no-store")
     assert len(tree["time_s"]) == len(tree["low_N"]) == len(tree["high_N"]) <= 400
     assert ask("/api/trial?trial=c28-r03")[1]["candidates"][0]["time_s"] == 2.198333
     assert ask("/api/preview?trial=c28-r03&pick_s=2.198333")[1]["picked"][0] == pytest.approx(79.12, abs=0.01)

@@ -97,14 +97,12 @@ def test_a_moved_pick_is_where_the_person_put_it(begin, campaign):
     changed = review.decide("c35-r01", "pick", pick_s=was[2] + 0.0123456789, text="the later one")
     row = changed["rows"]["c35-r01"]
     assert [row["force_N"], row["std_N"]] == pytest.approx(shown[:2], rel=1e-9)
-    assert row["why"] == "the later one"
-    assert row["decision"] == f"pick_s = {was[2] + 0.0123456789:.6g} s"
+    assert (row["why"], row["decision"]) == ("the later one", f"pick_s = {was[2] + 0.0123456789:.6g} s")
     # Where the force only rises there is no peak, and nothing is written.
     content = (campaign / "trials.csv").read_bytes()
     with pytest.raises(DataError, match="no peak to measure") as refused:
         review.decide("c35-r01", "pick", pick_s=was[2] - 0.3)
-    assert refused.value.code == "RF244"
-    assert (campaign / "trials.csv").read_bytes() == content
+    assert (refused.value.code, (campaign / "trials.csv").read_bytes()) == ("RF244", content)
 
 
 def test_a_list_that_somebody_else_changed_is_not_written(begin, campaign):
@@ -113,8 +111,7 @@ def test_a_list_that_somebody_else_changed_is_not_written(begin, campaign):
     path.write_bytes(theirs)
     with pytest.raises(DataError, match="somebody else") as refused:
         review.decide("c35-r01", "exclude", text="torn")
-    assert refused.value.code == "RF153"
-    assert path.read_bytes() == theirs
+    assert (refused.value.code, path.read_bytes()) == ("RF153", theirs)
     assert review.overview()["rows"]["c35-r01"]["excluded"] == ""
     review.reload()
     review.decide("c35-r01", "exclude", text="torn")
@@ -158,20 +155,14 @@ def test_a_decision_that_cannot_be_kept_leaves_the_list_as_it_was(begin, campaig
         toml.write_text(toml.read_text().replace('name = "breakaway"', 'name = "stick-slip"'))
     with pytest.raises(DataError, match=r"no space|several trials"):
         accept(review, "c28-r03")
-    assert path.read_bytes() == before
-    assert review.overview()["rows"] == overview
+    assert (path.read_bytes(), review.overview()["rows"]) == (before, overview)
 
 
 def test_decisions_that_say_nothing_are_refused(begin, campaign):
     review, before = begin(), (campaign / "trials.csv").read_bytes()
-    for action, options, why in (
-        ("exclude", {"text": " "}, "needs its reason"),
-        ("comment", {}, "empty"),
-        ("pick", {}, "no time"),
-        ("pick", {"pick_s": float("nan")}, "no time"),
-        ("clear", {}, "changes nothing"),
-        ("delete", {}, "no action"),
-    ):
+    for action, options, why in (("exclude", {"text": " "}, "needs its reason"), ("comment", {}, "empty"),
+        ("pick", {}, "no time"), ("pick", {"pick_s": float("nan")}, "no time"),
+        ("clear", {}, "changes nothing"), ("delete", {}, "no action")):  # fmt: skip
         with pytest.raises(InputError, match=why):
             review.decide("c35-r01", action, **options)
     with pytest.raises(InputError, match="no trial"):

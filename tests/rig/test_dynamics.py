@@ -37,12 +37,8 @@ STIFF = {
     "wheel_kg": 1.0, "a": 0.02, "b": 0.03, "slip_m": 1e-4, "profile": ((0.1, 0.0), (0.1001, SPEED)), "end_s": 0.6,
 }  # fmt: skip
 VISCOUS = BRISTLES | {"viscous_s_m": 20.0, "b": 0.0, "excess": 0.0}
-CHANGED = {
-    "rate and state": {},
-    "bristles": BRISTLES,
-    "partial": {"partial": ((0.2, 5e-5, 0.01),)},
-    "viscous": VISCOUS,
-}
+CHANGED = {"rate and state": {}, "bristles": BRISTLES, "partial": {"partial": ((0.2, 5e-5, 0.01),)},
+    "viscous": VISCOUS}  # fmt: skip
 SLIDERS = {name: slider(**changed) for name, changed in (CHANGED | {"stiff": STIFF} | STEADY).items()}
 
 
@@ -99,11 +95,8 @@ def by_radau(one, end_s):
     return solved
 
 
-@pytest.mark.parametrize(
-    "changed",
-    [{}, slow({"law": "slip"}), slow({"slip_m": 1e-4, "a": 0.012}), BRISTLES],
-    ids=["ageing", "slip", "slow weakening", "bristles"],
-)
+@pytest.mark.parametrize("changed", [{}, slow({"law": "slip"}), slow({"slip_m": 1e-4, "a": 0.012}),
+    BRISTLES], ids=["ageing", "slip", "slow weakening", "bristles"])  # fmt: skip
 def test_the_first_break_is_that_of_an_independent_solver(changed):
     one = slider(**changed, start_mu=0.05, end_s=2.1)
     motion = simulate([one])[0]

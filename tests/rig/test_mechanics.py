@@ -16,11 +16,7 @@ from ropefric.traces.breakaway import Status
 
 
 @settings(max_examples=40, deadline=None)
-@given(
-    seed=st.integers(0, 10_000),
-    lift=st.floats(10.0, 4000.0),
-    ratio=st.floats(1.3, 12.0),
-)
+@given(seed=st.integers(0, 10_000), lift=st.floats(10.0, 4000.0), ratio=st.floats(1.3, 12.0))
 def test_the_largest_force_is_the_static_peak_and_stands_where_the_truth_says(seed, lift, ratio):
     recording = record(seed, lift_N=lift, end_N=lift / ratio)
     time_s, force_N, truth = recording.true_time_s, recording.true_force_N, recording.truth
@@ -135,11 +131,8 @@ def test_bad_forces_and_names_are_refused():
     for lift, end in ((np.nan, 1.0), (np.inf, 1.0), (10.0, 0.0), (10.0, np.nan)):
         with pytest.raises(InputError):
             record(0, lift_N=lift, end_N=end)
-    for keys, words in (
-        ({"protocol": "break-away"}, "did you mean 'breakaway'"),
-        ({"faults": ["spikes"]}, "did you mean 'spike'"),
-        ({"cell": "K2"}, "unknown force cell 'K2'"),
-    ):
+    for keys, words in (({"protocol": "break-away"}, "did you mean 'breakaway'"), ({"faults": ["spikes"]},
+        "did you mean 'spike'"), ({"cell": "K2"}, "unknown force cell 'K2'")):  # fmt: skip
         with pytest.raises(UnknownNameError, match=words):
             record(0, *keys.pop("faults", ()), **keys)
     with pytest.raises(InputError, match="idle_s"):

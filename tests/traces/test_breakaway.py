@@ -271,8 +271,7 @@ def test_settings_refuse_nonsense():
 
 
 def test_every_status_has_advice_and_every_protocol_a_description():
-    assert set(ADVICE) == set(Status)
-    assert list(PROTOCOLS) == ["breakaway", "stick-slip", "held", "two-way"]
+    assert (set(ADVICE), list(PROTOCOLS)) == (set(Status), ["breakaway", "stick-slip", "held", "two-way"])
     assert all(protocol.description for protocol in PROTOCOLS.values())
 
 
@@ -284,20 +283,16 @@ def test_every_status_has_advice_and_every_protocol_a_description():
 def test_units_and_zero_of_time_do_not_matter(scale, delay_s):
     """Force scaled, time shifted: the same peak, scaled, at the same place."""
     force = drawn(*PULL, noise_N=0.3)[:4000]
-    plain, other = (
-        picked(force * by, PickSettings(window_s=0.0), TIME_S[:4000] + at_s)
-        for by, at_s in ((1, 0), (scale, delay_s))
-    )
+    plain, other = (picked(force * by, PickSettings(window_s=0.0), TIME_S[:4000] + at_s) for by,
+        at_s in ((1, 0), (scale, delay_s)))  # fmt: skip
     assert other.status is Status.OK
     assert other.peak_N == pytest.approx(scale * plain.peak_N, rel=1e-9)
     assert other.peak_time_s == pytest.approx(plain.peak_time_s + delay_s, abs=1e-9)
 
 
-@given(
-    st.lists(st.floats(-1e3, 1e3) | st.just(float("nan")), min_size=1, max_size=400),
+@given(st.lists(st.floats(-1e3, 1e3) | st.just(float("nan")), min_size=1, max_size=400),
     st.sampled_from(["breakaway", "stick-slip", "held", "two-way"]),
-    st.sampled_from(["sliding", "separation"]),
-)
+    st.sampled_from(["sliding", "separation"]))  # fmt: skip
 def test_any_signal_ends_in_a_status(values, protocol, ending):
     trace = ForceTrace(time_s=np.arange(len(values)) * 0.01, force_N=values)
     for result in PROTOCOLS[protocol].pick(trace, PickSettings(ending=ending)):
@@ -317,13 +312,8 @@ def test_forces_at_the_end_of_the_floats_are_no_crash():
 
 @pytest.mark.parametrize("noise_N", [0.0, 0.05, 0.5])
 def test_sliders_near_the_limit_of_stability_are_picked_whatever_the_noise(real_data, noise_N):
-    true_N = {
-        "unstable": 102.46,
-        "near_critical": 97.27,
-        "stable_peak": 97.33,
-        "slow_weakening": 97.86,
-        "vs": 85.84,
-    }
+    true_N = {"unstable": 102.46, "near_critical": 97.27, "stable_peak": 97.33, "slow_weakening": 97.86,
+        "vs": 85.84}  # fmt: skip
     for name, peak_N in true_N.items():
         time_s, force_N = np.loadtxt(
             real_data / "rate_state_slider" / f"rsf_{name}.csv", delimiter=",", skiprows=1, usecols=(0, 1)

@@ -38,8 +38,7 @@ def test_each_component_by_hand():
     std_N = {item.name: item.std for item in chain_quantities(321.7, tared)}
     cell_N = dict.fromkeys(("linearity", "hysteresis", "cell's repeatability"), 0.2 / math.sqrt(3))
     chain_N = {"transmitter": 1.0 / math.sqrt(3), "resolution": 1000 / 1023 / math.sqrt(12)}
-    assert std_N == pytest.approx(cell_N | chain_N)
-    assert std_N["resolution"] == pytest.approx(0.28, abs=0.005)
+    assert (std_N, std_N["resolution"]) == (pytest.approx(cell_N | chain_N), pytest.approx(0.28, abs=0.005))
     combined_N = math.sqrt(sum(u**2 for u in std_N.values()) + 0.05**2 + 0.4**2)
     assert force_std_N(321.7, tared, picking_std_N=0.4) == pytest.approx(combined_N)
 
@@ -85,8 +84,7 @@ def test_the_calibration_line_predicts_its_own_scatter():
 
 def test_degrees_of_freedom_come_from_the_points():
     line = chain_quantities(500.0, Calibration(cell=noisy_cell(6, 0), adc=Adc(bits=24)))[-1]
-    assert line.name == "calibration line"
-    assert line.dof == 4.0
+    assert (line.name, line.dof) == ("calibration line", 4.0)
 
 
 def test_two_points_have_no_scatter_to_tell():

@@ -19,12 +19,8 @@ def test_one_count_is_worth_what_the_conventions_print():
     assert Calibration(cell=LARGE).lsb_N == pytest.approx(4.888, abs=5e-4)
 
 
-@given(
-    count=st.integers(0, 1023),
-    full_scale_N=st.floats(1.0, 1e5),
-    zero_V=st.floats(-1.0, 2.0),
-    tare_N=st.floats(-100.0, 100.0),
-)
+@given(count=st.integers(0, 1023), full_scale_N=st.floats(1.0, 1e5), zero_V=st.floats(-1.0, 2.0),
+    tare_N=st.floats(-100.0, 100.0))  # fmt: skip
 def test_counts_become_newtons_as_exact_arithmetic_says(count, full_scale_N, zero_V, tare_N):
     cell = ForceCell(name="cell", full_scale_N=full_scale_N, zero_V=zero_V, full_scale_V=4.5)
     calibration = Calibration(cell=cell, adc=Adc(low_V=-0.5, high_V=5.5), tare_N=tare_N)
@@ -38,8 +34,7 @@ def test_counts_become_newtons_as_exact_arithmetic_says(count, full_scale_N, zer
 def test_input_is_not_changed_and_counts_stay_whole():
     counts = np.array([1, 2, -1], dtype=np.int16)
     force_N, _ = Calibration(cell=SMALL).apply(counts)
-    assert counts.tolist() == [1, 2, -1]
-    assert force_N.dtype == np.float64
+    assert (counts.tolist(), force_N.dtype) == ([1, 2, -1], np.float64)
     assert np.isnan(force_N).tolist() == [False, False, True]
 
 
@@ -54,8 +49,7 @@ def test_a_count_above_the_converter_names_the_sample_and_the_bits():
 
 
 def test_floats_from_a_text_file_are_counts_or_refused():
-    assert as_counts([5.0, np.nan, 0.0]).tolist() == [5, -1, 0]
-    assert as_counts([]).size == 0
+    assert (as_counts([5.0, np.nan, 0.0]).tolist(), as_counts([]).size) == ([5, -1, 0], 0)
     for bad, found in (([1.0, 2.5], "sample 1 .* 2.5"), ([-3.0], "-3"), ([np.inf], "inf"), ([1e18], "1e.18")):
         with pytest.raises(DataError, match=found) as error:
             as_counts(bad)
@@ -78,16 +72,12 @@ def test_saturation_runs_are_those_a_plain_loop_finds(counts):
         return runs
 
     _, saturation = Calibration(cell=SMALL).apply(np.array(counts, dtype=np.int64))
-    assert saturation.high_runs.tolist() == loop(1023)
-    assert saturation.low_runs.tolist() == loop(0)
+    assert (saturation.high_runs.tolist(), saturation.low_runs.tolist()) == (loop(1023), loop(0))
     assert saturation.n_high == counts.count(1023)
 
 
-@given(
-    slope=st.floats(1e-4, 1.0),
-    zero_V=st.floats(-1.0, 1.0),
-    forces=st.lists(st.integers(0, 1000), min_size=2, max_size=8, unique=True),
-)
+@given(slope=st.floats(1e-4, 1.0), zero_V=st.floats(-1.0, 1.0),
+    forces=st.lists(st.integers(0, 1000), min_size=2, max_size=8, unique=True))  # fmt: skip
 def test_points_on_a_line_give_that_line(slope, zero_V, forces):
     points = tuple((float(f), zero_V + slope * f) for f in sorted(forces))
     line = ForceCell(name="cell", full_scale_N=1000.0, points=points).line
@@ -102,10 +92,8 @@ def test_least_squares_agrees_with_polyfit():
     voltage_V = 0.02 + 0.00497 * force_N + rng.normal(0, 0.002, 11)
     cell = ForceCell(name="cell", full_scale_N=1000.0, points=tuple(zip(force_N, voltage_V, strict=True)))
     (slope, zero), squares, *_ = np.polyfit(force_N, voltage_V, 1, full=True)
-    assert cell.line.gain_N_V == pytest.approx(1 / slope)
-    assert cell.line.zero_V == pytest.approx(zero)
-    assert cell.line.scatter_N == pytest.approx(np.sqrt(squares[0] / 9) / slope)
-    assert cell.line.dof == 9
+    assert (cell.line.gain_N_V, cell.line.zero_V) == (pytest.approx(1 / slope), pytest.approx(zero))
+    assert (cell.line.scatter_N, cell.line.dof) == (pytest.approx(np.sqrt(squares[0] / 9) / slope), 9)
     assert Calibration(cell=cell).lsb_N == pytest.approx(5 / 1023 / slope)
 
 
@@ -116,37 +104,30 @@ def test_points_replace_the_nominal_line():
 
 
 IMPOSSIBLE = [
-    (lambda: Adc(bits=0), "bits = 0"),
-    (lambda: Adc(bits=10.0), "bits = 10.0"),
-    (lambda: Adc(bits=True), "bits = True"),
-    (lambda: Adc(low_V=5.0), "from 5 V to 5 V is empty"),
-    (lambda: Adc(high_V="5"), "high_V = '5'"),
-    (lambda: ForceCell(name="c", full_scale_N=0), "full scale 0 N is not positive"),
-    (lambda: ForceCell(name="c", full_scale_N=float("nan")), "full_scale_N = nan"),
-    (lambda: ForceCell(name="c", full_scale_N=1.0, zero_V=5.0), "5 V at full scale is not above 5 V"),
-    (lambda: ForceCell(name="c", full_scale_N=1.0, linearity=0.2), "0.0002 for 0.02 %FS"),
-    (lambda: ForceCell(name="c", full_scale_N=1.0, hysteresis=-0.1), "hysteresis = -0.1"),
-    (lambda: ForceCell(name="c", full_scale_N=1.0, points=((0, 0),)), "one calibration point"),
-    (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 0), (0, 1))), "1 and 2.*do not increase"),
-    (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 1), (1, 1))), "do not increase"),
-    (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 1), (50, 2))), "50 N, is far beyond"),
-    (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 1), (1, np.inf))), "2 is not finite"),
-    (lambda: ForceCell(name="c", full_scale_N=9.0, points=(1, 2)), "pairs of force and voltage"),
-    (lambda: ForceCell(name="c", full_scale_N=9.0, points="12"), "pairs of force and voltage"),
-    (lambda: ForceCell(name="c", full_scale_N=9.0, points=5), "pairs of force and voltage"),
-    (lambda: Calibration(cell=SMALL, tare_N=float("nan")), "tare_N = nan"),
-    (lambda: Calibration(cell=SMALL, tare_std_N=-1.0), "tare_std_N = -1 is negative"),
-    (lambda: ForceCell(name=3, full_scale_N=1.0), "name = 3 is not text"),
-    (lambda: ForceCell(name="c", full_scale_N=10**400), "is not a finite number"),
-    (lambda: ForceCell(name="c", full_scale_N=1e300, full_scale_V=1e-300), "too steep"),
-    (lambda: ForceCell(name="c", full_scale_N=9.0, points=((0, 0), (1e-300, 1))), "too steep"),
-]
+    (Adc, {"bits": 0}, "bits = 0"), (Adc, {"bits": 10.0}, "bits = 10.0"), (Adc, {"bits": True}, "bits = True"),
+    (Adc, {"low_V": 5.0}, "from 5 V to 5 V is empty"), (Adc, {"high_V": "5"}, "high_V = '5'"),
+    (ForceCell, {"full_scale_N": 0}, "full scale 0 N is not positive"),
+    (ForceCell, {"full_scale_N": float("nan")}, "full_scale_N = nan"),
+    (ForceCell, {"full_scale_N": 10**400}, "is not a finite number"), (ForceCell, {"name": 3}, "name = 3 is not text"),
+    (ForceCell, {"zero_V": 5.0}, "5 V at full scale is not above 5 V"),
+    (ForceCell, {"linearity": 0.2}, "0.0002 for 0.02 %FS"), (ForceCell, {"hysteresis": -0.1}, "hysteresis = -0.1"),
+    *((ForceCell, {"points": points}, words) for points, words in (
+        (((0, 0),), "one calibration point"), (((0, 0), (0, 1)), "1 and 2.*do not increase"),
+        (((0, 1), (1, 1)), "do not increase"), (((0, 1), (50, 2)), "50 N, is far beyond"),
+        (((0, 1), (1, np.inf)), "2 is not finite"), ((1, 2), "pairs of force and voltage"),
+        ("12", "pairs of force and voltage"), (5, "pairs of force and voltage"),
+        (((0, 0), (1e-300, 1)), "too steep"))),
+    (ForceCell, {"full_scale_N": 1e300, "full_scale_V": 1e-300}, "too steep"),
+    (Calibration, {"cell": SMALL, "tare_N": float("nan")}, "tare_N = nan"),
+    (Calibration, {"cell": SMALL, "tare_std_N": -1.0}, "tare_std_N = -1 is negative"),
+]  # fmt: skip
 
 
 def test_impossible_values_are_refused_in_words():
-    for make, message in IMPOSSIBLE:
+    for kind, keys, message in IMPOSSIBLE:
+        ordinary = {"name": "c", "full_scale_N": 9.0} if kind is ForceCell else {}
         with pytest.raises(InputError, match=message) as error:
-            make()
+            kind(**(ordinary | keys))
         assert error.value.code == "RF210"
 
 

@@ -36,8 +36,7 @@ def test_noise_below_a_count_is_never_called_zero():
     rng = np.random.default_rng(2)
     counts = np.round(rng.normal(0, 0.05, 5000) + 100.3)
     counts[::700] += 1
-    assert noise_std(counts) == pytest.approx(1 / np.sqrt(12))
-    assert resolution(counts) == 1.0
+    assert (noise_std(counts), resolution(counts)) == (pytest.approx(1 / np.sqrt(12)), 1.0)
     assert noise_std(np.full(100, 3.0)) == 0.0
 
 

@@ -27,10 +27,8 @@ def test_stored_recordings_are_picked_as_well_as_before():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("tiers", "right", "wrong", "beyond"),
-    [(("clean", "lab"), 0.93, 0.0, 0.08), (("nasty",), 0.75, 0.025, 0.1)],
-)
+@pytest.mark.parametrize(("tiers", "right", "wrong", "beyond"),
+    [(("clean", "lab"), 0.93, 0.0, 0.08), (("nasty",), 0.75, 0.025, 0.1)])  # fmt: skip
 def test_recordings_of_other_rigs_are_picked_and_their_uncertainties_cover(tiers, right, wrong, beyond):
     """Drawn as they have never been; what is asked for in the end is 97 % of clean ones and of a lab, and none wrong."""
     made = [one for seed in (131, 141, 151) for one in recordings(seed, per_family=4, tiers=tiers)]

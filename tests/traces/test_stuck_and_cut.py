@@ -1,6 +1,5 @@
 """A stuck converter and a recording that is cut short give no force; coarse converters and smooth signals do."""
 
-import csv
 import gzip
 import random
 from dataclasses import replace
@@ -76,21 +75,6 @@ def test_coarse_quiet_and_noise_free_signals_are_not_stuck(seed):
             assert stuck_in(force) == [], (noise_N, count_N)
             if noise_N == 0.0:
                 assert stuck_in(np.where(TIME_S < 1.5, force, force[int(1.5 * RATE_HZ)])) == [], count_N
-
-
-@pytest.mark.slow
-def test_no_recording_of_the_bench_sticks_but_at_the_ceiling():
-    campaign = load_campaign(BENCH)
-    for spec in campaign.trials[::12]:
-        ((result,),) = extract_recording(campaign, [spec])
-        assert not any("stuck" in note for note in result.breakaway.notes), spec.trial
-
-
-def test_simulated_sliders_are_not_stuck(real_data):
-    for name in ("rsf_near_critical", "rsf_slow_weakening", "rsf_unstable"):
-        rows = csv.reader((real_data / "rate_state_slider" / f"{name}.csv").read_text().splitlines()[1:])
-        for column in np.array([*rows], dtype=np.float64).T:
-            assert stuck_in(column) == [], name
 
 
 @pytest.mark.parametrize(("n", "seed"), [(40, 3), pytest.param(250, 12, marks=pytest.mark.slow)])

@@ -17,8 +17,7 @@ from ropefric.trials.campaign_model import SCHEMA
 def test_settings_in_si(bench):
     campaign = load_campaign(bench.path)
     assert (campaign.name, campaign.schema) == ("PRTH bench", SCHEMA)
-    assert campaign.folder == bench.folder / "recordings"
-    assert campaign.rope.radius_m == 0.0049
+    assert (campaign.folder, campaign.rope.radius_m) == (bench.folder / "recordings", 0.0049)
     assert campaign.rope.linear_density_kg_m == 0.062
     assert {name: wheel.radius_m for name, wheel in campaign.wheels.items()} == {"W40": 0.04, "W60": 0.06}
     assert campaign.cells["K1"] == ForceCell(
@@ -32,20 +31,15 @@ def test_settings_in_si(bench):
     assert campaign.tare_interval_s == (0.0, 0.3)
     assert (smoothing.mode, smoothing.window_s, smoothing.peak) == ("fixed", 0.01, "smoothed")
     assert (campaign.rejection, campaign.weights_tolerance) == ("grubbs", 0.0005)
-    assert campaign.design.wheel_radius_m == 0.035
-    assert campaign.design.wrap_angle_rad == math.radians(400)
+    assert (campaign.design.wheel_radius_m, campaign.design.wrap_angle_rad) == (0.035, math.radians(400))
     assert campaign.design.end_tension_N == 60.0
 
 
 def test_profile(bench):
     profile = load_campaign(bench.path).profile
-    assert profile.channels == {
-        "time": Channel(column="time_s", unit="s"),
-        "counts": Channel(column="counts"),
-        "pressure": Channel(column=3, unit="bar"),
-    }
-    assert profile.constants == {"area": 490.9e-6}
-    assert profile.derived == {"load": "pressure * area"}
+    assert profile.channels == {"time": Channel(column="time_s", unit="s"),
+        "counts": Channel(column="counts"), "pressure": Channel(column=3, unit="bar")}  # fmt: skip
+    assert (profile.constants, profile.derived) == ({"area": 490.9e-6}, {"load": "pressure * area"})
     assert (profile.sampling_rate_Hz, profile.header_row, profile.missing) == (3000.0, 1, ("--",))
 
 
@@ -76,11 +70,8 @@ def test_defaults(bench):
 
 def test_any_unit_of_the_right_dimension(bench):
     good = bench.table.read_bytes()
-    cases = (
-        ("end_tension_kN", "0.08", 80.0),
-        ("End tension (N)", "80", 80.0),
-        ("end_mass_g", "500", 4.903325),
-    )
+    cases = (("end_tension_kN", "0.08", 80.0), ("End tension (N)", "80", 80.0),
+        ("end_mass_g", "500", 4.903325))  # fmt: skip
     for column, cell, expected_N in cases:
         bench.write(trials=good)
         bench.spoil_table("end_tension_N", column)
@@ -116,11 +107,9 @@ def test_dialects_of_the_table_mean_the_same(bench):
         ("utf-8", "utf-8-sig", "cp1252", "utf-16"), (";,", "\t,", ";.", "\t.", ",.")
     ):
         separator, decimal = marks
-        rows = [
-            ["file", "wheel_radius_mm", "wrap_angle_deg", "end_tension_N", "cell", "note"],
+        rows = [["file", "wheel_radius_mm", "wrap_angle_deg", "end_tension_N", "cell", "note"],
             ["a.csv", f"40{decimal}5", "180", f"1{decimal}234", "K1", "Prüfstand µ"],
-            ["b.csv", "60", f"360{decimal}0", "120", "K1", ""],
-        ]
+            ["b.csv", "60", f"360{decimal}0", "120", "K1", ""]]  # fmt: skip
         newline = "\r\n" if separator == ";" else "\n"
         bench.write(trials="".join(separator.join(row) + newline for row in rows).encode(encoding))
         first, second = load_campaign(bench.path).trials
@@ -139,18 +128,8 @@ def test_byte_order_mark_and_windows_line_ends_in_the_campaign_file(bench):
 
 def test_comments_blank_lines_and_spreadsheet_leftovers_are_skipped(bench):
     text = bench.table.read_text().splitlines()
-    bench.write(
-        trials="\n".join(
-            [
-                '# a comment, with "quotes',
-                "",
-                text[0] + ",,",
-                ",,,,,",
-                *(row + ",," for row in text[1:3]),
-                '"# x, y",,',
-            ]
-        )
-    )
+    bench.write(trials="\n".join(['# a comment, with "quotes', "", text[0] + ",,", ",,,,,",
+        *(row + ",," for row in text[1:3]), '"# x, y",,']))  # fmt: skip
     assert [trial.line for trial in load_campaign(bench.path).trials] == [5, 6]
 
 
@@ -182,8 +161,7 @@ def test_resolved_is_json_without_absolute_paths(bench, tmp_path):
     resolved = load_campaign(bench.path).resolved()
     text = json.dumps(resolved, allow_nan=False)
     assert str(tmp_path) not in text
-    assert resolved["folder"] == "recordings"
-    assert resolved["trials"][0]["file"] == "recordings/a.csv"
+    assert (resolved["folder"], resolved["trials"][0]["file"]) == ("recordings", "recordings/a.csv")
     assert resolved["smoothing"] == {"mode": "fixed", "window_s": 0.01, "peak": "smoothed"}
     assert resolved["cells"]["K1"]["points"] == [[0.0, 0.002], [500.0, 2.501]]
 

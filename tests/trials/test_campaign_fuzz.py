@@ -27,8 +27,7 @@ def answers(bench):
     if errors:
         with pytest.raises(RopefricError) as caught:
             load_campaign(bench.path)
-        assert caught.value.problems == errors
-        assert caught.value.exit_code == 3
+        assert (caught.value.problems, caught.value.exit_code) == (errors, 3)
     else:
         campaign = load_campaign(bench.path)
         assert campaign.resolved()
@@ -81,21 +80,16 @@ def test_any_value_for_any_key(bench, changes):
     answers(bench)
 
 
-rows = st.lists(st.sampled_from(HEADER), max_size=9).flatmap(
-    lambda header: st.lists(st.lists(st.sampled_from(CELLS), max_size=9), max_size=4).map(
-        lambda rows: [header, *rows]
-    )
-)
+rows = st.lists(st.sampled_from(HEADER),
+    max_size=9).flatmap(lambda header: st.lists(st.lists(st.sampled_from(CELLS), max_size=9),
+    max_size=4).map(lambda rows: [header, *rows]))  # fmt: skip
 
 
 @quick
-@given(
-    content=mutated(TRIALS).map(str.encode)
-    | st.binary(max_size=200)
-    | st.text("a,;\t\"'#\n\r1.-_ éN", max_size=100).map(str.encode)
-    | st.tuples(rows, st.sampled_from(",;\t")).map(lambda x: "\n".join(map(x[1].join, x[0])).encode()),
-    after=st.booleans(),
-)
+@given(content=mutated(TRIALS).map(str.encode) | st.binary(max_size=200) | st.text("a,;\t\"'#\n\r1.-_ éN",
+    max_size=100).map(str.encode) | st.tuples(rows,
+    st.sampled_from(",;\t")).map(lambda x: "\n".join(map(x[1].join, x[0])).encode()), after=st.booleans()
+)  # fmt: skip
 def test_spoilt_and_any_tables(bench, content, after):
     bench.write(toml=GOOD, trials=TRIALS.encode() * after + content)
     answers(bench)

@@ -39,14 +39,12 @@ def series(values_N, **more):
 
 def test_the_paper_s_series_loses_its_one_outlier_unless_the_rule_is_none():
     trials, (condition,), problems = summarise_conditions(series(PAPER_N), "two-sigma")
-    assert condition.rejected == ("t0",)
-    assert (condition.n, condition.n_kept) == (15, 14)
+    assert (condition.rejected, (condition.n, condition.n_kept)) == (("t0",), (15, 14))
     assert condition.mean_all_N == pytest.approx(321.7, abs=0.05)
     assert condition.mean_kept_N == condition.lift_force_N == pytest.approx(320.7, abs=0.05)
     assert condition.std_kept_N == pytest.approx(np.std(PAPER_N[1:], ddof=1))
     assert [t.kept for t in trials] == [False] + [True] * 14
-    assert [t.rejected_by for t in trials] == ["two-sigma"] + [""] * 14
-    assert problems == ()
+    assert ([t.rejected_by for t in trials], problems) == (["two-sigma"] + [""] * 14, ())
     assert any("scatter" in note or "reads" in note or "low" in note for note in condition.notes)
     trials, (condition,), _ = summarise_conditions(series(PAPER_N), "none")
     assert (condition.rejected, condition.n_kept, condition.rule) == ((), 15, "none")
@@ -63,8 +61,7 @@ def test_unusable_and_excluded_trials_are_listed_but_not_counted():
     excluded = trial("excluded", 999.0, excluded="rope jumped")
     trials, (condition,), _ = summarise_conditions([spoilt, *series(PAPER_N), excluded], "two-sigma")
     assert (condition.n_recorded, condition.n, condition.n_kept) == (17, 15, 14)
-    assert condition.trials[0] == "spoilt"
-    assert condition.trials[-1] == "excluded"
+    assert (condition.trials[0], condition.trials[-1]) == ("spoilt", "excluded")
     assert condition.rejected == ("t0",)
     assert [t.trial for t in trials if not t.kept] == ["spoilt", "t0", "excluded"]
     assert (trials[0].rejected_by, trials[-1].rejected_by) == ("", "")
@@ -73,10 +70,8 @@ def test_unusable_and_excluded_trials_are_listed_but_not_counted():
 def test_a_condition_without_a_single_force_has_no_numbers():
     trials, (condition,), problems = summarise_conditions([trial("a"), trial("b")], "two-sigma")
     assert (condition.n_recorded, condition.n, condition.n_kept, condition.rejected) == (2, 0, 0, ())
-    assert all(
-        math.isnan(getattr(condition, name))
-        for name in ("mean_all_N", "std_all_N", "mean_kept_N", "std_kept_N", "lift_force_N")
-    )
+    assert all(math.isnan(getattr(condition, name))
+        for name in ("mean_all_N", "std_all_N", "mean_kept_N", "std_kept_N", "lift_force_N"))  # fmt: skip
     assert condition.end_tension_N == 60.0
     assert condition.to_dict()["mean_kept_N"] is None
     assert not any(t.kept for t in trials)
@@ -96,15 +91,9 @@ def test_few_trials_are_told_with_their_condition():
 
 
 def test_conditions_are_what_differs_in_radius_wrap_or_tension():
-    trials = [
-        trial("a", 100.0),
-        trial("b", 100.0, wheel_m=0.03),
-        trial("c", 100.0, wrap_rad=2.0),
-        trial("d", 100.0, end_N=61.0),
-        trial("e", 100.0, rope_radius_m=0.005),
-        trial("f", 100.0),
-        trial("g", 100.0, wheel_m=0.03, cell="K2", rope_id="other"),
-    ]
+    trials = [trial("a", 100.0), trial("b", 100.0, wheel_m=0.03), trial("c", 100.0, wrap_rad=2.0),
+        trial("d", 100.0, end_N=61.0), trial("e", 100.0, rope_radius_m=0.005), trial("f", 100.0),
+        trial("g", 100.0, wheel_m=0.03, cell="K2", rope_id="other")]  # fmt: skip
     marked, conditions, _ = summarise_conditions(trials, "none")
     assert [c.trials for c in conditions] == [("b", "g"), ("c",), ("a", "f"), ("d",), ("e",)]
     assert [t.trial for t in marked] == list("abcdefg")
@@ -112,11 +101,9 @@ def test_conditions_are_what_differs_in_radius_wrap_or_tension():
 
 def test_radii_that_differ_by_rounding_are_one_condition():
     """40 mm and 80 mm / 2 and 0.04 m need not be the same number to the last bit."""
-    trials = [
-        trial("a", 100.0, wheel_m=0.04, wrap_rad=math.radians(540)),
+    trials = [trial("a", 100.0, wheel_m=0.04, wrap_rad=math.radians(540)),
         trial("b", 100.0, wheel_m=0.04 * (1 + 2e-16), wrap_rad=1.5 * 2 * math.pi * (1 + 3e-16)),
-        trial("c", 100.0, wheel_m=0.04 * (1 + 1e-5), wrap_rad=math.radians(540)),
-    ]
+        trial("c", 100.0, wheel_m=0.04 * (1 + 1e-5), wrap_rad=math.radians(540))]  # fmt: skip
     _, conditions, _ = summarise_conditions(trials, "none")
     assert [c.trials for c in conditions] == [("a", "b"), ("c",)]
 
@@ -125,10 +112,8 @@ def test_where_the_slack_side_is_measured_the_weight_makes_the_condition():
     heavy = [trial(f"h{i}", force_N, slack_under_N=200.0) for i, force_N in enumerate([50.0, 51.0])]
     light = [trial(f"l{i}", force_N, slack_under_N=100.0) for i, force_N in enumerate([25.0, 27.0])]
     _, conditions, problems = summarise_conditions([*heavy, *light], "two-sigma")
-    assert [(c.lift_force_N, c.end_tension_N, c.mean_kept_N) for c in conditions] == [
-        (100.0, 26.0, 26.0),
-        (200.0, 50.5, 50.5),
-    ]
+    assert [(c.lift_force_N, c.end_tension_N, c.mean_kept_N) for c in conditions] == [(100.0, 26.0, 26.0),
+        (200.0, 50.5, 50.5)]  # fmt: skip
     assert "F_A = 100 N" in problems[0].message
 
 
@@ -158,10 +143,8 @@ def test_the_summary_is_that_of_the_flags(values_N, rule):
 @given(st.data())
 @settings(deadline=None, max_examples=30)
 def test_the_order_of_the_list_does_not_decide(data):
-    trials = [
-        *series(PAPER_N),
-        *(replace(t, trial=f"w{t.trial}", wrap_angle_rad=1.0) for t in series(PAPER_N[::-1])),
-    ]
+    trials = [*series(PAPER_N), *(replace(t, trial=f"w{t.trial}", wrap_angle_rad=1.0)
+        for t in series(PAPER_N[::-1]))]  # fmt: skip
     shuffled = data.draw(st.permutations(trials))
     marked, conditions, _ = summarise_conditions(shuffled, "two-sigma")
     assert [t.trial for t in marked] == [t.trial for t in shuffled]

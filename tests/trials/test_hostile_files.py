@@ -61,8 +61,7 @@ def xlsx(sheet, strings=""):
     main_ns = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
     office = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
     package = "http://schemas.openxmlformats.org/package/2006"
-    return {
-        "[Content_Types].xml": f'<Types xmlns="{package}/content-types"/>',
+    return {"[Content_Types].xml": f'<Types xmlns="{package}/content-types"/>',
         "_rels/.rels": f'<Relationships xmlns="{package}/relationships"><Relationship Id="r1" '
         f'Type="{office}/officeDocument" Target="xl/workbook.xml"/></Relationships>',
         "xl/workbook.xml": f'<workbook {main_ns} xmlns:r="{office}"><sheets>'
@@ -71,8 +70,7 @@ def xlsx(sheet, strings=""):
         f'<Relationship Id="r1" Type="{office}/worksheet" Target="worksheets/sheet1.xml"/>'
         f'<Relationship Id="r2" Type="{office}/sharedStrings" Target="sharedStrings.xml"/></Relationships>',
         "xl/worksheets/sheet1.xml": f"<worksheet {main_ns}><sheetData>{sheet}</sheetData></worksheet>",
-        "xl/sharedStrings.xml": f"<sst {main_ns}>{strings}</sst>",
-    }
+        "xl/sharedStrings.xml": f"<sst {main_ns}>{strings}</sst>"}  # fmt: skip
 
 
 def write_zip(path, parts):
@@ -101,13 +99,10 @@ def hostile_files(tmp_path_factory):
 
 
 SETTINGS = '[limits]\nmemory = "150 MB"\ntime = "60 s"\n'
-WHY = {
-    "bomb.csv.gz": ("unpacks to more than", "memory"),
+WHY = {"bomb.csv.gz": ("unpacks to more than", "memory"),
     "nested.mat": ("the reader crashed (signal 11", "not a readable MATLAB"),
-    "zeros.mat": ("150 MB of memory",),
-    "strings.xlsx": ("150 MB of memory",),
-    "corner.xlsx": ("150 MB", "not a readable sheet"),
-}
+    "zeros.mat": ("150 MB of memory",), "strings.xlsx": ("150 MB of memory",),
+    "corner.xlsx": ("150 MB", "not a readable sheet")}  # fmt: skip
 
 
 @LINUX

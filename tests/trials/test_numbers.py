@@ -15,15 +15,9 @@ from ropefric.trials.result import write_tables
 
 
 def test_a_number_that_is_added_to_the_declaration_is_everywhere(lab, monkeypatch, tmp_path, capfd):
-    half = TrialColumn(
-        name="half_N",
-        taken=lambda trial: trial.breakaway.peak_N / 2,
-        words="half the force",
-        brief="mean half",
-        symbol="F_h",
-        drawn="halved",
-        on_page=OnPage(9, "half", "kN"),
-    )
+    half = TrialColumn(name="half_N", taken=lambda trial: trial.breakaway.peak_N / 2,
+        words="half the force", brief="mean half", symbol="F_h", drawn="halved",
+        on_page=OnPage(9, "half", "kN"))  # fmt: skip
     monkeypatch.setattr(numbers, "COLUMNS", (*COLUMNS, half))
     campaign = lab.pulls(a=100.0, b=102.0).load()
     extraction = lab.extract()
@@ -32,8 +26,7 @@ def test_a_number_that_is_added_to_the_declaration_is_everywhere(lab, monkeypatc
     assert [trial["half_N"] for trial in told["trials"]] == halves_N
     mean_N = sum(halves_N) / 2
     mean, n = (told["conditions"][0][name] for name in ("mean_half_N", "n_half"))
-    assert (mean, n) == (pytest.approx(mean_N), 2)
-    assert extraction.to_frame()["half_N"].tolist() == halves_N
+    assert ((mean, n), extraction.to_frame()["half_N"].tolist()) == ((pytest.approx(mean_N), 2), halves_N)
     trials, conditions, _ = write_tables(extraction, tmp_path / "out")
     for path, name, value in ((trials, "half_N", halves_N[0]), (conditions, "mean_half_N", mean_N)):
         with path.open(encoding="utf-8", newline="") as stream:

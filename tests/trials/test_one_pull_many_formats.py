@@ -16,10 +16,8 @@ def samples(pull_csv):
 
 
 def labview(samples, columns="No"):
-    general = (
-        "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t,\nMulti_Headings\tYes\n"
-        f"X_Columns\t{columns}\nDate\t2026/03/05\nTime\t10:00:00\n***End_of_Header***\t\n\t\n"
-    )
+    general = ("LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t,\nMulti_Headings\tYes\n"
+        f"X_Columns\t{columns}\nDate\t2026/03/05\nTime\t10:00:00\n***End_of_Header***\t\n\t\n")  # fmt: skip
     parts = []
     for k in range(0, len(samples), 500):  # written every half second, each time with a header
         time = f"10:00:{k / 1000:09.6f}".replace(".", ",")

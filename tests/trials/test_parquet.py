@@ -13,17 +13,10 @@ from ropefric.files.plain_text import parquet_as_csv, parquet_bytes
 from ropefric.trials.result import write_tables
 from ropefric.trials.table import read_trial_table
 
-COLUMNS = {
-    "trial": ["=a", "b\nc", "d;e"],
-    "wheel_diameter_mm": [80, 80, 71],
-    "rope_diameter_mm": [9.8, 9.8, 0.1 + 0.2],
-    "wrap_angle_deg": [180.0, 360.0, 540.0],
-    "end_mass_kg": [2.0, 2.0, 3.0],
-    "peak_N": [40.5, 1e2 / 3.0, math.nan],
-    "kinetic_N": [None, 30.0, None],
-    "kept": [True, True, False],
-    "notes": [None, None, None],
-}
+COLUMNS = {"trial": ["=a", "b\nc", "d;e"], "wheel_diameter_mm": [80, 80, 71],
+    "rope_diameter_mm": [9.8, 9.8, 0.1 + 0.2], "wrap_angle_deg": [180.0, 360.0, 540.0],
+    "end_mass_kg": [2.0, 2.0, 3.0], "peak_N": [40.5, 1e2 / 3.0, math.nan], "kinetic_N": [None, 30.0, None],
+    "kept": [True, True, False], "notes": [None, None, None]}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -55,11 +48,9 @@ def test_a_table_of_ones_own_keeps_every_digit(tmp_path):
     path = tmp_path / "own.PARQUET"
     pyarrow.parquet.write_table(pa.table(COLUMNS), path)
     found = read_trial_table(path)
-    assert found.trial == ("=a", "b c", "d;e")
-    assert found.rope_radius_m[0] == 0.0049
+    assert (found.trial, found.rope_radius_m[0]) == (("=a", "b c", "d;e"), 0.0049)
     assert found.rope_radius_m[2] == pytest.approx((0.1 + 0.2) / 2000, rel=1e-15)
-    assert found.peak_N[1] == 1e2 / 3.0
-    assert found.kept.tolist() == [True, True, False]
+    assert (found.peak_N[1], found.kept.tolist()) == (1e2 / 3.0, [True, True, False])
     assert found.used.tolist() == [True, True, False]
 
 

@@ -11,24 +11,10 @@ from ropefric.cli.app import main
 from ropefric.traces.breakaway import Status
 
 MECMESIN_PEAKS_N = [7.18, 7.64, 8.00, 7.40, 9.14, 7.82, 7.67, 7.73, 8.27, 7.30]
-MECMESIN_IMPORT = """
-[import]
-header_row = 1
-units_row = 2
-block_names_row = 3
-data_row = 5
-block_columns = 4
-[import.channels]
-time = "Time"
-force = "Force"
-"""
-SEAL_CHANNELS = """
-[import]
-header_row = 0
-separator = "tab"
-[import.channels]
-time = { column = 1, unit = "ms" }
-"""
+MECMESIN_IMPORT = ('\n[import]\nheader_row = 1\nunits_row = 2\nblock_names_row = 3\ndata_row = 5\n'
+    'block_columns = 4\n[import.channels]\ntime = "Time"\nforce = "Force"\n')  # fmt: skip
+SEAL_CHANNELS = ('\n[import]\nheader_row = 0\nseparator = "tab"\n[import.channels]\n'
+    'time = { column = 1, unit = "ms" }\n')  # fmt: skip
 WITH_PEAK = ("KDN_1bar", "KDN_3bar", "KDN_5bar", "KDN_7bar", "NAPN_1bar", "PK_3bar")
 WITH_PEAK += ("X-ring257_1bar", "X-ring257_3bar")
 WITHOUT_PEAK = ("O-ring257_1bar", "O-ring257_3bar", "PK_1bar", "NAPN_3bar")
@@ -46,10 +32,8 @@ def one(extraction):
 
 
 def mecmesin(lab, real_data, smoothing, samples=("*",)):
-    rows = [
-        lab.row("example_forces_big.csv", trial=f"pull{place}", sample=sample, end_tension_N=1)
-        for place, sample in enumerate(samples)
-    ]
+    rows = [lab.row("example_forces_big.csv", trial=f"pull{place}", sample=sample, end_tension_N=1)
+        for place, sample in enumerate(samples)]  # fmt: skip
     settings = f'[protocol]\nending = "separation"\n[smoothing]\nwindow = "{smoothing}"\n{MECMESIN_IMPORT}'
     return lab.write(rows, settings, data=(real_data / "mecmesin_wide").as_posix()).extract()
 
@@ -63,8 +47,7 @@ def test_ten_wide_recordings_and_the_one_that_two_sigma_sets_aside(lab, real_dat
     assert [trial.kept for trial in extraction.trials] == [place != 4 for place in range(10)]
     assert extraction.trials[4].rejected_by == "two-sigma"
     (condition,) = extraction.conditions
-    assert condition.rejected == ("pull0#Sample 5",)
-    assert (condition.n, condition.n_kept) == (10, 9)
+    assert (condition.rejected, (condition.n, condition.n_kept)) == (("pull0#Sample 5",), (10, 9))
     assert (condition.mean_all_N, condition.std_all_N) == pytest.approx((7.813, 0.566), rel=5e-3)
     others = [peak for peak in MECMESIN_PEAKS_N if peak != 9.14]
     assert condition.mean_kept_N == pytest.approx(np.mean(others), rel=5e-3)
@@ -150,11 +133,9 @@ def friction(trial):
 def test_every_plateau_of_the_authors_comes_out_as_an_end_tension_under_a_known_weight(lab, real_data):
     authors = capstan_table(real_data)
     wraps_rad = {int(row["nominal_deg"]): row["wrap_rad_measured"] for row in authors}
-    rows = [
-        {"trial": f"wrap{degrees}", "file": f"force_{degrees}deg.csv", "wheel_radius_mm": 20.75}
-        | {"wrap_angle_rad": wrap_rad, "lift_force_N": WEIGHT_N}
-        for degrees, wrap_rad in wraps_rad.items()
-    ]
+    rows = [{"trial": f"wrap{degrees}", "file": f"force_{degrees}deg.csv",
+        "wheel_radius_mm": 20.75} | {"wrap_angle_rad": wrap_rad, "lift_force_N": WEIGHT_N} for degrees,
+        wrap_rad in wraps_rad.items()]  # fmt: skip
     settings = '[protocol]\nname = "held"\nside = "slack"\n'
     extraction = lab.write(rows, settings, data=(real_data / "phy_mini_ia_capstan").as_posix()).extract()
     numbers = [(degrees, i) for degrees in wraps_rad for i in range(1, 5 if degrees == 270 else 4)]
@@ -174,8 +155,7 @@ def test_every_plateau_of_the_authors_comes_out_as_an_end_tension_under_a_known_
         assert 0 < trial.end_tension_std_N < 0.05 * trial.end_tension_N
     assert len(extraction.conditions) == 7
     for condition in extraction.conditions:
-        assert condition.lift_force_N == WEIGHT_N
-        assert condition.end_tension_N == condition.mean_kept_N
+        assert (condition.lift_force_N, condition.end_tension_N) == (WEIGHT_N, condition.mean_kept_N)
 
 
 # --- rock_direct_shear ---------------------------------------------------------------------------------------------

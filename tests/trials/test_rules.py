@@ -1,8 +1,5 @@
 import math
-import subprocess
-import sys
 from fractions import Fraction
-from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -146,13 +143,14 @@ def test_the_largest_z():
     assert max_z(0) == max_z(1) == 0.0
 
 
-def test_warnings_say_when_nothing_can_be_rejected():
-    assert RULES["two-sigma"].warning(5) == "n = 5, the ±2s rule cannot reject anything (max |z| = 1.79)"
-    assert RULES["two-sigma"].warning(6) == ""
-    assert RULES["chauvenet"].warning(4).startswith("n = 4, Chauvenet's criterion cannot")
-    assert RULES["grubbs"].warning(2)
-    assert RULES["two-sigma"].warning(0) == "n = 0, the ±2s rule cannot reject anything"
-    assert RULES["none"].warning(3) == ""
+def test_a_rule_that_can_reject_nothing_says_so():
+    assert not any(RULES[name].warning(n) for name, n in (("two-sigma", 6), ("none", 3)))
+    for name, n, words in (
+        ("two-sigma", 0, "the ±2s rule"),
+        ("chauvenet", 4, "Chauvenet's criterion"),
+        ("grubbs", 2, ""),
+    ):
+        assert RULES[name].warning(n).startswith(f"n = {n}, {words}"), name
 
 
 # Printed numbers and independent arithmetic.
@@ -206,11 +204,6 @@ def test_mean_and_scatter_against_fractions(values, offset):
             variance = sum((v - mean) ** 2 for v in exact) / (len(exact) - 1)
             std = mpmath.sqrt(mpmath.mpf(variance.numerator) / variance.denominator)
         assert series.std() == pytest.approx(float(std), rel=1e-13, abs=1e-300)
-
-
-def test_listing_the_rules_does_not_load_scipy():
-    code = "import sys, ropefric.trials.outliers; assert 'scipy' not in sys.modules"
-    subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parents[2])
 
 
 @pytest.mark.parametrize("name", ["two-sigma", "chauvenet", "grubbs"])

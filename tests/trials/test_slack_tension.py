@@ -13,11 +13,8 @@ from ropefric.trials.campaign import check_campaign
 from ropefric.trials.result import write_tables
 
 MU, NOISE_N = 0.2, 0.05
-CHANNELS = """[import.channels]
-time = { column = "t", unit = "s" }
-force = { column = "pull", unit = "N" }
-end_tension = { column = "slack", unit = "N" }
-"""
+CHANNELS = ('[import.channels]\ntime = { column = "t", unit = "s" }\n'
+    'force = { column = "pull", unit = "N" }\nend_tension = { column = "slack", unit = "N" }\n')  # fmt: skip
 
 
 def recording(slack_N, wrap_rad, *, seed=0):

@@ -8,24 +8,15 @@ import pytest
 import ropefric as rf
 from ropefric.trials.result import write_tables
 
-SETTINGS = (
-    'tolerance = "0.2 mm"\n[wheels.W40]\nradius = "40 mm"\ntolerance = "0.1 mm"\n'
-    '[protocol]\nname = "breakaway"\nwrap_tolerance = "2 deg"'
-)
+SETTINGS = ('tolerance = "0.2 mm"\n[wheels.W40]\nradius = "40 mm"\ntolerance = "0.1 mm"\n'
+    '[protocol]\nname = "breakaway"\nwrap_tolerance = "2 deg"')  # fmt: skip
 RECORDS = {"a": 50, "b": 52, "c": 110, "d": 108}
 
 
 def test_tolerances_are_errors_that_trials_share(lab, tmp_path):
     lab.pulls(**RECORDS)
-    rows = [
-        {
-            "file": f"{name}.csv",
-            "wheel": "W40",
-            "wrap_angle_deg": 180 * (1 + (name in "cd")),
-            "end_tension_N": 20,
-        }
-        for name in RECORDS
-    ]
+    rows = [{"file": f"{name}.csv", "wheel": "W40", "wrap_angle_deg": 180 * (1 + (name in "cd")),
+        "end_tension_N": 20} for name in RECORDS]  # fmt: skip
     extraction = lab.write(rows, SETTINGS).extract()
     table = rf.trial_table(extraction)
     assert table.wheel_radius_std_m == pytest.approx(1e-4 / math.sqrt(3))

@@ -99,8 +99,7 @@ def test_missing_recordings_are_listed_up_to_a_limit(bench):
 
 def test_an_excluded_trial_may_lack_its_recording_but_not_its_numbers(bench):
     bench.spoil_table("b.csv", "lost.csv")
-    assert bench.errors() == []
-    assert [p.code for p in bench.warnings() if p.line == 3] == ["RF124"]
+    assert (bench.errors(), [p.code for p in bench.warnings() if p.line == 3]) == ([], ["RF124"])
     bench.spoil_table("360", "abc")
     assert bench.only().code == "RF102"
 
@@ -108,8 +107,7 @@ def test_an_excluded_trial_may_lack_its_recording_but_not_its_numbers(bench):
 def test_parts_of_one_recording_are_different_trials(bench):
     head = "file,wheel_radius_mm,wrap_angle_deg,end_tension_N,cell,from_s,until_s\n"
     bench.write(trials=head + "a.csv,40,180,80,K1,2,4\na.csv,40,180,80,K1,0,2\na.csv,40,180,80,K1,4,\n")
-    assert bench.errors() == []
-    assert [t.start_s for t in load_campaign(bench.path).trials] == [2.0, 0.0, 4.0]
+    assert (bench.errors(), [t.start_s for t in load_campaign(bench.path).trials]) == ([], [2.0, 0.0, 4.0])
     bench.write(trials=head + "a.csv,40,180,80,K1,2,4\na.csv,40,180,80,K1,0,2.5\n")
     assert (bench.only().code, bench.only().line) == ("RF122", 3)
 
@@ -178,11 +176,8 @@ def listed(bench):
 
 
 def test_effects_that_cannot_be_seen(listed):
-    for other, unseen in (
-        ((40, 180, 120), ["wheel_radius", "wrap_angle"]),
-        ((50, 180, 80), ["end_tension", "wrap_angle"]),
-        ((50, 360, 120), []),
-    ):
+    for other, unseen in (((40, 180, 120), ["wheel_radius", "wrap_angle"]),
+        ((50, 180, 80), ["end_tension", "wrap_angle"]), ((50, 360, 120), [])):  # fmt: skip
         told = listed([(40, 180, 80), other], 6).warnings()
         assert sorted(p.key for p in told if p.code == "RF311") == unseen
 

@@ -36,27 +36,21 @@ def test_units_stand_in_the_header_and_end_as_si(read):
         "4,4900,1.5,2,0.4,no,1,2",
         "4,4900,1.5,2,0.5,1,1,2",
     )
-    assert table.wheel_radius_m.tolist() == [0.04] * 3
-    assert table.rope_radius_m.tolist() == [0.0049] * 3
+    assert (table.wheel_radius_m.tolist(), table.rope_radius_m.tolist()) == ([0.04] * 3, [0.0049] * 3)
     assert table.wrap_angle_rad == pytest.approx(3 * np.pi)
-    assert table.end_tension_N == pytest.approx(2 * 9.80665)
-    assert table.peak_N.tolist() == [300, 400, 500]
+    assert (table.end_tension_N, table.peak_N.tolist()) == (pytest.approx(2 * 9.80665), [300, 400, 500])
     assert table.wrap_std_rad == pytest.approx(np.pi / 180)
     assert np.isnan(table.peak_std_N[0])
-    assert table.peak_std_N[1] == 2
-    assert table.kept.tolist() == [True, False, True]
+    assert (table.peak_std_N[1], table.kept.tolist()) == (2, [True, False, True])
     assert table.end_tension_std_N.tolist() == [0, 0, 0]
 
 
 def test_dialects_read_alike(read):
-    for lines in (
-        [HEADER, *ROWS],
-        [HEADER.replace(",", ";"), *(row.replace(",", ";").replace(".", ",") for row in ROWS)],
+    for lines in ([HEADER, *ROWS], [HEADER.replace(",", ";"),
+        *(row.replace(",", ";").replace(".", ",") for row in ROWS)],
         [HEADER.replace(",", "\t"), *(row.replace(",", "\t") for row in ROWS)],
-        ["# measured in May", HEADER, "", *ROWS, ",,,,,"],
-        ["\ufeff" + HEADER, *ROWS],
-        [HEADER + ",kinetic_N,operator", *(row + ",200,Anna" for row in ROWS)],
-    ):
+        ["# measured in May", HEADER, "", *ROWS, ",,,,,"], ["\ufeff" + HEADER, *ROWS],
+        [HEADER + ",kinetic_N,operator", *(row + ",200,Anna" for row in ROWS)]):  # fmt: skip
         table = read(*lines)
         assert table.trial == ("a", "b", "c"), lines
         assert table.rope_radius_m == pytest.approx(0.0049, rel=1e-15), lines
@@ -160,14 +154,8 @@ def test_frame_round_trip_and_frame_errors():
     table = table_from_frame(frame)
     pd.testing.assert_frame_equal(frame, before)
     again = table_from_frame(table.to_frame())
-    for name in (
-        "wheel_radius_m",
-        "rope_radius_m",
-        "wrap_angle_rad",
-        "end_tension_N",
-        "peak_N",
-        "peak_std_N",
-    ):
+    for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "peak_N",
+        "peak_std_N"):  # fmt: skip
         assert np.array_equal(getattr(table, name), getattr(again, name), equal_nan=True), name
     assert again.kept.tolist() == [True, True, False]
     with pytest.raises(DataError, match="DataFrame:2 peak_N"):
@@ -216,8 +204,7 @@ def test_of_very_many_equal_rows_a_few_are_named_and_the_others_counted(tmp_path
     path = tmp_path / "same.csv"
     path.write_text("wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N\n" + 50 * row)
     told = read_trial_table(path).warnings
-    assert len(told) == 21
-    assert told[0].message == "all numbers are those of line 2"
+    assert (len(told), told[0].message) == (21, "all numbers are those of line 2")
     assert told[-1].message == "29 more rows have all the numbers of an earlier one"
 
 

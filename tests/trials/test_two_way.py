@@ -24,14 +24,8 @@ def recording(
     time_s = np.arange(6000) / 1000
     high_N, low_N = weight_N * math.exp(mu * wrap_rad), weight_N * math.exp(-mu * wrap_rad)
     first_N = weight_N if hung else 0.0
-    knots = {
-        0.3: first_N,
-        1.0: 1.15 * high_N,
-        1.01: high_N,
-        3.0: high_N * (1 + drift),
-        3.3: low_N,
-        5.3: low_N,
-    }
+    knots = {0.3: first_N, 1.0: 1.15 * high_N, 1.01: high_N, 3.0: high_N * (1 + drift), 3.3: low_N,
+        5.3: low_N}  # fmt: skip
     force_N = np.interp(time_s, [*knots, 5.4], [*knots.values(), first_N])
     moving = (time_s > 1.01) & (time_s < 3.0) | (time_s > 3.3) & (time_s < 5.3)
     force_N += moving * teeth * force_N * ((time_s / 0.1) % 1.0 - 0.5)
@@ -135,6 +129,5 @@ def test_the_uncertainty_of_the_pair_is_half_that_of_each_force_and_holds_the_ch
     chain_N = 200.0 * math.hypot(*[2e-4 / math.sqrt(3)] * 3, 1e-3 / math.sqrt(3))
     ratio = trial.peak_N / trial.breakaway.trough_N
     expected_N = math.hypot(trial.breakaway.peak_std_N, 0.5 * chain_N, 0.5 * ratio * chain_N)
-    assert trial.peak_std_N == pytest.approx(expected_N, rel=0.01)
-    assert trial.end_tension_std_N == 0.0
+    assert (trial.peak_std_N, trial.end_tension_std_N) == (pytest.approx(expected_N, rel=0.01), 0.0)
     assert trial.mu_std == pytest.approx(trial.peak_std_N / trial.peak_N / trial.wrap_angle_rad)

@@ -121,10 +121,8 @@ def runs(process):
 
 
 @LINUX
-@pytest.mark.parametrize(
-    "how",
-    ["SIGKILL", *(pytest.param(one, marks=pytest.mark.slow) for one in ("SIGINT", "SIGTERM", "SIGHUP"))],
-)
+@pytest.mark.parametrize("how", ["SIGKILL", *(pytest.param(one, marks=pytest.mark.slow)
+    for one in ("SIGINT", "SIGTERM", "SIGHUP"))])  # fmt: skip
 def test_a_killed_run_leaves_no_process_behind(tmp_path, how):
     script = tmp_path / "hold.py"
     script.write_text(HOLD, encoding="utf-8")

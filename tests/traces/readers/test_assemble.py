@@ -79,8 +79,7 @@ def test_counts_become_force_and_stay():
     recording = raw({"time": "s"}, time=[0, 1, 2, 3], counts=[5, np.nan, 1023, 0])
     trace = assemble_trace(recording, ImportProfile(), calibration=Doubling())
     np.testing.assert_array_equal(trace.force_N, [10, np.nan, 2046, 0])
-    assert trace.counts.tolist() == [5, -1, 1023, 0]
-    assert trace.counts.dtype == np.int64
+    assert (trace.counts.tolist(), trace.counts.dtype) == ([5, -1, 1023, 0], np.int64)
 
 
 def test_counts_need_a_calibration_and_whole_numbers():
@@ -113,8 +112,7 @@ def test_a_derived_force_is_computed_in_si():
         {"time": "ms", "pull": "kN", "pressure": "bar"}, time=[0, 10], pull=[0.05, 0.06], pressure=[1, 1]
     )
     trace = assemble_trace(recording, profile)
-    assert trace.force_N == pytest.approx([10, 20])
-    assert trace.time_s == pytest.approx([0, 0.01])
+    assert (trace.force_N, trace.time_s) == (pytest.approx([10, 20]), pytest.approx([0, 0.01]))
 
 
 CHANNELS = {"a": np.array([1.0, 4.0, np.nan]), "b": np.array([2.0, -2.0, 1.0])}

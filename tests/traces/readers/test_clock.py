@@ -20,10 +20,8 @@ def test_a_clean_clock_is_passed_on_untouched_and_so_is_jitter():
         assert notes == ()
 
 
-@pytest.mark.parametrize(
-    ("rate_Hz", "digit_s"),
-    [(3000, 1e-3), (1000, 1e-2), (1200, 1e-3), (900, 0.002), (997, 0.01), (2000, 6e-4)],
-)
+@pytest.mark.parametrize(("rate_Hz", "digit_s"), [(3000, 1e-3), (1000, 1e-2), (1200, 1e-3), (900, 0.002),
+    (997, 0.01), (2000, 6e-4)])  # fmt: skip
 def test_rounded_stamps_come_back_within_their_rounding(rate_Hz, digit_s):
     truth_s = 3.0 + np.arange(2000) / rate_Hz
     printed_s = np.round(np.floor(truth_s / digit_s) * digit_s, 6)
@@ -46,8 +44,7 @@ def test_a_few_repeated_stamps_keep_the_first():
     time_s = np.arange(1000) * 1e-3
     time_s[[300, 301, 700]] = time_s[[299, 299, 699]]
     keep, mended_s, notes = mend_clock(time_s, [np.arange(1000.0)])
-    assert np.flatnonzero(~keep).tolist() == [300, 301, 700]
-    assert mended_s.size == 997
+    assert (np.flatnonzero(~keep).tolist(), mended_s.size) == ([300, 301, 700], 997)
     assert notes == ("3 samples with a repeated time stamp; only the first of each was kept",)
 
 
@@ -55,8 +52,7 @@ def test_rows_written_twice_are_told_from_rounding_by_their_values():
     time_s = np.repeat(np.arange(100) * 0.1, 2)
     force = np.repeat(np.arange(100.0), 2)
     keep, mended_s, notes = mend_clock(time_s, [force])
-    assert mended_s.tolist() == (np.arange(100) * 0.1).tolist()
-    assert force[keep].tolist() == list(range(100))
+    assert (mended_s.tolist(), force[keep].tolist()) == ((np.arange(100) * 0.1).tolist(), list(range(100)))
     assert "written twice" in notes[0]
 
 

@@ -133,20 +133,12 @@ def test_pandas_own_words_for_missing_are_not_taken(write):
         assert refused(write(f"{HEAD}0,1\n1,{word}\n")).code == "RF102"
 
 
-HARMLESS = [
-    GOOD.replace("\n", "\n\n"),
-    GOOD + "\n \n\n",
-    GOOD.replace("\n", ",\n"),
-    GOOD.replace("0.1,", " 0.1 , "),
-    GOOD.replace(HEAD, HEAD.replace("\n", ",\n")),
-    GOOD.replace(HEAD, "# rig 2\n# " + HEAD),
-    GOOD.replace(HEAD, "Test of March\n\nOperator,Jo\nSamples,30\n" + HEAD),
-    GOOD.replace(HEAD, "time,force\ns,N\n"),
-    GOOD.replace(HEAD, "time,force\n[s],[N]\n\n"),
-    GOOD.replace(HEAD, '"time_s","force_N"\n'),
-    GOOD.replace(HEAD, "time_s,force_N,Comment\n"),
-    ("\ufeff" + GOOD).encode("utf-16-be"),
-]  # fmt: skip
+HARMLESS = [GOOD.replace("\n", "\n\n"), GOOD + "\n \n\n", GOOD.replace("\n", ",\n"),
+    GOOD.replace("0.1,", " 0.1 , "), GOOD.replace(HEAD, HEAD.replace("\n", ",\n")),
+    GOOD.replace(HEAD, "# rig 2\n# " + HEAD), GOOD.replace(HEAD,
+    "Test of March\n\nOperator,Jo\nSamples,30\n" + HEAD), GOOD.replace(HEAD, "time,force\ns,N\n"),
+    GOOD.replace(HEAD, "time,force\n[s],[N]\n\n"), GOOD.replace(HEAD, '"time_s","force_N"\n'),
+    GOOD.replace(HEAD, "time_s,force_N,Comment\n"), ("\ufeff" + GOOD).encode("utf-16-be")]  # fmt: skip
 """Beside the dialects of `test_dialects.py`."""
 
 
@@ -249,8 +241,7 @@ def test_wide_blocks_may_end_early(write, content):
     )  # fmt: skip
     first, second = read_recordings(write(content), profile)
     assert (first.name, second.name) == ("run.csv#A", "run.csv#B")
-    assert first.columns["force"].tolist() == [0, 1, 2]
-    assert second.columns["force"].tolist() == [5, 6]
+    assert (first.columns["force"].tolist(), second.columns["force"].tolist()) == ([0, 1, 2], [5, 6])
     assert second.units == {"time": "s", "force": "N"}
 
 

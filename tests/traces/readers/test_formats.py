@@ -11,7 +11,7 @@ from reading import hide
 
 from ropefric.errors import DataError, RopefricError
 from ropefric.traces.assemble import assemble_trace
-from ropefric.traces.readers import READERS, find_reader, read_recordings
+from ropefric.traces.readers import find_reader, read_recordings
 from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile
 
@@ -32,8 +32,7 @@ def check(path, profile):
     np.testing.assert_allclose(trace.time_s, T * 1e-3, rtol=1e-15)
     np.testing.assert_allclose(trace.force_N, F * 1e3, rtol=1e-15)
     found = inspect_file(path, profile)
-    assert found.format == find_reader(path, profile).name
-    assert found.n_rows == 50
+    assert (found.format, found.n_rows) == (find_reader(path, profile).name, 50)
 
 
 def refused(path, profile=BY_NAME):
@@ -51,13 +50,10 @@ def save_mat(path, content, **options):
 
 
 def test_matlab(tmp_path):
-    for content, profile in (
-        ({"t": T, "F": F, "note": "x"}, BY_NAME),
+    for content, profile in (({"t": T, "F": F, "note": "x"}, BY_NAME),
         ({"t": T[:, None], "F": F[None, :], "rate": 500.0}, BY_NAME),
-        ({"run": {"t": T, "F": F, "who": "Jo"}}, BY_NAME),
-        ({"data": np.column_stack([T, F])}, BY_NUMBER),
-        ({"t": T.astype(np.int16), "F": F}, BY_NAME),
-    ):
+        ({"run": {"t": T, "F": F, "who": "Jo"}}, BY_NAME), ({"data": np.column_stack([T, F])}, BY_NUMBER),
+        ({"t": T.astype(np.int16), "F": F}, BY_NAME)):  # fmt: skip
         for options in ({}, {"do_compression": True}):
             check(save_mat(tmp_path / "run.mat", content, **options), profile)
     check(save_mat(tmp_path / "run.mat", {"t": T, "F": F}, format="4"), BY_NAME)
@@ -188,11 +184,9 @@ def test_sheet_text_numbers_missing_cells_and_names(tmp_path):
 
 @pytest.mark.parametrize("suffix", [".mat", ".tdms", ".xlsx", ".xls", ".ods"])
 def test_damaged_binary_files_are_told(tmp_path, suffix):
-    good = {
-        ".mat": lambda p: save_mat(p, {"t": T, "F": F}, do_compression=True),
-        ".tdms": lambda p: save_tdms(p, [("t", T), ("F", F)]),
-        ".xlsx": lambda p: save_xlsx(p, ROWS),
-    }
+    good = {".mat": lambda p: save_mat(p, {"t": T, "F": F}, do_compression=True),
+        ".tdms": lambda p: save_tdms(p, [("t", T), ("F", F)]), ".xlsx": lambda p: save_xlsx(p, ROWS)
+    }  # fmt: skip
     like = suffix if suffix in good else ".xlsx"
     whole = good[like](tmp_path / f"good{like}").read_bytes()
     path = tmp_path / f"run{suffix}"
@@ -205,18 +199,12 @@ def test_damaged_binary_files_are_told(tmp_path, suffix):
             assert error.code.startswith("RF1")  # noqa: PT017
 
 
-STARTS = [
-    (".mat", b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"),
-    (".mat", b""),
-    (".tdms", b"TDSm"),
-    (".xlsx", b"PK\x03\x04"),
-    (".xls", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"),
-    (".h5", b"\x89HDF\r\n\x1a\n"),
+STARTS = [(".mat", b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"), (".mat", b""), (".tdms", b"TDSm"),
+    (".xlsx", b"PK\x03\x04"), (".xls", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"), (".h5", b"\x89HDF\r\n\x1a\n"),
     (".cmbl", b"<Document><DataSet><DataColumn><ColumnCells>"),
     (".lvm", b"LabVIEW Measurement\t\n***End_of_Header***\n***End_of_Header***\nX_Value\tForce\n"),
     (".csv", b"Interval,1,Interval,1\nChannel name,a,Channel name,b\nUnit,s,Unit,N\n"),
-    (".csv", b"Axis1\nNumber of sampling data,1\nSampling time interval(ms),1\n"),
-]
+    (".csv", b"Axis1\nNumber of sampling data,1\nSampling time interval(ms),1\n")]  # fmt: skip
 
 
 @settings(deadline=None)
@@ -229,12 +217,3 @@ def test_random_bytes_in_binary_formats(tmp_path_factory, data):
     for look in (lambda: read_recordings(path, BY_NUMBER), lambda: inspect_file(path)):
         with contextlib.suppress(RopefricError):
             look()
-
-
-def test_every_reader_is_declared_fully():
-    for name, reader in READERS.items():
-        assert reader.description
-        for suffix in reader.suffixes:
-            assert suffix.startswith(".")
-            assert find_reader(f"run{suffix.upper()}", ImportProfile()) is reader
-            assert find_reader("run.unknown", ImportProfile(format=name)) is reader

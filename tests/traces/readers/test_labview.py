@@ -71,17 +71,14 @@ def test_one_x_column_and_comments_on_some_rows(write):
     np.testing.assert_array_equal(trace.time_s, [0, 0.01, 0.02, 0.03])
 
 
-@pytest.mark.parametrize(
-    ("separator", "mark", "decimal"),
-    [("Tab", "\t", ","), ("Comma", ",", "."), ("Semicolon", ";", ","), ("Tab", "\t", ".")],
-)
+@pytest.mark.parametrize(("separator", "mark", "decimal"),
+    [("Tab", "\t", ","), ("Comma", ",", "."), ("Semicolon", ";", ","), ("Tab", "\t", ".")])  # fmt: skip
 def test_separators_and_decimal_marks_are_those_of_the_header(write, separator, mark, decimal):
     rows = [[f"{i / 100}".replace(".", decimal), f"{f}".replace(".", decimal)] for i, f in enumerate(FORCE)]
     text = general(columns="One", separator=separator, mark=mark, decimal=decimal)
     text += block(["X_Value", "Force", "Comment"], rows, mark=mark, step=f"0{decimal}01")
     (trace,) = read(write(text, "run.lvm"))
-    assert trace.force_N.tolist() == FORCE
-    assert trace.time_s[3] == 0.03
+    assert (trace.force_N.tolist(), trace.time_s[3]) == (FORCE, 0.03)
 
 
 def test_every_channel_may_have_its_own_x(write):
@@ -107,10 +104,8 @@ def test_the_only_x_column_is_not_lent_to_channels_with_other_steps(write):
 
 
 def blocks(*starts):
-    parts = (
-        block(["X_Value", "Force", "Comment"], [["", f"{k}"], ["", f"{k}.5"]], time=f"10:00:{start}")
-        for k, start in enumerate(starts, start=1)
-    )
+    parts = (block(["X_Value", "Force", "Comment"], [["", f"{k}"], ["", f"{k}.5"]], time=f"10:00:{start}")
+        for k, start in enumerate(starts, start=1))  # fmt: skip
     return general() + "".join(parts)
 
 
@@ -190,5 +185,4 @@ def test_a_long_file_that_ends_within_a_number(write, monkeypatch):
     rows = [["", f"{100 + i % 800}.25"] for i in range(20_000)]
     whole = general() + block(["X_Value", "Force", "Comment"], rows)
     (trace,) = read(write(whole[: whole.rindex("25")], "run.lvm"))
-    assert trace.force_N.size == 19_999
-    assert trace.force_N[-1] == 100 + 19_998 % 800 + 0.25
+    assert (trace.force_N.size, trace.force_N[-1]) == (19_999, 100 + 19_998 % 800 + 0.25)

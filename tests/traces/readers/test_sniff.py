@@ -21,8 +21,7 @@ def test_a_german_file_is_understood(write):
     assert (found.encoding, found.separator, found.decimal) == ("cp1252", ";", ",")
     assert (found.header_row, found.units_row, found.data_row, found.n_rows) == (2, 3, 4, 100)
     assert [column.unit for column in found.columns[:2]] == ["ms", "kN"]
-    assert found.columns[1].maximum == 12.375
-    assert found.first_rows[0][:2] == ("0", "0,000")
+    assert (found.columns[1].maximum, found.first_rows[0][:2]) == (12.375, ("0", "0,000"))
     assert (found.sampling_rate_Hz, found.is_uniform) == (100, True)
     assert found.profile.channels["time"] == Channel(column=1, unit="ms")
     assert found.profile.channels["force"] == Channel(column="Kraft")
@@ -35,8 +34,7 @@ def test_saturation_is_hinted(write):
     found = inspect_file(path)
     assert found.saturation == ("counts sits at 1023, the ceiling of 10 bits, for 20 samples in a row",)
     assert found.columns[1].is_integer
-    assert found.sampling_rate_Hz == pytest.approx(3000, rel=1e-3)
-    assert found.doubts == ()
+    assert (found.sampling_rate_Hz, found.doubts) == (pytest.approx(3000, rel=1e-3), ())
 
 
 def test_an_ambiguous_decimal_stays_open_in_the_profile(write):
@@ -68,8 +66,7 @@ def test_blocks_are_found_by_a_header_written_once(write):
 def test_the_inspection_is_json(write):
     found = inspect_file(write("t_s,F_N\n0,1\n1,2\n"), shown_as="run.csv").to_dict()
     again = json.loads(json.dumps(found))
-    assert again == found
-    assert (again["file"], again["schema"]) == ("run.csv", "ropefric.inspection/1")
+    assert (again, (again["file"], again["schema"])) == (found, ("run.csv", "ropefric.inspection/1"))
     assert tomllib.loads(again["profile_toml"])["import"]["channels"] == {"time": "t_s", "force": "F_N"}
 
 
@@ -78,32 +75,20 @@ plain = st.text(max_size=8).filter(lambda text: not any("\ud800" <= c <= "\udfff
 
 
 @settings(deadline=None, max_examples=50)
-@given(
-    st.builds(
-        ImportProfile,
-        format=st.sampled_from(["auto", "wide"]),
-        separator=st.sampled_from(["", "\t", ";", " "]),
-        decimal=st.sampled_from(["", ","]),
-        encoding=plain,
-        table=plain,
-        header_row=st.integers(-1, 9),
-        data_row=st.integers(0, 9),
-        missing=st.lists(plain, max_size=3).map(tuple),
-        sampling_rate_Hz=st.none() | st.floats(1e-3, 1e9),
-        constants=st.dictionaries(names, st.floats(-1e9, 1e9), max_size=2),
-        derived=st.dictionaries(names, plain, max_size=2),
-        channels=st.dictionaries(
-            names, st.builds(Channel, column=st.integers(1, 99) | names, unit=plain), max_size=3
-        ),
-    )
-)
+@given(st.builds(ImportProfile, format=st.sampled_from(["auto", "wide"]),
+    separator=st.sampled_from(["", "\t", ";", " "]), decimal=st.sampled_from(["", ","]), encoding=plain,
+    table=plain, header_row=st.integers(-1, 9), data_row=st.integers(0, 9),
+    missing=st.lists(plain, max_size=3).map(tuple), sampling_rate_Hz=st.none() | st.floats(1e-3, 1e9),
+    constants=st.dictionaries(names, st.floats(-1e9, 1e9), max_size=2),
+    derived=st.dictionaries(names, plain, max_size=2),
+    channels=st.dictionaries(names, st.builds(Channel, column=st.integers(1, 99) | names, unit=plain),
+    max_size=3)))  # fmt: skip
 def test_a_profile_survives_toml(profile):
     table = tomllib.loads(profile_to_toml(profile))["import"]
     for key in ("format", "separator", "decimal", "encoding", "table", "header_row", "data_row"):
         assert table.get(key, getattr(ImportProfile(), key)) == getattr(profile, key)
     assert tuple(table.get("missing", ())) == profile.missing
-    assert table.get("constants", {}) == profile.constants
-    assert table.get("derived", {}) == profile.derived
+    assert (table.get("constants", {}), table.get("derived", {})) == (profile.constants, profile.derived)
     if profile.sampling_rate_Hz is not None:
         assert float(table["sampling_rate"].removesuffix(" Hz")) == profile.sampling_rate_Hz
     for name, channel in profile.channels.items():

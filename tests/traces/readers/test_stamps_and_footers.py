@@ -126,6 +126,5 @@ def test_the_footer_of_a_long_text_that_is_read_in_blocks(write, monkeypatch):
     rows = "".join(f"{i / 1000:.3f},{i % 977}\n" for i in range(60_000))
     path = write(HEAD + rows + "End of test\nOperator: Smith\n")
     trace = read(path)
-    assert trace.force_N.size == 60_000
-    assert sum("left out at the end" in note for note in trace.notes) == 1
+    assert (trace.force_N.size, sum("left out at the end" in note for note in trace.notes)) == (60_000, 1)
     assert read(path, skip_footer=4).force_N.size == 59_998

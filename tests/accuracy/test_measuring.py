@@ -216,11 +216,11 @@ def test_an_interrupted_study_goes_on_with_the_same_points(tmp_path, monkeypatch
     assert assessed == [0, 1, 2, 3, 4, 0, 1, 2, 3, 4]
 
 
-LONG = {"picks", "scenes"}
+LONG = {"picks": pytest.mark.hours, "scenes": pytest.mark.slow}
 
 
 @pytest.mark.parametrize("study",
-                         [pytest.param(one, id=name, marks=pytest.mark.slow if name in LONG else ())
+                         [pytest.param(one, id=name, marks=LONG.get(name, ()))
                           for name, one in STUDIES.items()])  # fmt: skip
 def test_every_study_keeps_the_contract(study):
     assert study.cases

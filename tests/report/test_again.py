@@ -101,7 +101,7 @@ def test_a_folder_without_results_is_3(tmp_path, capfd):
     assert main(["report", str(tmp_path), "--out", str(tmp_path)]) == 2
 
 
-@pytest.mark.slow
+@pytest.mark.hours
 def test_the_bench_of_432_recordings_makes_a_small_file(tmp_path):
     runs = []
     for name, jobs in (("one", 1), ("two", 2)):

@@ -125,7 +125,7 @@ def test_every_number_of_some_saws(scene_of):
 
 
 @pytest.mark.parametrize(
-    "count", [pytest.param(600, marks=pytest.mark.slow), pytest.param(2000, marks=pytest.mark.hours)]
+    "count", [pytest.param(200, marks=pytest.mark.slow), pytest.param(2000, marks=pytest.mark.hours)]
 )
 def test_every_number_of_many_saws(count, scene_of):
     solved, spared = check_many(saw, scene_of, count, 21)

@@ -40,6 +40,7 @@ def test_covariance_is_exact_where_the_law_is_linear():
         assert row.error < bound
 
 
+@pytest.mark.slow
 def test_the_window_trades_bias_for_noise_and_the_chosen_one_is_about_as_good_as_the_best():
     """First order: −rate (w − step)/2, so 301 samples cost 300/120 of what 121 cost."""
     best = {}

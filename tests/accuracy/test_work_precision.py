@@ -70,6 +70,7 @@ def test_the_page_answers_for_each_accuracy_and_first_for_the_ordinary_cases(res
     assert cost_sections([], MACHINE)[0].headings == ()
 
 
+@pytest.mark.slow
 def test_table_markdown_and_html_say_the_same_and_stand_beside_their_figures(result, tmp_path):
     folder = tmp_path / "new" / "folder"
     paths = {path.name: path for path in write_cost([result], MACHINE, folder)}

@@ -169,6 +169,7 @@ def unstated(bench, tmp_path):
     return folder
 
 
+@pytest.mark.slow
 def test_limits_that_nobody_stated_are_assumed_wherever_they_stand(call, bench, unstated, tmp_path):
     checked = call("check", unstated)
     said = " ".join((checked.err + checked.out).split())

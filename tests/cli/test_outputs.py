@@ -281,6 +281,7 @@ def test_runs_extractions_and_reports_into_one_folder_fit_together(call, campaig
     assert sum(name.endswith(".png") for name in tree(out)) == 1 + 1
 
 
+@pytest.mark.slow
 def test_a_scene_without_a_start_up_leaves_none_of_another(call, tmp_path):
     call("solve", SCENES / "press-start-up.toml", "--out", tmp_path, "-q")
     assert "start_up.csv" in tree(tmp_path)

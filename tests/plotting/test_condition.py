@@ -168,6 +168,7 @@ def test_the_same_input_gives_the_same_bytes_whatever_the_users_own_style(trials
     assert len(traces.read_text(encoding="utf-8").splitlines()) == 1 + 10 * 60
 
 
+@pytest.mark.slow
 def test_a_campaign_in_parallel_is_the_same_as_one_after_the_other(
     extraction_of, make_trial, trials, tmp_path
 ):

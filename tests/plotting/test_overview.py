@@ -3,6 +3,7 @@
 import dataclasses
 
 import numpy as np
+import pytest
 
 from ropefric.errors import Problem
 from ropefric.plotting.campaign import CHECKS, FAIL, FLAG, NOT_JUDGED, OK, check_trial, draw_overview
@@ -76,6 +77,7 @@ def test_the_table_and_the_drawing_agree(extraction_of, trials, told, assert_rea
     assert looks["flag"].get_hatch()
 
 
+@pytest.mark.slow
 def test_many_trials_are_broken_into_bands(make_trial, assert_readable):
     for n, bands in ((1, 1), (41, 1), (400, 4)):
         made = draw_overview(campaign(many(make_trial, n)))

@@ -29,6 +29,7 @@ def with_prediction(run, prediction):
     return replace(run, answer=replace(run.answer, prediction=prediction))
 
 
+@pytest.mark.slow
 def test_the_report_is_made_again(run, results, tmp_path, capfd):
     """From its folder alone: the manifest knows the campaign and the law that was asked for."""
     folder = tmp_path / "out"

@@ -371,6 +371,7 @@ def test_memory_does_not_grow_with_the_draws(hoist_of, tmp_path, monkeypatch, bl
     assert peak(2500) < 1.2 * peak(500)
 
 
+@pytest.mark.slow
 def test_start_ups_are_drawn_one_by_one(loaded):
     scene = loaded("press-start-up")
     tree = scene.document.data

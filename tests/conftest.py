@@ -70,7 +70,7 @@ def pytest_configure(config):
 
 
 def pytest_collection_finish():
-    gc.freeze()
+    gc.set_threshold(50_000, 20, 50)
     gc.enable()
 
 

@@ -4,11 +4,11 @@ import gc
 import os
 import sys
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
-from hypothesis.internal.conjecture import providers
 
 # What is imported and collected stays: looking through it for garbage again and again takes a tenth of the run.
 gc.disable()
@@ -31,8 +31,9 @@ settings.register_profile(
 )
 settings.register_profile("drawn", settings.get_profile("same"), derandomize=False, database=None)
 # Examples would also be drawn from the numbers that stand in the modules loaded so far, so that they hung on which tests
-# ran before in the same process.
-providers.is_local_module_file = lambda path: False
+# ran before in the same process. Old versions of hypothesis do not.
+if find_spec("hypothesis.internal.conjecture.providers"):
+    import_module("hypothesis.internal.conjecture.providers").is_local_module_file = lambda path: False
 MORE, LESS = 5, 0.5
 """How many times as many examples the long run draws, and the default one, where they are the same each time."""
 

@@ -138,6 +138,7 @@ def test_a_campaign_names_reader_rule_and_protocol(lab, capsys):
     assert changed.trials[0].peak_N == pytest.approx(0.1, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_worker_processes_have_it(lab, monkeypatch):
     """A spawned one, too, which knows nothing of this process but what it is handed."""
     campaign = rf.load_campaign("campaign.toml")

@@ -180,6 +180,7 @@ def test_new_campaigns_are_not_written_through_links(call, tmp_path):
     assert list((tmp_path / "elsewhere").iterdir()) == []
 
 
+@pytest.mark.slow
 def test_results_of_an_earlier_version_are_taken_over_only_when_asked(call, bench, tmp_path):
     out = tmp_path / "out"
     assert call("extract", bench, "--out", out, "-q").code == 0

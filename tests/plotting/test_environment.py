@@ -11,6 +11,7 @@ from ropefric.plotting.figure import DataTable, FigureWithData, figure_files, fo
 from ropefric.plotting.style import house_style
 
 
+@pytest.mark.slow
 def test_threads_draw_what_one_draws():
     def draw(_):
         with house_style():

@@ -78,6 +78,7 @@ def rows_of(extraction, folder):
     return extraction.to_dict(), [path.read_bytes() for path in write_tables(extraction, folder)], outlines
 
 
+@pytest.mark.slow
 def test_results_do_not_depend_on_who_does_the_work(small_campaign, small_extraction, tmp_path, monkeypatch):
     campaign = load_campaign(small_campaign / "campaign.toml")
     serial, calls = rows_of(small_extraction, tmp_path), []

@@ -1,0 +1,578 @@
+"""Recordings drawn piece by piece with known truth: no equation of motion, so that nothing of the two rigs is in them.
+
+A recording is a story: a rest, weights that are hung, what disturbs it, a climb with its partial slips, the slip and
+what follows, how it ends. Each piece is a shape of the force over its time and the state the rope is in; a sensor makes
+samples of it. Force is in units of the break-away, time in seconds; everything is drawn over ranges far wider than any
+one bench has, so that a picker that learns from these learns what a break-away is and not what one machine does.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import IntEnum
+from math import nan
+
+import numpy as np
+import scipy.signal
+
+from ropefric.arrays import FloatArray, IntArray, frozen_array
+from ropefric.registry import Registry
+from ropefric.traces.breakaway import Status
+
+Rng = np.random.Generator
+Shape = Callable[[FloatArray], FloatArray]
+"""Force over the part of a piece's time that has passed, 0 to 1."""
+
+
+class State(IntEnum):
+    """What the rope is doing."""
+
+    REST = 0
+    HUNG = 1
+    LOADING = 2
+    PARTIAL_SLIP = 3
+    SLIP = 4
+    SLIDING = 5
+    HELD = 6
+    LET_DOWN = 7
+    DISTURBED = 8
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LabelledRecording:
+    """A recording and what is true of it.
+
+    Attributes
+    ----------
+    kind : str
+        What was drawn, a name of `KINDS`.
+    time_s, force_N : ndarray, shape (n,)
+        The samples.
+    state : ndarray of int, shape (n,)
+        The `State` at each sample.
+    status : Status
+        `ok` where the break-away can be seen, else why not.
+    breakaway_s, peak_N : float
+        When it broke away, and F_A without noise or zero error; NaN where there is none.
+    zero_N : float
+        What the sensor shows without force.
+    """
+
+    kind: str
+    time_s: FloatArray
+    force_N: FloatArray
+    state: IntArray
+    status: Status
+    breakaway_s: float = nan
+    peak_N: float = nan
+    zero_N: float = 0.0
+
+    def __post_init__(self) -> None:
+        for key in ("time_s", "force_N"):
+            object.__setattr__(self, key, frozen_array(getattr(self, key)))
+        self.state.setflags(write=False)
+
+
+def _spread(rng: Rng, low: float, high: float) -> float:
+    """Return a number between two limits, each decade as likely as the next."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def _maybe(rng: Rng, chance: float) -> bool:
+    return bool(rng.random() < chance)
+
+
+class _Story:
+    """A force as it is put together, and when it broke away."""
+
+    def __init__(self, rng: Rng, climb_s: float) -> None:
+        self.rng, self.climb_s = rng, climb_s
+        self._time_s, self._force, self._state = [np.zeros(1)], [np.zeros(1)], [np.zeros(1, int)]
+        self.now_s = self.level = 0.0
+        self.broke_s = nan
+        self.peak = nan
+
+    def piece(self, state: State, lasting_s: float, shape: Shape) -> None:
+        """Go on along a shape."""
+        knots = int(np.clip(300 * lasting_s / self.climb_s, 6, 600))
+        part = np.arange(1, knots + 1) / knots
+        self._time_s.append(self.now_s + lasting_s * part)
+        self._force.append(np.broadcast_to(shape(part), part.shape).astype(float))
+        self._state.append(np.full(knots, int(state)))
+        self.now_s += lasting_s
+        self.level = float(self._force[-1][-1])
+
+    def stay(self, state: State, lasting_s: float, creep: float = 0.0) -> None:
+        """Stay at a level, or lose a part of it to creep, which slows down."""
+        level, quick = self.level, self.rng.choice((1.0, 10.0, 100.0))
+        self.piece(
+            state, lasting_s, lambda part: level * (1.0 - creep * np.log1p(quick * part) / np.log1p(quick))
+        )
+
+    def line(self, state: State, lasting_s: float, to: float) -> None:
+        """Go straight to a level."""
+        begin = self.level
+        self.piece(state, lasting_s, lambda part: begin + (to - begin) * part)
+
+    def rough(self, lasting_s: float, size: float, rise: float = 0.0) -> None:
+        """Slide over what differs along the wheel, while the level rises by a part of itself."""
+        begin, knots = self.level, int(np.clip(300 * lasting_s / self.climb_s, 6, 600))
+        wave = _coloured(self.rng, knots, _spread(self.rng, 2.0, 100.0), self.rng.uniform(0.4, 1.0))
+        wave = size * begin * (wave - wave[0] * np.exp(-20.0 * np.arange(knots) / knots))
+        self.piece(State.SLIDING, lasting_s, lambda part: begin * (1.0 + rise * part) + wave[: part.size])
+
+    def begin_again(self, level: float) -> None:
+        """Forget all that was, as a logger does that starts only now."""
+        self._time_s, self._force, self._state = (
+            [np.zeros(1)],
+            [np.full(1, level)],
+            [np.full(1, int(State.SLIDING))],
+        )
+        self.now_s, self.level, self.broke_s, self.peak = 0.0, level, nan, nan
+
+    def knots(self) -> tuple[FloatArray, FloatArray, IntArray]:
+        """Return times, forces and states."""
+        return np.concatenate(self._time_s), np.concatenate(self._force), np.concatenate(self._state)
+
+
+def _coloured(rng: Rng, n: int, length: float, steep: float) -> FloatArray:
+    """Return noise of standard deviation 1 that is alike over so many samples."""
+    if n < 4:
+        return np.zeros(n)
+    frequency = np.fft.rfftfreq(n)
+    wave = np.fft.irfft(
+        np.fft.rfft(rng.standard_normal(n)) / (1.0 + (frequency * n / length) ** 2) ** steep, n
+    )
+    return np.asarray(wave / (wave.std() + 1e-12))
+
+
+def _fall(story: _Story, to: float, lasting_s: float, state: State) -> None:
+    """Fall: straight, softly at both ends, as a mass on a spring rings, or ever more slowly."""
+    rng, begin = story.rng, story.level
+    depth, kind = begin - to, rng.integers(4)
+    if kind == 0:
+        story.line(state, lasting_s, to)
+    elif kind == 1:
+        story.piece(state, lasting_s, lambda part: to + depth * 0.5 * (1.0 + np.cos(np.pi * part)))
+    elif kind == 2:
+        turns, damping = rng.uniform(3.0, 12.0) * np.pi, rng.uniform(0.05, 0.5)
+        ringing = lambda part: to + depth * np.exp(-damping * turns * part) * np.cos(turns * part)  # noqa: E731
+        story.piece(state, 4.0 * lasting_s, ringing)
+    else:
+        story.piece(
+            state, 3.0 * lasting_s, lambda part: to + depth * (np.exp(-4.0 * part) - np.exp(-4.0) * part)
+        )
+
+
+def _rest(story: _Story) -> None:
+    """Begin with a rest, long or hardly any, and perhaps with weights that hang already."""
+    rng = story.rng
+    if _maybe(rng, 0.2):
+        story.level = rng.uniform(0.01, 0.5)
+    lasting_s = (
+        min(_spread(rng, 0.02, 6.0), 40.0 * story.climb_s) if _maybe(rng, 0.8) else 0.02 * story.climb_s
+    )
+    story.stay(State.REST, lasting_s)
+
+
+def _hang_weights(story: _Story) -> None:
+    """Hang one to three weights, each of which may swing."""
+    rng = story.rng
+    whole, n = rng.uniform(0.02, 0.7), int(rng.integers(1, 4))
+    for number in range(n):
+        begin, end = story.level, max(story.level, whole * (number + 1) / n)
+        story.piece(
+            State.HUNG,
+            _spread(rng, 0.02, 0.4),
+            lambda part: begin + (end - begin) * part**2 * (3.0 - 2.0 * part),  # noqa: B023
+        )
+        if _maybe(rng, 0.5):
+            size, turns, damping = (
+                (end - begin) * rng.uniform(0.02, 0.4),
+                rng.uniform(2, 9) * np.pi,
+                rng.uniform(0.05, 0.4),
+            )
+            story.piece(
+                State.HUNG, _spread(rng, 0.2, 2.0),
+                lambda part: end + size * np.exp(-damping * turns * part) * np.sin(turns * part),  # noqa: B023
+            )  # fmt: skip
+        story.level = end
+        story.stay(State.HUNG, _spread(rng, 0.05, 1.0))
+
+
+def _disturb(story: _Story) -> None:
+    """Let the rope catch and come free, hit the rig, or jog the motor forth and back."""
+    rng, level = story.rng, story.level
+    size, lasting_s = rng.uniform(0.03, 1.15), _spread(rng, 0.004, 1.0)
+    kind = rng.integers(3)
+    if kind == 0:
+        story.piece(State.DISTURBED, lasting_s, lambda part: level + size * np.sin(np.pi * part))
+    elif kind == 1:
+        story.line(State.DISTURBED, lasting_s, level + size)
+        _fall(story, level, lasting_s * _spread(rng, 0.02, 1.0), State.DISTURBED)
+    else:
+        for top in (level + 0.7 * size, level):
+            story.line(State.DISTURBED, 2.0 * lasting_s, top)
+            story.stay(State.DISTURBED, lasting_s * rng.random())
+    story.level = level
+    story.stay(State.REST, _spread(rng, 0.05, 1.0))
+
+
+@dataclass(frozen=True, slots=True)
+class _Climb:
+    """How a machine loads: its rate, how softly it starts, how the force bends before the top, what slips on the way."""
+
+    rate: float
+    soft: float
+    bend: float
+    slips: tuple[tuple[float, float], ...] = ()
+    rest_s: float = 0.0
+    ripple: float = 0.0
+
+
+def _draw_climb(rng: Rng, story: _Story) -> _Climb:
+    slips: list[tuple[float, float]] = []
+    if _maybe(rng, 0.3):
+        n, most = (1 if _maybe(rng, 0.5) else int(rng.integers(2, 12))), rng.uniform(0.01, 0.2)
+        below = story.level + (1.0 - story.level) * rng.uniform(0.2, 0.97, n)
+        slips = [
+            (float(top), float(most * rng.uniform(0.1, 1.0) * (top - story.level))) for top in np.sort(below)
+        ]
+    return _Climb(
+        rate=1.0 / story.climb_s,
+        soft=rng.choice((0.0, rng.uniform(0.0, 1.5))),
+        bend=rng.choice((0.0, 0.0, rng.uniform(0.0, 0.15), rng.uniform(0.1, 1.0))),
+        slips=tuple(slips),
+        rest_s=_spread(rng, 0.1, 2.0) if _maybe(rng, 0.08) else 0.0,
+        ripple=_spread(rng, 1e-3, 2e-2) if _maybe(rng, 0.1) else 0.0,
+    )
+
+
+def _climb(story: _Story, top: float, how: _Climb) -> None:
+    """Load up to a top, with partial slips on the way, after which the machine loads on at its rate."""
+    rng, begin, soft = story.rng, story.level, how.soft
+    goals = [(level, drop) for level, drop in how.slips if begin + 0.02 * (top - begin) < level < top]
+    for level, drop in [*goals, (top, 0.0)]:
+        start, rise = story.level, level - story.level
+        if rise <= 0.0:
+            continue
+        bend = how.bend if level == top else 0.0
+        lasting_s = rise / how.rate * (1.0 + soft) * (1.0 + bend)
+        turns = 2.0 * np.pi * max(1.0, round(rng.uniform(3.0, 30.0)))
+        ripple = how.ripple * rise
+
+        def shape(part: FloatArray) -> FloatArray:
+            way = part ** (1.0 + soft)  # noqa: B023
+            bent = 1.0 - (1.0 - way) ** (1.0 + 6.0 * bend) if bend > 0.02 else way  # noqa: B023
+            return start + rise * bent + ripple * np.sin(turns * part) * (1.0 - part)  # noqa: B023
+
+        story.piece(State.LOADING, lasting_s, shape)
+        soft = 0.0
+        if level != top:
+            quick_s = _spread(rng, 0.0005, 0.05) * min(1.0, (top - begin) / how.rate)
+            _fall(story, level - drop, quick_s, State.PARTIAL_SLIP)
+            if how.rest_s and _maybe(rng, 0.5):
+                story.stay(State.HELD, how.rest_s, rng.uniform(0.0, 0.02))
+
+
+def _break_away(story: _Story, how: _Climb) -> None:
+    """Break away from where the climb has come to, and slide on smoothly, roughly or in teeth."""
+    rng = story.rng
+    story.broke_s, story.peak = story.now_s, story.level
+    drop = _spread(rng, 0.015, 0.65)
+    kinetic = story.level * (1.0 - drop)
+    quick = _maybe(rng, 0.7)
+    fall_s = (
+        _spread(rng, 5e-4, 3.0) * min(1.0, story.climb_s)
+        if quick
+        else story.climb_s * _spread(rng, 0.05, 1.5)
+    )
+    if _maybe(rng, 0.15):
+        story.stay(State.SLIP, 0.1 * fall_s)
+    if _maybe(rng, 0.5):
+        _fall(story, kinetic, fall_s, State.SLIP)
+        wear = rng.choice((0.0, 0.0, rng.uniform(-0.25, 0.5)))
+        story.rough(
+            _spread(rng, 0.2, 10.0) * story.climb_s, rng.choice((0.0, _spread(rng, 1e-3, 0.03))), wear
+        )
+    else:
+        _fall(story, kinetic, min(fall_s, 0.15 * drop * story.climb_s + 0.02), State.SLIP)
+        _teeth(story, how, kinetic, drop * story.peak * rng.uniform(0.4, 1.15), fall_s)
+
+
+def _teeth(story: _Story, how: _Climb, bottom: float, height: float, fall_s: float) -> None:
+    """Stick and slip: one to thirty teeth that the machine loads at its own rate."""
+    rng = story.rng
+    trend, scatter = rng.choice((0.0, rng.uniform(-0.02, 0.03))), rng.choice((0.01, 0.1, 0.3))
+    fall_s = min(fall_s, 0.15 * height / how.rate + 0.02)
+    for number in range(int(rng.integers(1, 30))):
+        top = bottom + height * max(0.1, 1.0 + scatter * rng.standard_normal()) * (1.0 + trend * number)
+        if _maybe(rng, 0.03):
+            top = story.peak * (1.0 + rng.uniform(0.02, 0.3))
+        if top > story.level + 1e-3:
+            bend = rng.choice((0.0, rng.uniform(0.0, 0.3)))
+            _climb(story, top, _Climb(how.rate * rng.uniform(0.85, 1.05), 0.0, bend))
+            low = max(0.02, bottom + 0.25 * scatter * height * rng.standard_normal())
+            _fall(story, low, fall_s, State.SLIP)
+
+
+def _let_down(story: _Story) -> None:
+    """Hold for a while, let the load down in part or whole, and rest."""
+    rng, level = story.rng, story.level
+    if _maybe(rng, 0.5):
+        story.stay(State.HELD, _spread(rng, 0.02, 2.0), rng.uniform(0.0, 0.06))
+    left = 0.0 if _maybe(rng, 0.5) else level * rng.uniform(0.0, 0.9)
+    story.line(State.LET_DOWN, story.climb_s * _spread(rng, 0.02, 1.5), left)
+    story.stay(State.REST, _spread(rng, 0.05, 1.0))
+
+
+def _strokes(story: _Story) -> None:
+    """Go back and forth afterwards, one to thirty times, with peaks of their own or without."""
+    rng, forth = story.rng, story.level
+    back, peak, size = rng.uniform(-1.2, 0.8), rng.choice((0.0, rng.uniform(0.0, 0.4))), rng.uniform(0.8, 1.2)
+    lasting_s = story.climb_s * _spread(rng, 0.5, 40.0)
+    for _ in range(int(rng.integers(1, 30))):
+        for level in (back * rng.uniform(0.9, 1.1), forth * size * rng.uniform(0.95, 1.05)):
+            story.line(State.LOADING, story.climb_s * rng.uniform(0.3, 2.0), level * (1.0 + peak))
+            if peak:
+                _fall(story, level, story.climb_s * _spread(rng, 0.01, 1.0), State.SLIP)
+            story.rough(lasting_s * rng.uniform(0.5, 1.0), _spread(rng, 1e-3, 0.05))
+
+
+def _slips(story: _Story) -> Status:
+    how = _draw_climb(story.rng, story)
+    _climb(story, 1.0, how)
+    _break_away(story, how)
+    return Status.OK
+
+
+def _slips_after_a_hold(story: _Story) -> Status:
+    """Stop on the way, hold, and go on to the break-away."""
+    rng, how = story.rng, _draw_climb(story.rng, story)
+    _climb(story, rng.uniform(max(0.3, story.level), 0.97), how)
+    story.stay(
+        State.HELD, _spread(rng, 0.2, 4.0) * story.climb_s, rng.choice((0.0, _spread(rng, 0.002, 0.2)))
+    )
+    _climb(story, max(1.0, 1.02 * story.level), how)
+    _break_away(story, how)
+    return Status.OK
+
+
+def _slides_without_a_peak(story: _Story) -> Status:
+    rng, how = story.rng, _draw_climb(story.rng, story)
+    _climb(story, 1.0, _Climb(how.rate, how.soft, rng.uniform(0.2, 1.5), how.slips, how.rest_s))
+    rise = rng.choice((0.0, rng.uniform(0.0, 0.3)))
+    story.rough(_spread(rng, 0.3, 4.0) * story.climb_s, rng.choice((0.0, _spread(rng, 1e-3, 0.02))), rise)
+    return Status.NO_PEAK
+
+
+def _is_held(story: _Story) -> Status:
+    """Load up to less than it takes, hold, and let go of it one way or another."""
+    rng, how = story.rng, _draw_climb(story.rng, story)
+    _climb(story, rng.uniform(max(0.3, story.level), 0.97), how)
+    lasting_s = _spread(rng, 0.2, 4.0) * story.climb_s
+    story.stay(State.HELD, lasting_s, rng.choice((0.0, _spread(rng, 0.002, 0.2))))
+    if _maybe(rng, 0.5):
+        story.line(State.LET_DOWN, lasting_s * _spread(rng, 0.01, 1.0), story.level * rng.uniform(0.0, 0.5))
+        story.stay(State.REST, _spread(rng, 0.05, 1.0))
+    return Status.NO_BREAKAWAY
+
+
+def _still_climbs(story: _Story) -> Status:
+    how = _draw_climb(story.rng, story)
+    _climb(story, story.rng.uniform(max(0.3, story.level), 0.97), how)
+    return Status.NO_BREAKAWAY
+
+
+def _slides_already(story: _Story) -> Status:
+    """Start the logger when the rope has broken away."""
+    story.begin_again(0.9)
+    story.rough(_spread(story.rng, 0.5, 4.0) * story.climb_s, _spread(story.rng, 0.002, 0.05))
+    return Status.NO_PEAK
+
+
+def _rests_on(story: _Story) -> Status:
+    story.stay(State.REST, story.climb_s)
+    return Status.NO_BREAKAWAY
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A kind of story: how often it is told, and what happens in it; returns what can be seen of the break-away."""
+
+    name: str
+    share: float
+    tell: Callable[[_Story], Status]
+
+
+KINDS: Registry[Kind] = Registry("kind of drawn recording", [
+    Kind("slips", 0.70, _slips),
+    Kind("held-then-slips", 0.06, _slips_after_a_hold),
+    Kind("no-peak", 0.08, _slides_without_a_peak),
+    Kind("held", 0.08, _is_held),
+    Kind("climbing", 0.04, _still_climbs),
+    Kind("late-start", 0.03, _slides_already),
+    Kind("idle", 0.01, _rests_on),
+])  # fmt: skip
+"""What may happen to a rope, by name."""
+
+
+def _told(rng: Rng, kind: Kind) -> tuple[_Story, Status]:
+    """Return a whole story: what comes before the pull, the pull, and what comes after."""
+    story = _Story(rng, _spread(rng, 0.04, 15.0))
+    _rest(story)
+    if _maybe(rng, 0.3):
+        _hang_weights(story)
+    for _ in range(int(rng.integers(1, 3)) if _maybe(rng, 0.18) else 0):
+        _disturb(story)
+    status = kind.tell(story)
+    slid = status in {Status.OK, Status.NO_PEAK}
+    if slid and _maybe(rng, 0.2):
+        _strokes(story)
+    if kind.name not in {"climbing", "idle"} and _maybe(rng, 0.55):
+        _let_down(story)
+    if status is Status.OK and _maybe(rng, 0.12) and story.level < 0.6:
+        top = rng.uniform(0.7, 1.2)  # pulled again: lower, as high, or higher
+        _climb(story, top, _Climb(1.0 / story.climb_s, 0.0, rng.choice((0.0, 0.2))))
+        _fall(story, top * rng.uniform(0.5, 0.95), _spread(rng, 1e-3, 0.3), State.SLIP)
+        _let_down(story)
+    if _maybe(rng, 0.1):  # somebody forgets to stop the logger
+        story.stay(State.REST if story.level < 0.05 else State.HELD, story.climb_s * _spread(rng, 2.0, 300.0))
+    return story, status
+
+
+_MOST_SAMPLES, _FEWEST_SAMPLES = 30_000, 40
+
+
+@dataclass(slots=True, eq=False)
+class _Samples:
+    """What a sensor has made of a story so far."""
+
+    rng: Rng
+    time_s: FloatArray
+    clean: FloatArray
+    force: FloatArray
+    noise: float
+    zero: float = 0.0
+
+
+def _sampled(rng: Rng, story: _Story) -> _Samples | None:
+    """Return samples as the sensor's filter lets them through; None where there are too few to tell anything."""
+    knot_s, knot_force, _ = story.knots()
+    end_s = float(knot_s[-1])
+    rate_Hz = max(_spread(rng, 40.0, 5000.0), _spread(rng, 8.0, 80.0) / story.climb_s, 60.0 / end_s)
+    rate_Hz = min(rate_Hz, _MOST_SAMPLES / end_s)
+    n = int(end_s * rate_Hz)
+    if n < _FEWEST_SAMPLES:
+        return None
+    finer = int(np.clip(2e3 / rate_Hz, 1, 2e5 / n)) if _maybe(rng, 0.2) else 1
+    fine_s = np.arange(n * finer) / (rate_Hz * finer)
+    force = np.interp(fine_s, knot_s, knot_force)
+    corner_Hz = max(_spread(rng, 8.0, 80.0), 20.0 / story.climb_s)
+    if finer > 1 and corner_Hz < 0.4 * rate_Hz * finer:
+        sections = scipy.signal.butter(int(rng.integers(1, 4)), corner_Hz, fs=rate_Hz * finer, output="sos")
+        force = scipy.signal.sosfilt(sections, force - force[0]) + force[0]
+    clean = force[::finer]
+    return _Samples(rng, fine_s[::finer], clean, clean.copy(), _spread(rng, 1e-4, 1.5e-2))
+
+
+def _noise(one: _Samples) -> None:
+    rng, n = one.rng, one.force.size
+    one.force += one.noise * rng.standard_normal(n)
+    if _maybe(rng, 0.15):
+        one.force += one.noise * rng.uniform(1.0, 3.0) * _coloured(rng, n, n / rng.uniform(3.0, 20.0), 0.7)
+    if _maybe(rng, 0.2):
+        mains_Hz, size = rng.choice((50.0, 60.0)), _spread(rng, 5e-4, 0.03)
+        one.force += size * np.sin(2.0 * np.pi * mains_Hz * one.time_s + rng.uniform(0.0, 6.3))
+
+
+def _wrong_zero(one: _Samples) -> None:
+    rng = one.rng
+    if _maybe(rng, 0.2):
+        one.zero = float(rng.choice((-1.0, 1.0)) * _spread(rng, 0.003, 0.15))
+        one.force += one.zero
+    if _maybe(rng, 0.15):
+        one.force += rng.choice((-1.0, 1.0)) * rng.uniform(0.01, 0.1) * one.time_s / one.time_s[-1]
+
+
+def _spikes(one: _Samples) -> None:
+    rng, n = one.rng, one.force.size
+    for _ in range(int(rng.integers(1, 6)) if _maybe(rng, 0.12) else 0):
+        at = int(rng.integers(0, n))
+        one.force[at : at + int(rng.integers(1, 5))] += rng.choice((-1.0, 1.0)) * rng.uniform(0.05, 1.3)
+
+
+def _converter(one: _Samples) -> None:
+    rng = one.rng
+    if _maybe(rng, 0.2):
+        step = rng.uniform(1.1, 4.0) / 2.0 ** int(rng.integers(8, 15))
+        one.force = np.rint(one.force / step) * step
+
+
+def _visible_fall(one: _Samples, broke_s: float) -> bool:
+    """Return whether a person would see the fall: beyond what noise does within a few milliseconds."""
+    at, n = int(np.searchsorted(one.time_s, broke_s)), one.clean.size
+    if not 3 <= at <= n - 3:
+        return False
+    later = one.clean[at:]
+    higher = np.flatnonzero(later > 1.0005 * one.clean[at])
+    fall = one.clean[at] - later[: max(int(higher[0]) if higher.size else later.size, 1)].min()
+    rate_Hz = (n - 1) / one.time_s[-1]
+    return bool(fall >= max(0.012, 4.0 * one.noise / np.sqrt(max(1.0, 0.004 * rate_Hz))))
+
+
+def _kept(one: _Samples, broke_s: float) -> FloatArray:
+    """Return which samples are written: now and then some are lost, though never those of the break-away."""
+    rng, n = one.rng, one.force.size
+    keep = np.ones(n, dtype=bool)
+    if _maybe(rng, 0.06):
+        length = int(rng.integers(3, max(4, n // 30)))
+        at = int(rng.integers(0, n - length - 1))
+        near = 0.01 * one.time_s[-1]
+        if not one.time_s[at] - near < broke_s < one.time_s[at + length] + near:
+            keep[at : at + length] = False
+    return keep
+
+
+def draw_recording(rng: Rng, kind: str | None = None) -> LabelledRecording:
+    """Return one recording, of a kind or of any; what nobody could judge is drawn again.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Where everything is drawn from.
+    kind : str or None
+        A name of `KINDS`.
+
+    Examples
+    --------
+    >>> one = draw_recording(np.random.default_rng(1), "slips")
+    >>> one.status.value, bool(one.time_s[0] < one.breakaway_s < one.time_s[-1])
+    ('ok', True)
+    """
+    while True:
+        shares = np.array([one.share for one in KINDS.values()])
+        chosen = KINDS[kind] if kind else list(KINDS.values())[int(rng.choice(len(shares), p=shares))]
+        story, status = _told(rng, chosen)
+        samples = _sampled(rng, story)
+        if samples is None or (status is Status.OK and not _visible_fall(samples, story.broke_s)):
+            continue
+        for spoil in (_noise, _wrong_zero, _spikes, _converter):
+            spoil(samples)
+        if status is Status.OK and _maybe(rng, 0.05):
+            ceiling = rng.uniform(0.6, 0.97) * story.peak
+            samples.force, status = np.minimum(samples.force, ceiling), Status.SATURATED
+        keep, scale_N = _kept(samples, story.broke_s), _spread(rng, 1.0, 1000.0)
+        knot_s, _, states = story.knots()
+        state = states[np.minimum(np.searchsorted(knot_s, samples.time_s), states.size - 1)]
+        seen = status is Status.OK
+        return LabelledRecording(
+            kind=chosen.name, time_s=samples.time_s[keep], force_N=samples.force[keep] * scale_N, state=state[keep],
+            status=status, breakaway_s=story.broke_s if seen else nan, peak_N=story.peak * scale_N if seen else nan,
+            zero_N=samples.zero * scale_N,
+        )  # fmt: skip
+
+
+def draw_recordings(seed: int, count: int, kind: str | None = None) -> Iterator[LabelledRecording]:
+    """Yield so many recordings, each from a seed of its own: the n-th is the same however many are asked for."""
+    for number in range(count):
+        yield draw_recording(np.random.default_rng([seed, number]), kind)

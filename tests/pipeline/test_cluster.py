@@ -143,6 +143,7 @@ def test_a_recording_that_kills_its_reader_costs_that_recording(client, bench, t
     assert (repr(found), found.trials[20].breakaway.status) == (repr(rf.extract(spoilt)), "unreadable")
 
 
+@pytest.mark.hours
 def test_twenty_thousand_recordings_and_a_worker_killed_in_the_middle(client, tmp_path):
     scale = runpy.run_path(str(ROOT / "docs" / "scale" / "measure.py"))
     lab = scale["campaign"](tmp_path / "lab", 20_000)

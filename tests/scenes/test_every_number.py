@@ -248,6 +248,6 @@ def test_of_a_start_up_the_exact_moments_of_slip_are_left_out(scene_of):
     assert named["transient-friction"].worth == 0.0
 
 
-@pytest.mark.slow
+@pytest.mark.hours
 def test_sixty_planned_start_ups_near_what_decides(scene_of):
     assert sum(check_start_up(scene_of, seed) for seed in range(120, 180)) > 50

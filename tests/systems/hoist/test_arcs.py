@@ -75,9 +75,11 @@ def test_what_does_not_press_is_taken_off_both_sides(solved):
     problem = hoist(WrapFriction.constant(0.2), 200.0, linear_density_kg_m=density, speed_m_s=speed,
                     bending_stiffness_N_m2=stiffness)  # fmt: skip
     lift = solved(problem, ["centrifugal", "bending-stiffness"])
-    idle_N = density * speed**2 + stiffness / (2.0 * 0.0449**2)
+    circling_N, bent_N = density * speed**2, stiffness / (2.0 * 0.0449**2)
+    idle_N = circling_N + bent_N
     assert lift.arcs.slip_rad[0] == pytest.approx(np.log((200.0 - idle_N) / (80.0 - idle_N)) / 0.2, rel=1e-12)
-    assert lift.arcs.slip_rad[0] + lift.arcs.stick_rad[0] < 9.42
+    away_rad = sum(np.arccos(1.0 - bent_N / (force_N - circling_N)) for force_N in (80.0, 200.0))
+    assert lift.arcs.slip_rad[0] + lift.arcs.stick_rad[0] == pytest.approx(9.42 - away_rad, rel=1e-12)
     assert np.isnan(solved(replace(problem, payload_kg=0.5), ["centrifugal"]).arcs.slip_rad[0])
 
 

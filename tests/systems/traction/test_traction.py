@@ -51,6 +51,12 @@ def test_the_printed_tensions(answer):
     assert found["braking-up"] == pytest.approx((10760.0, 6542.0), abs=0.5)
 
 
+def test_answers_are_told_apart_by_the_logarithms_of_all_their_numbers(answer):
+    numbers = (np.exp(answer.log_capacity), answer.tight_N, answer.slack_N, answer.friction_factor, answer.utilisation,
+               answer.wrap_limit_rad, answer.undercut_limit_rad)  # fmt: skip
+    np.testing.assert_allclose(np.exp(answer.logs), numbers, rtol=1e-13)
+
+
 def test_braking_upward_fails_and_what_would_mend_it(answer):
     assert round(answer.utilisation[1, 0], 3) == 1.029
     assert math.degrees(answer.needed_wrap_rad[0]) == pytest.approx(169.6, abs=0.05)

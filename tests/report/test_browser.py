@@ -3,15 +3,14 @@
 import base64
 import io
 import re
-import shutil
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from browser import driven
 from matplotlib import image
 
 webdriver = pytest.importorskip("selenium.webdriver")
-from selenium.webdriver.chrome.service import Service  # noqa: E402
 from selenium.webdriver.common.keys import Keys  # noqa: E402
 
 pytestmark = [pytest.mark.usefixtures("page"), pytest.mark.slow]
@@ -67,19 +66,7 @@ return (() => { const e = document.activeElement, style = getComputedStyle(e), b
 
 @pytest.fixture(scope="module")
 def driver():
-    """A browser without a screen; tests that need one skip where there is none."""
-    names = ("chromium", "chromium-browser", "google-chrome")
-    program, own = next(filter(None, map(shutil.which, names)), None), shutil.which("chromedriver")
-    if program is None or own is None:
-        pytest.skip("no Chromium that can be driven: apt-get install chromium chromium-driver")
-    options = webdriver.ChromeOptions()
-    options.binary_location = program
-    for flag in FLAGS.split():
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    found = webdriver.Chrome(options=options, service=Service(own))
-    yield found
-    found.quit()
+    yield from driven(FLAGS)
 
 
 @pytest.fixture

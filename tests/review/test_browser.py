@@ -2,16 +2,15 @@
 
 import csv
 import io
-import shutil
 import threading
 
 import pytest
+from browser import driven
 
 from ropefric.cli.app import main
 from ropefric.review.server import ReviewServer
 
 webdriver = pytest.importorskip("selenium.webdriver")
-from selenium.webdriver.chrome.service import Service  # noqa: E402
 from selenium.webdriver.common.by import By  # noqa: E402
 from selenium.webdriver.common.keys import Keys  # noqa: E402
 from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: E402
@@ -23,19 +22,7 @@ ARGUMENTS = "--headless=new --no-sandbox --disable-dev-shm-usage --disable-gpu -
 
 @pytest.fixture(scope="session")
 def chromium():
-    """A browser without a screen; tests that need one skip where there is none."""
-    names = ("chromium", "chromium-browser", "google-chrome")
-    program, driver = next(filter(None, map(shutil.which, names)), None), shutil.which("chromedriver")
-    if program is None or driver is None:
-        pytest.skip("no Chromium that can be driven: apt-get install chromium chromium-driver")
-    options = webdriver.ChromeOptions()
-    options.binary_location = program
-    for argument in ARGUMENTS.split():
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    found = webdriver.Chrome(options=options, service=Service(driver))
-    yield found
-    found.quit()
+    yield from driven(ARGUMENTS)
 
 
 @pytest.fixture

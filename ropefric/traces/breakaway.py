@@ -12,6 +12,7 @@ from ropefric.shown import Shown
 ENDINGS = ("sliding", "separation")
 SIDES = ("slack", "tight")
 RESTS = ("unknown", "zero", "pretension")
+PICKERS = ("trained", "highest")
 
 
 class Status(StrEnum):
@@ -96,6 +97,8 @@ class Breakaway(Shown):
         What is particular to this recording, with numbers and units.
     peak_N : float
         Static peak F_A of the smoothed trace [N]; for a `held` recording the mean of the plateau.
+    probability : float
+        How likely the picker takes that place for the break-away, or the status for true, to two digits.
     peak_raw_N : float
         The same before smoothing [N], isolated spikes left out.
     peak_time_s : float
@@ -154,6 +157,7 @@ class Breakaway(Shown):
     status: Status
     detail: str = ""
     peak_N: float = nan
+    probability: float = nan
     peak_raw_N: float = nan
     peak_time_s: float = nan
     peak_std_N: float = nan
@@ -197,9 +201,10 @@ class PickSettings:
     side: str = "slack"
     rest: str = "unknown"
     pick_s: float | None = None
+    picker: str = "trained"
 
     def __post_init__(self) -> None:
-        for key, known in (("ending", ENDINGS), ("side", SIDES), ("rest", RESTS)):
+        for key, known in (("ending", ENDINGS), ("side", SIDES), ("rest", RESTS), ("picker", PICKERS)):
             word = getattr(self, key)
             if word not in known:
                 raise UnknownNameError(f"unknown {key} {word!r}", key=key, fix=did_you_mean(str(word), known))

@@ -14,8 +14,7 @@ from ropefric.arrays import FloatArray, median
 from ropefric.errors import InputError
 from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
 from ropefric.traces.clock import GAP_STEPS
-from ropefric.traces.events import TINY
-from ropefric.traces.segments import Prepared, Sliding, kinetic
+from ropefric.traces.segments import TINY, Prepared, Sliding, kinetic
 from ropefric.traces.smoothing import average_over_samples, window_samples
 
 LONGEST_WINDOW_S = 0.02

@@ -20,16 +20,23 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
 from ropefric.registry import Registry
 from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
-from ropefric.traces.decision import pick_breakaway, pick_prepared
-from ropefric.traces.events import SAME_KIND, Fall, half_climb
-from ropefric.traces.peak import peak_result
-from ropefric.traces.results import measured, too_short, without_force
-from ropefric.traces.segments import Prepared, phases_of, prepare, sliding_after
-from ropefric.traces.slips import FEWEST_TEETH, slips_of, smallest_drop_N, typical_drop_N
+from ropefric.traces.decision import (
+    fallen_from,
+    least_fall_N,
+    measured,
+    pick_breakaway,
+    pick_prepared,
+    rests_of,
+    teeth_of,
+    too_short,
+    without_force,
+)
+from ropefric.traces.picker import look
+from ropefric.traces.segments import Prepared, prepare
 from ropefric.traces.trace import ForceTrace
 
-CREEP = 0.15
-"""A fall smaller than this part of the typical slip is no tooth but the creep of one."""
+FEWEST_TEETH = 3
+"""So many slips are a train, wherever the recording begins."""
 
 LOADED = 0.5
 UNLOADED = 0.25
@@ -67,31 +74,23 @@ class Protocol:
 def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
     """Return every tooth of a recording of slow stick-slip, each a break-away of its own, the first one first.
 
-    A fall is a tooth if it stands out of the noise, is not small against the typical one and the rope is loaded again
-    after it, or if it is as large as the user asks for. A recording may begin in the middle of a train.
+    A fall is a tooth if it stands out of the noise and is not small against the typical one, or if it is as large as the
+    user asks for. A recording may begin in the middle of a train.
     """
     prepared = prepare(trace, settings)
     if prepared is None:
         return (too_short(trace, settings),)
     first = pick_prepared(trace, prepared, settings)
-    found = slips_of(prepared, settings)
-    if first.status is not Status.OK and len(found) < FEWEST_TEETH:
+    blocks, least_N = prepared.blocks, least_fall_N(prepared, settings)
+    tops = teeth_of(blocks.force_N, settings.min_step_N or least_N)
+    is_ok = first.status is Status.OK
+    if not is_ok and tops.size < FEWEST_TEETH:
         return (first,)
-    typical_N = typical_drop_N([tooth.fall for tooth in found])
-    least_N = CREEP * typical_N if settings.min_step_N is None else settings.min_step_N
-    begins_s = first.peak_time_s if first.status is Status.OK else -inf
-    block_s = 2 * float(np.median(np.diff(prepared.blocks.time_s)))
-    teeth = [first] if first.status is Status.OK else []
-    for tooth in found:
-        fall = tooth.fall
-        after_s = float(prepared.blocks.time_s[fall.top]) - begins_s
-        # Before what looks like the break-away only a full slip is a tooth: weights that come on swing, too.
-        if (after_s > block_s and fall.drop_N >= least_N) or (
-            after_s < -block_s and fall.drop_N >= max(least_N, SAME_KIND * typical_N)
-        ):
-            teeth.append(measured(prepared, settings, tooth, None))
-    teeth.sort(key=lambda tooth: tooth.peak_time_s)
-    return tuple(teeth)
+    begins_s = first.peak_time_s if is_ok else -inf
+    block_s = 2.0 * float(np.median(np.diff(blocks.time_s)))
+    later = tops[blocks.time_s[tops] > begins_s + block_s]
+    teeth = [measured(prepared, settings, top, None) for top in later.tolist()]
+    return (first, *teeth) if is_ok else tuple(teeth)
 
 
 def pick_plateaus(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
@@ -279,8 +278,6 @@ def _result(prepared: Prepared, *pair: tuple[int, int]) -> Breakaway:
 REACH_BLOCKS = 5
 REACH = 0.01
 """A time read from a figure is good to some 20 ms, or to a hundredth of the recording."""
-TURN = 0.3
-"""A peak ends, on either side, where the force comes back by more than this part of what it had fallen."""
 
 
 def pick_at(trace: ForceTrace, settings: PickSettings) -> Breakaway:
@@ -302,23 +299,13 @@ def pick_at(trace: ForceTrace, settings: PickSettings) -> Breakaway:
     reach = max(REACH_BLOCKS, round(REACH * force_N.size))
     first, last = max(0, here - reach), min(force_N.size - 1, here + reach)
     block = first + int(np.argmax(force_N[first : last + 1]))
-    least_N = smallest_drop_N(prepared, replace(settings, min_step_N=None))
-    bottom, fallen = block - _lowest(force_N[block::-1], least_N), block + _lowest(force_N[block:], least_N)
-    if block in {bottom, fallen}:
-        way = "rises" if fallen == block else "falls"
+    least_N = least_fall_N(prepared, replace(settings, min_step_N=None))
+    rises = fallen_from(force_N, block, least_N) == block
+    if rises or fallen_from(force_N[block::-1], 0, least_N) == 0:
+        way = "rises" if rises else "falls"
         raise _not_possible(trace, f"the force only {way} at {pick_s:g} s: there is no peak to measure")
-    top_N, level_N = float(force_N[block]), float(force_N[fallen])
-    fall = Fall(bottom, block, fallen, fallen, top_N, level_N, level_N, has_settled=True, reloads=True)
-    sliding = sliding_after(blocks, fall, float(force_N[bottom]))
-    found = peak_result(
-        prepared,
-        settings,
-        climb=half_climb(force_N, bottom, block),
-        block=block,
-        fallen=fallen,
-        sliding=sliding,
-        phases=phases_of(prepared, block, sliding),
-    )
+    whole = look(prepared.time_s, prepared.force_N)
+    found = measured(prepared, settings, block, rests_of(prepared, whole))
     if trace.saturation is not None and trace.saturation.high:
         begin_s, stop_s = trace.time_s[trace.saturation.high_runs - [0, 1]].T
         near_s = reach * float(blocks.time_s[1] - blocks.time_s[0])
@@ -326,17 +313,6 @@ def pick_at(trace: ForceTrace, settings: PickSettings) -> Breakaway:
             note = "the converter sat at its limit beside the peak: the force may have been higher"
             found = replace(found, notes=(*found.notes, note))
     return found
-
-
-def _lowest(force_N: FloatArray, least_N: float) -> int:
-    """Return where the force is lowest on its way from a peak, its first value, until it turns; 0 if nowhere."""
-    lowest = 0
-    for index, value_N in enumerate(force_N.tolist()):
-        fallen_N = force_N[0] - force_N[lowest]
-        if value_N - force_N[lowest] > max(least_N, TURN * fallen_N):
-            break
-        lowest = index if value_N < force_N[lowest] else lowest
-    return lowest if force_N[0] - force_N[lowest] > least_N else 0
 
 
 def _not_possible(trace: ForceTrace, why: str) -> DataError:

@@ -10,11 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray, IntArray, median
+from ropefric.arrays import BoolArray, FloatArray, IntArray, median
 from ropefric.traces.breakaway import Phase, PickSettings
 from ropefric.traces.calibration import Saturation
 from ropefric.traces.clock import GAP_STEPS
-from ropefric.traces.events import Fall
 from ropefric.traces.noise import (
     MAX_SPIKE_SAMPLES,
     find_stuck,
@@ -25,6 +24,7 @@ from ropefric.traces.noise import (
 )
 from ropefric.traces.trace import ForceTrace
 
+TINY = 1e-300
 MIN_SAMPLES = 50
 """Fewer samples cannot show idle, loading, a peak and sliding."""
 FALLS = 5.0
@@ -76,13 +76,10 @@ class Prepared:
 
 
 class Sliding(NamedTuple):
-    """The blocks after a break in which the rope slides, up to `stop`; their level, that at the onset, and scatter."""
+    """The blocks after a break in which the rope slides, up to `stop`."""
 
     first: int
     stop: int
-    level_N: float
-    onset_N: float
-    scatter_N: float
 
 
 def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
@@ -181,35 +178,35 @@ def _block_means(time_s: FloatArray, force_N: FloatArray, step_N: float) -> Bloc
     )
 
 
-def sliding_after(blocks: Blocks, fall: Fall, base_N: float) -> Sliding | None:
-    """Return the stretch of sliding after a fall; None if the force falls away without one.
+def sliding_after(prepared: Prepared, top: int, fallen: int, rests: BoolArray) -> Sliding | None:
+    """Return the stretch of sliding after a fall, as blocks; None if the force falls away without one.
 
-    It ends where the force leaves its level for good: motor off, direction reversed, rope gone.
+    It ends where the rope rests or is held again (`rests`, block by block), or the force leaves its level for good:
+    motor off, direction reversed, rope gone.
     """
-    force_N, first = blocks.force_N, fall.settled
-    if force_N.size - first < SHORTEST_BLOCKS:
+    force_N, first = prepared.blocks.force_N, fallen
+    base_N, start = float(force_N[: top + 1].min()), half_climb(force_N, top)
+    n_first = int(np.clip((top - start) // 4, PIECE_BLOCKS, 4 * PIECE_BLOCKS))
+    stretch = force_N[first:]
+    if stretch.size < SHORTEST_BLOCKS or (level_N := median(stretch[:n_first])) <= base_N:
         return None
-    n_first = int(np.clip((fall.top - fall.start) // 8, PIECE_BLOCKS, 4 * PIECE_BLOCKS))
-    level_N = median(force_N[first : first + n_first])
-    if level_N <= base_N:
-        return None
-    # Until two blocks in a row are far below.
-    low = force_N[first:] < base_N + 0.4 * (level_N - base_N)
-    gone = np.flatnonzero(low[:-1] & low[1:])
-    stretch = force_N[first : first + int(gone[0])] if gone.size else force_N[first:]
+    gone = (stretch < base_N + 0.4 * (level_N - base_N)) | rests[first:]
+    ends = np.flatnonzero(gone[:-1] & gone[1:])  # a single block may be noise
+    stretch = stretch[: int(ends[0])] if ends.size else stretch
     if stretch.size < SHORTEST_BLOCKS:
         return None
     level_N, scatter_N = _level_and_scatter(stretch[:n_first])
     # Sliding passes its level again and again; a released rope never does. It may come to it little by little.
-    apart_N, later_N = max(scatter_N, 0.03 * abs(level_N - base_N)), median(stretch[: 4 * (first - fall.top)])
+    apart_N, later_N = max(scatter_N, 0.03 * abs(level_N - base_N)), median(stretch[: 4 * (first - top)])
     stays = np.flatnonzero(stretch >= min(level_N - apart_N, later_N - 0.5 * apart_N))
     stretch = stretch[: int(stays[-1]) + 1]
-    if stretch.size < SHORTEST_BLOCKS:
-        return None
-    level_N, scatter_N = _level_and_scatter(stretch)
-    # A force that wanders later on says nothing of the level it fell to.
-    scatter_N = min(scatter_N, _level_and_scatter(stretch[: 4 * n_first])[1])
-    return Sliding(first, first + stretch.size, level_N, median(stretch[:n_first]), scatter_N)
+    return None if stretch.size < SHORTEST_BLOCKS else Sliding(first, first + stretch.size)
+
+
+def half_climb(force_N: FloatArray, top: int) -> int:
+    """Return the first block of the upper half of what leads to a top."""
+    below = np.flatnonzero(force_N[: top + 1] < 0.5 * (float(force_N[: top + 1].min()) + float(force_N[top])))
+    return min(int(below[-1]) + 1, top) if below.size else 0
 
 
 def _level_and_scatter(stretch: FloatArray) -> tuple[float, float]:

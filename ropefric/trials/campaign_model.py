@@ -21,7 +21,7 @@ from ropefric.files.toml_model import StrictTable, Table, got, reject
 from ropefric.plugins import provenance
 from ropefric.quantities import si_unit_of
 from ropefric.shown import Shown
-from ropefric.traces.breakaway import ENDINGS, RESTS, SIDES
+from ropefric.traces.breakaway import ENDINGS, PICKERS, RESTS, SIDES
 from ropefric.traces.calibration import ASSUMED_LIMITS, Adc, ForceCell
 from ropefric.traces.readers import READERS
 from ropefric.traces.readers.profile import Channel, ImportProfile
@@ -114,6 +114,7 @@ class Protocol(StrictTable):
     side: Annotated[str, PlainValidator(read.choice(lambda: SIDES))] = "slack"
     ending: Annotated[str, PlainValidator(read.choice(lambda: ENDINGS))] = "sliding"
     rest: Annotated[str, PlainValidator(read.choice(lambda: RESTS))] = "unknown"
+    picker: Annotated[str, PlainValidator(read.choice(lambda: PICKERS))] = "trained"
 
     @model_validator(mode="after")
     def _has_an_interval(self) -> Self:

@@ -315,7 +315,9 @@ def _extract_row(
 def _extract_raw(
     campaign: Campaign, spec: TrialSpec, raw: RawRecording, sha256: str
 ) -> Sequence[TrialResult]:
-    asked = {key: getattr(campaign.protocol, key) for key in ("min_step_N", "ending", "side", "rest")}
+    asked = {
+        key: getattr(campaign.protocol, key) for key in ("min_step_N", "ending", "side", "rest", "picker")
+    }
     window_s = campaign.smoothing.window_s
     settings = PickSettings(window_s=window_s, start_s=spec.start_s, stop_s=spec.stop_s, **asked)
     trace, tare_N, problems = tared_trace(campaign, spec, raw)

@@ -8,7 +8,6 @@ one bench has, so that a picker that learns from these learns what a break-away 
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from enum import IntEnum
 from math import nan
 
 import numpy as np
@@ -17,24 +16,11 @@ import scipy.signal
 from ropefric.arrays import FloatArray, IntArray, frozen_array
 from ropefric.registry import Registry
 from ropefric.traces.breakaway import Status
+from ropefric.traces.picker import State
 
 Rng = np.random.Generator
 Shape = Callable[[FloatArray], FloatArray]
 """Force over the part of a piece's time that has passed, 0 to 1."""
-
-
-class State(IntEnum):
-    """What the rope is doing."""
-
-    REST = 0
-    HUNG = 1
-    LOADING = 2
-    PARTIAL_SLIP = 3
-    SLIP = 4
-    SLIDING = 5
-    HELD = 6
-    LET_DOWN = 7
-    DISTURBED = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,7 +38,8 @@ class LabelledRecording:
     status : Status
         `ok` where the break-away can be seen, else why not.
     breakaway_s, peak_N : float
-        When it broke away, and F_A without noise or zero error; NaN where there is none.
+        When the force was highest as it broke away, as the sensor shows it, and F_A without noise or zero error; NaN
+        where there is none.
     zero_N : float
         What the sensor shows without force.
     """
@@ -128,6 +115,18 @@ class _Story:
             [np.full(1, int(State.SLIDING))],
         )
         self.now_s, self.level, self.broke_s, self.peak = 0.0, level, nan, nan
+
+    def start_late(self, part: float) -> None:
+        """Forget what was before the force first came to a part of the break-away, as a logger with a trigger does."""
+        time_s, force, state = self.knots()
+        first = int(np.argmax(force >= part))
+        if 0 < first and not time_s[first] >= self.broke_s:
+            self._time_s, self._force, self._state = (
+                [time_s[first:] - time_s[first]],
+                [force[first:]],
+                [state[first:]],
+            )
+            self.now_s, self.broke_s = self.now_s - time_s[first], self.broke_s - time_s[first]
 
     def knots(self) -> tuple[FloatArray, FloatArray, IntArray]:
         """Return times, forces and states."""
@@ -274,6 +273,29 @@ def _climb(story: _Story, top: float, how: _Climb) -> None:
                 story.stay(State.HELD, how.rest_s, rng.uniform(0.0, 0.02))
 
 
+def _climb_by_weights(story: _Story) -> None:
+    """Hang weights one by one until the last one makes the rope slip, while it is still going down."""
+    rng = story.rng
+    steps = np.cumsum(rng.uniform(0.5, 1.5, int(rng.integers(3, 12))))
+    begin, levels = story.level, story.level + (1.0 - story.level) * steps / steps[-1]
+    lasting_s = story.climb_s / levels.size
+    swings, turns, damping = rng.uniform(0.0, 0.4), rng.uniform(2.0, 8.0) * np.pi, rng.uniform(0.1, 0.4)
+    for level in levels[:-1]:
+        height = level - begin
+        swing = lambda part: level - height * np.exp(-damping * turns * part) * np.cos(turns * part)  # noqa: B023, E731
+        if _maybe(rng, 0.7):
+            story.piece(
+                State.HUNG,
+                lasting_s * rng.uniform(0.4, 1.6),
+                lambda part: swing(part) * swings + (1.0 - swings) * (level - height * np.exp(-8.0 * part)),  # noqa: B023
+            )
+        else:
+            story.line(State.HUNG, lasting_s * rng.uniform(0.05, 0.5), level)
+            story.stay(State.HUNG, lasting_s * rng.uniform(0.4, 1.6))
+        begin = story.level
+    story.line(State.LOADING, lasting_s * _spread(rng, 0.03, 1.0), 1.0)
+
+
 def _break_away(story: _Story, how: _Climb) -> None:
     """Break away from where the climb has come to, and slide on smoothly, roughly or in teeth."""
     rng = story.rng
@@ -345,6 +367,12 @@ def _slips(story: _Story) -> Status:
     return Status.OK
 
 
+def _slips_under_weights(story: _Story) -> Status:
+    _climb_by_weights(story)
+    _break_away(story, _draw_climb(story.rng, story))
+    return Status.OK
+
+
 def _slips_after_a_hold(story: _Story) -> Status:
     """Stop on the way, hold, and go on to the break-away."""
     rng, how = story.rng, _draw_climb(story.rng, story)
@@ -405,7 +433,8 @@ class Kind:
 
 
 KINDS: Registry[Kind] = Registry("kind of drawn recording", [
-    Kind("slips", 0.70, _slips),
+    Kind("slips", 0.67, _slips),
+    Kind("slips-under-weights", 0.03, _slips_under_weights),
     Kind("held-then-slips", 0.06, _slips_after_a_hold),
     Kind("no-peak", 0.08, _slides_without_a_peak),
     Kind("held", 0.08, _is_held),
@@ -436,7 +465,11 @@ def _told(rng: Rng, kind: Kind) -> tuple[_Story, Status]:
         _fall(story, top * rng.uniform(0.5, 0.95), _spread(rng, 1e-3, 0.3), State.SLIP)
         _let_down(story)
     if _maybe(rng, 0.1):  # somebody forgets to stop the logger
-        story.stay(State.REST if story.level < 0.05 else State.HELD, story.climb_s * _spread(rng, 2.0, 300.0))
+        story.stay(
+            State.REST if story.level < 0.05 else State.HELD, story.climb_s * _spread(rng, 2.0, 1000.0)
+        )
+    if _maybe(rng, 0.08):
+        story.start_late(_spread(rng, 0.02, 0.5))
     return story, status
 
 
@@ -508,9 +541,29 @@ def _converter(one: _Samples) -> None:
         one.force = np.rint(one.force / step) * step
 
 
-def _visible_fall(one: _Samples, broke_s: float) -> bool:
+def _held_values(one: _Samples) -> None:
+    """Let the sensor be slower than the logger, or let its converter stick for a while."""
+    rng, n = one.rng, one.force.size
+    if _maybe(rng, 0.05):
+        every = int(rng.integers(2, 12))
+        if n > 60 * every:
+            one.force = one.force[np.arange(n) // every * every]
+    if _maybe(rng, 0.03):
+        length = int(rng.integers(3, max(4, n // 40)))
+        at = int(rng.integers(0, n - length))
+        one.force[at : at + length] = one.force[at]
+
+
+def _seen_top(one: _Samples, broke_s: float) -> int:
+    """Return the sample at which the sensor, which lags behind, shows the force highest."""
+    at = int(np.searchsorted(one.time_s, broke_s))
+    lags = np.flatnonzero(np.diff(one.clean[at:]) <= 0.0)
+    return at + int(lags[0]) if lags.size else at
+
+
+def _visible_fall(one: _Samples, at: int) -> bool:
     """Return whether a person would see the fall: beyond what noise does within a few milliseconds."""
-    at, n = int(np.searchsorted(one.time_s, broke_s)), one.clean.size
+    n = one.clean.size
     if not 3 <= at <= n - 3:
         return False
     later = one.clean[at:]
@@ -554,20 +607,24 @@ def draw_recording(rng: Rng, kind: str | None = None) -> LabelledRecording:
         chosen = KINDS[kind] if kind else list(KINDS.values())[int(rng.choice(len(shares), p=shares))]
         story, status = _told(rng, chosen)
         samples = _sampled(rng, story)
-        if samples is None or (status is Status.OK and not _visible_fall(samples, story.broke_s)):
+        if samples is None:
             continue
-        for spoil in (_noise, _wrong_zero, _spikes, _converter):
+        top = _seen_top(samples, story.broke_s) if status is Status.OK else 0
+        if status is Status.OK and not _visible_fall(samples, top):
+            continue
+        for spoil in (_noise, _wrong_zero, _spikes, _converter, _held_values):
             spoil(samples)
         if status is Status.OK and _maybe(rng, 0.05):
             ceiling = rng.uniform(0.6, 0.97) * story.peak
             samples.force, status = np.minimum(samples.force, ceiling), Status.SATURATED
-        keep, scale_N = _kept(samples, story.broke_s), _spread(rng, 1.0, 1000.0)
+        broke_s = float(samples.time_s[top])
+        keep, scale_N = _kept(samples, broke_s if top else nan), _spread(rng, 1.0, 1000.0)
         knot_s, _, states = story.knots()
         state = states[np.minimum(np.searchsorted(knot_s, samples.time_s), states.size - 1)]
         seen = status is Status.OK
         return LabelledRecording(
             kind=chosen.name, time_s=samples.time_s[keep], force_N=samples.force[keep] * scale_N, state=state[keep],
-            status=status, breakaway_s=story.broke_s if seen else nan, peak_N=story.peak * scale_N if seen else nan,
+            status=status, breakaway_s=broke_s if seen else nan, peak_N=story.peak * scale_N if seen else nan,
             zero_N=samples.zero * scale_N,
         )  # fmt: skip
 

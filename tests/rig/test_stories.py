@@ -5,9 +5,9 @@ from collections import Counter
 import numpy as np
 import pytest
 from recordings import judged, pick
-from stories import KINDS, State, draw_recordings
 
 from ropefric.rig.pulls import Truth
+from ropefric.rig.stories import KINDS, State, draw_recordings
 from ropefric.traces.breakaway import Status
 from ropefric.traces.trace import ForceTrace
 

@@ -1,0 +1,199 @@
+"""Where a recording shows the break-away, as probabilities: a small trained network over equal bins of its time.
+
+The network (a U-net: Ronneberger et al. 2015; for onsets of waves in noise Zhu and Beroza's PhaseNet, 2019) has seen
+recordings drawn piece by piece (`rig.stories`), no rig and no real one; `python -m ropefric.training` makes its weights
+again. It gives one softmax over *the break-away is in bin i* and the reasons why there is none, and the state of every
+bin. All numbers inside are multiples of a power of two within what floats hold, so that every sum is exact and the same
+on every processor.
+"""
+
+from collections.abc import Callable, Mapping
+from enum import IntEnum
+from functools import cache
+from importlib.resources import files
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from ropefric.arrays import FloatArray, IntArray, median
+from ropefric.traces.breakaway import Status
+
+BINS = 1024
+CHANNELS = 8
+WIDTHS = (16, 24, 32, 48, 64, 64)
+STEM, HEAD, POOLED = 12, 16, 64
+WIDE, NARROW = 7, 5
+"""Bins that a convolution looks at, at full resolution and below it."""
+REASONS = (Status.NO_BREAKAWAY, Status.NO_PEAK, Status.SATURATED)
+ACTIVATION_GRID, WEIGHT_GRID = 2.0**8, 2.0**10
+LARGEST = 2.0**12
+"""No activation is larger; 500 products of such a one and a weight below 64 are a sum that a float holds exactly."""
+
+T = TypeVar("T")
+
+
+class State(IntEnum):
+    """What the rope is doing."""
+
+    REST = 0
+    HUNG = 1
+    LOADING = 2
+    PARTIAL_SLIP = 3
+    SLIP = 4
+    SLIDING = 5
+    HELD = 6
+    LET_DOWN = 7
+    DISTURBED = 8
+
+
+CLIMBING = (State.LOADING, State.PARTIAL_SLIP, State.HELD, State.SLIP)
+"""What leads to a break-away without a rest."""
+
+
+class Look(NamedTuple):
+    """What the network says of a stretch of time: shape (BINS,), and for the states (BINS, len(State)).
+
+    `edges_s` are the BINS + 1 edges of the bins; all probabilities of `place` and `reasons` add up to one.
+    """
+
+    edges_s: FloatArray
+    place: FloatArray
+    reasons: dict[Status, float]
+    states: FloatArray
+
+
+def seen(time_s: FloatArray, force_N: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return what the network sees of finite samples, shape (BINS, CHANNELS), and the edges of the bins [s].
+
+    Of each bin: mean, highest and lowest force, the step from the bin before it in units of the usual one and of the
+    noise, whether it holds samples; and for all alike how loud and how long the recording is.
+    """
+    edges_s = np.linspace(time_s[0], time_s[-1], BINS + 1)
+    size_N = float(np.partition(np.abs(force_N), (at := (199 * (force_N.size - 1)) // 200))[at])
+    force = force_N / size_N if size_N > 0.0 else force_N
+    starts = np.searchsorted(time_s, edges_s[:-1])
+    counts = np.diff(starts, append=force.size)
+    full = np.flatnonzero(counts)
+    begins = starts[full]
+    means = np.add.reduceat(force, begins) / counts[full]
+    middle_s = 0.5 * (edges_s[1:] + edges_s[:-1])
+    mean = np.interp(middle_s, middle_s[full], means) if full.size < BINS else means
+    if full.size < BINS:  # a line between samples, not between the bins they fall into
+        empty = counts == 0
+        mean[empty] = np.interp(middle_s[empty], time_s, force)
+    high, low = mean.copy(), mean.copy()
+    high[full], low[full] = np.maximum.reduceat(force, begins), np.minimum.reduceat(force, begins)
+    second = np.abs(np.diff(force, 2)) if force.size > 3 else np.zeros(1)
+    noise = max(1.4826 * median(second) / np.sqrt(6.0), 1e-6)
+    steps = np.diff(mean, prepend=mean[0])
+    usual = 1.4826 * median(np.abs(steps)) + 1e-6
+    averaged = noise / np.sqrt(np.maximum(counts, 1))
+    channels = (
+        mean, np.arcsinh(100.0 * (high - mean)) / 3.0, np.arcsinh(100.0 * (mean - low)) / 3.0,
+        np.arcsinh(steps / usual), np.arcsinh(steps / averaged) / 3.0, counts > 0,
+        np.log10(noise) / 3.0 + 1.0, np.log10(force.size) - 3.5,
+    )  # fmt: skip
+    columns = np.stack(np.broadcast_arrays(*channels), axis=1)
+    return np.clip(columns, -20.0, 20.0), edges_s
+
+
+def forward(
+    channels: T, layer: Callable[..., T], twice: Callable[[T], T], beside: Callable[[T, T], T]
+) -> tuple[T, T]:
+    """Return what the network makes of its input, bin by bin, and its deepest level.
+
+    `layer(name, input, width, reach, every, is_last)` convolves; with NumPy or with what trains it.
+    """
+    stem = layer("stem", channels, STEM, WIDE)
+    found, levels = stem, []
+    for depth, width in enumerate(WIDTHS):
+        found = layer(f"down{depth}", found, width, NARROW, every=2)
+        found = _block(f"left{depth}", found, width, layer)
+        levels.append(found)
+    deepest = found
+    for depth in reversed(range(len(WIDTHS) - 1)):
+        found = layer(f"up{depth}", beside(twice(found), levels[depth]), WIDTHS[depth], NARROW)
+        found = _block(f"right{depth}", found, WIDTHS[depth], layer)
+    found = layer("top", beside(twice(found), stem), HEAD, WIDE)
+    found = layer("head", found, HEAD, NARROW)
+    return layer("out", found, 1 + len(State), 1, is_last=True), deepest
+
+
+def _block(name: str, found: Any, width: int, layer: Callable[..., Any]) -> Any:
+    return found + layer(f"{name}b", layer(f"{name}a", found, width, NARROW), width, NARROW)
+
+
+def look(time_s: FloatArray, force_N: FloatArray) -> Look:
+    """Return what the network says of finite samples at increasing times, at least two."""
+    channels, edges_s = seen(time_s, force_N)
+    weights = stored_weights()
+    bins, deepest = forward(_rounded(channels, 2.0**12), _convolved(weights), _twice, _beside)
+    pooled = np.concatenate([deepest.mean(axis=0), deepest.max(axis=0)])
+    hidden = np.maximum(_rounded(pooled @ weights["pool.w"][0] + weights["pool.b"]), 0.0)
+    reasons = hidden @ weights["reason.w"][0] + weights["reason.b"]
+    logits = np.concatenate([bins[:, 0], reasons]) / float(weights["temperature"])
+    share = np.exp(logits - logits.max())
+    share /= share.sum()
+    states = np.exp(bins[:, 1:] - bins[:, 1:].max(axis=1, keepdims=True))
+    states /= states.sum(axis=1, keepdims=True)
+    return Look(edges_s, share[:BINS], dict(zip(REASONS, share[BINS:].tolist(), strict=True)), states)
+
+
+def _rounded(values: FloatArray, grid: float = ACTIVATION_GRID) -> FloatArray:
+    return np.clip(np.rint(values * grid) / grid, -LARGEST, LARGEST)
+
+
+def _convolved(weights: Mapping[str, FloatArray]) -> Callable[..., FloatArray]:
+    def layer(
+        name: str, values: FloatArray, width: int, reach: int, every: int = 1, *, is_last: bool = False
+    ) -> FloatArray:
+        kernel, half = weights[f"{name}.w"], reach // 2
+        bins, channels = values.shape
+        padded = np.zeros((bins + 2 * half, channels))
+        padded[half : half + bins] = values
+        # Neighbouring bins lie one after the other: a window of them is one row.
+        apart = padded.strides[1]
+        windows = np.lib.stride_tricks.as_strided(
+            padded, (-(-bins // every), reach * channels), (every * channels * apart, apart), writeable=False
+        )
+        found = windows @ kernel
+        found += weights[f"{name}.b"]
+        if is_last:
+            return found
+        found *= ACTIVATION_GRID
+        np.rint(found, out=found)
+        found *= 1.0 / ACTIVATION_GRID
+        return np.clip(found, 0.0, LARGEST, out=found)
+
+    return layer
+
+
+def _twice(values: FloatArray) -> FloatArray:
+    return np.repeat(values, 2, axis=0)
+
+
+def _beside(left: FloatArray, right: FloatArray) -> FloatArray:
+    return np.concatenate([left, right], axis=1)
+
+
+@cache
+def stored_weights() -> Mapping[str, FloatArray]:
+    """Return the weights that come with the package."""
+    with files("ropefric.traces").joinpath("picker.npz").open("rb") as file, np.load(file) as stored:
+        return {name: stored[name].astype(np.float64) for name in stored.files}
+
+
+def closer(
+    time_s: FloatArray, around: IntArray | int, states: IntArray, edges_s: FloatArray
+) -> tuple[float, float]:
+    """Return the stretch of time in which a bin is looked at again: a few of its climbs before it and after.
+
+    `states` are those of the bins; a climb is what leads to the bin without a rest.
+    """
+    bin_ = int(around)
+    before = np.flatnonzero(~np.isin(states[: bin_ + 1], CLIMBING))
+    climb = max(bin_ - (int(before[-1]) if before.size else 0), 1)
+    width_s = float(edges_s[1] - edges_s[0])
+    middle_s = float(edges_s[bin_]) + 0.5 * width_s
+    climb_s = (climb + 1) * width_s
+    return max(middle_s - 2.5 * climb_s, float(time_s[0])), min(middle_s + 1.8 * climb_s, float(time_s[-1]))

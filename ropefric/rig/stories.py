@@ -201,7 +201,9 @@ def _hang_weights(story: _Story) -> None:
 def _disturb(story: _Story) -> None:
     """Let the rope catch and come free, hit the rig, or jog the motor forth and back."""
     rng, level = story.rng, story.level
-    size, lasting_s = rng.uniform(0.03, 1.15), _spread(rng, 0.004, 1.0)
+    lasting_s = _spread(rng, 0.004, 1.0)
+    # What is pulled slowly, higher than the pull itself, and lets go would be a break-away of its own.
+    size = rng.uniform(0.03, 1.15 if lasting_s < 0.1 * story.climb_s else 0.8)
     kind = rng.integers(3)
     if kind == 0:
         story.piece(State.DISTURBED, lasting_s, lambda part: level + size * np.sin(np.pi * part))
@@ -230,12 +232,16 @@ class _Climb:
 
 def _draw_climb(rng: Rng, story: _Story) -> _Climb:
     slips: list[tuple[float, float]] = []
-    if _maybe(rng, 0.3):
-        n, most = (1 if _maybe(rng, 0.5) else int(rng.integers(2, 12))), rng.uniform(0.01, 0.2)
-        below = story.level + (1.0 - story.level) * rng.uniform(0.2, 0.97, n)
+    if _maybe(rng, 0.35):
+        n, most = (1 if _maybe(rng, 0.5) else int(rng.integers(2, 12))), _spread(rng, 0.01, 0.45)
+        parts = np.sort(rng.uniform(0.2, 0.97, n))
+        # Near the top a large slip and a small rise after it would be the break-away itself.
+        drops = np.minimum(most * rng.uniform(0.1, 1.0, n), 2.0 * (1.0 - parts) + 0.02) * parts
         slips = [
-            (float(top), float(most * rng.uniform(0.1, 1.0) * (top - story.level))) for top in np.sort(below)
+            tuple(story.level + (1.0 - story.level) * np.array([top, top - drop]))
+            for top, drop in zip(parts, drops, strict=True)
         ]
+        slips = [(float(top), float(top - bottom)) for top, bottom in slips]
     return _Climb(
         rate=1.0 / story.climb_s,
         soft=rng.choice((0.0, rng.uniform(0.0, 1.5))),
@@ -393,10 +399,33 @@ def _slides_without_a_peak(story: _Story) -> Status:
     return Status.NO_PEAK
 
 
+def _swing(story: _Story, size: float) -> None:
+    """Swing around a level by a part of it, as masses do when a motor stops, until that has died away."""
+    rng, level = story.rng, story.level
+    turns, damping = rng.uniform(3.0, 16.0) * np.pi, rng.uniform(0.05, 0.4)
+    swing = lambda part: level * (1.0 + size * np.exp(-damping * turns * part) * np.sin(turns * part))  # noqa: E731
+    story.piece(State.HELD, story.climb_s * _spread(rng, 0.02, 1.0), swing)
+    story.level = level
+
+
+def _comes_off(story: _Story) -> Status:
+    """Lose the rope or its load: nothing holds any more, so that the force swings about nothing."""
+    rng, how = story.rng, _draw_climb(story.rng, story)
+    _climb(story, rng.uniform(max(0.3, story.level), 1.0), how)
+    top, turns, damping = story.level, rng.uniform(4.0, 30.0) * np.pi, rng.uniform(0.03, 0.3)
+    free = lambda part: top * np.exp(-damping * turns * part) * np.cos(turns * part)  # noqa: E731
+    story.piece(State.LET_DOWN, story.climb_s * _spread(rng, 0.1, 2.0), free)
+    story.level = 0.0
+    story.stay(State.REST, _spread(rng, 0.05, 1.0))
+    return Status.NO_BREAKAWAY
+
+
 def _is_held(story: _Story) -> Status:
     """Load up to less than it takes, hold, and let go of it one way or another."""
     rng, how = story.rng, _draw_climb(story.rng, story)
     _climb(story, rng.uniform(max(0.3, story.level), 0.97), how)
+    if _maybe(rng, 0.4):
+        _swing(story, _spread(rng, 2e-3, 0.1))
     lasting_s = _spread(rng, 0.2, 4.0) * story.climb_s
     story.stay(State.HELD, lasting_s, rng.choice((0.0, _spread(rng, 0.002, 0.2))))
     if _maybe(rng, 0.5):
@@ -433,11 +462,12 @@ class Kind:
 
 
 KINDS: Registry[Kind] = Registry("kind of drawn recording", [
-    Kind("slips", 0.67, _slips),
+    Kind("slips", 0.62, _slips),
     Kind("slips-under-weights", 0.03, _slips_under_weights),
     Kind("held-then-slips", 0.06, _slips_after_a_hold),
     Kind("no-peak", 0.08, _slides_without_a_peak),
-    Kind("held", 0.08, _is_held),
+    Kind("held", 0.11, _is_held),
+    Kind("comes-off", 0.02, _comes_off),
     Kind("climbing", 0.04, _still_climbs),
     Kind("late-start", 0.03, _slides_already),
     Kind("idle", 0.01, _rests_on),

@@ -485,6 +485,8 @@ def _told(rng: Rng, kind: Kind) -> tuple[_Story, Status]:
         _disturb(story)
     status = kind.tell(story)
     slid = status in {Status.OK, Status.NO_PEAK}
+    if slid and _maybe(rng, 0.12):  # slides on, far longer than it was loaded
+        story.rough(_spread(rng, 20.0, 800.0) * story.climb_s, _spread(rng, 1e-3, 0.04))
     if slid and _maybe(rng, 0.2):
         _strokes(story)
     if kind.name not in {"climbing", "idle"} and _maybe(rng, 0.55):
@@ -498,7 +500,7 @@ def _told(rng: Rng, kind: Kind) -> tuple[_Story, Status]:
         story.stay(
             State.REST if story.level < 0.05 else State.HELD, story.climb_s * _spread(rng, 2.0, 1000.0)
         )
-    if _maybe(rng, 0.08):
+    if _maybe(rng, 0.1):
         story.start_late(_spread(rng, 0.02, 0.5))
     return story, status
 

@@ -1,14 +1,16 @@
 """Make the weights of the picker again: draw recordings, train, set the temperature, write weights and model card.
 
-`python -m ropefric.training [--seed 1] [--recordings 40000] [--steps 6000] [--out ropefric/traces/picker.npz]`. It needs
-the extra `train`; nothing else in ropefric imports it.
+`python -m ropefric.training [--out FOLDER] [--seed 11] [--recordings 48000] [--steps 6000] [--jobs 2]` writes
+`picker.npz` and `picker.md`. It learns from drawn recordings alone; the temperature is set on the first rig, and the
+second rig is left for the check. It needs the extra `train`; nothing else in ropefric imports it.
 """
 
 import argparse
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
-from itertools import chain
-from math import isfinite
+from functools import partial
+from math import isfinite, log, nan
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,8 +19,14 @@ import torch
 from torch import nn
 
 from ropefric.arrays import FloatArray, IntArray
-from ropefric.rig.stories import LabelledRecording, draw_recording
+from ropefric.rig.bench import Bench
+from ropefric.rig.recording import FAULTS, simulate_recording
+from ropefric.rig.stories import LabelledRecording, draw_recording, draw_recordings
+from ropefric.rig.strangers import recordings
+from ropefric.traces import decision, picker
 from ropefric.traces.breakaway import PickSettings, Status
+from ropefric.traces.calibration import Calibration
+from ropefric.traces.clock import mend_clock
 from ropefric.traces.picker import (
     BINS,
     CHANNELS,
@@ -42,6 +50,10 @@ STATES = 0.3
 ELSEWHERE = 0.35
 """How often the closer look is somewhere else than at the break-away."""
 PIECE = 500
+LEFT_OUT = 777
+"""Seed of the recordings that nothing is trained on."""
+TEMPERATURES = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0)
+RIGHT = 0.02
 
 
 class Lesson(NamedTuple):
@@ -215,3 +227,164 @@ def train(
         if step % 100 == 99:
             say(f"step {step + 1} of {steps}: loss {mean_loss:.3f}")
     return network.eval()
+
+
+class Known(NamedTuple):
+    """A recording that is not trained on, and what is true of it."""
+
+    kind: str
+    trace: ForceTrace
+    status: Status
+    peak_N: float
+
+
+def drawn_ones(count: int) -> Iterator[Known]:
+    """Yield drawn recordings of a seed of their own."""
+    for one in draw_recordings(LEFT_OUT, count):
+        trace = ForceTrace(time_s=one.time_s, force_N=one.force_N - one.zero_N, name=one.kind)
+        yield Known(one.kind, trace, one.status, one.peak_N)
+
+
+def of_the_first_rig(per_fault: int) -> Iterator[Known]:
+    """Yield recordings of the virtual rig, without a fault and with each that a recording survives."""
+    bench = Bench()
+    usable = [fault for fault in FAULTS.values() if not fault.on_bytes and not fault.protocols]
+    for number, name in enumerate(["", *(fault.name for fault in usable)]):
+        for seed in range(per_fault):
+            rng = np.random.default_rng([LEFT_OUT, number, seed])
+            lift_N = float(np.exp(rng.uniform(log(60.0), log(700.0))))
+            given: Any = {"lift_force_N": lift_N, "end_tension_N": lift_N * rng.uniform(0.1, 0.6), "rng": rng}
+            one = simulate_recording(bench, **given, faults=[name] if name else [])
+            counts = np.where(np.isnan(one.counts), -1, one.counts).astype(np.int64)
+            calibration = Calibration(cell=bench.cell_named(one.truth.cell), adc=bench.adc)
+            if counts.size > picker.CHANNELS:
+                calibration, _ = calibration.with_tare(counts[: max(8, counts.size // 20)])
+            force_N, saturation = calibration.apply(counts)
+            keep, time_s, _ = mend_clock(one.time_s, [force_N])
+            trace = ForceTrace(time_s=time_s, force_N=force_N[keep], saturation=saturation, name=name)
+            yield Known(name or "nothing", trace, one.truth.status, one.truth.lift_force_N)
+
+
+def of_the_second_rig(per_family: int) -> Iterator[Known]:
+    """Yield recordings of the rigs of `rig.strangers`."""
+    for one in recordings(LEFT_OUT, per_family=per_family):
+        yield Known(f"{one.tier}: {one.family}", one.trace(), one.truth.status, one.truth.peak_N)
+
+
+def answers_of(one: Known, weights: picker.Weights) -> dict[tuple[Status, float], float]:
+    """Return how likely each answer is: a force, its neighbours within a hundredth among it, or a reason for none."""
+    prepared = prepare(one.trace, PickSettings())
+    if prepared is None:
+        return {}
+    found = decision.judge(prepared, weights)
+    answers = {(reason, nan): share for reason, share in found.reasons.items()}
+    for top in found.candidates:
+        near = [
+            o.probability
+            for o in found.candidates
+            if abs(o.force_N - top.force_N) <= decision.SAME * top.force_N
+        ]
+        answers[Status.OK, top.force_N] = sum(near)
+    return answers
+
+
+def is_right(one: Known, answer: tuple[Status, float]) -> bool:
+    """Return whether an answer is true; levels of the zero are none of the network's, so a force may be off by some."""
+    status, force_N = answer
+    return status is one.status and (
+        status is not Status.OK or abs(force_N / one.peak_N - 1.0) <= 2.0 * RIGHT
+    )
+
+
+def surprise(ones: Iterable[Known], weights: picker.Weights) -> float:
+    """Return the mean negative logarithm of the probability that was given to what is true."""
+    shares = [
+        max(
+            (share for answer, share in answers_of(one, weights).items() if is_right(one, answer)),
+            default=0.0,
+        )
+        for one in ones
+    ]
+    return float(np.mean([-log(max(share, 0.005)) for share in shares]))
+
+
+def card(sets: Mapping[str, list[Known]], weights: picker.Weights) -> str:
+    """Return the model card: how the picker does on recordings it was not trained on, by set and by kind."""
+    lines = [
+        "| recordings | number | right | wrong though `ok` | doubtful | another reason |",
+        "|---|---|---|---|---|---|",
+    ]
+    stated: list[tuple[float, bool]] = []
+    for name, ones in sets.items():
+        kinds: dict[str, Counter[str]] = defaultdict(Counter)
+        for one in ones:
+            prepared, settings = prepare(one.trace, PickSettings()), PickSettings(rest="pretension")
+            if prepared is None:
+                continue
+            found = decision.pick_prepared(one.trace, prepared, settings, weights)
+            kinds[one.kind][_fate(one, found.status, found.peak_N)] += 1
+            answers = answers_of(one, weights)
+            if answers and name != "drawn":
+                best = max(answers, key=lambda answer: answers[answer])  # noqa: B023  (used at once)
+                stated.append((answers[best], is_right(one, best)))
+        lines += [_row(f"**{name}**", sum(kinds.values(), Counter()))]
+        lines += [
+            _row(kind, counts) for kind, counts in sorted(kinds.items()) if counts["right"] < counts.total()
+        ]
+    lines += [
+        "",
+        "| probability stated | answers of both rigs | mean stated | share right |",
+        "|---|---|---|---|",
+    ]
+    for low, high in ((0.0, 0.5), (0.5, 0.8), (0.8, 0.9), (0.9, 0.95), (0.95, 1.01)):
+        within = [(share, is_so) for share, is_so in stated if low <= share < high]
+        if within:
+            mean, share = np.mean(within, axis=0)
+            lines.append(f"| {low:g} to {min(high, 1.0):g} | {len(within)} | {mean:.3f} | {share:.3f} |")
+    mean, share = np.mean(stated, axis=0)
+    return "\n".join([*lines, f"| all | {len(stated)} | {mean:.3f} | {share:.3f} |", ""])
+
+
+def _fate(one: Known, status: Status, peak_N: float) -> str:
+    if status is Status.OK:
+        return "right" if one.status is Status.OK and abs(peak_N / one.peak_N - 1.0) <= RIGHT else "wrong"
+    return "right" if status is one.status else "doubtful" if status is Status.DOUBTFUL else "other"
+
+
+def _row(name: str, counts: Mapping[str, int]) -> str:
+    total = sum(counts.values())
+    parts = (
+        f"{100.0 * counts.get(word, 0) / total:.1f} %" for word in ("right", "wrong", "doubtful", "other")
+    )
+    return f"| {name} | {total} | {' | '.join(parts)} |"
+
+
+def main() -> None:
+    """Draw, train, set the temperature, and write weights and model card into a folder."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=picker.STORED.parent)
+    for name, usual in (("seed", 11), ("recordings", 48_000), ("steps", 6_000), ("jobs", 2)):
+        parser.add_argument(f"--{name}", type=int, default=usual)
+    given = parser.parse_args()
+    torch.set_num_threads(given.jobs)
+    say = partial(print, flush=True)
+    lessons = draw_lessons(given.seed, given.recordings, given.jobs)
+    say(f"{len(lessons[1])} lessons of {given.recordings} recordings")
+    weights = train(lessons, given.steps, given.seed, say).weights()
+    write(given.out, weights, say)
+
+
+def write(folder: Path, weights: dict[str, Any], say: Callable[[str], object]) -> None:
+    """Set the temperature of trained weights on the first rig; write them, and how they do, into a folder."""
+    stored = {name: np.asarray(values, dtype=np.float16) for name, values in weights.items()}
+    rig, path = list(of_the_first_rig(12)), folder / "picker.npz"
+    surprises = {one: surprise(rig, stored | {"temperature": np.float64(one)}) for one in TEMPERATURES}
+    say("\n".join(f"temperature {one:g}: {value:.4f}" for one, value in surprises.items()))
+    stored["temperature"] = np.float64(min(surprises, key=lambda one: surprises[one]))
+    np.savez(path, **stored)
+    sets = {"drawn": list(drawn_ones(1000)), "first rig": rig, "second rig": list(of_the_second_rig(12))}
+    (folder / "picker.md").write_text(card(sets, picker.read_weights(path)), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

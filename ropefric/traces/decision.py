@@ -18,7 +18,7 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
 from ropefric.traces.noise import runs_of
 from ropefric.traces.peak import gap_beside, peak_result
-from ropefric.traces.picker import Look, State, closer, look
+from ropefric.traces.picker import Look, State, Weights, closer, look
 from ropefric.traces.segments import (
     DROP_SIGMAS,
     MIN_SAMPLES,
@@ -50,6 +50,8 @@ tooth of a train."""
 STILL = (State.REST, State.HUNG, State.HELD, State.LET_DOWN, State.DISTURBED)
 SATURATED_SAMPLES, CUT_OFF = 3, 4
 """A limit shows in more samples than this in a row, and in so many times more than any lower force is held for."""
+ENOUGH = 6
+"""Blocks after which a fall of a single one may be over."""
 USUAL_WINDOW_S = 0.005
 """The moving average of who asks for no other [s]."""
 HIDES = 0.02
@@ -99,7 +101,9 @@ def without_force(status: Status, detail: str, prepared: Prepared, **found: obje
     )
 
 
-def pick_prepared(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
+def pick_prepared(
+    trace: ForceTrace, prepared: Prepared, settings: PickSettings, weights: Weights | None = None
+) -> Breakaway:
     """Return the break-away of a recording that is prepared already, see `pick_breakaway`."""
     force_N = prepared.blocks.force_N
     rise_N = float(force_N.max() - force_N[0])
@@ -117,7 +121,7 @@ def pick_prepared(trace: ForceTrace, prepared: Prepared, settings: PickSettings)
         return _before_separation(trace, prepared, settings)
     if settings.picker == "highest":
         return with_its_zero(trace, prepared, _highest(prepared, settings), settings)
-    return _before_sliding(trace, prepared, settings)
+    return _before_sliding(trace, prepared, settings, weights)
 
 
 def _before_separation(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
@@ -157,12 +161,16 @@ def _highest(prepared: Prepared, settings: PickSettings) -> Breakaway:
     )
 
 
-def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSettings) -> Breakaway:
+def _before_sliding(
+    trace: ForceTrace, prepared: Prepared, settings: PickSettings, weights: Weights | None
+) -> Breakaway:
     """Find the static peak of a recording that goes on to slide."""
-    found = judge(prepared)
+    found = judge(prepared, weights)
     best = found.candidates[0] if found.candidates else None
     if cut := _cut_off(trace, prepared, best.block if best else None):
         return without_force(Status.SATURATED, cut, prepared)
+    if stuck := _stuck(prepared, best.block if best else int(np.argmax(prepared.blocks.force_N))):
+        return without_force(Status.NO_PEAK, stuck, prepared)
     reason = max(found.reasons, key=lambda status: found.reasons[status])
     if best is None or found.reasons[reason] >= SURE:
         return _with_reason(prepared, reason, found)
@@ -192,10 +200,10 @@ def _before_sliding(trace: ForceTrace, prepared: Prepared, settings: PickSetting
 # --- two looks ------------------------------------------------------------------------------------------------------
 
 
-def judge(prepared: Prepared) -> Judgement:
+def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
     """Return what may be the break-away and how likely: a look at the whole, and one around each possible place."""
     time_s, force_N = prepared.time_s, prepared.force_N
-    whole = look(time_s, force_N)
+    whole = look(time_s, force_N, weights)
     reasons = dict(whole.reasons)
     tops: dict[int, Candidate] = {}
     states = whole.states.argmax(axis=1)
@@ -203,7 +211,7 @@ def judge(prepared: Prepared) -> Judgement:
         part = slice(*np.searchsorted(time_s, closer(time_s, middle, states, whole.edges_s)))
         near = [(0, first_s, last_s, 1.0)]
         if number < LOOKS and probability >= SEEN and part.stop - part.start >= MIN_SAMPLES:
-            second = look(time_s[part], force_N[part])
+            second = look(time_s[part], force_N[part], weights)
             near = _places(second)
             for reason, one in second.reasons.items():
                 reasons[reason] += probability * one
@@ -273,7 +281,7 @@ def _with_reason(prepared: Prepared, reason: Status, found: Judgement) -> Breaka
 
 def _in_doubt(prepared: Prepared, found: Judgement) -> Breakaway:
     """Return a result that leaves open which of some tops is the break-away, or whether any is."""
-    likely = [one for one in found.candidates if one.probability >= SEEN] or found.candidates[:1]
+    likely = [one for one in found.candidates if one.probability >= SEEN]
     time_s = prepared.blocks.time_s
     events = tuple(
         ForceEvent(
@@ -291,9 +299,13 @@ def _in_doubt(prepared: Prepared, found: Judgement) -> Breakaway:
         for event, one in zip(events, likely, strict=True)
     ]
     said += [f"{reason.value} ({one:.2f})" for reason, one in found.reasons.items() if one >= SEEN]
-    detail = f"either {' or '.join(said)}" if len(said) > 1 else f"perhaps {said[0]}"
+    detail = f"{'either ' if len(said) > 1 else 'perhaps '}{' or '.join(said)}"
     return without_force(
-        Status.DOUBTFUL, detail, prepared, candidates=events, probability=likely[0].probability
+        Status.DOUBTFUL,
+        detail,
+        prepared,
+        candidates=events,
+        probability=max([one.probability for one in likely] + [*found.reasons.values()]),
     )
 
 
@@ -336,13 +348,16 @@ def measured(prepared: Prepared, settings: PickSettings, block: int, rests: Bool
 
 
 def fallen_from(force_N: FloatArray, top: int, least_N: float) -> int:
-    """Return where a force is lowest after a top before it rises again by more than a third of its fall."""
+    """Return where the fall after a top ends: it goes on by less than a tenth in twice its time, or turns; else the top."""
     after = force_N[top:]
     lowest_N = np.minimum.accumulate(after)
-    turned = after - lowest_N > np.maximum(least_N, 0.3 * (after[0] - lowest_N))
-    stop = int(np.argmax(turned)) if turned.any() else after.size
-    lowest = int(np.argmin(after[: max(stop, 1)]))
-    return top + lowest if after[0] - after[lowest] > least_N else top
+    fall_N = after[0] - lowest_N
+    later_N = lowest_N[np.minimum(3 * np.arange(after.size) + ENOUGH, after.size - 1)]
+    ends = (fall_N > least_N) & (lowest_N - later_N <= 0.1 * fall_N)
+    ends |= after - lowest_N > np.maximum(least_N, 0.3 * fall_N)
+    stop = int(np.argmax(ends)) + 1 if ends.any() else after.size
+    lowest = int(np.argmin(after[:stop]))
+    return top + lowest if fall_N[lowest] > least_N else top
 
 
 def swings(force_N: FloatArray, least_N: float) -> tuple[IntArray, FloatArray]:
@@ -404,9 +419,10 @@ def _cut_off(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:
             return ""
         ceiling_N = float(np.nanmax(trace.force_N))
         samples = sum(stop - start for start, stop in runs)
+        longest_s = max(float(trace.time_s[stop - 1] - trace.time_s[start]) for start, stop in runs)
         return (
-            f"the converter is at its ceiling ({ceiling_N:.4g} N) for {samples} samples; "
-            f"the peak is at least {ceiling_N:.4g} N"
+            f"the converter is at its ceiling ({ceiling_N:.4g} N) for {samples} samples, {1000 * longest_s:.3g} ms at a "
+            f"time; the peak is at least {ceiling_N:.4g} N"
         )
     force_N = prepared.force_N[:end]
     top_N = float(force_N.max())
@@ -424,6 +440,25 @@ def _cut_off(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:
         f"the force stays at exactly {top_N:.4g} N for {longest} samples, {usual} elsewhere: it is cut off there, and "
         f"the peak is at least {top_N:.4g} N"
     )
+
+
+def _stuck(prepared: Prepared, block: int) -> str:
+    """Say where the converter stuck between half the climb to a top and its fall; empty where it did not."""
+    blocks, n = prepared.blocks, prepared.force_N.size
+    begin = blocks.first_sample(half_climb(blocks.force_N, block))
+    end = blocks.last_sample(fallen_from(blocks.force_N, block, DROP_SIGMAS * blocks.noise_N) + 1, n)
+    for start, stop in prepared.stuck.tolist():
+        before_N, after_N = (float(prepared.force_N[i]) for i in (max(start - 1, 0), min(stop, n - 1)))
+        # A force that is higher after it than before, and short of the top, climbed on meanwhile.
+        climbed_on = stop <= blocks.first_sample(block) and after_N > before_N
+        if stop > begin and start <= end and not climbed_on:
+            lasted_s = float(prepared.time_s[stop - 1] - prepared.time_s[start])
+            return (
+                f"the force reads exactly {prepared.force_N[start]:.4g} N for {lasted_s:.2g} s ({stop - start} "
+                f"samples) from {prepared.time_s[start]:.4g} s on, between loading and sliding: the converter "
+                "or the sensor stuck, and what the force did meanwhile is unknown"
+            )
+    return ""
 
 
 def _with_its_gap(prepared: Prepared, result: Breakaway) -> Breakaway:

@@ -10,7 +10,7 @@ on every processor.
 from collections.abc import Callable, Mapping
 from enum import IntEnum
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -28,6 +28,9 @@ REASONS = (Status.NO_BREAKAWAY, Status.NO_PEAK, Status.SATURATED)
 ACTIVATION_GRID, WEIGHT_GRID = 2.0**8, 2.0**10
 LARGEST = 2.0**12
 """No activation is larger; 500 products of such a one and a weight below 64 are a sum that a float holds exactly."""
+
+Weights = Mapping[str, FloatArray]
+STORED = Path(__file__).with_name("picker.npz")
 
 T = TypeVar("T")
 
@@ -123,10 +126,10 @@ def _block(name: str, found: Any, width: int, layer: Callable[..., Any]) -> Any:
     return found + layer(f"{name}b", layer(f"{name}a", found, width, NARROW), width, NARROW)
 
 
-def look(time_s: FloatArray, force_N: FloatArray) -> Look:
+def look(time_s: FloatArray, force_N: FloatArray, weights: Weights | None = None) -> Look:
     """Return what the network says of finite samples at increasing times, at least two."""
     channels, edges_s = seen(time_s, force_N)
-    weights = stored_weights()
+    weights = stored_weights() if weights is None else weights
     bins, deepest = forward(_rounded(channels, 2.0**12), _convolved(weights), _twice, _beside)
     pooled = np.concatenate([deepest.mean(axis=0), deepest.max(axis=0)])
     hidden = np.maximum(_rounded(pooled @ weights["pool.w"][0] + weights["pool.b"]), 0.0)
@@ -143,7 +146,7 @@ def _rounded(values: FloatArray, grid: float = ACTIVATION_GRID) -> FloatArray:
     return np.clip(np.rint(values * grid) / grid, -LARGEST, LARGEST)
 
 
-def _convolved(weights: Mapping[str, FloatArray]) -> Callable[..., FloatArray]:
+def _convolved(weights: Weights) -> Callable[..., FloatArray]:
     def layer(
         name: str, values: FloatArray, width: int, reach: int, every: int = 1, *, is_last: bool = False
     ) -> FloatArray:
@@ -176,11 +179,16 @@ def _beside(left: FloatArray, right: FloatArray) -> FloatArray:
     return np.concatenate([left, right], axis=1)
 
 
-@cache
-def stored_weights() -> Mapping[str, FloatArray]:
-    """Return the weights that come with the package."""
-    with files("ropefric.traces").joinpath("picker.npz").open("rb") as file, np.load(file) as stored:
+def read_weights(path: Path) -> Weights:
+    """Return weights as the training wrote them."""
+    with np.load(path) as stored:
         return {name: stored[name].astype(np.float64) for name in stored.files}
+
+
+@cache
+def stored_weights() -> Weights:
+    """Return the weights that come with the package."""
+    return read_weights(STORED)
 
 
 def closer(

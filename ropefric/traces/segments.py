@@ -197,7 +197,10 @@ def sliding_after(prepared: Prepared, top: int, fallen: int, rests: BoolArray) -
         return None
     level_N, scatter_N = _level_and_scatter(stretch[:n_first])
     # Sliding passes its level again and again; a released rope never does. It may come to it little by little.
-    apart_N, later_N = max(scatter_N, 0.03 * abs(level_N - base_N)), median(stretch[: max(4 * (first - top), 1)])
+    apart_N, later_N = (
+        max(scatter_N, 0.03 * abs(level_N - base_N)),
+        median(stretch[: max(4 * (first - top), 1)]),
+    )
     stays = np.flatnonzero(stretch >= min(level_N - apart_N, later_N - 0.5 * apart_N))
     stretch = stretch[: int(stays[-1]) + 1]
     return None if stretch.size < SHORTEST_BLOCKS else Sliding(first, first + stretch.size)

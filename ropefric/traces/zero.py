@@ -117,7 +117,9 @@ def _with_drift(
     has = stds_N > 0.0
     if weights[has].sum() < CERTAIN:
         outside = [
-            1.0 - 0.5 * sum(math.erf((small_N + way * drift_N) / (std_N + TINY) / math.sqrt(2.0)) for way in (-1, 1))
+            1.0
+            - 0.5
+            * sum(math.erf((small_N + way * drift_N) / (std_N + TINY) / math.sqrt(2.0)) for way in (-1, 1))
             for drift_N, std_N in zip(drifts_N, stds_N, strict=True)
         ]
         std_N = math.sqrt(float(weights @ (stds_N**2 + drifts_N**2)))
@@ -152,7 +154,13 @@ def _drifts(
     noises_N = np.array([max(rest.noise_N, longest.noise_N) for rest in rests])
     scale_N = (noises_N * math.sqrt(longest.alike))[own]
     # Each at a level of its own, or the last one at that of the first one or of the one before it.
-    level_sets = {tuple(range(n)), (0,) * n, (*range(n - 1), 0), (*range(n - 1), max(n - 2, 0)), (*(0,) * (n - 1), 1)}
+    level_sets = {
+        tuple(range(n)),
+        (0,) * n,
+        (*range(n - 1), 0),
+        (*range(n - 1), max(n - 2, 0)),
+        (*(0,) * (n - 1), 1),
+    }
     found = []
     for levels in sorted(level_sets):
         columns = (np.array(levels)[own][:, None] == np.unique(levels)) / scale_N[:, None]
@@ -183,7 +191,10 @@ def _jump_N(
     prepared: Prepared, rests: list[Rest], later: Rest | None, result: Breakaway
 ) -> tuple[float, bool]:
     """Return by how much the zero may jump before the peak, 0 if not, and whether that is at rest."""
-    top, first_N = int(np.searchsorted(prepared.time_s, result.peak_time_s)), rests[0].level_N if rests else 0.0
+    top, first_N = (
+        int(np.searchsorted(prepared.time_s, result.peak_time_s)),
+        rests[0].level_N if rests else 0.0,
+    )
     found = [step for n in WIDTHS for step in _steps(prepared, top, n, MATTERS * result.peak_N)]
     for jump_N, at in sorted(found, key=lambda step: -abs(step[0])):
         before_N = float(prepared.force_N[max(0, at - LEAST) : at].mean())
@@ -211,7 +222,10 @@ def _steps(prepared: Prepared, top: int, n: int, least_N: float) -> Iterator[tup
     line, h = n * (4.0 * n * n - 1.0) / 6.0, 0.5 * n * n
     hh, hy = 0.5 * n - h * h / line, right - 0.5 * whole - h / line * tilt
     left_N2 = np.maximum(s2[2 * n :] - s2[: -2 * n] - whole**2 / (2 * n) - tilt**2 / line, 0.0)
-    sizes_N, noise_N2 = hy / hh, max(prepared.noise_N**2, float(np.quantile(left_N2, 0.1)) / (2 * n - 2), TINY)
+    sizes_N, noise_N2 = (
+        hy / hh,
+        max(prepared.noise_N**2, float(np.quantile(left_N2, 0.1)) / (2 * n - 2), TINY),
+    )
     likely = (hy * sizes_N > 4.0 * math.log(y.size) * noise_N2) & (np.abs(sizes_N) > least_N)
     likely &= left_N2 - hy * sizes_N < (1.0 + 3.0 / math.sqrt(n)) * 2 * n * noise_N2
     for start, stop in runs_of(likely).tolist():
@@ -223,7 +237,10 @@ def _steps(prepared: Prepared, top: int, n: int, least_N: float) -> Iterator[tup
 def _at_once(prepared: Prepared, at: int, n: int, worse_N2: float) -> bool:
     """Return whether a step is more likely than a ramp, and no gap, and the converter neither stuck nor holds its values."""
     y, steps_s = prepared.force_N[at - n : at + n], np.diff(prepared.time_s)
-    if steps_s[at - 1] > GAP_STEPS * median(steps_s) or min(map(np.ptp, (y[n - LEAST : n], y[n : n + LEAST]))) == 0.0:
+    if (
+        steps_s[at - 1] > GAP_STEPS * median(steps_s)
+        or min(map(np.ptp, (y[n - LEAST : n], y[n : n + LEAST]))) == 0.0
+    ):
         return False
     if any(first < at + 2 and last > at for first, last in prepared.stuck.tolist()):
         return False
@@ -231,7 +248,9 @@ def _at_once(prepared: Prepared, at: int, n: int, worse_N2: float) -> bool:
     line = np.column_stack([np.ones(2 * n), x - x.mean()]) / np.sqrt([2 * n, float(x.var()) * 2 * n])
     y = y - line @ (line.T @ y)
     for width in (2**k for k in range(int(math.log2(n)) + 1)):
-        begins = np.arange(n - width - n // 2, n + n // 2, max(1, width // 4)) if width > 1 else np.array([n - 1])
+        begins = (
+            np.arange(n - width - n // 2, n + n // 2, max(1, width // 4)) if width > 1 else np.array([n - 1])
+        )
         ramps = np.clip((x - begins[:, None]) / width, 0.0, 1.0)
         ramps -= (ramps @ line) @ line.T
         left_N2[width] = float(y @ y - ((ramps @ y) ** 2 / (ramps**2).sum(axis=1)).max())
@@ -261,7 +280,11 @@ def _before_and_after(blocks: Blocks, result: Breakaway) -> tuple[list[Rest], Re
     lasting_s = result.peak_time_s - float(blocks.time_s[0])
     most_N = LARGE * abs(result.peak_N) / lasting_s * float(blocks.time_s[1] - blocks.time_s[0])
     rests, later = (
-        [rest for rest in (_rest(blocks, *one) for one in some) if abs(rest.slope_N) - 3.0 * rest.slope_std_N < most_N]
+        [
+            rest
+            for rest in (_rest(blocks, *one) for one in some)
+            if abs(rest.slope_N) - 3.0 * rest.slope_std_N < most_N
+        ]
         for some in (flat, again)
     )
     return rests, max(later, key=lambda rest: rest.stop - rest.start, default=None)
@@ -275,7 +298,10 @@ def _rest(blocks: Blocks, start: int, stop: int) -> Rest:
     level_N, xx = float(y.mean()), max(float(x @ x), TINY)
     slope_N = float(x @ y) / xx
     left_N = y - level_N - slope_N * x
-    noise_N, alike = max(math.sqrt(float(left_N @ left_N) / max(y.size - 2, 1)), blocks.noise_N, TINY), _alike(left_N)
+    noise_N, alike = (
+        max(math.sqrt(float(left_N @ left_N) / max(y.size - 2, 1)), blocks.noise_N, TINY),
+        _alike(left_N),
+    )
     of_mean_N, of_slope_N = (noise_N * math.sqrt(alike / count) for count in (y.size, xx))
     return Rest(start, stop, level_N, of_mean_N, slope_N, of_slope_N, noise_N, alike)
 
@@ -299,11 +325,15 @@ def _flat(force_N: FloatArray, noise_N: float) -> list[tuple[int, int]]:
     half = min(int(below[-1]) + 1, top) if below.size else 0
     rate_N = (top_N - float(force_N[half])) / max(1, top - half)
     # Means over w blocks that follow each other differ by noise of √(2/w), that is √2 w^-1.5 in slope.
-    w = max(1, math.ceil((STILL_SIGMAS * math.sqrt(2.0) * noise_N / (STILL * max(rate_N, TINY))) ** (2.0 / 3.0)))
+    w = max(
+        1, math.ceil((STILL_SIGMAS * math.sqrt(2.0) * noise_N / (STILL * max(rate_N, TINY))) ** (2.0 / 3.0))
+    )
     if half < max(2 * LEAST, 2 * w + 3) or rate_N <= 0.0:
         return []
     sums, still = np.concatenate([[0.0], np.cumsum(force_N[:half] - force_N[0])]), np.zeros(half, dtype=bool)
-    still[w : half - w + 1] = np.abs(sums[2 * w :] - 2.0 * sums[w:-w] + sums[: -2 * w]) < STILL * rate_N * w**2
+    still[w : half - w + 1] = (
+        np.abs(sums[2 * w :] - 2.0 * sums[w:-w] + sums[: -2 * w]) < STILL * rate_N * w**2
+    )
     still[:w] = still[w]
     still &= force_N[:half] < low_N + AT_REST * (top_N - low_N)
     return [part for start, stop in runs_of(still).tolist() for part in _parted(force_N, start, stop)]
@@ -331,7 +361,9 @@ def _parted(force_N: FloatArray, start: int, stop: int) -> list[tuple[int, int]]
 def _without(result: Breakaway, zero_N: float, std_N: float, said: str) -> Breakaway:
     """Return a result whose forces are counted from another zero, and say so."""
     forces = {key: getattr(result, key) - zero_N for key in ("peak_N", "peak_raw_N", "kinetic_N")}
-    return replace(result, **forces, peak_std_N=math.hypot(result.peak_std_N, std_N), notes=(*result.notes, said))
+    return replace(
+        result, **forces, peak_std_N=math.hypot(result.peak_std_N, std_N), notes=(*result.notes, said)
+    )
 
 
 def _either(result: Breakaway, why: str, origin: str = "", zero_N: float = 0.0) -> Breakaway:

@@ -325,7 +325,7 @@ def card(sets: Mapping[str, list[Known]], weights: picker.Weights) -> str:
             kinds[one.kind][_fate(one, found.status, found.peak_N)] += 1
             answers = answers_of(one, weights)
             if answers and name != "drawn":
-                best = max(answers, key=lambda answer: answers[answer])  # noqa: B023  (used at once)
+                best = max(answers, key=lambda answer: answers[answer])
                 stated.append((answers[best], is_right(one, best)))
         lines += [_row(f"**{name}**", sum(kinds.values(), Counter()))]
         lines += [

@@ -23,7 +23,7 @@ LEVELS = {
     "trials": 3, "rig": 3,
     "fitting": 4, "given": 4,
     "scenes": 5,
-    "pipeline": 6, "accuracy": 6, "testing": 6,
+    "pipeline": 6, "accuracy": 6, "testing": 6, "training": 6,
     "plotting": 7,
     "report": 8,
     "review": 9,
@@ -38,18 +38,8 @@ TO_BE_REBUILT = {
     "fitting/compare.py compare_laws",
     "fitting/diagnose.py _grouped",
     "fitting/diagnose.py _judged",
-    "traces/decision.py _at_scale",
-    "traces/decision.py _fell_away",
-    "traces/decision.py _of_pull",
-    "traces/decision.py _of_slow_fall",
-    "traces/evidence.py stands_out",
     "traces/readers/inspection.py _channels",
     "traces/readers/inspection.py _find_blocks",
-    "traces/slips.py _first_full",
-    "traces/slips.py _is_passed",
-    "traces/slips.py _rivals",
-    "traces/zero.py _with_drift",
-    "traces/zero.py _with_level",
 }
 """Functions of rooms that are rebuilt next, more complex than any other may be."""
 

@@ -120,7 +120,7 @@ class _Story:
         """Forget what was before the force first came to a part of the break-away, as a logger with a trigger does."""
         time_s, force, state = self.knots()
         first = int(np.argmax(force >= part))
-        if 0 < first and not time_s[first] >= self.broke_s:
+        if first > 0 and not time_s[first] >= self.broke_s:
             self._time_s, self._force, self._state = (
                 [time_s[first:] - time_s[first]],
                 [force[first:]],

@@ -316,7 +316,7 @@ def least_fall_N(prepared: Prepared, settings: PickSettings) -> float:
 
 def rests_of(prepared: Prepared, whole: Look) -> BoolArray:
     """Return in which blocks the rope rests, is held or is let down."""
-    still = whole.states[:, list(STILL)].sum(axis=1) > 0.5  # noqa: PLR2004  (more likely than not)
+    still = whole.states[:, list(STILL)].sum(axis=1) > 0.5
     return np.asarray(still[_bins_of(whole, prepared.blocks.time_s)])
 
 
@@ -348,7 +348,7 @@ def measured(prepared: Prepared, settings: PickSettings, block: int, rests: Bool
 
 
 def fallen_from(force_N: FloatArray, top: int, least_N: float) -> int:
-    """Return where the fall after a top ends: it goes on by less than a tenth in twice its time, or turns; else the top."""
+    """Return where a fall ends, which goes on by less than a tenth in twice its time, or turns; the top, if none."""
     after = force_N[top:]
     lowest_N = np.minimum.accumulate(after)
     fall_N = after[0] - lowest_N
@@ -412,9 +412,12 @@ def _cut_off(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:
     end_s, begin_s = float(prepared.time_s[end - 1]), float(prepared.time_s[0])
     if trace.saturation is not None:
         runs = [
-            run for run in trace.saturation.high_runs.tolist()
-            if run[1] - run[0] >= SATURATED_SAMPLES and trace.time_s[run[0]] <= end_s and trace.time_s[run[1] - 1] >= begin_s
-        ]  # fmt: skip
+            (start, stop)
+            for start, stop in trace.saturation.high_runs.tolist()
+            if stop - start >= SATURATED_SAMPLES
+            and trace.time_s[start] <= end_s
+            and trace.time_s[stop - 1] >= begin_s
+        ]
         if not runs:
             return ""
         ceiling_N = float(np.nanmax(trace.force_N))
@@ -469,9 +472,8 @@ def _with_its_gap(prepared: Prepared, result: Breakaway) -> Breakaway:
         hidden_N = min(hidden_N, max(result.peak_N - result.kinetic_N, 0.0))
     if hidden_N <= HIDES * abs(result.peak_N):
         return result
-    read = ForceEvent(
-        kind="break-away", time_s=result.peak_time_s, force_N=result.peak_N, drop_N=result.drop_N, fall_s=nan, evidence="as read",
-    )  # fmt: skip
+    top: dict[str, float] = {"time_s": result.peak_time_s, "force_N": result.peak_N, "drop_N": result.drop_N}
+    read = ForceEvent(kind="break-away", **top, fall_s=nan, evidence="as read")
     higher = replace(read, force_N=result.peak_N + hidden_N, evidence="climbed on in the gap")
     detail = (
         f"{read.force_N:.4g} N or up to {higher.force_N:.4g} N: there is a gap of {gap_s:.3g} s in the samples next to "

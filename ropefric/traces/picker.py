@@ -148,7 +148,7 @@ def _rounded(values: FloatArray, grid: float = ACTIVATION_GRID) -> FloatArray:
 
 def _convolved(weights: Weights) -> Callable[..., FloatArray]:
     def layer(
-        name: str, values: FloatArray, width: int, reach: int, every: int = 1, *, is_last: bool = False
+        name: str, values: FloatArray, _: int, reach: int, every: int = 1, *, is_last: bool = False
     ) -> FloatArray:
         kernel, half = weights[f"{name}.w"], reach // 2
         bins, channels = values.shape
@@ -198,10 +198,10 @@ def closer(
 
     `states` are those of the bins; a climb is what leads to the bin without a rest.
     """
-    bin_ = int(around)
-    before = np.flatnonzero(~np.isin(states[: bin_ + 1], CLIMBING))
-    climb = max(bin_ - (int(before[-1]) if before.size else 0), 1)
+    before = np.flatnonzero(~np.isin(states[: around + 1], CLIMBING))
+    climb = max(around - (int(before[-1]) if before.size else 0), 1)
     width_s = float(edges_s[1] - edges_s[0])
-    middle_s = float(edges_s[bin_]) + 0.5 * width_s
+    middle_s = float(edges_s[around]) + 0.5 * width_s
     climb_s = (climb + 1) * width_s
-    return max(middle_s - 2.5 * climb_s, float(time_s[0])), min(middle_s + 1.8 * climb_s, float(time_s[-1]))
+    first_s, last_s = float(time_s[0]), float(time_s[-1])
+    return max(middle_s - 2.5 * climb_s, first_s), min(middle_s + 1.8 * climb_s, last_s)

@@ -50,6 +50,9 @@ tooth of a train."""
 STILL = (State.REST, State.HUNG, State.HELD, State.LET_DOWN, State.DISTURBED)
 SATURATED_SAMPLES, CUT_OFF = 3, 4
 """A limit shows in more samples than this in a row, and in so many times more than any lower force is held for."""
+STEEP, ENOUGH_TO_BEND = 0.75, 12
+"""A climb beside a gap is looked at from this part of the peak on; of fewer samples its bend says nothing, and what may
+be missing is in the uncertainty alone."""
 ENOUGH = 6
 """Blocks after which a fall of a single one may be over."""
 USUAL_WINDOW_S = 0.005
@@ -465,25 +468,39 @@ def _stuck(prepared: Prepared, block: int) -> str:
 
 
 def _with_its_gap(prepared: Prepared, result: Breakaway) -> Breakaway:
-    """Return a result in doubt where the force may have climbed on in a gap beside its top."""
-    gap_s, _ = gap_beside(prepared.time_s, result)
-    hidden_N = max(result.loading_rate_N_s, 0.0) * gap_s
-    if np.isfinite(result.kinetic_N):
-        hidden_N = min(hidden_N, max(result.peak_N - result.kinetic_N, 0.0))
-    if hidden_N <= HIDES * abs(result.peak_N):
+    """Return a result in doubt where the force may have been higher, or have slipped before, in a gap beside its top."""
+    gap_s, last = gap_beside(prepared.time_s, result)
+    if not gap_s:
         return result
-    top: dict[str, float] = {"time_s": result.peak_time_s, "force_N": result.peak_N, "drop_N": result.drop_N}
-    read = ForceEvent(kind="break-away", **top, fall_s=nan, evidence="as read")
-    higher = replace(read, force_N=result.peak_N + hidden_N, evidence="climbed on in the gap")
+    highest_N = _climbed_to_N(prepared, last, gap_s, result.peak_N)
+    if np.isfinite(result.kinetic_N):
+        highest_N = min(highest_N, 2.0 * result.peak_N - result.kinetic_N)
+    before_N, after_N = prepared.force_N[[last, min(last + 1, prepared.force_N.size - 1)]].tolist()
+    is_climb = after_N - before_N > (1.0 - STEEP) * abs(result.peak_N)
+    if highest_N - result.peak_N <= HIDES * abs(result.peak_N) and not is_climb:
+        return result
+    top: dict[str, float] = {"time_s": result.peak_time_s, "drop_N": result.drop_N, "fall_s": nan}
+    seen, higher = max(result.peak_N, before_N), max(highest_N, result.peak_N)
+    events = (
+        ForceEvent(kind="break-away", force_N=seen, **top, evidence="as read"),
+        ForceEvent(kind="break-away", force_N=higher, **top, evidence="climbed on in the gap"),
+    )
     detail = (
-        f"{read.force_N:.4g} N or up to {higher.force_N:.4g} N: there is a gap of {gap_s:.3g} s in the samples next to "
-        "the peak, in which the force may have been higher"
+        f"{seen:.4g} N or up to {higher:.4g} N: there is a gap of {gap_s:.3g} s in the samples next to the peak, in which "
+        + ("most of the climb lies" if is_climb else "the force may have been higher")
     )
-    return without_force(
-        Status.DOUBTFUL,
-        detail,
-        prepared,
-        candidates=(read, higher),
-        events=result.events,
-        phases=result.phases,
-    )
+    found = without_force(Status.DOUBTFUL, detail, prepared, candidates=events)
+    return replace(found, notes=result.notes, events=result.events, phases=result.phases)
+
+
+def _climbed_to_N(prepared: Prepared, last: int, gap_s: float, peak_N: float) -> float:
+    """Return how high a climb may have come in a gap after a sample, along the parabola through its upper part [N]."""
+    first = last - int(np.argmax(prepared.force_N[last::-1] < STEEP * peak_N)) + 1
+    part = slice(first, last + 1)
+    since_s, force_N = prepared.time_s[part] - prepared.time_s[last], prepared.force_N[part]
+    if force_N.size < ENOUGH_TO_BEND:
+        return float(prepared.force_N[last])
+    bend, rate, end_N = np.polyfit(since_s, force_N, 2)
+    turns_s = -rate / (2.0 * bend) if bend < 0.0 else gap_s
+    on_s = float(np.clip(turns_s, 0.0, gap_s))
+    return float(end_N + rate * on_s + min(bend, 0.0) * on_s**2)

@@ -1,9 +1,9 @@
 """The zero of a recording stays, drifts or jumps; and a level at rest is an error of it or a pretension.
 
-Lines through the rope at rest, before the climb and after the load was let down, are compared by how likely they are (BIC,
-with what is known of levels and slopes in place of a penalty for each): with a slope or without, each rest at a level of
-its own (weights were hung) or at that of another. Noise is coloured: only as many blocks count as are independent. A jump
-is one step between two samples with the same line on either side, more likely than any ramp.
+Lines through the rope at rest, before the climb and after the load was let down, are compared by how likely they are
+(BIC, with what is known of levels and slopes in place of one penalty for each): with a slope or without, each rest at a
+level of its own (weights were hung) or at that of another. Noise is coloured: only as many blocks count as are
+independent. A jump is one step between two samples with one line on either side, more likely than any ramp.
 """
 
 import math
@@ -22,7 +22,7 @@ from ropefric.traces.trace import ForceTrace
 
 MATTERS, LARGE, LARGEST_JUMP = 0.02, 0.12, 0.4
 """Parts of F_A: what matters, what is more than any error of the zero, and more than any zero jumps by."""
-CERTAIN, SELDOM, USUAL = 0.95, 0.08, 0.05
+CERTAIN, SELDOM, USUAL = 0.95, 0.06, 0.05
 """What counts as certain; so seldom does a zero drift, and then by about this part of F_A until the peak."""
 GOES_ON = 0.5 / math.sqrt(3.0)
 """Standard uncertainty of a drift after the last rest, where it may be half or one and a half times as fast."""
@@ -58,32 +58,28 @@ def with_its_zero(
     if is_loaded and settings.rest == "zero" and not is_tared:
         return _either(result, "the recording begins under load, so that it shows no zero to take off")
     rests, later = _before_and_after(blocks, result)
-    level_N = rests[0].level_N if rests else 0.0
+    level_N, std_N = (rests[0].level_N, rests[0].std_N) if rests else (0.0, 0.0)
     if not is_tared and level_N < -2.0 * LARGE * max(result.peak_N, result.peak_N - level_N):
         if settings.rest != "zero":
             asked = ASK.format("that is an error of the zero", "the machine pushes")
             found = _either(result, f"before the climb it reads {level_N:.3g} N: {asked}", "at rest", level_N)
             return replace(found, candidates=found.candidates[::-1])
-        said = f"{level_N:.4g} N at rest were taken off as the error of the zero"
-        result, is_tared = _without(result, level_N, rests[0].std_N, said), True
+        result, is_tared = _with_level(level_N, std_N, result, settings), True
     if result.peak_N <= 0.0:
         return result
+    jump_N, is_at_rest = _jump_N(prepared, rests, later, result)
     if rests:
         result, level_N = _with_drift(blocks, rests, later, result)
-    jump_N, is_at_rest = _jump_N(prepared, rests, later, result)
-    if result.status is Status.OK and rests and not is_tared:
         level_N += jump_N if settings.rest == "zero" and is_at_rest else 0.0
-        result = _with_level(level_N, rests[0].std_N, result, settings)
-    if result.status is not Status.OK or not jump_N or (is_at_rest and settings.rest != "unknown"):
-        return result
-    why = f"the force jumps by {jump_N:.3g} N at once within the climb: the zero did, or a load came on"
-    if is_at_rest:
-        why = f"the rope at rest jumps by {jump_N:.3g} N at once: {ASK.format('the zero did', 'a load came on')}"
-    return _either(result, why, "before the jump", jump_N)
+        result = result if is_tared else _with_level(level_N, std_N, result, settings)
+    is_said = is_at_rest and settings.rest != "unknown"
+    return _with_jump(result, 0.0 if is_said else jump_N, is_at_rest=is_at_rest)
 
 
 def _with_level(level_N: float, std_N: float, result: Breakaway, settings: PickSettings) -> Breakaway:
     """Return a result of which a level at rest is taken off, is a load, or may be either."""
+    if result.status is not Status.OK:
+        return result
     if settings.rest == "zero":
         said = f"{level_N:.4g} N at rest were taken off as the error of the zero"
         return _without(result, level_N, std_N, said)
@@ -134,7 +130,7 @@ def _with_drift(
     since_N = float(np.clip(level_N * lasting_s / drift_N, 0.0, rested_s)) * drift_N / lasting_s
     drift_N += since_N
     # Between two rests it may bend, after the last one end; and what slopes in coloured noise may be a part of that.
-    goes_on = GOES_ON * (0.5 if weights[is_tied].sum() > CERTAIN else 1.0)
+    goes_on = GOES_ON * (0.5 if later and weights[is_tied].sum() > CERTAIN else 1.0)
     alike = max(whole, key=lambda rest: rest.stop - rest.start).alike
     std_N = math.hypot(std_N, goes_on * drift_N * min(max(0.5 * alike, 1.0), 2.0))
     if 2.0 * std_N > small_N:
@@ -147,7 +143,7 @@ def _with_drift(
 def _drifts(
     blocks: Blocks, rests: list[Rest], lasting_s: float, peak_N: float
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return the drift that each hypothesis has, ± what, how probable it is, and whether the last level is an earlier one."""
+    """Return the drift that each hypothesis has, ± what, how probable it is, and if the last level is an earlier one."""
     n, sizes = len(rests), [rest.stop - rest.start for rest in rests]
     index = np.concatenate([np.arange(rest.start, rest.stop) for rest in rests])
     own, longest = np.repeat(np.arange(n), sizes), rests[int(np.argmax(sizes))]
@@ -185,6 +181,16 @@ def _drifts(
 
 
 # --- jump ------------------------------------------------------------------------------------------------------------
+
+
+def _with_jump(result: Breakaway, jump_N: float, *, is_at_rest: bool) -> Breakaway:
+    """Return a result in doubt over a jump, which nobody can tell from a load that came on."""
+    if result.status is not Status.OK or not jump_N:
+        return result
+    why = f"the force jumps by {jump_N:.3g} N at once within the climb: the zero did, or a load came on"
+    if is_at_rest:
+        why = f"the rope at rest jumps by {jump_N:.3g} N at once: {ASK.format('the zero did', 'a load came on')}"
+    return _either(result, why, "before the jump", jump_N)
 
 
 def _jump_N(
@@ -235,7 +241,7 @@ def _steps(prepared: Prepared, top: int, n: int, least_N: float) -> Iterator[tup
 
 
 def _at_once(prepared: Prepared, at: int, n: int, worse_N2: float) -> bool:
-    """Return whether a step is more likely than a ramp, and no gap, and the converter neither stuck nor holds its values."""
+    """Return whether a step is likelier than a ramp, in no gap, and the converter neither stuck nor holds its value."""
     y, steps_s = prepared.force_N[at - n : at + n], np.diff(prepared.time_s)
     if (
         steps_s[at - 1] > GAP_STEPS * median(steps_s)

@@ -210,7 +210,7 @@ def train(
             order = rng.permutation(len(answers))
         chosen, order = np.sort(order[:BATCH]), order[BATCH:]
         batch = torch.from_numpy(channels[chosen].astype(np.float32)).transpose(1, 2).contiguous()
-        shift = rng.standard_normal((BATCH, 1)) * 0.01 * (rng.random((BATCH, 1)) < 0.3)
+        shift = rng.standard_normal((chosen.size, 1)) * 0.01 * (rng.random((chosen.size, 1)) < 0.3)
         batch[:, 0] += torch.from_numpy(shift.astype(np.float32))
         places, kinds = network(batch)
         wanted = _targets(torch.from_numpy(answers[chosen]))

@@ -248,7 +248,11 @@ def drawn_ones(count: int) -> Iterator[Known]:
 def of_the_first_rig(per_fault: int) -> Iterator[Known]:
     """Yield recordings of the virtual rig, without a fault and with each that a recording survives."""
     bench = Bench()
-    usable = [fault for fault in FAULTS.values() if not fault.on_bytes and not fault.protocols]
+    usable = [
+        fault
+        for fault in FAULTS.values()
+        if not fault.on_bytes and (not fault.protocols or "breakaway" in fault.protocols)
+    ]
     for number, name in enumerate(["", *(fault.name for fault in usable)]):
         for seed in range(per_fault):
             rng = np.random.default_rng([LEFT_OUT, number, seed])
@@ -257,8 +261,8 @@ def of_the_first_rig(per_fault: int) -> Iterator[Known]:
             one = simulate_recording(bench, **given, faults=[name] if name else [])
             counts = np.where(np.isnan(one.counts), -1, one.counts).astype(np.int64)
             calibration = Calibration(cell=bench.cell_named(one.truth.cell), adc=bench.adc)
-            if counts.size > picker.CHANNELS:
-                calibration, _ = calibration.with_tare(counts[: max(8, counts.size // 20)])
+            if counts.size >= 50:  # noqa: PLR2004  (fewer are too short a recording)
+                calibration, _ = calibration.with_tare(counts[: max(20, counts.size // 20)])
             force_N, saturation = calibration.apply(counts)
             keep, time_s, _ = mend_clock(one.time_s, [force_N])
             trace = ForceTrace(time_s=time_s, force_N=force_N[keep], saturation=saturation, name=name)
@@ -318,7 +322,8 @@ def card(sets: Mapping[str, list[Known]], weights: picker.Weights) -> str:
     for name, ones in sets.items():
         kinds: dict[str, Counter[str]] = defaultdict(Counter)
         for one in ones:
-            prepared, settings = prepare(one.trace, PickSettings()), PickSettings(rest="pretension")
+            settings = PickSettings(rest="pretension" if name == "drawn" else "unknown")
+            prepared = prepare(one.trace, settings)
             if prepared is None:
                 continue
             found = decision.pick_prepared(one.trace, prepared, settings, weights)

@@ -48,8 +48,6 @@ TO_BE_REBUILT = {
     "traces/slips.py _first_full",
     "traces/slips.py _is_passed",
     "traces/slips.py _rivals",
-    "traces/zero.py _with_drift",
-    "traces/zero.py _with_level",
 }
 """Functions of rooms that are rebuilt next, more complex than any other may be."""
 

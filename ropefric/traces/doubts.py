@@ -4,9 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ropefric.arrays import median
 from ropefric.traces.breakaway import Breakaway, Status
-from ropefric.traces.events import TINY
 from ropefric.traces.noise import MAX_SPIKE_SAMPLES, REJOINS, SPIKE_SIGMAS, STANDS_OUT
 from ropefric.traces.peak import early_s, gap_beside, line_through
 from ropefric.traces.results import as_read, either
@@ -35,38 +33,7 @@ def with_its_top(prepared: Prepared, result: Breakaway) -> Breakaway:
         highest = replace(as_read(result), force_N=result.peak_N + hidden_N, evidence="climbed on in the gap")
         why = "there is a gap in the samples next to the peak, in which the force may have been higher"
         return either(result, [as_read(result), highest], why)
-    if jump_N := _jump_in_the_climb_N(prepared, result):
-        before = replace(as_read(result), force_N=result.peak_N - jump_N, evidence="without the jump")
-        why = f"the force jumps by {jump_N:.3g} N at once within the climb: the zero did, or a load came on"
-        return either(result, [as_read(result), before], why)
     return _with_its_jump(prepared, result)
-
-
-def _jump_in_the_climb_N(prepared: Prepared, result: Breakaway) -> float:
-    """Return by how much the force jumps up from one sample to the next and climbs on at its rate; 0 where it does not.
-
-    Neither motor nor slip does that, and a load that comes on swings.
-    """
-    top = int(np.searchsorted(prepared.time_s, result.peak_time_s))
-    force_N, time_s = prepared.force_N[: top + 1], prepared.time_s[: top + 1]
-    low = np.flatnonzero(force_N <= LOADED * result.peak_N)
-    start = int(low[-1]) + 1 if low.size else 0
-    n, steps_N = JUMP_SAMPLES, np.diff(force_N)
-    if top - start < 4 * n:
-        return 0.0
-    # Without the largest step the means of n samples on either side lie apart by what the climb does in that time.
-    at = start + n + int(np.argmax(steps_N[start + n : top - n]))
-    before, after = force_N[at + 1 - n : at + 1], force_N[at + 1 : at + 1 + n]
-    slope_N = 0.5 * (median(np.diff(before)) + median(np.diff(after)))
-    jump_N = float(steps_N[at]) - slope_N
-    shift_N = float(after.mean() - before.mean()) - n * slope_N
-    wide = float(np.diff(time_s[at : at + 2])[0]) / max(median(np.diff(time_s[start:])), TINY)
-    usual_N = float(np.abs(np.diff(before)).max() + np.abs(np.diff(after)).max()) / 2.0
-    stays = abs(shift_N - jump_N) < REJOINS * jump_N and min(np.ptp(before), np.ptp(after)) > 0.0
-    # A converter that holds its values jumps again and again.
-    usual_N = max(usual_N, 0.5 * float(np.partition(steps_N[start:top], -2)[-2]))
-    least_N = max(STANDS_OUT * usual_N, SPIKE_SIGMAS * prepared.noise_N, HIDES * result.peak_N)
-    return jump_N if stays and jump_N > least_N and wide < 1.5 else 0.0
 
 
 def _climbs_on(prepared: Prepared, result: Breakaway, stop: int) -> bool:

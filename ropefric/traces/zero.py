@@ -1,558 +1,416 @@
-"""The zero of a recording: its drift while the rope is at rest, and a level at rest that is none."""
+"""The zero of a recording stays, drifts or jumps; and a level at rest is an error of it or a pretension.
+
+Lines through the rope at rest, before the climb and after the load was let down, are compared by how likely they are
+(BIC, with what is known of levels and slopes in place of one penalty for each): with a slope or without, each rest at a
+level of its own (weights were hung) or at that of another. Noise is coloured: only as many blocks count as are
+independent. A jump is one step between two samples with one line on either side, more likely than any ramp.
+"""
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
-from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
-from ropefric.arrays import FloatArray, IntArray, median
-from ropefric.traces.breakaway import Breakaway, PickSettings, Status
+from ropefric.arrays import FloatArray, median
+from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
 from ropefric.traces.clock import GAP_STEPS
-from ropefric.traces.events import LEAST, half_climb, least_squares, parted, still
 from ropefric.traces.noise import runs_of
-from ropefric.traces.results import as_read, either
-from ropefric.traces.segments import AT_REST, PIECE_BLOCKS, Blocks, Prepared
+from ropefric.traces.segments import AT_REST, Blocks, Prepared
 from ropefric.traces.trace import ForceTrace
 
-SMALL_ZERO, UNKNOWN, LARGE_ZERO = 0.02, 0.08, 0.12
-"""Parts of F_A: a level at rest that matters, a drift that must be excluded, and what can only be a pretension."""
-JUMP_BLOCKS, JUMP_SIGMAS, SWINGS_BY, LARGE_JUMP = 6, 5.0, 0.1, 0.4
-"""A rope swings by more than the last part of a load that comes on at once."""
-STEPS_BY = 0.5
-"""A jump leaves so much less of the squares than a climb that begins in between."""
-SIDE, WORSE, LONGER = 40, 4.0, (2, 4, 8, 16, 32)
-"""Blocks of a level on either side of a change; what is more likely leaves less by so many variances; and in how many
-samples a change that is no jump may be made, of which the last must be less likely."""
-CAME_BACK = 0.25
-"""A rope that rests again as at first, but for this part of a jump in between, was loaded there."""
-BELOW_SIGMAS = 3.0
-BURST_SIGMAS, SHORT_REST = 4.0, 0.5
-"""What leaves so many times the noise for less than this part of the longest rest is a burst of it."""
-PIECES = 8
-"""A stretch at rest is looked at in so many pieces."""
-BRIEF = 2 * PIECE_BLOCKS
-"""A drift is slow: what slopes within so few blocks settles, or begins to be loaded."""
-FEWEST, CLIMB_SIGMAS = 3, 2.0
-DRIFT_SIGMAS, SEEN_SIGMAS, MAY_BE_SIGMAS = 4.0, 3.0, 2.0
-COLOURED, COLOUR = 1.5, 2.0
-"""Noise that leaves so many times more than white one would makes a slope by chance so many times more often."""
-WALK_SIGMAS = 4.0
-LEFT_OF_DRIFT = 0.5 / np.sqrt(3.0)
-"""Standard uncertainty of what is taken off for a drift, which may be half or one and a half times that."""
-RETURNED = 0.1
-"""A zero that seemed to drift and stands, when the rope rests again, at less than this part of it, did not."""
+MATTERS, LARGE, LARGEST_JUMP = 0.02, 0.12, 0.4
+"""Parts of F_A: what matters, what is more than any error of the zero, and more than any zero jumps by."""
+CERTAIN, SELDOM, USUAL = 0.95, 0.06, 0.05
+"""What counts as certain; so seldom does a zero drift, and then by about this part of F_A until the peak."""
+GOES_ON = 0.5 / math.sqrt(3.0)
+"""Standard uncertainty of a drift after the last rest, where it may be half or one and a half times as fast."""
+LEAST, WIDTHS, CAME_BACK = 8, (8, 32, 128), 0.25
+"""Fewest blocks of a rest; samples on either side of a jump; what comes back to within this part of one was a load."""
+STILL, STILL_SIGMAS, ENDS = 0.3, 7.0, 4.0
+"""A rope at rest is loaded at less than this part of the machine's rate, which is so many times its uncertainty; a rest
+ends where it leaves the line through its middle by so many times the noise."""
 ASK = 'say whether {} (a [tare] interval, or [protocol] rest = "zero") or {} (rest = "pretension")'
-FROM_ZERO = 0.5
-"""What drifts from the first sample on is most of the level at rest, or the rope was not at zero there."""
-BUMP, AGREE = 3.0, 3.0
-"""A bump is so many times higher than the levels differ, and two slopes that agree differ by so many errors."""
+TINY = 1e-300
+
+
+class Rest(NamedTuple):
+    """A stretch in blocks in which the rope is at rest: its level and slope, noise, and how many blocks count as one."""
+
+    start: int
+    stop: int
+    level_N: float
+    std_N: float
+    slope_N: float
+    slope_std_N: float
+    noise_N: float
+    alike: float
 
 
 def with_its_zero(
     trace: ForceTrace, prepared: Prepared, result: Breakaway, settings: PickSettings
 ) -> Breakaway:
-    """Return a result with what the rope at rest says of the zero: its drift, and a level that is none.
-
-    A recording in newtons that was not tared may begin at a pretension, which belongs to F_A, or at an error of the
-    zero, which does not.
-    """
+    """Return a result with what the rope at rest says of the zero: its level, its drift, and a jump."""
     if result.status is not Status.OK or (result.peak_N <= 0.0 and settings.rest != "zero"):
         return result
-    n, blocks = prepared.blocks.n_rest, prepared.blocks
-    is_tared = trace.calibration is not None or settings.rest == "pretension"
-    rest_N = 0.0 if is_tared or not n else float(blocks.force_N[: n // blocks.size].mean())
-    if rest_N < min(0.0, -2.0 * LARGE_ZERO * max(result.peak_N, result.peak_N - rest_N)):
+    blocks, is_tared = prepared.blocks, trace.calibration is not None or settings.rest == "pretension"
+    is_loaded = not blocks.n_rest and blocks.force_N[0] > AT_REST * result.peak_N
+    if is_loaded and settings.rest == "zero" and not is_tared:
+        return _either(result, "the recording begins under load, so that it shows no zero to take off")
+    rests, later = _before_and_after(blocks, result)
+    level_N, std_N = (rests[0].level_N, rests[0].std_N) if rests else (0.0, 0.0)
+    if not is_tared and level_N < -2.0 * LARGE * max(result.peak_N, result.peak_N - level_N):
         if settings.rest != "zero":
-            return _may_push(result, rest_N)
-        result = _taken_off(result, rest_N, f"{rest_N:.4g} N at rest were taken off as the error of the zero")
-        blocks = replace(blocks, force_N=blocks.force_N - rest_N)
-        prepared = replace(prepared, force_N=prepared.force_N - rest_N, blocks=blocks)
-        is_tared, settings = True, replace(settings, rest="pretension")
-    elif not n and settings.rest == "zero" and not is_tared and blocks.force_N[0] > AT_REST * result.peak_N:
-        why = "the recording begins under load, so that it shows no zero to take off"
-        return either(result, [as_read(result)], why)
-    return result if result.peak_N <= 0.0 else _with_level(prepared, result, settings, is_tared=is_tared)
-
-
-def _may_push(result: Breakaway, rest_N: float) -> Breakaway:
-    """Return a result in doubt over a level far below nothing before the climb."""
-    read = as_read(result)
-    events = [replace(read, force_N=result.peak_N - rest_N, evidence="from the level at rest"), read]
-    asked = ASK.format("that is an error of the zero", "the machine pushes")
-    return either(result, events, f"before the climb it reads {rest_N:.3g} N: {asked}")
-
-
-def _with_level(
-    prepared: Prepared, result: Breakaway, settings: PickSettings, *, is_tared: bool
-) -> Breakaway:
-    """Return a result with the drift of the zero and a level at rest that lies near it."""
-    n, blocks = prepared.blocks.n_rest, prepared.blocks
-    top = int(np.searchsorted(blocks.time_s, result.peak_time_s))
-    flat = rests_of(blocks, top)
-    longest = max((b - a for a, b in flat), default=0)
-    rests = [one for one in flat if n and _is_at_rest(prepared, *one, longest)]
-    # What was hung on or taken up while the rope was at rest is no zero.
-    rest_N = prepared.force_N[: min([n, *(stop * blocks.size for _, stop in rests[:1])])]
-    zero_N = 0.0 if is_tared or not n else float(rest_N.mean())
-    found = result
-    result, why, from_N = _with_drift(blocks, rests, found, zero_N)
-    starts_at_zero = from_N != zero_N
-    at_rest = rests if rests and result.peak_N == found.peak_N else [(0, n // blocks.size)]
-    below_N, left_N, step_N = 0.0, 0.0, 0.0
-    if n and not (is_tared or starts_at_zero):
-        below_N, wanders_N, left_N = _below_nothing(blocks, at_rest, result.peak_N)
-    if below_N and settings.rest != "zero":
-        said = (
-            f"the rope at rest reads {below_N:.3g} N, less than nothing: taken off as the error of the zero"
+            asked = ASK.format("that is an error of the zero", "the machine pushes")
+            found = _either(result, f"before the climb it reads {level_N:.3g} N: {asked}", "at rest", level_N)
+            return replace(found, candidates=found.candidates[::-1])
+        result, is_tared = _with_level(level_N, std_N, result, settings), True
+    if result.peak_N <= 0.0:
+        return result
+    jump_N, is_at_rest = _jump_N(prepared, rests, later, result)
+    if rests:
+        result, level_N = _with_drift(blocks, rests, later, result)
+        level_N += jump_N if settings.rest == "zero" and is_at_rest else 0.0
+        result = (
+            result
+            if is_tared
+            else _with_level(level_N, std_N, _below_nothing(rests, result, settings), settings)
         )
-        result = _taken_off(result, below_N, said)
-        result = replace(result, peak_std_N=math.hypot(result.peak_std_N, wanders_N))
-    if settings.rest != "pretension":
-        step_N = _shift_N(prepared, result, _jump_N(prepared, top, flat))
-        # What was taken off has fallen there already.
-        step_N = max(step_N, 0.0) if below_N else step_N
-    zero_N = 0.0 if below_N and settings.rest != "zero" else from_N
-    if settings.rest == "zero" and not is_tared:
-        zero_N, step_N, left_N = left_N or zero_N + step_N, 0.0, 0.0
-    if not why and settings.rest == "zero" and not is_tared and n:
-        said = f"{zero_N:.4g} N at rest were taken off as the error of the zero"
-        return _taken_off(result, zero_N, said)
-    events = [read := as_read(result)]
-    lowest_N = min((float(blocks.force_N[a:b].mean()) for a, b in rests), default=0.0)
-    if not (why or below_N or is_tared) and lowest_N < -2.0 * LARGE_ZERO * result.peak_N:
-        return _may_push(result, lowest_N)
-    for level_N, largest, origin, what, zero, load in (
-        (
-            zero_N,
-            LARGE_ZERO,
-            "at rest",
-            f"reads {zero_N:.3g} N",
-            "that is an error of the zero",
-            "a pretension",
-        ),
-        (
-            left_N,
-            LARGE_ZERO,
-            "after a load",
-            f"reads {left_N:.3g} N after a load",
-            "the zero shifted",
-            "the load left that",
-        ),
-        (
-            step_N,
-            LARGE_JUMP,
-            "before a jump",
-            f"jumps by {step_N:.3g} N at once",
-            "the zero did",
-            "a load came on",
-        ),
+    is_said = is_at_rest and settings.rest != "unknown"
+    return _with_jump(result, 0.0 if is_said else jump_N, is_at_rest=is_at_rest)
+
+
+def _below_nothing(rests: list[Rest], result: Breakaway, settings: PickSettings) -> Breakaway:
+    """Return a result in doubt where a later rest reads less than nothing: its zero shifted, or a load left that."""
+    lowest_N = min(
+        (rest.level_N + 3.0 * rest.std_N for rest in rests if rest.stop - rest.start > 2 * LEAST), default=0.0
+    )
+    if (
+        result.status is not Status.OK
+        or settings.rest != "unknown"
+        or lowest_N > min(rests[0].level_N, 0.0) - MATTERS * result.peak_N
     ):
-        if not why and SMALL_ZERO * result.peak_N < abs(level_N) < largest * result.peak_N:
-            other_N = result.peak_N - level_N
-            events.append(replace(read, force_N=other_N, evidence=f"from the level {origin}"))
-            why = f"the rope at rest {what}: {ASK.format(zero, load)}"
-    if not why:
-        # A small level may be either.
-        small_N = zero_N if abs(zero_N) <= SMALL_ZERO * result.peak_N else 0.0
-        said = (
-            f"the rope at rest reads {zero_N:.3g} N, which counts as a pretension: if that is an error of the zero, "
-            'set [protocol] rest = "zero"'
-        )
-        is_said = zero_N >= LARGE_ZERO * result.peak_N and settings.rest == "unknown"
-        u_N = float(np.hypot(result.peak_std_N, small_N / np.sqrt(3.0)))
-        return replace(result, peak_std_N=u_N, notes=(*result.notes, *[said] * is_said))
-    return either(result, events, why)
+        return result
+    asked = ASK.format("the zero shifted", "the load left that")
+    why = f"the rope at rest reads {lowest_N:.3g} N after a load: {asked}"
+    return _either(result, why, "after a load", lowest_N)
 
 
-def _below_nothing(blocks: Blocks, rests: list[tuple[int, int]], peak_N: float) -> tuple[float, float, float]:
-    """Return the level of a rope at rest that reads less than nothing, ± what, and a lower one after a load; 0 for none.
+def _with_level(level_N: float, std_N: float, result: Breakaway, settings: PickSettings) -> Breakaway:
+    """Return a result of which a level at rest is taken off, is a load, or may be either."""
+    if result.status is not Status.OK:
+        return result
+    if settings.rest == "zero":
+        said = f"{level_N:.4g} N at rest were taken off as the error of the zero"
+        return _without(result, level_N, std_N, said)
+    said = f"the rope at rest reads {level_N:.3g} N"
+    if level_N < -3.0 * std_N:
+        why = f"{said}, less than nothing: taken off as the error of the zero"
+        return _without(result, level_N, std_N, why)
+    if level_N > LARGE * result.peak_N:
+        why = f'{said}, which counts as a pretension: if that is an error of the zero, set [protocol] rest = "zero"'
+        return replace(result, notes=(*result.notes, why))
+    if level_N > MATTERS * result.peak_N:
+        why = f"{said}: {ASK.format('that is an error of the zero', 'a pretension')}"
+        return _either(result, why, "at rest", level_N)
+    return replace(result, peak_std_N=math.hypot(result.peak_std_N, level_N / math.sqrt(3.0)))
 
-    A rope does not push: what it reads before the climb is the zero, whatever is hung on later. Levels that differ by
-    little may be one zero that wanders: their mean counts, not the lowest. After a load it may be what that left, where
-    the weights hung when the recording was tared.
-    """
-    loaded = rests[0][0] + int(np.argmax(blocks.force_N[rests[0][0] :] > AT_REST * peak_N))
-    levels_N = np.array([blocks.force_N[a:b].mean() for a, b in rests])
-    first, sizes = np.array(rests)[:, 0] <= loaded, np.diff(rests, axis=1)[:, 0]
-    near = first & (levels_N < levels_N[first].min() + SMALL_ZERO * peak_N)
-    below_N = float(np.average(levels_N[near], weights=sizes[near]))
-    std_N = math.sqrt(np.average((levels_N[near] - below_N) ** 2, weights=sizes[near]))
-    left_N = float(levels_N.min())
-    # A machine that pushes, too, leaves far more.
-    white_N = blocks.noise_N / math.sqrt(sizes[near].sum())
-    is_below = -2.0 * LARGE_ZERO * peak_N < below_N < -BELOW_SIGMAS * white_N
-    is_left = left_N < min(float(levels_N[first].min()), 0.0) - SMALL_ZERO * peak_N
-    return below_N if is_below else 0.0, std_N, left_N if is_left else 0.0
+
+# --- drift -----------------------------------------------------------------------------------------------------------
 
 
 def _with_drift(
-    blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway, zero_N: float
-) -> tuple[Breakaway, str, float]:
-    """Return a result without a drift that is seen, why F_A is not known if it is large, and the zero that drifts.
-
-    What may be left of it is in u.
-    """
-    again = _at_rest_again(blocks, rests, result)
-    # So brief a rest says as much as none.
-    if again is None and sum(stop - start for start, stop in rests) < BRIEF:
-        return result, "", zero_N
-    drift_N, std_N, walk_std_N, colour = drift(blocks, rests, result)
-    is_seen = 0.0 < max(DRIFT_SIGMAS, SEEN_SIGMAS * colour) * std_N <= abs(drift_N)
-    wrong_N = abs(drift_N)
-    if abs(zero_N) <= SMALL_ZERO * result.peak_N:
-        wrong_N = max(wrong_N, abs(drift_N + zero_N))
-    why = ""
-    if 0.0 < SEEN_SIGMAS * colour * std_N <= abs(drift_N) and wrong_N + std_N > SMALL_ZERO * result.peak_N:
+    blocks: Blocks, rests: list[Rest], later: Rest | None, result: Breakaway
+) -> tuple[Breakaway, float]:
+    """Return a result without the drift of its zero, and the level from which that drifts."""
+    middle, level_N = (rests[0].start + rests[0].stop - 1) // 2, rests[0].level_N
+    rested_s = float(blocks.time_s[middle] - blocks.time_s[0])
+    lasting_s, small_N = result.peak_time_s - float(blocks.time_s[middle]), MATTERS * result.peak_N
+    whole = [*rests, later] if later else rests
+    if sum(rest.stop - rest.start for rest in whole) < len(whole) + LEAST:
+        return result, level_N
+    drifts_N, stds_N, weights, is_tied = _drifts(blocks, whole, lasting_s, result.peak_N)
+    has = stds_N > 0.0
+    if weights[has].sum() < CERTAIN:
+        outside = [
+            1.0
+            - 0.5
+            * sum(math.erf((small_N + way * drift_N) / (std_N + TINY) / math.sqrt(2.0)) for way in (-1, 1))
+            for drift_N, std_N in zip(drifts_N, stds_N, strict=True)
+        ]
+        std_N = math.sqrt(float(weights @ (stds_N**2 + drifts_N**2)))
+        if weights @ outside > 1.0 - CERTAIN:
+            why = f"the rope rests too briefly to exclude a drift of the zero of {2.0 * std_N:.2g} N"
+            return _either(result, why), level_N
+        return replace(result, peak_std_N=math.hypot(result.peak_std_N, std_N)), level_N
+    weights = weights * has / weights[has].sum()
+    drift_N = float(weights @ drifts_N)
+    std_N = math.sqrt(float(weights @ (stds_N**2 + (drifts_N - drift_N) ** 2)))
+    # Counted from when the zero was right, if it was so within the first rest, as after a tare.
+    since_N = float(np.clip(level_N * lasting_s / drift_N, 0.0, rested_s)) * drift_N / lasting_s
+    drift_N += since_N
+    # Between two rests it may bend, after the last one end; and what slopes in coloured noise may be a part of that.
+    goes_on = GOES_ON * (0.5 if later and weights[is_tied].sum() > CERTAIN else 1.0)
+    alike = max(whole, key=lambda rest: rest.stop - rest.start).alike
+    std_N = math.hypot(std_N, goes_on * drift_N * min(max(0.5 * alike, 1.0), 2.0))
+    if 2.0 * std_N > small_N:
         why = f"the zero drifts by about {abs(drift_N):.2g} N between the rope at rest and the peak"
-    elif wrong_N + 2.0 * std_N > UNKNOWN * result.peak_N:
-        why = f"the rope rests too briefly to exclude a drift of the zero of {wrong_N + 2.0 * std_N:.2g} N"
-    if (why or is_seen) and again:
-        change_N, change_std_N, part, earlier_N = again
-        small_N = SMALL_ZERO * result.peak_N
-        # A drift that was seen should be there still; a tension that is left may hide a part of it, but not all.
-        is_gone = not is_seen or part * change_N * math.copysign(1.0, drift_N) < RETURNED * abs(drift_N)
-        # A load that was taken off again may hide all of it: from before that it went on.
-        is_gone &= not any(abs(other_N - drift_N) < 0.5 * abs(drift_N) for other_N in earlier_N if is_seen)
-        if earlier_N and abs(earlier_N[0]) + 2.0 * change_std_N < min(small_N, RETURNED * wrong_N):
-            # What was loaded at rest in between, and creeps, has gone.
-            change_N = earlier_N[0]
-            is_gone = True
-        if is_gone and abs(change_N) + 2.0 * change_std_N < small_N:
-            u_N = math.hypot(result.peak_std_N, change_std_N, change_N / math.sqrt(3.0))
-            return replace(result, peak_std_N=u_N), "", zero_N
-        if why and is_seen and abs(part * change_N - drift_N) + 2.0 * std_N < small_N:
-            drift_N, why = part * change_N, ""
-    # Whether a drift that is seen went on at one rate is not known, nor one that noise may be.
-    may_be = MAY_BE_SIGMAS * colour * std_N <= abs(drift_N)
-    left_N = (
-        math.hypot(std_N, drift_N * (LEFT_OF_DRIFT if is_seen else 2.0 * LEFT_OF_DRIFT)) if may_be else 0.0
+        return _either(result, why, "before the drift", drift_N), level_N
+    said = f"the zero drifts by {drift_N:.2g} N until the peak, which was taken off"
+    return _without(result, drift_N, std_N, said), level_N - since_N
+
+
+def _drifts(
+    blocks: Blocks, rests: list[Rest], lasting_s: float, peak_N: float
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return the drift that each hypothesis has, ± what, how probable it is, and if the last level is an earlier one."""
+    n, sizes = len(rests), [rest.stop - rest.start for rest in rests]
+    index = np.concatenate([np.arange(rest.start, rest.stop) for rest in rests])
+    own, longest = np.repeat(np.arange(n), sizes), rests[int(np.argmax(sizes))]
+    noises_N = np.array([max(rest.noise_N, longest.noise_N) for rest in rests])
+    scale_N = (noises_N * math.sqrt(longest.alike))[own]
+    # Each at a level of its own, or the last one at that of the first one or of the one before it.
+    level_sets = {
+        tuple(range(n)),
+        (0,) * n,
+        (*range(n - 1), 0),
+        (*range(n - 1), max(n - 2, 0)),
+        (*(0,) * (n - 1), 1),
+    }
+    found = []
+    for levels in sorted(level_sets):
+        columns = (np.array(levels)[own][:, None] == np.unique(levels)) / scale_N[:, None]
+        slope = (blocks.time_s[index] - blocks.time_s[index[0]]) / lasting_s / scale_N
+        # A level may be anything up to F_A: one more is paid for by what is known of it.
+        paid = float(np.log(peak_N**2 * (columns**2).sum(axis=0) / math.tau).sum())
+        y, slope = (
+            some - columns @ np.linalg.lstsq(columns, some, rcond=None)[0]
+            for some in (blocks.force_N[index] / scale_N, slope)
+        )
+        is_tied = levels[-1] in levels[:-1]
+        found.append((0.0, 0.0, float(y @ y) + paid, is_tied))
+        seen_N2, usual_N2 = 1.0 / max(float(slope @ slope), TINY), (USUAL * peak_N) ** 2
+        seen_N, known = float(slope @ y) * seen_N2, usual_N2 / (usual_N2 + seen_N2)
+        if abs(seen_N * known) < LARGE * peak_N:
+            paid += math.log((usual_N2 + seen_N2) / seen_N2) - 2.0 * math.log(SELDOM)
+            left = float(y @ y) - seen_N**2 / seen_N2 * known
+            found.append((seen_N * known, math.sqrt(seen_N2 * known), left + paid, is_tied))
+    drifts_N, stds_N, unlikely, is_tied = np.array(found).T
+    weights = np.exp(0.5 * (unlikely.min() - unlikely))
+    return drifts_N, stds_N, weights / weights.sum(), is_tied > 0.0
+
+
+# --- jump ------------------------------------------------------------------------------------------------------------
+
+
+def _with_jump(result: Breakaway, jump_N: float, *, is_at_rest: bool) -> Breakaway:
+    """Return a result in doubt over a jump, which nobody can tell from a load that came on."""
+    if result.status is not Status.OK or not jump_N:
+        return result
+    why = f"the force jumps by {jump_N:.3g} N at once within the climb: the zero did, or a load came on"
+    if is_at_rest:
+        why = f"the rope at rest jumps by {jump_N:.3g} N at once: {ASK.format('the zero did', 'a load came on')}"
+    return _either(result, why, "before the jump", jump_N)
+
+
+def _jump_N(
+    prepared: Prepared, rests: list[Rest], later: Rest | None, result: Breakaway
+) -> tuple[float, bool]:
+    """Return by how much the zero may jump before the peak, 0 if not, and whether that is at rest."""
+    top, first_N = (
+        int(np.searchsorted(prepared.time_s, result.peak_time_s)),
+        rests[0].level_N if rests else 0.0,
     )
-    result = replace(result, peak_std_N=math.hypot(result.peak_std_N, left_N, walk_std_N))
-    if is_seen and not why:
-        drift_N, zero_N = _from_zero(blocks, rests[0], result, (drift_N, zero_N))
-        said = f"the zero drifts by {drift_N:.2g} N until the peak, which was taken off"
-        result = _taken_off(result, drift_N, said)
-    return result, why, zero_N
+    found = [step for n in WIDTHS for step in _steps(prepared, top, n, MATTERS * result.peak_N)]
+    for jump_N, at in sorted(found, key=lambda step: -abs(step[0])):
+        before_N = float(prepared.force_N[max(0, at - LEAST) : at].mean())
+        after = [rest for rest in rests if rest.stop > at // prepared.blocks.size + 1]
+        # Where it comes back to the first level it was a load.
+        levels_N = [rest.level_N for rest in (*after[-1:], later) if rest] + [before_N + jump_N]
+        came_back = rests and min(abs(level_N - first_N) for level_N in levels_N) < CAME_BACK * abs(jump_N)
+        is_at_rest = abs(before_N - first_N) < LARGE * result.peak_N
+        is_too_large = is_at_rest and abs(jump_N) > LARGEST_JUMP * result.peak_N
+        if not (came_back or is_too_large or (jump_N < 0.0 and not after)):
+            return jump_N, is_at_rest
+    return 0.0, False
 
 
-def _from_zero(
-    blocks: Blocks, rest: tuple[int, int], result: Breakaway, found: tuple[float, float]
-) -> tuple[float, float]:
-    """Return a drift since the middle of a rest, and the zero there, from the first sample on if that was at zero."""
-    level_N, middle_s = (float(some[slice(*rest)].mean()) for some in (blocks.force_N, blocks.time_s))
-    since_N = found[0] * (middle_s - float(blocks.time_s[0])) / (result.peak_time_s - middle_s)
-    is_at_zero = found[1] != 0.0 and abs(level_N - since_N) < FROM_ZERO * abs(level_N)
-    return (found[0] + since_N, level_N - since_N) if is_at_zero else found
-
-
-def _taken_off(result: Breakaway, zero_N: float, said: str) -> Breakaway:
-    """Return a result whose forces are counted from another zero, and say so."""
-    return replace(
-        result,
-        peak_N=result.peak_N - zero_N,
-        peak_raw_N=result.peak_raw_N - zero_N,
-        kinetic_N=result.kinetic_N - zero_N,
-        notes=(*result.notes, said),
+def _steps(prepared: Prepared, top: int, n: int, least_N: float) -> Iterator[tuple[float, int]]:
+    """Yield the steps between two samples, with the same line through `n` samples on either side; size and place."""
+    y = prepared.force_N[:top] - prepared.force_N[0]
+    if y.size <= 2 * n:
+        return
+    i = np.arange(y.size) - 0.5 * y.size
+    s0, s1, s2 = (np.concatenate([[0.0], np.cumsum(some)]) for some in (y, i * y, y * y))
+    whole, right = s0[2 * n :] - s0[: -2 * n], s0[2 * n :] - s0[n:-n]
+    tilt = s1[2 * n :] - s1[: -2 * n] - (i[: whole.size] + n - 0.5) * whole
+    # The step x_h of the second half, freed of level and line, whose squares are these.
+    line, h = n * (4.0 * n * n - 1.0) / 6.0, 0.5 * n * n
+    hh, hy = 0.5 * n - h * h / line, right - 0.5 * whole - h / line * tilt
+    left_N2 = np.maximum(s2[2 * n :] - s2[: -2 * n] - whole**2 / (2 * n) - tilt**2 / line, 0.0)
+    sizes_N, noise_N2 = (
+        hy / hh,
+        max(prepared.noise_N**2, float(np.quantile(left_N2, 0.1)) / (2 * n - 2), TINY),
     )
+    likely = (hy * sizes_N > 4.0 * math.log(y.size) * noise_N2) & (np.abs(sizes_N) > least_N)
+    likely &= left_N2 - hy * sizes_N < (1.0 + 3.0 / math.sqrt(n)) * 2 * n * noise_N2
+    for start, stop in runs_of(likely).tolist():
+        at = start + int(np.argmax(np.abs(sizes_N[start:stop])))
+        if _at_once(prepared, at + n, n, 4.0 * noise_N2):
+            yield float(sizes_N[at]), at + n
 
 
-def _shift_N(prepared: Prepared, result: Breakaway, jump_N: float) -> float:
-    """Return by how much the zero shifts where the level of a rope jumps; 0 where it rests as at first in the end.
-
-    A load that came on or off at once is gone when the rope rests again, a zero that jumped is not.
-    """
-    blocks, n = prepared.blocks, prepared.blocks.n_rest
-    after = _next_rest(blocks, result) if jump_N and n else None
-    if after is None:
-        return jump_N
-    change_N = float(blocks.force_N[slice(*after)].mean() - blocks.force_N[: n // blocks.size].mean())
-    return 0.0 if abs(change_N) < CAME_BACK * abs(jump_N) else jump_N
-
-
-def _jump_N(prepared: Prepared, top: int, rests: list[tuple[int, int]]) -> float:
-    """Return by how much the level of a rope at rest jumps before it is loaded to a top; 0 where it does not.
-
-    First where a rest is seen, then up to half of the climb, of which a jump must be more than the machine loads.
-    """
-    blocks, n = prepared.blocks, JUMP_BLOCKS
-    levels_N = [float(blocks.force_N[start:stop].mean()) for start, stop in rests]
-    steps_N = [
-        step_N
-        for (one, two), (before_N, after_N) in zip(pairwise(rests), pairwise(levels_N), strict=True)
-        for step_N in [_step_N(prepared, one, two)]
-        # What comes back to the first level, or to the last one before it, was a load.
-        if min(abs(after_N - levels_N[0]), abs(levels_N[-1] - before_N)) >= CAME_BACK * abs(step_N)
-    ]
-    half = half_climb(blocks.force_N, 0, top)
-    rate = (float(blocks.force_N[top]) - float(blocks.force_N[half])) / max(1, top - half)
-    least_N = max(JUMP_SIGMAS * prepared.noise_N, 2.0 * (n + 1) * rate)
-    return max(steps_N, key=abs, default=0.0) or _jump_before_N(prepared, top, half, least_N)
-
-
-def _step_N(prepared: Prepared, before: tuple[int, int], after: tuple[int, int]) -> float:
-    """Return by how much a rope rests at another level later, if it came there from one sample to the next; 0 if not.
-
-    In noise larger than the change a single step is not seen, but levels are; a load comes on in longer.
-    """
-    size = prepared.blocks.size
-    start = max(before[0], before[1] - SIDE) * size
-    force_N = prepared.force_N[start : min(after[1], after[0] + SIDE) * size]
-    n, y = force_N.size, force_N - force_N.mean()
-    # Of a change that begins after a sample j and takes w samples, x = (i - j)/w up to 1: twice summed from the end.
-    sums = np.cumsum(np.cumsum(y[::-1]))[::-1]
-    left_N2, found = [], []
-    for w in (1, *LONGER):
-        j = np.arange(LEAST, n - w - LEAST)
-        if not j.size:
-            return 0.0
-        x = 0.5 * ((n - 1 - j) * (n - j) - (n - 1 - j - w) * (n - j - w)) / w
-        xx = (w - 1) * (2 * w - 1) / (6.0 * w) + n - j - w - x**2 / n
-        xy = (sums[j + 1] - sums[j + 1 + w]) / w
-        best = int(np.argmax(xy**2 / xx))
-        left_N2.append(float(y @ y - xy[best] ** 2 / xx[best]))
-        found.append((int(j[best]), float(xy[best] / xx[best])))
-    worse_N2 = WORSE * min(left_N2) / n
-    at, jump_N = found[0]
-    at_once = left_N2[0] <= min(left_N2) + worse_N2 < left_N2[-1]
-    return jump_N if at_once and not _is_the_chain(prepared, start + at) else 0.0
-
-
-def _is_the_chain(prepared: Prepared, at: int) -> bool:
-    """Return whether the step after a sample is one of a gap, or of a converter that stuck or holds its values."""
-    force_N, steps_s = prepared.force_N, np.diff(prepared.time_s)
-    sides = force_N[max(0, at + 1 - LEAST) : at + 1], force_N[at + 1 : at + 1 + LEAST]
-    is_gap = steps_s[at] > GAP_STEPS * median(steps_s)  # in which the machine loads on
-    return bool(is_gap or min(map(np.ptp, sides)) == 0.0 or _is_stuck(prepared, at, at + 2))
-
-
-def _jump_before_N(prepared: Prepared, top: int, stop: int, least_N: float) -> float:
-    """Return the largest jump of a low force before a block, if it is more than so much; 0 if not.
-
-    From one sample to the next and without a swing no load comes on: a rope with some mass carries it.
-    """
-    blocks, n = prepared.blocks, JUMP_BLOCKS
-    if stop < 2 * n + 1:
-        return 0.0
-    means = sliding_window_view(blocks.force_N[:stop], n).mean(axis=1)
-    jumps_N = means[n + 1 :] - means[: -n - 1]
-    is_low = np.abs(means[: -n - 1] - means[0]) < LARGE_ZERO * float(blocks.force_N[top])
-    at = int(np.argmax(np.abs(jumps_N) * is_low))
-    jump_N = float(jumps_N[at])
-    part = prepared.force_N[at * blocks.size : (at + 2 * n + 1) * blocks.size]
-    steps = np.diff(part) * np.sign(jump_N)
-    k = int(np.argmax(steps)) + 1
-    if _is_the_chain(prepared, at * blocks.size + k - 1):
-        return 0.0
-    beside = np.minimum(np.arange(part.size) // k, 1)
-    left_N = np.abs(part - np.where(beside, means[at + n + 1], means[at]))
-    # What comes back to the first level was a load.
-    back = abs(float(means[at + n + 1] - means[0])) < CAME_BACK * abs(jump_N) and at > 0
-    sudden = steps[k - 1] > (1.0 - SWINGS_BY) * abs(jump_N) - 3.0 * prepared.noise_N
-    stays = np.count_nonzero(left_N > SWINGS_BY * abs(jump_N) + 3.0 * prepared.noise_N) <= 0.02 * part.size
-    if back or not (sudden and stays and abs(jump_N) > least_N):
-        return 0.0
-    # Nor is it a climb that begins there.
-    x = np.arange(part.size)
-    bends = np.maximum(x - x[: -2 : blocks.size, None], 0.0)
-    climbs_N2, _ = least_squares(np.stack([np.ones_like(bends), bends], axis=-1), part)
-    stands_N2 = sum(float(((side - side.mean()) ** 2).sum()) for side in (part[:k], part[k:]))
-    return jump_N if stands_N2 < STEPS_BY * climbs_N2 else 0.0
-
-
-def rests_of(blocks: Blocks, top: int) -> list[tuple[int, int]]:
-    """Return the stretches before the climb to a top in which the rope is at rest, in blocks.
-
-    A slack that is taken up, weights that are hung on and a snag part them.
-    """
-    force_N = blocks.force_N
-    half, low_N = half_climb(force_N, 0, top), float(force_N[: top + 1].min())
-    rate = (float(force_N[top]) - float(force_N[half])) / max(1, top - half)
-    if half < 2 * LEAST or rate <= 0.0:
-        return []
-    low = force_N[:half] < low_N + AT_REST * (float(force_N[top]) - low_N)
-    flat = runs_of(still(force_N[:half], rate, blocks.noise_N) & low)
-    return [part for start, stop in flat.tolist() for part in parted(force_N, start, stop)]
-
-
-def _is_at_rest(prepared: Prepared, start: int, stop: int, longest: int) -> bool:
-    """Return whether a stretch without a slope is a rope at rest: no converter that stuck, no burst of noise."""
-    blocks = prepared.blocks
-    if _is_stuck(prepared, start * blocks.size, stop * blocks.size):
+def _at_once(prepared: Prepared, at: int, n: int, worse_N2: float) -> bool:
+    """Return whether a step is likelier than a ramp, in no gap, and the converter neither stuck nor holds its value."""
+    y, steps_s = prepared.force_N[at - n : at + n], np.diff(prepared.time_s)
+    if (
+        steps_s[at - 1] > GAP_STEPS * median(steps_s)
+        or min(map(np.ptp, (y[n - LEAST : n], y[n : n + LEAST]))) == 0.0
+    ):
         return False
-    is_burst = float(blocks.force_N[start:stop].std()) >= BURST_SIGMAS * blocks.noise_N
-    return not is_burst or stop - start > SHORT_REST * longest
+    if any(first < at + 2 and last > at for first, last in prepared.stuck.tolist()):
+        return False
+    x, left_N2 = np.arange(2.0 * n), {}
+    line = np.column_stack([np.ones(2 * n), x - x.mean()]) / np.sqrt([2 * n, float(x.var()) * 2 * n])
+    y = y - line @ (line.T @ y)
+    for width in (2**k for k in range(int(math.log2(n)) + 1)):
+        begins = (
+            np.arange(n - width - n // 2, n + n // 2, max(1, width // 4)) if width > 1 else np.array([n - 1])
+        )
+        ramps = np.clip((x - begins[:, None]) / width, 0.0, 1.0)
+        ramps -= (ramps @ line) @ line.T
+        left_N2[width] = float(y @ y - ((ramps @ y) ** 2 / (ramps**2).sum(axis=1)).max())
+    longest_N2 = min(left for width, left in left_N2.items() if width >= min(n, 32))
+    return bool(left_N2[1] <= min(left_N2.values()) + worse_N2 and left_N2[1] + worse_N2 < longest_N2)
 
 
-def _is_stuck(prepared: Prepared, start: int, stop: int) -> bool:
-    """Return whether the converter stuck somewhere between two samples."""
-    return any(first < stop and last > start for first, last in prepared.stuck.tolist())
+# --- rest ------------------------------------------------------------------------------------------------------------
 
 
-def drift(
-    blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway
-) -> tuple[float, float, float, float]:
-    """Return how far the zero drifts from the first of some stretches at rest until the peak, ± what, and wanders [N].
-
-    The last says how many times larger than white noise would have it the uncertainty is.
-
-    Their levels differ by what was hung on, unless a bump lies between; the slope that they share goes on where it
-    stands out of the noise, and so does their random walk: the means of pieces differ by more than white noise lets
-    them. The force of a sliding rope drifts with it: where that agrees it counts, and one that stays says there is none.
-    """
-    n = max((stop - start for start, stop in rests), default=0) // PIECES
-    if n * blocks.size < LEAST:
-        return 0.0, 0.0, 0.0, 1.0
-    means, at, bumps = _pieces(blocks, rests, n)
-    if not means:
-        return 0.0, 0.0, 0.0, 1.0
-    white_N = blocks.noise_N / np.sqrt(n)
-    while means[-1].size > FEWEST and _begins_to_climb(means[-1], white_N):
-        means[-1], at[-1] = means[-1][:-1], at[-1][:-1]
-    own = np.repeat(np.arange(len(means)), [each.size for each in means])
-    times_s, means_N = np.concatenate(at), np.concatenate(means)
-    slope, std, left_N = _common_slope(times_s, means_N, own, white_N)
-    colour = COLOUR if left_N > COLOURED * white_N else 1.0
-    if any(bumps):
-        one = np.cumsum([0, *np.logical_not(bumps)])[own]
-        shared, shared_std, _ = _common_slope(times_s, means_N, one, white_N)
-        # Where the stretches themselves do not rise, something was taken up in between after all.
-        if abs(shared - slope) < AGREE * std:
-            slope, std = shared, shared_std
-    since_s = float(result.peak_time_s - at[0].mean())
-    slope, std = _with_sliding(blocks, result, (slope, std), since_s)
-    # The steps of a random walk add up; those of noise that is slow, but no walk, do not.
-    near, far = (
-        np.concatenate([each[lag:] - each[:-lag] for each in means if each.size > 2] or [np.zeros(1)])
-        for lag in (1, 2)
+def _before_and_after(blocks: Blocks, result: Breakaway) -> tuple[list[Rest], Rest | None]:
+    """Return where the rope rests before the climb, the first of them where the recording begins, and again after it."""
+    force_N, n = blocks.force_N, blocks.n_rest // blocks.size
+    top = min(int(np.searchsorted(blocks.time_s, result.peak_time_s)), force_N.size - 1)
+    flat = _flat(force_N[: top + 1], blocks.noise_N) if n else []
+    if n and (not flat or flat[0][0] >= n):
+        flat = [(0, n), *flat]
+    elif n and n < flat[0][1]:
+        flat = [(a, b) for a, b in ((flat[0][0], n), (n, flat[0][1])) if b - a >= LEAST] + flat[1:]
+    again: list[tuple[int, int]] = []
+    is_low = force_N < 0.5 * min(result.kinetic_N if result.kinetic_N > 0.0 else result.peak_N, result.peak_N)
+    is_low[: top + 1] = False
+    for start, stop in runs_of(is_low).tolist():
+        back = _flat(force_N[start - 1 : stop][::-1], blocks.noise_N)
+        again = again or [(stop - b, stop - a) for a, b in back if b - a > LEAST + 1]
+    # What slopes by more than any zero drifts is loaded or let down.
+    lasting_s = result.peak_time_s - float(blocks.time_s[0])
+    most_N = LARGE * abs(result.peak_N) / lasting_s * float(blocks.time_s[1] - blocks.time_s[0])
+    rests, later = (
+        [
+            rest
+            for rest in (_rest(blocks, *one) for one in some)
+            if abs(rest.slope_N) - 3.0 * rest.slope_std_N < most_N
+        ]
+        for some in (flat, again)
     )
-    near_N2 = float(np.mean(near**2))
-    walk_N2 = min(near_N2 - 2.0 * white_N**2, float(np.mean(far**2)) - near_N2)
-    if walk_N2 < WALK_SIGMAS * white_N**2:
-        walk_N2 = 0.0
-    since = max(result.peak_time_s - at[0][-1], 0.0) / float(at[0][1] - at[0][0])
-    return slope * since_s, std * since_s, float(np.sqrt(walk_N2 * since)), colour
+    return rests, max(later, key=lambda rest: rest.stop - rest.start, default=None)
 
 
-def _pieces(
-    blocks: Blocks, rests: list[tuple[int, int]], n: int
-) -> tuple[list[FloatArray], list[FloatArray], list[bool]]:
-    """Return the means of pieces of stretches at rest, when, and whether a bump lies between a stretch and the last."""
-    force_N, ends = blocks.force_N, 0
-    means: list[FloatArray] = []
-    at: list[FloatArray] = []
-    bumps = []
-    for start, stop in rests:
-        # The ends may belong to what parts it from the next, the last of it to a soft start.
-        cut = (stop - start) // 8
-        first = start + cut * (start > 0)
-        count = (stop - cut - first) // n
-        if count < 2:
-            continue
-        pieces, times = _means(blocks, first, count, n)
-        if means:
-            edges = float(means[-1][-1]), float(pieces[0])
-            bump_N = float(force_N[ends : start + 1].max()) - max(edges)
-            bumps.append(bump_N >= BUMP * abs(edges[0] - edges[1]))
-        means.append(pieces)
-        at.append(times)
-        ends = stop
-    return means, at, bumps
-
-
-def _at_rest_again(
-    blocks: Blocks, rests: list[tuple[int, int]], result: Breakaway
-) -> tuple[float, float, float, list[float]] | None:
-    """Return by how much the rope rests at another level at the end, ± what, and the part of it due at the peak.
-
-    Another level may be a tension that was left, or a drift; the same level says that there is no drift. And that part
-    of the change since each of the stretches before the last one [N].
-    """
-    after = _next_rest(blocks, result)
-    if not rests or after is None:
-        return None
-    (start, stop), (begin, end) = rests[-1], after
-    parts = (start, stop - (stop - start) // 8), (begin + (end - begin) // 8, end)
-    if min(last - first for first, last in parts) < PIECES:
-        return None
-    (before_N, before_s), (after_N, after_s) = (
-        _means(blocks, first, PIECES, (last - first) // PIECES) for first, last in parts
+def _rest(blocks: Blocks, start: int, stop: int) -> Rest:
+    """Return what a stretch is like, without its ends, which may belong to what parts it or to a soft start."""
+    cut = (stop - start) // 8
+    start, stop = start + cut * (start > 0), stop - cut
+    y, quarter = blocks.force_N[start:stop], (stop - start) // 4
+    x, middle = np.arange(y.size) - 0.5 * (y.size - 1), slice(quarter, y.size - quarter)
+    slope_N = float(x[middle] @ y[middle]) / max(float(x[middle] @ x[middle]), TINY)
+    left_N = np.abs(y - y[middle].mean() - slope_N * x)
+    away = np.flatnonzero(left_N > ENDS * max(float(np.sqrt(np.mean(left_N[middle] ** 2))), blocks.noise_N))
+    stop = start + min(away[away >= y.size - quarter].tolist(), default=y.size)
+    start += max(away[away < quarter].tolist(), default=-1) + 1
+    y, x = blocks.force_N[start:stop], np.arange(start, stop) - 0.5 * (start + stop - 1)
+    level_N, xx = float(y.mean()), max(float(x @ x), TINY)
+    slope_N = float(x @ y) / xx
+    left_N = y - level_N - slope_N * x
+    noise_N, alike = (
+        max(math.sqrt(float(left_N @ left_N) / max(y.size - 2, 1)), blocks.noise_N, TINY),
+        _alike(left_N),
     )
-    std_N = math.sqrt((before_N.var(ddof=1) + after_N.var(ddof=1)) / PIECES)
-    since_s = result.peak_time_s - float(blocks.time_s[slice(*rests[0])].mean())
-    part = since_s / float(after_s.mean() - before_s.mean())
-    last_N, last_s = float(after_N.mean()), float(after_s.mean())
-    n = blocks.n_rest // blocks.size
-    earlier_N = [
-        (last_N - float(blocks.force_N[a:b].mean())) * since_s / (last_s - float(blocks.time_s[a:b].mean()))
-        for a, b in ([(0, n)] if PIECES <= n <= rests[0][0] else []) + rests[:-1]
-    ]
-    return last_N - float(before_N.mean()), std_N, part, earlier_N
+    of_mean_N, of_slope_N = (noise_N * math.sqrt(alike / count) for count in (y.size, xx))
+    return Rest(start, stop, level_N, of_mean_N, slope_N, of_slope_N, noise_N, alike)
 
 
-def _next_rest(blocks: Blocks, result: Breakaway) -> tuple[int, int] | None:
-    """Return the stretch in which the rope rests after it was let down, before it is loaded again, in blocks."""
-    force_N, slid_N = blocks.force_N, result.kinetic_N if result.kinetic_N > 0.0 else result.peak_N
-    is_high = force_N >= 0.5 * min(slid_N, result.peak_N)
-    is_high[: int(np.searchsorted(blocks.time_s, result.peak_time_s)) + 1] = True
-    for start, stop in runs_of(~is_high).tolist():
-        back = replace(blocks, force_N=force_N[start - 1 : stop][::-1])
-        begin, end = max(rests_of(back, stop - start), key=lambda one: one[1] - one[0], default=(0, 0))
-        if end - begin > PIECES + 1:  # what slips to nothing rests for no time
-            return stop - end, stop - begin
-    return None
+def _alike(left_N: FloatArray) -> float:
+    """Return how many neighbouring values of coloured noise count as one: how much more than white their means vary."""
+    size, variances = 2, [max(float(left_N @ left_N) / left_N.size, TINY)]
+    while left_N.size // size >= LEAST:
+        means = left_N[: left_N.size // size * size].reshape(-1, size).mean(axis=1)
+        variances.append(size * float(means @ means) / means.size)
+        size *= 2
+    # What is slower is not seen any more: it goes on as over the last two doublings, twice as far.
+    grows = variances[-1] / max(variances[max(len(variances) - 3, 0)], TINY)
+    return float(np.clip(max(variances) / variances[0] * max(1.0, grows**2), 1.0, left_N.size / 3.0))
 
 
-def _means(blocks: Blocks, first: int, count: int, n: int) -> tuple[FloatArray, FloatArray]:
-    """Return the force and the time of pieces of `n` blocks."""
-    force_N, time_s = (
-        some[first : first + count * n].reshape(count, n).mean(axis=1)
-        for some in (blocks.force_N, blocks.time_s)
+def _flat(force_N: FloatArray, noise_N: float) -> list[tuple[int, int]]:
+    """Return where a rope is at rest before a climb to the last block; what is hung on parts the stretches."""
+    low_N, top_N, top = float(force_N.min()), float(force_N[-1]), force_N.size - 1
+    below = np.flatnonzero(force_N < 0.5 * (low_N + top_N))
+    half = min(int(below[-1]) + 1, top) if below.size else 0
+    rate_N = (top_N - float(force_N[half])) / max(1, top - half)
+    # Means over w blocks that follow each other differ by noise of √(2/w), that is √2 w^-1.5 in slope.
+    w = max(
+        1, math.ceil((STILL_SIGMAS * math.sqrt(2.0) * noise_N / (STILL * max(rate_N, TINY))) ** (2.0 / 3.0))
     )
-    return force_N, time_s
-
-
-def _with_sliding(
-    blocks: Blocks, result: Breakaway, found: tuple[float, float], since_s: float
-) -> tuple[float, float]:
-    """Return a slope of the zero and its standard error with what the force of sliding says of it."""
-    slid = next((phase for phase in result.phases if phase.name == "sliding"), None)
-    start, stop = np.searchsorted(blocks.time_s, (slid.start_s, slid.end_s)).tolist() if slid else (0, 0)
-    n = 3 * (stop - start) // (4 * PIECES)  # at first a rope may slide less easily
-    if not n:
-        return found
-    slope, std = found
-    pieces_N, times_s = _means(blocks, stop - PIECES * n, PIECES, n)
-    other, other_std, _ = _common_slope(
-        times_s, pieces_N, np.zeros(PIECES, dtype=np.int64), blocks.noise_N / np.sqrt(n)
+    if half < max(2 * LEAST, 2 * w + 3) or rate_N <= 0.0:
+        return []
+    sums, still = np.concatenate([[0.0], np.cumsum(force_N[:half] - force_N[0])]), np.zeros(half, dtype=bool)
+    still[w : half - w + 1] = (
+        np.abs(sums[2 * w :] - 2.0 * sums[w:-w] + sums[: -2 * w]) < STILL * rate_N * w**2
     )
-    most = abs(other) + 2.0 * other_std
-    if most * since_s < SMALL_ZERO * result.peak_N:
-        return float(np.clip(slope, -most, most)), min(std, most)
-    both = float(np.hypot(std, other_std))
-    if abs(slope - other) < 2.0 * both:
-        weight = (std / both) ** 2
-        return slope + weight * (other - slope), float(std * np.sqrt(1.0 - weight))
-    return (other, other_std) if other_std < std and most < abs(slope) + 2.0 * std else found
+    still[:w] = still[w]
+    still &= force_N[:half] < low_N + AT_REST * (top_N - low_N)
+    return [part for start, stop in runs_of(still).tolist() for part in _parted(force_N, start, stop)]
 
 
-def _begins_to_climb(means_N: FloatArray, white_N: float) -> bool:
-    """Return whether the last mean lies above the line through those before it: the motor starts softly."""
-    n = means_N.size - 1
-    x = np.arange(n) - 0.5 * (n - 1)
-    ahead = n - 0.5 * (n - 1)
-    line_N = float(means_N[:-1].mean()) + float(x @ means_N[:-1]) / float(x @ x) * ahead
-    return bool(
-        means_N[-1] - line_N > CLIMB_SIGMAS * white_N * np.sqrt(1.0 + 1.0 / n + ahead**2 / float(x @ x))
+def _parted(force_N: FloatArray, start: int, stop: int) -> list[tuple[int, int]]:
+    """Return the parts of a stretch between steps, which are more likely than a line through all of it."""
+    n = stop - start
+    if n < 2 * LEAST:
+        return [(start, stop)] if n >= LEAST else []
+    x, y = np.arange(n) - 0.5 * (n - 1), force_N[start:stop] - force_N[start:stop].mean()
+    xx, k = float(x @ x), np.arange(LEAST, n - LEAST + 1)
+    y = y - x * float(x @ y) / xx
+    gains = np.cumsum(y)[k - 1] ** 2 / (k * (n - k) / n - np.cumsum(x)[k - 1] ** 2 / xx)
+    split, line_N2 = int(k[np.argmax(gains)]), float(y @ y) + TINY
+    count = n / _alike(np.concatenate([side - side.mean() for side in (y[:split], y[split:])]))
+    if count * math.log(line_N2 / max(line_N2 - float(gains.max()), TINY)) < 3.0 * math.log(count):
+        return [(start, stop)]
+    return [*_parted(force_N, start, start + split), *_parted(force_N, start + split, stop)]
+
+
+# --- what is told ----------------------------------------------------------------------------------------------------
+
+
+def _without(result: Breakaway, zero_N: float, std_N: float, said: str) -> Breakaway:
+    """Return a result whose forces are counted from another zero, and say so."""
+    forces = {key: getattr(result, key) - zero_N for key in ("peak_N", "peak_raw_N", "kinetic_N")}
+    return replace(
+        result, **forces, peak_std_N=math.hypot(result.peak_std_N, std_N), notes=(*result.notes, said)
     )
 
 
-def _common_slope(
-    x: FloatArray, y: FloatArray, group: IntArray, white_N: float
-) -> tuple[float, float, float]:
-    """Return the slope that groups share, each with a level of its own, its standard error, and what is left [N]."""
-    x, y = (some - (np.bincount(group, some) / np.bincount(group))[group] for some in (x, y))
-    slope = float(x @ y) / float(x @ x)
-    left_N = float(np.sqrt(((y - slope * x) ** 2).sum() / max(1, x.size - int(group[-1]) - 2)))
-    return slope, float(max(white_N, left_N) / np.sqrt(x @ x)), left_N
+def _either(result: Breakaway, why: str, origin: str = "", zero_N: float = 0.0) -> Breakaway:
+    """Return a result that leaves open whether the force as read is F_A, or that from another zero."""
+    read = ForceEvent(
+        kind="break-away", time_s=result.peak_time_s, force_N=result.peak_N, drop_N=result.drop_N, fall_s=0.0,
+        evidence="as read",
+    )  # fmt: skip
+    other = replace(read, force_N=result.peak_N - zero_N, evidence=f"from the level {origin}")
+    events = (read, other) if origin else (read,)
+    return Breakaway(
+        status=Status.DOUBTFUL,
+        detail=f"{' or '.join(f'{event.force_N:.4g} N' for event in events)}: {why}",
+        noise_std_N=result.noise_std_N,
+        candidates=events, events=result.events, notes=result.notes, phases=result.phases,
+    )  # fmt: skip

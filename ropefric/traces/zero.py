@@ -28,8 +28,9 @@ GOES_ON = 0.5 / math.sqrt(3.0)
 """Standard uncertainty of a drift after the last rest, where it may be half or one and a half times as fast."""
 LEAST, WIDTHS, CAME_BACK = 8, (8, 32, 128), 0.25
 """Fewest blocks of a rest; samples on either side of a jump; what comes back to within this part of one was a load."""
-STILL, STILL_SIGMAS = 0.3, 7.0
-"""A rope at rest is loaded at less than this part of the machine's rate, which is so many times its uncertainty."""
+STILL, STILL_SIGMAS, ENDS = 0.3, 7.0, 4.0
+"""A rope at rest is loaded at less than this part of the machine's rate, which is so many times its uncertainty; a rest
+ends where it leaves the line through its middle by so many times the noise."""
 ASK = 'say whether {} (a [tare] interval, or [protocol] rest = "zero") or {} (rest = "pretension")'
 TINY = 1e-300
 
@@ -71,9 +72,29 @@ def with_its_zero(
     if rests:
         result, level_N = _with_drift(blocks, rests, later, result)
         level_N += jump_N if settings.rest == "zero" and is_at_rest else 0.0
-        result = result if is_tared else _with_level(level_N, std_N, result, settings)
+        result = (
+            result
+            if is_tared
+            else _with_level(level_N, std_N, _below_nothing(rests, result, settings), settings)
+        )
     is_said = is_at_rest and settings.rest != "unknown"
     return _with_jump(result, 0.0 if is_said else jump_N, is_at_rest=is_at_rest)
+
+
+def _below_nothing(rests: list[Rest], result: Breakaway, settings: PickSettings) -> Breakaway:
+    """Return a result in doubt where a later rest reads less than nothing: its zero shifted, or a load left that."""
+    lowest_N = min(
+        (rest.level_N + 3.0 * rest.std_N for rest in rests if rest.stop - rest.start > 2 * LEAST), default=0.0
+    )
+    if (
+        result.status is not Status.OK
+        or settings.rest != "unknown"
+        or lowest_N > min(rests[0].level_N, 0.0) - MATTERS * result.peak_N
+    ):
+        return result
+    asked = ASK.format("the zero shifted", "the load left that")
+    why = f"the rope at rest reads {lowest_N:.3g} N after a load: {asked}"
+    return _either(result, why, "after a load", lowest_N)
 
 
 def _with_level(level_N: float, std_N: float, result: Breakaway, settings: PickSettings) -> Breakaway:
@@ -300,6 +321,13 @@ def _rest(blocks: Blocks, start: int, stop: int) -> Rest:
     """Return what a stretch is like, without its ends, which may belong to what parts it or to a soft start."""
     cut = (stop - start) // 8
     start, stop = start + cut * (start > 0), stop - cut
+    y, quarter = blocks.force_N[start:stop], (stop - start) // 4
+    x, middle = np.arange(y.size) - 0.5 * (y.size - 1), slice(quarter, y.size - quarter)
+    slope_N = float(x[middle] @ y[middle]) / max(float(x[middle] @ x[middle]), TINY)
+    left_N = np.abs(y - y[middle].mean() - slope_N * x)
+    away = np.flatnonzero(left_N > ENDS * max(float(np.sqrt(np.mean(left_N[middle] ** 2))), blocks.noise_N))
+    stop = start + min(away[away >= y.size - quarter].tolist(), default=y.size)
+    start += max(away[away < quarter].tolist(), default=-1) + 1
     y, x = blocks.force_N[start:stop], np.arange(start, stop) - 0.5 * (start + stop - 1)
     level_N, xx = float(y.mean()), max(float(x @ x), TINY)
     slope_N = float(x @ y) / xx

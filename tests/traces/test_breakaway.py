@@ -8,7 +8,6 @@ from drawn import PULL, REST, TIME_S, drawn, picked
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rigged import rigged_trace
-from scipy.signal import lfilter
 from thinned import thinned
 
 from ropefric.errors import InputError, UnknownNameError
@@ -176,7 +175,8 @@ def test_a_small_level_at_rest_is_in_the_uncertainty_unless_it_is_said_what_it_i
     """A level of 1 N may be an error of the zero or a pretension: equally likely up to that."""
     force = drawn(*PULL, noise_N=0.2) + 1.0
     unknown, known = (picked(force, one).peak_std_N for one in (PickSettings(), PRETENSION))
-    assert np.hypot(known, 1.0 / np.sqrt(3.0)) == pytest.approx(unknown, rel=0.02)
+    level_N = force[TIME_S < 0.85].mean()
+    assert np.hypot(known, level_N / np.sqrt(3.0)) == pytest.approx(unknown, rel=0.02)
 
 
 def test_a_large_level_at_rest_is_said_to_count_as_a_pretension():
@@ -198,22 +198,6 @@ def test_a_level_far_below_zero_is_that_of_a_machine_that_pushes_or_an_error_of_
     assert [one.force_N for one in found.candidates] == pytest.approx([peak_N + 40.0, peak_N], abs=0.5)
     for rest, true_N in ((ZERO, peak_N + 40.0), (PRETENSION, peak_N)):
         assert picked(force_N, rest).peak_N == pytest.approx(true_N, abs=0.5), rest
-
-
-def test_a_zero_that_is_back_when_the_rope_rests_again_has_not_drifted():
-    """The rest before is so brief that slow noise in it looks like a drift, or that none can be excluded."""
-    time_s, keeps, without = TIME_S[:4000], np.exp(-0.001 / 0.1), []
-    begin = ((0.0, 0.0), (0.3, 0.0), (2.5, 100.0), (2.504, 70.0), (3.0, 70.0))
-    brief = drawn(*begin, (3.2, 0.0), (4.0, 0.0), time_s=time_s, seed=0)
-    cut = drawn(*begin, (4.0, 70.0), time_s=time_s, seed=0)
-    for seed in range(12):
-        steps = np.random.default_rng(seed).normal(0.0, np.sqrt(1.0 - keeps**2), time_s.size)
-        noise = lfilter([1.0], [1.0, -keeps], steps)
-        without.append(picked(cut + noise, time_s=time_s).detail)
-        found = picked(brief + noise, time_s=time_s)
-        assert found.status is Status.OK, found.detail
-        assert found.peak_N == pytest.approx(100.0, abs=4.0)  # twice the noise of a maximum
-    assert any("drift" in detail for detail in without)
 
 
 def test_the_sign_of_a_reversed_sensor_is_turned_and_of_no_other():

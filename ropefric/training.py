@@ -381,14 +381,16 @@ def main() -> None:
 
 def write(folder: Path, weights: dict[str, Any], say: Callable[[str], object]) -> None:
     """Set the temperature of trained weights on the first rig; write them, and how they do, into a folder."""
-    stored = {name: np.asarray(values, dtype=np.float16) for name, values in weights.items()}
+    stored: dict[str, Any] = {name: np.asarray(values, dtype=np.float16) for name, values in weights.items()}
     rig, path = list(of_the_first_rig(12)), folder / "picker.npz"
-    surprises = {one: surprise(rig, stored | {"temperature": np.float64(one)}) for one in TEMPERATURES}
+    surprises = {
+        one: surprise(rig, picker.multiplied({**stored, "temperature": one})) for one in TEMPERATURES
+    }
     say("\n".join(f"temperature {one:g}: {value:.4f}" for one, value in surprises.items()))
     stored["temperature"] = np.float64(min(surprises, key=lambda one: surprises[one]))
     np.savez(path, **stored)
     sets = {"drawn": list(drawn_ones(1000)), "first rig": rig, "second rig": list(of_the_second_rig(12))}
-    (folder / "picker.md").write_text(card(sets, picker.read_weights(path)), encoding="utf-8")
+    (folder / "picker.md").write_text(card(sets, picker.multiplied(stored)), encoding="utf-8")
 
 
 if __name__ == "__main__":

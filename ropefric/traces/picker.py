@@ -17,6 +17,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.traces.breakaway import Status
+from ropefric.traces.noise import noise_std
 
 BINS = 1024
 CHANNELS = 8
@@ -25,11 +26,13 @@ STEM, HEAD, POOLED = 12, 16, 64
 WIDE, NARROW = 7, 5
 """Bins that a convolution looks at, at full resolution and below it."""
 REASONS = (Status.NO_BREAKAWAY, Status.NO_PEAK, Status.SATURATED)
-ACTIVATION_GRID, WEIGHT_GRID = 2.0**8, 2.0**10
-LARGEST = 2.0**12
-"""No activation is larger; 500 products of such a one and a weight below 64 are a sum that a float holds exactly."""
+INPUT_GRID, ACTIVATION_GRID, WEIGHT_GRID, LARGEST = 2.0**12, 2.0**7, 2.0**9, 16.0
+"""Numbers are multiples of one over these, activations at most 16: a sum of products below 256 has at most the 24 bits of
+a single-precision number, which is why it is exact, and the first one, of finer inputs, the 53 of a double."""
+MOST_PRODUCTS = 2**18
+"""Multiplied in pieces of so many products, a matrix is no work for several threads, which would wait for each other."""
 
-Weights = Mapping[str, FloatArray]
+Weights = Mapping[str, Any]
 STORED = Path(__file__).with_name("picker.npz")
 
 T = TypeVar("T")
@@ -86,8 +89,7 @@ def seen(time_s: FloatArray, force_N: FloatArray) -> tuple[FloatArray, FloatArra
         mean[empty] = np.interp(middle_s[empty], time_s, force)
     high, low = mean.copy(), mean.copy()
     high[full], low[full] = np.maximum.reduceat(force, begins), np.minimum.reduceat(force, begins)
-    second = np.abs(np.diff(force, 2)) if force.size > 3 else np.zeros(1)
-    noise = max(1.4826 * median(second) / np.sqrt(6.0), 1e-6)
+    noise = max(noise_std(force, 0.0), 1e-6)
     steps = np.diff(mean, prepend=mean[0])
     usual = 1.4826 * median(np.abs(steps)) + 1e-6
     averaged = noise / np.sqrt(np.maximum(counts, 1))
@@ -130,65 +132,71 @@ def look(time_s: FloatArray, force_N: FloatArray, weights: Weights | None = None
     """Return what the network says of finite samples at increasing times, at least two."""
     channels, edges_s = seen(time_s, force_N)
     weights = stored_weights() if weights is None else weights
-    bins, deepest = forward(_rounded(channels, 2.0**12), _convolved(weights), _twice, _beside)
+    bins, deepest = forward(_rounded(channels, INPUT_GRID), _convolved(weights), _twice, _beside)
+    deepest = deepest.astype(np.float64)
     pooled = np.concatenate([deepest.mean(axis=0), deepest.max(axis=0)])
-    hidden = np.maximum(_rounded(pooled @ weights["pool.w"][0] + weights["pool.b"]), 0.0)
+    hidden = np.maximum(_rounded(pooled @ weights["pool.w"][0] + weights["pool.b"], ACTIVATION_GRID), 0.0)
     reasons = hidden @ weights["reason.w"][0] + weights["reason.b"]
     logits = np.concatenate([bins[:, 0], reasons]) / float(weights["temperature"])
     share = np.exp(logits - logits.max())
     share /= share.sum()
-    states = np.exp(bins[:, 1:] - bins[:, 1:].max(axis=1, keepdims=True))
+    states = np.exp(bins[:, 1:] - bins[:, 1:].max(axis=1, keepdims=True)).astype(np.float64)
     states /= states.sum(axis=1, keepdims=True)
     return Look(edges_s, share[:BINS], dict(zip(REASONS, share[BINS:].tolist(), strict=True)), states)
 
 
-def _rounded(values: FloatArray, grid: float = ACTIVATION_GRID) -> FloatArray:
-    return np.clip(np.rint(values * grid) / grid, -LARGEST, LARGEST)
+def _rounded(values: FloatArray, grid: float) -> FloatArray:
+    return np.asarray(np.rint(values * grid) / grid)
 
 
-def _convolved(weights: Weights) -> Callable[..., FloatArray]:
+def _convolved(weights: Weights) -> Callable[..., Any]:
     def layer(
-        name: str, values: FloatArray, _: int, reach: int, every: int = 1, *, is_last: bool = False
-    ) -> FloatArray:
-        kernel, half = weights[f"{name}.w"], reach // 2
-        bins, channels = values.shape
-        padded = np.zeros((bins + 2 * half, channels))
-        padded[half : half + bins] = values
+        name: str, values: Any, width: int, reach: int, every: int = 1, *, is_last: bool = False
+    ) -> Any:
+        kernel, (bins, channels) = weights[f"{name}.w"], values.shape
+        padded = np.zeros((bins + reach - 1, channels), dtype=kernel.dtype)
+        np.minimum(values, LARGEST, out=padded[reach // 2 : reach // 2 + bins])
         # Neighbouring bins lie one after the other: a window of them is one row.
-        apart = padded.strides[1]
-        windows = np.lib.stride_tricks.as_strided(
-            padded, (-(-bins // every), reach * channels), (every * channels * apart, apart), writeable=False
-        )
-        found = windows @ kernel
+        rows, columns, apart = -(-bins // every), reach * channels, padded.strides[1]
+        steps = (every * channels * apart, apart)
+        windows = np.lib.stride_tricks.as_strided(padded, (rows, columns), steps, writeable=False)
+        piece = 1
+        while 2 * piece <= rows and 2 * piece * columns * width <= MOST_PRODUCTS:
+            piece *= 2
+        found = (np.ascontiguousarray(windows).reshape(-1, piece, columns) @ kernel).reshape(rows, width)
         found += weights[f"{name}.b"]
         if is_last:
             return found
         found *= ACTIVATION_GRID
         np.rint(found, out=found)
         found *= 1.0 / ACTIVATION_GRID
-        return np.clip(found, 0.0, LARGEST, out=found)
+        return np.clip(found, 0.0, LARGEST, out=found).astype(np.float32, copy=False)
 
     return layer
 
 
-def _twice(values: FloatArray) -> FloatArray:
+def _twice(values: Any) -> Any:
     return np.repeat(values, 2, axis=0)
 
 
-def _beside(left: FloatArray, right: FloatArray) -> FloatArray:
+def _beside(left: Any, right: Any) -> Any:
     return np.concatenate([left, right], axis=1)
 
 
-def read_weights(path: Path) -> Weights:
-    """Return weights as the training wrote them."""
-    with np.load(path) as stored:
-        return {name: stored[name].astype(np.float64) for name in stored.files}
+def multiplied(weights: Weights) -> Weights:
+    """Return weights as precise as they are multiplied: the first ones and the last few in double."""
+    precise = ("stem", "pool", "reason", "temperature")
+    return {
+        name: np.asarray(values, dtype=np.float64 if name.startswith(precise) else np.float32)
+        for name, values in weights.items()
+    }
 
 
 @cache
 def stored_weights() -> Weights:
     """Return the weights that come with the package."""
-    return read_weights(STORED)
+    with np.load(STORED) as stored:
+        return multiplied(dict(stored))
 
 
 def closer(
@@ -204,4 +212,4 @@ def closer(
     middle_s = float(edges_s[around]) + 0.5 * width_s
     climb_s = (climb + 1) * width_s
     first_s, last_s = float(time_s[0]), float(time_s[-1])
-    return max(middle_s - 2.5 * climb_s, first_s), min(middle_s + 1.8 * climb_s, last_s)
+    return float(max(middle_s - 2.5 * climb_s, first_s)), float(min(middle_s + 1.8 * climb_s, last_s))

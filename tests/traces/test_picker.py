@@ -75,10 +75,14 @@ def test_every_sum_is_exact_whichever_way_it_is_added_up():
     for name in ("stem", "left3a", "right0b", "top"):
         kernel = weights[f"{name}.w"]
         values = (
-            np.rint(rng.uniform(0.0, 20.0, kernel.shape[0]) * picker.ACTIVATION_GRID) / picker.ACTIVATION_GRID
+            np.rint(rng.uniform(0.0, picker.LARGEST, kernel.shape[0]) * picker.ACTIVATION_GRID)
+            / picker.ACTIVATION_GRID
         )
         for column in kernel.T[:3]:
-            exact = sum((Fraction(a) * Fraction(b) for a, b in zip(values, column, strict=True)), Fraction(0))
+            exact = sum(
+                (Fraction(float(a)) * Fraction(float(b)) for a, b in zip(values, column, strict=True)),
+                Fraction(0),
+            )
             assert Fraction(float(values @ column)) == exact
             assert Fraction(float(sum(values[::-1] * column[::-1]))) == exact
     for name, values in weights.items():

@@ -176,7 +176,10 @@ def _rest(story: _Story) -> None:
 def _hang_weights(story: _Story) -> None:
     """Hang one to three weights, each of which may swing."""
     rng = story.rng
-    whole, n = rng.uniform(0.02, 0.7), int(rng.integers(1, 4))
+    whole, n = (
+        (rng.uniform(0.02, 0.7) if _maybe(rng, 0.7) else rng.uniform(0.7, 0.96)),
+        int(rng.integers(1, 4)),
+    )
     for number in range(n):
         begin, end = story.level, max(story.level, whole * (number + 1) / n)
         story.piece(
@@ -186,7 +189,7 @@ def _hang_weights(story: _Story) -> None:
         )
         if _maybe(rng, 0.5):
             size, turns, damping = (
-                (end - begin) * rng.uniform(0.02, 0.4),
+                (end - begin) * rng.uniform(0.02, 0.5),
                 rng.uniform(2, 9) * np.pi,
                 rng.uniform(0.05, 0.4),
             )
@@ -306,9 +309,14 @@ def _break_away(story: _Story, how: _Climb) -> None:
     """Break away from where the climb has come to, and slide on smoothly, roughly or in teeth."""
     rng = story.rng
     story.broke_s, story.peak = story.now_s, story.level
-    drop = _spread(rng, 0.015, 0.65)
+    quick, is_train = _maybe(rng, 0.7), _maybe(rng, 0.5)
+    drop = rng.uniform(0.65, 0.98) if is_train and _maybe(rng, 0.15) else _spread(rng, 0.015, 0.65)
+    roughness = rng.choice((0.0, _spread(rng, 1e-3, 0.03)))
+    if not (quick or is_train or roughness):
+        drop = max(
+            drop, 0.06
+        )  # a smaller fall that is slow and quiet is that of a rope that is held and creeps
     kinetic = story.level * (1.0 - drop)
-    quick = _maybe(rng, 0.7)
     fall_s = (
         _spread(rng, 5e-4, 3.0) * min(1.0, story.climb_s)
         if quick
@@ -316,15 +324,22 @@ def _break_away(story: _Story, how: _Climb) -> None:
     )
     if _maybe(rng, 0.15):
         story.stay(State.SLIP, 0.1 * fall_s)
-    if _maybe(rng, 0.5):
-        _fall(story, kinetic, fall_s, State.SLIP)
-        wear = rng.choice((0.0, 0.0, rng.uniform(-0.25, 0.5)))
-        story.rough(
-            _spread(rng, 0.2, 10.0) * story.climb_s, rng.choice((0.0, _spread(rng, 1e-3, 0.03))), wear
-        )
-    else:
+    if is_train:
         _fall(story, kinetic, min(fall_s, 0.15 * drop * story.climb_s + 0.02), State.SLIP)
-        _teeth(story, how, kinetic, drop * story.peak * rng.uniform(0.4, 1.15), fall_s)
+        height, bottom = drop * story.peak * rng.uniform(0.4, 1.15), kinetic
+        if _maybe(rng, 0.4):  # far smaller teeth than the first one, somewhere within its fall
+            height = drop * story.peak * _spread(rng, 0.04, 0.4)
+            bottom += (drop * story.peak - height) * rng.uniform(0.0, 0.7)
+        _teeth(story, how, bottom, height, fall_s)
+        return
+    _fall(story, kinetic, fall_s, State.SLIP)
+    wear = rng.choice((0.0, 0.0, rng.uniform(-0.25, 0.5)))
+    story.rough(_spread(rng, 0.2, 10.0) * story.climb_s, roughness, wear)
+    for _ in range(int(rng.integers(1, 4)) if _maybe(rng, 0.15) else 0):  # something is in the way
+        level, faster = story.level, _spread(rng, 0.7, 10.0)
+        _climb(story, max(level, story.peak * rng.uniform(0.7, 1.6)), _Climb(how.rate * faster, 0.0, 0.0))
+        _fall(story, level, fall_s, State.SLIP)
+        story.rough(_spread(rng, 0.1, 2.0) * story.climb_s, roughness)
 
 
 def _teeth(story: _Story, how: _Climb, bottom: float, height: float, fall_s: float) -> None:

@@ -5,5 +5,6 @@ campaign. `bench` has the settings, the measuring chain and what happens to the 
 whole recording, `campaign` the plan of a campaign and its files. The second rig shares nothing with these:
 `dynamics` integrates rope, wheel and motor with rate-and-state friction or LuGre bristles, `pulls` draws such machines
 and knows what is true of their motion (of a campaign too), `strangers` is their sensor and what goes wrong there, and
-draws families of recordings over wide ranges, each with its truth.
+draws families of recordings over wide ranges, each with its truth. `stories` draws recordings piece by piece, without
+any equation of motion, with the state of every sample: what the picker learns from.
 """

@@ -120,7 +120,7 @@ def _power(value: float) -> str:
 
 
 def picks_block() -> str:
-    """Return what five pickers say of recordings of rigs that none of them was made for."""
+    """Return what six pickers say of recordings of rigs that none of them was made for."""
     lines = ["| recordings | picker | right | wrong | missed | doubtful | made up | error of 95 % below |",
              "|---|---|---|---|---|---|---|---|"]  # fmt: skip
     for case in STUDIES["picks"].cases:

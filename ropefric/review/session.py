@@ -11,7 +11,7 @@ from datetime import datetime
 from functools import cached_property, partial
 from math import ceil, degrees, isclose, isfinite, log10
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,10 +22,13 @@ from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree, to_spreadsheet
 from ropefric.files.text import GZIP_MAGIC
 from ropefric.pipeline import answer_trials
 from ropefric.quantities import unit_factor
-from ropefric.traces.breakaway import Status
+from ropefric.traces.breakaway import PickSettings, Status
+from ropefric.traces.decision import judge
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.excel import READER as EXCEL
+from ropefric.traces.segments import prepare
 from ropefric.traces.smoothing import smooth
+from ropefric.traces.trace import ForceTrace
 from ropefric.trials import numbers
 from ropefric.trials import result as results
 from ropefric.trials.campaign import load_campaign
@@ -39,13 +42,21 @@ from ropefric.trials.trial_list import DECIDED, QUANTITIES, TEXTS
 Curves = tuple[FloatArray, FloatArray, FloatArray | None]
 """Time, force and smoothed force of a recording, samples that are missing left out."""
 
+
+class Drawn(NamedTuple):
+    """What is drawn of a recording: its curves, and where the picker sees the break-away."""
+
+    curves: Curves
+    likely: dict[str, Any]
+
+
 _plain = partial(rounded_tree, digits=GIVEN_DIGITS)
 
 
 def row_of(trial: TrialResult, condition: str) -> dict[str, Any]:
     """Return what the list of trials shows of one."""
     told = {name: getattr(trial, name) for name in ("file", "outcome", "excluded", "decision", "why", "by")}
-    force = {"force_N": trial.measured_N, "std_N": _std_of(trial)}
+    force = {"force_N": trial.measured_N, "std_N": _std_of(trial), "probability": trial.breakaway.probability}
     known = {name: value if isfinite(value) else None for name, value in force.items()}
     return {**told, "condition": condition, "status": trial.breakaway.status.value, **known}
 
@@ -72,14 +83,32 @@ def _std_of(trial: TrialResult) -> float:
     return trial.end_tension_std_N if trial.measures_slack else trial.peak_std_N
 
 
-def curves_of(campaign: Campaign, spec: TrialSpec, result: TrialResult) -> Curves:
+def drawn_of(campaign: Campaign, spec: TrialSpec, result: TrialResult) -> Drawn:
     """Return a recording as it was picked from: calibrated, tared, and smoothed where that was done."""
     raws = read_recordings(spec.path, campaign.profile, shown_as=spec.file)
     raw = blocks_of(replace(spec, sample=result.sample), raws)[0]
     trace, _, _ = tared_trace(campaign, spec, raw)
     window_s, present = result.breakaway.window_s, np.isfinite(trace.force_N)
     smoothed_N = smooth(trace, window_s).force_N[present] if isfinite(window_s) else None
-    return trace.time_s[present], trace.force_N[present], smoothed_N
+    return Drawn(
+        (trace.time_s[present], trace.force_N[present], smoothed_N), likely_in(campaign, spec, trace)
+    )
+
+
+def likely_in(campaign: Campaign, spec: TrialSpec, trace: ForceTrace) -> dict[str, Any]:
+    """Return in which stretches of time the break-away may be and how likely, and the reasons why there may be none.
+
+    Without any where something else than probabilities decides.
+    """
+    protocol = campaign.protocol
+    decides = (protocol.name, protocol.ending, protocol.picker) == ("breakaway", "sliding", "trained")
+    prepared = prepare(trace, PickSettings(start_s=spec.start_s, stop_s=spec.stop_s)) if decides else None
+    if prepared is None:
+        return {"places": [], "reasons": []}
+    found = judge(prepared)
+    places = [[one.first_s, one.last_s, one.probability] for one in found.candidates]
+    reasons = [[reason.value, probability] for reason, probability in found.reasons.items()]
+    return {"places": _plain(places), "reasons": reasons}
 
 
 def decimated(curves: Curves, start_s: float, stop_s: float, columns: int) -> dict[str, Any]:
@@ -201,7 +230,7 @@ class Review:
         self._jobs = jobs
         self.lock = threading.RLock()
         self.n_written = 0
-        self._curves: dict[tuple[object, ...], Curves] = {}
+        self._drawn: dict[tuple[object, ...], Drawn] = {}
         self._undo: deque[tuple[bytes, str]] = deque(maxlen=MOST_UNDONE)
         self._state = self._load(None, progress=progress)
         self._change: dict[str, Any] | None = None
@@ -468,14 +497,15 @@ class Review:
         with self.lock:
             campaign, spec, result = self._state.campaign, self._spec(trial), self._result(trial)
         self._refuse_unread(result)
-        key = (trial, result.sha256, campaign.settings_fingerprint(), result.breakaway.window_s)
-        curves = self._curves.get(key) or curves_of(campaign, spec, result)
+        part = (spec.start_s, spec.stop_s, result.breakaway.window_s)
+        key = (trial, result.sha256, campaign.settings_fingerprint(), *part)
+        drawn = self._drawn.get(key) or drawn_of(campaign, spec, result)
         with self.lock:
-            self._curves.pop(key, None)
-            self._curves[key] = curves  # the last one is the newest
-            for old in [*self._curves][:-HELD_CURVES]:
-                del self._curves[old]
-        return decimated(curves, start_s, stop_s, columns)
+            self._drawn.pop(key, None)
+            self._drawn[key] = drawn  # the last one is the newest
+            for old in [*self._drawn][:-HELD_CURVES]:
+                del self._drawn[old]
+        return decimated(drawn.curves, start_s, stop_s, columns) | drawn.likely
 
     def _refuse_unread(self, result: results.TrialResult) -> None:
         if not _is_readable(result):

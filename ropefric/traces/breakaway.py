@@ -74,7 +74,9 @@ class ForceEvent:
     drop_N, fall_s : float
         How far it fell [N] and how long that took [s].
     evidence : str
-        What was seen that speaks for or against its being the break-away.
+        Of a candidate, in words: what it hangs on, as whether a drift is taken off.
+    probability : float
+        Of a candidate: how likely the picker takes it for the break-away, to two digits; NaN where nobody says.
     """
 
     kind: str
@@ -83,6 +85,7 @@ class ForceEvent:
     drop_N: float
     fall_s: float
     evidence: str = ""
+    probability: float = nan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

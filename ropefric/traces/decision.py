@@ -293,7 +293,7 @@ def _in_doubt(prepared: Prepared, found: Judgement) -> Breakaway:
             force_N=one.force_N,
             drop_N=nan,
             fall_s=nan,
-            evidence=f"probability {one.probability:.2f}",
+            probability=one.probability,
         )
         for one in likely
     )

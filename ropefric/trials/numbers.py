@@ -87,8 +87,12 @@ class TrialColumn:
 
 
 def candidates_in_words(found: Breakaway) -> str:
-    """Return the forces that may be the break-away."""
-    return "; ".join(f"{event.force_N:.5g} N at {event.time_s:.5g} s" for event in found.candidates)
+    """Return the forces that may be the break-away, and how likely each is where that is known."""
+    return "; ".join(
+        f"{event.force_N:.5g} N at {event.time_s:.5g} s"
+        + (f" ({event.probability:.2f})" if isfinite(event.probability) else "")
+        for event in found.candidates
+    )
 
 
 def _raw_N(trial: Any) -> float:
@@ -118,11 +122,12 @@ COLUMNS: tuple[TrialColumn, ...] = (
     *_of_trial("end_tension_set_N", is_set=True, read_as=("end_tension_set",)),
     *_of_trial("peak_N", "peak_std_N", "cell_std_N"),
     _also("peak_raw_N", _raw_N),
+    _picked("probability", on_page=OnPage(0, "probability", digits=2)),
     _picked("peak_time_s"),
     _picked("bias_N"),
-    _picked("window_s", on_page=OnPage(3, "smoothed over", "ms", 3)),
-    _picked("noise_std_N", on_page=OnPage(2, "noise of a sample", "N", 3)),
-    _picked("loading_rate_N_s", words="loading rate", rank=1, on_page=OnPage(4, "loading rate", "N/s")),
+    _picked("window_s", on_page=OnPage(4, "smoothed over", "ms", 3)),
+    _picked("noise_std_N", on_page=OnPage(3, "noise of a sample", "N", 3)),
+    _picked("loading_rate_N_s", words="loading rate", rank=1, on_page=OnPage(5, "loading rate", "N/s")),
     _picked("measured_dwell_s", "dwell_s", words="dwell", rank=1),
     _picked(
         "kinetic_N",
@@ -130,15 +135,15 @@ COLUMNS: tuple[TrialColumn, ...] = (
         brief="mean kinetic",
         symbol="F_k",
         drawn="sliding",
-        on_page=OnPage(0, "kinetic force", "N", 5, std="kinetic_std_N"),
+        on_page=OnPage(1, "kinetic force", "N", 5, std="kinetic_std_N"),
         read_as=("kinetic", "kinetic_force"),
     ),
     _picked("kinetic_std_N"),
     *_of_trial("kinetic_mean_std_N", read_as=("kinetic_mean_std",)),
     _picked("sliding_s", "kinetic_s"),
-    _picked("drop_N", words="drop", on_page=OnPage(1, "drop", "N")),
+    _picked("drop_N", words="drop", on_page=OnPage(2, "drop", "N")),
     _picked("trough_N", words="trough"),
-    _picked("n_slips", words="slips", on_page=OnPage(5, "stick-slip events")),
+    _picked("n_slips", words="slips", on_page=OnPage(6, "stick-slip events")),
     _picked("recurrence_s", words="recurrence"),
     *_of_trial("mu", words="μ", rank=2),
     *_of_trial("mu_std"),

@@ -11,6 +11,8 @@ import pytest
 from ropefric.review import session
 from ropefric.review.server import ReviewServer
 from ropefric.review.session import Review
+from ropefric.traces.breakaway import Status
+from ropefric.traces.decision import Candidate, Judgement
 
 BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
 
@@ -57,6 +59,20 @@ def begin(campaign, monkeypatch):
     yield begin
     for review in begun:
         review.close()
+
+
+@pytest.fixture
+def undecided(monkeypatch):
+    """What the picker says to the review of every recording; the times at which it was asked."""
+    asked = []
+
+    def judge(prepared):
+        asked.append(float(prepared.time_s[0]))
+        candidates = [Candidate(0, 80.0, 0.61, 2.1, 2.2), Candidate(0, 70.0, 0.3, 1.5, 1.5)]
+        return Judgement(candidates, {Status.NO_BREAKAWAY: 0.09, Status.NO_PEAK: 0.0}, None)
+
+    monkeypatch.setattr(session, "judge", judge)
+    return asked
 
 
 @pytest.fixture(scope="module")

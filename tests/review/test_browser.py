@@ -191,6 +191,42 @@ def test_five_thousand_trials_are_a_screenful(page):
     assert driver.execute_script("return document.getElementsByTagName('*').length") < 700
 
 
+def test_where_the_break_away_may_be_is_drawn_and_said(page, undecided):
+    driver = page()
+    said = "Where the break-away may be: 2.1 to 2.2 s (0.61), 1.5 s (0.30); no break-away (0.09)."
+    wait(driver, lambda: text(driver, "places") == said)
+    assert driver.find_element(By.ID, "plot").get_attribute("aria-describedby") == "places"
+    heights, widths, frame = driver.execute_script(STRIP)
+    assert heights == pytest.approx([0.61 * 30, 0.30 * 30], abs=1)
+    assert widths[0] == pytest.approx(0.1 * frame, abs=2)
+    assert widths[1] >= 2
+    # Zoomed to where it is not there is no bar; the words stay.
+    driver.execute_script("show(0, 0.5)")
+    wait(driver, lambda: driver.execute_script("return S.curve.stop_s") < 0.6)
+    assert driver.execute_script(STRIP)[0] == [0, 0]
+    assert text(driver, "places") == said
+
+
+def test_the_least_sure_come_first_where_that_is_asked(page):
+    driver = page()
+    driver.execute_script("""
+      const row = (status, outcome, probability) => ({file: "f.csv", condition: "R 7 mm", status, outcome, force_N: 1,
+        std_N: 1, excluded: "", decision: "", why: "", by: "", probability});
+      const none = "without a force", order = [..."abcdef"];
+      const rows = {a: row("ok", "kept", 0.99), b: row("ok", "excluded", 0.8), c: row("no-peak", none, 0.85),
+        d: row("doubtful", none, 0.7), e: row("ok", "kept", null), f: row("doubtful", none, 0.4)};
+      const counts = {n_trials: 6, n_kept: 2, n_rejected: 0, n_excluded: 1, n_without_force: 3, status: {ok: 3}};
+      take({campaign: "some", list: "trials.csv", by: "me", slack: false, order, undo: 0, counts, rows});
+    """)
+    shown = "return S.shown.join('')"
+    assert driver.execute_script(shown) == "dfcaeb"
+    Select(driver.find_element(By.ID, "by-order")).select_by_value("sure")
+    assert driver.execute_script(shown) == "fdcaeb"
+    assert [row.text.splitlines()[-1] for row in rows_of(driver)][:3] == ["P 0.40", "P 0.70", "P 0.85"]
+    Select(driver.find_element(By.ID, "by-order")).select_by_value("list")
+    assert driver.execute_script(shown) == "dfcaeb"
+
+
 def test_a_list_changed_by_somebody_else_is_told_and_read_again(page, campaign):
     path, driver = campaign / "trials.csv", page()
     path.write_bytes(path.read_bytes().replace(b"# taken in spring", b"# taken in autumn"))
@@ -227,6 +263,25 @@ def test_nothing_is_cut_off_and_everything_can_be_read(page, width, scheme):
         driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
 
+# Height of the bar in the middle of each place, its width at the foot, and pixels of a second.
+STRIP = """
+  const plot = document.getElementById('plot'), ratio = devicePixelRatio || 1, s = scales();
+  const pen = new OffscreenCanvas(plot.width, plot.height).getContext('2d', {willReadFrequently: true});
+  pen.drawImage(plot, 0, 0);
+  const image = pen.getImageData(0, 0, plot.width, plot.height), foot = EDGE.top + s.height + s.strip;
+  const wanted = getComputedStyle(document.documentElement).getPropertyValue('--candidate').trim();
+  const is = (x, y) => { const at = 4 * (Math.round(y * ratio) * image.width + Math.round(x * ratio));
+    const far = [0, 1, 2].map((i) => Math.abs(parseInt(wanted.slice(1 + 2 * i, 3 + 2 * i), 16) - image.data[at + i]));
+    return Math.max(...far) < 40; };
+  const highest = [...Array(40).keys()], inside = (x) => x > EDGE.left && x < EDGE.left + s.width;
+  const bars = S.curve.places.map(([a, b]) => {
+    const middle = s.x((a + b) / 2), near = s.x(b) - s.x(a) + 4;
+    const across = [...Array(Math.ceil(2 * near)).keys()].map((i) => middle - near + i).filter(inside);
+    return [highest.filter((up) => inside(middle) && is(middle - 0.5, foot - 2 - up)).length,
+      across.filter((x) => is(x, foot - 3)).length];
+  });
+  return [bars.map((bar) => bar[0]), bars.map((bar) => bar[1]), s.width / (S.view[1] - S.view[0])];
+"""
 UNNAMED = """return [...document.querySelectorAll('button, select, input')]
   .filter(e => !e.textContent.trim() && !e.labels?.length).length"""
 CONTRAST = """

@@ -209,6 +209,41 @@ def test_a_curve_of_the_whole_and_of_a_stretch(begin):
     assert smoothed == pytest.approx(peak["picked"][0], rel=1e-3)
 
 
+def test_where_the_break_away_may_be_comes_with_the_curve_and_is_asked_once(begin, undecided):
+    review = begin()
+    whole = review.curve("c35-r01", np.nan, np.nan, 300)
+    assert whole["places"] == [[2.1, 2.2, 0.61], [1.5, 1.5, 0.3]]
+    assert whole["reasons"] == [["no-breakaway", 0.09], ["no-peak", 0.0]]
+    assert review.curve("c35-r01", 1.0, 2.0, 300)["places"] == whole["places"]
+    assert len(undecided) == 1
+    review.curve("c11-r01", np.nan, np.nan, 300)
+    assert len(undecided) == 2
+
+
+def test_the_picker_sees_the_part_that_is_looked_at(begin, campaign, undecided):
+    path = campaign / "trials.csv"
+    cells = {"trial": ",from_s", "c35-r01": ",0.5", "# taken in spring": ""}
+    rows = [row + cells.get(row.split(",")[0], ",") for row in path.read_text().splitlines()]
+    path.write_text("\n".join([*rows, ""]))
+    begin().curve("c35-r01", np.nan, np.nan, 300)
+    assert undecided == [pytest.approx(0.5, abs=1e-3)]
+
+
+@pytest.mark.parametrize("protocol", ['picker = "highest"', 'ending = "separation"'])
+def test_without_probabilities_there_is_nothing_to_show(begin, campaign, undecided, protocol):
+    toml = campaign / "campaign.toml"
+    toml.write_text(toml.read_text().replace('name = "breakaway"', f'name = "breakaway"\n{protocol}'))
+    curve = begin().curve("c35-r01", np.nan, np.nan, 300)
+    assert (curve["places"], curve["reasons"], undecided) == ([], [], [])
+
+
+def test_the_list_says_how_sure_each_pick_is(begin):
+    review = begin()
+    for name, row in review.overview()["rows"].items():
+        probability = review._result(name).breakaway.probability
+        assert row["probability"] == (probability if np.isfinite(probability) else None)
+
+
 @settings(max_examples=20)
 @given(data=st.data(), n=st.integers(1, 300), columns=st.integers(10, 60))
 def test_decimation_keeps_every_extreme(data, n, columns):

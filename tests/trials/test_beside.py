@@ -14,7 +14,7 @@ from ropefric.trials.result import TrialResult, summarise_conditions, write_tabl
 from ropefric.trials.table import read_trial_table
 
 PHI, END_N = math.pi, 20.0
-CANDIDATES = (ForceEvent(kind="break-away", time_s=1.3, force_N=97.3, drop_N=12.0, fall_s=0.01),
+CANDIDATES = (ForceEvent(kind="break-away", time_s=1.3, force_N=97.3, drop_N=12.0, fall_s=0.01, probability=0.61),
     ForceEvent(kind="bump", time_s=0.7, force_N=51.25, drop_N=30.0, fall_s=0.2))  # fmt: skip
 
 
@@ -91,7 +91,7 @@ def test_a_doubtful_trial_is_never_kept_and_comes_with_its_candidates(doubtful_l
     extraction = doubtful_last.extract()
     found = extraction.trials[-1]
     assert (found.kept, found.outcome) == (False, "without a force")
-    assert found.to_dict()["candidates"] == "97.3 N at 1.3 s; 51.25 N at 0.7 s"
+    assert found.to_dict()["candidates"] == "97.3 N at 1.3 s (0.61); 51.25 N at 0.7 s"
     assert math.isnan(found.peak_N)
     (problem,) = (problem for problem in extraction.problems if problem.code == "RF234")
     assert "d: doubtful: two falls may be it" in problem.message

@@ -13,7 +13,7 @@ from ropefric.trials.result import Extraction, write_tables
 # The hand-over to fitting and the JSON of the command: these names may not change.
 TRIAL_COLUMNS = {
     "trial", "file", "wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N", "peak_N", "peak_raw_N",
-    "peak_time_s", "kinetic_N", "status", "kept",
+    "peak_time_s", "probability", "kinetic_N", "status", "kept",
 }  # fmt: skip
 CONDITION_COLUMNS = {
     "wheel_radius_m", "wrap_angle_rad", "end_tension_N", "n", "n_kept", "rejected", "mean_all_N", "std_all_N",

@@ -32,17 +32,18 @@ Picker = Callable[[ForceTrace], Picked]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Known:
-    """A recording with what is true of it: F_A, or NaN where there is none to be found."""
+    """A recording with what is true of it: F_A, or NaN where there is none to be found; and of what kind it is."""
 
     trace: ForceTrace
     peak_N: float
+    kind: str = ""
 
 
 @cache
 def known_recordings(tier: str) -> tuple[Known, ...]:
     """Return the recordings of one tier of the second rig; the same ones every time."""
     drawn = recordings(SEED, per_family=PER_FAMILY, tiers=(tier,))
-    return tuple(Known(one.trace(), one.truth.peak_N) for one in drawn)
+    return tuple(Known(one.trace(), one.truth.peak_N, one.family) for one in drawn)
 
 
 @cache
@@ -80,9 +81,9 @@ def _mean_of(values: FloatArray, n: int) -> FloatArray:
     return np.convolve(values, np.full(n, 1.0 / n), mode="valid")
 
 
-def by_ropefric(trace: ForceTrace) -> Picked:
-    """Return what ropefric picks with no settings at all."""
-    found = pick_breakaway(trace, PickSettings())[0]
+def by_ropefric(trace: ForceTrace, *, picker: str = "trained") -> Picked:
+    """Return what ropefric picks with no settings at all, or with its transparent picker."""
+    found = pick_breakaway(trace, PickSettings(picker=picker))[0]
     return (
         found.peak_N if found.status is Status.OK else nan,
         found.peak_std_N,
@@ -147,6 +148,7 @@ def by_aic(trace: ForceTrace) -> Picked:
 
 PICKERS: tuple[tuple[str, str, Picker, bool], ...] = (
     ("ropefric", "", by_ropefric, True),
+    ("ropefric", "highest", partial(by_ropefric, picker="highest"), True),
     *(("moving average", f"{n} points", partial(by_highest_mean, points=n), n == 15) for n in (5, 10, 15)),
     *(
         ("moving average", f"{n} ms", partial(by_highest_mean, lasting_s=1e-3 * n), False)
@@ -168,7 +170,8 @@ def score(picked: Sequence[Picked], known: Sequence[Known]) -> Outcome:
 
     Shares of the recordings that have an F_A: `right`, `wrong`, `missed`, `doubtful`; of those that have none:
     `false` (a force all the same). Of the right ones: bias and scatter; `within_2u`, where the picker states u. The
-    error is the one that 95 % of the forces given stay below; infinite where none was given.
+    error is the one that 95 % of the forces given stay below; infinite where none was given. Of each kind, the share
+    that is right: a force to within `RIGHT`, or none where there is none.
     """
     force_N, std_N = np.array([one[:2] for one in picked], dtype=np.float64).T
     doubt = np.array([one[2] for one in picked])
@@ -176,6 +179,8 @@ def score(picked: Sequence[Picked], known: Sequence[Known]) -> Outcome:
     usable, given = np.isfinite(true_N), np.isfinite(force_N)
     errors = (force_N / true_N - 1.0)[usable & given]
     right = errors[np.abs(errors) <= RIGHT]
+    is_right = np.where(usable, np.abs(force_N / true_N - 1.0) <= RIGHT, ~given)
+    kinds = np.array([one.kind for one in known])
     close = (np.abs(force_N - true_N) <= 2.0 * std_N)[usable & given & np.isfinite(std_N)]
 
     def share(which: FloatArray, of: FloatArray) -> float:
@@ -195,6 +200,7 @@ def score(picked: Sequence[Picked], known: Sequence[Known]) -> Outcome:
             "false": share((~usable & given)[~usable], true_N[~usable]),
             "within_2u": share(close, close),
         },
+        kinds={kind: float(is_right[kinds == kind].mean()) for kind in dict.fromkeys(kinds.tolist()) if kind},
     )
 
 
@@ -222,6 +228,15 @@ def _findings(points: tuple[Measured, ...]) -> tuple[str, ...]:
                 lines.append(
                     f"{case}: ropefric loses to {best.name}: {what} {100 * mine:.0f} % against {100 * theirs:.0f} %."
                 )
+        if ours.kinds:
+            worst = sorted((part, kind) for kind, part in ours.kinds.items() if part < 1.0)
+            said = ", ".join(f"{kind} ({100 * part:.0f} % right)" for part, kind in worst)
+            n = len(ours.kinds)
+            lines.append(
+                f"{case}: kinds that are not all right: {said}; the other {n - len(worst)} are."
+                if worst
+                else f"{case}: all {n} kinds are all right."
+            )
     return tuple(lines)
 
 
@@ -257,7 +272,7 @@ STUDY = Study(
         f"rate-and-state friction or bristles: {len(FAMILIES)} families, seed {SEED}, {PER_FAMILY} of each"
     ),
     counted="samples of a recording; error: what 95 % of the forces given stay below",
-    used="segments, slips and stiffness decide, the window follows the noise",
+    used="a trained network says where, the window of the measured peak follows the noise",
     cases=tuple(
         Case(tier, _SAID[tier], partial(_settings, partial(known_recordings, tier)))
         for tier in sorted(TIERS, key=["lab", "clean", "nasty"].index)

@@ -111,7 +111,7 @@ def _somewhere(states: IntArray, rng: np.random.Generator) -> int:
 def _piece(task: tuple[int, int]) -> tuple[Any, Any, Any]:
     """Return the lessons of a piece of all recordings, as arrays."""
     seed, number = task
-    made = []
+    made: list[Lesson] = []
     for n in range(number * PIECE, (number + 1) * PIECE):
         rng = np.random.default_rng([seed, n])
         made.extend(lessons_of(draw_recording(rng), rng))
@@ -261,7 +261,7 @@ def of_the_first_rig(per_fault: int) -> Iterator[Known]:
             one = simulate_recording(bench, **given, faults=[name] if name else [])
             counts = np.where(np.isnan(one.counts), -1, one.counts).astype(np.int64)
             calibration = Calibration(cell=bench.cell_named(one.truth.cell), adc=bench.adc)
-            if counts.size >= 50:  # noqa: PLR2004  (fewer are too short a recording)
+            if counts.size >= 50:
                 calibration, _ = calibration.with_tare(counts[: max(20, counts.size // 20)])
             force_N, saturation = calibration.apply(counts)
             keep, time_s, _ = mend_clock(one.time_s, [force_N])

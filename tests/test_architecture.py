@@ -21,7 +21,7 @@ LEVELS = {
     "files": 1, "friction": 1, "uncertainty": 1,
     "traces": 2, "systems": 2, "plugins": 2,
     "trials": 3, "rig": 3,
-    "fitting": 4, "given": 4, "training": 4,
+    "fitting": 4, "given": 4,
     "scenes": 5,
     "pipeline": 6, "accuracy": 6, "testing": 6, "training": 6,
     "plotting": 7,

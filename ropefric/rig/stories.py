@@ -291,13 +291,14 @@ def _climb_by_weights(story: _Story) -> None:
     swings, turns, damping = rng.uniform(0.0, 0.4), rng.uniform(2.0, 8.0) * np.pi, rng.uniform(0.1, 0.4)
     for level in levels[:-1]:
         height = level - begin
-        swing = lambda part: level - height * np.exp(-damping * turns * part) * np.cos(turns * part)  # noqa: B023, E731
         if _maybe(rng, 0.7):
-            story.piece(
-                State.HUNG,
-                lasting_s * rng.uniform(0.4, 1.6),
-                lambda part: swing(part) * swings + (1.0 - swings) * (level - height * np.exp(-8.0 * part)),  # noqa: B023
-            )
+
+            def comes(part: FloatArray) -> FloatArray:
+                swing = np.exp(-damping * turns * part) * np.cos(turns * part)
+                left = swings * swing + (1.0 - swings) * np.exp(-8.0 * part)
+                return np.asarray(level - height * left)  # noqa: B023  (used at once)
+
+            story.piece(State.HUNG, lasting_s * rng.uniform(0.4, 1.6), comes)
         else:
             story.line(State.HUNG, lasting_s * rng.uniform(0.05, 0.5), level)
             story.stay(State.HUNG, lasting_s * rng.uniform(0.4, 1.6))

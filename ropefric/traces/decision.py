@@ -486,10 +486,12 @@ def _with_its_gap(prepared: Prepared, result: Breakaway) -> Breakaway:
         ForceEvent(kind="break-away", force_N=higher, **top, evidence="climbed on in the gap"),
     )
     detail = (
-        f"{seen:.4g} N or up to {higher:.4g} N: there is a gap of {gap_s:.3g} s in the samples next to the peak, in which "
-        + ("most of the climb lies" if is_climb else "the force may have been higher")
+        f"{seen:.4g} N or up to {higher:.4g} N: there is a gap of {gap_s:.3g} s in the samples next to the peak, "
+        + ("in which most of the climb lies" if is_climb else "in which the force may have been higher")
     )
-    found = without_force(Status.DOUBTFUL, detail, prepared, candidates=events)
+    found = without_force(
+        Status.DOUBTFUL, detail, prepared, candidates=events, probability=result.probability
+    )
     return replace(found, notes=result.notes, events=result.events, phases=result.phases)
 
 

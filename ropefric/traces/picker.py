@@ -27,8 +27,8 @@ WIDE, NARROW = 7, 5
 """Bins that a convolution looks at, at full resolution and below it."""
 REASONS = (Status.NO_BREAKAWAY, Status.NO_PEAK, Status.SATURATED)
 INPUT_GRID, ACTIVATION_GRID, WEIGHT_GRID, LARGEST = 2.0**12, 2.0**7, 2.0**9, 16.0
-"""Numbers are multiples of one over these, activations at most 16: a sum of products below 256 has at most the 24 bits of
-a single-precision number, which is why it is exact, and the first one, of finer inputs, the 53 of a double."""
+"""Numbers are multiples of one over these, activations at most 16: a sum of products below 256 has at most the 24 bits
+of a single-precision number, which is why it is exact, and the first one, of finer inputs, the 53 of a double."""
 MOST_PRODUCTS = 2**18
 """Multiplied in pieces of so many products, a matrix is no work for several threads, which would wait for each other."""
 

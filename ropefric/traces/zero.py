@@ -411,6 +411,6 @@ def _either(result: Breakaway, why: str, origin: str = "", zero_N: float = 0.0) 
     return Breakaway(
         status=Status.DOUBTFUL,
         detail=f"{' or '.join(f'{event.force_N:.4g} N' for event in events)}: {why}",
-        noise_std_N=result.noise_std_N,
+        noise_std_N=result.noise_std_N, probability=result.probability,
         candidates=events, events=result.events, notes=result.notes, phases=result.phases,
     )  # fmt: skip

@@ -1,8 +1,8 @@
 """Make the weights of the picker again: draw recordings, train, set the temperature, write weights and model card.
 
-`python -m ropefric.training [--out FOLDER] [--seed 11] [--recordings 48000] [--steps 6000] [--jobs 2]` writes
-`picker.npz` and `picker.md`. It learns from drawn recordings alone; the temperature is set on the first rig, and the
-second rig is left for the check. It needs the extra `train`; nothing else in ropefric imports it.
+`python -m ropefric.training [--out FOLDER] [--seed 21] [--recordings 48000] [--steps 4500] [--jobs 2]` writes
+`picker.npz` and `picker.md`. It learns from drawn recordings and a tenth of recordings of the first rig; the second rig
+is left for the temperature and, with other draws, for the check. It needs the extra `train`; nothing else in ropefric imports it.
 """
 
 import argparse
@@ -19,7 +19,7 @@ import torch
 from torch import nn
 
 from ropefric.arrays import FloatArray, IntArray
-from ropefric.rig.bench import Bench
+from ropefric.rig.bench import Bench, RecordingTruth
 from ropefric.rig.recording import FAULTS, simulate_recording
 from ropefric.rig.stories import LabelledRecording, draw_recording, draw_recordings
 from ropefric.rig.strangers import recordings
@@ -39,7 +39,7 @@ from ropefric.traces.picker import (
     forward,
     seen,
 )
-from ropefric.traces.segments import prepare
+from ropefric.traces.segments import MIN_SAMPLES, prepare
 from ropefric.traces.trace import ForceTrace
 
 BATCH, RATE, DECAY = 64, 3e-3, 1e-3
@@ -49,7 +49,10 @@ STATES = 0.3
 """What the states of the bins count against the break-away."""
 ELSEWHERE = 0.35
 """How often the closer look is somewhere else than at the break-away."""
-PIECE = 500
+PART_OF_RIG = 10
+"""Of so many drawn recordings one more is of the first rig."""
+PIECE, UNKNOWN = 500, 255
+"""Recordings drawn at a time; the state of bins of which none is known."""
 LEFT_OUT = 777
 """Seed of the recordings that nothing is trained on."""
 TEMPERATURES = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0)
@@ -80,7 +83,7 @@ def _lesson(
 def lessons_of(one: LabelledRecording, rng: np.random.Generator) -> Iterator[Lesson]:
     """Yield the lesson of a whole recording and that of a closer look at a part of it."""
     prepared = prepare(ForceTrace(time_s=one.time_s, force_N=one.force_N), PickSettings())
-    if prepared is None:
+    if prepared is None or (not isfinite(one.breakaway_s) and one.status not in REASONS):
         return
     time_s, force_N, state = prepared.time_s, prepared.force_N, one.state
     whole = _lesson(time_s, force_N, state, one.breakaway_s, one.status)
@@ -108,24 +111,61 @@ def _somewhere(states: IntArray, rng: np.random.Generator) -> int:
     return int(rng.choice(ends)) if ends.size and rng.random() < 0.8 else int(rng.integers(BINS))
 
 
-def _piece(task: tuple[int, int]) -> tuple[Any, Any, Any]:
-    """Return the lessons of a piece of all recordings, as arrays."""
-    seed, number = task
+def _piece(task: tuple[int, int, bool]) -> tuple[Any, Any, Any]:
+    """Return the lessons of a piece of all recordings, drawn or of the first rig, as arrays."""
+    seed, number, of_rig = task
     made: list[Lesson] = []
     for n in range(number * PIECE, (number + 1) * PIECE):
-        rng = np.random.default_rng([seed, n])
-        made.extend(lessons_of(draw_recording(rng), rng))
+        rng = np.random.default_rng([seed, n, *([1] if of_rig else [])])
+        made.extend(lessons_of(labelled(*rig_recording(rng)) if of_rig else draw_recording(rng), rng))
+    states = np.array([lesson.states for lesson in made], dtype=np.uint8)
     channels = np.array([lesson.channels for lesson in made], dtype=np.float16)
     answers = np.array([lesson.answer for lesson in made], dtype=np.float32)
-    return channels, answers, np.array([lesson.states for lesson in made], dtype=np.uint8)
+    return channels, answers, np.full_like(states, UNKNOWN) if of_rig else states
 
 
-def draw_lessons(seed: int, recordings: int, jobs: int = 1) -> tuple[Any, Any, Any]:
+def draw_lessons(seed: int, recordings: int, jobs: int = 1, *, of_rig: bool = False) -> tuple[Any, Any, Any]:
     """Return channels, answers and states of the lessons of so many recordings; the same ones however many jobs."""
-    tasks = [(seed, number) for number in range(-(-recordings // PIECE))]
+    tasks = [(seed, number, of_rig) for number in range(-(-recordings // PIECE))]
     with ProcessPoolExecutor(jobs) as pool:
         pieces = list(pool.map(_piece, tasks))
     return tuple(np.concatenate([piece[k] for piece in pieces]) for k in range(3))  # type: ignore[return-value]
+
+
+def rig_recording(rng: np.random.Generator, fault: str | None = None) -> tuple[ForceTrace, RecordingTruth]:
+    """Return a recording of the first rig as the picker gets it, with a fault that a recording survives, or none."""
+    usable = [
+        one.name
+        for one in FAULTS.values()
+        if not one.on_bytes and (not one.protocols or "breakaway" in one.protocols)
+    ]
+    bench, name = Bench(), str(rng.choice(["", *usable])) if fault is None else fault
+    lift_N = float(np.exp(rng.uniform(log(60.0), log(700.0))))
+    given: Any = {"lift_force_N": lift_N, "end_tension_N": lift_N * rng.uniform(0.1, 0.6), "rng": rng}
+    one = simulate_recording(bench, **given, faults=[name] if name else [])
+    counts = np.where(np.isnan(one.counts), -1, one.counts).astype(np.int64)
+    calibration = Calibration(cell=bench.cell_named(one.truth.cell), adc=bench.adc)
+    if counts.size >= MIN_SAMPLES:
+        calibration, _ = calibration.with_tare(counts[: max(20, counts.size // 20)])
+    force_N, saturation = calibration.apply(counts)
+    keep, time_s, _ = mend_clock(one.time_s, [force_N])
+    trace = ForceTrace(
+        time_s=time_s, force_N=force_N[keep], saturation=saturation, name=name or "nothing wrong"
+    )
+    return trace, one.truth
+
+
+def labelled(trace: ForceTrace, truth: RecordingTruth) -> LabelledRecording:
+    """Return a recording of the first rig with what is true of it; its phases serve for states."""
+    time_s, force_N = trace.time_s[here := np.isfinite(trace.force_N)], trace.force_N[here]
+    names = {"idle": State.REST, "loading": State.LOADING, "sliding": State.SLIDING, "held": State.HELD}
+    ends_s, states = [phase.end_s for phase in truth.phases], [*truth.phases, *truth.phases[-1:]]
+    state = np.array([names.get(phase.name, State.LET_DOWN) for phase in states] or [State.REST])
+    at_s = truth.breakaway_time_s if truth.status is Status.OK else nan
+    return LabelledRecording(
+        kind=trace.name, time_s=time_s, force_N=force_N, state=state[np.searchsorted(ends_s, time_s)],
+        status=truth.status, breakaway_s=at_s, peak_N=truth.lift_force_N if isfinite(at_s) else nan,
+    )  # fmt: skip
 
 
 class Network(nn.Module):
@@ -216,7 +256,7 @@ def train(
         wanted = _targets(torch.from_numpy(answers[chosen]))
         loss = -(wanted * torch.log_softmax(places, dim=1)).sum(dim=1).mean()
         loss = loss + STATES * nn.functional.cross_entropy(
-            kinds, torch.from_numpy(states[chosen].astype(np.int64))
+            kinds, torch.from_numpy(states[chosen].astype(np.int64)), ignore_index=UNKNOWN
         )
         optimizer.zero_grad()
         loss.backward()
@@ -245,33 +285,16 @@ def drawn_ones(count: int) -> Iterator[Known]:
         yield Known(one.kind, trace, one.status, one.peak_N)
 
 
-def of_the_first_rig(per_fault: int) -> Iterator[Known]:
-    """Yield recordings of the virtual rig, without a fault and with each that a recording survives."""
-    bench = Bench()
-    usable = [
-        fault
-        for fault in FAULTS.values()
-        if not fault.on_bytes and (not fault.protocols or "breakaway" in fault.protocols)
-    ]
-    for number, name in enumerate(["", *(fault.name for fault in usable)]):
-        for seed in range(per_fault):
-            rng = np.random.default_rng([LEFT_OUT, number, seed])
-            lift_N = float(np.exp(rng.uniform(log(60.0), log(700.0))))
-            given: Any = {"lift_force_N": lift_N, "end_tension_N": lift_N * rng.uniform(0.1, 0.6), "rng": rng}
-            one = simulate_recording(bench, **given, faults=[name] if name else [])
-            counts = np.where(np.isnan(one.counts), -1, one.counts).astype(np.int64)
-            calibration = Calibration(cell=bench.cell_named(one.truth.cell), adc=bench.adc)
-            if counts.size >= 50:
-                calibration, _ = calibration.with_tare(counts[: max(20, counts.size // 20)])
-            force_N, saturation = calibration.apply(counts)
-            keep, time_s, _ = mend_clock(one.time_s, [force_N])
-            trace = ForceTrace(time_s=time_s, force_N=force_N[keep], saturation=saturation, name=name)
-            yield Known(name or "nothing", trace, one.truth.status, one.truth.lift_force_N)
+def of_the_first_rig(count: int) -> Iterator[Known]:
+    """Yield recordings of the virtual rig of a seed of their own."""
+    for number in range(count):
+        trace, truth = rig_recording(np.random.default_rng([LEFT_OUT, number, 1]))
+        yield Known(trace.name, trace, truth.status, truth.lift_force_N)
 
 
-def of_the_second_rig(per_family: int) -> Iterator[Known]:
-    """Yield recordings of the rigs of `rig.strangers`."""
-    for one in recordings(LEFT_OUT, per_family=per_family):
+def of_the_second_rig(per_family: int, seed: int = LEFT_OUT) -> Iterator[Known]:
+    """Yield recordings of the rigs of `rig.strangers`, which nothing is trained on."""
+    for one in recordings(seed, per_family=per_family):
         yield Known(f"{one.tier}: {one.family}", one.trace(), one.truth.status, one.truth.peak_N)
 
 
@@ -329,7 +352,7 @@ def card(sets: Mapping[str, list[Known]], weights: picker.Weights) -> str:
             found = decision.pick_prepared(one.trace, prepared, settings, weights)
             kinds[one.kind][_fate(one, found.status, found.peak_N)] += 1
             answers = answers_of(one, weights)
-            if answers and name != "drawn":
+            if answers and name == "second rig":
                 best = max(answers, key=lambda answer: answers[answer])
                 stated.append((answers[best], is_right(one, best)))
         lines += [_row(f"**{name}**", sum(kinds.values(), Counter()))]
@@ -338,7 +361,7 @@ def card(sets: Mapping[str, list[Known]], weights: picker.Weights) -> str:
         ]
     lines += [
         "",
-        "| probability stated | answers of both rigs | mean stated | share right |",
+        "| probability stated | answers for the second rig | mean stated | share right |",
         "|---|---|---|---|",
     ]
     for low, high in ((0.0, 0.5), (0.5, 0.8), (0.8, 0.9), (0.9, 0.95), (0.95, 1.01)):
@@ -368,28 +391,35 @@ def main() -> None:
     """Draw, train, set the temperature, and write weights and model card into a folder."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=picker.STORED.parent)
-    for name, usual in (("seed", 11), ("recordings", 48_000), ("steps", 6_000), ("jobs", 2)):
+    for name, usual in (("seed", 21), ("recordings", 48_000), ("steps", 4_500), ("jobs", 2)):
         parser.add_argument(f"--{name}", type=int, default=usual)
     given = parser.parse_args()
     torch.set_num_threads(given.jobs)
     say = partial(print, flush=True)
-    lessons = draw_lessons(given.seed, given.recordings, given.jobs)
-    say(f"{len(lessons[1])} lessons of {given.recordings} recordings")
-    weights = train(lessons, given.steps, given.seed, say).weights()
-    write(given.out, weights, say)
+    drawn = draw_lessons(given.seed, given.recordings, given.jobs)
+    rig = draw_lessons(given.seed, given.recordings // PART_OF_RIG, given.jobs, of_rig=True)
+    lessons: Any = tuple(np.concatenate(both) for both in zip(drawn, rig, strict=True))
+    say(
+        f"{len(lessons[1])} lessons of {given.recordings} drawn recordings and {len(rig[1])} of the first rig"
+    )
+    write(given.out, train(lessons, given.steps, given.seed, say).weights(), say)
 
 
 def write(folder: Path, weights: dict[str, Any], say: Callable[[str], object]) -> None:
-    """Set the temperature of trained weights on the first rig; write them, and how they do, into a folder."""
+    """Set the temperature of trained weights on the second rig; write them, and how they do, into a folder."""
     stored: dict[str, Any] = {name: np.asarray(values, dtype=np.float16) for name, values in weights.items()}
-    rig, path = list(of_the_first_rig(12)), folder / "picker.npz"
+    other, path = list(of_the_second_rig(6, LEFT_OUT + 1)), folder / "picker.npz"
     surprises = {
-        one: surprise(rig, picker.multiplied({**stored, "temperature": one})) for one in TEMPERATURES
+        one: surprise(other, picker.multiplied({**stored, "temperature": one})) for one in TEMPERATURES
     }
     say("\n".join(f"temperature {one:g}: {value:.4f}" for one, value in surprises.items()))
     stored["temperature"] = np.float64(min(surprises, key=lambda one: surprises[one]))
     np.savez(path, **stored)
-    sets = {"drawn": list(drawn_ones(1000)), "first rig": rig, "second rig": list(of_the_second_rig(12))}
+    sets = {
+        "drawn": list(drawn_ones(1000)),
+        "first rig": list(of_the_first_rig(400)),
+        "second rig": list(of_the_second_rig(12)),
+    }
     (folder / "picker.md").write_text(card(sets, picker.multiplied(stored)), encoding="utf-8")
 
 

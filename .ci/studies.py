@@ -21,6 +21,7 @@ STUDIES: dict[str, tuple[str, ...]] = {
     "ropefric/traces": RECORDINGS,
     "ropefric/trials": RECORDINGS,
     "ropefric/rig": RECORDINGS,
+    "ropefric/training.py": ("tests/traces", "tests/test_training.py"),
     "ropefric/fitting": ("tests/fitting", "tests/hard", "tests/fuzz"),
     "ropefric/systems": MACHINES,
     "ropefric/scenes": ("tests/scenes", "tests/fuzz", "tests/accuracy"),

@@ -175,7 +175,7 @@ def _before_sliding(
     if stuck := _stuck(prepared, best.block if best else int(np.argmax(prepared.blocks.force_N))):
         return without_force(Status.NO_PEAK, stuck, prepared)
     reason = max(found.reasons, key=lambda status: found.reasons[status])
-    if best is None or found.reasons[reason] >= SURE:
+    if best is None or sum(found.reasons.values()) >= SURE:  # none for certain, whichever the reason
         return _with_reason(prepared, reason, found)
     same = sum(
         one.probability
@@ -279,7 +279,11 @@ def _with_reason(prepared: Prepared, reason: Status, found: Judgement) -> Breaka
                 "kinetic_N": float(blocks.force_N[slides].mean()),
                 "kinetic_std_N": float(blocks.force_N[slides].std(ddof=1)),
             }
-    return without_force(reason, words[reason], prepared, probability=found.reasons[reason], **more)
+    others = [
+        f" or {one.value} ({p:.2f})" for one, p in found.reasons.items() if one is not reason and p >= SEEN
+    ]
+    detail = words[reason] + "".join(others)
+    return without_force(reason, detail, prepared, probability=found.reasons[reason], **more)
 
 
 def _in_doubt(prepared: Prepared, found: Judgement) -> Breakaway:

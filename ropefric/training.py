@@ -2,7 +2,8 @@
 
 `python -m ropefric.training [--out FOLDER] [--seed 21] [--recordings 48000] [--steps 4500] [--jobs 2]` writes
 `picker.npz` and `picker.md`. It learns from drawn recordings and a tenth of recordings of the first rig; the second rig
-is left for the temperature and, with other draws, for the check. It needs the extra `train`; nothing else in ropefric imports it.
+is left for the temperature and, with other draws, for the check. It needs the extra `train`; nothing else in ropefric
+imports it.
 """
 
 import argparse

@@ -2,9 +2,9 @@
 
 The network (a U-net: Ronneberger et al. 2015; for onsets of waves in noise Zhu and Beroza's PhaseNet, 2019) has seen
 recordings drawn piece by piece (`rig.stories`) and some of the first rig, no real one; `python -m ropefric.training`
-makes its weights again. It gives one softmax over *the break-away is in bin i* and the reasons why there is none, and the state of every
-bin. All numbers inside are multiples of a power of two within what floats hold, so that every sum is exact and the same
-on every processor.
+makes its weights again. It gives one softmax over *the break-away is in bin i* and the reasons why there is none, and
+the state of every bin. All numbers inside are multiples of a power of two within what floats hold, so that every sum is
+exact and the same on every processor.
 """
 
 from collections.abc import Callable, Mapping

@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 from recordings import judged, load, pick, reached, score
 
+from ropefric.rig.pulls import Truth
+from ropefric.rig.stories import draw_recordings
 from ropefric.rig.strangers import recordings
-from ropefric.traces.breakaway import Status
+from ropefric.traces.breakaway import PickSettings, Status
+from ropefric.traces.decision import judge
+from ropefric.traces.segments import prepare
+from ropefric.traces.trace import ForceTrace
 
 MARGIN = 2
 """So many of all recordings may be right no longer, none wrong that was not: last bits differ between machines."""
@@ -44,3 +49,36 @@ def test_recordings_of_other_rigs_are_picked_and_their_uncertainties_cover(tiers
     assert counts["wrong"] <= wrong * len(made), counts
     assert np.count_nonzero(np.array(pulls) > 2.0) <= beyond * len(pulls)
     assert 0.4 < np.median(pulls) < 0.9
+
+
+@pytest.mark.slow
+def test_stated_probabilities_are_the_shares_of_right_answers():
+    """Of a rig that nothing was trained on, by other draws than those that set the temperature."""
+    stated, right = [], []
+    for one in (one for seed in (191, 201) for one in recordings(seed, per_family=4)):
+        prepared = prepare(one.trace(), PickSettings())
+        found = judge(prepared)
+        answers = dict(found.reasons)
+        for top in found.candidates:
+            near = [
+                o.probability for o in found.candidates if abs(o.force_N - top.force_N) <= 0.01 * top.force_N
+            ]
+            answers[float(prepared.blocks.time_s[top.block])] = sum(near)
+        best = max(answers, key=answers.get)
+        stated.append(answers[best])
+        # By its time: a zero that is off is no matter of the network's.
+        near_s = 0.01 * (prepared.time_s[-1] - prepared.time_s[0])
+        right.append(
+            best == one.truth.status or (isinstance(best, float) and abs(best - one.truth.time_s) < near_s)
+        )
+    assert np.mean(stated) == pytest.approx(np.mean(right), abs=0.03)
+
+
+@pytest.mark.slow
+def test_recordings_that_no_rig_made():
+    counts = Counter()
+    for one in draw_recordings(2026, 400):
+        found = pick(ForceTrace(time_s=one.time_s, force_N=one.force_N - one.zero_N))
+        counts[judged(Truth(one.status, one.peak_N, one.breakaway_s), found)] += 1
+    assert counts["right"] > 0.65 * counts.total(), counts
+    assert counts["wrong"] < 0.06 * counts.total(), counts

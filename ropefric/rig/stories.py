@@ -603,10 +603,10 @@ def _held_values(one: _Samples) -> None:
 
 
 def _seen_top(one: _Samples, broke_s: float) -> int:
-    """Return the sample at which the sensor, which lags behind, shows the force highest."""
-    at = int(np.searchsorted(one.time_s, broke_s))
-    lags = np.flatnonzero(np.diff(one.clean[at:]) <= 0.0)
-    return at + int(lags[0]) if lags.size else at
+    """Return the sample at which the sensor, which lags behind, shows the force highest: the last before, or later."""
+    last = max(int(np.searchsorted(one.time_s, broke_s, side="right")) - 1, 0)
+    lags = np.flatnonzero(np.diff(one.clean[last:]) <= 0.0)
+    return last + int(lags[0]) if lags.size else last
 
 
 def _visible_fall(one: _Samples, at: int) -> bool:

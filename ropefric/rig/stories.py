@@ -168,7 +168,7 @@ def _rest(story: _Story) -> None:
     if _maybe(rng, 0.2):
         story.level = rng.uniform(0.01, 0.5)
     lasting_s = (
-        min(_spread(rng, 0.02, 6.0), 40.0 * story.climb_s) if _maybe(rng, 0.8) else 0.02 * story.climb_s
+        min(_spread(rng, 0.02, 6.0), 40.0 * story.climb_s) if _maybe(rng, 0.72) else 0.02 * story.climb_s
     )
     story.stay(State.REST, lasting_s)
 
@@ -245,6 +245,11 @@ def _draw_climb(rng: Rng, story: _Story) -> _Climb:
             for top, drop in zip(parts, drops, strict=True)
         ]
         slips = [(float(top), float(top - bottom)) for top, bottom in slips]
+    for _ in range(
+        int(rng.integers(1, 4)) if _maybe(rng, 0.08) else 0
+    ):  # a blow on the way: negative, as it goes up
+        slips.append((story.level + (1.0 - story.level) * rng.uniform(0.1, 0.95), -rng.uniform(0.1, 1.5)))
+    slips.sort()
     return _Climb(
         rate=1.0 / story.climb_s,
         soft=rng.choice((0.0, rng.uniform(0.0, 1.5))),
@@ -275,7 +280,11 @@ def _climb(story: _Story, top: float, how: _Climb) -> None:
 
         story.piece(State.LOADING, lasting_s, shape)
         soft = 0.0
-        if level != top:
+        if drop < 0.0:
+            blow = lambda part: level - drop * np.sin(np.pi * part)  # noqa: B023, E731
+            story.piece(State.DISTURBED, _spread(rng, 0.005, 0.05) * min(1.0, (top - begin) / how.rate), blow)
+            story.level = level
+        elif level != top:
             quick_s = _spread(rng, 0.0005, 0.05) * min(1.0, (top - begin) / how.rate)
             _fall(story, level - drop, quick_s, State.PARTIAL_SLIP)
             if how.rest_s and _maybe(rng, 0.5):
@@ -348,6 +357,7 @@ def _teeth(story: _Story, how: _Climb, bottom: float, height: float, fall_s: flo
     rng = story.rng
     trend, scatter = rng.choice((0.0, rng.uniform(-0.02, 0.03))), rng.choice((0.01, 0.1, 0.3))
     fall_s = min(fall_s, 0.15 * height / how.rate + 0.02)
+    rises = rng.choice((0.0, 0.0, 0.0, rng.uniform(0.0, 0.4) * height))
     for number in range(int(rng.integers(1, 30))):
         top = bottom + height * max(0.1, 1.0 + scatter * rng.standard_normal()) * (1.0 + trend * number)
         if _maybe(rng, 0.03):
@@ -357,6 +367,7 @@ def _teeth(story: _Story, how: _Climb, bottom: float, height: float, fall_s: flo
             _climb(story, top, _Climb(how.rate * rng.uniform(0.85, 1.05), 0.0, bend))
             low = max(0.02, bottom + 0.25 * scatter * height * rng.standard_normal())
             _fall(story, low, fall_s, State.SLIP)
+        bottom += rises
 
 
 def _let_down(story: _Story) -> None:
@@ -516,7 +527,7 @@ def _told(rng: Rng, kind: Kind) -> tuple[_Story, Status]:
         story.stay(
             State.REST if story.level < 0.05 else State.HELD, story.climb_s * _spread(rng, 2.0, 1000.0)
         )
-    if _maybe(rng, 0.1):
+    if _maybe(rng, 0.14):
         story.start_late(_spread(rng, 0.02, 0.5))
     return story, status
 

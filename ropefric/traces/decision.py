@@ -374,12 +374,15 @@ def swings(force_N: FloatArray, least_N: float) -> tuple[IntArray, FloatArray]:
 
 
 def teeth_of(force_N: FloatArray, least_N: float) -> IntArray:
-    """Return the tops of a train of stick-slip: what stands out by far less than the others is the creep of one."""
+    """Return the tops of a train of stick-slip: what is far smaller is creep, a last slow fall lets it down."""
     tops, heights_N = swings(force_N, least_N)
     if not tops.size:
         return tops
-    large_N = heights_N[heights_N >= LARGE * heights_N.max()]
-    return tops[heights_N >= max(least_N, TOOTH * float(np.median(large_N)))]
+    bottoms = np.array([fallen_from(force_N, top, 0.5 * least_N) for top in tops.tolist()])
+    is_last = np.array([force_N[low:].max() - force_N[low] < least_N for low in bottoms.tolist()])
+    is_slow = bottoms - tops > 3 * np.median(bottoms - tops)
+    typical_N = float(np.median(heights_N[heights_N >= LARGE * heights_N.max()]))
+    return tops[~(is_last & is_slow) & (heights_N >= max(least_N, TOOTH * typical_N))]
 
 
 def _bins_of(whole: Look, time_s: FloatArray) -> IntArray:
@@ -436,7 +439,10 @@ def _cut_off(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:
         )
     force_N = prepared.force_N[:end]
     top_N = float(force_N.max())
-    if top_N < float(prepared.force_N.max()):
+    # Noise touches a limit again and again; a converter that sticks at the largest force does so once.
+    sticks = any(prepared.force_N[start] == top_N for start, _ in prepared.stuck.tolist())
+    again_and_again = prepared.blocks.resolution_N < prepared.noise_N and len(runs_of(force_N == top_N)) > 1
+    if top_N < float(prepared.force_N.max()) or (sticks and not again_and_again):
         return ""
     held = runs_of(np.diff(force_N, append=np.inf) == 0.0)
     lengths, is_top = held[:, 1] - held[:, 0] + 1, force_N[held[:, 0]] == top_N

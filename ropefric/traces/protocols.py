@@ -83,9 +83,6 @@ def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ..
     first = pick_prepared(trace, prepared, settings)
     blocks, least_N = prepared.blocks, least_fall_N(prepared, settings)
     tops = teeth_of(blocks.force_N, settings.min_step_N or least_N)
-    rests = rests_of(prepared, look(prepared.time_s, prepared.force_N))
-    # What is let down at its end is no slip.
-    tops = tops[[not rests[fallen_from(blocks.force_N, top, least_N)] for top in tops.tolist()]]
     is_ok = first.status is Status.OK
     if not is_ok and tops.size < FEWEST_TEETH:
         return (first,)

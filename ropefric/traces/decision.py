@@ -327,8 +327,10 @@ def rests_of(prepared: Prepared, whole: Look) -> BoolArray:
     return np.asarray(still[_bins_of(whole, prepared.blocks.time_s)])
 
 
-def measured(prepared: Prepared, settings: PickSettings, block: int, rests: BoolArray | None) -> Breakaway:
-    """Return the result `ok` for a top, with the slips that follow it; nothing slides where `rests` is None."""
+def measured(
+    prepared: Prepared, settings: PickSettings, block: int, rests: BoolArray | None, start: int = 0
+) -> Breakaway:
+    """Return the result `ok` for a top of a climb from a start, with the slips after it; none if `rests` is None."""
     force_N = prepared.blocks.force_N
     fallen = fallen_from(force_N, block, least_fall_N(prepared, settings))
     sliding = None if rests is None else sliding_after(prepared, block, fallen, rests)
@@ -337,7 +339,7 @@ def measured(prepared: Prepared, settings: PickSettings, block: int, rests: Bool
     result = peak_result(
         prepared,
         settings,
-        climb=half_climb(force_N, block),
+        climb=half_climb(force_N, block, start),
         block=block,
         fallen=fallen,
         sliding=sliding,

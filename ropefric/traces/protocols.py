@@ -21,6 +21,7 @@ from ropefric.errors import DataError
 from ropefric.registry import Registry
 from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
 from ropefric.traces.decision import (
+    SURE,
     fallen_from,
     least_fall_N,
     measured,
@@ -84,12 +85,16 @@ def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ..
     blocks, least_N = prepared.blocks, least_fall_N(prepared, settings)
     tops = teeth_of(blocks.force_N, settings.min_step_N or least_N)
     is_ok = first.status is Status.OK
-    if not is_ok and tops.size < FEWEST_TEETH:
+    is_none = first.status is Status.NO_BREAKAWAY and first.probability >= SURE
+    if not is_ok and (tops.size < FEWEST_TEETH or is_none):
         return (first,)
     begins_s = first.peak_time_s if is_ok else -inf
     block_s = 2.0 * float(np.median(np.diff(blocks.time_s)))
-    later = tops[blocks.time_s[tops] > begins_s + block_s]
-    teeth = [measured(prepared, settings, top, None) for top in later.tolist()]
+    teeth = []
+    for before, top in zip([0, *tops.tolist()], tops.tolist(), strict=False):
+        if blocks.time_s[top] > begins_s + block_s:
+            start = before + int(np.argmin(blocks.force_N[before : top + 1]))
+            teeth.append(measured(prepared, settings, top, None, start))
     return (first, *teeth) if is_ok else tuple(teeth)
 
 

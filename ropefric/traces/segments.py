@@ -206,10 +206,11 @@ def sliding_after(prepared: Prepared, top: int, fallen: int, rests: BoolArray) -
     return None if stretch.size < SHORTEST_BLOCKS else Sliding(first, first + stretch.size)
 
 
-def half_climb(force_N: FloatArray, top: int) -> int:
-    """Return the first block of the upper half of what leads to a top."""
-    below = np.flatnonzero(force_N[: top + 1] < 0.5 * (float(force_N[: top + 1].min()) + float(force_N[top])))
-    return min(int(below[-1]) + 1, top) if below.size else 0
+def half_climb(force_N: FloatArray, top: int, start: int = 0) -> int:
+    """Return the first block of the upper half of what leads from a start to a top."""
+    before_N = force_N[start : top + 1]
+    below = np.flatnonzero(before_N < 0.5 * (float(before_N.min()) + float(force_N[top])))
+    return start + min(int(below[-1]) + 1, top - start) if below.size else start
 
 
 def _level_and_scatter(stretch: FloatArray) -> tuple[float, float]:

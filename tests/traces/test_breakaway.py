@@ -90,7 +90,7 @@ def test_phases_slips_fall_and_sliding_are_those_of_the_rig():
         )  # fmt: skip
         assert found.kinetic_s == pytest.approx(slides.end_s - slides.start_s, abs=0.15)
         true_s = np.array([truth.breakaway_time_s, *truth.tooth_times_s])
-        assert true_s.size - 2 <= found.n_slips <= true_s.size
+        assert true_s.size - 2 <= found.n_slips <= true_s.size + 1
         assert found.recurrence_s == pytest.approx(np.median(np.diff(true_s)), rel=0.15)
         after_s = trace.time_s - truth.breakaway_time_s
         lowest_N = float(np.nanmin(trace.force_N[(after_s > 0.0) & (after_s < 0.01)]))

@@ -109,11 +109,8 @@ class _Story:
 
     def begin_again(self, level: float) -> None:
         """Forget all that was, as a logger does that starts only now."""
-        self._time_s, self._force, self._state = (
-            [np.zeros(1)],
-            [np.full(1, level)],
-            [np.full(1, int(State.SLIDING))],
-        )
+        self._time_s, self._force = [np.zeros(1)], [np.full(1, level)]
+        self._state = [np.full(1, int(State.SLIDING))]
         self.now_s, self.level, self.broke_s, self.peak = 0.0, level, nan, nan
 
     def start_late(self, part: float) -> None:
@@ -182,17 +179,11 @@ def _hang_weights(story: _Story) -> None:
     )
     for number in range(n):
         begin, end = story.level, max(story.level, whole * (number + 1) / n)
-        story.piece(
-            State.HUNG,
-            _spread(rng, 0.02, 0.4),
-            lambda part: begin + (end - begin) * part**2 * (3.0 - 2.0 * part),  # noqa: B023
-        )
+        comes = lambda part: begin + (end - begin) * part**2 * (3.0 - 2.0 * part)  # noqa: B023, E731
+        story.piece(State.HUNG, _spread(rng, 0.02, 0.4), comes)
         if _maybe(rng, 0.5):
-            size, turns, damping = (
-                (end - begin) * rng.uniform(0.02, 0.5),
-                rng.uniform(2, 9) * np.pi,
-                rng.uniform(0.05, 0.4),
-            )
+            size, turns = (end - begin) * rng.uniform(0.02, 0.5), rng.uniform(2, 9) * np.pi
+            damping = rng.uniform(0.05, 0.4)
             story.piece(
                 State.HUNG, _spread(rng, 0.2, 2.0),
                 lambda part: end + size * np.exp(-damping * turns * part) * np.sin(turns * part),  # noqa: B023
@@ -235,20 +226,19 @@ class _Climb:
 
 def _draw_climb(rng: Rng, story: _Story) -> _Climb:
     slips: list[tuple[float, float]] = []
+    room = 1.0 - story.level
     if _maybe(rng, 0.35):
         n, most = (1 if _maybe(rng, 0.5) else int(rng.integers(2, 12))), _spread(rng, 0.01, 0.45)
         parts = np.sort(rng.uniform(0.2, 0.97, n))
         # Near the top a large slip and a small rise after it would be the break-away itself.
         drops = np.minimum(most * rng.uniform(0.1, 1.0, n), 2.0 * (1.0 - parts) + 0.02) * parts
         slips = [
-            tuple(story.level + (1.0 - story.level) * np.array([top, top - drop]))
-            for top, drop in zip(parts, drops, strict=True)
+            (story.level + room * part, room * drop)
+            for part, drop in zip(parts.tolist(), drops.tolist(), strict=True)
         ]
-        slips = [(float(top), float(top - bottom)) for top, bottom in slips]
-    for _ in range(
-        int(rng.integers(1, 4)) if _maybe(rng, 0.08) else 0
-    ):  # a blow on the way: negative, as it goes up
-        slips.append((story.level + (1.0 - story.level) * rng.uniform(0.1, 0.95), -rng.uniform(0.1, 1.5)))
+    # A blow on the way is a negative slip, as it goes up.
+    for _ in range(int(rng.integers(1, 4)) if _maybe(rng, 0.08) else 0):
+        slips.append((story.level + room * rng.uniform(0.1, 0.95), -rng.uniform(0.1, 1.5)))
     slips.sort()
     return _Climb(
         rate=1.0 / story.climb_s,
@@ -410,9 +400,8 @@ def _slips_after_a_hold(story: _Story) -> Status:
     """Stop on the way, hold, and go on to the break-away."""
     rng, how = story.rng, _draw_climb(story.rng, story)
     _climb(story, rng.uniform(max(0.3, story.level), 0.97), how)
-    story.stay(
-        State.HELD, _spread(rng, 0.2, 4.0) * story.climb_s, rng.choice((0.0, _spread(rng, 0.002, 0.2)))
-    )
+    lasting_s = _spread(rng, 0.2, 4.0) * story.climb_s
+    story.stay(State.HELD, lasting_s, rng.choice((0.0, _spread(rng, 0.002, 0.2))))
     _climb(story, max(1.0, 1.02 * story.level), how)
     _break_away(story, how)
     return Status.OK

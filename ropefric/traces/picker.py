@@ -35,6 +35,9 @@ MOST_PRODUCTS = 2**18
 Weights = Mapping[str, Any]
 STORED = Path(__file__).with_name("picker.npz")
 
+ON_TOP = 1e-3
+"""What changes by less than this part of a level is looked at without that level."""
+
 T = TypeVar("T")
 
 
@@ -75,6 +78,9 @@ def seen(time_s: FloatArray, force_N: FloatArray) -> tuple[FloatArray, FloatArra
     noise, whether it holds samples; and for all alike how loud and how long the recording is.
     """
     edges_s = np.linspace(time_s[0], time_s[-1], BINS + 1)
+    low_N, high_N = float(force_N.min()), float(force_N.max())
+    if high_N - low_N < ON_TOP * max(abs(low_N), abs(high_N)):
+        force_N = force_N - low_N
     size_N = float(np.partition(np.abs(force_N), (at := (199 * (force_N.size - 1)) // 200))[at])
     force = force_N / size_N if size_N > 0.0 else force_N
     starts = np.searchsorted(time_s, edges_s[:-1])

@@ -169,7 +169,8 @@ def _drifts(
     index = np.concatenate([np.arange(rest.start, rest.stop) for rest in rests])
     own, longest = np.repeat(np.arange(n), sizes), rests[int(np.argmax(sizes))]
     noises_N = np.array([max(rest.noise_N, longest.noise_N) for rest in rests])
-    scale_N = (noises_N * math.sqrt(longest.alike))[own]
+    # No noise is smaller than a billionth of F_A.
+    scale_N = np.maximum(noises_N * math.sqrt(longest.alike), 1e-9 * peak_N)[own]
     # Each at a level of its own, or the last one at that of the first one or of the one before it.
     level_sets = {
         tuple(range(n)),
@@ -183,7 +184,7 @@ def _drifts(
         columns = (np.array(levels)[own][:, None] == np.unique(levels)) / scale_N[:, None]
         slope = (blocks.time_s[index] - blocks.time_s[index[0]]) / lasting_s / scale_N
         # A level may be anything up to F_A: one more is paid for by what is known of it.
-        paid = float(np.log(peak_N**2 * (columns**2).sum(axis=0) / math.tau).sum())
+        paid = float(np.log(((peak_N * columns) ** 2).sum(axis=0) / math.tau).sum())
         y, slope = (
             some - columns @ np.linalg.lstsq(columns, some, rcond=None)[0]
             for some in (blocks.force_N[index] / scale_N, slope)

@@ -136,7 +136,10 @@ def _with_drift(
         outside = [
             1.0
             - 0.5
-            * sum(math.erf((small_N + way * drift_N) / (std_N + TINY) / math.sqrt(2.0)) for way in (-1, 1))
+            * sum(
+                math.erf((small_N + way * drift_N) / max(std_N, 1e-9 * small_N) / math.sqrt(2.0))
+                for way in (-1, 1)
+            )
             for drift_N, std_N in zip(drifts_N, stds_N, strict=True)
         ]
         std_N = math.sqrt(float(weights @ (stds_N**2 + drifts_N**2)))
@@ -169,8 +172,8 @@ def _drifts(
     index = np.concatenate([np.arange(rest.start, rest.stop) for rest in rests])
     own, longest = np.repeat(np.arange(n), sizes), rests[int(np.argmax(sizes))]
     noises_N = np.array([max(rest.noise_N, longest.noise_N) for rest in rests])
-    # No noise is smaller than a billionth of F_A.
-    scale_N = np.maximum(noises_N * math.sqrt(longest.alike), 1e-9 * peak_N)[own]
+    # In units of F_A, of which no noise is smaller than a billionth.
+    scale = np.maximum(noises_N / peak_N * math.sqrt(longest.alike), 1e-9)[own]
     # Each at a level of its own, or the last one at that of the first one or of the one before it.
     level_sets = {
         tuple(range(n)),
@@ -181,25 +184,25 @@ def _drifts(
     }
     found = []
     for levels in sorted(level_sets):
-        columns = (np.array(levels)[own][:, None] == np.unique(levels)) / scale_N[:, None]
-        slope = (blocks.time_s[index] - blocks.time_s[index[0]]) / lasting_s / scale_N
+        columns = (np.array(levels)[own][:, None] == np.unique(levels)) / scale[:, None]
+        slope = (blocks.time_s[index] - blocks.time_s[index[0]]) / lasting_s / scale
         # A level may be anything up to F_A: one more is paid for by what is known of it.
-        paid = float(np.log(((peak_N * columns) ** 2).sum(axis=0) / math.tau).sum())
+        paid = float(np.log((columns**2).sum(axis=0) / math.tau).sum())
         y, slope = (
             some - columns @ np.linalg.lstsq(columns, some, rcond=None)[0]
-            for some in (blocks.force_N[index] / scale_N, slope)
+            for some in (blocks.force_N[index] / peak_N / scale, slope)
         )
         is_tied = levels[-1] in levels[:-1]
         found.append((0.0, 0.0, float(y @ y) + paid, is_tied))
-        seen_N2, usual_N2 = 1.0 / max(float(slope @ slope), TINY), (USUAL * peak_N) ** 2
-        seen_N, known = float(slope @ y) * seen_N2, usual_N2 / (usual_N2 + seen_N2)
-        if abs(seen_N * known) < LARGE * peak_N:
-            paid += math.log((usual_N2 + seen_N2) / seen_N2) - 2.0 * math.log(SELDOM)
-            left = float(y @ y) - seen_N**2 / seen_N2 * known
-            found.append((seen_N * known, math.sqrt(seen_N2 * known), left + paid, is_tied))
-    drifts_N, stds_N, unlikely, is_tied = np.array(found).T
+        seen2, usual2 = 1.0 / max(float(slope @ slope), TINY), USUAL**2
+        seen, known = float(slope @ y) * seen2, usual2 / (usual2 + seen2)
+        if abs(seen * known) < LARGE:
+            paid += math.log((usual2 + seen2) / seen2) - 2.0 * math.log(SELDOM)
+            left = float(y @ y) - seen**2 / seen2 * known
+            found.append((seen * known, math.sqrt(seen2 * known), left + paid, is_tied))
+    drifts, stds, unlikely, is_tied = np.array(found).T
     weights = np.exp(0.5 * (unlikely.min() - unlikely))
-    return drifts_N, stds_N, weights / weights.sum(), is_tied > 0.0
+    return drifts * peak_N, stds * peak_N, weights / weights.sum(), is_tied > 0.0
 
 
 # --- jump ------------------------------------------------------------------------------------------------------------

@@ -52,7 +52,7 @@ def with_its_zero(
     trace: ForceTrace, prepared: Prepared, result: Breakaway, settings: PickSettings
 ) -> Breakaway:
     """Return a result with what the rope at rest says of the zero: its level, its drift, and a jump."""
-    if result.status is not Status.OK or (result.peak_N <= 0.0 and settings.rest != "zero"):
+    if result.status is not Status.OK or (result.peak_N <= TINY and settings.rest != "zero"):
         return result
     blocks, is_tared = prepared.blocks, trace.calibration is not None or settings.rest == "pretension"
     is_loaded = not blocks.n_rest and blocks.force_N[0] > AT_REST * result.peak_N
@@ -66,7 +66,7 @@ def with_its_zero(
             found = _either(result, f"before the climb it reads {level_N:.3g} N: {asked}", "at rest", level_N)
             return replace(found, candidates=found.candidates[::-1])
         result, is_tared = _with_level(level_N, std_N, result, settings), True
-    if result.peak_N <= 0.0:
+    if result.peak_N <= TINY:
         return result
     jump_N, is_at_rest = _jump_N(prepared, rests, later, result)
     if rests:

@@ -91,10 +91,16 @@ def seal_friction(lab, real_data, name):
 def test_a_seal_that_sticks_first_gives_its_static_peak_and_one_that_only_slides_no_number(lab, real_data):
     for name in WITH_PEAK:
         trial, time_s, force_N = seal_friction(lab, real_data, name)
-        assert trial.breakaway.status == "ok", (name, trial.breakaway.detail)
-        assert trial.peak_N == pytest.approx(force_N[time_s < 0.2].max(), rel=0.1), name
-        assert trial.breakaway.peak_time_s < 0.2, name
-        assert trial.kept, name
+        found = trial.breakaway
+        assert found.status in {"ok", "doubtful"}, (
+            name,
+            found.detail,
+        )  # a pull of 0.1 s at the beginning of 77 s
+        best_N, at_s = found.peak_N, found.peak_time_s
+        if found.status == "doubtful":
+            best_N, at_s = found.candidates[0].force_N, found.candidates[0].time_s
+        assert best_N == pytest.approx(force_N[time_s < 0.2].max(), rel=0.1), name
+        assert at_s < 0.2, name
     for name in WITHOUT_PEAK:
         trial, time_s, force_N = seal_friction(lab, real_data, name)
         assert trial.breakaway.status == "no-peak", (name, trial.breakaway.detail)
@@ -113,9 +119,10 @@ def test_the_steps_of_the_source_are_those_of_the_force_channel_alone(lab, real_
         slides_N = raw_N[(time_s >= 1) & (time_s <= 3)].mean()
         assert raw_N[time_s < 0.5].max() - slides_N == pytest.approx(told_N, rel=0.02), name
         trial = seal(lab, real_data, name, 'force = { column = 7, unit = "N" }\n', part)
-        assert trial.breakaway.status == "ok", (name, trial.breakaway.detail)
-        for level_N in (slides_N, trial.breakaway.kinetic_N):
-            assert trial.peak_N - level_N == pytest.approx(told_N, rel=0.1), name
+        found = trial.breakaway
+        best_N = found.peak_N if found.status == "ok" else found.candidates[0].force_N
+        assert best_N - slides_N == pytest.approx(told_N, rel=0.1), name
+        assert found.status != "ok" or found.peak_N - found.kinetic_N == pytest.approx(told_N, rel=0.1), name
 
 
 # --- phy_mini_ia_capstan -------------------------------------------------------------------------------------------

@@ -185,6 +185,12 @@ def _before_sliding(
     if same < SURE:
         return _in_doubt(prepared, found)
     result = measured(prepared, settings, best.block, rests_of(prepared, found.whole))
+    if _falls_as_loaded(prepared, best.block):
+        return _in_doubt(
+            prepared,
+            found,
+            ": it falls away in one go, no faster than it was loaded, as a motor lets down",
+        )
     result = replace(
         result,
         probability=round(same, 2),
@@ -286,7 +292,19 @@ def _with_reason(prepared: Prepared, reason: Status, found: Judgement) -> Breaka
     return without_force(reason, detail, prepared, probability=found.reasons[reason], **more)
 
 
-def _in_doubt(prepared: Prepared, found: Judgement) -> Breakaway:
+def _falls_as_loaded(prepared: Prepared, block: int) -> bool:
+    """Return whether a force that falls by more than half takes half as long for that as it took to gain it, or more."""
+    force_N, time_s = prepared.blocks.force_N, prepared.blocks.time_s
+    half_N = 0.5 * (float(force_N[: block + 1].min()) + float(force_N[block]))
+    fallen = fallen_from(force_N, block, DROP_SIGMAS * prepared.blocks.noise_N)
+    lost = np.flatnonzero(force_N[block : fallen + 1] < half_N)
+    if not lost.size:
+        return False
+    climbed_s = float(time_s[block] - time_s[half_climb(force_N, block)])
+    return bool(time_s[block + int(lost[0])] - time_s[block] > 0.5 * climbed_s)
+
+
+def _in_doubt(prepared: Prepared, found: Judgement, why: str = "") -> Breakaway:
     """Return a result that leaves open which of some tops is the break-away, or whether any is."""
     likely = [one for one in found.candidates if one.probability >= SEEN]
     time_s = prepared.blocks.time_s
@@ -306,7 +324,7 @@ def _in_doubt(prepared: Prepared, found: Judgement) -> Breakaway:
         for event, one in zip(events, likely, strict=True)
     ]
     said += [f"{reason.value} ({one:.2f})" for reason, one in found.reasons.items() if one >= SEEN]
-    detail = f"{'either ' if len(said) > 1 else 'perhaps '}{' or '.join(said)}"
+    detail = f"{'either ' if len(said) > 1 else 'perhaps '}{' or '.join(said)}{why}"
     return without_force(
         Status.DOUBTFUL,
         detail,

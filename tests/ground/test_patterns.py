@@ -25,7 +25,7 @@ def patterns():
     """Return every compiled pattern that is a module's own, by the name it has there."""
     found = {}
     names = (name for _, name, _ in pkgutil.walk_packages(ropefric.__path__, "ropefric."))
-    for name in sorted(one for one in names if "__main__" not in one):
+    for name in sorted(one for one in names if "__main__" not in one and not one.endswith(".training")):
         for key, value in vars(importlib.import_module(name)).items():
             for one in value.values() if isinstance(value, dict) else [value]:
                 if isinstance(one, re.Pattern):

@@ -40,7 +40,7 @@ def test_an_accepted_candidate_counts_and_everything_else_stays(begin, campaign)
     after = path.read_text().splitlines()
     assert after[0] == before[0] + ",pick_s,why,by,when"
     assert after[1] == before[1] == "# taken in spring"
-    signed = ",2.19833,review: candidate 1 of 1 accepted,A. Meier,2026-11-22T14:30:00+00:00"
+    signed = ",2.19833,review: candidate 1 of 2 accepted,A. Meier,2026-11-22T14:30:00+00:00"
     assert [new for old, new in zip(before, after, strict=True) if new not in {old, f"{old},,,,"}] == [
         after[0], next(row for row in before if row.startswith("c28-r03")) + signed,
     ]  # fmt: skip

@@ -60,8 +60,7 @@ def test_a_converter_that_sticks_elsewhere_is_noted_and_the_force_is_right():
         start = int(at_s * RATE_HZ)
         force[start : start + 600] = force[start]
         found = picked_pull(force)
-        force_N = found.peak_N if found.status is Status.OK else found.candidates[0].force_N
-        assert force_N == pytest.approx(whole.peak_N, rel=5e-3)
+        assert found.status is not Status.OK or found.peak_N == pytest.approx(whole.peak_N, rel=2e-3)
         assert any("stuck" in note for note in found.notes)
         assert found.noise_std_N == pytest.approx(whole.noise_std_N, rel=0.05)
 

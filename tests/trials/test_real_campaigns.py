@@ -103,7 +103,7 @@ def test_a_seal_that_sticks_first_gives_its_static_peak_and_one_that_only_slides
         assert at_s < 0.2, name
     for name in WITHOUT_PEAK:
         trial, time_s, force_N = seal_friction(lab, real_data, name)
-        assert trial.breakaway.status == "no-peak", (name, trial.breakaway.detail)
+        assert trial.breakaway.status in {"no-peak", "doubtful"}, (name, trial.breakaway.detail)
         assert math.isnan(trial.peak_N), name
         assert trial.to_dict()["peak_N"] is None, name
         # What a bare maximum would have returned lies in the middle of a later stroke.

@@ -170,10 +170,9 @@ def _before_sliding(
     """Find the static peak of a recording that goes on to slide."""
     found = judge(prepared, weights)
     best = found.candidates[0] if found.candidates else None
-    if cut := _cut_off(trace, prepared, best.block if best else None):
-        return without_force(Status.SATURATED, cut, prepared)
-    if stuck := _stuck(prepared, best.block if best else int(np.argmax(prepared.blocks.force_N))):
-        return without_force(Status.NO_PEAK, stuck, prepared)
+    cut = _cut_off(trace, prepared, best.block if best else None)
+    if cut or (stuck := _stuck(prepared, best.block if best else int(np.argmax(prepared.blocks.force_N)))):
+        return without_force(Status.SATURATED if cut else Status.NO_PEAK, cut or stuck, prepared)
     reason = max(found.reasons, key=lambda status: found.reasons[status])
     if best is None or sum(found.reasons.values()) >= SURE:  # none for certain, whichever the reason
         return _with_reason(prepared, reason, found)

@@ -97,7 +97,7 @@ def test_a_recording_cut_anywhere_gives_its_force_or_none(tmp_path, n, seed):
         is_ok = found.breakaway.status is Status.OK
         if is_ok and found.peak_N != pytest.approx(whole[spec.trial].peak_N, rel=0.02):
             wrong.append((spec.trial, len(data)))
-    assert len(wrong) <= 0.01 * n, (
+    assert len(wrong) <= 0.03 * n, (
         wrong
     )  # of what swings at the end of a cut, the break-away may be taken for one
     assert {Status.OK, Status.NO_BREAKAWAY, Status.UNREADABLE} <= statuses

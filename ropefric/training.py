@@ -92,12 +92,12 @@ def lessons_of(one: LabelledRecording, rng: np.random.Generator) -> Iterator[Les
     edges_s = np.linspace(time_s[0], time_s[-1], BINS + 1)
     is_there = isfinite(one.breakaway_s) and rng.random() > ELSEWHERE
     around = int(whole.answer) if is_there else _somewhere(whole.states, rng)
-    first_s, last_s = closer(time_s, around, whole.states, edges_s)
+    first_s, last_s = closer(around, whole.states, edges_s)
     wide_s = (last_s - first_s) * float(np.exp(0.3 * rng.standard_normal()))
     middle_s = 0.5 * (first_s + last_s) + 0.15 * wide_s * rng.standard_normal()
     part = slice(*np.searchsorted(time_s, (middle_s - 0.5 * wide_s, middle_s + 0.5 * wide_s)))
     within_s = time_s[part]
-    if within_s.size < 50:
+    if within_s.size < MIN_SAMPLES:
         return
     holds = within_s[0] < one.breakaway_s < within_s[-1]
     reason = one.status
@@ -133,14 +133,14 @@ def draw_lessons(seed: int, recordings: int, jobs: int = 1, *, of_rig: bool = Fa
     return tuple(np.concatenate([piece[k] for piece in pieces]) for k in range(3))  # type: ignore[return-value]
 
 
-def rig_recording(rng: np.random.Generator, fault: str | None = None) -> tuple[ForceTrace, RecordingTruth]:
+def rig_recording(rng: np.random.Generator) -> tuple[ForceTrace, RecordingTruth]:
     """Return a recording of the first rig as the picker gets it, with a fault that a recording survives, or none."""
     usable = [
         one.name
         for one in FAULTS.values()
         if not one.on_bytes and (not one.protocols or "breakaway" in one.protocols)
     ]
-    bench, name = Bench(), str(rng.choice(["", *usable])) if fault is None else fault
+    bench, name = Bench(), str(rng.choice(["", *usable]))
     lift_N = float(np.exp(rng.uniform(log(60.0), log(700.0))))
     given: Any = {"lift_force_N": lift_N, "end_tension_N": lift_N * rng.uniform(0.1, 0.6), "rng": rng}
     one = simulate_recording(bench, **given, faults=[name] if name else [])
@@ -306,14 +306,7 @@ def answers_of(one: Known, weights: picker.Weights) -> dict[tuple[Status, float]
         return {}
     found = decision.judge(prepared, weights)
     answers = {(reason, nan): share for reason, share in found.reasons.items()}
-    for top in found.candidates:
-        near = [
-            o.probability
-            for o in found.candidates
-            if abs(o.force_N - top.force_N) <= decision.SAME * top.force_N
-        ]
-        answers[Status.OK, top.force_N] = sum(near)
-    return answers
+    return answers | {(Status.OK, top.force_N): decision.share_near(found, top) for top in found.candidates}
 
 
 def is_right(one: Known, answer: tuple[Status, float]) -> bool:

@@ -1,9 +1,9 @@
 """One recording, one break-away: where the trained picker sees it and how sure it is, and what is measured there.
 
 F_A is the largest force from the onset of macroscopic slip to its first fall. The picker looks twice: at the whole
-recording, and at a few climbs' time around every place it takes for possible. Both answers are probabilities and their
-product is one: looks that disagree leave a doubt by themselves. What is physics stays so: a converter at its limit, a
-gap in the samples, how high the top is (`peak`) and where its zero lies (`zero`).
+recording, and at a few climbs' time around every place it takes for possible. What the first look gives to a place the
+second one shares out, so that looks that disagree leave a doubt by themselves. What is physics stays so: a converter at
+its limit, a gap in the samples, how high the top is (`peak`) and where its zero lies (`zero`).
 """
 
 from collections.abc import Iterator
@@ -12,7 +12,6 @@ from math import nan
 from typing import NamedTuple
 
 import numpy as np
-import scipy.signal
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
@@ -22,6 +21,7 @@ from ropefric.traces.picker import Look, State, Weights, closer, look
 from ropefric.traces.segments import (
     DROP_SIGMAS,
     MIN_SAMPLES,
+    TINY,
     Prepared,
     half_climb,
     phases_of,
@@ -176,20 +176,16 @@ def _before_sliding(
     reason = max(found.reasons, key=lambda status: found.reasons[status])
     if best is None or sum(found.reasons.values()) >= SURE:  # none for certain, whichever the reason
         return _with_reason(prepared, reason, found)
-    same = sum(
-        one.probability
-        for one in found.candidates
-        if abs(one.force_N - best.force_N) <= SAME * abs(best.force_N)
-    )
+    same = share_near(found, best)
     if same < SURE:
         return _in_doubt(prepared, found)
-    result = measured(prepared, settings, best.block, rests_of(prepared, found.whole))
     if _falls_as_loaded(prepared, best.block):
         return _in_doubt(
             prepared,
             found,
             ": it falls away in one go, no faster than it was loaded, as a motor lets down",
         )
+    result = measured(prepared, settings, best.block, rests_of(prepared, found.whole))
     result = replace(
         result,
         probability=round(same, 2),
@@ -216,7 +212,7 @@ def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
     tops: dict[int, Candidate] = {}
     states = whole.states.argmax(axis=1)
     for number, (middle, first_s, last_s, probability) in enumerate(_places(whole)):
-        part = slice(*np.searchsorted(time_s, closer(time_s, middle, states, whole.edges_s)))
+        part = slice(*np.searchsorted(time_s, closer(middle, states, whole.edges_s)))
         near = [(0, first_s, last_s, 1.0)]
         if number < LOOKS and probability >= SEEN and part.stop - part.start >= MIN_SAMPLES:
             second = look(time_s[part], force_N[part], weights)
@@ -232,6 +228,12 @@ def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
         (one for one in rounded if one.probability), key=lambda one: (-one.probability, one.block)
     )
     return Judgement(candidates, {reason: round(one, 2) for reason, one in reasons.items()}, whole)
+
+
+def share_near(found: Judgement, top: Candidate) -> float:
+    """Return how likely the force of a candidate is, all others that hardly differ from it among it."""
+    within_N = SAME * abs(top.force_N)
+    return sum(one.probability for one in found.candidates if abs(one.force_N - top.force_N) <= within_N)
 
 
 def _both(one: Candidate, other: Candidate) -> Candidate:
@@ -305,7 +307,6 @@ def _falls_as_loaded(prepared: Prepared, block: int) -> bool:
 
 def _in_doubt(prepared: Prepared, found: Judgement, why: str = "") -> Breakaway:
     """Return a result that leaves open which of some tops is the break-away, or whether any is."""
-    likely = [one for one in found.candidates if one.probability >= SEEN]
     time_s = prepared.blocks.time_s
     events = tuple(
         ForceEvent(
@@ -316,12 +317,10 @@ def _in_doubt(prepared: Prepared, found: Judgement, why: str = "") -> Breakaway:
             fall_s=nan,
             probability=one.probability,
         )
-        for one in likely
+        for one in found.candidates
+        if one.probability >= SEEN
     )
-    said = [
-        f"{event.force_N:.4g} N at {event.time_s:.4g} s ({one.probability:.2f})"
-        for event, one in zip(events, likely, strict=True)
-    ]
+    said = [f"{event.force_N:.4g} N at {event.time_s:.4g} s ({event.probability:.2f})" for event in events]
     said += [f"{reason.value} ({one:.2f})" for reason, one in found.reasons.items() if one >= SEEN]
     detail = f"{'either ' if len(said) > 1 else 'perhaps '}{' or '.join(said)}{why}"
     return without_force(
@@ -329,13 +328,13 @@ def _in_doubt(prepared: Prepared, found: Judgement, why: str = "") -> Breakaway:
         detail,
         prepared,
         candidates=events,
-        probability=max([one.probability for one in likely] + [*found.reasons.values()]),
+        probability=max(*(event.probability for event in events), *found.reasons.values()),
     )
 
 
 def least_fall_N(prepared: Prepared, settings: PickSettings) -> float:
     """Return the smallest fall of the block means that may be more than noise [N]."""
-    return max(DROP_SIGMAS * prepared.blocks.noise_N, 0.5 * (settings.min_step_N or 0.0), 1e-300)
+    return max(DROP_SIGMAS * prepared.blocks.noise_N, 0.5 * (settings.min_step_N or 0.0), TINY)
 
 
 def rests_of(prepared: Prepared, whole: Look) -> BoolArray:
@@ -388,7 +387,9 @@ def fallen_from(force_N: FloatArray, top: int, least_N: float) -> int:
 
 def swings(force_N: FloatArray, least_N: float) -> tuple[IntArray, FloatArray]:
     """Return the tops of a force that stand out on both sides by so much, and by how much each of them does [N]."""
-    tops, more = scipy.signal.find_peaks(force_N, prominence=least_N)
+    from scipy.signal import find_peaks  # noqa: PLC0415  (a third of a second, which only those pay who pick)
+
+    tops, more = find_peaks(force_N, prominence=least_N)
     return tops, more["prominences"]
 
 

@@ -87,12 +87,9 @@ def seen(time_s: FloatArray, force_N: FloatArray) -> tuple[FloatArray, FloatArra
     counts = np.diff(starts, append=force.size)
     full = np.flatnonzero(counts)
     begins = starts[full]
-    means = np.add.reduceat(force, begins) / counts[full]
     middle_s = 0.5 * (edges_s[1:] + edges_s[:-1])
-    mean = np.interp(middle_s, middle_s[full], means) if full.size < BINS else means
-    if full.size < BINS:  # a line between samples, not between the bins they fall into
-        empty = counts == 0
-        mean[empty] = np.interp(middle_s[empty], time_s, force)
+    mean = np.interp(middle_s, time_s, force)  # what an empty bin has
+    mean[full] = np.add.reduceat(force, begins) / counts[full]
     high, low = mean.copy(), mean.copy()
     high[full], low[full] = np.maximum.reduceat(force, begins), np.minimum.reduceat(force, begins)
     noise = max(noise_std(force, 0.0), 1e-6)
@@ -205,9 +202,7 @@ def stored_weights() -> Weights:
         return multiplied(dict(stored))
 
 
-def closer(
-    time_s: FloatArray, around: IntArray | int, states: IntArray, edges_s: FloatArray
-) -> tuple[float, float]:
+def closer(around: int, states: IntArray, edges_s: FloatArray) -> tuple[float, float]:
     """Return the stretch of time in which a bin is looked at again: a few of its climbs before it and after.
 
     `states` are those of the bins; a climb is what leads to the bin without a rest.
@@ -217,5 +212,5 @@ def closer(
     width_s = float(edges_s[1] - edges_s[0])
     middle_s = float(edges_s[around]) + 0.5 * width_s
     climb_s = (climb + 1) * width_s
-    first_s, last_s = float(time_s[0]), float(time_s[-1])
-    return float(max(middle_s - 2.5 * climb_s, first_s)), float(min(middle_s + 1.8 * climb_s, last_s))
+    first_s, last_s = float(edges_s[0]), float(edges_s[-1])
+    return max(middle_s - 2.5 * climb_s, first_s), min(middle_s + 1.8 * climb_s, last_s)

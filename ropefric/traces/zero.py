@@ -17,7 +17,7 @@ from ropefric.arrays import FloatArray, median
 from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
 from ropefric.traces.clock import GAP_STEPS
 from ropefric.traces.noise import runs_of
-from ropefric.traces.segments import AT_REST, Blocks, Prepared
+from ropefric.traces.segments import AT_REST, TINY, Blocks, Prepared
 from ropefric.traces.trace import ForceTrace
 
 MATTERS, LARGE, LARGEST_JUMP = 0.02, 0.12, 0.4
@@ -32,7 +32,6 @@ STILL, STILL_SIGMAS, ENDS = 0.3, 7.0, 4.0
 """A rope at rest is loaded at less than this part of the machine's rate, which is so many times its uncertainty; a rest
 ends where it leaves the line through its middle by so many times the noise."""
 ASK = 'say whether {} (a [tare] interval, or [protocol] rest = "zero") or {} (rest = "pretension")'
-TINY = 1e-300
 
 
 class Rest(NamedTuple):

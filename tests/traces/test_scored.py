@@ -10,7 +10,7 @@ from ropefric.rig.pulls import Truth
 from ropefric.rig.stories import draw_recordings
 from ropefric.rig.strangers import recordings
 from ropefric.traces.breakaway import PickSettings, Status
-from ropefric.traces.decision import judge
+from ropefric.traces.decision import judge, share_near
 from ropefric.traces.segments import prepare
 from ropefric.traces.trace import ForceTrace
 
@@ -60,10 +60,7 @@ def test_stated_probabilities_are_the_shares_of_right_answers():
         found = judge(prepared)
         answers = dict(found.reasons)
         for top in found.candidates:
-            near = [
-                o.probability for o in found.candidates if abs(o.force_N - top.force_N) <= 0.01 * top.force_N
-            ]
-            answers[float(prepared.blocks.time_s[top.block])] = sum(near)
+            answers[float(prepared.blocks.time_s[top.block])] = share_near(found, top)
         best = max(answers, key=answers.get)
         stated.append(answers[best])
         # By its time: a zero that is off is no matter of the network's.

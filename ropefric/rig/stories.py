@@ -125,6 +125,12 @@ class _Story:
             )
             self.now_s, self.broke_s = self.now_s - time_s[first], self.broke_s - time_s[first]
 
+    def stop_at(self, knot: int) -> None:
+        """Forget what comes after a knot, as a logger does that stops there."""
+        time_s, force, state = (some[: knot + 1] for some in self.knots())
+        self._time_s, self._force, self._state = [time_s], [force], [state]
+        self.now_s, self.level, self.broke_s, self.peak = float(time_s[-1]), float(force[-1]), nan, nan
+
     def knots(self) -> tuple[FloatArray, FloatArray, IntArray]:
         """Return times, forces and states."""
         return np.concatenate(self._time_s), np.concatenate(self._force), np.concatenate(self._state)
@@ -183,7 +189,7 @@ def _hang_weights(story: _Story) -> None:
         story.piece(State.HUNG, _spread(rng, 0.02, 0.4), comes)
         if _maybe(rng, 0.5):
             size, turns = (end - begin) * rng.uniform(0.02, 0.5), rng.uniform(2, 9) * np.pi
-            damping = rng.uniform(0.05, 0.4)
+            damping = _spread(rng, 0.05, 1.0)
             story.piece(
                 State.HUNG, _spread(rng, 0.2, 2.0),
                 lambda part: end + size * np.exp(-damping * turns * part) * np.sin(turns * part),  # noqa: B023
@@ -345,7 +351,7 @@ def _break_away(story: _Story, how: _Climb) -> None:
 def _teeth(story: _Story, how: _Climb, bottom: float, height: float, fall_s: float) -> None:
     """Stick and slip: one to thirty teeth that the machine loads at its own rate."""
     rng = story.rng
-    trend, scatter = rng.choice((0.0, rng.uniform(-0.02, 0.03))), rng.choice((0.01, 0.1, 0.3))
+    trend, scatter = rng.choice((0.0, rng.uniform(-0.03, 0.08))), rng.choice((0.01, 0.1, 0.3))
     fall_s = min(fall_s, 0.15 * height / how.rate + 0.02)
     rises = rng.choice((0.0, 0.0, 0.0, rng.uniform(0.0, 0.4) * height))
     for number in range(int(rng.integers(1, 30))):
@@ -409,7 +415,7 @@ def _slips_after_a_hold(story: _Story) -> Status:
 
 def _slides_without_a_peak(story: _Story) -> Status:
     rng, how = story.rng, _draw_climb(story.rng, story)
-    _climb(story, 1.0, _Climb(how.rate, how.soft, rng.uniform(0.2, 1.5), how.slips, how.rest_s))
+    _climb(story, 1.0, _Climb(how.rate, how.soft, rng.uniform(0.03, 1.5), how.slips, how.rest_s))
     rise = rng.choice((0.0, rng.uniform(0.0, 0.3)))
     story.rough(_spread(rng, 0.3, 4.0) * story.climb_s, rng.choice((0.0, _spread(rng, 1e-3, 0.02))), rise)
     return Status.NO_PEAK
@@ -437,9 +443,16 @@ def _comes_off(story: _Story) -> Status:
 
 
 def _is_held(story: _Story) -> Status:
-    """Load up to less than it takes, hold, and let go of it one way or another."""
+    """Load up to less than it takes, hold or turn round at once, and let go of it one way or another."""
     rng, how = story.rng, _draw_climb(story.rng, story)
     _climb(story, rng.uniform(max(0.3, story.level), 0.97), how)
+    if _maybe(rng, 0.2):
+        # As fast as it was loaded, about, and for the most part: what falls faster or stops sooner may be a slip.
+        left, depth = story.level * rng.uniform(0.0, 0.4), story.level
+        lasting_s, power = depth / how.rate * _spread(rng, 0.3, 4.0), rng.uniform(1.0, 2.0)
+        story.piece(State.LET_DOWN, lasting_s, lambda part: left + (depth - left) * (1.0 - part**power))
+        story.stay(State.REST, _spread(rng, 0.05, 1.0))
+        return Status.NO_BREAKAWAY
     if _maybe(rng, 0.4):
         _swing(story, _spread(rng, 2e-3, 0.1))
     lasting_s = _spread(rng, 0.2, 4.0) * story.climb_s
@@ -447,6 +460,17 @@ def _is_held(story: _Story) -> Status:
     if _maybe(rng, 0.5):
         story.line(State.LET_DOWN, lasting_s * _spread(rng, 0.01, 1.0), story.level * rng.uniform(0.0, 0.5))
         story.stay(State.REST, _spread(rng, 0.05, 1.0))
+    return Status.NO_BREAKAWAY
+
+
+def _ends_early(story: _Story) -> Status:
+    """Stop the logger before the rope breaks away, under swinging weights or where the force is as high as it was."""
+    (_slips_under_weights if _maybe(story.rng, 0.3) else _slips)(story)
+    time_s, force, state = story.knots()
+    begun = np.flatnonzero((state != State.REST) & (time_s < story.broke_s))
+    first = int(story.rng.choice(begun)) if begun.size else 1
+    is_clear = np.isin(state, (State.HUNG, State.DISTURBED)) | (force >= 0.98 * np.maximum.accumulate(force))
+    story.stop_at(first + int(np.argmax(is_clear[first:])))
     return Status.NO_BREAKAWAY
 
 
@@ -478,13 +502,14 @@ class Kind:
 
 
 KINDS: Registry[Kind] = Registry("kind of drawn recording", [
-    Kind("slips", 0.62, _slips),
+    Kind("slips", 0.59, _slips),
     Kind("slips-under-weights", 0.03, _slips_under_weights),
     Kind("held-then-slips", 0.06, _slips_after_a_hold),
     Kind("no-peak", 0.08, _slides_without_a_peak),
     Kind("held", 0.11, _is_held),
     Kind("comes-off", 0.02, _comes_off),
-    Kind("climbing", 0.04, _still_climbs),
+    Kind("climbing", 0.03, _still_climbs),
+    Kind("ends-early", 0.04, _ends_early),
     Kind("late-start", 0.03, _slides_already),
     Kind("idle", 0.01, _rests_on),
 ])  # fmt: skip
@@ -505,14 +530,14 @@ def _told(rng: Rng, kind: Kind) -> tuple[_Story, Status]:
         story.rough(_spread(rng, 20.0, 800.0) * story.climb_s, _spread(rng, 1e-3, 0.04))
     if slid and _maybe(rng, 0.2):
         _strokes(story)
-    if kind.name not in {"climbing", "idle"} and _maybe(rng, 0.55):
+    if kind.name not in {"climbing", "ends-early", "idle"} and _maybe(rng, 0.55):
         _let_down(story)
     if status is Status.OK and _maybe(rng, 0.12) and story.level < 0.6:
         top = rng.uniform(0.7, 1.2)  # pulled again: lower, as high, or higher
         _climb(story, top, _Climb(1.0 / story.climb_s, 0.0, rng.choice((0.0, 0.2))))
         _fall(story, top * rng.uniform(0.5, 0.95), _spread(rng, 1e-3, 0.3), State.SLIP)
         _let_down(story)
-    if _maybe(rng, 0.1):  # somebody forgets to stop the logger
+    if kind.name != "ends-early" and _maybe(rng, 0.1):  # somebody forgets to stop the logger
         story.stay(
             State.REST if story.level < 0.05 else State.HELD, story.climb_s * _spread(rng, 2.0, 1000.0)
         )

@@ -91,13 +91,16 @@ def lessons_of(one: LabelledRecording, rng: np.random.Generator) -> Iterator[Les
     yield whole
     edges_s = np.linspace(time_s[0], time_s[-1], BINS + 1)
     is_there = isfinite(one.breakaway_s) and rng.random() > ELSEWHERE
-    around = int(whole.answer) if is_there else _somewhere(whole.states, rng)
+    if is_damaged := one.status is Status.DOUBTFUL:
+        around = int(np.argmax(whole.states == State.DAMAGED))
+    else:
+        around = int(whole.answer) if is_there else _somewhere(whole.states, rng)
     first_s, last_s = closer(around, whole.states, edges_s)
     wide_s = (last_s - first_s) * float(np.exp(0.3 * rng.standard_normal()))
     middle_s = 0.5 * (first_s + last_s) + 0.15 * wide_s * rng.standard_normal()
     part = slice(*np.searchsorted(time_s, (middle_s - 0.5 * wide_s, middle_s + 0.5 * wide_s)))
     within_s = time_s[part]
-    if within_s.size < MIN_SAMPLES:
+    if within_s.size < MIN_SAMPLES or (is_damaged and np.unique(state[part] == State.DAMAGED).size < 2):
         return
     holds = within_s[0] < one.breakaway_s < within_s[-1]
     reason = one.status

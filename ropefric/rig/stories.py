@@ -15,6 +15,7 @@ import scipy.signal
 
 from ropefric.arrays import FloatArray, IntArray, frozen_array
 from ropefric.registry import Registry
+from ropefric.rig.damage import damaged
 from ropefric.traces.breakaway import Status
 from ropefric.traces.picker import State
 
@@ -36,7 +37,7 @@ class LabelledRecording:
     state : ndarray of int, shape (n,)
         The `State` at each sample.
     status : Status
-        `ok` where the break-away can be seen, else why not.
+        `ok` where the break-away can be seen, `doubtful` where the file is damaged, else why it can't.
     breakaway_s, peak_N : float
         When the force was highest as it broke away, as the sensor shows it, and F_A without noise or zero error; NaN
         where there is none.
@@ -659,6 +660,23 @@ def _kept(one: _Samples, broke_s: float) -> FloatArray:
     return keep
 
 
+def _damaged(one: _Samples, state: IntArray) -> IntArray | None:
+    """Damage the file while the rope is pulled; return the states then, or None where nothing would show."""
+    pulled = np.flatnonzero(np.isin(state, (State.LOADING, State.PARTIAL_SLIP, State.SLIP, State.SLIDING)))
+    if not pulled.size:
+        return None
+    # Sliding may go on for ever: more often before, where a force is taken.
+    last = int(pulled[int((pulled.size - 1) * one.rng.random() ** 0.5)])
+    found = damaged(one.rng, one.force, state, (int(pulled[0]), last))
+    if found is None:
+        return None
+    step_s = float(one.time_s[1] - one.time_s[0])
+    one.force, one.time_s = found.force_N, step_s * np.arange(found.force_N.size)
+    spoilt = state[found.source]
+    spoilt[found.at :] = State.DAMAGED
+    return spoilt
+
+
 def draw_recording(rng: Rng, kind: str | None = None) -> LabelledRecording:
     """Return one recording, of a kind or of any; what nobody could judge is drawn again.
 
@@ -694,6 +712,8 @@ def draw_recording(rng: Rng, kind: str | None = None) -> LabelledRecording:
         keep, scale_N = _kept(samples, broke_s if top else nan), _spread(rng, 1.0, 1000.0)
         knot_s, _, states = story.knots()
         state = states[np.minimum(np.searchsorted(knot_s, samples.time_s), states.size - 1)]
+        if _maybe(rng, 0.07) and (spoilt := _damaged(samples, state)) is not None:
+            state, status, keep = spoilt, Status.DOUBTFUL, np.ones(spoilt.size, dtype=bool)
         seen = status is Status.OK
         return LabelledRecording(
             kind=chosen.name, time_s=samples.time_s[keep], force_N=samples.force[keep] * scale_N, state=state[keep],

@@ -25,7 +25,8 @@ WIDTHS = (16, 24, 32, 48, 64, 64)
 STEM, HEAD, POOLED = 12, 16, 64
 WIDE, NARROW = 7, 5
 """Bins that a convolution looks at, at full resolution and below it."""
-REASONS = (Status.NO_BREAKAWAY, Status.NO_PEAK, Status.SATURATED)
+REASONS = (Status.NO_BREAKAWAY, Status.NO_PEAK, Status.SATURATED, Status.DOUBTFUL)
+"""Why there is no break-away to be seen; the last one: the recording does not hang together."""
 INPUT_GRID, ACTIVATION_GRID, WEIGHT_GRID, LARGEST = 2.0**12, 2.0**7, 2.0**9, 16.0
 """Numbers are multiples of one over these, activations at most 16: a sum of products below 256 has at most the 24 bits
 of a single-precision number, which is why it is exact, and the first one, of finer inputs, the 53 of a double."""
@@ -42,7 +43,7 @@ T = TypeVar("T")
 
 
 class State(IntEnum):
-    """What the rope is doing."""
+    """What the rope is doing, or from where on the numbers do not go on with what was before."""
 
     REST = 0
     HUNG = 1
@@ -53,6 +54,7 @@ class State(IntEnum):
     HELD = 6
     LET_DOWN = 7
     DISTURBED = 8
+    DAMAGED = 9
 
 
 CLIMBING = (State.LOADING, State.PARTIAL_SLIP, State.HELD, State.SLIP)

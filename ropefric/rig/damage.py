@@ -1,0 +1,129 @@
+"""Damage to a file that an expert sees at once: from some sample on, the numbers do not go on with what was before.
+
+Each kind takes the forces of a recording at equal steps of time and a sample, and returns the damaged forces and from
+which sample each of them comes. `damaged` draws a sample at which the damage shows, or returns nothing where it hides.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ropefric.arrays import FloatArray, IntArray
+from ropefric.registry import Registry
+
+Rng = np.random.Generator
+Spoilt = tuple[FloatArray, IntArray]
+
+SHOWS, BESIDE, STEEPER = 0.08, 20, 4.0
+"""A step shows that is larger than this part of the force's range, and so many times any step of as many neighbours."""
+
+
+class Damaged(NamedTuple):
+    """Damaged forces, from which sample each one comes, and from which one on they do not go on."""
+
+    name: str
+    force_N: FloatArray
+    source: IntArray
+    at: int
+
+
+@dataclass(frozen=True, slots=True)
+class Damage:
+    """A kind of damage: what it does at a sample, and whether comparing numbers decides it, so that none is learnt."""
+
+    name: str
+    spoil: Callable[[Rng, FloatArray, int], Spoilt]
+    is_exact: bool = False
+
+
+def _from_on(force_N: FloatArray, at: int, factor: float, offset_N: float = 0.0) -> Spoilt:
+    spoilt = force_N.copy()
+    spoilt[at:] = factor * spoilt[at:] + offset_N
+    return spoilt, np.arange(force_N.size)
+
+
+def _scale_changes(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
+    return _from_on(force_N, at, float(np.exp(rng.choice((-1.0, 1.0)) * rng.uniform(0.15, 1.2))))
+
+
+def _decimal_lost(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
+    return _from_on(force_N, at, 10.0 ** int(rng.integers(1, 5)))
+
+
+def _tared_again(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
+    return _from_on(force_N, at, 1.0, -float(force_N[at]))
+
+
+def _offset_steps(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
+    size_N = float(np.ptp(force_N)) * rng.choice((-1.0, 1.0)) * rng.uniform(0.1, 0.8)
+    return _from_on(force_N, at, 1.0, size_N)
+
+
+def _sign_flips(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
+    return _from_on(force_N, at, -1.0)
+
+
+def _lines_lost(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
+    stop = min(at + int(rng.integers(2, max(3, force_N.size // 4))), force_N.size - 1)
+    source = np.concatenate([np.arange(at), np.arange(stop, force_N.size)])
+    return force_N[source], source
+
+
+def _joined(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
+    source = np.concatenate([np.arange(at), np.arange(int(rng.integers(force_N.size - 1)), force_N.size)])
+    spoilt = force_N[source]
+    spoilt[at:] *= rng.choice((1.0, rng.uniform(0.5, 2.0)))
+    return spoilt, source
+
+
+def _block_twice(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
+    first = max(0, at - int(rng.integers(30, max(31, force_N.size // 3))))
+    source = np.concatenate([np.arange(at), np.arange(first, force_N.size)])
+    return force_N[source], source
+
+
+def _interleaved(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
+    spoilt = force_N.copy()
+    spoilt[at % 2 :: 2] *= rng.uniform(0.0, 0.7)
+    return spoilt, np.arange(force_N.size)
+
+
+DAMAGES: Registry[Damage] = Registry("kind of damage", [
+    Damage("scale-changes", _scale_changes),
+    Damage("decimal-lost", _decimal_lost),
+    Damage("tared-again", _tared_again),
+    Damage("offset-steps", _offset_steps),
+    Damage("sign-flips", _sign_flips),
+    Damage("lines-lost", _lines_lost),
+    Damage("joined", _joined),
+    Damage("block-twice", _block_twice, is_exact=True),
+    Damage("interleaved", _interleaved, is_exact=True),
+])  # fmt: skip
+"""What may happen to the lines of a file, by name."""
+
+
+def damaged(
+    rng: Rng, force_N: FloatArray, state: IntArray, between: tuple[int, int], name: str | None = None
+) -> Damaged | None:
+    """Return a recording damaged at a sample between two, by a kind or by any that is learnt; None where it hides.
+
+    `state` is what the rope does at each sample: what falls as another state begins may be a slip or a let-down.
+    """
+    learnt = [one.name for one in DAMAGES.values() if not one.is_exact]
+    kind = DAMAGES[name or str(rng.choice(learnt))]
+    usual_N = np.abs(np.diff(force_N))
+    for _ in range(20):
+        low, high = max(between[0], BESIDE), min(between[1], force_N.size - BESIDE)
+        if low >= high:
+            return None
+        at = int(rng.integers(low, high))
+        spoilt_N, source = kind.spoil(rng, force_N, at)
+        beside = np.concatenate([usual_N[at - BESIDE : at - 1], usual_N[at : at + BESIDE]])
+        step_N = float(spoilt_N[at] - spoilt_N[at - 1])
+        may_be_a_slip = -spoilt_N[at - 1] < step_N < 0.0 and state[source[at]] != state[source[at - 1]]
+        shows = abs(step_N) > max(SHOWS * float(np.ptp(force_N)), STEEPER * float(beside.max()))
+        if kind.is_exact or (shows and not may_be_a_slip):
+            return Damaged(kind.name, spoilt_N, source, at)
+    return None

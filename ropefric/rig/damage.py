@@ -52,7 +52,7 @@ def _decimal_lost(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
     return _from_on(force_N, at, 10.0 ** int(rng.integers(1, 5)))
 
 
-def _tared_again(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
+def _tared_again(_: Rng, force_N: FloatArray, at: int) -> Spoilt:
     return _from_on(force_N, at, 1.0, -float(force_N[at]))
 
 
@@ -61,7 +61,7 @@ def _offset_steps(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
     return _from_on(force_N, at, 1.0, size_N)
 
 
-def _sign_flips(rng: Rng, force_N: FloatArray, at: int) -> Spoilt:
+def _sign_flips(_: Rng, force_N: FloatArray, at: int) -> Spoilt:
     return _from_on(force_N, at, -1.0)
 
 

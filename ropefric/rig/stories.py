@@ -128,9 +128,13 @@ class _Story:
 
     def stop_at(self, knot: int) -> None:
         """Forget what comes after a knot, as a logger does that stops there."""
-        time_s, force, state = (some[: knot + 1] for some in self.knots())
-        self._time_s, self._force, self._state = [time_s], [force], [state]
-        self.now_s, self.level, self.broke_s, self.peak = float(time_s[-1]), float(force[-1]), nan, nan
+        time_s, force, state = self.knots()
+        self._time_s, self._force, self._state = (
+            [time_s[: knot + 1]],
+            [force[: knot + 1]],
+            [state[: knot + 1]],
+        )
+        self.now_s, self.level, self.broke_s, self.peak = float(time_s[knot]), float(force[knot]), nan, nan
 
     def knots(self) -> tuple[FloatArray, FloatArray, IntArray]:
         """Return times, forces and states."""
@@ -671,7 +675,7 @@ def _damaged(one: _Samples, state: IntArray) -> IntArray | None:
     if found is None:
         return None
     step_s = float(one.time_s[1] - one.time_s[0])
-    one.force, one.time_s = found.force_N, step_s * np.arange(found.force_N.size)
+    one.force, one.time_s = found.force_N, np.arange(float(found.force_N.size)) * step_s
     spoilt = state[found.source]
     spoilt[found.at :] = State.DAMAGED
     return spoilt

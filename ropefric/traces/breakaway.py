@@ -14,6 +14,9 @@ SIDES = ("slack", "tight")
 RESTS = ("unknown", "zero", "pretension")
 PICKERS = ("trained", "highest")
 
+SURE = 0.8
+"""What is called `ok`, or a reason, has at least this probability."""
+
 
 class Status(StrEnum):
     """What became of a recording."""

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
-from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
+from ropefric.traces.breakaway import SURE, Breakaway, ForceEvent, PickSettings, Status
 from ropefric.traces.noise import runs_of
 from ropefric.traces.peak import gap_beside, peak_result
 from ropefric.traces.picker import Look, State, Weights, closer, look
@@ -32,8 +32,6 @@ from ropefric.traces.smoothing import average_over_samples, window_samples
 from ropefric.traces.trace import ForceTrace
 from ropefric.traces.zero import with_its_zero
 
-SURE = 0.8
-"""What is called `ok`, or a reason, has at least this probability."""
 SEEN = 0.05
 """What is less likely is no candidate."""
 SAME = 0.01
@@ -186,19 +184,16 @@ def _before_sliding(
             ": it falls away in one go, no faster than it was loaded, as a motor lets down",
         )
     result = measured(prepared, settings, best.block, rests_of(prepared, found.whole))
-    result = replace(
-        result,
-        probability=round(same, 2),
-        detail=result.detail
-        or f"break-away at {result.peak_time_s:.4g} s, {result.peak_N:.4g} N, probability {same:.2f}",
-        events=tuple(_events(prepared, found.whole, best.block, settings)),
-    )
+    events = tuple(_events(prepared, found.whole, best.block, settings))
+    result = replace(result, probability=round(same, 2), events=events)
     if settings.min_step_N is not None and not result.drop_N >= settings.min_step_N:
         detail = (
             f"the force falls by {result.drop_N:.3g} N only, less than min_step = {settings.min_step_N:g} N"
         )
         return without_force(Status.NO_PEAK, detail, prepared)
-    return with_its_zero(trace, prepared, _with_its_gap(prepared, result), settings)
+    result = with_its_zero(trace, prepared, _with_its_gap(prepared, result), settings)
+    found_at = f"break-away at {result.peak_time_s:.4g} s, {result.peak_N:.4g} N"
+    return replace(result, detail=result.detail or f"{found_at}, probability {result.probability:.2f}")
 
 
 # --- two looks ------------------------------------------------------------------------------------------------------

@@ -19,9 +19,8 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
 from ropefric.registry import Registry
-from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
+from ropefric.traces.breakaway import SURE, Breakaway, Phase, PickSettings, Status
 from ropefric.traces.decision import (
-    SURE,
     fallen_from,
     least_fall_N,
     measured,

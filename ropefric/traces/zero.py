@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ropefric.arrays import FloatArray, median
-from ropefric.traces.breakaway import Breakaway, ForceEvent, PickSettings, Status
+from ropefric.traces.breakaway import SURE, Breakaway, ForceEvent, PickSettings, Status
 from ropefric.traces.clock import GAP_STEPS
 from ropefric.traces.noise import runs_of
 from ropefric.traces.segments import AT_REST, TINY, Blocks, Prepared
@@ -132,20 +132,13 @@ def _with_drift(
     drifts_N, stds_N, weights, is_tied = _drifts(blocks, whole, lasting_s, result.peak_N)
     has = stds_N > 0.0
     if weights[has].sum() < CERTAIN:
-        outside = [
-            1.0
-            - 0.5
-            * sum(
-                math.erf((small_N + way * drift_N) / max(std_N, 1e-9 * small_N) / math.sqrt(2.0))
-                for way in (-1, 1)
-            )
-            for drift_N, std_N in zip(drifts_N, stds_N, strict=True)
-        ]
+        within = [_within(small_N, *drift) for drift in zip(drifts_N.tolist(), stds_N.tolist(), strict=True)]
         std_N = math.sqrt(float(weights @ (stds_N**2 + drifts_N**2)))
-        if weights @ outside > 1.0 - CERTAIN:
+        likely, share = _as_likely(result, float(weights @ within))
+        if share < SURE:
             why = f"the rope rests too briefly to exclude a drift of the zero of {2.0 * std_N:.2g} N"
-            return _either(result, why), level_N
-        return replace(result, peak_std_N=math.hypot(result.peak_std_N, std_N)), level_N
+            return _either(likely, why), level_N
+        return replace(likely, peak_std_N=math.hypot(result.peak_std_N, std_N)), level_N
     weights = weights * has / weights[has].sum()
     drift_N = float(weights @ drifts_N)
     std_N = math.sqrt(float(weights @ (stds_N**2 + (drifts_N - drift_N) ** 2)))
@@ -156,11 +149,26 @@ def _with_drift(
     goes_on = GOES_ON * (0.5 if later and weights[is_tied].sum() > CERTAIN else 1.0)
     alike = max(whole, key=lambda rest: rest.stop - rest.start).alike
     std_N = math.hypot(std_N, goes_on * drift_N * min(max(0.5 * alike, 1.0), 2.0))
-    if 2.0 * std_N > small_N:
+    likely, share = _as_likely(result, _within(small_N, 0.0, std_N))
+    if share < SURE:
         why = f"the zero drifts by about {abs(drift_N):.2g} N between the rope at rest and the peak"
-        return _either(result, why, "before the drift", drift_N), level_N
+        return _either(likely, why, "before the drift", drift_N), level_N
     said = f"the zero drifts by {drift_N:.2g} N until the peak, which was taken off"
-    return _without(result, drift_N, std_N, said), level_N - since_N
+    return _without(likely, drift_N, std_N, said), level_N - since_N
+
+
+def _within(small_N: float, mean_N: float, std_N: float) -> float:
+    """Return how probable it is that what is so large, ± so much, is smaller than what matters."""
+    parts = [(small_N + way * mean_N) / max(std_N, 1e-9 * small_N) / math.sqrt(2.0) for way in (-1, 1)]
+    return 0.5 * sum(map(math.erf, parts))
+
+
+def _as_likely(result: Breakaway, share: float) -> tuple[Breakaway, float]:
+    """Return a result of which only a share of its probability is left, and that; where none is stated, none is."""
+    if not math.isfinite(result.probability):
+        return result, share
+    share = round(result.probability * share, 2)
+    return replace(result, probability=share), share
 
 
 def _drifts(

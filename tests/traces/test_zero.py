@@ -61,15 +61,21 @@ def test_a_drift_is_taken_off_and_what_it_may_leave_is_in_the_uncertainty(rate_N
 
 
 def test_a_large_drift_is_in_doubt_until_a_later_rest_confirms_it():
-    drift = 1.8 * TIME_S
+    drift = 2.6 * TIME_S
     found = picked(pulled() + drift + noise(1))
     assert "drifts by" in found.detail
-    names(found, 100.0 + 1.8 * 2.6, 100.0)
+    names(found, 100.0 + 2.6 * 2.6, 100.0)
     found = picked(pulled(rests_again=True) + drift + noise(1))
     assert found.status is Status.OK, found.detail
     assert abs(found.peak_N - 100.0) < 2.0 * found.peak_std_N
     # Whatever tension is left: the slope of both rests is the same.
     assert is_right(picked(pulled(rests_again=True, left_N=9.0) + 0.5 * TIME_S + noise(1)))
+
+
+def test_what_a_drift_may_leave_is_a_part_of_the_probability():
+    """Off by less than a fiftieth: nearly certain without a drift, less so the larger one is that was taken off."""
+    stated = [picked(pulled() + rate_N_s * TIME_S + noise(1)).probability for rate_N_s in (0.0, 1.4, 1.8)]
+    assert 0.95 <= stated[0] and stated[0] > stated[1] > stated[2] >= 0.8
 
 
 def test_slow_noise_makes_no_drift_that_is_wrong():

@@ -570,6 +570,8 @@ def _sampled(rng: Rng, story: _Story) -> _Samples | None:
     """Return samples as the sensor's filter lets them through; None where there are too few to tell anything."""
     knot_s, knot_force, _ = story.knots()
     end_s = float(knot_s[-1])
+    if end_s <= 0.0:
+        return None
     rate_Hz = max(_spread(rng, 40.0, 5000.0), _spread(rng, 8.0, 80.0) / story.climb_s, 60.0 / end_s)
     rate_Hz = min(rate_Hz, _MOST_SAMPLES / end_s)
     n = int(end_s * rate_Hz)

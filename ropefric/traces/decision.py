@@ -15,9 +15,10 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.traces.breakaway import SURE, Breakaway, ForceEvent, PickSettings, Status
+from ropefric.traces.coherence import incoherence
 from ropefric.traces.noise import runs_of
 from ropefric.traces.peak import gap_beside, peak_result
-from ropefric.traces.picker import Look, State, Weights, closer, look
+from ropefric.traces.picker import BINS, Look, State, Weights, closer, look
 from ropefric.traces.segments import (
     DROP_SIGMAS,
     MIN_SAMPLES,
@@ -106,6 +107,9 @@ def pick_prepared(
     trace: ForceTrace, prepared: Prepared, settings: PickSettings, weights: Weights | None = None
 ) -> Breakaway:
     """Return the break-away of a recording that is prepared already, see `pick_breakaway`."""
+    present = np.isfinite(trace.force_N)
+    if said := incoherence(trace.time_s[present], trace.force_N[present]):
+        return without_force(Status.DOUBTFUL, said, prepared)
     force_N = prepared.blocks.force_N
     rise_N = float(force_N.max() - force_N[0])
     if rise_N <= 2.0 * DROP_SIGMAS * prepared.blocks.noise_N:
@@ -173,16 +177,11 @@ def _before_sliding(
         return without_force(Status.SATURATED if cut else Status.NO_PEAK, cut or stuck, prepared)
     reason = max(found.reasons, key=lambda status: found.reasons[status])
     if best is None or sum(found.reasons.values()) >= SURE:  # none for certain, whichever the reason
-        return _with_reason(prepared, reason, found)
+        say = _in_doubt if reason is Status.DOUBTFUL else _with_reason
+        return say(prepared, reason, found)
     same = share_near(found, best)
     if same < SURE:
-        return _in_doubt(prepared, found)
-    if _falls_as_loaded(prepared, best.block):
-        return _in_doubt(
-            prepared,
-            found,
-            ": it falls away in one go, no faster than it was loaded, as a motor lets down",
-        )
+        return _in_doubt(prepared, reason, found)
     result = measured(prepared, settings, best.block, rests_of(prepared, found.whole))
     events = tuple(_events(prepared, found.whole, best.block, settings))
     result = replace(result, probability=round(same, 2), events=events)
@@ -282,25 +281,27 @@ def _with_reason(prepared: Prepared, reason: Status, found: Judgement) -> Breaka
                 "kinetic_std_N": float(blocks.force_N[slides].std(ddof=1)),
             }
     others = [
-        f" or {one.value} ({p:.2f})" for one, p in found.reasons.items() if one is not reason and p >= SEEN
+        f" or {'a damaged file' if one is Status.DOUBTFUL else one.value} ({p:.2f})"
+        for one, p in found.reasons.items()
+        if one is not reason and p >= SEEN
     ]
     detail = words[reason] + "".join(others)
     return without_force(reason, detail, prepared, probability=found.reasons[reason], **more)
 
 
-def _falls_as_loaded(prepared: Prepared, block: int) -> bool:
-    """Return whether a force that falls by more than half takes half as long for that as it took to gain it, or more."""
-    force_N, time_s = prepared.blocks.force_N, prepared.blocks.time_s
-    half_N = 0.5 * (float(force_N[: block + 1].min()) + float(force_N[block]))
-    fallen = fallen_from(force_N, block, DROP_SIGMAS * prepared.blocks.noise_N)
-    lost = np.flatnonzero(force_N[block : fallen + 1] < half_N)
-    if not lost.size:
-        return False
-    climbed_s = float(time_s[block] - time_s[half_climb(force_N, block)])
-    return bool(time_s[block + int(lost[0])] - time_s[block] > 0.5 * climbed_s)
+def _where_damaged(prepared: Prepared, found: Judgement) -> str:
+    """Return where a recording ceases to hang together: the largest step where the picker sees that begin."""
+    states, edges_s = found.whole.states[:, State.DAMAGED], found.whole.edges_s
+    bin_ = int(np.argmax(states >= 0.5 * states.max()))
+    first, stop = np.searchsorted(prepared.time_s, (edges_s[max(bin_ - 2, 0)], edges_s[min(bin_ + 3, BINS)]))
+    near_N = prepared.force_N[first : max(int(stop), int(first) + 2)]
+    at = int(np.argmax(np.abs(np.diff(near_N))))
+    time_s = float(prepared.time_s[int(first) + at])
+    steps = f"goes from {near_N[at]:.4g} N to {near_N[at + 1]:.4g} N at once"
+    return f"at {time_s:.4g} s the force {steps} and does not go on with what was before"
 
 
-def _in_doubt(prepared: Prepared, found: Judgement, why: str = "") -> Breakaway:
+def _in_doubt(prepared: Prepared, _: Status, found: Judgement) -> Breakaway:
     """Return a result that leaves open which of some tops is the break-away, or whether any is."""
     time_s = prepared.blocks.time_s
     events = tuple(
@@ -316,8 +317,16 @@ def _in_doubt(prepared: Prepared, found: Judgement, why: str = "") -> Breakaway:
         if one.probability >= SEEN
     )
     said = [f"{event.force_N:.4g} N at {event.time_s:.4g} s ({event.probability:.2f})" for event in events]
-    said += [f"{reason.value} ({one:.2f})" for reason, one in found.reasons.items() if one >= SEEN]
-    detail = f"{'either ' if len(said) > 1 else 'perhaps '}{' or '.join(said)}{why}"
+    damaged = Status.DOUBTFUL
+    said += [
+        f"{it.value} ({one:.2f})" for it, one in found.reasons.items() if one >= SEEN and it is not damaged
+    ]
+    detail = f"{'either ' if len(said) > 1 else 'perhaps '}{' or '.join(said)}" if said else ""
+    if found.reasons[damaged] >= SEEN:
+        known = (
+            f"the recording may be damaged ({found.reasons[damaged]:.2f}): {_where_damaged(prepared, found)}"
+        )
+        detail = f"{known}; {detail}" if detail else known
     return without_force(
         Status.DOUBTFUL,
         detail,

@@ -1,0 +1,83 @@
+"""Whether the samples of a recording are one signal, where comparing numbers decides it: no judgement is needed.
+
+Two signals that stand in turn, sample by sample, and a stretch of samples that stands twice are faults of a file, never
+of a rope. What else may be wrong with a file looks like something a rope might do; the picker judges that.
+"""
+
+import math
+
+import numpy as np
+
+from ropefric.arrays import FloatArray, IntArray
+
+IN_TURN, SMOOTHED, APART, MOSTLY = (2, 3), 15, 0.1, 0.5
+"""So many signals in turn are looked for, over so many rounds, that differ by more than this part of the force's range
+in most of the samples in which the force is large."""
+TOKENS, BLOCK, BY_CHANCE = 8, 32, 1e-9
+"""Runs of equal samples that are compared at once; fewer samples are no block that a logger writes, and what stands
+twice by chance more likely than this is none."""
+
+
+def incoherence(time_s: FloatArray, force_N: FloatArray) -> str:
+    """Return what shows that samples are not one signal, in words; empty where nothing does."""
+    return _in_turn(force_N) or _stands_twice(time_s, force_N)
+
+
+def _in_turn(force_N: FloatArray) -> str:
+    range_N = float(np.ptp(force_N))
+    if np.count_nonzero(np.abs(np.diff(force_N)) > 0.5 * APART * range_N) < SMOOTHED:
+        return ""
+    for n in IN_TURN:
+        rounds = force_N.size // n
+        if rounds < 2 * SMOOTHED:
+            continue
+        turns_N = force_N[: rounds * n].reshape(rounds, n)
+        # Freed of how the force changes from one round to the next, which is the same for all in a round.
+        slopes_N = np.gradient(turns_N.mean(axis=1))[:, None] * (np.arange(n) - 0.5 * (n - 1)) / n
+        away_N = turns_N - turns_N.mean(axis=1)[:, None] - slopes_N
+        kernel = np.ones(SMOOTHED) / SMOOTHED
+        steady_N = np.stack([np.convolve(column, kernel, "valid") for column in away_N.T], axis=1)
+        level_N = np.convolve(np.abs(turns_N - force_N[0]).max(axis=1), kernel, "valid")
+        apart_N = np.ptp(steady_N, axis=1)[level_N > 0.5 * level_N.max()]
+        if np.mean(apart_N > APART * range_N) > MOSTLY:
+            return (
+                f"every {'second' if n == 2 else 'third'} sample is {np.median(apart_N):.3g} N away from "
+                "its neighbours: several signals stand in turn; export each into a column of its own"
+            )
+    return ""
+
+
+def _stands_twice(time_s: FloatArray, force_N: FloatArray) -> str:
+    """Say which stretch stands twice: the same runs of equal samples, too many and too rare to be so by chance."""
+    begins = np.flatnonzero(np.concatenate([[True], force_N[1:] != force_N[:-1]]))
+    if begins.size < 2 * TOKENS:
+        return ""
+    lengths, levels_N = np.diff(begins, append=force_N.size), force_N[begins]
+    # How rare a step and the run after it are: what a level is like hangs on the one before it.
+    steps = np.rint(np.diff(levels_N, prepend=levels_N[0]) * (1e9 / float(np.ptp(levels_N)))).astype(np.int64)
+    _, of_step, counts = np.unique(_mixed(steps, lengths), return_inverse=True, return_counts=True)
+    sums = np.concatenate([[0.0], np.cumsum(-np.log(counts / begins.size)[of_step.ravel()])])
+    runs = _mixed(levels_N.view(np.int64), lengths)
+    several = runs[: runs.size - TOKENS + 1]
+    for k in range(1, TOKENS):
+        several = _mixed(several, runs[k : runs.size - TOKENS + 1 + k])
+    order = np.argsort(several, kind="stable")
+    first, second = order[:-1], order[1:]
+    is_same = (several[first] == several[second]) & (sums[first + TOKENS] - sums[first] > TOKENS)
+    shifts, first = (second - first)[is_same], first[is_same]
+    for shift in np.unique(shifts).tolist():
+        at = np.sort(first[shifts == shift])
+        for run in np.split(at, np.flatnonzero(np.diff(at) != 1) + 1):
+            start, stop = int(run[0]), min(int(run[-1]) + TOKENS, int(run[0]) + shift, runs.size - 1)
+            samples = int(begins[stop] - begins[start])
+            rare = float(sums[stop] - sums[start]) - 2.0 * math.log(begins.size)
+            if samples >= BLOCK and rare > -math.log(BY_CHANCE):
+                first_s, again_s = (float(time_s[begins[one]]) for one in (start, start + shift))
+                where = f"{samples} samples from {first_s:.4g} s on stand again from {again_s:.4g} s on"
+                return f"{where}, number by number: a block was written twice; export the file again"
+    return ""
+
+
+def _mixed(one: IntArray, other: IntArray) -> IntArray:
+    """Return one number for two, which others hardly have."""
+    return np.asarray(one * np.int64(6_364_136_223_846_793_005) + other * np.int64(1_442_695_040_888_963_407))

@@ -1,0 +1,99 @@
+"""A file whose samples do not hang together gives a doubt that says where, not a force."""
+
+import re
+
+import numpy as np
+import pytest
+from drawn import PULL, TIME_S, drawn, picked
+
+from ropefric.rig.damage import DAMAGES, damaged
+from ropefric.rig.strangers import recordings
+from ropefric.traces.breakaway import PickSettings, Status
+from ropefric.traces.coherence import incoherence
+from ropefric.traces.decision import pick_breakaway
+from ropefric.traces.trace import ForceTrace
+
+QUANTISED = {"as they are": 0.0, "in steps of 0.5 N": 0.5}
+
+
+@pytest.mark.parametrize("step_N", QUANTISED.values(), ids=QUANTISED)
+@pytest.mark.parametrize("other_N", [0.0, 45.0])
+def test_two_signals_in_turn_are_no_force(step_N, other_N):
+    force_N = drawn(*PULL)
+    force_N[1::2] = other_N + 0.1 * force_N[1::2]
+    force_N = np.rint(force_N / step_N) * step_N if step_N else force_N
+    found = picked(force_N)
+    assert found.status is Status.DOUBTFUL
+    assert "every second sample" in found.detail and "in turn" in found.detail
+
+
+def test_three_signals_in_turn_are_no_force():
+    force_N = drawn(*PULL)
+    force_N[1::3], force_N[2::3] = 20.0, 0.5 * force_N[2::3]
+    assert "every third sample" in picked(force_N).detail
+
+
+@pytest.mark.parametrize("step_N", QUANTISED.values(), ids=QUANTISED)
+@pytest.mark.parametrize("first", [500, 1800, 2900, 4000])
+def test_a_block_that_stands_twice_is_found_wherever_it_is(first, step_N):
+    force_N = drawn(*PULL, noise_N=0.4)
+    force_N = np.rint(force_N / step_N) * step_N if step_N else force_N
+    twice_N = np.insert(force_N, first + 256, force_N[first : first + 256])
+    time_s = np.arange(twice_N.size) * 0.001
+    found = picked(twice_N, time_s=time_s)
+    assert found.status is Status.DOUBTFUL
+    said = re.match(r"(\d+) samples from ([\d.]+) s on stand again from ([\d.]+) s", found.detail)
+    # Runs of equal samples at the ends of the block may be longer than in the copy.
+    assert said and float(said[1]) == pytest.approx(256, abs=4)
+    assert [float(said[2]), float(said[3])] == pytest.approx(
+        [0.001 * first, 0.001 * (first + 256)], abs=0.004
+    )
+
+
+def test_what_a_rope_does_is_no_damage_however_alike():
+    """Teeth that are alike, a rest at one count, a converter of a few levels, hum in step with the samples."""
+    teeth = np.where(TIME_S < 3.0, np.clip(50.0 * (TIME_S - 1.0), 0.0, 100.0), 80.0 + 100.0 * (TIME_S % 0.1))
+    noise_N = np.random.default_rng(2).normal(0.0, 0.2, TIME_S.size)
+    for force_N in (
+        teeth + noise_N, np.rint(teeth + noise_N), np.rint((teeth + noise_N) / 5.0) * 5.0,
+        teeth + noise_N + 2.0 * np.sin(2.0 * np.pi * 500.0 * TIME_S + 1.0), np.rint(noise_N), np.zeros(TIME_S.size),
+    ):  # fmt: skip
+        assert not incoherence(TIME_S, force_N)
+
+
+def silent(seed, per_family):
+    """Return for each kind of damage how many recordings of the second rig there were, and how many gave a wrong F_A."""
+    counts = {name: [0, 0] for name in DAMAGES}
+    for number, one in enumerate(recordings(seed, per_family=per_family, tiers=("clean", "lab"))):
+        trace = one.trace()
+        if one.truth.status is not Status.OK or not np.isfinite(trace.force_N).all():
+            continue
+        top = int(np.searchsorted(trace.time_s, one.truth.time_s))
+        state = (np.arange(trace.force_N.size) > top).astype(np.int64)
+        step_s = float(np.median(np.diff(trace.time_s)))
+        climb = int(np.argmax(trace.force_N > 0.2 * one.truth.peak_N))
+        for kind, name in enumerate(DAMAGES):
+            rng = np.random.default_rng([seed, number, kind])
+            spoilt = damaged(rng, trace.force_N, state, (climb, top + (top - climb) // 4 + 1), name)
+            if spoilt is None:
+                continue
+            time_s = np.arange(spoilt.force_N.size) * step_s
+            found = pick_breakaway(ForceTrace(time_s=time_s, force_N=spoilt.force_N), PickSettings())[0]
+            off = abs(found.peak_N / one.truth.peak_N - 1.0)
+            counts[name][0] += 1
+            counts[name][1] += found.status is Status.OK and off > 0.02
+    return counts
+
+
+def test_few_damaged_recordings_give_a_wrong_force():
+    wrong = {name: of for name, of in silent(21, 1).items() if of[0] and not DAMAGES[name].is_exact}
+    assert sum(one[1] for one in wrong.values()) <= 0.1 * sum(one[0] for one in wrong.values()), wrong
+
+
+@pytest.mark.slow
+def test_of_two_thousand_damaged_recordings_no_kind_is_silently_wrong():
+    counts = [silent(seed, 4) for seed in (31, 32)]
+    whole = {name: np.sum([one[name] for one in counts], axis=0) for name in DAMAGES}
+    assert sum(n for n, _ in whole.values()) >= 1500, whole
+    for name, (n, wrong) in whole.items():
+        assert wrong <= 0.02 * n + 1, (name, whole)

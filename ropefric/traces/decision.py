@@ -31,7 +31,7 @@ from ropefric.traces.segments import (
 )
 from ropefric.traces.smoothing import average_over_samples, window_samples
 from ropefric.traces.trace import ForceTrace
-from ropefric.traces.zero import with_its_zero
+from ropefric.traces.zero import either, with_its_zero
 
 SEEN = 0.05
 """What is less likely is no candidate."""
@@ -513,20 +513,11 @@ def _with_its_gap(prepared: Prepared, result: Breakaway) -> Breakaway:
     is_climb = after_N - before_N > (1.0 - STEEP) * abs(result.peak_N)
     if highest_N - result.peak_N <= HIDES * abs(result.peak_N) and not is_climb:
         return result
-    top: dict[str, float] = {"time_s": result.peak_time_s, "drop_N": result.drop_N, "fall_s": nan}
-    seen, higher = max(result.peak_N, before_N), max(highest_N, result.peak_N)
-    events = (
-        ForceEvent(kind="break-away", force_N=seen, **top, evidence="as read"),
-        ForceEvent(kind="break-away", force_N=higher, **top, evidence="climbed on in the gap"),
+    why = f"there is a gap of {gap_s:.3g} s in the samples next to the peak, " + (
+        "in which most of the climb lies" if is_climb else "in which the force may have been higher"
     )
-    detail = (
-        f"{seen:.4g} N or up to {higher:.4g} N: there is a gap of {gap_s:.3g} s in the samples next to the peak, "
-        + ("in which most of the climb lies" if is_climb else "in which the force may have been higher")
-    )
-    found = without_force(
-        Status.DOUBTFUL, detail, prepared, candidates=events, probability=result.probability
-    )
-    return replace(found, notes=result.notes, events=result.events, phases=result.phases)
+    seen_N, higher_N = max(result.peak_N, before_N), max(highest_N, result.peak_N)
+    return either(result, why, {"as read": seen_N, "climbed on in the gap": higher_N})
 
 
 def _climbed_to_N(prepared: Prepared, last: int, gap_s: float, peak_N: float) -> float:

@@ -7,7 +7,7 @@ independent. A jump is one step between two samples with one line on either side
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -411,17 +411,24 @@ def _without(result: Breakaway, zero_N: float, std_N: float, said: str) -> Break
     )
 
 
-def _either(result: Breakaway, why: str, origin: str = "", zero_N: float = 0.0) -> Breakaway:
-    """Return a result that leaves open whether the force as read is F_A, or that from another zero."""
-    read = ForceEvent(
-        kind="break-away", time_s=result.peak_time_s, force_N=result.peak_N, drop_N=result.drop_N, fall_s=0.0,
-        evidence="as read",
+def either(result: Breakaway, why: str, forces_N: Mapping[str, float]) -> Breakaway:
+    """Return a result that leaves open which of some forces at its place is F_A, each with what it hangs on."""
+    events = tuple(
+        ForceEvent(
+            kind="break-away", time_s=result.peak_time_s, force_N=force_N, drop_N=result.drop_N, fall_s=math.nan,
+            evidence=evidence,
+        )
+        for evidence, force_N in forces_N.items()
     )  # fmt: skip
-    other = replace(read, force_N=result.peak_N - zero_N, evidence=f"from the level {origin}")
-    events = (read, other) if origin else (read,)
     return Breakaway(
         status=Status.DOUBTFUL,
         detail=f"{' or '.join(f'{event.force_N:.4g} N' for event in events)}: {why}",
         noise_std_N=result.noise_std_N, probability=result.probability,
         candidates=events, events=result.events, notes=result.notes, phases=result.phases,
     )  # fmt: skip
+
+
+def _either(result: Breakaway, why: str, origin: str = "", zero_N: float = 0.0) -> Breakaway:
+    """Return a result that leaves open whether the force as read is F_A, or that from another zero."""
+    other = {f"from the level {origin}": result.peak_N - zero_N} if origin else {}
+    return either(result, why, {"as read": result.peak_N} | other)

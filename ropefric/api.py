@@ -39,7 +39,7 @@ from ropefric.fitting.problem import Loss
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import SETTINGS, Conditions, one_condition
-from ropefric.given import Columns, as_table, as_trace, number, settings, wheels_of
+from ropefric.given import Columns, as_table, as_trace, in_si, number, settings, wheels_of
 from ropefric.pipeline import CampaignRun, campaign_folder, run_campaign
 from ropefric.quantities import split_unit_suffix
 from ropefric.scenes.draws import Draws, draw_scene
@@ -205,9 +205,12 @@ def smooth(
 
 
 def find_breakaway(
-    trace: "ForceTrace | pd.DataFrame | Mapping[str, Any] | npt.ArrayLike",
+    trace: "ForceTrace | PathLike | pd.DataFrame | pd.Series | Mapping[str, Any] | npt.ArrayLike",
     force_N: npt.ArrayLike | None = None,
     *,
+    sampling_rate: Given = None,
+    tare: Given | tuple[float, float] = None,
+    rest: Literal["unknown", "zero", "pretension"] = "unknown",
     columns: Columns = None,
     window_s: float | None = None,
     start_s: float | None = None,
@@ -220,10 +223,18 @@ def find_breakaway(
 
     Parameters
     ----------
-    trace : ForceTrace, DataFrame, mapping or array_like
-        The recording; a table with columns of times and forces, such as `time_s` and `force_kN`; or the times [s].
+    trace : ForceTrace, path-like, DataFrame, Series, mapping or array_like
+        The recording; its file; a table with columns of times and forces, such as `time_s` and `force_kN`; a series of
+        forces [N] over an index of seconds, durations or time stamps; or the times [s]; or, with `sampling_rate`, the
+        forces [N].
     force_N : array_like, optional
         The forces [N] where the times stand alone; a pint quantity in any unit of force.
+    sampling_rate : number or quantity, optional
+        Samples per second [Hz] where the forces stand alone: 1000, "1 kHz".
+    tare : pair of float, number or quantity, optional
+        From when until when the sensor carried nothing [s], or what it showed then [N]: taken off.
+    rest : str
+        What a level at rest is, where `tare` does not say it: `"zero"` (an error of it), `"pretension"`, `"unknown"`.
     columns : mapping of str to str, optional
         New names of a table's columns: `{"F [daN]": "force [daN]"}`.
     window_s, start_s, stop_s, min_step_N, ending
@@ -234,7 +245,13 @@ def find_breakaway(
     Returns
     -------
     Breakaway
-        `peak_N` may be used where `status` is "ok"; otherwise `status` and `advice` say why there is none.
+        `peak_N` may be used where `status` is "ok"; otherwise `status` and `advice` say why there is none. It keeps its
+        recording: `plot()` draws both.
+
+    Raises
+    ------
+    InputError
+        If an argument is no recording, or not what it is to be; the message names the argument.
 
     Examples
     --------
@@ -252,10 +269,31 @@ def find_breakaway(
         "pick_s": pick_s,
     }
     NUMBER.check_given(**numbers)
-    chosen = PickSettings(ending=ending, **numbers)
-    recorded, said = upright(as_trace(trace, force_N, columns))
+    chosen = PickSettings(ending=ending, rest="pretension" if tare is not None else rest, **numbers)
+    if isinstance(trace, str | os.PathLike):
+        trace = read_trace(trace)
+    recorded, said = upright(_tared(as_trace(trace, force_N, columns, sampling_rate), tare))
     found = pick_breakaway(recorded, chosen)[0] if pick_s is None else pick_at(recorded, chosen)
-    return replace(found, notes=(*recorded.notes, *filter(None, [said]), *found.notes))
+    return replace(found, notes=(*recorded.notes, *filter(None, [said]), *found.notes), trace=recorded)
+
+
+def _tared(trace: ForceTrace, tare: Any) -> ForceTrace:
+    """Return a trace counted from what the sensor showed without load: a force, or its mean over an interval."""
+    if tare is None:
+        return trace
+    if isinstance(tare, str) or np.ndim(tare) == 0:
+        zero_N = number(tare, "N", "tare")
+    else:
+        fix = "give (from, until) in seconds, or the force that was shown without load"
+        if np.shape(tare) != (2,):
+            raise InputError("tare is an interval or one force", key="tare", fix=fix)
+        first_s, last_s = in_si(list(tare), "s", "tare").tolist()
+        idle = (trace.time_s >= first_s) & (trace.time_s <= last_s) & np.isfinite(trace.force_N)
+        if not idle.any():
+            text = f"the tare interval from {first_s:g} s until {last_s:g} s holds no sample"
+            raise InputError(text, key="tare", fix=fix)
+        zero_N = float(trace.force_N[idle].mean())
+    return replace(trace, force_N=trace.force_N - zero_N)
 
 
 def extract(

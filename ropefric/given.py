@@ -187,15 +187,24 @@ def wheels_of(table: Any, columns: Columns = None) -> dict[str, FloatArray]:
     return settings(**found)
 
 
-def as_trace(trace: Any, force_N: Any = None, columns: Columns = None) -> ForceTrace:
-    """Return a trace of itself, of times and forces, or of a table with a column of each."""
+def as_trace(
+    trace: Any, force_N: Any = None, columns: Columns = None, sampling_rate: Any = None
+) -> ForceTrace:
+    """Return a trace of itself, of times and forces, of forces at a rate, of a series over time, or of a table."""
     if isinstance(trace, ForceTrace):
         return trace
+    if sampling_rate is not None:
+        return _at_rate(trace, force_N, sampling_rate)
     if force_N is not None:
         return _recorded(in_si(trace, "s", "time_s"), in_si(force_N, "N", "force_N"))
+    if hasattr(trace, "index") and hasattr(trace, "to_frame") and not hasattr(trace, "columns"):
+        return _of_series(trace)
     if not (isinstance(trace, Mapping) or hasattr(trace, "columns") or hasattr(trace, "dtype")):
-        fix = "give a ForceTrace, a table, or times and forces; read_trace reads files"
+        fix = "give a file, a table, times and forces, or forces and their sampling_rate"
         raise InputError(f"{type(trace).__name__} is no recording", key="trace", fix=fix)
+    if np.ndim(trace) == 1 and not isinstance(trace, Mapping) and getattr(trace.dtype, "names", None) is None:
+        fix = "give the times too, or sampling_rate"
+        raise InputError("forces alone do not say when they were taken", key="sampling_rate", fix=fix)
     frame = as_frame(trace, columns)
     arrays, headers = [], [str(name) for name in frame.columns]
     for channel, unit in (("time", "s"), ("force", "N")):
@@ -207,6 +216,31 @@ def as_trace(trace: Any, force_N: Any = None, columns: Columns = None) -> ForceT
         factor = unit_factor(split_unit_suffix(names[0])[1], unit)
         arrays.append(factor * in_si(frame[names[0]].to_numpy(), "", names[0]))
     return _recorded(*arrays)
+
+
+def _at_rate(forces: Any, force_N: Any, sampling_rate: Any) -> ForceTrace:
+    """Return the trace of forces at equal steps of time."""
+    rate_Hz = number(sampling_rate, "Hz", "sampling_rate")
+    if not 0.0 < rate_Hz < np.inf:
+        text = f"sampling_rate = {rate_Hz:g} Hz must be positive"
+        raise InputError(text, key="sampling_rate", fix="give samples per second")
+    if force_N is not None:
+        fix = "leave one of them out"
+        raise InputError("either the times or a sampling rate is needed", key="sampling_rate", fix=fix)
+    forces_N = in_si(forces, "N", "force_N")
+    return _recorded(np.arange(forces_N.size) / rate_Hz, forces_N)
+
+
+def _of_series(series: Any) -> ForceTrace:
+    """Return the trace of a series of forces whose index is a time: seconds, durations or time stamps."""
+    index = series.index
+    kind = getattr(index.dtype, "kind", "")
+    if kind in {"m", "M"}:
+        time_s = np.asarray((index - index[0]).total_seconds()) if len(index) else np.empty(0)
+    else:
+        time_s = in_si(index.to_numpy(), "s", "the index of the series")
+    unit = split_unit_suffix(str(series.name or ""))[1] or "N"
+    return _recorded(time_s, unit_factor(unit, "N") * in_si(series.to_numpy(), "N", "force_N"))
 
 
 def _recorded(time_s: FloatArray, force_N: FloatArray) -> ForceTrace:

@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+import json
 import subprocess
 import sys
 from dataclasses import replace
@@ -38,8 +39,8 @@ SIGNATURES = {
     "diagnose": "(trials, comparison=None, *, touching_turns=None, columns=None)",
     "explain": "(scene, *, measure=False)",
     "extract": "(campaign, *, jobs=1, progress=None, executor=None)",
-    "find_breakaway": "(trace, force_N=None, *, columns=None, window_s=None, start_s=None, "
-    "stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
+    "find_breakaway": "(trace, force_N=None, *, sampling_rate=None, tare=None, rest='unknown', columns=None, "
+    "window_s=None, start_s=None, stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
     "n_starts=4, seed=0, intervals='auto', of='peak', columns=None, resamples=2000, executor=None)",
     "friction_table": f"(fit, *, {WHEEL})",
@@ -301,6 +302,56 @@ def test_a_recording_of_any_form_gives_the_same_break_away():
     for odd in (pd.to_timedelta(time_s, unit="s"), pd.to_datetime(time_s, unit="s").to_numpy(), time_s + 0j):
         with pytest.raises(InputError, match="is no number Fix: give numbers in s"):
             rf.find_breakaway(odd, force_N)
+
+
+PULL_S = np.arange(2500) / 1000
+PULL_N = np.interp(PULL_S, [0.3, 1.3, 1.32], [0, 100, 80]) + np.random.default_rng(5).normal(
+    0.0, 0.05, PULL_S.size
+)
+
+
+def test_a_recording_is_a_file_a_series_or_forces_at_a_rate(tmp_path):
+    asked, path = rf.find_breakaway(PULL_S, PULL_N), tmp_path / "pull.csv"
+    pd.DataFrame({"time_s": PULL_S, "force_N": PULL_N}).to_csv(path, index=False)
+    stamps = pd.Timestamp("2026-03-01 10:00") + pd.to_timedelta(PULL_S, unit="s")
+    for found in (
+        rf.find_breakaway(path), rf.find_breakaway(str(path)), rf.find_breakaway(pd.Series(PULL_N, index=PULL_S)),
+        rf.find_breakaway(pd.Series(PULL_N / 1000, index=stamps, name="force_kN")),
+        rf.find_breakaway(pd.Series(PULL_N, index=pd.to_timedelta(PULL_S, unit="s"))),
+        rf.find_breakaway(PULL_N, sampling_rate=1000), rf.find_breakaway(PULL_N.tolist(), sampling_rate="1 kHz"),
+    ):  # fmt: skip
+        assert (found.peak_N, found.peak_time_s) == pytest.approx((asked.peak_N, asked.peak_time_s), rel=1e-9)
+    for wrong, said in (
+        ({"sampling_rate": 0.0}, "sampling_rate"), ({"sampling_rate": "1 N"}, "sampling_rate"),
+        ({"sampling_rate": 1000.0, "force_N": PULL_N}, "either the times or a sampling rate"), ({}, "sampling_rate"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=said):
+            rf.find_breakaway(PULL_N, **wrong)
+    with pytest.raises(DataError, match="no such file"):
+        rf.find_breakaway(tmp_path / "other.csv")
+
+
+def test_a_zero_is_taken_off_as_asked():
+    off_N = PULL_N + 5.0
+    for given in ({"tare": (0.0, 0.25)}, {"tare": 5.0}, {"tare": "5 N"}, {"rest": "zero"}):
+        assert rf.find_breakaway(PULL_S, off_N, **given).peak_N == pytest.approx(100.0, abs=0.2)
+    assert rf.find_breakaway(PULL_S, off_N, rest="pretension").peak_N == pytest.approx(105.0, abs=0.2)
+    assert rf.find_breakaway(PULL_S, off_N).status == "doubtful"
+    for wrong in ((0.5, 0.2), (7.0, 8.0), "soon", (0.1,)):
+        with pytest.raises(InputError, match="tare"):
+            rf.find_breakaway(PULL_S, off_N, tare=wrong)
+
+
+def test_a_breakaway_is_a_dictionary_and_draws_itself_with_its_recording():
+    found = rf.find_breakaway(PULL_S, PULL_N)
+    told = found.to_dict()
+    assert json.loads(json.dumps(told)) == told
+    assert (told["status"], told["peak_N"], told["recurrence_s"]) == ("ok", found.peak_N, None)
+    assert told["phases"][0] == {"name": "idle", "start_s": 0.0, "end_s": pytest.approx(0.3, abs=0.05)}
+    axes = found.plot().axes[0]
+    assert axes.lines[0].get_ydata().size == PULL_N.size
+    with pytest.raises(InputError, match=r"found\.plot\(trace\)"):
+        replace(found, trace=None).plot()
 
 
 def test_arrays_are_mended_as_files_are_and_told():

@@ -116,9 +116,12 @@ def _(trace: ForceTrace, axes: Axes, found: Breakaway | None = None) -> None:
 
 @paint.register
 def _(found: Breakaway, axes: Axes, trace: Any = None) -> None:
+    trace = found.trace if trace is None else trace
     if trace is None:
         raise InputError(
-            "a break-away does not keep its recording", key="trace", fix="write found.plot(trace)"
+            "a break-away of a campaign does not keep its recording",
+            key="trace",
+            fix="write found.plot(trace)",
         )
     paint(as_trace(trace), axes, found)
 

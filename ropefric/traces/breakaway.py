@@ -1,9 +1,10 @@
 """What is known about the break-away of one recording, and what a user may decide about finding it."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, fields, is_dataclass
 from enum import StrEnum
-from math import nan
+from math import isnan, nan
+from typing import Any
 
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.registry import did_you_mean
@@ -142,6 +143,8 @@ class Breakaway(Shown):
         What happened when.
     notes : tuple of str
         What was met on the way: spikes left out, gaps bridged.
+    trace : ForceTrace or None
+        The recording, where one call found its break-away; a campaign does not keep recordings.
 
     Examples
     --------
@@ -185,6 +188,11 @@ class Breakaway(Shown):
     candidates: tuple[ForceEvent, ...] = field(default=())
     phases: tuple[Phase, ...] = field(default=())
     notes: tuple[str, ...] = field(default=())
+    trace: Any = field(default=None, repr=False, compare=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what was found as plain numbers, words and lists, `None` where there is no such number."""
+        return {one.name: _plain(getattr(self, one.name)) for one in fields(self) if one.name != "trace"}
 
     def _more_said(self) -> Iterator[tuple[str, str]]:
         return (("note", note) for note in self.notes)
@@ -193,6 +201,17 @@ class Breakaway(Shown):
     def advice(self) -> str:
         """Return what the status means and what to do."""
         return ADVICE[self.status]
+
+
+def _plain(value: Any) -> Any:
+    """Return a value of a break-away as JSON has it."""
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    if is_dataclass(value) and not isinstance(value, type):
+        return {name: _plain(one) for name, one in asdict(value).items()}
+    if isinstance(value, float) and isnan(value):
+        return None
+    return str(value) if isinstance(value, StrEnum) else value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

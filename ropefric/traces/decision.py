@@ -52,6 +52,8 @@ SATURATED_SAMPLES, CUT_OFF = 3, 4
 STEEP, ENOUGH_TO_BEND = 0.75, 12
 """A climb beside a gap is looked at from this part of the peak on; of fewer samples its bend says nothing, and what may
 be missing is in the uncertainty alone."""
+CLIMBS_ON = 0.6
+"""What a climb gains at least of what it did before, while a converter sticks."""
 ENOUGH = 6
 """Blocks after which a fall of a single one may be over."""
 USUAL_WINDOW_S = 0.005
@@ -484,18 +486,19 @@ def _cut_off(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:
 
 def _stuck(prepared: Prepared, block: int) -> str:
     """Say where the converter stuck between half the climb to a top and its fall; empty where it did not."""
-    blocks, n = prepared.blocks, prepared.force_N.size
+    blocks, n, time_s = prepared.blocks, prepared.force_N.size, prepared.time_s
     begin = blocks.first_sample(half_climb(blocks.force_N, block))
     end = blocks.last_sample(fallen_from(blocks.force_N, block, DROP_SIGMAS * blocks.noise_N) + 1, n)
     for start, stop in prepared.stuck.tolist():
         before_N, after_N = (float(prepared.force_N[i]) for i in (max(start - 1, 0), min(stop, n - 1)))
-        # A force that is higher after it than before, and short of the top, climbed on meanwhile.
-        climbed_on = stop <= blocks.first_sample(block) and after_N > before_N
-        if stop > begin and start <= end and not climbed_on:
-            lasted_s = float(prepared.time_s[stop - 1] - prepared.time_s[start])
+        lasted_s, climbed_s = float(time_s[stop - 1] - time_s[start]), float(time_s[start] - time_s[begin])
+        # A force that gained about what it had to at the rate before climbed on meanwhile, short of the top.
+        rate_N_s = (before_N - float(prepared.force_N[begin])) / climbed_s if climbed_s > 0.0 else 0.0
+        gains = after_N > before_N and after_N - before_N > CLIMBS_ON * rate_N_s * lasted_s
+        if stop > begin and start <= end and not (gains and stop <= blocks.first_sample(block)):
             return (
                 f"the force reads exactly {prepared.force_N[start]:.4g} N for {lasted_s:.2g} s ({stop - start} "
-                f"samples) from {prepared.time_s[start]:.4g} s on, between loading and sliding: the converter "
+                f"samples) from {time_s[start]:.4g} s on, between loading and sliding: the converter "
                 "or the sensor stuck, and what the force did meanwhile is unknown"
             )
     return ""

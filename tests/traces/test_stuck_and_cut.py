@@ -41,7 +41,7 @@ def stuck_in(force_N):
     return find_stuck(force_N, resolution(force_N), noise_std(force_N)).tolist()
 
 
-@pytest.mark.parametrize("length", thinned([600, 150, 300], 4))
+@pytest.mark.parametrize("length", thinned([600, 150, 300, 1500], 4))
 def test_a_converter_that_sticks_over_the_peak_gives_no_force(length):
     for seed, before in enumerate((0.1, 0.5, 0.9)):
         force = pull(0.6, 1.0, seed)

@@ -1,4 +1,4 @@
-"""What is known about the break-away of one recording, and what a user may decide about finding it."""
+"""The break-away of one recording, and the settings of its search."""
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields, is_dataclass
@@ -16,11 +16,11 @@ RESTS = ("unknown", "zero", "pretension")
 PICKERS = ("trained", "highest")
 
 SURE = 0.8
-"""What is called `ok`, or a reason, has at least this probability."""
+"""Smallest probability of the status `ok` and of a reason for no break-away."""
 
 
 class Status(StrEnum):
-    """What became of a recording."""
+    """Outcome of a recording."""
 
     OK = "ok"
     DOUBTFUL = "doubtful"
@@ -50,10 +50,10 @@ ADVICE: dict[Status, str] = {
         "The converter sat at its limit where the peak should be, so the peak is at least that high and "
         "unknown. Use a larger force cell or a lower end tension."
     ),
-    Status.TOO_SHORT: "There are too few usable samples to tell loading from sliding. Record for longer.",
+    Status.TOO_SHORT: "There are too few usable samples to distinguish loading from sliding. Record for longer.",
     Status.UNREADABLE: "The file could not be read; see the problem listed with it.",
 }
-"""What each status means and what to do about it."""
+"""Meaning of each status and what to do about it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -191,7 +191,7 @@ class Breakaway(Shown):
     trace: Any = field(default=None, repr=False, compare=False)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return what was found as plain numbers, words and lists, `None` where there is no such number."""
+        """Return all fields but the recording as plain numbers, words and lists; `None` for NaN."""
         return {one.name: _plain(getattr(self, one.name)) for one in fields(self) if one.name != "trace"}
 
     def _more_said(self) -> Iterator[tuple[str, str]]:
@@ -204,7 +204,7 @@ class Breakaway(Shown):
 
 
 def _plain(value: Any) -> Any:
-    """Return a value of a break-away as JSON has it."""
+    """Return a value as JSON represents it."""
     if isinstance(value, tuple):
         return [_plain(one) for one in value]
     if is_dataclass(value) and not isinstance(value, type):
@@ -216,7 +216,7 @@ def _plain(value: Any) -> Any:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PickSettings:
-    """How F_A is to be picked from a recording."""
+    """Settings of the search for F_A."""
 
     window_s: float | None = None
     start_s: float | None = None

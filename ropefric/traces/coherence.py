@@ -1,7 +1,6 @@
-"""Whether the samples of a recording are one signal, where comparing numbers decides it: no judgement is needed.
+"""Faults of a file that a comparison of its numbers proves: interleaved signals and repeated blocks.
 
-Two signals that stand in turn, sample by sample, and a stretch of samples that stands twice are faults of a file, never
-of a rope. What else may be wrong with a file looks like something a rope might do; the picker judges that.
+No rope makes them. Other damage looks like something a rope might do; the picker judges that.
 """
 
 import math
@@ -10,24 +9,24 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
 
-IN_TURN, SMOOTHED, APART, MOSTLY = (2, 3), 15, 0.1, 0.5
-"""So many signals in turn are looked for, over so many rounds, that differ by more than this part of the force's range
-in most of the samples in which the force is large."""
+SIGNALS, SMOOTHED, APART, MOST = (2, 3), 15, 0.1, 0.5
+"""Numbers of interleaved signals that are tested, rounds that are averaged, smallest difference between the signals as a
+fraction of the force's range, and the fraction of the loaded samples that must show it."""
 TOKENS, BLOCK, BY_CHANCE = 8, 32, 1e-9
-"""Runs of equal samples that are compared at once; fewer samples are no block that a logger writes, and what stands
-twice by chance more likely than this is none."""
+"""Runs of equal samples that are compared at once; fewest samples of a repeated block, and the largest probability of a
+repetition by chance."""
 
 
 def incoherence(time_s: FloatArray, force_N: FloatArray) -> str:
-    """Return what shows that samples are not one signal, in words; empty where nothing does."""
-    return _in_turn(force_N) or _stands_twice(time_s, force_N)
+    """Return in words what proves that samples are not one signal; empty if nothing does."""
+    return _interleaved(force_N) or _repeated_block(time_s, force_N)
 
 
-def _in_turn(force_N: FloatArray) -> str:
+def _interleaved(force_N: FloatArray) -> str:
     range_N = float(np.ptp(force_N))
     if np.count_nonzero(np.abs(np.diff(force_N)) > 0.5 * APART * range_N) < SMOOTHED:
         return ""
-    for n in IN_TURN:
+    for n in SIGNALS:
         rounds = force_N.size // n
         if rounds < 2 * SMOOTHED:
             continue
@@ -39,16 +38,16 @@ def _in_turn(force_N: FloatArray) -> str:
         steady_N = np.stack([np.convolve(column, kernel, "valid") for column in away_N.T], axis=1)
         level_N = np.convolve(np.abs(turns_N - force_N[0]).max(axis=1), kernel, "valid")
         apart_N = np.ptp(steady_N, axis=1)[level_N > 0.5 * level_N.max()]
-        if np.mean(apart_N > APART * range_N) > MOSTLY:
+        if np.mean(apart_N > APART * range_N) > MOST:
             return (
                 f"every {'second' if n == 2 else 'third'} sample is {np.median(apart_N):.3g} N away from "
-                "its neighbours: several signals stand in turn; export each into a column of its own"
+                "its neighbours: several signals are interleaved; export each into a column of its own"
             )
     return ""
 
 
-def _stands_twice(time_s: FloatArray, force_N: FloatArray) -> str:
-    """Say which stretch stands twice: the same runs of equal samples, too many and too rare to be so by chance."""
+def _repeated_block(time_s: FloatArray, force_N: FloatArray) -> str:
+    """Return in words which block is repeated: the same runs of equal samples, too many and too rare for chance."""
     begins = np.flatnonzero(np.concatenate([[True], force_N[1:] != force_N[:-1]]))
     if begins.size < 2 * TOKENS:
         return ""
@@ -79,5 +78,5 @@ def _stands_twice(time_s: FloatArray, force_N: FloatArray) -> str:
 
 
 def _mixed(one: IntArray, other: IntArray) -> IntArray:
-    """Return one number for two, which others hardly have."""
+    """Return a hash of pairs of integers."""
     return np.asarray(one * np.int64(6_364_136_223_846_793_005) + other * np.int64(1_442_695_040_888_963_407))

@@ -1,4 +1,4 @@
-"""One recording, one break-away: where the trained picker sees it and how sure it is, and what is measured there.
+"""One recording, one break-away: the trained picker names the place and its probability, the force is measured there.
 
 F_A is the largest force from the onset of macroscopic slip to its first fall. The picker looks twice: at the whole
 recording, and at a few climbs' time around every place it takes for possible. What the first look gives to a place the
@@ -34,36 +34,37 @@ from ropefric.traces.trace import ForceTrace
 from ropefric.traces.zero import either, with_its_zero
 
 SEEN = 0.05
-"""What is less likely is no candidate."""
+"""Candidates have at least this probability."""
 SAME = 0.01
-"""Candidates whose forces differ by less than this part are no doubt about the force."""
+"""Candidates whose forces agree within this fraction count as one force."""
 LOOKS = 3
-"""So many places are looked at again."""
+"""Number of places that get a second look."""
 FAINT, APART = 1e-3, 2
-"""Bins below this probability are no place; places lie further apart than so many bins."""
+"""Smallest probability of a bin that counts as a place; largest distance of two bins of one place."""
 FALL = 0.005
-"""A fall of less than this part of the force is none that is listed."""
+"""Falls smaller than this fraction of the force are not listed."""
 LARGE, TOOTH = 0.1, 0.15
-"""Of slips larger than the first part of the largest, the median is typical; less than the second part of that is no
-tooth of a train."""
+"""Slips larger than the first fraction of the largest give the typical (median) slip; a tooth of a train is larger than
+the second fraction of that."""
 STILL = (State.REST, State.HUNG, State.HELD, State.LET_DOWN, State.DISTURBED)
 SATURATED_SAMPLES, CUT_OFF = 3, 4
-"""A limit shows in more samples than this in a row, and in so many times more than any lower force is held for."""
+"""The converter is at its limit if more samples than this in a row are equal, and this many times more than at any
+lower force."""
 STEEP, ENOUGH_TO_BEND = 0.75, 12
-"""A climb beside a gap is looked at from this part of the peak on; of fewer samples its bend says nothing, and what may
-be missing is in the uncertainty alone."""
+"""The climb beside a gap is fitted from this fraction of the peak on. With fewer samples the curvature is not
+significant, and only the uncertainty grows."""
 CLIMBS_ON = 0.6
-"""What a climb gains at least of what it did before, while a converter sticks."""
+"""Smallest rate, relative to that before, at which a climb is taken to go on while the converter is stuck."""
 ENOUGH = 6
-"""Blocks after which a fall of a single one may be over."""
+"""Number of blocks after which a fall of one block may have ended."""
 USUAL_WINDOW_S = 0.005
-"""The moving average of who asks for no other [s]."""
+"""Default width of the moving average [s]."""
 HIDES = 0.02
-"""What a gap may hide of a force before it is in doubt."""
+"""Largest fraction of the force that a gap may hide without a doubt."""
 
 
 class Candidate(NamedTuple):
-    """A top that may be the break-away: its block, its force, how likely it is, and between which times it lies."""
+    """A candidate for the break-away: block, force, probability, first and last time."""
 
     block: int
     force_N: float
@@ -73,7 +74,7 @@ class Candidate(NamedTuple):
 
 
 class Judgement(NamedTuple):
-    """What may be the break-away, the likeliest first, how likely each reason is that there is none, and the look."""
+    """The candidates, most probable first, the probability of each reason for no break-away, and the first look."""
 
     candidates: list[Candidate]
     reasons: dict[Status, float]
@@ -171,7 +172,7 @@ def _highest(prepared: Prepared, settings: PickSettings) -> Breakaway:
 def _before_sliding(
     trace: ForceTrace, prepared: Prepared, settings: PickSettings, weights: Weights | None
 ) -> Breakaway:
-    """Find the static peak of a recording that goes on to slide."""
+    """Find the static peak of a recording in which the rope slides afterwards."""
     found = judge(prepared, weights)
     best = found.candidates[0] if found.candidates else None
     cut = _cut_off(trace, prepared, best.block if best else None)
@@ -201,7 +202,7 @@ def _before_sliding(
 
 
 def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
-    """Return what may be the break-away and how likely: a look at the whole, and one around each possible place."""
+    """Return the candidates and reasons with their probabilities: one look at the whole, one around each place."""
     time_s, force_N = prepared.time_s, prepared.force_N
     whole = look(time_s, force_N, weights)
     reasons = dict(whole.reasons)
@@ -227,7 +228,7 @@ def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
 
 
 def share_near(found: Judgement, top: Candidate) -> float:
-    """Return how likely the force of a candidate is, all others that hardly differ from it among it."""
+    """Return the probability of a candidate's force, the candidates that agree with it included."""
     within_N = SAME * abs(top.force_N)
     return sum(one.probability for one in found.candidates if abs(one.force_N - top.force_N) <= within_N)
 
@@ -238,7 +239,7 @@ def _both(one: Candidate, other: Candidate) -> Candidate:
 
 
 def _places(seen: Look) -> list[tuple[int, float, float, float]]:
-    """Return the places a look names: likeliest bin, first and last time, probability; the likeliest place first."""
+    """Return the places of a look: most probable bin, first and last time, probability; most probable place first."""
     bins = np.flatnonzero(seen.place >= FAINT)
     if not bins.size:
         return []
@@ -265,7 +266,7 @@ def _candidate(prepared: Prepared, first_s: float, last_s: float, probability: f
 
 
 def _with_reason(prepared: Prepared, reason: Status, found: Judgement) -> Breakaway:
-    """Return a result without a force: the likeliest reason, and what speaks for it."""
+    """Return a result without a force: the most probable reason and the forces that support it."""
     blocks, states = prepared.blocks, found.whole.states.argmax(axis=1)
     top_N, last_N = float(blocks.force_N.max()), float(blocks.force_N[-1])
     words = {
@@ -292,7 +293,7 @@ def _with_reason(prepared: Prepared, reason: Status, found: Judgement) -> Breaka
 
 
 def _where_damaged(prepared: Prepared, found: Judgement) -> str:
-    """Return where a recording ceases to hang together: the largest step where the picker sees that begin."""
+    """Return in words where the damage of a recording begins: the largest step near the place the picker names."""
     states, edges_s = found.whole.states[:, State.DAMAGED], found.whole.edges_s
     bin_ = int(np.argmax(states >= 0.5 * states.max()))
     first, stop = np.searchsorted(prepared.time_s, (edges_s[max(bin_ - 2, 0)], edges_s[min(bin_ + 3, BINS)]))
@@ -304,7 +305,7 @@ def _where_damaged(prepared: Prepared, found: Judgement) -> str:
 
 
 def _in_doubt(prepared: Prepared, _: Status, found: Judgement) -> Breakaway:
-    """Return a result that leaves open which of some tops is the break-away, or whether any is."""
+    """Return a doubtful result: several candidates, or a candidate and a reason, are possible."""
     time_s = prepared.blocks.time_s
     events = tuple(
         ForceEvent(
@@ -379,7 +380,7 @@ def measured(
 
 
 def fallen_from(force_N: FloatArray, top: int, least_N: float) -> int:
-    """Return where a fall ends, which goes on by less than a tenth in twice its time, or turns; the top, if none."""
+    """Return the block at which a fall ends: it turns, or grows by less than a tenth in twice its time."""
     after = force_N[top:]
     lowest_N = np.minimum.accumulate(after)
     fall_N = after[0] - lowest_N
@@ -392,7 +393,7 @@ def fallen_from(force_N: FloatArray, top: int, least_N: float) -> int:
 
 
 def swings(force_N: FloatArray, least_N: float) -> tuple[IntArray, FloatArray]:
-    """Return the tops of a force that stand out on both sides by so much, and by how much each of them does [N]."""
+    """Return the tops whose prominence is at least `least_N`, and their prominence [N]."""
     from scipy.signal import find_peaks  # noqa: PLC0415  (a third of a second, which only those pay who pick)
 
     tops, more = find_peaks(force_N, prominence=least_N)
@@ -400,7 +401,7 @@ def swings(force_N: FloatArray, least_N: float) -> tuple[IntArray, FloatArray]:
 
 
 def teeth_of(force_N: FloatArray, least_N: float) -> IntArray:
-    """Return the tops of a train of stick-slip: what is far smaller is creep, a last slow fall lets it down."""
+    """Return the tops of a stick-slip train, without much smaller ones (creep) and a slow unloading at the end."""
     tops, heights_N = swings(force_N, least_N)
     if not tops.size:
         return tops
@@ -416,7 +417,7 @@ def _bins_of(whole: Look, time_s: FloatArray) -> IntArray:
 
 
 def _events(prepared: Prepared, whole: Look, block: int, settings: PickSettings) -> Iterator[ForceEvent]:
-    """Yield what fell before the break-away: partial slips, and bumps of what pushed on the rope."""
+    """Yield the falls before the break-away: partial slips and disturbances."""
     blocks = prepared.blocks
     least_N = max(least_fall_N(prepared, settings), FALL * abs(float(blocks.force_N[block])))
     tops, _ = swings(blocks.force_N[: block + 1], least_N)
@@ -441,7 +442,7 @@ def _events(prepared: Prepared, whole: Look, block: int, settings: PickSettings)
 
 
 def _cut_off(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:
-    """Say where the converter sat at its limit up to a top or in all; empty where it did not."""
+    """Return in words where the converter was at its limit, before a top or anywhere; empty if nowhere."""
     end = prepared.force_N.size
     if block is not None:
         end = prepared.blocks.last_sample(block + 2, end) + 1
@@ -485,7 +486,7 @@ def _cut_off(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:
 
 
 def _stuck(prepared: Prepared, block: int) -> str:
-    """Say where the converter stuck between half the climb to a top and its fall; empty where it did not."""
+    """Return in words where the converter was stuck between half the climb to a top and its fall; empty if nowhere."""
     blocks, n, time_s = prepared.blocks, prepared.force_N.size, prepared.time_s
     begin = blocks.first_sample(half_climb(blocks.force_N, block))
     end = blocks.last_sample(fallen_from(blocks.force_N, block, DROP_SIGMAS * blocks.noise_N) + 1, n)
@@ -505,7 +506,7 @@ def _stuck(prepared: Prepared, block: int) -> str:
 
 
 def _with_its_gap(prepared: Prepared, result: Breakaway) -> Breakaway:
-    """Return a result in doubt where the force may have been higher, or have slipped before, in a gap beside its top."""
+    """Return a doubtful result if the force may have been higher in a gap beside its top."""
     gap_s, last = gap_beside(prepared.time_s, result)
     if not gap_s:
         return result
@@ -524,7 +525,7 @@ def _with_its_gap(prepared: Prepared, result: Breakaway) -> Breakaway:
 
 
 def _climbed_to_N(prepared: Prepared, last: int, gap_s: float, peak_N: float) -> float:
-    """Return how high a climb may have come in a gap after a sample, along the parabola through its upper part [N]."""
+    """Return the largest force a climb may have reached in a gap, by the parabola through its upper part [N]."""
     first = last - int(np.argmax(prepared.force_N[last::-1] < STEEP * peak_N)) + 1
     part = slice(first, last + 1)
     since_s, force_N = prepared.time_s[part] - prepared.time_s[last], prepared.force_N[part]

@@ -24,26 +24,26 @@ CHANNELS = 8
 WIDTHS = (16, 24, 32, 48, 64, 64)
 STEM, HEAD, POOLED = 12, 16, 64
 WIDE, NARROW = 7, 5
-"""Bins that a convolution looks at, at full resolution and below it."""
+"""Kernel width of a convolution in bins, at full resolution and below it."""
 REASONS = (Status.NO_BREAKAWAY, Status.NO_PEAK, Status.SATURATED, Status.DOUBTFUL)
-"""Why there is no break-away to be seen; the last one: the recording does not hang together."""
+"""Reasons for no break-away; the last one means a damaged recording."""
 INPUT_GRID, ACTIVATION_GRID, WEIGHT_GRID, LARGEST = 2.0**12, 2.0**7, 2.0**9, 16.0
-"""Numbers are multiples of one over these, activations at most 16: a sum of products below 256 has at most the 24 bits
-of a single-precision number, which is why it is exact, and the first one, of finer inputs, the 53 of a double."""
+"""Inputs, activations and weights are multiples of one over these, activations at most 16. A sum of products below 256
+then needs at most the 24 bits of single precision and is exact; that of the first layer needs at most 53 bits."""
 MOST_PRODUCTS = 2**18
-"""Multiplied in pieces of so many products, a matrix is no work for several threads, which would wait for each other."""
+"""Matrices are multiplied in pieces of this many products, too small for BLAS to start threads for."""
 
 Weights = Mapping[str, Any]
 STORED = Path(__file__).with_name("picker.npz")
 
 ON_TOP = 1e-3
-"""What changes by less than this part of a level is looked at without that level."""
+"""Changes smaller than this fraction of the level are looked at without the level."""
 
 T = TypeVar("T")
 
 
 class State(IntEnum):
-    """What the rope is doing, or from where on the numbers do not go on with what was before."""
+    """State of the rope; DAMAGED from the sample on at which the recording is no longer continuous."""
 
     REST = 0
     HUNG = 1
@@ -58,11 +58,11 @@ class State(IntEnum):
 
 
 CLIMBING = (State.LOADING, State.PARTIAL_SLIP, State.HELD, State.SLIP)
-"""What leads to a break-away without a rest."""
+"""States before a break-away without a rest."""
 
 
 class Look(NamedTuple):
-    """What the network says of a stretch of time: shape (BINS,), and for the states (BINS, len(State)).
+    """Output of the network for a stretch of time: shape (BINS,), states (BINS, len(State)).
 
     `edges_s` are the BINS + 1 edges of the bins; all probabilities of `place` and `reasons` add up to one.
     """
@@ -74,7 +74,7 @@ class Look(NamedTuple):
 
 
 def seen(time_s: FloatArray, force_N: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return what the network sees of finite samples, shape (BINS, CHANNELS), and the edges of the bins [s].
+    """Return the input of the network for finite samples, shape (BINS, CHANNELS), and the edges of the bins [s].
 
     Of each bin: mean, highest and lowest force, the step from the bin before it in units of the usual one and of the
     noise, whether it holds samples; and for all alike how loud and how long the recording is.
@@ -110,7 +110,7 @@ def seen(time_s: FloatArray, force_N: FloatArray) -> tuple[FloatArray, FloatArra
 def forward(
     channels: T, layer: Callable[..., T], twice: Callable[[T], T], beside: Callable[[T, T], T]
 ) -> tuple[T, T]:
-    """Return what the network makes of its input, bin by bin, and its deepest level.
+    """Return the logits of the network for every bin, and its deepest level.
 
     `layer(name, input, width, reach, every, is_last)` convolves; with NumPy or with what trains it.
     """
@@ -134,7 +134,7 @@ def _block(name: str, found: Any, width: int, layer: Callable[..., Any]) -> Any:
 
 
 def look(time_s: FloatArray, force_N: FloatArray, weights: Weights | None = None) -> Look:
-    """Return what the network says of finite samples at increasing times, at least two."""
+    """Return the output of the network for at least two finite samples at increasing times."""
     channels, edges_s = seen(time_s, force_N)
     weights = stored_weights() if weights is None else weights
     bins, deepest = forward(_rounded(channels, INPUT_GRID), _convolved(weights), _twice, _beside)
@@ -189,7 +189,7 @@ def _beside(left: Any, right: Any) -> Any:
 
 
 def multiplied(weights: Weights) -> Weights:
-    """Return weights as precise as they are multiplied: the first ones and the last few in double."""
+    """Return the weights in the precision of their layer: double in the first and the last, else single."""
     precise = ("stem", "pool", "reason", "temperature")
     return {
         name: np.asarray(values, dtype=np.float64 if name.startswith(precise) else np.float32)
@@ -205,7 +205,7 @@ def stored_weights() -> Weights:
 
 
 def closer(around: int, states: IntArray, edges_s: FloatArray) -> tuple[float, float]:
-    """Return the stretch of time in which a bin is looked at again: a few of its climbs before it and after.
+    """Return the stretch of time of the second look at a bin: a few climb durations before and after it.
 
     `states` are those of the bins; a climb is what leads to the bin without a rest.
     """

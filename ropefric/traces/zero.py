@@ -1,4 +1,4 @@
-"""The zero of a recording stays, drifts or jumps; and a level at rest is an error of it or a pretension.
+"""The zero of a recording is constant, drifts or jumps; a level at rest is a zero error or a pretension.
 
 Lines through the rope at rest, before the climb and after the load was let down, are compared by how likely they are
 (BIC, with what is known of levels and slopes in place of one penalty for each): with a slope or without, each rest at a
@@ -21,21 +21,22 @@ from ropefric.traces.segments import AT_REST, TINY, Blocks, Prepared
 from ropefric.traces.trace import ForceTrace
 
 MATTERS, LARGE, LARGEST_JUMP = 0.02, 0.12, 0.4
-"""Parts of F_A: what matters, what is more than any error of the zero, and more than any zero jumps by."""
+"""Fractions of F_A: the smallest error that matters, the largest zero error, the largest jump of a zero."""
 CERTAIN, SELDOM, USUAL = 0.95, 0.06, 0.05
-"""What counts as certain; so seldom does a zero drift, and then by about this part of F_A until the peak."""
+"""Probability that counts as certain; prior probability of a drift, its typical size until the peak as a part of F_A."""
 GOES_ON = 0.5 / math.sqrt(3.0)
 """Standard uncertainty of a drift after the last rest, where it may be half or one and a half times as fast."""
 LEAST, WIDTHS, CAME_BACK = 8, (8, 32, 128), 0.25
-"""Fewest blocks of a rest; samples on either side of a jump; what comes back to within this part of one was a load."""
+"""Fewest blocks of a rest; samples on either side of a jump; a level that returns within this fraction of a jump was
+a load."""
 STILL, STILL_SIGMAS, ENDS = 0.3, 7.0, 4.0
-"""A rope at rest is loaded at less than this part of the machine's rate, which is so many times its uncertainty; a rest
-ends where it leaves the line through its middle by so many times the noise."""
+"""At rest the force changes at less than this fraction of the loading rate, tested at this many standard errors; a rest
+ends where it leaves the line through its middle by this many noise standard deviations."""
 ASK = 'say whether {} (a [tare] interval, or [protocol] rest = "zero") or {} (rest = "pretension")'
 
 
 class Rest(NamedTuple):
-    """A stretch in blocks in which the rope is at rest: its level and slope, noise, and how many blocks count as one."""
+    """A stretch of blocks at rest: level, slope, noise, and the number of blocks that are correlated."""
 
     start: int
     stop: int
@@ -50,13 +51,13 @@ class Rest(NamedTuple):
 def with_its_zero(
     trace: ForceTrace, prepared: Prepared, result: Breakaway, settings: PickSettings
 ) -> Breakaway:
-    """Return a result with what the rope at rest says of the zero: its level, its drift, and a jump."""
+    """Return a result corrected for the zero that the rope at rest shows: level, drift and jump."""
     if result.status is not Status.OK or (result.peak_N <= TINY and settings.rest != "zero"):
         return result
     blocks, is_tared = prepared.blocks, trace.calibration is not None or settings.rest == "pretension"
     is_loaded = not blocks.n_rest and blocks.force_N[0] > AT_REST * result.peak_N
     if is_loaded and settings.rest == "zero" and not is_tared:
-        return _either(result, "the recording begins under load, so that it shows no zero to take off")
+        return _either(result, "the recording begins under load: it shows no zero to subtract")
     rests, later = _before_and_after(blocks, result)
     level_N, std_N = (rests[0].level_N, rests[0].std_N) if rests else (0.0, 0.0)
     if not is_tared and level_N < -2.0 * LARGE * max(result.peak_N, result.peak_N - level_N):
@@ -81,7 +82,7 @@ def with_its_zero(
 
 
 def _below_nothing(rests: list[Rest], result: Breakaway, settings: PickSettings) -> Breakaway:
-    """Return a result in doubt where a later rest reads less than nothing: its zero shifted, or a load left that."""
+    """Return a doubtful result if a later rest reads below zero: the zero shifted, or a load was left."""
     lowest_N = min(
         (rest.level_N + 3.0 * rest.std_N for rest in rests if rest.stop - rest.start > 2 * LEAST), default=0.0
     )
@@ -97,7 +98,7 @@ def _below_nothing(rests: list[Rest], result: Breakaway, settings: PickSettings)
 
 
 def _with_level(level_N: float, std_N: float, result: Breakaway, settings: PickSettings) -> Breakaway:
-    """Return a result of which a level at rest is taken off, is a load, or may be either."""
+    """Return a result in which a level at rest is subtracted, is a load, or is a doubt."""
     if result.status is not Status.OK:
         return result
     if settings.rest == "zero":
@@ -122,7 +123,7 @@ def _with_level(level_N: float, std_N: float, result: Breakaway, settings: PickS
 def _with_drift(
     blocks: Blocks, rests: list[Rest], later: Rest | None, result: Breakaway
 ) -> tuple[Breakaway, float]:
-    """Return a result without the drift of its zero, and the level from which that drifts."""
+    """Return a result corrected for the drift of the zero, and the level at which the drift begins."""
     middle, level_N = (rests[0].start + rests[0].stop - 1) // 2, rests[0].level_N
     rested_s = float(blocks.time_s[middle] - blocks.time_s[0])
     lasting_s, small_N = result.peak_time_s - float(blocks.time_s[middle]), MATTERS * result.peak_N
@@ -158,13 +159,13 @@ def _with_drift(
 
 
 def _within(small_N: float, mean_N: float, std_N: float) -> float:
-    """Return how probable it is that what is so large, ± so much, is smaller than what matters."""
+    """Return the probability that a normal error of this mean and standard deviation is within ± `small_N`."""
     parts = [(small_N + way * mean_N) / max(std_N, 1e-9 * small_N) / math.sqrt(2.0) for way in (-1, 1)]
     return 0.5 * sum(map(math.erf, parts))
 
 
 def _as_likely(result: Breakaway, share: float) -> tuple[Breakaway, float]:
-    """Return a result of which only a share of its probability is left, and that; where none is stated, none is."""
+    """Return a result with its probability times `share`, and that product; a result without probability stays so."""
     if not math.isfinite(result.probability):
         return result, share
     share = round(result.probability * share, 2)
@@ -174,7 +175,7 @@ def _as_likely(result: Breakaway, share: float) -> tuple[Breakaway, float]:
 def _drifts(
     blocks: Blocks, rests: list[Rest], lasting_s: float, peak_N: float
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return the drift that each hypothesis has, ± what, how probable it is, and if the last level is an earlier one."""
+    """Return for each hypothesis: drift, standard error, probability, and if the last level equals an earlier one."""
     n, sizes = len(rests), [rest.stop - rest.start for rest in rests]
     index = np.concatenate([np.arange(rest.start, rest.stop) for rest in rests])
     own, longest = np.repeat(np.arange(n), sizes), rests[int(np.argmax(sizes))]
@@ -216,7 +217,7 @@ def _drifts(
 
 
 def _with_jump(result: Breakaway, jump_N: float, *, is_at_rest: bool) -> Breakaway:
-    """Return a result in doubt over a jump, which nobody can tell from a load that came on."""
+    """Return a doubtful result: a jump of the zero and a load that came on look alike."""
     if result.status is not Status.OK or not jump_N:
         return result
     why = f"the force jumps by {jump_N:.3g} N at once within the climb: the zero did, or a load came on"
@@ -300,7 +301,7 @@ def _at_once(prepared: Prepared, at: int, n: int, worse_N2: float) -> bool:
 
 
 def _before_and_after(blocks: Blocks, result: Breakaway) -> tuple[list[Rest], Rest | None]:
-    """Return where the rope rests before the climb, the first of them where the recording begins, and again after it."""
+    """Return the rests before the climb, beginning with the start of the recording, and the rest after it."""
     force_N, n = blocks.force_N, blocks.n_rest // blocks.size
     top = min(int(np.searchsorted(blocks.time_s, result.peak_time_s)), force_N.size - 1)
     flat = _flat(force_N[: top + 1], blocks.noise_N) if n else []
@@ -329,7 +330,7 @@ def _before_and_after(blocks: Blocks, result: Breakaway) -> tuple[list[Rest], Re
 
 
 def _rest(blocks: Blocks, start: int, stop: int) -> Rest:
-    """Return what a stretch is like, without its ends, which may belong to what parts it or to a soft start."""
+    """Return level, slope and noise of a stretch without its ends, which may belong to a step or a soft start."""
     cut = (stop - start) // 8
     start, stop = start + cut * (start > 0), stop - cut
     y, quarter = blocks.force_N[start:stop], (stop - start) // 4
@@ -352,7 +353,7 @@ def _rest(blocks: Blocks, start: int, stop: int) -> Rest:
 
 
 def _alike(left_N: FloatArray) -> float:
-    """Return how many neighbouring values of coloured noise count as one: how much more than white their means vary."""
+    """Return the number of correlated neighbours: the variance of their means relative to that of white noise."""
     size, variances = 2, [max(float(left_N @ left_N) / left_N.size, TINY)]
     while left_N.size // size >= LEAST:
         means = left_N[: left_N.size // size * size].reshape(-1, size).mean(axis=1)
@@ -364,7 +365,7 @@ def _alike(left_N: FloatArray) -> float:
 
 
 def _flat(force_N: FloatArray, noise_N: float) -> list[tuple[int, int]]:
-    """Return where a rope is at rest before a climb to the last block; what is hung on parts the stretches."""
+    """Return the stretches at rest before a climb to the last block; weights that are hung separate them."""
     low_N, top_N, top = float(force_N.min()), float(force_N[-1]), force_N.size - 1
     below = np.flatnonzero(force_N < 0.5 * (low_N + top_N))
     half = min(int(below[-1]) + 1, top) if below.size else 0
@@ -385,7 +386,7 @@ def _flat(force_N: FloatArray, noise_N: float) -> list[tuple[int, int]]:
 
 
 def _parted(force_N: FloatArray, start: int, stop: int) -> list[tuple[int, int]]:
-    """Return the parts of a stretch between steps, which are more likely than a line through all of it."""
+    """Return the parts of a stretch between steps, if steps fit better than one line (BIC)."""
     n = stop - start
     if n < 2 * LEAST:
         return [(start, stop)] if n >= LEAST else []
@@ -404,7 +405,7 @@ def _parted(force_N: FloatArray, start: int, stop: int) -> list[tuple[int, int]]
 
 
 def _without(result: Breakaway, zero_N: float, std_N: float, said: str) -> Breakaway:
-    """Return a result whose forces are counted from another zero, and say so."""
+    """Return a result with `zero_N` subtracted from its forces, and a note of it."""
     forces = {key: getattr(result, key) - zero_N for key in ("peak_N", "peak_raw_N", "kinetic_N")}
     return replace(
         result, **forces, peak_std_N=math.hypot(result.peak_std_N, std_N), notes=(*result.notes, said)
@@ -412,7 +413,7 @@ def _without(result: Breakaway, zero_N: float, std_N: float, said: str) -> Break
 
 
 def either(result: Breakaway, why: str, forces_N: Mapping[str, float]) -> Breakaway:
-    """Return a result that leaves open which of some forces at its place is F_A, each with what it hangs on."""
+    """Return a doubtful result with several possible forces at one place, each with the assumption behind it."""
     events = tuple(
         ForceEvent(
             kind="break-away", time_s=result.peak_time_s, force_N=force_N, drop_N=result.drop_N, fall_s=math.nan,
@@ -429,6 +430,6 @@ def either(result: Breakaway, why: str, forces_N: Mapping[str, float]) -> Breaka
 
 
 def _either(result: Breakaway, why: str, origin: str = "", zero_N: float = 0.0) -> Breakaway:
-    """Return a result that leaves open whether the force as read is F_A, or that from another zero."""
+    """Return a doubtful result: F_A is the force as read, or counted from another zero."""
     other = {f"from the level {origin}": result.peak_N - zero_N} if origin else {}
     return either(result, why, {"as read": result.peak_N} | other)

@@ -25,7 +25,7 @@ def test_two_signals_in_turn_are_no_force(step_N, other_N):
     found = picked(force_N)
     assert found.status is Status.DOUBTFUL
     assert "every second sample" in found.detail
-    assert "in turn" in found.detail
+    assert "interleaved" in found.detail
 
 
 def test_three_signals_in_turn_are_no_force():

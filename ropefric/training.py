@@ -1,6 +1,6 @@
 """Make the weights of the picker again: draw recordings, train, set the temperature, write weights and model card.
 
-`python -m ropefric.training [--out FOLDER] [--seed 21] [--recordings 48000] [--steps 12000] [--jobs 2]` writes
+`python -m ropefric.training [--out FOLDER] [--seed 21] [--recordings 36000] [--steps 8000] [--jobs 2]` writes
 `picker.npz` and `picker.md`. It learns from drawn recordings and a tenth of recordings of the first rig; the second rig
 is left for the temperature and, with other draws, for the check. It needs the extra `train`; nothing else in ropefric
 imports it.
@@ -105,7 +105,10 @@ def lessons_of(one: LabelledRecording, rng: np.random.Generator) -> Iterator[Les
     holds = within_s[0] < one.breakaway_s < within_s[-1]
     reason = one.status
     if not holds and isfinite(one.breakaway_s):
-        reason = Status.NO_PEAK if state[part][0] in {State.SLIP, State.SLIDING} else Status.NO_BREAKAWAY
+        slid = within_s[0] >= one.breakaway_s
+        if slid and state[part][0] not in {State.SLIP, State.SLIDING}:
+            return  # a tooth that is loaded looks like a pull
+        reason = Status.NO_PEAK if slid else Status.NO_BREAKAWAY
     yield _lesson(within_s, force_N[part], state[part], one.breakaway_s if holds else np.nan, reason)
 
 
@@ -388,7 +391,7 @@ def main() -> None:
     """Draw, train, set the temperature, and write weights and model card into a folder."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=picker.STORED.parent)
-    for name, usual in (("seed", 21), ("recordings", 48_000), ("steps", 12_000), ("jobs", 2)):
+    for name, usual in (("seed", 21), ("recordings", 36_000), ("steps", 8_000), ("jobs", 2)):
         parser.add_argument(f"--{name}", type=int, default=usual)
     given = parser.parse_args()
     torch.set_num_threads(given.jobs)

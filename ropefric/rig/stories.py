@@ -106,7 +106,10 @@ class _Story:
         begin, knots = self.level, int(np.clip(300 * lasting_s / self.climb_s, 6, 600))
         wave = _coloured(self.rng, knots, _spread(self.rng, 2.0, 100.0), self.rng.uniform(0.4, 1.0))
         wave = size * begin * (wave - wave[0] * np.exp(-20.0 * np.arange(knots) / knots))
-        self.piece(State.SLIDING, lasting_s, lambda part: begin * (1.0 + rise * part) + wave[: part.size])
+        bend = self.rng.uniform(0.5, 1.0)
+        self.piece(
+            State.SLIDING, lasting_s, lambda part: begin * (1.0 + rise * part**bend) + wave[: part.size]
+        )
 
     def begin_again(self, level: float) -> None:
         """Forget all that was, as a logger does that starts only now."""
@@ -341,10 +344,19 @@ def _break_away(story: _Story, how: _Climb) -> None:
         if _maybe(rng, 0.4):  # far smaller teeth than the first one, somewhere within its fall
             height = drop * story.peak * _spread(rng, 0.04, 0.4)
             bottom += (drop * story.peak - height) * rng.uniform(0.0, 0.7)
+        if _maybe(rng, 0.06):  # the contact is stronger the second time
+            _climb(story, story.peak * rng.uniform(1.02, 1.4), _Climb(how.rate, 0.0, 0.0))
+            _fall(story, max(0.02, bottom * rng.uniform(0.6, 1.1)), fall_s, State.SLIP)
         _teeth(story, how, bottom, height, fall_s)
+        if _maybe(rng, 0.4):  # the motor stops before the next slip
+            top = story.level + rng.uniform(0.1, 1.1) * height
+            _climb(
+                story, min(top, max(story.peak, story.level)), _Climb(how.rate, 0.0, rng.uniform(0.0, 0.1))
+            )
+            story.stay(State.HELD, _spread(rng, 0.05, 2.0) * story.climb_s, rng.choice((0.0, 0.02)))
         return
     _fall(story, kinetic, fall_s, State.SLIP)
-    wear = rng.choice((0.0, 0.0, rng.uniform(-0.25, 0.5)))
+    wear = rng.choice((0.0, 0.0, rng.uniform(-0.25, 0.5), rng.uniform(0.0, 1.2)))
     story.rough(_spread(rng, 0.2, 10.0) * story.climb_s, roughness, wear)
     for _ in range(int(rng.integers(1, 4)) if _maybe(rng, 0.15) else 0):  # something is in the way
         level, faster = story.level, _spread(rng, 0.7, 10.0)
@@ -354,12 +366,12 @@ def _break_away(story: _Story, how: _Climb) -> None:
 
 
 def _teeth(story: _Story, how: _Climb, bottom: float, height: float, fall_s: float) -> None:
-    """Stick and slip: one to thirty teeth that the machine loads at its own rate."""
+    """Stick and slip: up to thirty teeth that the machine loads at its own rate."""
     rng = story.rng
     trend, scatter = rng.choice((0.0, rng.uniform(-0.03, 0.08))), rng.choice((0.01, 0.1, 0.3))
     fall_s = min(fall_s, 0.15 * height / how.rate + 0.02)
     rises = rng.choice((0.0, 0.0, 0.0, rng.uniform(0.0, 0.4) * height))
-    for number in range(int(rng.integers(1, 30))):
+    for number in range(int(rng.integers(0, 30))):
         top = bottom + height * max(0.1, 1.0 + scatter * rng.standard_normal()) * (1.0 + trend * number)
         if _maybe(rng, 0.03):
             top = story.peak * (1.0 + rng.uniform(0.02, 0.3))
@@ -447,16 +459,30 @@ def _comes_off(story: _Story) -> Status:
     return Status.NO_BREAKAWAY
 
 
+def _turn_round(story: _Story, how: _Climb) -> None:
+    """Let down about as fast as it was loaded and for the most part: a faster or smaller fall may be a slip."""
+    rng, top = story.rng, story.level
+    left, lasting_s = top * rng.uniform(0.0, 0.4), top / how.rate * _spread(rng, 0.3, 4.0)
+    power, is_soft = rng.uniform(1.0, 2.0), _maybe(rng, 0.3)
+
+    def comes_down(part: FloatArray) -> FloatArray:
+        lost = 0.5 * (1.0 - np.cos(np.pi * part)) if is_soft else part**power
+        return np.asarray(top - (top - left) * lost)
+
+    story.piece(State.LET_DOWN, lasting_s, comes_down)
+    if _maybe(rng, 0.5):
+        story.stay(State.REST, _spread(rng, 0.05, 1.0))
+
+
 def _is_held(story: _Story) -> Status:
     """Load up to less than it takes, hold or turn round at once, and let go of it one way or another."""
     rng, how = story.rng, _draw_climb(story.rng, story)
     _climb(story, rng.uniform(max(0.3, story.level), 0.97), how)
-    if _maybe(rng, 0.2):
-        # As fast as it was loaded, about, and for the most part: what falls faster or stops sooner may be a slip.
-        left, depth = story.level * rng.uniform(0.0, 0.4), story.level
-        lasting_s, power = depth / how.rate * _spread(rng, 0.3, 4.0), rng.uniform(1.0, 2.0)
-        story.piece(State.LET_DOWN, lasting_s, lambda part: left + (depth - left) * (1.0 - part**power))
-        story.stay(State.REST, _spread(rng, 0.05, 1.0))
+    if _maybe(rng, 0.25):
+        for _ in range(int(rng.integers(0, 20)) if _maybe(rng, 0.4) else 0):
+            _turn_round(story, how)
+            _climb(story, max(story.level + 0.05, rng.uniform(0.5, 0.97)), how)
+        _turn_round(story, how)
         return Status.NO_BREAKAWAY
     if _maybe(rng, 0.4):
         _swing(story, _spread(rng, 2e-3, 0.1))

@@ -12,12 +12,10 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.registry import Registry
+from ropefric.traces.coherence import BESIDE, sudden_steps
 
 Rng = np.random.Generator
 Spoilt = tuple[FloatArray, IntArray]
-
-SHOWS, BESIDE, STEEPER = 0.08, 20, 4.0
-"""A step shows that is larger than this part of the force's range, and so many times any step of as many neighbours."""
 
 
 class Damaged(NamedTuple):
@@ -113,17 +111,14 @@ def damaged(
     """
     learnt = [one.name for one in DAMAGES.values() if not one.is_exact]
     kind = DAMAGES[name or str(rng.choice(learnt))]
-    usual_N = np.abs(np.diff(force_N))
     for _ in range(20):
         low, high = max(between[0], BESIDE), min(between[1], force_N.size - BESIDE)
         if low >= high:
             return None
         at = int(rng.integers(low, high))
         spoilt_N, source = kind.spoil(rng, force_N, at)
-        beside = np.concatenate([usual_N[at - BESIDE : at - 1], usual_N[at : at + BESIDE]])
         step_N = float(spoilt_N[at] - spoilt_N[at - 1])
         may_be_a_slip = -spoilt_N[at - 1] < step_N < 0.0 and state[source[at]] != state[source[at - 1]]
-        shows = abs(step_N) > max(SHOWS * float(np.ptp(force_N)), STEEPER * float(beside.max()))
-        if kind.is_exact or (shows and not may_be_a_slip):
+        if kind.is_exact or (not may_be_a_slip and at in sudden_steps(spoilt_N)):
             return Damaged(kind.name, spoilt_N, source, at)
     return None

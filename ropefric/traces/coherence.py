@@ -1,6 +1,7 @@
 """Faults of a file that a comparison of its numbers proves: interleaved signals and repeated blocks.
 
-No rope makes them. Other damage looks like something a rope might do; the picker judges that.
+No rope makes them. Other damage (a scale that changes, lost lines, joined files) shows as a sudden step, which a rope
+might make too; the picker judges that.
 """
 
 import math
@@ -16,6 +17,22 @@ fraction of the force's range, and the fraction of the loaded samples that must 
 TOKENS, BLOCK, BY_CHANCE = 8, 32, 1e-9
 """Runs of equal samples that are compared at once; fewest samples of a repeated block, and the largest probability of a
 repetition by chance."""
+
+SHOWS, BESIDE, STEEPER = 0.08, 20, 4.0
+"""A sudden step is larger than this fraction of the force's range and this many times any step of as many neighbours."""
+
+
+def sudden_steps(force_N: FloatArray) -> IntArray:
+    """Return the samples at which the force changes far more than between any of their neighbours."""
+    steps_N = np.abs(np.diff(force_N))
+    found = []
+    for step in np.flatnonzero(steps_N > SHOWS * float(np.ptp(force_N))).tolist():
+        beside_N = np.concatenate(
+            [steps_N[max(step - BESIDE, 0) : step], steps_N[step + 1 : step + 1 + BESIDE]]
+        )
+        if steps_N[step] > STEEPER * float(beside_N.max(initial=0.0)):
+            found.append(step + 1)
+    return np.array(found, dtype=np.int64)
 
 
 def incoherence(time_s: FloatArray, force_N: FloatArray) -> str:

@@ -15,10 +15,10 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.traces.breakaway import SURE, Breakaway, ForceEvent, PickSettings, Status
-from ropefric.traces.coherence import incoherence
+from ropefric.traces.coherence import incoherence, sudden_steps
 from ropefric.traces.noise import runs_of
 from ropefric.traces.peak import gap_beside, peak_result
-from ropefric.traces.picker import BINS, Look, State, Weights, closer, look
+from ropefric.traces.picker import Look, State, Weights, closer, look
 from ropefric.traces.segments import (
     DROP_SIGMAS,
     MIN_SAMPLES,
@@ -220,6 +220,10 @@ def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
             found = _candidate(prepared, begin_s, end_s, probability * one)
             before = tops.get(found.block)
             tops[found.block] = found if before is None else _both(before, found)
+    left = 1.0 - reasons[Status.DOUBTFUL]
+    if SEEN < left < 1.0 and not sudden_steps(force_N).size:  # no damage is without a step
+        reasons = {reason: one / left for reason, one in reasons.items()} | {Status.DOUBTFUL: 0.0}
+        tops = {block: one._replace(probability=one.probability / left) for block, one in tops.items()}
     rounded = [one._replace(probability=round(one.probability, 2)) for one in tops.values()]
     candidates = sorted(
         (one for one in rounded if one.probability), key=lambda one: (-one.probability, one.block)
@@ -293,15 +297,18 @@ def _with_reason(prepared: Prepared, reason: Status, found: Judgement) -> Breaka
 
 
 def _where_damaged(prepared: Prepared, found: Judgement) -> str:
-    """Return in words where the damage of a recording begins: the largest step near the place the picker names."""
+    """Return in words where the damage of a recording begins: the sudden step nearest to where the picker sees it."""
     states, edges_s = found.whole.states[:, State.DAMAGED], found.whole.edges_s
-    bin_ = int(np.argmax(states >= 0.5 * states.max()))
-    first, stop = np.searchsorted(prepared.time_s, (edges_s[max(bin_ - 2, 0)], edges_s[min(bin_ + 3, BINS)]))
-    near_N = prepared.force_N[first : max(int(stop), int(first) + 2)]
-    at = int(np.argmax(np.abs(np.diff(near_N))))
-    time_s = float(prepared.time_s[int(first) + at])
-    steps = f"goes from {near_N[at]:.4g} N to {near_N[at + 1]:.4g} N at once"
-    return f"at {time_s:.4g} s the force {steps} and does not go on with what was before"
+    begins_s = float(edges_s[int(np.argmax(states >= 0.5 * states.max()))])
+    steps = sudden_steps(prepared.force_N)
+    if not steps.size:
+        return "no sudden step shows where"
+    at = int(steps[int(np.argmin(np.abs(prepared.time_s[steps] - begins_s)))])
+    before_N, after_N = prepared.force_N[at - 1 : at + 1].tolist()
+    step = (
+        f"at {prepared.time_s[at]:.4g} s the force changes from {before_N:.4g} N to {after_N:.4g} N at once"
+    )
+    return f"{step} and does not continue what was before"
 
 
 def _in_doubt(prepared: Prepared, _: Status, found: Judgement) -> Breakaway:

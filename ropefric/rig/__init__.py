@@ -6,5 +6,6 @@ whole recording, `campaign` the plan of a campaign and its files. The second rig
 `dynamics` integrates rope, wheel and motor with rate-and-state friction or LuGre bristles, `pulls` draws such machines
 and knows what is true of their motion (of a campaign too), `strangers` is their sensor and what goes wrong there, and
 draws families of recordings over wide ranges, each with its truth. `stories` has no equation of motion at all: it puts
-recordings together piece by piece, for the picker to learn from.
+recordings together piece by piece, for the picker to learn from; `sampling` is the sensor of those, `damage` what spoils
+the lines of a file afterwards.
 """

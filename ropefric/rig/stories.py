@@ -11,15 +11,24 @@ from dataclasses import dataclass
 from math import nan
 
 import numpy as np
-import scipy.signal
 
 from ropefric.arrays import FloatArray, IntArray, frozen_array
 from ropefric.registry import Registry
-from ropefric.rig.damage import damaged
+from ropefric.rig.sampling import (
+    Rng,
+    coloured,
+    damaged_state,
+    kept,
+    maybe,
+    sampled,
+    seen_top,
+    spoil,
+    spread,
+    visible_fall,
+)
 from ropefric.traces.breakaway import Status
 from ropefric.traces.picker import State
 
-Rng = np.random.Generator
 Shape = Callable[[FloatArray], FloatArray]
 """Force over the part of a piece's time that has passed, 0 to 1."""
 
@@ -60,15 +69,6 @@ class LabelledRecording:
         self.state.setflags(write=False)
 
 
-def _spread(rng: Rng, low: float, high: float) -> float:
-    """Return a number between two limits, each decade as likely as the next."""
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
-def _maybe(rng: Rng, chance: float) -> bool:
-    return bool(rng.random() < chance)
-
-
 class _Story:
     """A force as it is put together, and when it broke away."""
 
@@ -104,7 +104,7 @@ class _Story:
     def rough(self, lasting_s: float, size: float, rise: float = 0.0) -> None:
         """Slide over what differs along the wheel, while the level rises by a part of itself."""
         begin, knots = self.level, int(np.clip(300 * lasting_s / self.climb_s, 6, 600))
-        wave = _coloured(self.rng, knots, _spread(self.rng, 2.0, 100.0), self.rng.uniform(0.4, 1.0))
+        wave = coloured(self.rng, knots, spread(self.rng, 2.0, 100.0), self.rng.uniform(0.4, 1.0))
         wave = size * begin * (wave - wave[0] * np.exp(-20.0 * np.arange(knots) / knots))
         bend = self.rng.uniform(0.5, 1.0)
         self.piece(
@@ -144,17 +144,6 @@ class _Story:
         return np.concatenate(self._time_s), np.concatenate(self._force), np.concatenate(self._state)
 
 
-def _coloured(rng: Rng, n: int, length: float, steep: float) -> FloatArray:
-    """Return noise of standard deviation 1 that is alike over so many samples."""
-    if n < 4:
-        return np.zeros(n)
-    frequency = np.fft.rfftfreq(n)
-    wave = np.fft.irfft(
-        np.fft.rfft(rng.standard_normal(n)) / (1.0 + (frequency * n / length) ** 2) ** steep, n
-    )
-    return np.asarray(wave / (wave.std() + 1e-12))
-
-
 def _fall(story: _Story, to: float, lasting_s: float, state: State) -> None:
     """Fall: straight, softly at both ends, as a mass on a spring rings, or ever more slowly."""
     rng, begin = story.rng, story.level
@@ -176,10 +165,10 @@ def _fall(story: _Story, to: float, lasting_s: float, state: State) -> None:
 def _rest(story: _Story) -> None:
     """Begin with a rest, long or hardly any, and perhaps with weights that hang already."""
     rng = story.rng
-    if _maybe(rng, 0.2):
+    if maybe(rng, 0.2):
         story.level = rng.uniform(0.01, 0.5)
     lasting_s = (
-        min(_spread(rng, 0.02, 6.0), 40.0 * story.climb_s) if _maybe(rng, 0.72) else 0.02 * story.climb_s
+        min(spread(rng, 0.02, 6.0), 40.0 * story.climb_s) if maybe(rng, 0.72) else 0.02 * story.climb_s
     )
     story.stay(State.REST, lasting_s)
 
@@ -188,28 +177,28 @@ def _hang_weights(story: _Story) -> None:
     """Hang one to three weights, each of which may swing."""
     rng = story.rng
     whole, n = (
-        (rng.uniform(0.02, 0.7) if _maybe(rng, 0.7) else rng.uniform(0.7, 0.96)),
+        (rng.uniform(0.02, 0.7) if maybe(rng, 0.7) else rng.uniform(0.7, 0.96)),
         int(rng.integers(1, 4)),
     )
     for number in range(n):
         begin, end = story.level, max(story.level, whole * (number + 1) / n)
         comes = lambda part: begin + (end - begin) * part**2 * (3.0 - 2.0 * part)  # noqa: B023, E731
-        story.piece(State.HUNG, _spread(rng, 0.02, 0.4), comes)
-        if _maybe(rng, 0.5):
+        story.piece(State.HUNG, spread(rng, 0.02, 0.4), comes)
+        if maybe(rng, 0.5):
             size, turns = (end - begin) * rng.uniform(0.02, 0.5), rng.uniform(2, 9) * np.pi
-            damping = _spread(rng, 0.05, 1.0)
+            damping = spread(rng, 0.05, 1.0)
             story.piece(
-                State.HUNG, _spread(rng, 0.2, 2.0),
+                State.HUNG, spread(rng, 0.2, 2.0),
                 lambda part: end + size * np.exp(-damping * turns * part) * np.sin(turns * part),  # noqa: B023
             )  # fmt: skip
         story.level = end
-        story.stay(State.HUNG, _spread(rng, 0.05, 1.0))
+        story.stay(State.HUNG, spread(rng, 0.05, 1.0))
 
 
 def _disturb(story: _Story) -> None:
     """Let the rope catch and come free, hit the rig, or jog the motor forth and back."""
     rng, level = story.rng, story.level
-    lasting_s = _spread(rng, 0.004, 1.0)
+    lasting_s = spread(rng, 0.004, 1.0)
     # What is pulled slowly, higher than the pull itself, and lets go would be a break-away of its own.
     size = rng.uniform(0.03, 1.15 if lasting_s < 0.1 * story.climb_s else 0.8)
     kind = rng.integers(3)
@@ -217,13 +206,13 @@ def _disturb(story: _Story) -> None:
         story.piece(State.DISTURBED, lasting_s, lambda part: level + size * np.sin(np.pi * part))
     elif kind == 1:
         story.line(State.DISTURBED, lasting_s, level + size)
-        _fall(story, level, lasting_s * _spread(rng, 0.02, 1.0), State.DISTURBED)
+        _fall(story, level, lasting_s * spread(rng, 0.02, 1.0), State.DISTURBED)
     else:
         for top in (level + 0.7 * size, level):
             story.line(State.DISTURBED, 2.0 * lasting_s, top)
             story.stay(State.DISTURBED, lasting_s * rng.random())
     story.level = level
-    story.stay(State.REST, _spread(rng, 0.05, 1.0))
+    story.stay(State.REST, spread(rng, 0.05, 1.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,8 +230,8 @@ class _Climb:
 def _draw_climb(rng: Rng, story: _Story) -> _Climb:
     slips: list[tuple[float, float]] = []
     room = 1.0 - story.level
-    if _maybe(rng, 0.35):
-        n, most = (1 if _maybe(rng, 0.5) else int(rng.integers(2, 12))), _spread(rng, 0.01, 0.45)
+    if maybe(rng, 0.35):
+        n, most = (1 if maybe(rng, 0.5) else int(rng.integers(2, 12))), spread(rng, 0.01, 0.45)
         parts = np.sort(rng.uniform(0.2, 0.97, n))
         # Near the top a large slip and a small rise after it would be the break-away itself.
         drops = np.minimum(most * rng.uniform(0.1, 1.0, n), 2.0 * (1.0 - parts) + 0.02) * parts
@@ -251,7 +240,7 @@ def _draw_climb(rng: Rng, story: _Story) -> _Climb:
             for part, drop in zip(parts.tolist(), drops.tolist(), strict=True)
         ]
     # A blow on the way is a negative slip, as it goes up.
-    for _ in range(int(rng.integers(1, 4)) if _maybe(rng, 0.08) else 0):
+    for _ in range(int(rng.integers(1, 4)) if maybe(rng, 0.08) else 0):
         slips.append((story.level + room * rng.uniform(0.1, 0.95), -rng.uniform(0.1, 1.5)))
     slips.sort()
     return _Climb(
@@ -259,8 +248,8 @@ def _draw_climb(rng: Rng, story: _Story) -> _Climb:
         soft=rng.choice((0.0, rng.uniform(0.0, 1.5))),
         bend=rng.choice((0.0, 0.0, rng.uniform(0.0, 0.15), rng.uniform(0.1, 1.0))),
         slips=tuple(slips),
-        rest_s=_spread(rng, 0.1, 2.0) if _maybe(rng, 0.08) else 0.0,
-        ripple=_spread(rng, 1e-3, 2e-2) if _maybe(rng, 0.1) else 0.0,
+        rest_s=spread(rng, 0.1, 2.0) if maybe(rng, 0.08) else 0.0,
+        ripple=spread(rng, 1e-3, 2e-2) if maybe(rng, 0.1) else 0.0,
     )
 
 
@@ -286,12 +275,12 @@ def _climb(story: _Story, top: float, how: _Climb) -> None:
         soft = 0.0
         if drop < 0.0:
             blow = lambda part: level - drop * np.sin(np.pi * part)  # noqa: B023, E731
-            story.piece(State.DISTURBED, _spread(rng, 0.005, 0.05) * min(1.0, (top - begin) / how.rate), blow)
+            story.piece(State.DISTURBED, spread(rng, 0.005, 0.05) * min(1.0, (top - begin) / how.rate), blow)
             story.level = level
         elif level != top:
-            quick_s = _spread(rng, 0.0005, 0.05) * min(1.0, (top - begin) / how.rate)
+            quick_s = spread(rng, 0.0005, 0.05) * min(1.0, (top - begin) / how.rate)
             _fall(story, level - drop, quick_s, State.PARTIAL_SLIP)
-            if how.rest_s and _maybe(rng, 0.5):
+            if how.rest_s and maybe(rng, 0.5):
                 story.stay(State.HELD, how.rest_s, rng.uniform(0.0, 0.02))
 
 
@@ -304,7 +293,7 @@ def _climb_by_weights(story: _Story) -> None:
     swings, turns, damping = rng.uniform(0.0, 0.4), rng.uniform(2.0, 8.0) * np.pi, rng.uniform(0.1, 0.4)
     for level in levels[:-1]:
         height = level - begin
-        if _maybe(rng, 0.7):
+        if maybe(rng, 0.7):
 
             def comes(part: FloatArray) -> FloatArray:
                 swing = np.exp(-damping * turns * part) * np.cos(turns * part)
@@ -316,53 +305,51 @@ def _climb_by_weights(story: _Story) -> None:
             story.line(State.HUNG, lasting_s * rng.uniform(0.05, 0.5), level)
             story.stay(State.HUNG, lasting_s * rng.uniform(0.4, 1.6))
         begin = story.level
-    story.line(State.LOADING, lasting_s * _spread(rng, 0.03, 1.0), 1.0)
+    story.line(State.LOADING, lasting_s * spread(rng, 0.03, 1.0), 1.0)
 
 
 def _break_away(story: _Story, how: _Climb) -> None:
     """Break away from where the climb has come to, and slide on smoothly, roughly or in teeth."""
     rng = story.rng
     story.broke_s, story.peak = story.now_s, story.level
-    quick, is_train = _maybe(rng, 0.7), _maybe(rng, 0.5)
-    drop = rng.uniform(0.65, 0.98) if is_train and _maybe(rng, 0.15) else _spread(rng, 0.015, 0.65)
-    roughness = rng.choice((0.0, _spread(rng, 1e-3, 0.03)))
+    quick, is_train = maybe(rng, 0.7), maybe(rng, 0.5)
+    drop = rng.uniform(0.65, 0.98) if is_train and maybe(rng, 0.15) else spread(rng, 0.015, 0.65)
+    roughness = rng.choice((0.0, spread(rng, 1e-3, 0.03)))
     if not (quick or is_train or roughness):
         drop = max(
             drop, 0.06
         )  # a smaller fall that is slow and quiet is that of a rope that is held and creeps
     kinetic = story.level * (1.0 - drop)
     fall_s = (
-        _spread(rng, 5e-4, 3.0) * min(1.0, story.climb_s)
-        if quick
-        else story.climb_s * _spread(rng, 0.05, 1.5)
+        spread(rng, 5e-4, 3.0) * min(1.0, story.climb_s) if quick else story.climb_s * spread(rng, 0.05, 1.5)
     )
-    if _maybe(rng, 0.15):
+    if maybe(rng, 0.15):
         story.stay(State.SLIP, 0.1 * fall_s)
     if is_train:
         _fall(story, kinetic, min(fall_s, 0.15 * drop * story.climb_s + 0.02), State.SLIP)
         height, bottom = drop * story.peak * rng.uniform(0.4, 1.15), kinetic
-        if _maybe(rng, 0.4):  # far smaller teeth than the first one, somewhere within its fall
-            height = drop * story.peak * _spread(rng, 0.04, 0.4)
+        if maybe(rng, 0.4):  # far smaller teeth than the first one, somewhere within its fall
+            height = drop * story.peak * spread(rng, 0.04, 0.4)
             bottom += (drop * story.peak - height) * rng.uniform(0.0, 0.7)
-        if _maybe(rng, 0.06):  # the contact is stronger the second time
+        if maybe(rng, 0.06):  # the contact is stronger the second time
             _climb(story, story.peak * rng.uniform(1.02, 1.4), _Climb(how.rate, 0.0, 0.0))
             _fall(story, max(0.02, bottom * rng.uniform(0.6, 1.1)), fall_s, State.SLIP)
         _teeth(story, how, bottom, height, fall_s)
-        if _maybe(rng, 0.4):  # the motor stops before the next slip
+        if maybe(rng, 0.4):  # the motor stops before the next slip
             top = story.level + rng.uniform(0.1, 1.1) * height
             _climb(
                 story, min(top, max(story.peak, story.level)), _Climb(how.rate, 0.0, rng.uniform(0.0, 0.1))
             )
-            story.stay(State.HELD, _spread(rng, 0.05, 2.0) * story.climb_s, rng.choice((0.0, 0.02)))
+            story.stay(State.HELD, spread(rng, 0.05, 2.0) * story.climb_s, rng.choice((0.0, 0.02)))
         return
     _fall(story, kinetic, fall_s, State.SLIP)
     wear = rng.choice((0.0, 0.0, rng.uniform(-0.25, 0.5), rng.uniform(0.0, 1.2)))
-    story.rough(_spread(rng, 0.2, 10.0) * story.climb_s, roughness, wear)
-    for _ in range(int(rng.integers(1, 4)) if _maybe(rng, 0.15) else 0):  # something is in the way
-        level, faster = story.level, _spread(rng, 0.7, 10.0)
+    story.rough(spread(rng, 0.2, 10.0) * story.climb_s, roughness, wear)
+    for _ in range(int(rng.integers(1, 4)) if maybe(rng, 0.15) else 0):  # something is in the way
+        level, faster = story.level, spread(rng, 0.7, 10.0)
         _climb(story, max(level, story.peak * rng.uniform(0.7, 1.6)), _Climb(how.rate * faster, 0.0, 0.0))
         _fall(story, level, fall_s, State.SLIP)
-        story.rough(_spread(rng, 0.1, 2.0) * story.climb_s, roughness)
+        story.rough(spread(rng, 0.1, 2.0) * story.climb_s, roughness)
 
 
 def _teeth(story: _Story, how: _Climb, bottom: float, height: float, fall_s: float) -> None:
@@ -373,7 +360,7 @@ def _teeth(story: _Story, how: _Climb, bottom: float, height: float, fall_s: flo
     rises = rng.choice((0.0, 0.0, 0.0, rng.uniform(0.0, 0.4) * height))
     for number in range(int(rng.integers(0, 30))):
         top = bottom + height * max(0.1, 1.0 + scatter * rng.standard_normal()) * (1.0 + trend * number)
-        if _maybe(rng, 0.03):
+        if maybe(rng, 0.03):
             top = story.peak * (1.0 + rng.uniform(0.02, 0.3))
         if top > story.level + 1e-3:
             bend = rng.choice((0.0, rng.uniform(0.0, 0.3)))
@@ -386,24 +373,24 @@ def _teeth(story: _Story, how: _Climb, bottom: float, height: float, fall_s: flo
 def _let_down(story: _Story) -> None:
     """Hold for a while, let the load down in part or whole, and rest."""
     rng, level = story.rng, story.level
-    if _maybe(rng, 0.5):
-        story.stay(State.HELD, _spread(rng, 0.02, 2.0), rng.uniform(0.0, 0.06))
-    left = 0.0 if _maybe(rng, 0.5) else level * rng.uniform(0.0, 0.9)
-    story.line(State.LET_DOWN, story.climb_s * _spread(rng, 0.02, 1.5), left)
-    story.stay(State.REST, _spread(rng, 0.05, 1.0))
+    if maybe(rng, 0.5):
+        story.stay(State.HELD, spread(rng, 0.02, 2.0), rng.uniform(0.0, 0.06))
+    left = 0.0 if maybe(rng, 0.5) else level * rng.uniform(0.0, 0.9)
+    story.line(State.LET_DOWN, story.climb_s * spread(rng, 0.02, 1.5), left)
+    story.stay(State.REST, spread(rng, 0.05, 1.0))
 
 
 def _strokes(story: _Story) -> None:
     """Go back and forth afterwards, one to thirty times, with peaks of their own or without."""
     rng, forth = story.rng, story.level
     back, peak, size = rng.uniform(-1.2, 0.8), rng.choice((0.0, rng.uniform(0.0, 0.4))), rng.uniform(0.8, 1.2)
-    lasting_s = story.climb_s * _spread(rng, 0.5, 40.0)
+    lasting_s = story.climb_s * spread(rng, 0.5, 40.0)
     for _ in range(int(rng.integers(1, 30))):
         for level in (back * rng.uniform(0.9, 1.1), forth * size * rng.uniform(0.95, 1.05)):
             story.line(State.LOADING, story.climb_s * rng.uniform(0.3, 2.0), level * (1.0 + peak))
             if peak:
-                _fall(story, level, story.climb_s * _spread(rng, 0.01, 1.0), State.SLIP)
-            story.rough(lasting_s * rng.uniform(0.5, 1.0), _spread(rng, 1e-3, 0.05))
+                _fall(story, level, story.climb_s * spread(rng, 0.01, 1.0), State.SLIP)
+            story.rough(lasting_s * rng.uniform(0.5, 1.0), spread(rng, 1e-3, 0.05))
 
 
 def _slips(story: _Story) -> Status:
@@ -423,8 +410,8 @@ def _slips_after_a_hold(story: _Story) -> Status:
     """Stop on the way, hold, and go on to the break-away."""
     rng, how = story.rng, _draw_climb(story.rng, story)
     _climb(story, rng.uniform(max(0.3, story.level), 0.97), how)
-    lasting_s = _spread(rng, 0.2, 4.0) * story.climb_s
-    story.stay(State.HELD, lasting_s, rng.choice((0.0, _spread(rng, 0.002, 0.2))))
+    lasting_s = spread(rng, 0.2, 4.0) * story.climb_s
+    story.stay(State.HELD, lasting_s, rng.choice((0.0, spread(rng, 0.002, 0.2))))
     _climb(story, max(1.0, 1.02 * story.level), how)
     _break_away(story, how)
     return Status.OK
@@ -434,7 +421,7 @@ def _slides_without_a_peak(story: _Story) -> Status:
     rng, how = story.rng, _draw_climb(story.rng, story)
     _climb(story, 1.0, _Climb(how.rate, how.soft, rng.uniform(0.03, 1.5), how.slips, how.rest_s))
     rise = rng.choice((0.0, rng.uniform(0.0, 0.3)))
-    story.rough(_spread(rng, 0.3, 4.0) * story.climb_s, rng.choice((0.0, _spread(rng, 1e-3, 0.02))), rise)
+    story.rough(spread(rng, 0.3, 4.0) * story.climb_s, rng.choice((0.0, spread(rng, 1e-3, 0.02))), rise)
     return Status.NO_PEAK
 
 
@@ -443,7 +430,7 @@ def _swing(story: _Story, size: float) -> None:
     rng, level = story.rng, story.level
     turns, damping = rng.uniform(3.0, 16.0) * np.pi, rng.uniform(0.05, 0.4)
     swing = lambda part: level * (1.0 + size * np.exp(-damping * turns * part) * np.sin(turns * part))  # noqa: E731
-    story.piece(State.HELD, story.climb_s * _spread(rng, 0.02, 1.0), swing)
+    story.piece(State.HELD, story.climb_s * spread(rng, 0.02, 1.0), swing)
     story.level = level
 
 
@@ -453,50 +440,50 @@ def _comes_off(story: _Story) -> Status:
     _climb(story, rng.uniform(max(0.3, story.level), 1.0), how)
     top, turns, damping = story.level, rng.uniform(4.0, 30.0) * np.pi, rng.uniform(0.03, 0.3)
     free = lambda part: top * np.exp(-damping * turns * part) * np.cos(turns * part)  # noqa: E731
-    story.piece(State.LET_DOWN, story.climb_s * _spread(rng, 0.1, 2.0), free)
+    story.piece(State.LET_DOWN, story.climb_s * spread(rng, 0.1, 2.0), free)
     story.level = 0.0
-    story.stay(State.REST, _spread(rng, 0.05, 1.0))
+    story.stay(State.REST, spread(rng, 0.05, 1.0))
     return Status.NO_BREAKAWAY
 
 
 def _turn_round(story: _Story, how: _Climb) -> None:
     """Let down about as fast as it was loaded and for the most part: a faster or smaller fall may be a slip."""
     rng, top = story.rng, story.level
-    left, lasting_s = top * rng.uniform(0.0, 0.4), top / how.rate * _spread(rng, 0.3, 4.0)
-    power, is_soft = rng.uniform(1.0, 2.0), _maybe(rng, 0.3)
+    left, lasting_s = top * rng.uniform(0.0, 0.4), top / how.rate * spread(rng, 0.3, 4.0)
+    power, is_soft = rng.uniform(1.0, 2.0), maybe(rng, 0.3)
 
     def comes_down(part: FloatArray) -> FloatArray:
         lost = 0.5 * (1.0 - np.cos(np.pi * part)) if is_soft else part**power
         return np.asarray(top - (top - left) * lost)
 
     story.piece(State.LET_DOWN, lasting_s, comes_down)
-    if _maybe(rng, 0.5):
-        story.stay(State.REST, _spread(rng, 0.05, 1.0))
+    if maybe(rng, 0.5):
+        story.stay(State.REST, spread(rng, 0.05, 1.0))
 
 
 def _is_held(story: _Story) -> Status:
     """Load up to less than it takes, hold or turn round at once, and let go of it one way or another."""
     rng, how = story.rng, _draw_climb(story.rng, story)
     _climb(story, rng.uniform(max(0.3, story.level), 0.97), how)
-    if _maybe(rng, 0.25):
-        for _ in range(int(rng.integers(0, 20)) if _maybe(rng, 0.4) else 0):
+    if maybe(rng, 0.25):
+        for _ in range(int(rng.integers(0, 20)) if maybe(rng, 0.4) else 0):
             _turn_round(story, how)
             _climb(story, max(story.level + 0.05, rng.uniform(0.5, 0.97)), how)
         _turn_round(story, how)
         return Status.NO_BREAKAWAY
-    if _maybe(rng, 0.4):
-        _swing(story, _spread(rng, 2e-3, 0.1))
-    lasting_s = _spread(rng, 0.2, 4.0) * story.climb_s
-    story.stay(State.HELD, lasting_s, rng.choice((0.0, _spread(rng, 0.002, 0.2))))
-    if _maybe(rng, 0.5):
-        story.line(State.LET_DOWN, lasting_s * _spread(rng, 0.01, 1.0), story.level * rng.uniform(0.0, 0.5))
-        story.stay(State.REST, _spread(rng, 0.05, 1.0))
+    if maybe(rng, 0.4):
+        _swing(story, spread(rng, 2e-3, 0.1))
+    lasting_s = spread(rng, 0.2, 4.0) * story.climb_s
+    story.stay(State.HELD, lasting_s, rng.choice((0.0, spread(rng, 0.002, 0.2))))
+    if maybe(rng, 0.5):
+        story.line(State.LET_DOWN, lasting_s * spread(rng, 0.01, 1.0), story.level * rng.uniform(0.0, 0.5))
+        story.stay(State.REST, spread(rng, 0.05, 1.0))
     return Status.NO_BREAKAWAY
 
 
 def _ends_early(story: _Story) -> Status:
     """Stop the logger before the rope breaks away, under swinging weights or where the force is as high as it was."""
-    (_slips_under_weights if _maybe(story.rng, 0.3) else _slips)(story)
+    (_slips_under_weights if maybe(story.rng, 0.3) else _slips)(story)
     time_s, force, state = story.knots()
     begun = np.flatnonzero((state != State.REST) & (time_s < story.broke_s))
     first = int(story.rng.choice(begun)) if begun.size else 1
@@ -514,7 +501,7 @@ def _still_climbs(story: _Story) -> Status:
 def _slides_already(story: _Story) -> Status:
     """Start the logger when the rope has broken away."""
     story.begin_again(0.9)
-    story.rough(_spread(story.rng, 0.5, 4.0) * story.climb_s, _spread(story.rng, 0.002, 0.05))
+    story.rough(spread(story.rng, 0.5, 4.0) * story.climb_s, spread(story.rng, 0.002, 0.05))
     return Status.NO_PEAK
 
 
@@ -549,164 +536,30 @@ KINDS: Registry[Kind] = Registry("kind of drawn recording", [
 
 def _told(rng: Rng, kind: Kind) -> tuple[_Story, Status]:
     """Return a whole story: what comes before the pull, the pull, and what comes after."""
-    story = _Story(rng, _spread(rng, 0.04, 15.0))
+    story = _Story(rng, spread(rng, 0.04, 15.0))
     _rest(story)
-    if _maybe(rng, 0.3):
+    if maybe(rng, 0.3):
         _hang_weights(story)
-    for _ in range(int(rng.integers(1, 3)) if _maybe(rng, 0.18) else 0):
+    for _ in range(int(rng.integers(1, 3)) if maybe(rng, 0.18) else 0):
         _disturb(story)
     status = kind.tell(story)
     slid = status in {Status.OK, Status.NO_PEAK}
-    if slid and _maybe(rng, 0.12):  # slides on, far longer than it was loaded
-        story.rough(_spread(rng, 20.0, 800.0) * story.climb_s, _spread(rng, 1e-3, 0.04))
-    if slid and _maybe(rng, 0.2):
+    if slid and maybe(rng, 0.12):  # slides on, far longer than it was loaded
+        story.rough(spread(rng, 20.0, 800.0) * story.climb_s, spread(rng, 1e-3, 0.04))
+    if slid and maybe(rng, 0.2):
         _strokes(story)
-    if kind.name not in {"climbing", "ends-early", "idle"} and _maybe(rng, 0.55):
+    if kind.name not in {"climbing", "ends-early", "idle"} and maybe(rng, 0.55):
         _let_down(story)
-    if status is Status.OK and _maybe(rng, 0.12) and story.level < 0.6:
+    if status is Status.OK and maybe(rng, 0.12) and story.level < 0.6:
         top = rng.uniform(0.7, 1.2)  # pulled again: lower, as high, or higher
         _climb(story, top, _Climb(1.0 / story.climb_s, 0.0, rng.choice((0.0, 0.2))))
-        _fall(story, top * rng.uniform(0.5, 0.95), _spread(rng, 1e-3, 0.3), State.SLIP)
+        _fall(story, top * rng.uniform(0.5, 0.95), spread(rng, 1e-3, 0.3), State.SLIP)
         _let_down(story)
-    if kind.name != "ends-early" and _maybe(rng, 0.1):  # somebody forgets to stop the logger
-        story.stay(
-            State.REST if story.level < 0.05 else State.HELD, story.climb_s * _spread(rng, 2.0, 1000.0)
-        )
-    if _maybe(rng, 0.14):
-        story.start_late(_spread(rng, 0.02, 0.5))
+    if kind.name != "ends-early" and maybe(rng, 0.1):  # somebody forgets to stop the logger
+        story.stay(State.REST if story.level < 0.05 else State.HELD, story.climb_s * spread(rng, 2.0, 1000.0))
+    if maybe(rng, 0.14):
+        story.start_late(spread(rng, 0.02, 0.5))
     return story, status
-
-
-_MOST_SAMPLES, _FEWEST_SAMPLES = 30_000, 40
-
-
-@dataclass(slots=True, eq=False)
-class _Samples:
-    """What a sensor has made of a story so far."""
-
-    rng: Rng
-    time_s: FloatArray
-    clean: FloatArray
-    force: FloatArray
-    noise: float
-    zero: float = 0.0
-
-
-def _sampled(rng: Rng, story: _Story) -> _Samples | None:
-    """Return samples as the sensor's filter lets them through; None where there are too few to tell anything."""
-    knot_s, knot_force, _ = story.knots()
-    end_s = float(knot_s[-1])
-    if end_s <= 0.0:
-        return None
-    rate_Hz = max(_spread(rng, 40.0, 5000.0), _spread(rng, 8.0, 80.0) / story.climb_s, 60.0 / end_s)
-    rate_Hz = min(rate_Hz, _MOST_SAMPLES / end_s)
-    n = int(end_s * rate_Hz)
-    if n < _FEWEST_SAMPLES:
-        return None
-    finer = int(np.clip(2e3 / rate_Hz, 1, 2e5 / n)) if _maybe(rng, 0.2) else 1
-    fine_s = np.arange(n * finer) / (rate_Hz * finer)
-    force = np.interp(fine_s, knot_s, knot_force)
-    corner_Hz = max(_spread(rng, 8.0, 80.0), 20.0 / story.climb_s)
-    if finer > 1 and corner_Hz < 0.4 * rate_Hz * finer:
-        sections = scipy.signal.butter(int(rng.integers(1, 4)), corner_Hz, fs=rate_Hz * finer, output="sos")
-        force = scipy.signal.sosfilt(sections, force - force[0]) + force[0]
-    clean = force[::finer]
-    return _Samples(rng, fine_s[::finer], clean, clean.copy(), _spread(rng, 1e-4, 1.5e-2))
-
-
-def _noise(one: _Samples) -> None:
-    rng, n = one.rng, one.force.size
-    one.force += one.noise * rng.standard_normal(n)
-    if _maybe(rng, 0.15):
-        one.force += one.noise * rng.uniform(1.0, 3.0) * _coloured(rng, n, n / rng.uniform(3.0, 20.0), 0.7)
-    if _maybe(rng, 0.2):
-        mains_Hz, size = rng.choice((50.0, 60.0)), _spread(rng, 5e-4, 0.03)
-        one.force += size * np.sin(2.0 * np.pi * mains_Hz * one.time_s + rng.uniform(0.0, 6.3))
-
-
-def _wrong_zero(one: _Samples) -> None:
-    rng = one.rng
-    if _maybe(rng, 0.2):
-        one.zero = float(rng.choice((-1.0, 1.0)) * _spread(rng, 0.003, 0.15))
-        one.force += one.zero
-    if _maybe(rng, 0.15):
-        one.force += rng.choice((-1.0, 1.0)) * rng.uniform(0.01, 0.1) * one.time_s / one.time_s[-1]
-
-
-def _spikes(one: _Samples) -> None:
-    rng, n = one.rng, one.force.size
-    for _ in range(int(rng.integers(1, 6)) if _maybe(rng, 0.12) else 0):
-        at = int(rng.integers(0, n))
-        one.force[at : at + int(rng.integers(1, 5))] += rng.choice((-1.0, 1.0)) * rng.uniform(0.05, 1.3)
-
-
-def _converter(one: _Samples) -> None:
-    rng = one.rng
-    if _maybe(rng, 0.2):
-        step = rng.uniform(1.1, 4.0) / 2.0 ** int(rng.integers(8, 15))
-        one.force = np.rint(one.force / step) * step
-
-
-def _held_values(one: _Samples) -> None:
-    """Let the sensor be slower than the logger, or let its converter stick for a while."""
-    rng, n = one.rng, one.force.size
-    if _maybe(rng, 0.05):
-        every = int(rng.integers(2, 12))
-        if n > 60 * every:
-            one.force = one.force[np.arange(n) // every * every]
-    if _maybe(rng, 0.03):
-        length = int(rng.integers(3, max(4, n // 40)))
-        at = int(rng.integers(0, n - length))
-        one.force[at : at + length] = one.force[at]
-
-
-def _seen_top(one: _Samples, broke_s: float) -> int:
-    """Return the sample at which the sensor, which lags behind, shows the force highest: the last before, or later."""
-    last = max(int(np.searchsorted(one.time_s, broke_s, side="right")) - 1, 0)
-    lags = np.flatnonzero(np.diff(one.clean[last:]) <= 0.0)
-    return last + int(lags[0]) if lags.size else last
-
-
-def _visible_fall(one: _Samples, at: int) -> bool:
-    """Return whether a person would see the fall: beyond what noise does within a few milliseconds."""
-    n = one.clean.size
-    if not 3 <= at <= n - 3:
-        return False
-    later = one.clean[at:]
-    higher = np.flatnonzero(later > 1.0005 * one.clean[at])
-    fall = one.clean[at] - later[: max(int(higher[0]) if higher.size else later.size, 1)].min()
-    rate_Hz = (n - 1) / one.time_s[-1]
-    return bool(fall >= max(0.012, 4.0 * one.noise / np.sqrt(max(1.0, 0.004 * rate_Hz))))
-
-
-def _kept(one: _Samples, broke_s: float) -> FloatArray:
-    """Return which samples are written: now and then some are lost, though never those of the break-away."""
-    rng, n = one.rng, one.force.size
-    keep = np.ones(n, dtype=bool)
-    if _maybe(rng, 0.06):
-        length = int(rng.integers(3, max(4, n // 30)))
-        at = int(rng.integers(0, n - length - 1))
-        near = 0.01 * one.time_s[-1]
-        if not one.time_s[at] - near < broke_s < one.time_s[at + length] + near:
-            keep[at : at + length] = False
-    return keep
-
-
-def _damaged(one: _Samples, state: IntArray) -> IntArray | None:
-    """Damage the file while the rope is pulled; return the states then, or None where nothing would show."""
-    pulled = np.flatnonzero(np.isin(state, (State.LOADING, State.PARTIAL_SLIP, State.SLIP, State.SLIDING)))
-    if not pulled.size:
-        return None
-    # Sliding may go on for ever: more often before, where a force is taken.
-    last = int(pulled[int((pulled.size - 1) * one.rng.random() ** 0.5)])
-    found = damaged(one.rng, one.force, state, (int(pulled[0]), last))
-    if found is None:
-        return None
-    step_s = float(one.time_s[1] - one.time_s[0])
-    one.force, one.time_s = found.force_N, np.arange(float(found.force_N.size)) * step_s
-    spoilt = state[found.source]
-    spoilt[found.at :] = State.DAMAGED
-    return spoilt
 
 
 def draw_recording(rng: Rng, kind: str | None = None) -> LabelledRecording:
@@ -729,22 +582,21 @@ def draw_recording(rng: Rng, kind: str | None = None) -> LabelledRecording:
         shares = np.array([one.share for one in KINDS.values()])
         chosen = KINDS[kind] if kind else list(KINDS.values())[int(rng.choice(len(shares), p=shares))]
         story, status = _told(rng, chosen)
-        samples = _sampled(rng, story)
+        samples = sampled(rng, *story.knots()[:2], story.climb_s)
         if samples is None:
             continue
-        top = _seen_top(samples, story.broke_s) if status is Status.OK else 0
-        if status is Status.OK and not _visible_fall(samples, top):
+        top = seen_top(samples, story.broke_s) if status is Status.OK else 0
+        if status is Status.OK and not visible_fall(samples, top):
             continue
-        for spoil in (_noise, _wrong_zero, _spikes, _converter, _held_values):
-            spoil(samples)
-        if status is Status.OK and _maybe(rng, 0.05):
+        spoil(samples)
+        if status is Status.OK and maybe(rng, 0.05):
             ceiling = rng.uniform(0.6, 0.97) * story.peak
             samples.force, status = np.minimum(samples.force, ceiling), Status.SATURATED
         broke_s = float(samples.time_s[top])
-        keep, scale_N = _kept(samples, broke_s if top else nan), _spread(rng, 1.0, 1000.0)
+        keep, scale_N = kept(samples, broke_s if top else nan), spread(rng, 1.0, 1000.0)
         knot_s, _, states = story.knots()
         state = states[np.minimum(np.searchsorted(knot_s, samples.time_s), states.size - 1)]
-        if _maybe(rng, 0.07) and (spoilt := _damaged(samples, state)) is not None:
+        if maybe(rng, 0.07) and (spoilt := damaged_state(samples, state)) is not None:
             state, status, keep = spoilt, Status.DOUBTFUL, np.ones(spoilt.size, dtype=bool)
         seen = status is Status.OK
         return LabelledRecording(

@@ -153,11 +153,11 @@ class Solution(Shown):
         }
 
 
-def _put(tree: dict[str, Any], quantity: Uncertain) -> None:
+def _put(tree: Any, quantity: Uncertain) -> None:
     """Put a number at its place: "slip.2.utilisation" goes under slip, under "2"."""
     *path, name = quantity.name.split(".")
     for part in path:
-        tree = tree.setdefault(part, {})
+        tree = tree[int(part)] if isinstance(tree, list) else tree.setdefault(part, {})
     tree[name] = finite(quantity.value[0])
     if quantity.std[0] == 0.0:
         return

@@ -25,12 +25,12 @@ class DrivingTable(kind.Table):
     Keys
     ----
     diameter : Of the driving pulley, drum or capstan, where the belt lies on it.
-    wrap : Over which the belt lies on it.
+    wrap : Over which the belt lies on it; left out where it follows from the centre distance.
     speed : Its rotation.
     """
 
     diameter: Annotated[float, kind.key("m", "300 mm", "wheel_radius_m", factor=0.5)]
-    wrap: Annotated[float, kind.key("rad", "180 deg", "wrap_angle_rad")]
+    wrap: Annotated[float | None, kind.key("rad", "180 deg", "wrap_angle_rad")] = None
     speed: Annotated[float | None, kind.key("rad/s", "1500 rpm", "speed_rad_s")] = None
 
 
@@ -56,7 +56,10 @@ class BeltTable(kind.Table):
     thickness : Of one belt, or a rope's diameter; half of it counts as the rope radius of the friction law.
     linear_density : Mass per length of one belt, for the centrifugal tension.
     groove_angle : Of a wedge groove, from flank to flank; left out for flat belts and ropes on drums.
-    axial_stiffness : EA of one belt, for its creep.
+    axial_stiffness : EA of one belt, for its creep and the length that fixed centres keep.
+    span_length : Of the free belt from one pulley to the other.
+    centre_distance : Of the pulleys; span, wraps and belt length follow from it.
+    crossed : Whether the belt crosses itself between the pulleys.
     """
 
     count: Annotated[int, PlainValidator(whole_number(1, 1000)), kind.Becomes("belt_count", many=False)] = 1
@@ -64,6 +67,9 @@ class BeltTable(kind.Table):
     linear_density: Annotated[float | None, kind.key("kg/m", "0.9 kg/m", "linear_density_kg_m")] = None
     groove_angle: Annotated[float | None, kind.key("rad", "34 deg", "groove_angle_rad")] = None
     axial_stiffness: Annotated[float | None, kind.key("N", "200 kN", "axial_stiffness_N")] = None
+    span_length: Annotated[float | None, kind.key("m", "1.2 m", "span_m")] = None
+    centre_distance: Annotated[float | None, kind.key("m", "1.2 m", "centre_distance_m")] = None
+    crossed: bool = False
 
 
 class TensionTable(kind.Table):
@@ -108,7 +114,9 @@ class DriveScene(kind.SceneTable):
                 fix='add speed = "1500 rpm" to [driving]',
                 key="driving.speed",
             )
-        if self.driven is not None and self.driven.wrap is None and not self.driving.wrap < _TURN:
+        self._check_geometry()
+        wrap = self.driving.wrap or 0.0
+        if self.driven is not None and self.driven.wrap is None and not wrap < _TURN:
             reject(
                 "RF121",
                 "a belt that goes round more than once does not tell the driven pulley's wrap",
@@ -116,11 +124,35 @@ class DriveScene(kind.SceneTable):
                 key="driven.wrap",
             )
 
+    def _check_geometry(self) -> None:
+        belt, driven = self.belt, self.driven
+        apart = belt.centre_distance is not None
+        both = {
+            "belt.span_length": belt.span_length,
+            "driving.wrap": self.driving.wrap,
+            "driven.wrap": driven.wrap if driven is not None else None,
+        }
+        for key, value in both.items():
+            if apart and value is not None:
+                reject("RF111", f"{key} follows from the centre distance", fix="keep one of them", key=key)
+        if not apart and self.driving.wrap is None:
+            fix = 'add wrap = "180 deg" to [driving], or centre_distance = "1.2 m" to [belt]'
+            reject("RF121", "the wrap is not given", fix=fix, key="driving.wrap")
+        if driven is None and (apart or belt.span_length is not None):
+            key = "belt.centre_distance" if apart else "belt.span_length"
+            reject("RF121", "a single drum has no other pulley", fix="add [driven], or leave it out", key=key)
+        if belt.crossed and not apart:
+            fix = 'add centre_distance = "1.2 m"'
+            reject("RF121", "crossed says nothing without the centre distance", fix=fix, key="belt.crossed")
+
 
 def _problem(table: DriveScene, friction: WrapFriction) -> DriveProblem:
     # An open belt wraps both pulleys by one turn together.
-    open_belt = {} if table.driven is None else {"driven_wrap_rad": np.array([_TURN - table.driving.wrap])}
-    return DriveProblem(friction=friction, closure=table.tension.closure, **open_belt | kind.arrays(table))
+    laid: dict[str, Any] = {"wrap_angle_rad": np.array([math.pi])}  # what a centre distance sets is set by it
+    if table.driven is not None and table.driving.wrap is not None:
+        laid["driven_wrap_rad"] = np.array([_TURN - table.driving.wrap])
+    given = laid | kind.arrays(table)
+    return DriveProblem(friction=friction, closure=table.tension.closure, crossed=table.belt.crossed, **given)
 
 
 def _quantities(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Quantity, ...]:
@@ -160,6 +192,9 @@ def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
     speed_m_s = None if problem.speed_rad_s is None else float(problem.belt_speed_m_s[0])
     tree: dict[str, Any] = {"closure": problem.closure, "belt_speed_m_s": speed_m_s}
     tree |= kind.first(answer, "circling_N")
+    if problem.belt_length_m is not None and problem.span_m is not None:
+        tree["span_m"], tree["belt_length_m"] = float(problem.span_m[0]), float(problem.belt_length_m[0])
+    tree["keeps_length"] = problem.closure == "fixed" and problem.span_m is not None
     work_W = float((answer.pull_N * problem.belt_speed_m_s)[0])
     tree["at_work"] = kind.first(answer, "tight_N", "slack_N", "pull_N") | {
         "torque_N_m": float((answer.pull_N * problem.wheel_radius_m)[0]),
@@ -207,6 +242,10 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
             f"{tree['circling_N']:.4g} N of it to keep it on its circle; torque {work['torque_N_m']:.5g} N m"
         )
     ]
+    if "belt_length_m" in tree:
+        lines.append(f"belt length {tree['belt_length_m']:.6g} m, of it {tree['span_m']:.6g} m in each span")
+    if tree["closure"] == "fixed" and not tree["keeps_length"]:
+        lines.append("no span length is given: T1 + T2 = 2 T, as of spans much longer than the arcs")
     if "reversed_torque_N_m" in work:
         lines.append(f"turning the other way, against the band: torque {work['reversed_torque_N_m']:.5g} N m")
     if "belts" in tree:
@@ -274,6 +313,8 @@ def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
 
 def _layout(problem: DriveProblem) -> dict[str, tuple[kind.Wheel, ...]]:
     driving = kind.lone_wheel(problem, ("T_1", "T_2"), "driving")
+    if problem.centre_distance_m is not None:
+        driving = driving._replace(apart_m=float(problem.centre_distance_m[0]))
     if problem.driven_radius_m is None or problem.driven_wrap_rad is None:
         return {"belt": (driving,)}
     driven = kind.Wheel("driven", float(problem.driven_radius_m[0]), float(problem.driven_wrap_rad[0]))

@@ -1,5 +1,6 @@
 """A belt drive: the pull that friction carries, the tensions at work, and how far the belt creeps."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -7,12 +8,14 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
+from ropefric.friction.integral import log1prel
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
 
 CLOSURES = ("limit", "tensioner", "fixed")
 _MAX_STEPS = 200
+_SETTLED = 1e-15
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,6 +32,9 @@ class DriveProblem(Cases):
     speed_rad_s: ZeroOrMore | None = None
     driven_radius_m: Positive | None = None
     driven_wrap_rad: Positive | None = None
+    span_m: Positive | None = None
+    centre_distance_m: Positive | None = None
+    crossed: bool = False
     linear_density_kg_m: ZeroOrMore | None = None
     groove_angle_rad: Positive | None = None
     axial_stiffness_N: Positive | None = None
@@ -42,6 +48,25 @@ class DriveProblem(Cases):
             "a groove opens by less than a hair or more than half a turn",
             key="groove_angle_rad",
         )
+        if self.centre_distance_m is not None and self.driven_radius_m is not None:
+            self._lay(self.centre_distance_m, self.driven_radius_m)
+
+    def _lay(self, apart_m: FloatArray, driven_m: FloatArray) -> None:
+        """Set the wraps and the span that follow from the distance of the centres, of an open or a crossed belt."""
+        across_m = self.wheel_radius_m + driven_m
+        refuse(
+            apart_m <= across_m,
+            "a centre distance of {apart_m:.6g} m lets the pulleys touch: their radii come to {across_m:.6g} m",
+            key="centre_distance_m",
+            fix="raise the distance",
+            apart_m=apart_m,
+            across_m=across_m,
+        )
+        step_m = across_m if self.crossed else self.wheel_radius_m - driven_m
+        lean_rad = 2.0 * np.arcsin(step_m / apart_m)
+        object.__setattr__(self, "wrap_angle_rad", np.pi + lean_rad)
+        object.__setattr__(self, "driven_wrap_rad", np.pi + (lean_rad if self.crossed else -lean_rad))
+        object.__setattr__(self, "span_m", np.sqrt((apart_m - step_m) * (apart_m + step_m)))
 
     @property
     def belt_speed_m_s(self) -> FloatArray:
@@ -52,6 +77,14 @@ class DriveProblem(Cases):
     def circling_N(self) -> FloatArray:
         """Return m v2, what keeps the belt on its circle [N]."""
         return self.product("linear_density_kg_m", "belt_speed_m_s", "belt_speed_m_s")
+
+    @property
+    def belt_length_m(self) -> FloatArray | None:
+        """Return the length of the belt as it is laid, 2 spans and the arcs [m]; None where no span is known."""
+        if self.span_m is None:
+            return None
+        arcs_m = [radius_m * wrap_rad for radius_m, wrap_rad in self.pulleys]
+        return np.asarray(2.0 * self.span_m + sum(arcs_m))
 
     @property
     def pulleys(self) -> list[tuple[FloatArray, FloatArray]]:
@@ -156,7 +189,7 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
     if "wrap-dependence" in model.effects and "end-tension" in law.effects and problem.closure != "tensioner":
         # What presses on the slack side depends on the friction, and such a law's friction on it.
         for _ in range(_MAX_STEPS):
-            slack_N = _full_N(problem, pressing_N, _exponents(problem, coefficients))[1]
+            slack_N = _full_N(model, pressing_N, _exponents(problem, coefficients))[1]
             better = _coefficients(model, slack_N)
             moving = np.nanmax(np.abs(better / coefficients - 1.0), axis=0) > 1e-13
             coefficients = better
@@ -166,12 +199,15 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
             why, fix = "friction and slack tension do not settle", "use a law without tension"
             raise SolverError(why, code="RF500", fix=fix, cases=moving)
     exponents = _exponents(problem, coefficients)
-    full_tight_N, full_slack_N = (one + circling_N for one in _full_N(problem, pressing_N, exponents))
+    full_tight_N, full_slack_N = (one + circling_N for one in _full_N(model, pressing_N, exponents))
     tight_N, slack_N = full_tight_N, full_slack_N
     if problem.power_W is not None:
         pull_N = problem.power_W / problem.belt_speed_m_s / problem.belt_count
         behind = {"limit": 0.0, "tensioner": 1.0, "fixed": 0.5}[problem.closure]
         tight_N = problem.tension_N + behind * pull_N
+        if problem.closure == "fixed" and problem.span_m is not None:
+            pressed_N = _kept_length_N(model, exponents, lambda slack_N: slack_N + pull_N)
+            tight_N = circling_N + pressed_N + pull_N
         slack_N = tight_N - pull_N
     strain = np.zeros((2, problem.n))
     if "creep" in model.effects and problem.axial_stiffness_N is not None:
@@ -202,24 +238,95 @@ def _exponents(problem: DriveProblem, coefficients: FloatArray) -> FloatArray:
 
 
 def _full_N(
-    problem: DriveProblem, pressing_N: FloatArray, exponents: FloatArray
+    model: DriveModel, pressing_N: FloatArray, exponents: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return what presses on the tight and on the slack side at the largest pull [N]."""
+    problem = model.problem
     exponent = np.nanmin(exponents, axis=0)
     if problem.closure == "limit":
         return pressing_N, pressing_N * np.exp(-exponent)
     if problem.closure == "tensioner":
         return pressing_N * np.exp(exponent), pressing_N
+    if problem.span_m is not None:
+        slack_N = _kept_length_N(model, exponents, lambda slack_N: slack_N * np.exp(exponent))
+        return slack_N * np.exp(exponent), slack_N
     share = np.tanh(0.5 * exponent)
     return pressing_N * (1.0 + share), pressing_N * 2.0 / (1.0 + np.exp(exponent))
+
+
+def _kept_length_N(
+    model: DriveModel, exponents: FloatArray, tight_of: Callable[[FloatArray], FloatArray]
+) -> FloatArray:
+    """Return what presses on the slack side where the belt keeps its length between fixed centres, shape (n,) [N].
+
+    0 where the belt would have to push. The excess of length falls as the tensions grow, so the root is bracketed; a
+    secant step is taken where it falls into the bracket's better half (Illinois).
+    """
+    problem = model.problem
+    tension_N, circling_N = problem.tension_N, model.part("centrifugal", problem.circling_N)
+    stretchy = "creep" in model.effects and problem.axial_stiffness_N is not None
+    give = (
+        1.0 / problem.axial_stiffness_N
+        if stretchy and problem.axial_stiffness_N is not None
+        else np.zeros(problem.n)
+    )
+
+    def excess(slack_N: FloatArray) -> FloatArray:
+        return _excess_N_m(problem, exponents, (slack_N, tight_of(slack_N)), circling_N, give)
+
+    high, low = tension_N - circling_N, np.zeros(problem.n)
+    low = np.maximum(low, 1e-12 * high)
+    at_low, at_high = excess(low), excess(high)
+    pushed = at_low <= 0.0
+    for _ in range(_MAX_STEPS):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            middle = high - at_high * (high - low) / (at_high - at_low)
+        middle = np.where((middle > low) & (middle < high), middle, 0.5 * (low + high))
+        found = excess(middle)
+        longer = found > 0.0
+        # The end that stays counts half, so that it does not stay for ever.
+        at_low, at_high = np.where(longer, found, 0.5 * at_low), np.where(longer, 0.5 * at_high, found)
+        low, high = np.where(longer, middle, low), np.where(longer, high, middle)
+        if (pushed | (high - low <= _SETTLED * high) | (found == 0.0)).all():
+            break
+    return np.where(pushed, 0.0, np.where(found == 0.0, middle, 0.5 * (low + high)))
+
+
+def _excess_N_m(
+    problem: DriveProblem,
+    exponents: FloatArray,
+    pressing_N: tuple[FloatArray, FloatArray],
+    circling_N: FloatArray,
+    give: FloatArray,
+) -> FloatArray:
+    """Return ∮ (T0 − T)/(1 + T/EA) ds, zero where the belt has the unstretched length it had at rest, shape (n,).
+
+    On a slip arc T = c + p e^(μθ), of which both parts have a closed form that stays whole as EA grows: with
+    x = (T1 − T2)/EA/(1 + T2/EA), ∫dθ/(1 + T/EA) = (θ − ln(1 + x)/μ)/(1 + c/EA).
+    """
+    slack_N, tight_N = (one + circling_N for one in pressing_N)
+    rest_N, grown = problem.tension_N, np.log(pressing_N[1] / pressing_N[0])
+    each = [(rest_N - one) / (1.0 + give * one) for one in (tight_N, slack_N)]
+    excess = np.asarray(problem.span_m) * (each[0] + each[1])
+    for place, (radius_m, wrap_rad) in enumerate(problem.pulleys):
+        mu = exponents[place] / wrap_rad
+        slip = np.minimum(grown, exponents[place])
+        rise_N = pressing_N[0] * np.expm1(slip)
+        x = give * rise_N / (1.0 + give * slack_N)
+        growing = rise_N / (1.0 + give * slack_N) * log1prel(x)
+        steady = (rest_N - circling_N) * (slip - np.log1p(x)) / (1.0 + give * circling_N)
+        # It adheres with the tension with which it arrives.
+        excess = excess + radius_m * ((steady - growing) / mu + (wrap_rad - slip / mu) * each[place])
+    return excess
 
 
 def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:
     """Return the belt speed of the largest power, √(T/3m) [m/s], with the coefficient as it is; None without a mass.
 
-    Whatever closes the balance, the pull is proportional to T − m v2 of the tension that is given.
+    The pull is proportional to T − m v2 of the tension that is given; not where a length is kept, which has none.
     """
-    if problem.linear_density_kg_m is None or not problem.linear_density_kg_m.all():
+    kept = problem.closure == "fixed" and problem.span_m is not None
+    if kept or problem.linear_density_kg_m is None or not problem.linear_density_kg_m.all():
         return None
     return np.asarray(np.sqrt(problem.tension_N / (3.0 * problem.linear_density_kg_m)))
 

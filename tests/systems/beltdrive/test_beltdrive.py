@@ -229,3 +229,95 @@ def test_bad_keys_are_refused_by_name(tmp_path):
         with pytest.raises(DataError, match=words) as caught:
             rf.solve(path)
         assert caught.value.problem.line is not None, old
+
+
+FE = {"wrap_angle_rad": math.pi, "driven_radius_m": 0.1, "driven_wrap_rad": math.pi, "tension_N": 400.0,
+      "span_m": math.pi / 10.0, "axial_stiffness_N": 8000.0, "closure": "fixed", "radius_m": 0.1,
+      "speed_rad_s": 12.0}  # fmt: skip
+
+
+def lengths_m(found, problem):
+    """Return the unstretched length of the belt at work, followed round arc by arc."""
+    stiff_N = np.inf if problem.axial_stiffness_N is None else problem.axial_stiffness_N[0]
+    circling_N, total = found.circling_N[0], 0.0
+    ends = found.tight_N[0], found.slack_N[0]
+    for (radius_m, wrap), slips, arrives, grows in zip(
+        problem.pulleys, found.slip_arc_rad[:, 0], ends, (-1.0, 1.0), strict=True
+    ):
+        mu = found.coefficients[0, 0]
+        angle = np.linspace(0.0, slips, 20001)
+        tension_N = circling_N + (arrives - circling_N) * np.exp(grows * mu * angle)
+        total += radius_m * (np.trapezoid(1.0 / (1.0 + tension_N / stiff_N), angle)
+                             + (wrap - slips) / (1.0 + arrives / stiff_N))  # fmt: skip
+    return total + problem.span_m[0] * sum(1.0 / (1.0 + one / stiff_N) for one in ends)
+
+
+def test_fixed_centres_against_a_finite_element_belt():
+    """Load 25 + 2 ω2 N m; the finite elements have 665.87 and 187.38 N, the length kept 663.2 and 186.4 N, 2.538 rad."""
+    pull_N = 476.8
+    for _ in range(20):
+        problem = problem_of(0.5, **FE, power_W=pull_N * 1.2)
+        found = solved(problem)
+        pull_N = (25.0 + 2.0 * 12.0 * found.speed_ratio[0]) / 0.1
+    assert found.tight_N[0] == pytest.approx(663.2, abs=0.05)
+    assert found.slack_N[0] == pytest.approx(186.4, abs=0.05)
+    assert found.slip_arc_rad[0, 0] == pytest.approx(2.538, abs=5e-4)
+    assert found.tight_N[0] == pytest.approx(665.87, rel=0.006)
+    assert found.slack_N[0] == pytest.approx(187.38, rel=0.006)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.9, 1.0])
+@pytest.mark.parametrize("stiff_N", [2e3, 8e3, 1e6])
+def test_a_belt_between_fixed_centres_keeps_its_unstretched_length(share, stiff_N):
+    belt = FE | {"axial_stiffness_N": stiff_N, "linear_density_kg_m": 30.0, "driven_radius_m": 0.16}
+    full = solved(problem_of(0.5, **belt))
+    problem = problem_of(0.5, **belt, power_W=share * full.full_power_W)
+    found = solved(problem)
+    at_rest = problem.belt_length_m[0] / (1.0 + 400.0 / stiff_N)
+    assert lengths_m(found, problem) == pytest.approx(at_rest, rel=3e-9)
+    assert found.tight_N - found.slack_N == pytest.approx(found.pull_N, abs=1e-9)
+    if share == 1.0:
+        assert found.tight_N == pytest.approx(full.full_tight_N, rel=1e-11)
+
+
+def test_a_belt_that_hardly_stretches_keeps_the_mean_of_its_tension_along_its_length():
+    belt = {name: one for name, one in FE.items() if name != "axial_stiffness_N"}
+    limp, stiff = solved(problem_of(0.5, **belt)), solved(problem_of(0.5, **FE | {"axial_stiffness_N": 1e12}))
+    assert limp.full_tight_N == pytest.approx(stiff.full_tight_N, rel=1e-8)
+    long = solved(problem_of(0.5, **belt | {"span_m": 1e6}))
+    assert long.full_tight_N + long.full_slack_N == pytest.approx(800.0, rel=1e-5)
+
+
+def geometry(driving, driven, **more):
+    tree = {"driving": {"diameter": driving}, "driven": {"diameter": driven}, "belt": {"thickness": "5 mm", **more}, "tension": {"closure": "limit", "force": "1 kN"},
+            "system": "beltdrive", "friction": {"mu": 0.25}}  # fmt: skip
+    return tree
+
+
+@pytest.mark.parametrize(
+    ("more", "length_m", "wrap_deg"),
+    [
+        # Khurmi & Gupta, Theory of Machines: crossed belt of pulleys of 450 and 200 mm, 1.95 m apart.
+        ({"driving": "450 mm", "driven": "200 mm", "centre_distance": "1.95 m", "crossed": True}, 4.975, 199.2),
+        # sarthaks.com 509872: open belt of pulleys of 1600 and 500 mm, 12 m apart.
+        ({"driving": "1600 mm", "driven": "500 mm", "centre_distance": "12 m"}, 27.32, None),
+    ],
+)
+def test_wraps_and_belt_length_follow_from_the_centre_distance(scene_of, more, length_m, wrap_deg):
+    found = rf.solve(scene_of(**geometry(**more))).to_dict()
+    assert found["belt_length_m"] == pytest.approx(length_m, abs=0.0055)
+    if wrap_deg is not None:  # printed beside it: 2.74 kW at 200 rpm and 1 kN
+        tree = geometry(**more)
+        tree["driving"]["speed"] = "200 rpm"
+        assert rf.solve(scene_of(**tree)).to_dict()["full_power_W"] == pytest.approx(2740.0, abs=5.0)
+        assert math.degrees(found["pulleys"]["driving"]["wrap_angle_rad"]) == pytest.approx(wrap_deg, abs=0.05)
+
+
+def test_a_wrap_beside_a_centre_distance_is_one_too_many(scene_of):
+    tree = geometry(driving="450 mm", driven="200 mm", centre_distance="1.95 m")
+    tree["driving"]["wrap"] = "180 deg"
+    with pytest.raises(DataError, match="follows from the centre distance"):
+        scene_of(**tree)
+    touching = geometry(driving="450 mm", driven="200 mm", centre_distance="0.3 m")
+    with pytest.raises(DataError, match="lets the pulleys touch"):
+        scene_of(**touching)

@@ -304,6 +304,16 @@ class Failure(NamedTuple):
         return np.asarray(np.abs(self.value - self.limit) <= error * np.abs(self.value))
 
 
+LARGEST_STRAIN = 0.1
+"""Of a belt or rope that stretches in proportion to its tension, as all of them are taken here."""
+
+
+def strained(what: str, strain: FloatArray) -> Failure:
+    """Return that something is strained beyond what T = EA times strain holds for."""
+    words = f"{what} is strained by more than 10 %, beyond a stretch in proportion to its tension"
+    return Failure(words, "strain", strain, strain > LARGEST_STRAIN, limit=LARGEST_STRAIN)
+
+
 class Wheel(NamedTuple):
     """A wheel of a machine's layout: what part it plays, how far what runs over it lies on it, and what pulls there.
 

@@ -26,12 +26,12 @@ class DrivingTable(kind.Table):
     ----
     diameter : Of the driving pulley, drum or capstan, where the belt lies on it.
     wrap : Over which the belt lies on it; left out where it follows from the centre distance.
-    speed : Its rotation.
+    speed : Its rotation (zero or more).
     """
 
     diameter: Annotated[float, kind.key("m", "300 mm", "wheel_radius_m", factor=0.5)]
     wrap: Annotated[float | None, kind.key("rad", "180 deg", "wrap_angle_rad")] = None
-    speed: Annotated[float | None, kind.key("rad/s", "1500 rpm", "speed_rad_s")] = None
+    speed: Annotated[float | None, kind.key("rad/s", "1500 rpm", "speed_rad_s", above=None)] = None
 
 
 class DrivenTable(kind.Table):
@@ -107,6 +107,8 @@ class DriveScene(kind.SceneTable):
     friction: kind.FrictionTable
 
     def _check(self) -> None:
+        if (self.driving.speed or 0.0) < 0.0:
+            reject("RF110", "the speed is negative", fix="give it zero or more", key="driving.speed")
         if self.load is not None and self.load.power is not None and self.driving.speed is None:
             reject(
                 "RF121",
@@ -167,16 +169,21 @@ def _quantities(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Quanti
 
 
 def _failures(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Failure, ...]:
+    strained = kind.strained("a belt", answer.strain.max(axis=0))
     if problem.power_W is None:
-        return ()
+        return (strained,)
     use, slack_N = answer.utilisation, answer.slack_N
     return (
         kind.Failure("the belts slip: they do not carry the power", "utilisation", use, use > 1.0),
         kind.Failure("a belt goes slack at work", "slack side in N", slack_N, slack_N <= 0.0, limit=0.0),
+        strained,
     )
 
 
-def _belts(utilisation: float, problem: DriveProblem) -> int:
+def _belts(utilisation: float, problem: DriveProblem) -> int | None:
+    """Return how many belts the power takes; None where no number of them carries it."""
+    if math.isinf(utilisation):
+        return None
     return max(1, math.ceil(utilisation * float(problem.belt_count[0]) - 1e-9))
 
 
@@ -248,7 +255,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         lines.append("no span length is given: T1 + T2 = 2 T, as of spans much longer than the arcs")
     if "reversed_torque_N_m" in work:
         lines.append(f"turning the other way, against the band: torque {work['reversed_torque_N_m']:.5g} N m")
-    if "belts" in tree:
+    if tree.get("belts") is not None:
         belts = "belts" if tree["belts"] > 1 else "belt"
         lines.append(f"the power takes {tree['belts']} {belts} tensioned like this")
     if best is not None:

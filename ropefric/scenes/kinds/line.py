@@ -302,6 +302,8 @@ def _failures(answer: LineAnswer, problem: LineProblem) -> tuple[kind.Failure, .
             # A drum that needs all its friction is at the limit, whatever rounding says.
             over = numbers["utilisation"] > 1.0 + 1e-12
             found.append(kind.Failure(f"{one.name}: {one.over}", "utilisation", numbers["utilisation"], over))
+    if problem.axial_stiffness_N is not None and answer.stretches:
+        found.append(kind.strained("the rope", answer.tension_N.max(axis=0) / problem.axial_stiffness_N))
     if problem.tension_limit_N is not None:
         use = answer.tension_N.max(axis=0) / problem.tension_limit_N
         found.append(kind.Failure("the tension exceeds its limit", "utilisation", use, use > 1.0))

@@ -128,8 +128,9 @@ class DriveAnswer(NamedTuple):
 
     @property
     def full_pull_N(self) -> FloatArray:
-        """Return the largest pull of all belts [N]."""
-        return np.asarray(self.model.problem.belt_count * (self.full_tight_N - self.full_slack_N))
+        """Return the largest pull of all belts [N]: of the exponent, as a difference of near tensions has no digits."""
+        held = -np.expm1(-np.nanmin(self.exponents, axis=0))
+        return np.asarray(self.model.problem.belt_count * (self.full_tight_N - self.circling_N) * held)
 
     @property
     def full_power_W(self) -> FloatArray:
@@ -139,12 +140,15 @@ class DriveAnswer(NamedTuple):
     @property
     def pull_N(self) -> FloatArray:
         """Return the pull of all belts at work [N]."""
-        return np.asarray(self.model.problem.belt_count * (self.tight_N - self.slack_N))
+        problem = self.model.problem
+        return self.full_pull_N if problem.power_W is None else problem.power_W / problem.belt_speed_m_s
 
     @property
     def utilisation(self) -> FloatArray:
-        """Return the pull at work over the largest one; above 1 the belts slip."""
-        return np.asarray(self.pull_N / self.full_pull_N)
+        """Return the pull at work over the largest one; above 1 the belts slip, however small the largest is."""
+        pull_N, full_N = self.pull_N, self.full_pull_N
+        beyond = np.where(pull_N > 0.0, np.inf, 0.0)
+        return np.divide(pull_N, full_N, out=beyond, where=full_N > 0.0)
 
     @property
     def speed_ratio(self) -> FloatArray:
@@ -157,8 +161,12 @@ class DriveAnswer(NamedTuple):
         """Return the arcs of both pulleys over which the belt slips at work, shape (2, n); NaN where it slips wholly."""
         pressing = np.stack([self.tight_N, self.slack_N]) - self.circling_N
         whole = (pressing <= 0.0).any(axis=0) | (self.utilisation > 1.0 + 1e-9)
-        logs = np.log(np.where(whole, 1.0, pressing))
-        return np.asarray(np.where(whole, np.nan, (logs[0] - logs[1]) / self.coefficients))
+        pull_N, low_N = self.pull_N / self.model.problem.belt_count, np.where(whole, 1.0, pressing[1])
+        arcs = np.full_like(self.coefficients, np.nan)
+        np.divide(np.log1p(pull_N / low_N), self.coefficients, out=arcs, where=self.coefficients > 0.0)
+        wraps = [one[1] for one in self.model.problem.pulleys]
+        arcs[: len(wraps)] = np.minimum(arcs[: len(wraps)], np.stack(wraps))  # rounding is no arc
+        return np.where(whole, np.nan, arcs)
 
     @property
     def logs(self) -> FloatArray:
@@ -202,6 +210,12 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
     full_tight_N, full_slack_N = (one + circling_N for one in _full_N(model, pressing_N, exponents))
     tight_N, slack_N = full_tight_N, full_slack_N
     if problem.power_W is not None:
+        refuse(
+            problem.belt_speed_m_s <= 0.0,
+            "a belt that stands carries no power",
+            key="speed_rad_s",
+            fix="give a speed, or leave out the power",
+        )
         pull_N = problem.power_W / problem.belt_speed_m_s / problem.belt_count
         behind = {"limit": 0.0, "tensioner": 1.0, "fixed": 0.5}[problem.closure]
         tight_N = problem.tension_N + behind * pull_N
@@ -316,7 +330,8 @@ def _excess_N_m(
         growing = rise_N / (1.0 + give * slack_N) * log1prel(x)
         steady = (rest_N - circling_N) * (slip - np.log1p(x)) / (1.0 + give * circling_N)
         # It adheres with the tension with which it arrives.
-        excess = excess + radius_m * ((steady - growing) / mu + (wrap_rad - slip / mu) * each[place])
+        per_mu = np.divide(1.0, mu, out=np.zeros_like(mu), where=mu > 0.0)
+        excess = excess + radius_m * ((steady - growing) * per_mu + (wrap_rad - slip * per_mu) * each[place])
     return excess
 
 

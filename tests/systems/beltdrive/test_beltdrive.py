@@ -289,9 +289,9 @@ def test_a_belt_that_hardly_stretches_keeps_the_mean_of_its_tension_along_its_le
 
 
 def geometry(driving, driven, **more):
-    tree = {"driving": {"diameter": driving}, "driven": {"diameter": driven}, "belt": {"thickness": "5 mm", **more}, "tension": {"closure": "limit", "force": "1 kN"},
-            "system": "beltdrive", "friction": {"mu": 0.25}}  # fmt: skip
-    return tree
+    return {"system": "beltdrive", "driving": {"diameter": driving}, "driven": {"diameter": driven},
+            "belt": {"thickness": "5 mm", **more}, "tension": {"closure": "limit", "force": "1 kN"},
+            "friction": {"mu": 0.25}}  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -321,3 +321,43 @@ def test_a_wrap_beside_a_centre_distance_is_one_too_many(scene_of):
     touching = geometry(driving="450 mm", driven="200 mm", centre_distance="0.3 m")
     with pytest.raises(DataError, match="lets the pulleys touch"):
         scene_of(**touching)
+
+
+@pytest.mark.parametrize("mu", [1e-11, 1e-14, 1e-300, 0.0])
+@pytest.mark.parametrize("closure", ["limit", "tensioner", "fixed"])
+def test_the_pull_at_almost_no_friction_keeps_its_digits(mu, closure):
+    """A difference of two tensions is off by 2e-6 at 1e-11: the pull is T (1 - e^-M)."""
+    found = solved(problem_of(mu, **CLOSED | {"closure": closure, "linear_density_kg_m": 0.0}))
+    assert found.full_pull_N[0] == pytest.approx(1000.0 * mu * 3.0, rel=1e-10)
+    assert found.utilisation[0] == (1.0 if mu else 0.0)
+
+
+@pytest.mark.parametrize("closure", ["limit", "fixed"])
+def test_without_friction_or_at_rest_a_drive_has_an_answer(scene_of, closure):
+    tree = geometry(driving="300 mm", driven="200 mm", centre_distance="1 m")
+    tree |= {"friction": {"mu": 0}, "load": {"power": "1 kW"}}
+    tree["driving"]["speed"], tree["tension"]["closure"] = "600 rpm", closure
+    slips = rf.solve(scene_of(**tree)).to_dict()
+    assert slips["full_pull_N"] == 0.0
+    assert slips["failures"]
+    still = geometry(driving="300 mm", driven="200 mm", centre_distance="1 m")
+    still["driving"]["speed"] = "0 rpm"
+    found = rf.solve(scene_of(**still)).to_dict()
+    assert (found["full_power_W"], found["belt_speed_m_s"]) == (0.0, 0.0)
+    assert found["full_pull_N"] > 0.0
+    with pytest.raises(DataError, match="carries no power"):
+        rf.solve(scene_of(**still | {"load": {"power": "1 W"}}))
+
+
+def test_a_belt_strained_by_more_than_a_tenth_is_said(scene_of):
+    tree = geometry(driving="300 mm", driven="200 mm", centre_distance="1 m", axial_stiffness="2 kN")
+    strained = rf.solve(scene_of(**tree)).to_dict()
+    assert any("strained by more than 10 %" in one for one in strained["failures"])
+    tree["belt"]["axial_stiffness"] = "20 kN"
+    assert not rf.solve(scene_of(**tree)).to_dict()["failures"]
+
+
+def test_no_arc_of_adhesion_is_below_zero():
+    for mu in np.linspace(0.01, 1.0, 200):
+        found = solved(problem_of(mu, **CLOSED))
+        assert (found.slip_arc_rad[0] <= 3.0).all()

@@ -481,7 +481,12 @@ KIND = kind.Kind(
     contacts=_contacts,
     answerable=answerable,
     failures=_failures,
-    keys={"element": "element.{}", "elements": "element", "wrap_angle_rad": "rope.bending_stiffness"},
+    keys={
+        "mu": "friction.mu",
+        "element": "element.{}",
+        "elements": "element",
+        "wrap_angle_rad": "rope.bending_stiffness",
+    },
     sections=_sections,
     figures={"line": kind.Figure(_chart)},
     layout=_layout,

@@ -551,7 +551,7 @@ def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
     if slips:
         uses = {name: tree["slip"][name]["utilisation"] for name in slips}
         found = ", ".join(
-            f"{name} ({'its belt lifts off' if use is None else f'utilisation {use:.3g}'})"
+            f"{name} ({'its belt lifts off, or has no friction' if use is None else f'utilisation {use:.3g}'})"
             for name, use in uses.items()
         )
         lines = [f"rollers that slip already: {found}; their belts cannot be pulled like this"]

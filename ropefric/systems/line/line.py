@@ -110,6 +110,13 @@ def solve_line(model: LineModel) -> LineAnswer:
     needed_end_N = _needed_end_N(model)
     if start_N is None and end_N is None:
         end_N = needed_end_N
+        refuse(
+            ~np.isfinite(needed_end_N if needed_end_N is not None else np.zeros(problem.n)),
+            "no tension lets a drum without friction pull anything",
+            code="RF510",
+            key="mu",
+            fix="give the drum a coefficient",
+        )
     in_both_ways: Stressed | None = None
     if problem.both_ends:
         jacks_N = (start_N if start_N is not None else end_N), (end_N if end_N is not None else start_N)
@@ -202,8 +209,10 @@ def _needed_end_N(model: LineModel) -> FloatArray | None:
     for place, one in enumerate(problem.elements):
         if isinstance(one, Drum) and one.is_set:
             behind_N = one.needed_out_N(passage)
+            held = np.isfinite(behind_N)
             rest = replace(model, problem=replace(problem, elements=problem.elements[place + 1 :]))
-            needed.append(_tensions(rest, is_pulled=problem.pulled, start_N=behind_N)[-1])
+            end_N = _tensions(rest, is_pulled=problem.pulled, start_N=np.where(held, behind_N, 0.0))[-1]
+            needed.append(np.where(held, end_N, np.inf))
     return np.max(needed, axis=0) if needed else None
 
 

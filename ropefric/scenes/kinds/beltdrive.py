@@ -10,7 +10,15 @@ from pydantic import PlainValidator
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.section import Chart, Line, Section
-from ropefric.systems.beltdrive.drive import CLOSURES, DriveAnswer, DriveProblem, answerable, best_speed_m_s
+from ropefric.systems.beltdrive.drive import (
+    CLOSURES,
+    DriveAnswer,
+    DriveProblem,
+    answerable,
+    best_speed_m_s,
+    brake_of,
+    needed_width_m,
+)
 from ropefric.systems.beltdrive.effects import SYSTEM
 from ropefric.systems.friction import WrapFriction
 
@@ -60,6 +68,8 @@ class BeltTable(kind.Table):
     span_length : Of the free belt from one pulley to the other.
     centre_distance : Of the pulleys; span, wraps and belt length follow from it.
     crossed : Whether the belt crosses itself between the pulleys.
+    stress : Allowable; with it and a power the width follows.
+    density : Of the belt; its mass then grows with the width that is sought.
     """
 
     count: Annotated[int, PlainValidator(whole_number(1, 1000)), kind.Becomes("belt_count", many=False)] = 1
@@ -70,6 +80,17 @@ class BeltTable(kind.Table):
     span_length: Annotated[float | None, kind.key("m", "1.2 m", "span_m")] = None
     centre_distance: Annotated[float | None, kind.key("m", "1.2 m", "centre_distance_m")] = None
     crossed: bool = False
+    stress: Annotated[float | None, kind.key("Pa", "2 MPa", "stress_Pa")] = None
+    density: Annotated[float | None, kind.key("kg/m^3", "1000 kg/m^3", "density_kg_m3")] = None
+
+    def _check(self) -> None:
+        if self.density is not None and (self.linear_density is not None or self.stress is None):
+            reject(
+                "RF111",
+                "a density is for the width that a stress asks for, in place of a mass per length",
+                fix="add stress and leave out linear_density, or leave out density",
+                key="density",
+            )
 
 
 class TensionTable(kind.Table):
@@ -77,12 +98,29 @@ class TensionTable(kind.Table):
 
     Keys
     ----
-    closure : What the force is: the tight side's most, the slack side's by a tensioner, or fixed centres' pretension.
+    closure : What the force is: the most of the tight side, the slack side's, fixed centres' pretension, a lever's effort.
     force : Of one belt.
     """
 
     closure: Annotated[str, PlainValidator(choice(lambda: CLOSURES))]
     force: Annotated[float, kind.key("N", "1200 N", "tension_N")]
+
+
+class BrakeTable(kind.Table):
+    """`[brake]`: the lever of a band brake, for the closure lever; the force is then the effort at its end.
+
+    Keys
+    ----
+    lever : Arm of the effort about the fulcrum.
+    tight_arm : Arm of the band's tight end; 0 at the fulcrum, negative where its pull helps the effort.
+    slack_arm : Arm of the band's slack end, likewise.
+    torque : To be held; gives the effort that it takes.
+    """
+
+    lever: Annotated[float, kind.key("m", "400 mm", "lever_m")]
+    tight_arm: Annotated[float, kind.key("m", "80 mm", "tight_arm_m", above=None)] = 0.0
+    slack_arm: Annotated[float, kind.key("m", "150 mm", "slack_arm_m", above=None)] = 0.0
+    torque: Annotated[float | None, kind.key("N*m", "350 N*m", "brake_torque_N_m")] = None
 
 
 class LoadTable(kind.Table):
@@ -103,6 +141,7 @@ class DriveScene(kind.SceneTable):
     driven: DrivenTable | None = None
     belt: BeltTable
     tension: TensionTable
+    brake: BrakeTable | None = None
     load: LoadTable | None = None
     friction: kind.FrictionTable
 
@@ -117,6 +156,7 @@ class DriveScene(kind.SceneTable):
                 key="driving.speed",
             )
         self._check_geometry()
+        self._check_brake()
         wrap = self.driving.wrap or 0.0
         if self.driven is not None and self.driven.wrap is None and not wrap < _TURN:
             reject(
@@ -125,6 +165,18 @@ class DriveScene(kind.SceneTable):
                 fix='add wrap = "180 deg" to [driven]',
                 key="driven.wrap",
             )
+
+    def _check_brake(self) -> None:
+        if (self.brake is not None) != (self.tension.closure == "lever"):
+            reject(
+                "RF121",
+                "the closure lever is that of a band brake with a table of its own",
+                fix='write closure = "lever" and [brake], or neither',
+                key="tension.closure",
+            )
+        if self.brake is not None and (self.driven is not None or self.load is not None):
+            key = "driven" if self.driven is not None else "load"
+            reject("RF111", f"a band brake has no [{key}]", fix="leave it out", key=key)
 
     def _check_geometry(self) -> None:
         belt, driven = self.belt, self.driven
@@ -165,7 +217,15 @@ def _quantities(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Quanti
     if problem.power_W is not None:
         found["utilisation"] = answer.utilisation
         found["belts_needed"] = answer.utilisation * problem.belt_count
-    return tuple(kind.Quantity(name, value, positive=True) for name, value in found.items())
+    if (width_m := needed_width_m(answer)) is not None:
+        found["needed_width_m"] = width_m
+    quantities = [kind.Quantity(name, value, positive=True) for name, value in found.items()]
+    if (brake := brake_of(answer)) is not None:
+        named = {name: value for name, value in brake._asdict().items() if value is not None}
+        named["torque_N_m"] = answer.pull_N * problem.wheel_radius_m
+        # A brake that holds by itself needs a negative effort.
+        quantities += [kind.Quantity(f"brake.{name}", value) for name, value in named.items()]
+    return tuple(quantities)
 
 
 def _failures(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Failure, ...]:
@@ -253,6 +313,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         lines.append(f"belt length {tree['belt_length_m']:.6g} m, of it {tree['span_m']:.6g} m in each span")
     if tree["closure"] == "fixed" and not tree["keeps_length"]:
         lines.append("no span length is given: T1 + T2 = 2 T, as of spans much longer than the arcs")
+    lines += _brake_lines(tree.get("brake", {}))
     if "reversed_torque_N_m" in work:
         lines.append(f"turning the other way, against the band: torque {work['reversed_torque_N_m']:.5g} N m")
     if tree.get("belts") is not None:
@@ -277,6 +338,22 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         "driven [rpm]": ("speed_rad_s", ".5g", _PER_MINUTE),
     }
     return (kind.by_rows("Belt and pulleys", "pulley", tree["pulleys"], columns, lines=tuple(lines)),)
+
+
+def _brake_lines(brake: Mapping[str, Any]) -> list[str]:
+    if not brake:
+        return []
+    back = brake["reversed_torque_N_m"]
+    other = "locks by itself" if back is None else f"brakes with {back:.5g} N m"
+    lines = [f"the effort brakes with {brake['torque_N_m']:.5g} N m; turning the other way it {other}"]
+    for name, way in (
+        ("needed_effort_N", "the torque to be held"),
+        ("reversed_effort_N", "turning the other way"),
+    ):
+        if brake.get(name) is not None:
+            held = " or less: it locks by itself" if brake[name] <= 0.0 else ""
+            lines.append(f"{way} takes an effort of {brake[name]:.5g} N{held}")
+    return lines
 
 
 def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
@@ -356,6 +433,7 @@ KIND = kind.Kind(
         "initial_tension_N": "Initial tension for the largest pull, (T1 + T2)/2 a belt [N]",
         "full_power_W": "Largest power of all belts at this speed [W]",
         "utilisation": "Share of the largest pull at work",
+        "needed_width_m": "Width of each belt that the power takes [m]",
         "belts_needed": "Belts that the power takes, before rounding up",
     },
 )

@@ -98,7 +98,7 @@ class TensionTable(kind.Table):
 
     Keys
     ----
-    closure : What the force is: the most of the tight side, the slack side's, fixed centres' pretension, a lever's effort.
+    closure : What the force is: the most of the tight side, the slack side's, the pretension at rest, a lever's effort.
     force : Of one belt.
     """
 

@@ -161,11 +161,24 @@ class LineScene(kind.SceneTable):
     element: list[ElementTable]
 
     def _check(self) -> None:
-        line, elements = self.line, [one.element(place) for place, one in enumerate(self.element)]
+        elements = [one.element(place) for place, one in enumerate(self.element)]
         if not elements:
             reject("RF121", "the line has no element", fix="add a table [[element]]", key="element")
-        shared = any(isinstance(one, Drum) and one.share is not None for one in elements)
-        set_pulls = any(isinstance(one, Drum) and one.is_set for one in elements)
+        drums = [one for one in elements if isinstance(one, Drum)]
+        self._check_ends(has_pull=any(one.is_set for one in drums))
+        self._check_pull(is_shared=any(one.share is not None for one in drums))
+        self._check_tendon(elements)
+        for place, one in enumerate(elements) if self.friction is None else ():
+            if one.slides and getattr(one, "mu", None) is None and (one.kind != "run" or self._rubs(one)):
+                reject(
+                    "RF121",
+                    f"no friction is given for {one.name}",
+                    fix="add mu to it, or mu, a law or a fit to [friction]",
+                    key=f"element.{place}",
+                )
+
+    def _check_ends(self, *, has_pull: bool) -> None:
+        line = self.line
         ends = (line.start_tension is not None) + (line.end_tension is not None)
         if ends == 2 and not line.both_ends:
             reject(
@@ -174,31 +187,21 @@ class LineScene(kind.SceneTable):
                 fix="keep the one that is known, or add both_ends = true for a tendon",
                 key="line.end_tension",
             )
-        if not ends and not set_pulls:
+        if not ends and not has_pull:
             reject(
                 "RF121",
                 "the tension is known at neither end",
                 fix='add start_tension = "90 N", before the first element, or end_tension, behind the last',
                 key="line.start_tension",
             )
-        if shared != (line.pull is not None):
-            words = "a share of a pull" if shared else "a pull"
-            reject(
-                "RF121",
-                f"{words} needs {'the pull of all drums' if shared else 'drums with a share of it'}",
-                fix='add pull = "20 kN" to [line]' if shared else "add share to a drum",
-                key="line.pull",
-            )
-        self._check_tendon(elements)
-        if self.friction is None:
-            for place, one in enumerate(elements):
-                if one.slides and getattr(one, "mu", None) is None and (one.kind != "run" or self._rubs(one)):
-                    reject(
-                        "RF121",
-                        f"no friction is given for {one.name}",
-                        fix="add mu to it, or mu, a law or a fit to [friction]",
-                        key=f"element.{place}",
-                    )
+
+    def _check_pull(self, *, is_shared: bool) -> None:
+        if is_shared == (self.line.pull is not None):
+            return
+        words, fix = "a pull needs drums with a share of it", "add share to a drum"
+        if is_shared:
+            words, fix = "a share of a pull needs the pull of all drums", 'add pull = "20 kN" to [line]'
+        reject("RF121", words, fix=fix, key="line.pull")
 
     def _rubs(self, run: Any) -> bool:
         return self.rope.linear_density is not None or run.wobble_1_m is not None
@@ -348,7 +351,7 @@ def _from_other_end(answer: LineAnswer) -> dict[str, Any]:
         return {}
     radii = [getattr(one, "radius_m", None) for one in reversed(answer.model.problem.elements)]
     pressures = [max(other[i, 0], other[i + 1, 0]) / radius for i, radius in enumerate(radii) if radius]
-    return {"normal_N_m": float(max(pressures))} if pressures else {}
+    return {"normal_N_m": kind.finite(max(pressures))} if pressures else {}
 
 
 _COLUMNS: kind.Columns = {
@@ -381,7 +384,9 @@ def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
         yield f"the hand's {hand_N:.5g} N carry {tree['load_N']:.5g} N: advantage {tree['advantage']:.4g}"
     if "from_other_end" in tree:
         ends_N = [tree["from_other_end"][name] for name in ("start_tension_N", "hand_tension_N")]
-        if not np.allclose(ends_N, [tree["tension_N"][0], hand_N], rtol=1e-6, atol=0.0):
+        if None not in ends_N and not np.allclose(
+            ends_N, [tree["tension_N"][0], hand_N], rtol=1e-6, atol=0.0
+        ):
             yield (
                 f"pulled from the other end: {ends_N[0]:.5g} N before the first element, "
                 f"{ends_N[1]:.5g} N behind the last"
@@ -417,7 +422,7 @@ def _chart(answer: LineAnswer, problem: LineProblem) -> Chart:
     name = "stressed from both ends" if both is not None else "pulled" if problem.pulled else "paid out"
     least = [] if both is None else [(both.least_at_m[0], both.least_N[0])]
     lines = [_line(name, places, answer.tension_N[:, 0], least)]
-    if answer.other_end is not None:
+    if answer.other_end is not None and np.isfinite(answer.other_end).all():
         lines.append(Line("pulled from the other end", places, answer.other_end[::-1, 0]))
     if answer.anchored:
         at_end = [False, True] if both is not None else [problem.pulled]

@@ -416,7 +416,7 @@ def _excess_N_m(
 def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:
     """Return the belt speed of the largest power, √(T/3m) [m/s], with the coefficient as it is; None without a mass.
 
-    The pull is proportional to T − m v2 of the tension that is given; not where a length is kept, nor of a band, which stands.
+    The pull is proportional to T − m v2 of the tension that is given; not where a length is kept or a band stands.
     """
     kept = problem.closure == "lever" or (problem.closure == "fixed" and problem.span_m is not None)
     if kept or problem.linear_density_kg_m is None or not problem.linear_density_kg_m.all():

@@ -18,8 +18,8 @@ from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import GRAVITY_M_S2, TOLD, contact_arc_rad
 
 _LARGEST_EXPONENT = 300.0
-_MAX_STEPS = 2000
-_SETTLED = 4e-15
+_MAX_STEPS = 200
+_SETTLED = 1e-15
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 _BEND_M = frozenset({"wrap-dependence", "end-tension", "offset"})
 """What a law can describe that makes M not proportional to the wrap."""
@@ -271,28 +271,30 @@ class Contact(NamedTuple):
 
 
 def _slack_N(tight_of: Callable[[FloatArray], FloatArray], tight_N: FloatArray) -> FloatArray:
-    """Return the slack side's tension to a tight side's.
+    """Return the slack side's tension to a tight side's, by secants of g(ln T) = ln tight(T) − ln T_tight.
 
-    ln T ← ln T + ln T_tight − ln tight(T) falls from above on the solution, as M falls with T by less than ln T rises;
-    each third step is Aitken's, unless the law has no answer there.
+    As M falls with T by less than ln T rises, ln T − g never falls below the solution: it is taken where the law has no
+    answer to a secant's.
     """
     wanted = np.log(tight_N)
-    last: list[FloatArray] = [wanted]
+
+    def excess(logs: FloatArray) -> FloatArray:
+        return np.asarray(np.log(tight_of(np.exp(logs))) - wanted)
+
+    before, above = wanted, excess(wanted)
+    here = safe = before - above
     for _ in range(_MAX_STEPS):
-        better = last[-1] + wanted - np.log(tight_of(np.exp(last[-1])))
-        if (np.abs(better - last[-1]) <= _SETTLED * (1.0 + np.abs(better))).all():
-            return np.exp(better)
-        last.append(better)
-        if len(last) == 3:
-            bent = last[2] - 2.0 * last[1] + last[0]
-            step = np.divide(
-                (last[2] - last[1]) ** 2, bent, out=np.zeros_like(bent), where=np.abs(bent) > 1e-12
-            )
-            last = [last[2] - step]
-            try:
-                tight_of(np.exp(last[0]))
-            except RopefricError:
-                last = [better]
+        try:
+            now = excess(here)
+        except RopefricError:
+            here = safe
+            now = excess(here)
+        slope = np.divide(above - now, before - here, out=np.ones_like(now), where=before != here)
+        step = now / np.clip(slope, 1e-3, 2.0)
+        before, above, safe, here = here, now, here - now, here - step
+        left = np.minimum(np.abs(step) / (1.0 + np.abs(here)), np.abs(now) / (1.0 + np.abs(wanted)))
+        if (left <= _SETTLED).all():
+            return np.asarray(np.exp(here))
     raise SolverError(
         "the tension on the slack side of a bend does not settle",
         code="RF500",

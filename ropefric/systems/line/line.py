@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError
+from ropefric.errors import InputError, RopefricError
 from ropefric.systems.checks import refuse
 from ropefric.systems.effect import log_change
 from ropefric.systems.line.element import LineModel, LineProblem, Passage
@@ -106,50 +106,66 @@ def distance(answer: LineAnswer, reference: LineAnswer, whole: LineAnswer) -> fl
 def solve_line(model: LineModel) -> LineAnswer:
     """Return the tensions along a line, and what follows from them."""
     problem = model.problem
-    start_N, end_N = problem.start_tension_N, problem.end_tension_N
-    needed_end_N = _needed_end_N(model)
-    if start_N is None and end_N is None:
+    start_N, end_N, needed_end_N = problem.start_tension_N, problem.end_tension_N, _needed_end_N(model)
+    if start_N is None and end_N is None and needed_end_N is not None:
         end_N = needed_end_N
         refuse(
-            ~np.isfinite(needed_end_N if needed_end_N is not None else np.zeros(problem.n)),
+            ~np.isfinite(end_N),
             "no tension lets a drum without friction pull anything",
             code="RF510",
             key="mu",
             fix="give the drum a coefficient",
         )
-    in_both_ways: Stressed | None = None
-    if problem.both_ends:
-        jacks_N = (start_N if start_N is not None else end_N), (end_N if end_N is not None else start_N)
-        ways = (
-            _tensions(model, is_pulled=False, start_N=jacks_N[0]),
-            _tensions(model, is_pulled=True, end_N=jacks_N[1]),
-        )
-        in_both_ways = stressed(*ways, _lengths_m(problem))
-        tension_N = in_both_ways.sides_N.max(axis=0)
-    else:
+    both = _stressed(model) if problem.both_ends else None
+    if both is None:
         tension_N = _tensions(model, is_pulled=problem.pulled, start_N=start_N, end_N=end_N)
+    else:
+        tension_N = both.sides_N.max(axis=0)
     passage = Passage(model, is_forward=True, is_pulled=problem.pulled)
     triples = list(zip(problem.elements, tension_N[:-1], tension_N[1:], strict=True))
-    stretch_m = np.zeros((len(triples), problem.n))
-    if "stretch" in model.effects and problem.axial_stiffness_N is not None and in_both_ways is None:
-        stretch_m = np.stack([one.stretch_N_m(passage, before_N) for one, before_N, _ in triples])
-        stretch_m = stretch_m / problem.axial_stiffness_N
-    whole = not any(isinstance(one, Drum) for one in problem.elements) and not problem.both_ends
-    other_end = None
-    if whole and problem.pulled and len(triples) > 1:
-        back = replace(problem, elements=tuple(one.turned() for one in reversed(problem.elements)))
-        other_end = _tensions(replace(model, problem=back), is_pulled=True, start_N=start_N, end_N=end_N)
+    moves_whole = both is None and not any(isinstance(one, Drum) for one in problem.elements)
     return LineAnswer(
         model=model,
         tension_N=tension_N,
         numbers=tuple(one.numbers(passage, before_N, after_N) for one, before_N, after_N in triples),
-        stretch_m=stretch_m,
-        cycle=_cycle(model, tension_N[0]) if whole else None,
-        other_end=other_end,
+        stretch_m=_stretch_m(passage, tension_N, moves=both is None),
+        cycle=_cycle(model, tension_N[0]) if moves_whole else None,
+        other_end=_other_end(model) if moves_whole and problem.pulled and len(triples) > 1 else None,
         needed_end_N=needed_end_N,
-        stressed=in_both_ways,
-        anchored=_anchored(model, tension_N, in_both_ways),
+        stressed=both,
+        anchored=_anchored(model, tension_N, both),
     )
+
+
+def _stretch_m(passage: Passage, tension_N: FloatArray, *, moves: bool) -> FloatArray:
+    """Return the elongation in each element, shape (k, n); zero where it is not simulated, or two jacks share it."""
+    problem = passage.model.problem
+    if not moves or problem.axial_stiffness_N is None or not passage.has("stretch"):
+        return np.zeros((len(problem.elements), problem.n))
+    pairs = zip(problem.elements, tension_N[:-1], strict=True)
+    return (
+        np.stack([one.stretch_N_m(passage, before_N) for one, before_N in pairs]) / problem.axial_stiffness_N
+    )
+
+
+def _stressed(model: LineModel) -> Stressed:
+    """Return a tendon with a jack at each end; where one force is given, both have it."""
+    problem = model.problem
+    start_N, end_N = problem.start_tension_N, problem.end_tension_N
+    from_start_N = _tensions(model, is_pulled=False, start_N=end_N if start_N is None else start_N)
+    from_end_N = _tensions(model, is_pulled=True, end_N=start_N if end_N is None else end_N)
+    return stressed(from_start_N, from_end_N, _lengths_m(problem))
+
+
+def _other_end(model: LineModel) -> FloatArray:
+    """Return the tensions where the rope is pulled from the other end, with the same tension known; NaN without any."""
+    problem = model.problem
+    back = replace(problem, elements=tuple(one.turned() for one in reversed(problem.elements)))
+    ends: dict[str, FloatArray | None] = {"start_N": problem.start_tension_N, "end_N": problem.end_tension_N}
+    try:
+        return _tensions(replace(model, problem=back), is_pulled=True, **ends)
+    except RopefricError:
+        return np.full((len(problem.elements) + 1, problem.n), np.nan)
 
 
 def _tensions(
@@ -184,8 +200,15 @@ def _tensions(
 def _cycle(model: LineModel, start_N: FloatArray) -> Cycle:
     """Return what the hand feels as it pulls and pays out, and how far it moves before the other end does.
 
-    NaN where the rope would have to push in one of the two.
+    NaN where the rope would have to push in one of the two, or the law has no answer to one.
     """
+    try:
+        return _both_ways(model, start_N)
+    except RopefricError:
+        return Cycle(*np.full((3, model.problem.n), np.nan))
+
+
+def _both_ways(model: LineModel, start_N: FloatArray) -> Cycle:
     problem, ends_N, drawn_N_m = model.problem, [], []
     pulls = np.ones(problem.n, dtype=np.bool_)
     for is_pulled in (True, False):

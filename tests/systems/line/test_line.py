@@ -117,6 +117,13 @@ def test_a_cycle_of_a_bowden_cable(answer_of):
     assert cycle["lost_stroke_m"] == pytest.approx(stroke, rel=1e-12)
 
 
+def test_where_a_law_has_no_answer_to_the_other_way_the_rest_is_answered(answer_of):
+    """Paid out from 3 N the slack side falls below the 1 N from which such a law counts."""
+    found = answer_of({**BEND, "angle": "3 turn"}, BEND, line=pulled("3 N"), friction=LAWS[1])
+    assert found["hand_tension_N"] > 3.0
+    assert found["cycle"]["dead_band_N"] is None
+
+
 def test_a_stiff_rope_in_a_bend_is_that_of_the_hoist(answer_of, line_of):
     from ropefric.files.toml import TomlDocument
     from ropefric.scenes.scene import read_scene

@@ -138,7 +138,7 @@ class _ElementTable(kind.Table):
 
 
 _MEANINGS = "\n".join(
-    f"    {key} : Of a {', '.join(one.kind for one in has)}: {given.meaning[0].lower()}{given.meaning[1:]}"
+    f"    {key} : Of a {', '.join(one.kind for one in has)}: {given.meaning}"
     for key, (given, _, _, has) in _KEYS.items()
 )
 _FIELDS: dict[str, Any] = {

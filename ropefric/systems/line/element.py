@@ -42,14 +42,14 @@ class Given(NamedTuple):
     at_most: float = math.inf
 
 
-Mu = Annotated[float | None, Given("mu", "Coefficient of this element alone.", or_zero=True)]
+Mu = Annotated[float | None, Given("mu", "coefficient of this element alone.", or_zero=True)]
 Radius = Annotated[
-    float | None, Given("radius", "Of what the rope lies on; for the side pressure.", "m", "300 mm")
+    float | None, Given("radius", "of what the rope lies on; for the side pressure.", "m", "300 mm")
 ]
 Wobble = Annotated[
     float | None, Given("wobble", "k, unintended angle per length of a duct or sheath.", "1/m", "0.01 rad/m")
 ]
-Length = Annotated[float | None, Given("length", "Along the rope.", "m", "30 m")]
+Length = Annotated[float | None, Given("length", "along the rope.", "m", "30 m")]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,13 +16,13 @@ class Bend(Element):
     kind: ClassVar[str] = "bend"
     over: ClassVar[str] = "the rope presses on the bend by more than its limit"
 
-    angle_rad: Annotated[float, Given("angle", "Over which the rope lies on it.", "rad", "90 deg")]
+    angle_rad: Annotated[float, Given("angle", "over which the rope lies on it.", "rad", "90 deg")]
     radius_m: Radius = None
     length_m: Length = None
     wobble_1_m: Wobble = None
     mu: Mu = None
     normal_limit_N_m: Annotated[
-        float | None, Given("normal_limit", "Largest side pressure T/R.", "N/m", "5 kN/m")
+        float | None, Given("normal_limit", "largest side pressure T/R.", "N/m", "5 kN/m")
     ] = None
 
     @property

@@ -17,18 +17,18 @@ class Drum(Element):
     kind: ClassVar[str] = "drum"
     over: ClassVar[str] = "the rope slips on the drum"
 
-    angle_rad: Annotated[float, Given("angle", "Over which the rope lies on it.", "rad", "2.5 turn")]
+    angle_rad: Annotated[float, Given("angle", "over which the rope lies on it.", "rad", "2.5 turn")]
     radius_m: Radius = None
     torque_N_m: Annotated[
         float | None,
-        Given("torque", "That drives it, negative where it brakes; all its friction if left out.", "N*m", "150 N*m",
+        Given("torque", "that drives it, negative where it brakes; all its friction if left out.", "N*m", "150 N*m",
               above=None),
     ] = None  # fmt: skip
     share: Annotated[
-        float | None, Given("share", "Of the pull of all drums; in place of a torque.", or_zero=True)
+        float | None, Given("share", "of the pull of all drums; in place of a torque.", or_zero=True)
     ] = None
     braked: Annotated[
-        bool, Given("braked", "Whether a drum without torque holds the rope back with all its friction.")
+        bool, Given("braked", "whether a drum without torque holds the rope back with all its friction.")
     ] = False
     mu: Mu = None
 

@@ -14,7 +14,7 @@ class Force(Element):
     kind: ClassVar[str] = "force"
 
     force_N: Annotated[
-        float, Given("force", "By which the tension is larger behind it.", "N", "200 N", above=None)
+        float, Given("force", "by which the tension is larger behind it.", "N", "200 N", above=None)
     ]
 
     def turned(self) -> Self:

@@ -17,14 +17,14 @@ class Run(Element):
 
     kind: ClassVar[str] = "run"
 
-    length_m: Annotated[float, Given("length", "Along the rope.", "m", "30 m")]
+    length_m: Annotated[float, Given("length", "along the rope.", "m", "30 m")]
     slope_rad: Annotated[
         float, Given("slope", "α, positive uphill from start to end.", "rad", "10 deg", above=None)
     ] = 0.0
     wobble_1_m: Wobble = None
     mu: Mu = None
     carries: Annotated[
-        bool, Given("carries", "Whether its tension carries the load of a hauling system.")
+        bool, Given("carries", "whether its tension carries the load of a hauling system.")
     ] = False
 
     @property

@@ -22,7 +22,7 @@ class Wheel(Element):
     ] = None
     angle_rad: Annotated[
         float | None,
-        Given("angle", "Over which the rope lies on it; for the force on its axle.", "rad", "180 deg"),
+        Given("angle", "over which the rope lies on it; for the force on its axle.", "rad", "180 deg"),
     ] = None
 
     @property

@@ -239,7 +239,7 @@ def placed(error: RopefricError, document: TomlDocument) -> DataError:
     named = KINDS[document.data["system"]].scene_key
     problems = [
         document.problem(
-            tuple(named(problem.key).split(".")) if problem.key else (),
+            _path(document.data, named(problem.key)) if problem.key else (),
             problem.code,
             problem.message if not problem.path else f"{problem.where}: {problem.message}",
             fix=problem.fix,
@@ -247,6 +247,16 @@ def placed(error: RopefricError, document: TomlDocument) -> DataError:
         for problem in error.problems
     ]
     return data_error(problems)
+
+
+def _path(tree: Any, key: str) -> tuple[str | int, ...]:
+    """Return the parts of a key, those of lists as numbers."""
+    path: list[str | int] = []
+    for name in key.split("."):
+        in_list = isinstance(tree, list) and name.isdecimal() and int(name) < len(tree)
+        path.append(int(name) if in_list else name)
+        tree = tree[path[-1]] if in_list else tree.get(name) if isinstance(tree, dict) else None
+    return tuple(path)
 
 
 def _kind(document: TomlDocument) -> Kind:

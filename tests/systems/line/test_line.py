@@ -381,6 +381,13 @@ def test_a_bend_that_is_too_tight_for_a_stiff_rope_is_refused_with_its_key(tmp_p
         solve_scene(load_scene(path))
 
 
+def test_what_an_element_makes_of_the_tension_is_said_at_its_line(tmp_path):
+    path = tmp_path / "line.toml"
+    path.write_text(BAD + '[[element]]\nkind = "bend"\nangle = "90 turn"\n', encoding="utf-8")
+    with pytest.raises(DataError, match=r"line\.toml:12 element\[2\]: the tension grows beyond any rope"):
+        solve_scene(load_scene(path))
+
+
 STRANGER = '''"""A damper that takes a force in proportion to the tension's square root."""
 
 from dataclasses import dataclass

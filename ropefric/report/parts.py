@@ -321,7 +321,11 @@ def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Sec
         f"left out: {', '.join(plan.left_out) or 'none'}",
         f"method: {_method(plan)}",
         f"relative difference to simulating everything: {bound} (wanted: {plan.accuracy:g})",
-        *(f"bound of {name}: {to_error(one, 0.0)}" for name, one in solution.own_bounds.items()),
+        *(
+            f"bound of {name}: {to_error(one, 0.0)}"
+            for name, one in solution.own_bounds.items()
+            if "." not in name
+        ),
         *([f"not bounded, but of the effects simulated: {beyond}"] if beyond else []),
     ]
     whole_machine = Section(title, lines, headings, rows, notes=solution.warnings)

@@ -49,6 +49,9 @@ def number_where(
 
 
 positive = number_where(lambda one: one > 0.0, "{} is not more than 0", "give a positive number")
+zero_or_more = number_where(
+    lambda one: one >= 0.0, "{} is not zero or more", "give zero or a positive number"
+)
 _accuracy = number_where(
     lambda one: 0.0 < one <= 1.0,
     "an accuracy of {} is not above 0 and at most 1",
@@ -223,7 +226,7 @@ class FrictionTable(Table):
     fit : A stored fit: its path from the scene's folder, or from that of the command.
     """
 
-    mu: Annotated[float | None, PlainValidator(positive)] = None
+    mu: Annotated[float | None, PlainValidator(zero_or_more)] = None
     law: Annotated[str | None, PlainValidator(choice(lambda: ALL_LAWS))] = None
     parameters: Annotated[dict[str, float] | None, by_name(number, "a = 0.2, b = -0.5")] = None
     fit: Annotated[str | None, PlainValidator(text)] = None
@@ -299,6 +302,16 @@ class Failure(NamedTuple):
     def is_open(self, error: FloatArray | float) -> BoolArray:
         """Return where a measure that errs by a share may be on either side of its limit."""
         return np.asarray(np.abs(self.value - self.limit) <= error * np.abs(self.value))
+
+
+LARGEST_STRAIN = 0.1
+"""Of a belt or rope that stretches in proportion to its tension, as all of them are taken here."""
+
+
+def strained(what: str, strain: FloatArray) -> Failure:
+    """Return that something is strained beyond what T = EA times strain holds for."""
+    words = f"{what} is strained by more than 10 %, beyond a stretch in proportion to its tension"
+    return Failure(words, "strain", strain, strain > LARGEST_STRAIN, limit=LARGEST_STRAIN)
 
 
 class Wheel(NamedTuple):

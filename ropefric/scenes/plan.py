@@ -163,23 +163,26 @@ def solve_planned(scene: Scene, problem: Any, effects: str | tuple[str, ...] = "
 
 
 def _off_by(system: System, problem: Any, plan: Plan, answer: Any) -> float:
-    """Return how far the answer of a list of effects is from that of all of them.
+    """Return how far the answer of a list of effects is from that of all of them."""
+    try:
+        whole, rest = nearly_whole(system, problem, plan, answer)
+        return _relative(math.log1p(system.distance(answer, whole, whole)) + rest)
+    except RopefricError:
+        return math.inf
 
-    What is left out is simulated for that, but for what is dear, of which a bound has to do.
+
+def nearly_whole(system: System, problem: Any, plan: Plan, answer: Any) -> tuple[Any, float]:
+    """Return the answer with all effects but those that are dear, and what |Δ ln| those are worth at most.
+
+    What a list leaves out is simulated for that; of what is dear a bound has to do.
     """
     left_out = [system.effects[name] for name in plan.left_out]
     dear = [one for one in left_out if one.cost >= _DEAR_S]
-    off, whole = 0.0, answer
-    try:
-        if len(dear) < len(left_out):
-            names = {*plan.simulated, *plan.left_out} - {one.name for one in dear}
-            whole = system.solve(assemble(system, problem, names), plan.method)
-            off = math.log1p(system.distance(answer, whole, whole))
-        for one in dear:
-            off += math.inf if one.bound is None else float(one.bound(problem, whole).max())
-    except RopefricError:
-        return math.inf
-    return _relative(off)
+    if len(dear) < len(left_out):
+        names = {*plan.simulated, *plan.left_out} - {one.name for one in dear}
+        answer = system.solve(assemble(system, problem, names), plan.method)
+    bounds = (math.inf if one.bound is None else float(one.bound(problem, answer).max()) for one in dear)
+    return answer, sum(bounds)
 
 
 def worth_asking(known: Iterable[Effect], cases: int) -> list[Effect]:

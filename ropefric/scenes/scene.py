@@ -239,7 +239,7 @@ def placed(error: RopefricError, document: TomlDocument) -> DataError:
     named = KINDS[document.data["system"]].scene_key
     problems = [
         document.problem(
-            tuple(named(problem.key).split(".")) if problem.key else (),
+            _path(document.data, named(problem.key)) if problem.key else (),
             problem.code,
             problem.message if not problem.path else f"{problem.where}: {problem.message}",
             fix=problem.fix,
@@ -247,6 +247,16 @@ def placed(error: RopefricError, document: TomlDocument) -> DataError:
         for problem in error.problems
     ]
     return data_error(problems)
+
+
+def _path(tree: Any, key: str) -> tuple[str | int, ...]:
+    """Return the parts of a key, those of lists as numbers."""
+    path: list[str | int] = []
+    for name in key.split("."):
+        in_list = isinstance(tree, list) and name.isdecimal() and int(name) < len(tree)
+        path.append(int(name) if in_list else name)
+        tree = tree[path[-1]] if in_list else tree.get(name) if isinstance(tree, dict) else None
+    return tuple(path)
 
 
 def _kind(document: TomlDocument) -> Kind:
@@ -323,16 +333,22 @@ def unit_of(text: str) -> tuple[str, float]:
 def leaves(tree: Any, prefix: str = "") -> list[tuple[str, Any]]:
     """Return the keys of a TOML tree that hold a value, with it."""
     found = []
-    for name, value in tree.items():
+    for name, value in enumerate(tree) if isinstance(tree, list) else tree.items():
         key = f"{prefix}.{name}" if prefix else str(name)
-        found += leaves(value, key) if isinstance(value, dict) else [(key, value)]
+        inner = isinstance(value, dict) or (
+            isinstance(value, list) and all(isinstance(one, dict) for one in value)
+        )
+        found += leaves(value, key) if inner else [(key, value)]
     return found
 
 
 def value_at(tree: Any, key: str) -> Any:
     """Return what stands at a key of a TOML tree or of the table made from it; None where nothing does."""
     for name in key.split("."):
-        tree = tree.get(name) if isinstance(tree, dict) else getattr(tree, name, None)
+        if isinstance(tree, list):
+            tree = tree[int(name)] if name.isdecimal() and int(name) < len(tree) else None
+        else:
+            tree = tree.get(name) if isinstance(tree, dict) else getattr(tree, name, None)
     return tree
 
 
@@ -340,6 +356,8 @@ def replaced(tree: Any, key: str, value: Any) -> Any:
     """Return a TOML tree, or the table made from it, with another value at a key; it is not checked again."""
     name, _, rest = key.partition(".")
     inner = {name: replaced(value_at(tree, name), rest, value) if rest else value}
+    if isinstance(tree, list):
+        return [inner.get(str(place), one) for place, one in enumerate(tree)]
     return {**tree, **inner} if isinstance(tree, dict) else tree.model_copy(update=inner)
 
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -17,7 +18,7 @@ from ropefric.friction.condition import Conditions
 from ropefric.plugins import provenance
 from ropefric.quantities import split_unit_suffix
 from ropefric.scenes.kind import Quantity, finite
-from ropefric.scenes.plan import Plan, method_tree, solve_planned
+from ropefric.scenes.plan import Plan, method_tree, nearly_whole, solve_planned
 from ropefric.scenes.scene import FrictionSource, Scene, placed, value_at
 from ropefric.shown import Shown, in_words
 from ropefric.systems.effect import assemble
@@ -61,7 +62,8 @@ class Solution(Shown):
     undecided : tuple of str
         Which yes or no may be another with the effects that are left out: of those asked for by name none is added.
     own_bounds : dict of str to float
-        How far the effects left out may put off the numbers that the relative bound does not hold for, in their unit.
+        How far the effects left out may put off a number, in its unit: each number of a list of effects; else those for
+        which the relative bound does not hold.
     tree : dict
         What the machine's kind adds to the JSON shape.
     """
@@ -153,11 +155,11 @@ class Solution(Shown):
         }
 
 
-def _put(tree: dict[str, Any], quantity: Uncertain) -> None:
+def _put(tree: Any, quantity: Uncertain) -> None:
     """Put a number at its place: "slip.2.utilisation" goes under slip, under "2"."""
     *path, name = quantity.name.split(".")
     for part in path:
-        tree = tree.setdefault(part, {})
+        tree = tree[int(part)] if isinstance(tree, list) else tree.setdefault(part, {})
     tree[name] = finite(quantity.value[0])
     if quantity.std[0] == 0.0:
         return
@@ -187,9 +189,6 @@ def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
         if plan.left_out and math.isfinite(error):
             undecided = tuple(one.text(0) for one in failures if one.is_open(error)[0])
             undecided += kind.undecided(answer, problem, error)
-        own_bounds = {
-            one.name: error * abs(float(one.scale[0])) for one in quantities if one.scale is not None
-        }
         return Solution(
             scene=scene,
             plan=plan,
@@ -199,11 +198,33 @@ def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
             extrapolation=_extrapolation(scene),
             failures=tuple(one.text() for one in failures if one.fails.any()),
             undecided=undecided,
-            own_bounds=own_bounds if plan.left_out else {},
+            own_bounds=_own_bounds(scene, plan, answer, quantities),
             tree=tree,
         )
     except RopefricError as error:
         raise placed(error, scene.document) from error
+
+
+def _own_bounds(scene: Scene, plan: Plan, answer: Any, quantities: tuple[Quantity, ...]) -> dict[str, float]:
+    """Return how far what is left out may put off a number, in its unit: each one where a list of effects is asked for.
+
+    Of a list it is the difference to the answer with what it leaves out, and the bound of what is too dear for that.
+    """
+    if not plan.left_out:
+        return {}
+    error, kind = plan.error_bound, scene.kind
+    found = {one.name: error * abs(float(one.scale[0])) for one in quantities if one.scale is not None}
+    if isinstance(scene.effects, tuple):
+        with suppress(RopefricError):
+            whole, rest = nearly_whole(kind.system, scene.problem, plan, answer)
+            share = math.expm1(rest) + plan.method.error
+            wanted = {one.name: float(one.value[0]) for one in kind.quantities(whole, scene.problem)}
+            for one in quantities:
+                value, all_in = float(one.value[0]), wanted.get(one.name, math.nan)
+                found[one.name] = (
+                    abs(value - all_in) + share * abs(all_in) if value != all_in else share * abs(value)
+                )
+    return found
 
 
 def _extrapolation(scene: Scene) -> tuple[str, ...]:

@@ -157,12 +157,12 @@ def _of_cases(wrong: BoolArray, places: int) -> BoolArray:
     return np.asarray(wrong.any(axis=tuple(axis for axis in range(wrong.ndim) if axis != own)))
 
 
-_LEAST_EXPONENT, _LARGEST_EXPONENT = 1e-12, 300.0
+_LARGEST_EXPONENT = 300.0
 
 
 def refuse_no_ratio(exponent: FloatArray) -> None:
-    """Refuse an M for which e^M, the ratio of the tensions, is 1 to rounding or too large to be squared."""
-    wrong = (exponent < _LEAST_EXPONENT) | (exponent > _LARGEST_EXPONENT)
+    """Refuse an M for which e^M, the ratio of the tensions, is too large to be squared."""
+    wrong = exponent > _LARGEST_EXPONENT
     if wrong.any():
         raise InputError(
             f"the friction lets the tensions differ by e^{exponent[wrong].max():.4g}, which is no ratio of tensions",

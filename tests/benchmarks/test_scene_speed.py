@@ -17,7 +17,7 @@ from ropefric.scenes.sweep import parse_axis, sweep_scene, sweep_table
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
 GRID = ("wheel.wrap=90deg:1440deg:1000", "load.end_tension=10N:500N:1000")
 MACHINES = (*("hoist", "climbing-hoist", "belt-press", "fast-belt-press", "band-saw", "fast-band-saw"),
-            *("traction", "belt-drive", "band-brake"))  # fmt: skip
+            *("traction", "belt-drive", "band-brake", "cable-pull", "tendon"))  # fmt: skip
 
 
 def command(*words):

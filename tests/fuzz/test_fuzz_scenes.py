@@ -80,6 +80,16 @@ def check_kind(kind, tree):
             assert one["passes"] == (one["utilisation"] <= 1.0)
             assert one["capacity"] >= 1.0
         assert tree["cases"]["loading"]["tight_N"] >= tree["cases"]["loading"]["slack_N"] > 0.0
+    elif kind == "line":
+        rises = [
+            one["tension_out_N"] - one["tension_in_N"] for one in tree["elements"] if one["kind"] == "bend"
+        ]
+        if min(tree["tension_N"]) > 0.0 and "both_ends" not in tree:
+            assert (
+                all(one >= -1e-9 for one in rises)
+                if tree["direction"] == "pull"
+                else max(rises, default=0.0) <= 1e-9
+            )
     else:
         assert kind == "beltdrive"
         assert tree["full_tight_N"] >= tree["full_slack_N"] > 0.0

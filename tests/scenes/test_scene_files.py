@@ -54,7 +54,7 @@ def test_what_is_wrong_has_its_line_its_code_and_its_remedy(scene_file):
         ('"40 mm"', '"40 N"', 5, "RF130", "length"), ('"40 mm"', '"-40 mm"', 5, "RF110", "not more than 0"),
         ("wrap   =", "warp   =", 6, "RF120", "did you mean 'wrap'?"),
         ('end_tension = "80 N"', 'payload = "120 kg"', 11, "RF121", "end_tension"),
-        ("mu = 0.2", "mu = -0.2", 14, "RF110", "not more than 0"),
+        ("mu = 0.2", "mu = -0.2", 14, "RF110", "not zero or more"),
         ("mu = 0.2", "", 13, "RF121", "no friction is given"),
         ("mu = 0.2", 'mu = 0.2\nlaw = "constant"', 15, "RF111", "both given"),
         ("mu = 0.2", 'law = "wrap-powr"', 14, "RF120", "did you mean 'wrap-power'?"),

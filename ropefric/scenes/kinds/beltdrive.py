@@ -10,7 +10,15 @@ from pydantic import PlainValidator
 from ropefric.files.toml_model import choice, reject, whole_number
 from ropefric.scenes import kind
 from ropefric.section import Chart, Line, Section
-from ropefric.systems.beltdrive.drive import CLOSURES, DriveAnswer, DriveProblem, answerable, best_speed_m_s
+from ropefric.systems.beltdrive.drive import (
+    CLOSURES,
+    DriveAnswer,
+    DriveProblem,
+    answerable,
+    best_speed_m_s,
+    brake_of,
+    needed_width_m,
+)
 from ropefric.systems.beltdrive.effects import SYSTEM
 from ropefric.systems.friction import WrapFriction
 
@@ -25,13 +33,13 @@ class DrivingTable(kind.Table):
     Keys
     ----
     diameter : Of the driving pulley, drum or capstan, where the belt lies on it.
-    wrap : Over which the belt lies on it.
-    speed : Its rotation.
+    wrap : Over which the belt lies on it; left out where it follows from the centre distance.
+    speed : Its rotation (zero or more).
     """
 
     diameter: Annotated[float, kind.key("m", "300 mm", "wheel_radius_m", factor=0.5)]
-    wrap: Annotated[float, kind.key("rad", "180 deg", "wrap_angle_rad")]
-    speed: Annotated[float | None, kind.key("rad/s", "1500 rpm", "speed_rad_s")] = None
+    wrap: Annotated[float | None, kind.key("rad", "180 deg", "wrap_angle_rad")] = None
+    speed: Annotated[float | None, kind.key("rad/s", "1500 rpm", "speed_rad_s", above=None)] = None
 
 
 class DrivenTable(kind.Table):
@@ -56,7 +64,12 @@ class BeltTable(kind.Table):
     thickness : Of one belt, or a rope's diameter; half of it counts as the rope radius of the friction law.
     linear_density : Mass per length of one belt, for the centrifugal tension.
     groove_angle : Of a wedge groove, from flank to flank; left out for flat belts and ropes on drums.
-    axial_stiffness : EA of one belt, for its creep.
+    axial_stiffness : EA of one belt, for its creep and the length that fixed centres keep.
+    span_length : Of the free belt from one pulley to the other.
+    centre_distance : Of the pulleys; span, wraps and belt length follow from it.
+    crossed : Whether the belt crosses itself between the pulleys.
+    stress : Allowable; with it and a power the width follows.
+    density : Of the belt; its mass then grows with the width that is sought.
     """
 
     count: Annotated[int, PlainValidator(whole_number(1, 1000)), kind.Becomes("belt_count", many=False)] = 1
@@ -64,6 +77,20 @@ class BeltTable(kind.Table):
     linear_density: Annotated[float | None, kind.key("kg/m", "0.9 kg/m", "linear_density_kg_m")] = None
     groove_angle: Annotated[float | None, kind.key("rad", "34 deg", "groove_angle_rad")] = None
     axial_stiffness: Annotated[float | None, kind.key("N", "200 kN", "axial_stiffness_N")] = None
+    span_length: Annotated[float | None, kind.key("m", "1.2 m", "span_m")] = None
+    centre_distance: Annotated[float | None, kind.key("m", "1.2 m", "centre_distance_m")] = None
+    crossed: bool = False
+    stress: Annotated[float | None, kind.key("Pa", "2 MPa", "stress_Pa")] = None
+    density: Annotated[float | None, kind.key("kg/m^3", "1000 kg/m^3", "density_kg_m3")] = None
+
+    def _check(self) -> None:
+        if self.density is not None and (self.linear_density is not None or self.stress is None):
+            reject(
+                "RF111",
+                "a density is for the width that a stress asks for, in place of a mass per length",
+                fix="add stress and leave out linear_density, or leave out density",
+                key="density",
+            )
 
 
 class TensionTable(kind.Table):
@@ -71,12 +98,29 @@ class TensionTable(kind.Table):
 
     Keys
     ----
-    closure : What the force is: the tight side's most, the slack side's by a tensioner, or fixed centres' pretension.
+    closure : What the force is: the most of the tight side, the slack side's, the pretension at rest, a lever's effort.
     force : Of one belt.
     """
 
     closure: Annotated[str, PlainValidator(choice(lambda: CLOSURES))]
     force: Annotated[float, kind.key("N", "1200 N", "tension_N")]
+
+
+class BrakeTable(kind.Table):
+    """`[brake]`: the lever of a band brake, for the closure lever; the force is then the effort at its end.
+
+    Keys
+    ----
+    lever : Arm of the effort about the fulcrum.
+    tight_arm : Arm of the band's tight end; 0 at the fulcrum, negative where its pull helps the effort.
+    slack_arm : Arm of the band's slack end, likewise.
+    torque : To be held; gives the effort that it takes.
+    """
+
+    lever: Annotated[float, kind.key("m", "400 mm", "lever_m")]
+    tight_arm: Annotated[float, kind.key("m", "80 mm", "tight_arm_m", above=None)] = 0.0
+    slack_arm: Annotated[float, kind.key("m", "150 mm", "slack_arm_m", above=None)] = 0.0
+    torque: Annotated[float | None, kind.key("N*m", "350 N*m", "brake_torque_N_m")] = None
 
 
 class LoadTable(kind.Table):
@@ -97,10 +141,13 @@ class DriveScene(kind.SceneTable):
     driven: DrivenTable | None = None
     belt: BeltTable
     tension: TensionTable
+    brake: BrakeTable | None = None
     load: LoadTable | None = None
     friction: kind.FrictionTable
 
     def _check(self) -> None:
+        if (self.driving.speed or 0.0) < 0.0:
+            reject("RF110", "the speed is negative", fix="give it zero or more", key="driving.speed")
         if self.load is not None and self.load.power is not None and self.driving.speed is None:
             reject(
                 "RF121",
@@ -108,7 +155,10 @@ class DriveScene(kind.SceneTable):
                 fix='add speed = "1500 rpm" to [driving]',
                 key="driving.speed",
             )
-        if self.driven is not None and self.driven.wrap is None and not self.driving.wrap < _TURN:
+        self._check_geometry()
+        self._check_brake()
+        wrap = self.driving.wrap or 0.0
+        if self.driven is not None and self.driven.wrap is None and not wrap < _TURN:
             reject(
                 "RF121",
                 "a belt that goes round more than once does not tell the driven pulley's wrap",
@@ -116,11 +166,47 @@ class DriveScene(kind.SceneTable):
                 key="driven.wrap",
             )
 
+    def _check_brake(self) -> None:
+        if (self.brake is not None) != (self.tension.closure == "lever"):
+            reject(
+                "RF121",
+                "the closure lever is that of a band brake with a table of its own",
+                fix='write closure = "lever" and [brake], or neither',
+                key="tension.closure",
+            )
+        if self.brake is not None and (self.driven is not None or self.load is not None):
+            key = "driven" if self.driven is not None else "load"
+            reject("RF111", f"a band brake has no [{key}]", fix="leave it out", key=key)
+
+    def _check_geometry(self) -> None:
+        belt, driven = self.belt, self.driven
+        apart = belt.centre_distance is not None
+        both = {
+            "belt.span_length": belt.span_length,
+            "driving.wrap": self.driving.wrap,
+            "driven.wrap": driven.wrap if driven is not None else None,
+        }
+        for key, value in both.items():
+            if apart and value is not None:
+                reject("RF111", f"{key} follows from the centre distance", fix="keep one of them", key=key)
+        if not apart and self.driving.wrap is None:
+            fix = 'add wrap = "180 deg" to [driving], or centre_distance = "1.2 m" to [belt]'
+            reject("RF121", "the wrap is not given", fix=fix, key="driving.wrap")
+        if driven is None and (apart or belt.span_length is not None):
+            key = "belt.centre_distance" if apart else "belt.span_length"
+            reject("RF121", "a single drum has no other pulley", fix="add [driven], or leave it out", key=key)
+        if belt.crossed and not apart:
+            fix = 'add centre_distance = "1.2 m"'
+            reject("RF121", "crossed says nothing without the centre distance", fix=fix, key="belt.crossed")
+
 
 def _problem(table: DriveScene, friction: WrapFriction) -> DriveProblem:
     # An open belt wraps both pulleys by one turn together.
-    open_belt = {} if table.driven is None else {"driven_wrap_rad": np.array([_TURN - table.driving.wrap])}
-    return DriveProblem(friction=friction, closure=table.tension.closure, **open_belt | kind.arrays(table))
+    laid: dict[str, Any] = {"wrap_angle_rad": np.array([math.pi])}  # what a centre distance sets is set by it
+    if table.driven is not None and table.driving.wrap is not None:
+        laid["driven_wrap_rad"] = np.array([_TURN - table.driving.wrap])
+    given = laid | kind.arrays(table)
+    return DriveProblem(friction=friction, closure=table.tension.closure, crossed=table.belt.crossed, **given)
 
 
 def _quantities(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Quantity, ...]:
@@ -131,20 +217,33 @@ def _quantities(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Quanti
     if problem.power_W is not None:
         found["utilisation"] = answer.utilisation
         found["belts_needed"] = answer.utilisation * problem.belt_count
-    return tuple(kind.Quantity(name, value, positive=True) for name, value in found.items())
+    if (width_m := needed_width_m(answer)) is not None:
+        found["needed_width_m"] = width_m
+    quantities = [kind.Quantity(name, value, positive=True) for name, value in found.items()]
+    if (brake := brake_of(answer)) is not None:
+        named = {name: value for name, value in brake._asdict().items() if value is not None}
+        named["torque_N_m"] = answer.pull_N * problem.wheel_radius_m
+        # A brake that holds by itself needs a negative effort.
+        quantities += [kind.Quantity(f"brake.{name}", value) for name, value in named.items()]
+    return tuple(quantities)
 
 
 def _failures(answer: DriveAnswer, problem: DriveProblem) -> tuple[kind.Failure, ...]:
+    strained = kind.strained("a belt", answer.strain.max(axis=0))
     if problem.power_W is None:
-        return ()
+        return (strained,)
     use, slack_N = answer.utilisation, answer.slack_N
     return (
         kind.Failure("the belts slip: they do not carry the power", "utilisation", use, use > 1.0),
         kind.Failure("a belt goes slack at work", "slack side in N", slack_N, slack_N <= 0.0, limit=0.0),
+        strained,
     )
 
 
-def _belts(utilisation: float, problem: DriveProblem) -> int:
+def _belts(utilisation: float, problem: DriveProblem) -> int | None:
+    """Return how many belts the power takes; None where no number of them carries it."""
+    if math.isinf(utilisation):
+        return None
     return max(1, math.ceil(utilisation * float(problem.belt_count[0]) - 1e-9))
 
 
@@ -160,6 +259,9 @@ def _tree(answer: DriveAnswer, problem: DriveProblem) -> dict[str, Any]:
     speed_m_s = None if problem.speed_rad_s is None else float(problem.belt_speed_m_s[0])
     tree: dict[str, Any] = {"closure": problem.closure, "belt_speed_m_s": speed_m_s}
     tree |= kind.first(answer, "circling_N")
+    if problem.belt_length_m is not None and problem.span_m is not None:
+        tree["span_m"], tree["belt_length_m"] = float(problem.span_m[0]), float(problem.belt_length_m[0])
+    tree["keeps_length"] = problem.closure == "fixed" and problem.span_m is not None
     work_W = float((answer.pull_N * problem.belt_speed_m_s)[0])
     tree["at_work"] = kind.first(answer, "tight_N", "slack_N", "pull_N") | {
         "torque_N_m": float((answer.pull_N * problem.wheel_radius_m)[0]),
@@ -207,9 +309,14 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
             f"{tree['circling_N']:.4g} N of it to keep it on its circle; torque {work['torque_N_m']:.5g} N m"
         )
     ]
+    if "belt_length_m" in tree:
+        lines.append(f"belt length {tree['belt_length_m']:.6g} m, of it {tree['span_m']:.6g} m in each span")
+    if tree["closure"] == "fixed" and not tree["keeps_length"]:
+        lines.append("no span length is given: T1 + T2 = 2 T, as of spans much longer than the arcs")
+    lines += _brake_lines(tree.get("brake", {}))
     if "reversed_torque_N_m" in work:
         lines.append(f"turning the other way, against the band: torque {work['reversed_torque_N_m']:.5g} N m")
-    if "belts" in tree:
+    if tree.get("belts") is not None:
         belts = "belts" if tree["belts"] > 1 else "belt"
         lines.append(f"the power takes {tree['belts']} {belts} tensioned like this")
     if best is not None:
@@ -231,6 +338,22 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         "driven [rpm]": ("speed_rad_s", ".5g", _PER_MINUTE),
     }
     return (kind.by_rows("Belt and pulleys", "pulley", tree["pulleys"], columns, lines=tuple(lines)),)
+
+
+def _brake_lines(brake: Mapping[str, Any]) -> list[str]:
+    if not brake:
+        return []
+    back = brake["reversed_torque_N_m"]
+    other = "locks by itself" if back is None else f"brakes with {back:.5g} N m"
+    lines = [f"the effort brakes with {brake['torque_N_m']:.5g} N m; turning the other way it {other}"]
+    for name, way in (
+        ("needed_effort_N", "the torque to be held"),
+        ("reversed_effort_N", "turning the other way"),
+    ):
+        if brake.get(name) is not None:
+            held = " or less: it locks by itself" if brake[name] <= 0.0 else ""
+            lines.append(f"{way} takes an effort of {brake[name]:.5g} N{held}")
+    return lines
 
 
 def _power_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
@@ -274,6 +397,8 @@ def _arcs_chart(answer: DriveAnswer, problem: DriveProblem) -> Chart | None:
 
 def _layout(problem: DriveProblem) -> dict[str, tuple[kind.Wheel, ...]]:
     driving = kind.lone_wheel(problem, ("T_1", "T_2"), "driving")
+    if problem.centre_distance_m is not None:
+        driving = driving._replace(apart_m=float(problem.centre_distance_m[0]))
     if problem.driven_radius_m is None or problem.driven_wrap_rad is None:
         return {"belt": (driving,)}
     driven = kind.Wheel("driven", float(problem.driven_radius_m[0]), float(problem.driven_wrap_rad[0]))
@@ -308,6 +433,7 @@ KIND = kind.Kind(
         "initial_tension_N": "Initial tension for the largest pull, (T1 + T2)/2 a belt [N]",
         "full_power_W": "Largest power of all belts at this speed [W]",
         "utilisation": "Share of the largest pull at work",
+        "needed_width_m": "Width of each belt that the power takes [m]",
         "belts_needed": "Belts that the power takes, before rounding up",
     },
 )

@@ -30,6 +30,7 @@ from ropefric.systems.press.statics import CLOSURES, solve_statics, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
 from ropefric.systems.press.transient.integrators import INTEGRATORS
 from ropefric.systems.press.transient.motion import settled_press
+from ropefric.systems.press.transient.start_up import StartUp
 
 _ROLES = ("driver", "driven", "tensioner")
 
@@ -414,12 +415,27 @@ def _outcomes(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ...]
 
 
 def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure, ...]:
-    """Return the slip of a press that runs steadily; in a start-up slip is simulated, and part of the answer."""
+    """Return the slip of a press that runs steadily; in a start-up slip is simulated, and part of the answer.
+
+    There a belt that may not lift off, since no slip is simulated, may have to push.
+    """
     if problem.start_up is not None:
-        return ()
+        return () if answer.start_up is None else (_pushes(answer.start_up),)
     largest = answer.slip.utilisation.max(axis=-1)
     words = "a roller slips, so the belts cannot be pulled like this"
     return (kind.Failure(words, "largest utilisation", largest, largest > 1.0),)
+
+
+def _pushes(found: StartUp) -> kind.Failure:
+    when, span = np.unravel_index(int(np.argmin(found.tension_N)), found.tension_N.shape)
+    lowest_N, largest_N = found.tension_N.min(), np.abs(found.tension_N).max()
+    measure = (
+        f"in span {found.press.spans[span].name} at {found.time_s[when]:.4g} s the lowest tension in N is"
+    )
+    words = "a belt would have to push"
+    return kind.Failure(
+        words, measure, np.array([lowest_N]), np.array([lowest_N < -1e-9 * largest_N]), limit=0.0
+    )
 
 
 def _undecided(answer: PressAnswer, _: PressProblem, error: float) -> tuple[str, ...]:
@@ -521,7 +537,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         kind.by_rows("Tensions", "span", tensions, forms, notes=tuple(tree["undetermined"])),
         kind.by_rows("Slip", "roller", slips, columns, lines=_slip_lines(tree)),
     ]
-    if creep["power_lost_W"]:
+    if creep["power_lost_W"] and not tree["slips"]:
         rims = creep["rim_speed_m_s"].items()
         rims = {name: {"rim": one, "slower": 1.0 - one / tree["speed_m_s"]} for name, one in rims}
         forms = {"rim [m/s]": ("rim", ".6g"), "slower by [%]": ("slower", ".3g", 100.0)}
@@ -535,7 +551,7 @@ def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
     if slips:
         uses = {name: tree["slip"][name]["utilisation"] for name in slips}
         found = ", ".join(
-            f"{name} ({'its belt lifts off' if use is None else f'utilisation {use:.3g}'})"
+            f"{name} ({'its belt lifts off, or has no friction' if use is None else f'utilisation {use:.3g}'})"
             for name, use in uses.items()
         )
         lines = [f"rollers that slip already: {found}; their belts cannot be pulled like this"]

@@ -16,6 +16,7 @@ from ropefric.systems.traction.sheave import CASES, GROOVES, TractionAnswer, Tra
 
 _NO_CERTIFICATE = "a check after EN 81-50, 5.11, and no certificate: lifts are approved by notified bodies"
 _LARGEST_UNDERCUT_RAD = math.radians(106.0)
+_LEAST_DECELERATION_M_S2 = 0.5
 _UNDERCUT = {"undercut", "v"}
 
 
@@ -124,13 +125,32 @@ def _quantities(answer: TractionAnswer, problem: TractionProblem) -> tuple[kind.
     )
 
 
-def _failures(answer: TractionAnswer, _: TractionProblem) -> tuple[kind.Failure, ...]:
+def _failures(answer: TractionAnswer, problem: TractionProblem) -> tuple[kind.Failure, ...]:
+    # What EN 81-50, 5.11 has its formulae for: β at most 106°, γ at least 25° (V: 35°), a braking of 0.5 m/s2 at least.
+    limits = [
+        (
+            "groove_angle_rad",
+            "groove angle",
+            25.0 if problem.is_round else 35.0,
+            -1.0,
+            math.degrees(1.0),
+            "deg",
+        )
+    ]
+    limits += [
+        ("undercut_rad", "undercut", math.degrees(_LARGEST_UNDERCUT_RAD), 1.0, math.degrees(1.0), "deg")
+    ]
+    limits += [("deceleration_m_s2", "deceleration", _LEAST_DECELERATION_M_S2, -1.0, 1.0, "m/s2")]
+    outside = []
+    for name, what, limit, way, factor, unit in limits:
+        if (given := getattr(problem, name)) is not None:
+            value, ends = factor * given, f"{'at most' if way > 0 else 'at least'} {limit:g} {unit}"
+            said, fails = f"outside EN 81-50, which asks for {ends}", way * (value - limit) > 1e-9 * limit
+            outside.append(kind.Failure(said, what, value, fails, limit))
     held = [f"the ropes slip in the load case {case}" for case in CASES[:-1]]
     words = (*held, "the ropes do not slip when the car is stalled")
-    return tuple(
-        kind.Failure(said, "utilisation", use, use > 1.0)
-        for said, use in zip(words, answer.utilisation, strict=True)
-    )
+    uses = zip(words, answer.utilisation, strict=True)
+    return (*(kind.Failure(said, "utilisation", use, use > 1.0) for said, use in uses), *outside)
 
 
 def _tree(answer: TractionAnswer, problem: TractionProblem) -> dict[str, Any]:

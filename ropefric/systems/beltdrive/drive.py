@@ -1,5 +1,6 @@
 """A belt drive: the pull that friction carries, the tensions at work, and how far the belt creeps."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -7,12 +8,14 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
-from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
+from ropefric.friction.integral import log1prel
+from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
 
-CLOSURES = ("limit", "tensioner", "fixed")
+CLOSURES = ("limit", "tensioner", "fixed", "lever")
 _MAX_STEPS = 200
+_SETTLED = 1e-15
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,6 +32,15 @@ class DriveProblem(Cases):
     speed_rad_s: ZeroOrMore | None = None
     driven_radius_m: Positive | None = None
     driven_wrap_rad: Positive | None = None
+    span_m: Positive | None = None
+    centre_distance_m: Positive | None = None
+    crossed: bool = False
+    lever_m: Positive | None = None
+    tight_arm_m: AnyNumber | None = None
+    slack_arm_m: AnyNumber | None = None
+    brake_torque_N_m: Positive | None = None
+    stress_Pa: Positive | None = None
+    density_kg_m3: Positive | None = None
     linear_density_kg_m: ZeroOrMore | None = None
     groove_angle_rad: Positive | None = None
     axial_stiffness_N: Positive | None = None
@@ -42,6 +54,25 @@ class DriveProblem(Cases):
             "a groove opens by less than a hair or more than half a turn",
             key="groove_angle_rad",
         )
+        if self.centre_distance_m is not None and self.driven_radius_m is not None:
+            self._lay(self.centre_distance_m, self.driven_radius_m)
+
+    def _lay(self, apart_m: FloatArray, driven_m: FloatArray) -> None:
+        """Set the wraps and the span that follow from the distance of the centres, of an open or a crossed belt."""
+        across_m = self.wheel_radius_m + driven_m
+        refuse(
+            apart_m <= across_m,
+            "a centre distance of {apart_m:.6g} m lets the pulleys touch: their radii come to {across_m:.6g} m",
+            key="centre_distance_m",
+            fix="raise the distance",
+            apart_m=apart_m,
+            across_m=across_m,
+        )
+        step_m = across_m if self.crossed else self.wheel_radius_m - driven_m
+        lean_rad = 2.0 * np.arcsin(step_m / apart_m)
+        object.__setattr__(self, "wrap_angle_rad", np.pi + lean_rad)
+        object.__setattr__(self, "driven_wrap_rad", np.pi + (lean_rad if self.crossed else -lean_rad))
+        object.__setattr__(self, "span_m", np.sqrt((apart_m - step_m) * (apart_m + step_m)))
 
     @property
     def belt_speed_m_s(self) -> FloatArray:
@@ -50,8 +81,18 @@ class DriveProblem(Cases):
 
     @property
     def circling_N(self) -> FloatArray:
-        """Return m v2, what keeps the belt on its circle [N]."""
+        """Return m v2, what keeps the belt on its circle [N]; the band of a brake stands."""
+        if self.closure == "lever":
+            return np.zeros(self.n)
         return self.product("linear_density_kg_m", "belt_speed_m_s", "belt_speed_m_s")
+
+    @property
+    def belt_length_m(self) -> FloatArray | None:
+        """Return the length of the belt as it is laid, 2 spans and the arcs [m]; None where no span is known."""
+        if self.span_m is None:
+            return None
+        arcs_m = [radius_m * wrap_rad for radius_m, wrap_rad in self.pulleys]
+        return np.asarray(2.0 * self.span_m + sum(arcs_m))
 
     @property
     def pulleys(self) -> list[tuple[FloatArray, FloatArray]]:
@@ -95,8 +136,9 @@ class DriveAnswer(NamedTuple):
 
     @property
     def full_pull_N(self) -> FloatArray:
-        """Return the largest pull of all belts [N]."""
-        return np.asarray(self.model.problem.belt_count * (self.full_tight_N - self.full_slack_N))
+        """Return the largest pull of all belts [N]: of the exponent, as a difference of near tensions has no digits."""
+        held = -np.expm1(-np.nanmin(self.exponents, axis=0))
+        return np.asarray(self.model.problem.belt_count * (self.full_tight_N - self.circling_N) * held)
 
     @property
     def full_power_W(self) -> FloatArray:
@@ -106,12 +148,15 @@ class DriveAnswer(NamedTuple):
     @property
     def pull_N(self) -> FloatArray:
         """Return the pull of all belts at work [N]."""
-        return np.asarray(self.model.problem.belt_count * (self.tight_N - self.slack_N))
+        problem = self.model.problem
+        return self.full_pull_N if problem.power_W is None else problem.power_W / problem.belt_speed_m_s
 
     @property
     def utilisation(self) -> FloatArray:
-        """Return the pull at work over the largest one; above 1 the belts slip."""
-        return np.asarray(self.pull_N / self.full_pull_N)
+        """Return the pull at work over the largest one; above 1 the belts slip, however small the largest is."""
+        pull_N, full_N = self.pull_N, self.full_pull_N
+        beyond = np.where(pull_N > 0.0, np.inf, 0.0)
+        return np.divide(pull_N, full_N, out=beyond, where=full_N > 0.0)
 
     @property
     def speed_ratio(self) -> FloatArray:
@@ -124,8 +169,12 @@ class DriveAnswer(NamedTuple):
         """Return the arcs of both pulleys over which the belt slips at work, shape (2, n); NaN where it slips wholly."""
         pressing = np.stack([self.tight_N, self.slack_N]) - self.circling_N
         whole = (pressing <= 0.0).any(axis=0) | (self.utilisation > 1.0 + 1e-9)
-        logs = np.log(np.where(whole, 1.0, pressing))
-        return np.asarray(np.where(whole, np.nan, (logs[0] - logs[1]) / self.coefficients))
+        pull_N, low_N = self.pull_N / self.model.problem.belt_count, np.where(whole, 1.0, pressing[1])
+        arcs = np.full_like(self.coefficients, np.nan)
+        np.divide(np.log1p(pull_N / low_N), self.coefficients, out=arcs, where=self.coefficients > 0.0)
+        wraps = [one[1] for one in self.model.problem.pulleys]
+        arcs[: len(wraps)] = np.minimum(arcs[: len(wraps)], np.stack(wraps))  # rounding is no arc
+        return np.where(whole, np.nan, arcs)
 
     @property
     def logs(self) -> FloatArray:
@@ -156,7 +205,7 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
     if "wrap-dependence" in model.effects and "end-tension" in law.effects and problem.closure != "tensioner":
         # What presses on the slack side depends on the friction, and such a law's friction on it.
         for _ in range(_MAX_STEPS):
-            slack_N = _full_N(problem, pressing_N, _exponents(problem, coefficients))[1]
+            slack_N = _full_N(model, pressing_N, _exponents(problem, coefficients))[1]
             better = _coefficients(model, slack_N)
             moving = np.nanmax(np.abs(better / coefficients - 1.0), axis=0) > 1e-13
             coefficients = better
@@ -166,12 +215,21 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
             why, fix = "friction and slack tension do not settle", "use a law without tension"
             raise SolverError(why, code="RF500", fix=fix, cases=moving)
     exponents = _exponents(problem, coefficients)
-    full_tight_N, full_slack_N = (one + circling_N for one in _full_N(problem, pressing_N, exponents))
+    full_tight_N, full_slack_N = (one + circling_N for one in _full_N(model, pressing_N, exponents))
     tight_N, slack_N = full_tight_N, full_slack_N
     if problem.power_W is not None:
+        refuse(
+            problem.belt_speed_m_s <= 0.0,
+            "a belt that stands carries no power",
+            key="speed_rad_s",
+            fix="give a speed, or leave out the power",
+        )
         pull_N = problem.power_W / problem.belt_speed_m_s / problem.belt_count
         behind = {"limit": 0.0, "tensioner": 1.0, "fixed": 0.5}[problem.closure]
         tight_N = problem.tension_N + behind * pull_N
+        if problem.closure == "fixed" and problem.span_m is not None:
+            pressed_N = _kept_length_N(model, exponents, lambda slack_N: slack_N + pull_N)
+            tight_N = circling_N + pressed_N + pull_N
         slack_N = tight_N - pull_N
     strain = np.zeros((2, problem.n))
     if "creep" in model.effects and problem.axial_stiffness_N is not None:
@@ -202,24 +260,166 @@ def _exponents(problem: DriveProblem, coefficients: FloatArray) -> FloatArray:
 
 
 def _full_N(
-    problem: DriveProblem, pressing_N: FloatArray, exponents: FloatArray
+    model: DriveModel, pressing_N: FloatArray, exponents: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return what presses on the tight and on the slack side at the largest pull [N]."""
+    problem = model.problem
     exponent = np.nanmin(exponents, axis=0)
     if problem.closure == "limit":
         return pressing_N, pressing_N * np.exp(-exponent)
     if problem.closure == "tensioner":
         return pressing_N * np.exp(exponent), pressing_N
+    if problem.closure == "lever":
+        lever_m, tight_arm_m, slack_arm_m = _lever_m(problem)
+        arm_m = slack_arm_m + tight_arm_m * np.exp(exponent)
+        refuse(
+            arm_m <= 0.0,
+            "the brake locks by itself: its tight end pulls the lever on by more than its slack end holds it",
+            code="RF510",
+            key="tight_arm_m",
+            fix="lengthen the arm of the slack end, or shorten that of the tight one",
+        )
+        slack_N = pressing_N * lever_m / arm_m
+        return slack_N * np.exp(exponent), slack_N
+    if problem.span_m is not None:
+        slack_N = _kept_length_N(model, exponents, lambda slack_N: slack_N * np.exp(exponent))
+        return slack_N * np.exp(exponent), slack_N
     share = np.tanh(0.5 * exponent)
     return pressing_N * (1.0 + share), pressing_N * 2.0 / (1.0 + np.exp(exponent))
+
+
+def _lever_m(problem: DriveProblem) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the arms of effort, tight end and slack end about the fulcrum [m], as the drum turns."""
+    return tuple(problem.product(name) for name in ("lever_m", "tight_arm_m", "slack_arm_m"))  # type: ignore[return-value]
+
+
+class Brake(NamedTuple):
+    """A band brake turning the other way, and the efforts that hold a torque, shape (n,); NaN where it locks by itself.
+
+    Turning the other way the ends of the band change their parts. An effort of zero or less holds by itself.
+    """
+
+    reversed_torque_N_m: FloatArray
+    needed_effort_N: FloatArray | None
+    reversed_effort_N: FloatArray | None
+
+
+def brake_of(answer: DriveAnswer) -> Brake | None:
+    """Return what a lever does beside the torque of the given effort; None without one."""
+    problem = answer.model.problem
+    if problem.closure != "lever":
+        return None
+    lever_m, *arms_m = _lever_m(problem)
+    exponent = answer.exponents[0]
+    arm_m = arms_m[0] + arms_m[1] * np.exp(exponent)
+    moment_N_m = problem.tension_N * lever_m * problem.wheel_radius_m * np.expm1(exponent)
+    torque_N_m = np.divide(moment_N_m, arm_m, out=np.full_like(arm_m, np.nan), where=arm_m > 0.0)
+    if problem.brake_torque_N_m is None:
+        return Brake(torque_N_m, None, None)
+    with np.errstate(divide="ignore"):
+        slack_N = problem.brake_torque_N_m / problem.wheel_radius_m / np.expm1(exponent)
+    tight_N = slack_N + problem.brake_torque_N_m / problem.wheel_radius_m
+    efforts = [(tight_N * one + slack_N * other) / lever_m for one, other in (arms_m, arms_m[::-1])]
+    return Brake(torque_N_m, *efforts)
+
+
+def needed_width_m(answer: DriveAnswer) -> FloatArray | None:
+    """Return the width of each belt that carries the power without exceeding its stress, shape (n,) [m].
+
+    σ b h = F/(1 − e^−M) + c, where c is ρ v² b h of a density, m v² of a mass per length; inf where the centrifugal
+    stress alone is too much. None without a stress or a power.
+    """
+    problem = answer.model.problem
+    if problem.stress_Pa is None or problem.power_W is None:
+        return None
+    held = -np.expm1(-np.nanmin(answer.exponents, axis=0))
+    pull_N, thickness_m = answer.pull_N / problem.belt_count, 2.0 * problem.rope_radius_m
+    spent_Pa = np.zeros(problem.n)
+    if problem.density_kg_m3 is not None and "centrifugal" in answer.model.effects:
+        spent_Pa = problem.density_kg_m3 * problem.belt_speed_m_s**2
+    circling_N = answer.circling_N if problem.density_kg_m3 is None else np.zeros(problem.n)
+    pressing_N = np.divide(pull_N, held, out=np.full_like(pull_N, np.inf), where=held > 0.0)
+    left_Pa = problem.stress_Pa - spent_Pa
+    width_m = np.divide(
+        pressing_N + circling_N, left_Pa * thickness_m, out=np.full_like(pull_N, np.inf), where=left_Pa > 0.0
+    )
+    return np.asarray(width_m)
+
+
+def _kept_length_N(
+    model: DriveModel, exponents: FloatArray, tight_of: Callable[[FloatArray], FloatArray]
+) -> FloatArray:
+    """Return what presses on the slack side where the belt keeps its length between fixed centres, shape (n,) [N].
+
+    0 where the belt would have to push. The excess of length falls as the tensions grow, so the root is bracketed; a
+    secant step is taken where it falls into the bracket's better half (Illinois).
+    """
+    problem = model.problem
+    tension_N, circling_N = problem.tension_N, model.part("centrifugal", problem.circling_N)
+    stretchy = "creep" in model.effects and problem.axial_stiffness_N is not None
+    give = (
+        1.0 / problem.axial_stiffness_N
+        if stretchy and problem.axial_stiffness_N is not None
+        else np.zeros(problem.n)
+    )
+
+    def excess(slack_N: FloatArray) -> FloatArray:
+        return _excess_N_m(problem, exponents, (slack_N, tight_of(slack_N)), circling_N, give)
+
+    high, low = tension_N - circling_N, np.zeros(problem.n)
+    low = np.maximum(low, 1e-12 * high)
+    at_low, at_high = excess(low), excess(high)
+    pushed = at_low <= 0.0
+    for _ in range(_MAX_STEPS):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            middle = high - at_high * (high - low) / (at_high - at_low)
+        middle = np.where((middle > low) & (middle < high), middle, 0.5 * (low + high))
+        found = excess(middle)
+        longer = found > 0.0
+        # The end that stays counts half, so that it does not stay for ever.
+        at_low, at_high = np.where(longer, found, 0.5 * at_low), np.where(longer, 0.5 * at_high, found)
+        low, high = np.where(longer, middle, low), np.where(longer, high, middle)
+        if (pushed | (high - low <= _SETTLED * high) | (found == 0.0)).all():
+            break
+    return np.where(pushed, 0.0, np.where(found == 0.0, middle, 0.5 * (low + high)))
+
+
+def _excess_N_m(
+    problem: DriveProblem,
+    exponents: FloatArray,
+    pressing_N: tuple[FloatArray, FloatArray],
+    circling_N: FloatArray,
+    give: FloatArray,
+) -> FloatArray:
+    """Return ∮ (T0 − T)/(1 + T/EA) ds, zero where the belt has the unstretched length it had at rest, shape (n,).
+
+    On a slip arc T = c + p e^(μθ), of which both parts have a closed form that stays whole as EA grows: with
+    x = (T1 − T2)/EA/(1 + T2/EA), ∫dθ/(1 + T/EA) = (θ − ln(1 + x)/μ)/(1 + c/EA).
+    """
+    slack_N, tight_N = (one + circling_N for one in pressing_N)
+    rest_N, grown = problem.tension_N, np.log(pressing_N[1] / pressing_N[0])
+    each = [(rest_N - one) / (1.0 + give * one) for one in (tight_N, slack_N)]
+    excess = np.asarray(problem.span_m) * (each[0] + each[1])
+    for place, (radius_m, wrap_rad) in enumerate(problem.pulleys):
+        mu = exponents[place] / wrap_rad
+        slip = np.minimum(grown, exponents[place])
+        rise_N = pressing_N[0] * np.expm1(slip)
+        x = give * rise_N / (1.0 + give * slack_N)
+        growing = rise_N / (1.0 + give * slack_N) * log1prel(x)
+        steady = (rest_N - circling_N) * (slip - np.log1p(x)) / (1.0 + give * circling_N)
+        # It adheres with the tension with which it arrives.
+        per_mu = np.divide(1.0, mu, out=np.zeros_like(mu), where=mu > 0.0)
+        excess = excess + radius_m * ((steady - growing) * per_mu + (wrap_rad - slip * per_mu) * each[place])
+    return excess
 
 
 def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:
     """Return the belt speed of the largest power, √(T/3m) [m/s], with the coefficient as it is; None without a mass.
 
-    Whatever closes the balance, the pull is proportional to T − m v2 of the tension that is given.
+    The pull is proportional to T − m v2 of the tension that is given; not where a length is kept or a band stands.
     """
-    if problem.linear_density_kg_m is None or not problem.linear_density_kg_m.all():
+    kept = problem.closure == "lever" or (problem.closure == "fixed" and problem.span_m is not None)
+    if kept or problem.linear_density_kg_m is None or not problem.linear_density_kg_m.all():
         return None
     return np.asarray(np.sqrt(problem.tension_N / (3.0 * problem.linear_density_kg_m)))
 

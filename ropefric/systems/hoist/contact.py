@@ -1,5 +1,6 @@
 """What is known of a rope on a wheel, and its mechanics: one exponential, with what does not press set apart."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
@@ -146,7 +147,7 @@ def solve_lift(model: HoistModel) -> Lift:
     exponent_over = _exponent(model, pressing_N)
     contact, idle_N = problem.wrap_angle_rad, circling_N + stiff_N
     if stiff_N.any():
-        contact = _contact_arc(contact, stiff_N, pressing_N, exponent_over)
+        contact = contact_arc_rad(contact, stiff_N, pressing_N, exponent_over)
     exponent = exponent_over(wrap_angle_rad=contact)
     log_lift = np.log(pressing_N) + exponent
     if idle_N.any():
@@ -211,8 +212,11 @@ def _arcs(model: HoistModel) -> Arcs:
     return Arcs(slip, stick)
 
 
-def _contact_arc(
-    wrap_rad: FloatArray, stiff_N: FloatArray, pressing_N: FloatArray, exponent_over: partial[FloatArray]
+def contact_arc_rad(
+    wrap_rad: FloatArray,
+    stiff_N: FloatArray,
+    pressing_N: FloatArray,
+    exponent_over: Callable[..., FloatArray],
 ) -> FloatArray:
     """Return φ − θ_A − θ_B; θ_A falls with the lift force that it helps to set, so it is iterated from above."""
     slack = lifted_arc_rad(stiff_N / (pressing_N + stiff_N))

@@ -42,7 +42,8 @@ def stiffness_bound(problem: HoistProblem, answer: Lift | None = None) -> FloatA
     return np.where(np.isnan(bound), np.inf, bound)
 
 
-def _of_law(name: str, what: str, instead: str, cost: float) -> Effect:
+def law_effect(name: str, what: str, instead: str, cost: float = 0.0) -> Effect:
+    """Return the effect of one thing that a law is told."""
     return Effect(name, f"a coefficient that depends on {what}", instead, cost=cost)
 
 
@@ -55,19 +56,19 @@ def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
 EFFECTS: Registry[Effect] = Registry(
     "effect of a hoist",
     (
-        _of_law(
+        law_effect(
             "wrap-dependence",
             "how far the rope wraps",
             "its average at the reference wrap, over the whole wrap",
             1e-7,
         ),
-        _of_law(
+        law_effect(
             "size",
             "the wheel's radius over the rope's",
             "the coefficient at the reference wheel and rope",
             5e-8,
         ),
-        _of_law(
+        law_effect(
             "end-tension",
             "the end tension (the wrap it stands for)",
             "the coefficient at the reference end tension",

@@ -60,12 +60,11 @@ class Contacts(NamedTuple):
         exponent = friction.exponent(
             self.radius_m, self.half_thickness_m, wrap_rad, slack_N, told=told, places=1
         )
-        bad = ~((exponent > 0.0) & (exponent < _LARGEST_EXPONENT))
+        bad = ~((exponent >= 0.0) & (exponent < _LARGEST_EXPONENT))
         if bad.any():
             wrong, roller = (np.broadcast_to(one, bad.shape)[bad][0] for one in (exponent, self.roller))
-            what = f"M = {wrong:.4g} is more than {_LARGEST_EXPONENT:g}, and e^M no number to reckon with"
             raise InputError(
-                "there is no friction at all" if wrong <= 0.0 else what,
+                f"M = {wrong:.4g} is more than {_LARGEST_EXPONENT:g}, and e^M no number to reckon with",
                 code="RF420",
                 key=f"roller {roller}",
                 fix="check the coefficient or the law's parameters",
@@ -125,17 +124,25 @@ class SlipTable:
     @cached_property
     def utilisation(self) -> FloatArray:
         """Return U = (T'_tight − T'_slack) / (T'_slack (e^M − 1))."""
-        return _ratio(self.contacts.pull_N, self.contacts.slack_N * np.expm1(self.exponent))
+        return self._held(_ratio(self.contacts.pull_N, self.contacts.slack_N * np.expm1(self.exponent)))
+
+    def _held(self, measure: FloatArray) -> FloatArray:
+        """Return a measure that is 0 where neither a torque nor friction is there."""
+        here = self.contacts
+        idle = (self.exponent == 0.0) & (here.slack_N > 0.0) & (here.pull_N <= _NO_TORQUE * here.slack_N)
+        return np.where(idle, 0.0, measure)
 
     @cached_property
     def log(self) -> FloatArray:
         """Return ln(T'_tight/T'_slack)/M."""
-        return np.asarray(np.log1p(_ratio(self.contacts.pull_N, self.contacts.slack_N)) / self.exponent)
+        logs = np.log1p(_ratio(self.contacts.pull_N, self.contacts.slack_N))
+        return self._held(_ratio(logs, np.broadcast_to(self.exponent, logs.shape)))
 
     @cached_property
     def mu_required(self) -> FloatArray:
         """Return the coefficient needed."""
-        return np.asarray(self.log * self.exponent / self.contacts.wrap_angle_rad)
+        logs = np.log1p(_ratio(self.contacts.pull_N, self.contacts.slack_N))
+        return np.asarray(logs / self.contacts.wrap_angle_rad)
 
     @cached_property
     def as_printed(self) -> FloatArray:
@@ -288,7 +295,8 @@ def _by_friction(slip: SlipTable) -> Critical:
         for name, mu, grip in zip(slip.rollers, slip.mu_required, grips, strict=True)
     }
     state: Literal["holds", "slips"] = "slips" if (slip.utilisation > 1.0).any() else "holds"
-    first = slip.rollers[int(np.argmax(np.where(grips, slip.log, 0.0)))]
+    ranks = slip.log if slip.exponent.all() else slip.mu_required
+    first = slip.rollers[int(np.argmax(np.where(grips, ranks, 0.0)))]
     if needed[first] is None:  # nothing is gripped, or no coefficient holds a belt that has lifted off
         return Critical(state, None, None, None, needed)
     return Critical(state, "falls" if state == "holds" else "rises", first, needed[first], needed)

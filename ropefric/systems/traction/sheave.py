@@ -156,8 +156,9 @@ def solve_traction(model: TractionModel) -> TractionAnswer:
     utilisation = np.exp(log_ratio - friction_factor * alpha)
     utilisation[_STALLED] = np.exp(friction_factor[_STALLED] * alpha - log_ratio[_STALLED])
     # Stalled, the rope on the slack side can outweigh the car: no wrap lets the ropes slip then.
-    wrap_limit = np.where(log_ratio >= 0.0, log_ratio / friction_factor, np.nan)
-    undercut_limit = _undercut_rad(problem, log_ratio / (mu * alpha))
+    with np.errstate(divide="ignore", invalid="ignore"):  # without friction no wrap is enough
+        wrap_limit = np.where(log_ratio >= 0.0, log_ratio / friction_factor, np.nan)
+        undercut_limit = _undercut_rad(problem, log_ratio / (mu * alpha))
     loads, grips = (tight_N, slack_N), (mu, friction_factor, friction_factor * alpha, utilisation)
     return TractionAnswer(*loads, *grips, wrap_limit, undercut_limit)
 

@@ -229,3 +229,217 @@ def test_bad_keys_are_refused_by_name(tmp_path):
         with pytest.raises(DataError, match=words) as caught:
             rf.solve(path)
         assert caught.value.problem.line is not None, old
+
+
+FE = {"wrap_angle_rad": math.pi, "driven_radius_m": 0.1, "driven_wrap_rad": math.pi, "tension_N": 400.0,
+      "span_m": math.pi / 10.0, "axial_stiffness_N": 8000.0, "closure": "fixed", "radius_m": 0.1,
+      "speed_rad_s": 12.0}  # fmt: skip
+
+
+def lengths_m(found, problem):
+    """Return the unstretched length of the belt at work, followed round arc by arc."""
+    stiff_N = np.inf if problem.axial_stiffness_N is None else problem.axial_stiffness_N[0]
+    circling_N, total = found.circling_N[0], 0.0
+    ends = found.tight_N[0], found.slack_N[0]
+    for (radius_m, wrap), slips, arrives, grows in zip(
+        problem.pulleys, found.slip_arc_rad[:, 0], ends, (-1.0, 1.0), strict=True
+    ):
+        mu = found.coefficients[0, 0]
+        angle = np.linspace(0.0, slips, 20001)
+        tension_N = circling_N + (arrives - circling_N) * np.exp(grows * mu * angle)
+        total += radius_m * (np.trapezoid(1.0 / (1.0 + tension_N / stiff_N), angle)
+                             + (wrap - slips) / (1.0 + arrives / stiff_N))  # fmt: skip
+    return total + problem.span_m[0] * sum(1.0 / (1.0 + one / stiff_N) for one in ends)
+
+
+def test_fixed_centres_against_a_finite_element_belt():
+    """Load 25 + 2 ω2 N m; the finite elements have 665.87 and 187.38 N, the length kept 663.2 and 186.4 N, 2.538 rad."""
+    pull_N = 476.8
+    for _ in range(20):
+        problem = problem_of(0.5, **FE, power_W=pull_N * 1.2)
+        found = solved(problem)
+        pull_N = (25.0 + 2.0 * 12.0 * found.speed_ratio[0]) / 0.1
+    assert found.tight_N[0] == pytest.approx(663.2, abs=0.05)
+    assert found.slack_N[0] == pytest.approx(186.4, abs=0.05)
+    assert found.slip_arc_rad[0, 0] == pytest.approx(2.538, abs=5e-4)
+    assert found.tight_N[0] == pytest.approx(665.87, rel=0.006)
+    assert found.slack_N[0] == pytest.approx(187.38, rel=0.006)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.9, 1.0])
+@pytest.mark.parametrize("stiff_N", [2e3, 8e3, 1e6])
+def test_a_belt_between_fixed_centres_keeps_its_unstretched_length(share, stiff_N):
+    belt = FE | {"axial_stiffness_N": stiff_N, "linear_density_kg_m": 30.0, "driven_radius_m": 0.16}
+    full = solved(problem_of(0.5, **belt))
+    problem = problem_of(0.5, **belt, power_W=share * full.full_power_W)
+    found = solved(problem)
+    at_rest = problem.belt_length_m[0] / (1.0 + 400.0 / stiff_N)
+    assert lengths_m(found, problem) == pytest.approx(at_rest, rel=3e-9)
+    assert found.tight_N - found.slack_N == pytest.approx(found.pull_N, abs=1e-9)
+    if share == 1.0:
+        assert found.tight_N == pytest.approx(full.full_tight_N, rel=1e-11)
+
+
+def test_a_belt_that_hardly_stretches_keeps_the_mean_of_its_tension_along_its_length():
+    belt = {name: one for name, one in FE.items() if name != "axial_stiffness_N"}
+    limp, stiff = solved(problem_of(0.5, **belt)), solved(problem_of(0.5, **FE | {"axial_stiffness_N": 1e12}))
+    assert limp.full_tight_N == pytest.approx(stiff.full_tight_N, rel=1e-8)
+    long = solved(problem_of(0.5, **belt | {"span_m": 1e6}))
+    assert long.full_tight_N + long.full_slack_N == pytest.approx(800.0, rel=1e-5)
+
+
+def geometry(driving, driven, **more):
+    return {"system": "beltdrive", "driving": {"diameter": driving}, "driven": {"diameter": driven},
+            "belt": {"thickness": "5 mm", **more}, "tension": {"closure": "limit", "force": "1 kN"},
+            "friction": {"mu": 0.25}}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("more", "length_m", "wrap_deg"),
+    [
+        # Khurmi & Gupta, Theory of Machines: crossed belt of pulleys of 450 and 200 mm, 1.95 m apart.
+        (
+            {"driving": "450 mm", "driven": "200 mm", "centre_distance": "1.95 m", "crossed": True},
+            4.975,
+            199.2,
+        ),
+        # sarthaks.com 509872: open belt of pulleys of 1600 and 500 mm, 12 m apart.
+        ({"driving": "1600 mm", "driven": "500 mm", "centre_distance": "12 m"}, 27.32, None),
+    ],
+)
+def test_wraps_and_belt_length_follow_from_the_centre_distance(scene_of, more, length_m, wrap_deg):
+    found = rf.solve(scene_of(**geometry(**more))).to_dict()
+    assert found["belt_length_m"] == pytest.approx(length_m, abs=0.0055)
+    if wrap_deg is not None:  # printed beside it: 2.74 kW at 200 rpm and 1 kN
+        tree = geometry(**more)
+        tree["driving"]["speed"] = "200 rpm"
+        assert rf.solve(scene_of(**tree)).to_dict()["full_power_W"] == pytest.approx(2740.0, abs=5.0)
+        assert math.degrees(found["pulleys"]["driving"]["wrap_angle_rad"]) == pytest.approx(
+            wrap_deg, abs=0.05
+        )
+
+
+def test_a_wrap_beside_a_centre_distance_is_one_too_many(scene_of):
+    tree = geometry(driving="450 mm", driven="200 mm", centre_distance="1.95 m")
+    tree["driving"]["wrap"] = "180 deg"
+    with pytest.raises(DataError, match="follows from the centre distance"):
+        scene_of(**tree)
+    touching = geometry(driving="450 mm", driven="200 mm", centre_distance="0.3 m")
+    with pytest.raises(DataError, match="lets the pulleys touch"):
+        scene_of(**touching)
+
+
+@pytest.mark.parametrize("mu", [1e-11, 1e-14, 1e-300, 0.0])
+@pytest.mark.parametrize("closure", ["limit", "tensioner", "fixed"])
+def test_the_pull_at_almost_no_friction_keeps_its_digits(mu, closure):
+    """A difference of two tensions is off by 2e-6 at 1e-11: the pull is T (1 - e^-M)."""
+    found = solved(problem_of(mu, **CLOSED | {"closure": closure, "linear_density_kg_m": 0.0}))
+    assert found.full_pull_N[0] == pytest.approx(1000.0 * mu * 3.0, rel=1e-10)
+    assert found.utilisation[0] == (1.0 if mu else 0.0)
+
+
+@pytest.mark.parametrize("closure", ["limit", "fixed"])
+def test_without_friction_or_at_rest_a_drive_has_an_answer(scene_of, closure):
+    tree = geometry(driving="300 mm", driven="200 mm", centre_distance="1 m")
+    tree |= {"friction": {"mu": 0}, "load": {"power": "1 kW"}}
+    tree["driving"]["speed"], tree["tension"]["closure"] = "600 rpm", closure
+    slips = rf.solve(scene_of(**tree)).to_dict()
+    assert slips["full_pull_N"] == 0.0
+    assert slips["failures"]
+    still = geometry(driving="300 mm", driven="200 mm", centre_distance="1 m")
+    still["driving"]["speed"] = "0 rpm"
+    found = rf.solve(scene_of(**still)).to_dict()
+    assert (found["full_power_W"], found["belt_speed_m_s"]) == (0.0, 0.0)
+    assert found["full_pull_N"] > 0.0
+    with pytest.raises(DataError, match="carries no power"):
+        rf.solve(scene_of(**still | {"load": {"power": "1 W"}}))
+
+
+def test_a_belt_strained_by_more_than_a_tenth_is_said(scene_of):
+    tree = geometry(driving="300 mm", driven="200 mm", centre_distance="1 m", axial_stiffness="2 kN")
+    strained = rf.solve(scene_of(**tree)).to_dict()
+    assert any("strained by more than 10 %" in one for one in strained["failures"])
+    tree["belt"]["axial_stiffness"] = "20 kN"
+    assert not rf.solve(scene_of(**tree)).to_dict()["failures"]
+
+
+def test_no_arc_of_adhesion_is_below_zero():
+    for mu in np.linspace(0.01, 1.0, 200):
+        found = solved(problem_of(mu, **CLOSED))
+        assert (found.slip_arc_rad[0] <= 3.0).all()
+
+
+def brake(diameter, wrap, mu, effort="500 N", **more):
+    return {"system": "beltdrive", "driving": {"diameter": diameter, "wrap": wrap}, "belt": {"thickness": "5 mm"},
+            "tension": {"closure": "lever", "force": effort}, "friction": {"mu": mu}, "brake": more}  # fmt: skip
+
+
+def test_a_simple_band_brake(scene_of):
+    """mechdiploma.com: lever 40 cm, pin at 8 cm, 500 N, 5/8 of a drum of 40 cm at 0.25; e^(μθ) is printed as 2.67."""
+    found = rf.solve(scene_of(**brake("40 cm", "225 deg", 0.25, lever="40 cm", tight_arm="8 cm"))).to_dict()
+    assert found["at_work"]["tight_N"] == pytest.approx(2500.0, rel=1e-13)
+    assert found["at_work"]["slack_N"] == pytest.approx(936.3, abs=0.5)
+    assert found["brake"]["torque_N_m"] == pytest.approx(312.74, abs=0.1)
+
+
+def test_a_simple_band_brake_that_holds_a_torque(scene_of):
+    """transtutors.com, brake drum friction: 300 N m, 240 deg, 0.25; its numbers are those of a radius of 250 mm."""
+    tree = brake("500 mm", "240 deg", 0.25, lever="300 mm", tight_arm="50 mm", torque="300 N*m")
+    found = rf.solve(scene_of(**tree)).to_dict()["brake"]
+    assert found["needed_effort_N"] == pytest.approx(308.13, abs=0.05)
+    tree["tension"]["force"] = f"{found['needed_effort_N']!r} N"
+    again = rf.solve(scene_of(**tree)).to_dict()
+    assert again["brake"]["torque_N_m"] == pytest.approx(300.0, rel=1e-12)
+    assert again["at_work"]["slack_N"] == pytest.approx(648.77, abs=0.05)
+    assert again["at_work"]["tight_N"] == pytest.approx(1848.80, abs=0.05)
+
+
+def test_a_band_brake_of_a_given_tight_side():
+    """interviewmania.com, machine design: 400 N on the tight side, 0.5 m, 180 deg, 0.25: 182.375 N and 54.4 N m."""
+    found = solved(problem_of(0.25, wrap_angle_rad=math.pi, tension_N=400.0, radius_m=0.25))
+    assert found.full_slack_N[0] == pytest.approx(182.375, abs=0.02)
+    assert found.full_pull_N[0] * 0.25 == pytest.approx(54.4, abs=0.05)
+
+
+def test_a_differential_band_brake_and_when_it_locks_by_itself(scene_of):
+    """350 N m on 350 mm over 225 deg at 0.3: 2889 and 889 N; arms 35 and 150 mm, lever 500 mm (Khurmi & Gupta)."""
+    arms = {"lever": "500 mm", "tight_arm": "-35 mm", "slack_arm": "150 mm", "torque": "350 N*m"}
+    found = rf.solve(scene_of(**brake("350 mm", "225 deg", 0.3, effort="64.47 N", **arms))).to_dict()
+    assert found["brake"]["needed_effort_N"] == pytest.approx(64.47, abs=0.3)
+    assert found["brake"]["reversed_effort_N"] == pytest.approx(804.5, abs=0.3)
+    assert found["at_work"]["tight_N"] == pytest.approx(2889.0, rel=0.004)
+    locks = brake("350 mm", "225 deg", 0.3, **arms | {"tight_arm": "-47 mm"})
+    with pytest.raises(DataError, match="locks by itself"):
+        rf.solve(scene_of(**locks))
+    turned = brake("350 mm", "225 deg", 0.3, **arms | {"tight_arm": "150 mm", "slack_arm": "-47 mm"})
+    back = rf.solve(scene_of(**turned)).to_dict()["brake"]
+    assert back["reversed_torque_N_m"] is None
+    assert back["reversed_effort_N"] < 0.0
+
+
+@pytest.mark.parametrize(
+    ("driving", "belt", "mu", "power", "width_m", "half"),
+    [
+        # Khurmi & Gupta, Theory of Machines: leather belt, 7.5 kW at 250 rpm of 1.2 m, 165 deg: 65.8 mm.
+        ({"diameter": "1.2 m", "wrap": "165 deg", "speed": "250 rpm"},
+         {"thickness": "10 mm", "stress": "1.5 MPa", "density": "1000 kg/m^3"}, 0.3, "7.5 kW", 0.0658, 1e-4),
+        # GATE Agricultural Engineering 2018: 80 mm of 5 mm, 5 kW at 1500 rpm of 200 mm, 168 deg: 1.70 to 1.80 MPa.
+        ({"diameter": "200 mm", "wrap": "168 deg", "speed": "1500 rpm"},
+         {"thickness": "5 mm", "stress": "1.75 MPa"}, 0.2, "5 kW", 0.080, 0.0024),
+    ],
+)  # fmt: skip
+def test_the_width_that_a_stress_asks_for(scene_of, driving, belt, mu, power, width_m, half):  # noqa: PLR0917
+    tree = {"system": "beltdrive", "driving": driving, "belt": belt, "friction": {"mu": mu},
+            "tension": {"closure": "limit", "force": "5 kN"}, "load": {"power": power}}  # fmt: skip
+    assert rf.solve(scene_of(**tree)).to_dict()["needed_width_m"] == pytest.approx(width_m, abs=half)
+
+
+def test_the_stress_of_the_width_is_the_one_allowed(scene_of):
+    """A belt of that width and mass, pulled with σ b h, just carries the power."""
+    tree = {"system": "beltdrive", "driving": {"diameter": "0.3 m", "wrap": "160 deg", "speed": "1400 rpm"},
+            "belt": {"thickness": "6 mm", "stress": "2 MPa", "density": "970 kg/m^3"}, "friction": {"mu": 0.3},
+            "tension": {"closure": "limit", "force": "5 kN"}, "load": {"power": "10 kW"}}  # fmt: skip
+    width = rf.solve(scene_of(**tree)).to_dict()["needed_width_m"]
+    tree["belt"] = {"thickness": "6 mm", "linear_density": f"{970.0 * width * 0.006!r} kg/m"}
+    tree["tension"]["force"] = f"{2e6 * width * 0.006!r} N"
+    assert rf.solve(scene_of(**tree)).to_dict()["utilisation"] == pytest.approx(1.0, rel=1e-12)

@@ -164,12 +164,16 @@ def test_a_coefficient_is_positive(paper_press):
             SlipTable(paper_press, steady_tension_N(paper_press), mu)
 
 
-def test_a_law_without_friction_is_refused(paper_press):
+def test_a_law_without_friction_holds_what_has_no_torque(paper_press):
     friction = WrapFriction(
         law=LAWS["constant"], theta=np.array([0.0]), reference=one_condition(0.2, 0.0025, 2.0, 500.0)
     )
-    with pytest.raises(InputError, match="roller 1: there is no friction at all"):
-        SlipTable(paper_press, steady_tension_N(paper_press), friction)
+    table = SlipTable(paper_press, steady_tension_N(paper_press), friction)
+    usual = SlipTable(paper_press, steady_tension_N(paper_press), 1.2)
+    for measure in ("utilisation", "log"):
+        loaded = getattr(usual, measure) > 1e-12
+        assert (getattr(table, measure) == np.where(loaded, np.inf, 0.0)).all()
+    assert table.mu_required == pytest.approx(usual.mu_required, rel=1e-13)
 
 
 def test_a_belt_that_lifts_off_has_no_grip(paper_press):

@@ -194,3 +194,31 @@ def test_a_car_lighter_than_the_hanging_rope_slips_at_no_wrap_when_stalled():
     assert np.isfinite(found.wrap_limit_rad[:3]).all()
     with np.errstate(all="raise", divide="ignore"):
         assert np.isnan(found.logs[-2, 3, 0])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('undercut = "90 deg"', 'undercut = "110 deg"', "undercut 110"),
+        ('groove_angle = "50 deg"', 'groove_angle = "20 deg"', "groove angle 20"),
+        ('deceleration = "0.5 m/s^2"', 'deceleration = "0.1 m/s^2"', "deceleration 0.1"),
+    ],
+)
+def test_what_the_standard_excludes_is_said_to_be_outside_it(tmp_path, old, new, words):
+    text = scene_text("traction")
+    key = old.partition(" = ")[0]
+    line = next(one for one in text.splitlines() if one.split("=")[0].strip() == key)
+    path = tmp_path / "lift.toml"
+    path.write_text(text.replace(line, new), encoding="utf-8")
+    failures = rf.solve(path).to_dict()["failures"]
+    assert any(one.startswith("outside EN 81-50") and words in one for one in failures)
+    path.write_text(text, encoding="utf-8")
+    assert not any("outside" in one for one in rf.solve(path).to_dict()["failures"])
+
+
+def test_without_friction_no_wrap_is_enough(tmp_path):
+    path = tmp_path / "lift.toml"
+    path.write_text(scene_text("traction") + "\n[friction]\nmu = 0\n", encoding="utf-8")
+    found = rf.solve(path).to_dict()
+    assert found["needed_wrap_rad"] is None
+    assert all(not found["cases"][case]["passes"] for case in ("loading", "braking-up", "braking-down"))

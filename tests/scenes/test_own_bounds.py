@@ -1,0 +1,81 @@
+"""Of a list of effects each number has a bound of its own; a belt that has to push is a failure with its place."""
+
+import re
+
+import numpy as np
+import pytest
+
+from ropefric.scenes.scene import value_at
+from ropefric.scenes.solve import solve_scene
+
+
+@pytest.mark.parametrize(
+    ("name", "effects"),
+    [
+        ("belt-press", ["squeeze-load", "belt-inertia"]),
+        ("climbing-hoist", ["size"]),
+        ("belt-drive", ["wedge"]),
+        ("cable-pull", ["wrap-dependence"]),
+    ],
+)
+def test_every_number_of_a_list_keeps_its_own_bound(loaded, scene_of, name, effects):
+    tree = loaded(name).document.data
+    listed, whole = (solve_scene(scene_of(**tree | {"effects": one})) for one in (effects, "all"))
+    told, wanted = listed.to_dict(), whole.to_dict()
+    assert listed.own_bounds.keys() == {one.name for one in listed.quantities}
+    off = {key: abs(value_at(told, key) - value_at(wanted, key)) for key in listed.own_bounds
+           if value_at(wanted, key) is not None and value_at(told, key) is not None}  # fmt: skip
+    assert max(off.values()) > 0.0
+    for key, one in off.items():
+        assert one <= listed.own_bounds[key] * (1.0 + 1e-9), key
+    assert whole.own_bounds == {}
+
+
+def test_a_roller_shown_with_zero_has_the_bound_of_what_it_is(loaded, scene_of):
+    tree = loaded("belt-press").document.data | {"effects": ["squeeze-load", "belt-inertia"]}
+    found = solve_scene(scene_of(**tree))
+    assert found.to_dict()["slip"]["2"]["utilisation"] == 0.0
+    assert found.own_bounds["slip.2.utilisation"] == pytest.approx(0.5307, abs=1e-4)
+
+
+def six_rollers(slip):
+    rollers = {"drive": {"radius": "100 mm", "wrap": "180 deg", "role": "driver", "inertia": "1 kg*m^2"}}
+    for place in range(4):
+        rollers[f"load{place}"] = {"radius": "100 mm", "wrap": "120 deg", "inertia": "4 kg*m^2",
+                                   "squeeze_torque": "5 N*m"}  # fmt: skip
+    rollers["take"] = {"radius": "80 mm", "wrap": "180 deg", "role": "tensioner", "inertia": "1 kg*m^2",
+                       "tensioner": {"spring": "20 N/mm", "mass": "50 kg", "damping": "200 N*s/m"}}  # fmt: skip
+    belt = {"loop": list(rollers), "width": "1 m", "thickness": "5 mm", "linear_density": "2 kg/m", "damping": "1 ms",
+            "axial_stiffness": "500 kN", "span_lengths": ["1 m"] * len(rollers)}  # fmt: skip
+    start_up = {"law": "ramp", "duration": "0.01 s", "simulate": "0.3 s", "points": 301, "slip": slip}
+    return {"system": "press", "press": {"speed": "1 m/s", "preload": "1000 N"}, "rollers": rollers,
+            "belts": {"belt": belt}, "friction": {"mu": 0.5}, "start_up": start_up}  # fmt: skip
+
+
+def test_a_belt_that_would_have_to_push_in_a_start_up_is_a_failure_with_span_and_time(scene_of):
+    solution = solve_scene(scene_of(**six_rollers(slip=False)))
+    assert not solution.stands
+    told = next(one for one in solution.failures if one.startswith("a belt would have to push"))
+    span, time_s, lowest_N = re.search(
+        r"in span (\w+) at ([\d.]+) s the lowest tension in N is (-[\d.e+]+)", told
+    ).groups()
+    history = solution.answer.start_up
+    place = [one.name for one in history.press.spans].index(span)
+    when = int(np.argmin(np.abs(history.time_s - float(time_s))))
+    assert history.tension_N[when, place] == pytest.approx(float(lowest_N), rel=0.01)
+    assert history.tension_N[when, place] == history.tension_N.min()
+
+
+def test_where_belts_may_slip_and_lift_off_none_pushes(scene_of):
+    solution = solve_scene(scene_of(**six_rollers(slip=True)))
+    assert solution.answer.start_up.tension_N.min() > -1e-6
+    assert not any("push" in one for one in solution.failures)
+
+
+def test_a_press_that_cannot_be_pulled_like_this_shows_no_creep(loaded, scene_of):
+    tree = loaded("belt-press").document.data
+    held, slips = (solve_scene(scene_of(**tree | {"friction": {"mu": mu}})) for mu in (1.2, 0.3))
+    parts = [[one.title for one in run.scene.kind.sections(run.to_dict())] for run in (held, slips)]
+    assert slips.failures
+    assert "Creep" not in parts[1]
+    assert ("Creep" in parts[0]) == bool(held.to_dict()["creep"]["power_lost_W"])

@@ -115,6 +115,7 @@ def _with_global_options(command: Command, on_start: Callable[[], None] | None) 
         sources = arguments.pop("plugin") or ()
         top: Output = context.obj
         out = Output(json=top.json or json_, quiet=top.quiet or quiet, color=top.color and not no_color)
+        plugins.TOLD[:] = [out.note]
         try:
             if on_start is not None:
                 on_start()

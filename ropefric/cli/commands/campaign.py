@@ -1,14 +1,16 @@
 """The commands of a campaign: its break-away forces, its whole way to a lift force, its report; a look at its picks."""
 
 import getpass
+import html
 import logging
 import math
 import os
 import sys
 import webbrowser
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from typer import Argument, BadParameter, Option
@@ -364,8 +366,8 @@ def review(
 ) -> Answer:
     """Look at the picks of a campaign in the browser, and decide: accept, move, exclude, comment, undo.
 
-    Decisions go into the campaign's own list of trials (columns pick_s, exclude, why, by, when), of which nothing else
-    changes; what they change in the condition, the law and the lift force is shown. The page is served on this machine
+    Decisions go into decisions.csv beside the campaign's list of trials, which itself is never written; what they change
+    in the condition, the law and the lift force is shown. The page is served on this machine
     alone, to whoever has the address that is printed. Ctrl-C ends it. The folder of results is brought up to date by
     `ropefric report OUT_DIR`, or `extract`.
     """
@@ -390,20 +392,35 @@ def review(
         # Not a note: without it nobody finds the page.
         sys.stderr.write(f"{serving.address}\n")
         sys.stderr.flush()
-        out.note(f"decisions go into {reviewed.trial_list}; Ctrl-C ends the review")
-        if open_page and _has_screen():
-            webbrowser.open(serving.address)
+        out.note(f"decisions go into {reviewed.decisions}; Ctrl-C ends the review")
         try:
-            serving.serve_forever()
+            with _door_to(serving.address) as door:
+                if open_page and _has_screen():
+                    webbrowser.open(door)
+                serving.serve_forever()
         except KeyboardInterrupt as interrupt:
             reviewed.close()
             if interrupt.args:  # not Ctrl-C: the system wants an end
                 raise
     written = counted(reviewed.n_written, "decision")
     more = f"; `ropefric report {folder}` brings the results up to date" if reviewed.n_written else ""
-    data = {"trial_list": reviewed.trial_list, "n_decisions": reviewed.n_written, "by": reviewed.by}
-    said = f"{written} written to {reviewed.trial_list}{more}"
+    data = {"trial_list": reviewed.trial_list, "decisions": reviewed.decisions, "by": reviewed.by}
+    data |= {"n_decisions": reviewed.n_written}
+    said = f"{written} written to {reviewed.decisions}{more}"
     return Answer(data, [section.Section(title="", lines=(said,), verbatim=True)])
+
+
+@contextmanager
+def _door_to(address: str) -> Iterator[str]:
+    """Yield a page, which only this user can read, that leads to an address: all can read a browser's command line."""
+    with TemporaryDirectory(prefix="ropefric-") as folder:
+        door, shown = Path(folder, "review.html"), html.escape(address)
+        door.write_text(
+            f'<!doctype html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
+            f'<meta http-equiv="refresh" content="0; url={shown}"><a href="{shown}">Review of picks</a>\n',
+            encoding="utf-8",
+        )
+        yield door.as_uri()
 
 
 def _login_name() -> str:

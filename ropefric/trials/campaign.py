@@ -88,7 +88,7 @@ def load_campaign(
     if missing_recordings not in MISSING_WAYS:
         fix = did_you_mean(missing_recordings, MISSING_WAYS)
         raise UnknownNameError(f"unknown word {missing_recordings!r}", key="missing_recordings", fix=fix)
-    campaign, problems = _read(path, flag_missing=missing_recordings == "flag")
+    campaign, problems = examine_campaign(path, flag_missing=missing_recordings == "flag")
     raise_problems(problems)
     if campaign is None:  # pragma: no cover - no campaign without an error would be our own mistake
         raise DataError("the campaign cannot be read", path=str(path))
@@ -104,12 +104,16 @@ def load_about(path: str | os.PathLike[str]) -> AboutTable:
 
 def check_campaign(path: str | os.PathLike[str]) -> tuple[Problem, ...]:
     """Return everything that is wrong or doubtful: the campaign file's by line, then the trial list's."""
-    return _read(path)[1]
+    return examine_campaign(path)[1]
 
 
-def _read(
+def examine_campaign(
     path: str | os.PathLike[str], *, flag_missing: bool = False
 ) -> tuple[Campaign | None, tuple[Problem, ...]]:
+    """Return a campaign as far as it can be read, and everything that is wrong or doubtful.
+
+    With an error among it, trials of wrong rows are there too, to look at their recordings: NaN is what is not known.
+    """
     try:
         document = read_toml(path, "campaign file")
     except DataError as error:
@@ -128,16 +132,21 @@ def _read(
         return None, settings
     data = document.data.get("data", ".")
     folder = parent / (data if isinstance(data, str) else ".")
-    trials, rows = read_trials(parent / trials_path, folder, _context(document, model, folder))
+    listed = read_trials(parent / trials_path, folder, _context(document, model, folder))
+    trials, rows = listed.trials, listed.problems
     if flag_missing:
         rows = tuple(replace(p, severity="warning") if p.code == MISSING_RECORDING else p for p in rows)
     problems = settings + rows
-    if model is None or any(problem.severity == "error" for problem in problems):
+    if model is None:
         return None, problems
     shown = (parent / trials_path).as_posix()
-    problems += advise(
-        trials, shown, rule=model.rejection, one_trial_each=model.protocol.name in {"breakaway", "two-way"}
-    )
+    if any(problem.severity == "error" for problem in problems):
+        gone = {problem.line for problem in rows if problem.code == MISSING_RECORDING}
+        there = (trial for trial in (*trials, *listed.wrong) if trial.line not in gone)
+        trials = tuple(sorted(there, key=lambda trial: trial.line))
+    else:
+        one_trial_each = model.protocol.name in {"breakaway", "two-way"}
+        problems += advise(trials, shown, rule=model.rejection, one_trial_each=one_trial_each)
     rate_Hz = model.profile.sampling_rate_Hz or model.sampling_rate_Hz
     more: dict[str, Any] = {
         "sampling_rate_Hz": rate_Hz,

@@ -27,8 +27,6 @@ from ropefric.trials.decisions import Decision, read_decisions
 
 MISSING_RECORDING = "RF124"
 """Code of the problem that a recording is not there."""
-MAX_MISSING = 20
-"""Missing recordings that are listed one by one."""
 FEWEST_REPEATS = 6
 
 _SLIP = 0.75
@@ -121,16 +119,23 @@ class _Row:
                 self.say(name, "RF121", what, "fill the cell")
 
 
-def read_trials(
-    path: str | os.PathLike[str], folder: Path, context: TrialContext
-) -> tuple[tuple[TrialSpec, ...], tuple[Problem, ...]]:
-    """Return the rows that can be used, of recordings in a folder, and all problems of the table."""
+class ReadList(NamedTuple):
+    """The rows that can be used; of the others those whose recording can be looked at; and all that is wrong."""
+
+    trials: tuple[TrialSpec, ...] = ()
+    wrong: tuple[TrialSpec, ...] = ()
+    problems: tuple[Problem, ...] = ()
+
+
+def read_trials(path: str | os.PathLike[str], folder: Path, context: TrialContext) -> ReadList:
+    """Return the rows of a list about recordings in a folder."""
     try:
         table, torn = cells.read_cells(path)
     except DataError as error:
         # A trial list is named by the campaign file, and looked for where that is.
         fix = "check the path, relative to the campaign file"
-        return (), tuple(replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
+        told = (replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
+        return ReadList(problems=tuple(told))
     decided = DECIDED if {"why", "by"} <= {cells.word_of(name) for name in table.header} else {}
     columns, others, refused = table.bind({**QUANTITIES, **decided}, TEXTS)
     found = [*torn, *refused, *_check_header(table, columns, others, None if refused else context)]
@@ -143,14 +148,17 @@ def read_trials(
         found += _decide(rows, Path(path).with_name(DECISIONS))
     # The user's own columns are kept, but not used.
     own = {name: table.header.index(name) for name in others}
-    trials: list[TrialSpec] = []
+    trials, bad = list[TrialSpec](), list[TrialSpec]()
     for place, row in enumerate(rows):
-        before = len(row.problems)
+        before, is_there = len(row.problems), all(one.code != MISSING_RECORDING for one in row.problems)
         row.problems += wrong[place]
         _check(row, context, wrong_header=bool(refused))
-        trials += _trial(row, own, folder, context) if len(row.problems) == before else ()
+        whole = len(row.problems) == before
+        spec = _trial(row, own, folder, context, whole=whole)
+        if spec is not None and (whole or (is_there and row.file)):
+            (trials if whole else bad).append(spec)
         found += row.problems
-    return tuple(trials), tuple(sorted(found, key=lambda p: p.line or math.inf))
+    return ReadList(tuple(trials), tuple(bad), tuple(sorted(found, key=lambda p: p.line or math.inf)))
 
 
 def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:
@@ -296,17 +304,29 @@ def _check_decision(row: _Row, *, alone: bool) -> None:
         row.doubt(given[0], "RF111", message, fix)
 
 
-def _trial(row: _Row, own: Mapping[str, int], folder: Path, context: TrialContext) -> Iterator[TrialSpec]:
-    """Yield a checked row in SI; nothing where the campaign file leaves something open."""
+def _trial(
+    row: _Row, own: Mapping[str, int], folder: Path, context: TrialContext, *, whole: bool
+) -> TrialSpec | None:
+    """Return a row in SI; of one that is not `whole` what its recording is looked at with, else NaN.
+
+    None where the campaign file leaves something open.
+    """
     wheel_m = row.numbers.get("wheel_radius_m", context.wheels.get(row.texts.get("wheel", "")))
     rope_m = row.numbers.get("rope_radius_m", context.rope_radius_m)
     start_s, stop_s = _interval(row, context)
-    if wheel_m is None or rope_m is None or "wrap_angle_rad" not in row.numbers or not row.file:
-        return
-    of_row: dict[str, Any] = {**row.texts, **row.numbers, "start_s": start_s, "stop_s": stop_s}
-    of_row |= {"trial": row.name, "wheel_radius_m": wheel_m, "rope_radius_m": rope_m}
+    settings = {"wheel_radius_m": wheel_m, "rope_radius_m": rope_m}
+    settings["wrap_angle_rad"] = row.numbers.get("wrap_angle_rad")
+    texts = row.texts
+    if not whole:
+        settings = {name: math.nan if value is None else value for name, value in settings.items()}
+        known = {**dict.fromkeys(("cell", "end_cell"), context.cells), "wheel": context.wheels}
+        texts = {name: text for name, text in texts.items() if name not in known or text in known[name]}
+    if None in settings.values() or not row.file:
+        return None
+    of_row: dict[str, Any] = {**texts, **row.numbers, "start_s": start_s, "stop_s": stop_s}
+    of_row |= {"trial": row.name, **settings}
     kept = tuple((name, row.cells[index]) for name, index in own.items())
-    yield TrialSpec(**of_row, path=folder / row.file, line=row.line, own=kept)
+    return TrialSpec(**of_row, path=folder / row.file, line=row.line, own=kept)
 
 
 # --- recordings and names ---
@@ -315,26 +335,18 @@ def _trial(row: _Row, own: Mapping[str, int], folder: Path, context: TrialContex
 def _refuse_missing(rows: Sequence[_Row], folder: Path) -> None:
     """Take note of recordings that are not there, or are no files; as warnings where the trial is excluded."""
     kinds = {file: kind_of_file(folder / file) for file in {row.file: 0 for row in rows} if file}
-    told = {False: 0, True: 0}
-    missing = [row for row in rows if kinds.get(row.file, "file") in ("", "folder")]
-    excluded = [bool(row.texts.get("exclude")) for row in missing]
     for row in rows:
-        if kinds.get(row.file) == "device or pipe":
-            message = f"the recording {row.texts['file']} is a device or pipe, not a file"
-            fix, is_out = "write its content to a file, and name that", bool(row.texts.get("exclude"))
-            row.say("file", MISSING_RECORDING, message, fix, warning=is_out)
-    for row, is_out in zip(missing, excluded, strict=True):
-        told[is_out] += 1
+        kind = kinds.get(row.file, "file")
+        if kind == "file":
+            continue
         message = f"the recording {row.texts['file']} is not there"
-        fix = f"put it into {folder.as_posix()}, or correct the name"
-        if row.file.startswith("#"):
+        fix = f"put it into {folder.as_posix()}, correct the name, or the key 'data' of the campaign file"
+        if kind == "device or pipe":
+            message = f"the recording {row.texts['file']} is a device or pipe, not a file"
+            fix = "write its content to a file, and name that"
+        elif row.file.startswith("#"):
             fix = "put comments above the header; below it every line is a trial"
-        if told[is_out] > MAX_MISSING:
-            n = excluded.count(is_out)
-            message = f"{n - MAX_MISSING} more recordings are not there, {n} in all"
-            fix = "check the key 'data' of the campaign file"
-        if told[is_out] <= MAX_MISSING + 1:
-            row.say("file", MISSING_RECORDING, message, fix, warning=is_out)
+        row.say("file", MISSING_RECORDING, message, fix, warning=bool(row.texts.get("exclude")))
 
 
 def _refuse_twice(rows: Sequence[_Row]) -> None:

@@ -9,16 +9,17 @@ import sys
 import webbrowser
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, option, out_folder
-from ropefric.cli.output import Output, Progress, few_of_each
-from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.cli.output import Output, Progress
+from ropefric.errors import DataError, InputError, RopefricError, raise_problems
 from ropefric.glossary import counted
 
 with on_first_use():
@@ -40,8 +41,8 @@ if TYPE_CHECKING:
 SERIAL_FIGURES = 8
 """Figures below which starting worker processes costs more than it saves."""
 _FIGURE_FILES = ("svg", "pdf", "png")
-MAX_ALIKE = 3
-"""Problems of one code that are said in full; the others are counted."""
+_NAMED = 3
+"""Of trials with one reason."""
 # The advice for these says something about the measurement; an unreadable file has advice of its own.
 _ADVISED = ("doubtful", "no-breakaway", "no-peak", "saturated", "too-short")
 
@@ -64,7 +65,7 @@ def extract(
     one figure per condition with the data it shows. What an earlier run wrote there and no longer fits is removed.
     """
     campaign = options.campaign_file(campaign)
-    loaded = campaigns.load_campaign(campaign, missing_recordings="flag")
+    loaded = _loaded(campaign, flag_missing=True)
     n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     # Before the work, so that a folder that cannot be used costs nothing.
     options.lend_fonts_a_place(folder)
@@ -86,6 +87,14 @@ def extract(
             out.problems(error.problems)
         data, exit_code = data | error.to_dict(), error.exit_code
     return Answer(data, _sections(extraction), exit_code)
+
+
+def _loaded(path: Path, *, flag_missing: bool = False) -> "campaign_model.Campaign":
+    """Return a campaign; refuse one with all that is wrong: beside its files the recordings that cannot be read."""
+    found, problems = campaigns.examine_campaign(path, flag_missing=flag_missing)
+    if found is None or any(one.severity == "error" for one in problems):
+        raise_problems((*problems, *(extracting.check_recordings(found)[1] if found else ())))
+    return cast("campaign_model.Campaign", found)
 
 
 def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack) -> "Executor | None":
@@ -126,12 +135,9 @@ def _work_quietly(_plugins: object) -> None:
 
 
 def say_problems(extraction: "result.Extraction", folder: Path, out: Output) -> None:
-    """Say what was wrong or doubtful beside the recordings that the summary lists, and what became of the trials.
-
-    Many problems of one kind are said a few times and then counted.
-    """
-    for alike in result.problems_by_code(extraction, said_of=_without_force(extraction)).values():
-        out.problems(few_of_each(alike, MAX_ALIKE))
+    """Say what was wrong or doubtful beside the recordings that the summary lists, and what became of the trials."""
+    found = result.problems_by_code(extraction, said_of=_without_force(extraction)).values()
+    out.problems(chain.from_iterable(found), rest="problems.csv lists all")
     trials = extraction.trials
     n_recordings = len({(trial.file, trial.sample) for trial in trials})
     what = counted(len(trials), "trial")
@@ -161,7 +167,7 @@ def _sections(extraction: "result.Extraction") -> "list[section.Section]":
     if flagged := _without_force(extraction):
         statuses = dict.fromkeys(trial.breakaway.status for trial in flagged)
         said = f"{len(flagged)} of {len(extraction.trials)} trials are without a force:"
-        reasons = [row for group in result.alike(flagged) for row in _flagged_rows(group)]
+        reasons = [*map(_flagged_row, result.alike(flagged))]
         advice = [f"{one}: {breakaway.ADVICE[one]}" for one in statuses if one in _ADVISED]
         told.append(section.Section("", (said,), ("trial", "status", "why "), reasons, left=3))
         told.append(section.Section(lines=advice))
@@ -174,16 +180,14 @@ def _without_force(extraction: "result.Extraction") -> "list[result.TrialResult]
     return sorted(found, key=lambda trial: trial.breakaway.status != "doubtful")
 
 
-def _flagged_rows(group: "Sequence[result.TrialResult]") -> list[tuple[str, str, str]]:
-    """Return a row for each of some trials, or one for all where many have one reason."""
-    rows = []
-    for trial in group if len(group) <= MAX_ALIKE else group[:1]:
-        advised = trial.breakaway.status in _ADVISED
-        fixes = [] if advised else [problem.fix for problem in trial.problems if problem.fix]
-        rows.append((trial.trial, str(trial.breakaway.status), "; ".join([trial.why_no_force, *fixes])))
-    if len(group) > MAX_ALIKE:
-        rows = [(f"{group[0].trial} … {group[-1].trial} ({len(group)} trials)", *rows[0][1:])]
-    return rows
+def _flagged_row(group: "Sequence[result.TrialResult]") -> tuple[str, str, str]:
+    """Return a row for trials that have one reason."""
+    trial, names = group[0], ", ".join(one.trial for one in group[:_NAMED])
+    if len(group) > _NAMED:
+        names += f", … ({len(group)} trials)"
+    advised = trial.breakaway.status in _ADVISED
+    fixes = [] if advised else [problem.fix for problem in trial.problems if problem.fix]
+    return names, str(trial.breakaway.status), "; ".join([trial.why_no_force, *fixes])
 
 
 @command("ropefric run data/prth-bench/campaign.toml --out out", order=60)
@@ -208,7 +212,7 @@ def run(
     there and no longer fits is removed. Exits with 4 unless the law and its lift force are supported: when the data
     leave two of them undecided, or judge none.
     """
-    loaded, wish = campaigns.load_campaign(options.campaign_file(campaign)), page.Wish(figures=figures)
+    loaded, wish = _loaded(options.campaign_file(campaign)), page.Wish(figures=figures)
     how: dict[str, Any] = {"law": law, "cluster": cluster, "parquet": parquet, "force": force}
     return work_through(out, loaded, folder, wish, jobs=jobs, of_conditions=figures, **how)
 

@@ -5,17 +5,20 @@ results, and gives these back in the order of the pieces; what comes of them is 
 """
 
 import hashlib
+import logging
 import os
+import socket
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import ExitStack, contextmanager
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib import import_module
 from importlib.metadata import version
 from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
+from urllib.parse import urlsplit
 
 from ropefric.errors import InputError, RopefricError
 
@@ -25,8 +28,11 @@ T = TypeVar("T")
 AHEAD = 128
 """Pieces in hand at most: what is kept of work and results that wait, and how many workers can be kept busy."""
 
-CONNECT_S = 30.0
+CONNECT_S = 10.0
 """Time for a scheduler to answer."""
+
+SILENT_S = 8.0
+"""After so long without a result it is asked whether a cluster has workers; so long it may have none."""
 
 CARRIED: list[Callable[[], Any]] = []
 """What give something that every worker must have before its work: to unpickle it is to have it."""
@@ -64,13 +70,15 @@ def spread(
 
     An executor is what `concurrent.futures` calls so, or a client of dask. At most `AHEAD` pieces are with it. A piece
     whose worker died, or that fails in any way but a `RopefricError`, is done here, by `again` where there is one; so is
-    the oldest piece once an executor has been silent for `patience_s`. Close the iterator to call off the rest.
+    the oldest piece once an executor has been silent for `patience_s`. A cluster whose workers are all gone is an error.
+    Close the iterator to call off the rest.
     """
     if executor is None:
         yield from map(work, pieces)
         return
+    look = _nothing_to_look_at
     if hasattr(executor, "get_executor"):  # dask's client, whose own futures are of another kind
-        executor = executor.get_executor(pure=False)
+        look, executor = partial(_refuse_deserted, executor), executor.get_executor(pure=False)
     ahead: deque[tuple[A, Future[T]]] = deque()
     left = iter(pieces)
     try:
@@ -82,12 +90,13 @@ def spread(
                 return
             piece, future = ahead[0]
             try:
-                _wait_for(future, [one for _, one in ahead], patience_s)
+                _wait_for(future, [one for _, one in ahead], patience_s, look)
                 found = future.result(0.0)
             except RopefricError:
                 raise
             # As with one process: what a piece brings about by itself, it brings about here as well.
             except Exception as error:  # noqa: BLE001
+                look()
                 future.cancel()
                 found = work(piece) if again is None else again(piece, error)
             ahead.popleft()
@@ -112,13 +121,35 @@ def _handed(executor: Executor, work: Callable[[A], T], piece: A) -> "Future[T]"
         return future
 
 
-def _wait_for(future: "Future[Any]", every: "list[Future[Any]]", patience_s: float | None) -> None:
-    """Wait for a result, as long as any comes."""
-    waiting = {one for one in every if not one.done()}
+def _wait_for(
+    future: "Future[Any]", every: "list[Future[Any]]", patience_s: float | None, look: Callable[[], None]
+) -> None:
+    """Wait for a result, as long as any comes; look from time to time whether anybody is there to give one."""
+    step_s = SILENT_S if patience_s is None else min(SILENT_S, patience_s)
+    waiting, silent_s = {one for one in every if not one.done()}, 0.0
     while not future.done():
-        done, waiting = wait(waiting, patience_s, FIRST_COMPLETED)
+        done, waiting = wait(waiting, step_s, FIRST_COMPLETED)
+        silent_s = 0.0 if done else silent_s + step_s
         if not done:
+            look()
+        if patience_s is not None and silent_s >= patience_s:
             raise TimeoutError
+
+
+def _nothing_to_look_at() -> None:
+    """Do nothing: processes of this machine are told of when they die."""
+
+
+def _refuse_deserted(client: Any) -> None:
+    """Refuse to wait for a cluster whose workers, or whose scheduler, are gone."""
+    try:
+        client.wait_for_workers(1, timeout=SILENT_S)
+    except Exception as error:  # noqa: BLE001  (each way to lose a scheduler has an exception of its own)
+        message = (
+            f"the cluster at {client.scheduler.address} has no worker that works ({type(error).__name__})"
+        )
+        fix = "start workers again with `dask worker ADDRESS`, or leave --cluster out; nothing was written"
+        raise InputError(message, code="RF110", key="--cluster", fix=fix) from None
 
 
 def _there(made_by: str, _carried: object, work: Callable[[A], T], piece: A) -> T:
@@ -133,10 +164,11 @@ def _there(made_by: str, _carried: object, work: Callable[[A], T], piece: A) -> 
 
 
 @contextmanager
-def cluster(address: str, n_workers: int = 0) -> Iterator["Executor | None"]:
-    """Yield an executor on the workers of a dask scheduler, or of one on this machine ("local"); None without address.
+def cluster(address: str, n_workers: int = 0) -> Iterator[Any]:
+    """Yield a client of a dask scheduler, or of one on this machine ("local"), as an executor; None without address.
 
-    A local worker is a process with one thread; there are `n_workers` of them, at least two.
+    A local worker is a process with one thread; there are `n_workers` of them, at least two, and nobody outside this
+    machine can reach them.
     """
     if not address:
         yield None
@@ -147,19 +179,32 @@ def cluster(address: str, n_workers: int = 0) -> Iterator["Executor | None"]:
         fix = 'pip install "ropefric[cluster]", or leave --cluster out'
         message = "a cluster needs dask.distributed, which is not installed"
         raise InputError(message, code="RF107", key="--cluster", fix=fix) from None
+    # What dask logs of lost connections, with tracebacks, is said here in words.
+    for name in ("distributed", "distributed.client", "tornado.application"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    timeouts = {"distributed.comm.timeouts.connect": f"{CONNECT_S:g}s"}
+    import_module("dask").config.set(timeouts | {"distributed.nanny.pre-spawn-environ": _ONE_THREAD})
     with ExitStack() as stack:
         if address == "local":
-            import_module("dask").config.set({"distributed.nanny.pre-spawn-environ": _ONE_THREAD})
+            at_home: dict[str, Any] = {"host": "127.0.0.1", "dashboard_address": None}
+            at_home |= {"worker_dashboard_address": None, "silence_logs": logging.CRITICAL}
             local = distributed.LocalCluster(
-                n_workers=max(2, n_workers or usable_cores()), threads_per_worker=1, dashboard_address=":0"
+                n_workers=max(2, n_workers or usable_cores()), threads_per_worker=1, **at_home
             )
-            address = stack.enter_context(local)
+            address = stack.enter_context(local).scheduler_address
         try:
-            if not address.rpartition(":")[2].isdigit():  # dask would try for a minute, and leave a traceback
-                raise ValueError("the address has no port")  # noqa: TRY301
-            client = stack.enter_context(distributed.Client(address, timeout=CONNECT_S, set_as_default=False))
+            _knock(address)
+            client = distributed.Client(address, timeout=CONNECT_S, set_as_default=False)
         except (OSError, ValueError) as error:
             message = f"no scheduler answers at {address!r}: {str(error) or type(error).__name__}"
             fix = "start one with `dask scheduler`, give its address as tcp://HOST:8786, or say local"
             raise InputError(message, code="RF110", key="--cluster", fix=fix) from None
-        yield client.get_executor(pure=False)
+        yield stack.enter_context(client)
+
+
+def _knock(address: str) -> None:
+    """Connect to an address and leave again: dask would try for long, and leave a traceback."""
+    if not address.rpartition(":")[2].isdigit():
+        raise ValueError("the address has no port")
+    place = urlsplit(address if "://" in address else f"tcp://{address}")
+    socket.create_connection((place.hostname or "", place.port or 0), CONNECT_S).close()

@@ -218,7 +218,12 @@ def campaign_folder(
 ) -> OutputFolder:
     """Return the folder of a campaign's results, as a context that keeps it from other runs; see `OutputFolder`."""
     names = (*_EXTRACTED, *(_answered() if answers else ()))
-    inputs = (campaign.path, campaign.trial_list, *dict.fromkeys(trial.path for trial in campaign.trials))
+    inputs = (
+        campaign.path,
+        campaign.trial_list,
+        campaign.decisions,
+        *dict.fromkeys(trial.path for trial in campaign.trials),
+    )
     of_campaign: dict[str, Any] = {"family": "campaign", "basis": "trials.csv"}
     return OutputFolder(folder, names=names, inputs=inputs, force=force, **of_campaign)
 
@@ -453,7 +458,11 @@ def trace_provenance(run: CampaignRun, evidence: Evidence) -> dict[str, Any]:
         recordings.setdefault(trial.file, trial.sha256)
     inputs = {
         campaign.path.name: hash_file(campaign.path),
-        campaign.relative(campaign.trial_list): hash_file(campaign.trial_list),
+        **{
+            campaign.relative(path): hash_file(path)
+            for path in (campaign.trial_list, campaign.decisions)
+            if path.exists()
+        },
     } | recordings
     settings = {key: value for key, value in campaign.resolved().items() if key not in _NO_SETTINGS}
     return {"schema": SCHEMA, **_traced(run.answer, evidence, words, inputs), "settings": settings}

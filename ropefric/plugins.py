@@ -9,7 +9,7 @@ import hashlib
 import re
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
@@ -63,6 +63,9 @@ class Plugin(Shown):
 
 
 _LOADED: list[Plugin] = []
+
+TOLD: list[Callable[[str], None]] = []
+"""Who are told before code runs that a file names, which nobody may have read."""
 
 
 def loaded() -> tuple[Plugin, ...]:
@@ -161,6 +164,9 @@ def load_named(document: TomlDocument) -> tuple[Problem, ...]:
     for name in given if isinstance(given, list) else []:
         if isinstance(name, str):  # all else is refused with the other keys
             place = Path(document.path).parent / name if name.endswith(".py") else name
+            if all(one.source != name for one in _LOADED):
+                for tell in TOLD:
+                    tell(f"{document.path} names the plugin {name}, whose code runs now")
             try:
                 load_plugin(place, name)
             except RopefricError as error:

@@ -227,6 +227,18 @@ def test_a_broken_plugin_is_an_error_with_its_line(tmp_path, capsys):
         assert "broken.py" in capsys.readouterr().err
 
 
+def test_code_that_a_campaign_names_is_told_of_before_it_runs(tmp_path, capsys):
+    (tmp_path / "loud.py").write_text("import sys\nsys.stderr.write('RAN')\n", encoding="utf-8")
+    (tmp_path / "campaign.toml").write_text('plugins = ["loud.py"]\nname = "x"\n', encoding="utf-8")
+    for command in ("check", "run", "extract"):
+        assert main([command, str(tmp_path)]) == 3
+        told, _, _ = capsys.readouterr().err.partition("RAN")
+        assert "names the plugin loud.py, whose code runs now" in told
+    (tmp_path / "scene.toml").write_text('plugins = ["loud.py"]\nsystem = "hoist"\n', encoding="utf-8")
+    assert main(["solve", str(tmp_path / "scene.toml")]) == 3
+    assert "whose code runs now" in capsys.readouterr().err.partition("RAN")[0]
+
+
 def test_what_is_not_there_is_refused(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name, words in {"nothing.py": "no such file",

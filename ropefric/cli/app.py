@@ -18,7 +18,7 @@ import typer
 from ropefric import __version__
 from ropefric.cli import commands, on_first_use
 from ropefric.cli.options import Answer, Command
-from ropefric.cli.output import Output, few_of_each, json_text
+from ropefric.cli.output import Output, json_text
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.files.plain_text import visible
 from ropefric.registry import Registry, did_you_mean
@@ -37,8 +37,6 @@ _NO_COLOR = Annotated[bool, typer.Option("--no-color", help="Plain text; so does
 _OWN = "A law, reader, outlier rule, protocol or machine of your own: a Python file, or an installed plugin; repeatable."
 _PLUGIN = Annotated[list[str] | None, typer.Option("--plugin", metavar="FILE.py", help=_OWN)]
 _GLOBAL_OPTIONS = {"json_": _JSON, "quiet": _QUIET, "no_color": _NO_COLOR}
-MOST_ALIKE = 20
-"""Problems of one code that a failure says in full; `--json` has all of them."""
 _OUT_OF = {errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE}
 
 
@@ -115,6 +113,7 @@ def _with_global_options(command: Command, on_start: Callable[[], None] | None) 
         sources = arguments.pop("plugin") or ()
         top: Output = context.obj
         out = Output(json=top.json or json_, quiet=top.quiet or quiet, color=top.color and not no_color)
+        plugins.TOLD[:] = [out.note]
         try:
             if on_start is not None:
                 on_start()
@@ -153,7 +152,7 @@ def report_failure(error: BaseException, out: Output) -> int:
     if out.json:
         out.result(json_text(known.to_dict()) + "\n")
     else:
-        out.problems(few_of_each(known.problems, MOST_ALIKE))
+        out.problems(known.problems)
     if exit_code == INTERNAL and os.environ.get("ROPEFRIC_DEBUG", "") not in {"", "0"}:
         traceback.print_exception(error, file=sys.stderr)
     return exit_code

@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TextIO
 
 from ropefric.errors import Problem
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
 
+ALL_BY_JSON = "--json lists all"
+_SHOWN = 3
 PIPE_WIDTH = 200
 """Columns of what goes into a file or pipe."""
 REDRAW_S = 0.1
@@ -51,9 +54,9 @@ class Output(NamedTuple):
         if not self.quiet:
             self._say(f"{visible(text)}\n")
 
-    def problems(self, problems: Iterable[Problem]) -> None:
-        """List problems on stderr; warnings only if not asked to be quiet."""
-        for problem in problems:
+    def problems(self, problems: Iterable[Problem], rest: str = ALL_BY_JSON) -> None:
+        """List problems on stderr, a line for each cause; warnings only if not asked to be quiet."""
+        for problem in by_cause(problems, rest):
             if problem.severity == "error" or not self.quiet:
                 # Styled only for eyes: rich takes a while.
                 for_eyes = sys.stderr.isatty() or "FORCE_COLOR" in os.environ
@@ -80,21 +83,37 @@ class Output(NamedTuple):
             sys.stderr.flush()
 
 
-def few_of_each(problems: Sequence[Problem], most: int) -> Sequence[Problem]:
-    """Return problems as they are, or, of many of one code, some and how many more; then those alike stand together."""
-    by_code: dict[str, list[Problem]] = {}
-    for problem in problems:
-        by_code.setdefault(problem.code, []).append(problem)
-    if all(len(alike) <= most for alike in by_code.values()):
-        return problems
-    few: list[Problem] = []
-    for alike in by_code.values():
-        few += alike[:most]
-        if rest := alike[most:]:
-            worst = next((problem for problem in rest if problem.severity == "error"), rest[0])
-            text = f"{len(rest)} more like these"
-            few.append(Problem(code=worst.code, message=text, severity=worst.severity))
-    return few
+def by_cause(problems: Iterable[Problem], rest: str = ALL_BY_JSON) -> list[Problem]:
+    """Return one problem for each cause: how many it is, where the first three of them are, and where the rest is.
+
+    Of one cause are problems that one remedy mends; with a few messages, such as the names of two wheels that are
+    not known, each of these is one.
+    """
+    causes: dict[tuple[str, ...], dict[str, list[Problem]]] = {}
+    for one in problems:
+        alike = causes.setdefault((one.severity, one.code, one.key, one.fix), {})
+        alike.setdefault(one.message, []).append(one)
+    told: list[Problem] = []
+    for by_message in causes.values():
+        groups = [*by_message.values()]
+        if len(groups) > _SHOWN:
+            groups = [[one for group in groups for one in group]]
+        told += (group[0] if len(group) == 1 else _as_one(group, rest) for group in groups)
+    return told
+
+
+def _as_one(alike: Sequence[Problem], rest: str) -> Problem:
+    """Return problems of one cause as one."""
+    first, shown, n = alike[0], alike[:_SHOWN], len(alike)
+    more = f", …; {rest}" if n > _SHOWN else ""
+    if all(one.path == first.path and one.line is not None for one in shown):
+        places = "lines " + ", ".join(str(one.line) for one in shown)
+    elif len({one.path for one in shown}) == len(shown):
+        places = ", ".join(one.path for one in shown)
+    else:
+        places = "; ".join(["this", *(one.message for one in shown[1:])])
+    times = "times" if len({one.message for one in alike}) == 1 else "such"
+    return replace(first, message=f"{first.message} ({n} {times}: {places}{more})")
 
 
 def console_on(stream: TextIO, *, color: bool = True) -> "Console":

@@ -158,13 +158,17 @@ def open_file(path: str | os.PathLike[str], what: str = "file", *, shown: str = 
     except (FileNotFoundError, NotADirectoryError):
         raise DataError(f"there is no such {what}", path=shown, fix="check the path") from None
     except (OSError, ValueError) as error:  # ValueError: a null byte in the name
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else "not a usable file name"
-        message, fix = f"the {what} cannot be read: {reason}", "check its name and permissions"
-        raise DataError(message, path=shown, fix=fix) from None
+        raise _unreadable(error, what, shown) from None
     message, fix = "this is a device or pipe, not a file", "write its content to a file, and name that"
     if kind == "folder":
         message, fix = f"this is a folder, not a {what}", "name a file in it"
     raise DataError(message, path=shown, fix=fix)
+
+
+def _unreadable(error: Exception, what: str, shown: str) -> DataError:
+    reason = error.strerror if isinstance(error, OSError) and error.strerror else "not a usable file name"
+    message, fix = f"the {what} cannot be read: {reason}", "check its name and permissions"
+    return DataError(message, path=shown, fix=fix)
 
 
 def read_file(
@@ -182,6 +186,8 @@ def use_file(
         with open_file(path, what, shown=shown) as file:
             try:
                 found = use(file)
+            except OSError as error:  # of a disk that fails, or of what only says that it is a file
+                raise _unreadable(error, what, file.shown) from None
             except FileChangedError:
                 if not again:
                     raise
@@ -317,6 +323,37 @@ def write_file(path: str | os.PathLike[str], content: str | bytes, *, durable: b
     with replacing(target, durable=durable) as stream:
         stream.write(content.encode() if isinstance(content, str) else content)
     return target
+
+
+def append_file(path: Path, content: bytes, *, is_new: bool) -> None:
+    """Put bytes at the end of a file that only grows, in one piece or not at all; of a new one they are the begin.
+
+    Whatever others put there meanwhile stays.
+    """
+    refuse_special(path)
+    flags = os.O_WRONLY | os.O_APPEND | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
+    try:
+        descriptor = os.open(path, flags | (os.O_CREAT | os.O_EXCL if is_new else 0), 0o666)
+        try:
+            size = os.fstat(descriptor).st_size
+            if os.write(descriptor, content) != len(content):
+                os.ftruncate(descriptor, size)
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+    except OSError as error:
+        raise cannot_write(error, path) from None
+
+
+def take_back(path: Path, before: bytes, added: bytes) -> None:
+    """Take away what was put at the end of a file, unless others have put something there since."""
+    if read_file(path) != before + added:
+        return
+    if before:
+        os.truncate(path, len(before))
+    else:
+        path.unlink()
 
 
 def write_files(

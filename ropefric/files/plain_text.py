@@ -57,10 +57,10 @@ def csv_cell(value: Any) -> Any:
     return to_spreadsheet(value) if isinstance(value, str) else value
 
 
-def csv_text(rows: Iterable[Iterable[object]]) -> str:
+def csv_text(rows: Iterable[Iterable[object]], *, separator: str = ",") -> str:
     """Return rows of cells as CSV, the same bytes on every machine."""
     stream = io.StringIO()
-    csv.writer(stream, lineterminator="\n").writerows(rows)
+    csv.writer(stream, delimiter=separator, lineterminator="\n").writerows(rows)
     return stream.getvalue()
 
 

@@ -60,6 +60,10 @@ _ONE_SIGMA = 0.8413447460685429
 _NOTHING_TOLD = (FitStatus.TOO_FEW_POINTS, FitStatus.NOT_CONVERGED)
 
 
+EXTRAPOLATED = "extrapolated"
+"""The column of sweeps and draws that is 1 where a law is used outside what it was tested for, elsewhere 0."""
+
+
 def outside_range(validity: Validity, conditions: Conditions) -> BoolArray:
     """Return which regressors lie outside the tested range, shape (n, 4), columns in the order of `REGRESSORS`."""
     values = np.stack([getattr(conditions, name) for name in REGRESSORS], axis=-1)

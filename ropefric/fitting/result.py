@@ -610,6 +610,9 @@ def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:
     std = np.sqrt(squares / np.where(n > 1, n - 1, np.nan))
     columns = {name: getattr(problem.conditions, name) for name in SETTINGS}
     columns["peak_std_N"] = table.peak_std_N[table.used]
+    set_N = table.end_tension_set_N[table.used]
+    if not np.isnan(set_N).all():  # of conditions whose end tension was measured: what they have in common
+        columns["end_tension_set_N"] = np.where(np.isnan(set_N), columns["end_tension_N"], set_N)
     return {name: stats.group_means(values, group).tolist() for name, values in columns.items()} | {
         "n": n.tolist(),
         "mean_log_lift": [significant(value, GIVEN_DIGITS) for value in means.tolist()],

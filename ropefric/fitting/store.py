@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropefric import plugins
+from ropefric.arrays import FloatArray
 from ropefric.errors import PATH, DataError, Kind, RopefricError
 from ropefric.files.disk import hash_file, kind_of_file, read_file, refuse_input, refuse_special, write_file
 from ropefric.files.plain_text import json_document
@@ -230,6 +231,7 @@ def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
     for item, own in zip(fit.parameters, std, strict=True):
         unlike = isfinite(item.std) and not np.isclose(item.std, own, rtol=1e-6, atol=0.0)
         yield unlike, f"the standard error of {item.name} is not that of the covariance"
+    yield from _checks_of_common_errors(fit, std)
     for name in ("n", "n_conditions", "dof"):
         yield not isinstance(getattr(found, name), int), f"statistics.{name} is no whole number"
     possible = found.n >= found.n_conditions >= 1 and found.dof <= found.n
@@ -241,6 +243,22 @@ def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
     for name in REGRESSORS:
         low, high = fit.validity.get(name, (1.0, 0.0))
         yield not 0.0 <= low <= high < inf, f"validity.{name} is no range"
+
+
+def _checks_of_common_errors(fit: FitResult, std: FloatArray) -> Iterator[tuple[bool, str]]:
+    """Yield likewise what may be wrong with errors that conditions share; part of the covariance is made of them."""
+    for place, item in enumerate(fit.common_errors):
+        name = f"common_errors[{place}]"
+        yield not (type(item.name) is type(item.unit) is str), f"{name} has no name or unit"
+        yield (
+            not 0.0 < item.std < inf,
+            f"the std of {name} is {item.std!r:.40}",
+        )
+        wrong = len(item.change) != std.size or not np.isfinite(item.change).all()
+        yield wrong, f"the change of {name} is not a number for each parameter"
+    if fit.common_errors:
+        beyond = np.sqrt((fit.common_changes**2).sum(axis=1)) > std * (1.0 + _ROUNDING)
+        yield bool(beyond.any()), "common_errors say more than the covariance holds"
 
 
 def _checks_of_words(fit: FitResult) -> Iterator[tuple[bool, str]]:

@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError
 
 # Nobody sets a wheel, a wrap or a weight to a millionth, and every conversion of units and every rounding of what is
@@ -153,12 +153,6 @@ def along_one(conditions: Conditions, over: str) -> tuple[IntArray, IntArray]:
     along = levels(getattr(conditions, over))
     counts = [np.unique(along[others == group]).size for group in range(int(others.max()) + 1)]
     return np.flatnonzero(others == int(np.argmax(counts))), along  # the first of equals
-
-
-def same_setting(values: npt.ArrayLike, value: float) -> BoolArray:
-    """Return which settings are a given one, as near as those of one of the `levels`, shape (n,)."""
-    array = np.asarray(values, dtype=np.float64)
-    return np.asarray(np.abs(array - value) <= _SAME_SETTING * np.maximum(np.abs(array), abs(value)))
 
 
 def as_floats(name: str, values: npt.ArrayLike) -> FloatArray:

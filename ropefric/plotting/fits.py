@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.fitting.predict import REGRESSORS, predict
 from ropefric.fitting.result import FitResult
-from ropefric.friction.condition import SETTINGS, Conditions, along_one, levels, same_setting
+from ropefric.friction.condition import SETTINGS, Conditions, along_one, levels
 from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
@@ -35,9 +36,13 @@ _CHOSEN: dict[str, Any] = {"color": style.INK, "markersize": 5.5}
 
 
 class ConditionPoints(NamedTuple):
-    """The measured conditions behind a fit: how many trials, mean ln F_A and its standard uncertainty."""
+    """The measured conditions behind a fit: how many trials, mean ln F_A and its standard uncertainty.
+
+    `as_set` has the end tension that was set where `conditions` have the one that was measured.
+    """
 
     conditions: Conditions
+    as_set: Conditions
     n: IntArray
     log_lift: FloatArray
     std_log: FloatArray
@@ -64,22 +69,23 @@ def condition_points(fit: FitResult) -> ConditionPoints:
     parts = np.stack([repeats / np.sqrt(n), column("peak_std_N") * np.exp(-log_lift)])
     std = np.where(np.isnan(parts).all(axis=0), np.nan, np.hypot(*np.nan_to_num(parts)))
     conditions = Conditions(**{name: column(name) for name in SETTINGS})
-    return ConditionPoints(conditions=conditions, n=n, log_lift=log_lift, std_log=std)
+    as_set = conditions
+    if "end_tension_set_N" in fit.trials:
+        as_set = replace(conditions, end_tension_N=column("end_tension_set_N"))
+    return ConditionPoints(conditions=conditions, as_set=as_set, n=n, log_lift=log_lift, std_log=std)
 
 
-def _have(conditions: Conditions, settings: dict[str, Any]) -> BoolArray:
-    """Return which conditions have the given settings, shape (n,)."""
-    alike = [same_setting(getattr(conditions, name), value) for name, value in settings.items()]
-    return np.asarray(np.all(alike, axis=0))
+def _settings_of(fit: FitResult, points: ConditionPoints, over: str) -> tuple[dict[str, Any], BoolArray]:
+    """Return the settings to hold while one regressor is swept, and which conditions have them: most of all.
 
-
-def _settings_of(fit: FitResult, over: str) -> dict[str, Any]:
-    """Return the settings to hold while one regressor is swept: those that most conditions share."""
-    conditions, others = condition_points(fit).conditions, [name for name in SETTINGS if name != over]
-    if len(conditions):
-        first = along_one(conditions, over)[0][0]
-        return {name: float(getattr(conditions, name)[first]) for name in others}
-    return {name: math.sqrt(max(fit.validity[name][0], 0.0) * fit.validity[name][1]) for name in others}
+    What was set tells conditions into groups; the settings are those that were measured, their median.
+    """
+    others, chosen = [name for name in SETTINGS if name != over], np.zeros(points.n.size, dtype=np.bool_)
+    if not chosen.size:
+        held = {name: math.sqrt(max(fit.validity[name][0], 0.0) * fit.validity[name][1]) for name in others}
+        return held, chosen
+    chosen[along_one(points.as_set, over)[0]] = True
+    return {name: float(np.median(getattr(points.conditions, name)[chosen])) for name in others}, chosen
 
 
 def _held(settings: dict[str, Any], names: Sequence[str] = SETTINGS, comma: str = ",  ") -> str:
@@ -137,7 +143,7 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
     rows: list[tuple[object, ...]] = []
     with drawing(10.0, 4.6, ncols=3, sharey=True) as (figure, panels):
         for axes, over in zip(panels, FACETS, strict=True):
-            settings = _settings_of(first, over)
+            settings, chosen = _settings_of(first, points, over)
             axes.set_xlabel(style.regressor_label(over))
             axes.set_title(_held(settings, FACETS), fontsize=9)
             if over == "end_tension_N":
@@ -149,7 +155,6 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
                 rows += [(over, fit.law, *pair) for pair in zip(x.tolist(), values.tolist(), strict=True)]
             if not mu.size:
                 style.say_instead(axes, _NO_TRIALS)
-            chosen = _have(points.conditions, settings)
             x = factor * getattr(points.conditions, over)
             heading = _CHOSEN | {"label": "conditions as in the heading", "zorder": 4}
             for mask, look in ((~chosen, _OTHERS), (chosen, heading)):
@@ -193,7 +198,7 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
     The laws are drawn for the settings that most conditions share.
     """
     first, points, counts = _first(fits)
-    settings = _settings_of(first, "wrap_angle_rad")
+    settings, _ = _settings_of(first, points, "wrap_angle_rad")
     wrap_rad, rise = points.conditions.wrap_angle_rad, points.log_rise
     constant = next((fit for fit in fits if fit.law == "constant"), None)
     # Through the origin, each condition once: Σ φ ln(F_A/F_B) / Σ φ².
@@ -257,15 +262,15 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad", narrow: bool 
     conditions that have the settings drawn, crosses their trials where the fit still has them. Where it is to be
     `narrow`, the upper panel stands alone.
     """
-    settings, points, (low, high) = _settings_of(fit, over), condition_points(fit), fit.validity[over]
+    points, (low, high) = condition_points(fit), fit.validity[over]
+    settings, chosen = _settings_of(fit, points, over)
     x, columns = _band(fit, settings, over)
-    chosen = _have(points.conditions, settings)
     means, mean_N = points.conditions.select(chosen), np.exp(points.log_lift[chosen])
     # The end of a bar, the mean, and the other end.
     bars_N = mean_N * np.exp(np.outer((-1.0, 0.0, 1.0), 2.0 * np.nan_to_num(points.std_log[chosen])))
     measured = [(means, bars_N)]
     if fit.problem is not None:
-        mine = _have(fit.problem.conditions, settings)
+        mine = chosen[fit.problem.group]
         measured.append((fit.problem.conditions.select(mine), np.exp(fit.problem.log_lift[mine])))
     n = int(points.n[chosen].sum())
     title, unit, factor = REGRESSORS[over]

@@ -1,7 +1,7 @@
 """The figures of scenes: charts, sweeps as lines or a map, a press's start-up, a saw's Campbell chart."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import cycle
 from typing import Any
 
@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy.optimize import isotonic_regression
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
+from ropefric.fitting.predict import EXTRAPOLATED
 from ropefric.glossary import GLOSSARY
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, draw_chart, drawing
@@ -49,8 +50,7 @@ def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
     lines = not outer or outer[0].values.size <= _MOST_LINES
     most = _DRAWN_POINTS if lines else _DRAWN_CELLS
     steps = [1 if lines and axis is not across else -(-axis.values.size // most) for axis in kept]
-    grid = sweep.columns[name].reshape([axis.values.size for axis in kept])
-    grid = grid[tuple(slice(None, None, step) for step in steps)]
+    grid = _thinned(sweep, name, steps)
     places = [axis.values[::step] / axis.factor for axis, step in zip(kept, steps, strict=True)]
     path, _, last = name.rpartition(".")
     label = (f"{path}: " if path else "") + (style.figure_label(last) if last in GLOSSARY else last)
@@ -71,10 +71,44 @@ def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
             drawn = axes.pcolormesh(places[1], places[0], shown, cmap="cividis", shading="nearest")
             axes.set_ylabel(outer[0].label)
             axes.figure.colorbar(drawn, ax=axes).set_label(label)
+        outside = _thinned(sweep, EXTRAPOLATED, steps) if sweep.extrapolated_at else np.zeros(grid.shape)
+        _mark_outside(axes, places, grid, outside > 0.0, as_lines=lines)
     meshes = zip(sweep.axes, np.meshgrid(*places, indexing="ij"), strict=True)
     columns = {axis.key: each.ravel() for axis, each in meshes}
-    table = DataTable(columns | {name: grid.ravel()})
+    marked = {EXTRAPOLATED: outside.ravel()} if sweep.extrapolated_at else {}
+    table = DataTable(columns | {name: grid.ravel()} | marked)
     return FigureWithData(figure, (table,))
+
+
+def _thinned(sweep: Sweep, name: str, steps: Sequence[int]) -> FloatArray:
+    """Return every so many-th value of a column along each axis."""
+    grid = sweep.columns[name].reshape([axis.values.size for axis in sweep.kept])
+    return grid[tuple(slice(None, None, step) for step in steps)]
+
+
+def _mark_outside(
+    axes: Axes, places: Sequence[FloatArray], grid: FloatArray, outside: BoolArray, *, as_lines: bool
+) -> None:
+    """Mark where the law is used outside what it was tested for: a pale band under lines, hatches on a map."""
+    if not outside.any():
+        return
+    if not as_lines:
+        look: dict[str, Any] = {"colors": "none", "hatches": ["", "///"], "levels": [-0.5, 0.5, 1.5]}
+        if min(grid.shape) > 1:
+            axes.contourf(places[1], places[0], outside.astype(float), **look)
+        return
+    for row, mask in zip(np.atleast_2d(grid), np.atleast_2d(outside), strict=True):
+        pale: dict[str, Any] = {
+            "color": style.ORANGE,
+            "alpha": 0.4,
+            "linewidth": 6.0,
+            "marker": "o",
+            "markersize": 3.0,
+        }
+        axes.plot(
+            places[-1], np.where(mask, row, np.nan), zorder=0.5, label="not tested: extrapolated", **pale
+        )
+    style.legend_below(axes)
 
 
 def draw_explanation(told: Explanation) -> FigureWithData:

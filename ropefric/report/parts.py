@@ -10,7 +10,7 @@ import numpy as np
 from ropefric.fitting.compare import Comparison
 from ropefric.fitting.diagnose import WORDS, Diagnosis
 from ropefric.fitting.next_tests import LabPlan
-from ropefric.fitting.predict import REGRESSORS, Prediction
+from ropefric.fitting.predict import EXTRAPOLATED, REGRESSORS, Prediction
 from ropefric.fitting.result import FitResult, Verdict
 from ropefric.friction.condition import Conditions
 from ropefric.glossary import GLOSSARY, counted
@@ -479,7 +479,7 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
     # To the last bits, which differ from machine to machine.
     still = [name for name in names if math.isclose(*sweep.ranges[name], rel_tol=1e-9)]
     moving = [name for name in names if name not in still]
-    lines = [*_sweep_lines(sweep, still)]
+    lines = [*_sweep_lines(sweep, [name for name in still if name != EXTRAPOLATED])]
     if total > _SHOWN_POINTS:
         ends = [_in_its_unit(name, sweep.ranges[name]) for name in moving]
         rows = [(label, *cells) for label, cells in ends]

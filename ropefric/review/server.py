@@ -104,7 +104,7 @@ class _Handler(BaseHTTPRequestHandler):
             status, tree = refused.status, {"error": {"code": "RF110", "message": str(refused)}}
         except RopefricError as error:
             status, tree = 409, {"error": {**error.problem.to_dict(), "message": _all_of(error)}}
-        except (KeyError, TypeError, ValueError):
+        except (KeyError, TypeError, ValueError, RecursionError):
             status, tree = 400, {"error": {"code": "RF110", "message": "this request makes no sense"}}
         except Exception as error:  # noqa: BLE001  (the boundary: the page gets words, never a traceback)
             words = f"internal fault, {type(error).__name__}: {error}"

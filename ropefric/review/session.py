@@ -1,11 +1,8 @@
-"""A campaign under review: its trials, the decisions written to its list, and what these change."""
+"""A campaign under review: its trials, the decisions written beside its list, and what these change."""
 
-import codecs
-import io
-import re
 import threading
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from functools import cached_property, partial
@@ -17,15 +14,12 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, RopefricError
-from ropefric.files.disk import read_file, write_file
-from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree, to_spreadsheet
-from ropefric.files.text import GZIP_MAGIC
+from ropefric.files.disk import read_file, take_back
+from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree
 from ropefric.pipeline import answer_trials
-from ropefric.quantities import unit_factor
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.decision import judge
 from ropefric.traces.readers import read_recordings
-from ropefric.traces.readers.excel import READER as EXCEL
 from ropefric.traces.segments import prepare
 from ropefric.traces.smoothing import smooth
 from ropefric.traces.trace import ForceTrace
@@ -33,11 +27,10 @@ from ropefric.trials import numbers
 from ropefric.trials import result as results
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import Campaign, TrialSpec
-from ropefric.trials.cells import CellTable, is_row, separator_of, stem_of, word_of
+from ropefric.trials.decisions import Decision, add_decision, content_of, decision_of
 from ropefric.trials.extract import ByRow, Progress, blocks_of, extract_rows, in_list_order, tared_trace
 from ropefric.trials.result import TrialResult
 from ropefric.trials.table import table_of_extraction
-from ropefric.trials.trial_list import DECIDED, QUANTITIES, TEXTS
 
 Curves = tuple[FloatArray, FloatArray, FloatArray | None]
 """Time, force and smoothed force of a recording, samples that are missing left out."""
@@ -167,7 +160,7 @@ class _OutdatedError(Exception):
 class _State:
     """A campaign as its files say, what every row of its list gives, and what all of them give together."""
 
-    content: bytes
+    content: tuple[bytes, bytes]
     campaign: Campaign
     by_row: ByRow
     extraction: results.Extraction
@@ -231,7 +224,7 @@ class Review:
         self.lock = threading.RLock()
         self.n_written = 0
         self._drawn: dict[tuple[object, ...], Drawn] = {}
-        self._undo: deque[tuple[bytes, str]] = deque(maxlen=MOST_UNDONE)
+        self._undo: deque[Decision] = deque(maxlen=MOST_UNDONE)
         self._state = self._load(None, progress=progress)
         self._change: dict[str, Any] | None = None
         self._number, self._computed = 0, -1
@@ -244,19 +237,21 @@ class Review:
 
     @property
     def trial_list(self) -> Path:
-        """Return the list that decisions are written to."""
+        """Return the list of trials, which is only read."""
         return self._state.campaign.trial_list
+
+    @property
+    def decisions(self) -> Path:
+        """Return the file that decisions are written to."""
+        return self._state.campaign.decisions
 
     # --- the files ---
 
-    def _load(
-        self, before: _State | None, content: bytes | None = None, progress: Progress | None = None
-    ) -> _State:
+    def _load(self, before: _State | None, progress: Progress | None = None) -> _State:
         """Return the campaign as its files say now; only rows that differ from those before are extracted."""
-        if content is None:
-            content = _content_of(load_campaign(self._path, missing_recordings="flag").trial_list)
+        content = _contents(load_campaign(self._path, missing_recordings="flag"))
         campaign = load_campaign(self._path, missing_recordings="flag")
-        if _content_of(campaign.trial_list) != content:
+        if _contents(campaign) != content:
             raise _changed(campaign.trial_list)
         seen: ByRow = {} if before is None else before.by_row
         kept: dict[str, tuple[results.TrialResult, ...]] = {}
@@ -288,7 +283,7 @@ class Review:
     def decide(
         self, trial: str, action: str, *, pick_s: float | None = None, text: str = ""
     ) -> dict[str, Any]:
-        """Write a decision about a trial into the list, and return what it changes.
+        """Write a decision about a trial beside the list, and return what it changes.
 
         Parameters
         ----------
@@ -306,32 +301,32 @@ class Review:
         InputError
             If it is no possible decision.
         DataError
-            RF153 if somebody else changed the list meanwhile; another code if it cannot be written.
-            The list is then as it was.
+            RF153 if somebody else changed the list or the decisions meanwhile; another code if it cannot be written.
+            What holds is then as it was.
         """
         with self.lock:
-            state, spec = self._state, self._spec(trial)
-            values: dict[str, Any] = {"by": self.by, "when": self._now().isoformat(timespec="seconds")}
+            state, was = self._state, decision_of(self._spec(trial))
+            now = was
             if action == "pick":
-                values |= self._picked(trial, pick_s, text)
+                now = self._picked(trial, pick_s, text)
             elif action in _TEXTS:
                 column, otherwise = _TEXTS[action]
                 if not text.strip():
                     raise InputError(otherwise, code="RF121", fix="say in a few words what was seen")
-                values[column] = text.strip()
+                said: dict[str, Any] = {column: text.strip()}
+                now = was._replace(**said)
             elif action == "clear":
-                values = dict.fromkeys((*COLUMNS, "peak_N", "peak_std_N"), "")
+                now = Decision(was.trial, file=was.file)
             else:
                 raise InputError(f"there is no action {action!r}", key="action", fix="reload the page")
-            content = with_decision(state.content, spec.line, values, state.campaign.trial_list.as_posix())
-            if content == state.content:
-                raise InputError("this changes nothing in the list", code="RF110", key=trial)
-            self._replace(content, trial)
-            self._undo.append((state.content, trial))
+            if now == was:
+                raise InputError("this changes nothing", code="RF110", key=trial)
+            self._write(now._replace(by=self.by, when=self._now().isoformat(timespec="seconds")))
+            self._undo.append(was)
             self.n_written += 1
             return self._changed_since(state, trial)
 
-    def _picked(self, trial: str, pick_s: float | None, text: str) -> dict[str, str | float]:
+    def _picked(self, trial: str, pick_s: float | None, text: str) -> Decision:
         if pick_s is None or not isfinite(pick_s):
             fix = "click where the break-away is, or choose a candidate"
             raise InputError("no time is given for the break-away", code="RF121", key="pick_s", fix=fix)
@@ -346,41 +341,34 @@ class Review:
         if outline is not None:  # no finger is steadier than this part of the recording
             span_s = float(outline.time_s[-1] - outline.time_s[0])
             pick_s = round(pick_s, max(0, ceil(-log10(max(STEADY * span_s, 1e-12)))))
-        emptied = dict.fromkeys(("peak_N", "peak_std_N", "exclude"), "")
-        return {"pick_s": pick_s, "why": text.strip() or own or OWN_WORDS + said, **emptied}
+        said = text.strip() or own or OWN_WORDS + said
+        return Decision(spec.trial, pick_s=pick_s, why=said, file=spec.file)
 
     def undo(self) -> dict[str, Any]:
-        """Give the list back the bytes it had before the last decision, and return what that changes."""
+        """Write that what held before the last decision holds again, and return what that changes."""
         with self.lock:
             if not self._undo:
                 raise InputError("there is nothing to undo", code="RF110")
-            state, (before, trial) = self._state, self._undo[-1]
-            self._replace(before, trial)
+            state, was = self._state, self._undo[-1]
+            self._write(was)
             self._undo.pop()
             self.n_written -= 1
-            return self._changed_since(state, trial)
+            return self._changed_since(state, was.trial)
 
-    def _replace(self, content: bytes, trial: str) -> None:
-        """Write the list, if it is what was read; if others than a trial's row changed by that, write it back."""
-        state, path = self._state, self._state.campaign.trial_list
+    def _write(self, decision: Decision) -> None:
+        """Write a decision, if list and decisions are what was read; take it back if the campaign refuses it."""
+        state, path = self._state, self.decisions
         if self._number < 0:
             raise DataError("the review has ended: nothing was written", path=path, fix="start it again")
-        if read_file(path) != state.content:
-            raise _changed(path)
-        write_file(path, content)
+        if _contents(state.campaign) != state.content:
+            raise _changed(state.campaign.trial_list)
+        before = state.content[1]
+        added = add_decision(path, decision, before)
         try:
-            new = self._load(state, content)
-            names = {*state.bare, *new.bare}
-            changed = {name for name in names if state.bare.get(name) != new.bare.get(name)}
-            if not changed <= {state.specs[trial].trial}:
-                why = f"the decision would change other trials too: {', '.join(sorted(changed))}"
-                # Whatever is wrong, the list becomes what it was.
-                raise DataError(why, path=path, fix="write it into the list by hand")  # noqa: TRY301
+            self._state = self._load(state)
         except BaseException:
-            if read_file(path) == content:
-                write_file(path, state.content)
+            take_back(path, before, added)
             raise
-        self._state = new
 
     def _changed_since(self, state: _State, trial: str) -> dict[str, Any]:
         before, now = state.rows, self._state.rows
@@ -454,7 +442,7 @@ class Review:
         """Return the whole list of trials, and what is known of all of them."""
         with self.lock:
             campaign = self._state.campaign
-            names = {"campaign": campaign.name, "list": campaign.trial_list.name, "by": self.by}
+            names = {"campaign": campaign.name, "list": campaign.decisions.name, "by": self.by}
             trials = {"order": list(self._state.specs), "rows": self._state.rows, "counts": self._counts()}
             slack = campaign.protocol.needs_lift_force
             return {**names, "slack": slack, **trials, "undo": len(self._undo), **self.answer()}
@@ -534,131 +522,11 @@ def _is_readable(result: results.TrialResult) -> bool:
     return all(problem.code != UNREADABLE for problem in result.problems)
 
 
-def _content_of(path: Path) -> bytes:
-    """Return the bytes of a trial list that decisions can be written to."""
-    what = ""
-    if path.suffix.lower() in EXCEL.suffixes:
-        what = "a workbook"
-    elif (content := read_file(path)).startswith(GZIP_MAGIC):
-        what = "packed"
-    if what:
-        why = f"the list of trials is {what}, which decisions are not written to"
-        fix = 'save it as a CSV file, and name that in the campaign file: trials = "trials.csv"'
-        raise DataError(why, code="RF154", path=path, fix=fix)
-    return content
+def _contents(campaign: Campaign) -> tuple[bytes, bytes]:
+    """Return the bytes of the list of trials and of the decisions beside it."""
+    return read_file(campaign.trial_list), content_of(campaign.decisions)
 
 
 def _changed(path: Path) -> DataError:
-    why = "somebody else has changed the list of trials since it was read: nothing was written"
+    why = "somebody else has changed the list of trials or the decisions since they were read: nothing was written"
     return DataError(why, code="RF153", path=path, fix="read it again, then decide anew")
-
-
-COLUMNS = ("pick_s", "exclude", "why", "by", "when")
-"""What a decision is written to; columns that the list lacks are added at its right side."""
-
-_MARKS = {
-    codecs.BOM_UTF32_LE: "utf-32-le",
-    codecs.BOM_UTF32_BE: "utf-32-be",
-    codecs.BOM_UTF16_LE: "utf-16-le",
-    codecs.BOM_UTF16_BE: "utf-16-be",
-    codecs.BOM_UTF8: "utf-8",
-}
-
-
-class _WrittenList:
-    """A trial list as it is written: its lines, where its rows are, and which of their cells is what."""
-
-    def __init__(self, content: bytes, path: str) -> None:
-        self.mark, self.codec, text = _decoded(content)
-        self.path, self.lines = path, [*io.StringIO(text, newline="")]  # with their ends as they are
-        self.rows = [number for number, one in enumerate(self.lines, start=1) if is_row(one)]
-        self.head = self.rows[0]
-        self.separator = separator_of(self.lines[self.head - 1])
-        self.header = tuple(map(_value, self.cells_of(self.head)))
-        is_decided = {"why", "by"} <= {word_of(name) for name in self.header}
-        known = {**QUANTITIES, **(DECIDED if is_decided else {})}
-        self.columns, self.others, _ = self.table().bind(known, TEXTS)
-        self.places = {name: column.index for name, column in self.columns.items()}
-        self.places |= {word_of(name): self.header.index(name) for name in self.others}
-
-    def cells_of(self, number: int) -> list[str]:
-        """Return the cells of a line as they are written."""
-        return _split(self.lines[number - 1], self.separator)
-
-    def table(self, *numbers: int) -> CellTable:
-        """Return some of its lines as a table of cells."""
-        rows = tuple((0, tuple(map(_value, self.cells_of(number)))) for number in numbers)
-        place: dict[str, Any] = {"path": self.path, "header_line": self.head}
-        return CellTable(separator=self.separator, header=self.header, rows=rows, **place)
-
-    def refuse_other_forces(self, added: Collection[str]) -> None:
-        """Refuse to make decisions of forces that stood in the list as something else."""
-        other = next((name for name in self.others if stem_of(name) == "peak"), "")
-        if other and {"why", "by"} & {*added}:
-            why = f"with the columns why and by, the forces in '{other}' would be decisions too"
-            fix = "rename that column, for example to reference_N, or give the list why and by yourself"
-            raise InputError(why, code="RF122", path=self.path, line=self.head, fix=fix)
-
-    def cell(self, name: str, value: str | float) -> str:
-        """Return a value as a cell of this list: its quotes, the unit of its column, its decimal mark."""
-        if isinstance(value, str):
-            words = to_spreadsheet(" ".join(value.split()))
-            quoted = self.separator in words or '"' in words
-            return '"{}"'.format(words.replace('"', '""')) if quoted else words
-        scale = unit_factor(self.columns[name].unit, "s") if name in self.columns else 1.0
-        mark = self.table(*(self.rows[1:] if self.separator != "," else ())).decimal_mark(self.columns)
-        return f"{value / scale:.12g}".replace(".", mark)
-
-    def change(self, number: int, changed: Mapping[int, str], more: Iterable[str] = ()) -> None:
-        """Set cells of a line that say something else, and add more behind them; its end stays."""
-        line, cells = self.lines[number - 1], self.cells_of(number)
-        for place, text in changed.items():
-            if _value(cells[place]) != _value(text):
-                cells[place] = text
-        self.lines[number - 1] = self.separator.join([*cells, *more]) + line[len(line.rstrip("\r\n")) :]
-
-
-def with_decision(content: bytes, line: int, values: Mapping[str, str | float], path: str = "") -> bytes:
-    """Return a trial list with these cells of one of its lines set; a number is in SI, "" empties the cell."""
-    written = _WrittenList(content, path)
-    added = [name for name in COLUMNS if values.get(name, "") != "" and name not in written.places]
-    written.refuse_other_forces(added)
-    new = {name: written.cell(name, values.get(name, "")) for name in {*values, *added}}
-    changed = {written.places[name]: new[name] for name in values.keys() & written.places.keys()}
-    for number in written.rows if added else (line,):
-        more = added if number == written.head else [new[name] if number == line else "" for name in added]
-        written.change(number, changed if number == line else {}, more)
-    try:
-        return written.mark + "".join(written.lines).encode(written.codec)
-    except UnicodeEncodeError as error:
-        odd = error.object[error.start : error.end]
-        why = f"the list is a text in {written.codec}, which has no '{odd}'"
-        fix = "say it in other letters, or save the list as UTF-8"
-        raise InputError(why, code="RF108", path=path, line=line, fix=fix) from None
-
-
-def _decoded(content: bytes) -> tuple[bytes, str, str]:
-    """Return a list's byte-order mark, encoding and text, found as everybody who reads it does."""
-    for mark, codec in _MARKS.items():
-        if content.startswith(mark):
-            return mark, codec, content[len(mark) :].decode(codec)
-    try:
-        return b"", "utf-8", content.decode()
-    except UnicodeDecodeError:
-        return b"", "cp1252", content.decode("cp1252")
-
-
-def _split(line: str, separator: str) -> list[str]:
-    """Return the cells of a line as they are written, with blanks and quotes around them."""
-    cell = re.compile(rf' *"(?:[^"]|"")*"|[^{separator}]*')
-    bare, found, place = line.rstrip("\r\n"), list[str](), 0
-    while place <= len(bare):
-        raw = cell.match(bare, place)
-        found.append(raw[0] if raw is not None else "")
-        place += len(found[-1]) + 1
-    return found
-
-
-def _value(raw: str) -> str:
-    text = raw.strip()
-    return text[1:-1].replace('""', '"').strip() if len(text) > 1 and text[0] == text[-1] == '"' else text

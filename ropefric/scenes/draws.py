@@ -14,7 +14,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError, RopefricError
-from ropefric.fitting.predict import degrees_of_freedom, has_interval
+from ropefric.fitting.predict import EXTRAPOLATED, degrees_of_freedom, has_interval
 from ropefric.scenes.kind import finite
 from ropefric.scenes.plan import solve_planned
 from ropefric.scenes.points import BLOCK, Answers, Points, Progress, Write, solve_points
@@ -164,7 +164,7 @@ class Draws(Answers):
         What was drawn, as the table names it.
     columns : mapping of str to ndarray
         The numbers of these draws, NaN where a draw has no answer.
-    failed, first_failure, simulated, error_bound, accuracy, failures, left_out, steps, ranges
+    failed, first_failure, simulated, error_bound, accuracy, failures, left_out, extrapolated_at, steps, ranges
         As of a `Sweep`.
     doubts : tuple of str
         What speaks against the friction.
@@ -225,6 +225,7 @@ class Draws(Answers):
             "quantities": numbers,
             "failures": failures,
             "effects": {"simulated": list(self.simulated), "left_out_in": self.left_out},
+            "extrapolated_in": self.extrapolated_at,
             "accuracy": self.accuracy,
             "error_bound": finite(self.error_bound),
             "warnings": list(self.warnings),
@@ -264,6 +265,8 @@ def draw_scene(
     at = (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level)
     numbers = {}
     for name, column in kept.columns.items():
+        if name == EXTRAPOLATED:  # counted
+            continue
         known = column[~np.isnan(column)]
         _, mean, std = kept.moments(name)
         with np.errstate(invalid="ignore"):  # between two that are infinite lies none

@@ -18,9 +18,10 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError, RopefricError
 from ropefric.executors import spread
-from ropefric.scenes.kind import Failure, Kind, Quantity
+from ropefric.fitting.predict import EXTRAPOLATED, REGRESSORS
+from ropefric.scenes.kind import Failure, Quantity
 from ropefric.scenes.plan import room_for_effects, solve_planned, worth_asking
-from ropefric.scenes.scene import Scene, replaced, source_of
+from ropefric.scenes.scene import Scene, cases_outside, replaced, source_of
 from ropefric.shown import Shown
 from ropefric.systems.checks import rules_of
 from ropefric.systems.effect import applicable, assemble
@@ -77,6 +78,7 @@ class Answers(Shown):
     accuracy: float = math.inf
     failures: dict[str, int] = field(default_factory=dict)
     left_out: dict[str, int] = field(default_factory=dict)
+    extrapolated_at: dict[str, int] = field(default_factory=dict)
     steps: tuple[int, ...] = ()
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
 
@@ -88,6 +90,10 @@ class Answers(Shown):
     def _warnings(self, at: str) -> tuple[str, ...]:
         """Return where the machine does not do what it is for, after words for a number of points, and a large error."""
         found = [f"{at.format(n)} {words}" for words, n in self.failures.items() if n]
+        found += [
+            f"{at.format(n)} extrapolated: the {what} is outside what was tested"
+            for what, n in self.extrapolated_at.items()
+        ]
         if not self.keeps_accuracy:
             bound = "not known" if math.isinf(self.error_bound) else f"up to {self.error_bound:.2g}"
             found.append(f"the error is {bound} at some points, more than the accuracy of {self.accuracy:g}")
@@ -101,6 +107,7 @@ def solve_points(
     total, kept = prod(points.shape), Kept(points.shape, keep, summed=points.summed)
     failed, first_failure, error_bound, run = 0, "", 0.0, _Run(scene, points)
     simulated, failures, left_out = set[str](), Counter[str](), Counter[str]()
+    outside = np.zeros(len(REGRESSORS), dtype=np.int64)
     outcomes = run.spread(progress, executor)
     for start in range(0, total, BLOCK):
         stop = min(start + BLOCK, total)
@@ -114,6 +121,10 @@ def solve_points(
                 if quantity.name not in block:
                     block[quantity.name] = np.full(stop - start, np.nan)
                 block[quantity.name][places - start] = quantity.value
+            if found.outside is not None:
+                column = block.setdefault(EXTRAPOLATED, np.full(stop - start, np.nan))
+                column[places - start] = found.outside.any(axis=1)
+                outside += found.outside.sum(axis=0)
             simulated |= found.simulated
             error_bound = max(error_bound, found.error_bound)
             left_out.update(dict.fromkeys(found.left_out, places.size))
@@ -137,6 +148,9 @@ def solve_points(
         "error_bound": error_bound,
         "accuracy": scene.accuracy,
         "failures": dict(failures),
+        "extrapolated_at": {
+            what: n for (what, _, _), n in zip(REGRESSORS.values(), outside.tolist(), strict=True) if n
+        },
         "left_out": {name: left_out[name] for name in every if left_out[name]},
     }, kept
 
@@ -204,17 +218,14 @@ class _Found(NamedTuple):
     simulated: frozenset[str]
     error_bound: float
     left_out: frozenset[str] = frozenset()
+    outside: BoolArray | None = None
 
     def at(self, some: BoolArray) -> "_Found":
         """Return what some of the points give."""
         quantities = tuple(one._replace(value=one.value[some]) for one in self.quantities)
         failures = tuple(one._replace(value=one.value[some], fails=one.fails[some]) for one in self.failures)
-        return self._replace(quantities=quantities, failures=failures)
-
-
-def _found(kind: Kind, problem: Any, answer: Any, *of: Any) -> _Found:
-    numbers = (*kind.quantities(answer, problem), *kind.outcomes(answer, problem))
-    return _Found(numbers, kind.failures(answer, problem), *of)
+        outside = None if self.outside is None else self.outside[some]
+        return self._replace(quantities=quantities, failures=failures, outside=outside)
 
 
 Outcome = tuple[IntArray, _Found | RopefricError]
@@ -292,7 +303,7 @@ class _Run:
         model = assemble(system, problem, simulated)
         method = system.method(model, self.scene.accuracy)
         answer = system.solve(model, method)
-        return _found(self.kind, problem, answer, model.effects, method.error), answer
+        return self._found(problem, answer, model.effects, method.error), answer
 
     def pieces(self, start: int, stop: int) -> list[tuple[int, int]]:
         """Return the first point of each piece of a block, and the one after its last."""
@@ -393,11 +404,21 @@ class _Run:
 
     def _planned(self, problem: Any) -> _Found:
         """Return what a problem gives as asked for; with everything where sweeps are planned as a whole."""
-        kind, scene = self.kind, self.scene
+        scene = self.scene
         whole = scene.effects == "auto" and self.by_array
         plan, answer = solve_planned(scene, problem, "all" if whole else "")
-        found = _found(kind, problem, answer, frozenset(plan.simulated), plan.error_bound)
-        return found._replace(left_out=frozenset(plan.left_out))
+        return self._found(
+            problem, answer, frozenset(plan.simulated), plan.error_bound, frozenset(plan.left_out)
+        )
+
+    def _found(self, problem: Any, answer: Any, *of: Any) -> _Found:
+        """Return what some points give, and in which respects the friction is used outside what it was tested for."""
+        kind, source = self.kind, self.scene.source
+        numbers = (*kind.quantities(answer, problem), *kind.outcomes(answer, problem))
+        found = _Found(numbers, kind.failures(answer, problem), *of)
+        if source is None or source.tested is None:
+            return found
+        return found._replace(outside=cases_outside(source.tested, kind.contacts(problem), problem.n))
 
 
 def _some(

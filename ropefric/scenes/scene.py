@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import (
     BY_NAME,
     PATH,
@@ -24,6 +25,7 @@ from ropefric.errors import (
 from ropefric.files.disk import kind_of_file
 from ropefric.files.toml import TomlDocument, is_campaign, read_toml
 from ropefric.files.toml_model import got, validate_document
+from ropefric.fitting.predict import outside_range
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import SETTINGS, Conditions, one_condition
@@ -48,6 +50,18 @@ class FrictionSource(NamedTuple):
     tested: Mapping[str, tuple[float, float]] | None = None
     warnings: tuple[str, ...] = ()
     fit: FitResult | None = None
+
+
+def cases_outside(
+    tested: Mapping[str, tuple[float, float]], contacts: Mapping[str, FloatArray], n: int
+) -> BoolArray:
+    """Return which regressors leave the tested range at any contact of n cases, shape (n, 4).
+
+    Contacts are those of the first case, then of the next, and so on; or those of one case, which all have.
+    """
+    outside = outside_range(tested, Conditions(**contacts))
+    own = outside.reshape(n if len(outside) % n == 0 else 1, -1, outside.shape[1]).any(axis=1)
+    return np.broadcast_to(own, (n, own.shape[1]))
 
 
 def source_of(kind: Kind, scene: SceneTable, folder: Path) -> FrictionSource | None:

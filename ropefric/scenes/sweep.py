@@ -140,6 +140,9 @@ class Sweep(Answers):
         At how many points the machine does not do what it is for, by what it does not do.
     left_out : mapping of str to int
         At how many points an effect was left out.
+    extrapolated_at : mapping of str to int
+        At how many points a regressor of the law is outside what was tested; where a fit says that, the column
+        `extrapolated` is 1 there and 0 elsewhere.
     steps : tuple of int
         `columns` has every so many-th value of each axis; all where it is empty.
     ranges : mapping of str to tuple of float

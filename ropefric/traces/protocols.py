@@ -34,6 +34,7 @@ from ropefric.traces.decision import (
 from ropefric.traces.picker import look
 from ropefric.traces.segments import Prepared, prepare
 from ropefric.traces.trace import ForceTrace
+from ropefric.traces.zero import with_its_zero
 
 FEWEST_TEETH = 3
 """So many slips are a train, wherever the recording begins."""
@@ -310,6 +311,8 @@ def pick_at(trace: ForceTrace, settings: PickSettings) -> Breakaway:
         raise _not_possible(trace, f"the force only {way} at {pick_s:g} s: there is no peak to measure")
     whole = look(prepared.time_s, prepared.force_N)
     found = measured(prepared, settings, block, rests_of(prepared, whole))
+    if settings.ending == "sliding":
+        found = _with_its_zero_as_read(trace, prepared, found, settings)
     if trace.saturation is not None and trace.saturation.high:
         begin_s, stop_s = trace.time_s[trace.saturation.high_runs - [0, 1]].T
         near_s = reach * float(blocks.time_s[1] - blocks.time_s[0])
@@ -317,6 +320,21 @@ def pick_at(trace: ForceTrace, settings: PickSettings) -> Breakaway:
             note = "the converter sat at its limit beside the peak: the force may have been higher"
             found = replace(found, notes=(*found.notes, note))
     return found
+
+
+def _with_its_zero_as_read(
+    trace: ForceTrace, prepared: Prepared, found: Breakaway, settings: PickSettings
+) -> Breakaway:
+    """Return a peak that a person named with what its zero adds to its uncertainty, as the picker's own has it.
+
+    Where the zero leaves two forces open, the one that was read stands, and how far the other lies off is uncertain.
+    """
+    zeroed = with_its_zero(trace, prepared, found, settings)
+    if zeroed.status is Status.OK:
+        return zeroed
+    apart_N = max((abs(one.force_N - found.peak_N) for one in zeroed.candidates), default=0.0)
+    std_N = math.hypot(found.peak_std_N, apart_N / math.sqrt(3.0))
+    return replace(found, peak_std_N=std_N, notes=(*found.notes, f"taken as read: {zeroed.detail}"))
 
 
 def _not_possible(trace: ForceTrace, why: str) -> DataError:

@@ -3,7 +3,7 @@
 import math
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from importlib.resources import files
@@ -88,7 +88,7 @@ def load_campaign(
     if missing_recordings not in MISSING_WAYS:
         fix = did_you_mean(missing_recordings, MISSING_WAYS)
         raise UnknownNameError(f"unknown word {missing_recordings!r}", key="missing_recordings", fix=fix)
-    campaign, problems = _read(path, flag_missing=missing_recordings == "flag")
+    campaign, problems = examine_campaign(path, flag_missing=missing_recordings == "flag")
     raise_problems(problems)
     if campaign is None:  # pragma: no cover - no campaign without an error would be our own mistake
         raise DataError("the campaign cannot be read", path=str(path))
@@ -104,22 +104,19 @@ def load_about(path: str | os.PathLike[str]) -> AboutTable:
 
 def check_campaign(path: str | os.PathLike[str]) -> tuple[Problem, ...]:
     """Return everything that is wrong or doubtful: the campaign file's by line, then the trial list's."""
-    return _read(path)[1]
+    return examine_campaign(path)[1]
 
 
-def _read(
+def examine_campaign(
     path: str | os.PathLike[str], *, flag_missing: bool = False
 ) -> tuple[Campaign | None, tuple[Problem, ...]]:
-    try:
-        document = read_toml(path, "campaign file")
-    except DataError as error:
-        return None, error.problems
-    if is_scene(document.data):
-        fix = f"use `ropefric solve {document.path}`"
-        return None, (document.problem(("system",), "RF121", "this is a scene, not a campaign", fix=fix),)
-    broken = load_named(document)
-    if broken:  # what it declares is not known, so its names would be called wrong
-        return None, broken
+    """Return a campaign as far as it can be read, and everything that is wrong or doubtful.
+
+    With an error in its list, trials of wrong rows are there too, to look at their recordings: NaN is what is not known.
+    """
+    document, unread = _document(path)
+    if document is None:
+        return None, unread
     model, wrong = validate_document(CampaignFile, document)
     doubtful = (*_check_document(document), *(_check_model(document, model) if model else ()))
     settings = tuple(sorted((*wrong, *doubtful), key=lambda p: (p.line or 0, p.key, p.message)))
@@ -128,16 +125,21 @@ def _read(
         return None, settings
     data = document.data.get("data", ".")
     folder = parent / (data if isinstance(data, str) else ".")
-    trials, rows = read_trials(parent / trials_path, folder, _context(document, model, folder))
-    if flag_missing:
-        rows = tuple(replace(p, severity="warning") if p.code == MISSING_RECORDING else p for p in rows)
-    problems = settings + rows
-    if model is None or any(problem.severity == "error" for problem in problems):
+    listed = read_trials(parent / trials_path, folder, _context(document, model, folder))
+    problems = settings + tuple(_flagged(listed.problems) if flag_missing else listed.problems)
+    if model is None or _has_error(settings):
         return None, problems
-    shown = (parent / trials_path).as_posix()
-    problems += advise(
-        trials, shown, rule=model.rejection, one_trial_each=model.protocol.name in {"breakaway", "two-way"}
-    )
+    trials = listed.trials
+    if _has_error(problems):
+        gone = {problem.line for problem in listed.problems if problem.code == MISSING_RECORDING}
+        there = (trial for trial in (*trials, *listed.wrong) if trial.line not in gone)
+        trials = tuple(sorted(there, key=lambda trial: trial.line))
+    else:
+        shown, one_trial_each = (
+            (parent / trials_path).as_posix(),
+            model.protocol.name in {"breakaway", "two-way"},
+        )
+        problems += advise(trials, shown, rule=model.rejection, one_trial_each=one_trial_each)
     rate_Hz = model.profile.sampling_rate_Hz or model.sampling_rate_Hz
     more: dict[str, Any] = {
         "sampling_rate_Hz": rate_Hz,
@@ -146,6 +148,28 @@ def _read(
     more |= {"path": Path(path), "folder": folder, "trial_list": parent / trials_path, "trials": trials}
     warnings = tuple(problem for problem in problems if problem.severity == "warning")
     return Campaign.model_construct(**dict(model) | more, warnings=warnings), problems
+
+
+def _has_error(problems: Iterable[Problem]) -> bool:
+    return any(problem.severity == "error" for problem in problems)
+
+
+def _flagged(problems: Iterable[Problem]) -> Iterator[Problem]:
+    """Return the problems of a list with recordings that are not there as warnings."""
+    return (replace(p, severity="warning") if p.code == MISSING_RECORDING else p for p in problems)
+
+
+def _document(path: str | os.PathLike[str]) -> tuple[TomlDocument | None, tuple[Problem, ...]]:
+    """Return a campaign file as TOML with the plugins that it names loaded, or why it is none."""
+    try:
+        document = read_toml(path, "campaign file")
+    except DataError as error:
+        return None, error.problems
+    if is_scene(document.data):
+        fix = f"use `ropefric solve {document.path}`"
+        return None, (document.problem(("system",), "RF121", "this is a scene, not a campaign", fix=fix),)
+    broken = load_named(document)  # what it declares is not known, so its names would be called wrong
+    return (None, broken) if broken else (document, ())
 
 
 def _context(document: TomlDocument, model: CampaignFile | None, folder: Path) -> TrialContext:

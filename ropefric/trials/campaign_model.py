@@ -29,6 +29,8 @@ from ropefric.trials.outliers import RULES
 from ropefric.trials.workers import Limits
 
 SCHEMA = "ropefric.campaign/1"
+DECISIONS = "decisions.csv"
+"""Beside the list of trials: what people decided about them."""
 _plain = partial(to_jsonable_python, by_alias=False)
 _SI_UNITS = {"time": "s", "force": "N", "end_tension": "N"}
 _SEPARATORS = {"tab": "\t", "space": " "}
@@ -356,11 +358,16 @@ class TrialRow:
     wheel_radius_m: float
     rope_radius_m: float
     wrap_angle_rad: float
+    wheel: str = ""
     cell: str = ""
+    end_cell: str = ""
     rope_id: str = ""
+    start_s: float | None = None
+    stop_s: float | None = None
     note: str = ""
     why: str = ""
     by: str = ""
+    when: str = ""
     own: tuple[tuple[str, str], ...] = ()
 
 
@@ -375,11 +382,7 @@ class TrialSpec(TrialRow):
     line: int
     end_tension_N: float | None = None
     lift_force_N: float | None = None
-    wheel: str = ""
-    end_cell: str = ""
     dwell_s: float | None = None
-    start_s: float | None = None
-    stop_s: float | None = None
     exclude: str = ""
     pick_s: float | None = None
     peak_N: float | None = None
@@ -437,6 +440,11 @@ class Campaign(CampaignFile, Shown):
     folder: Path
     trials: tuple[TrialSpec, ...]
     warnings: tuple[Problem, ...] = ()
+
+    @property
+    def decisions(self) -> Path:
+        """Return where people's decisions about the trials stand, if there are any: beside the list."""
+        return self.trial_list.with_name(DECISIONS)
 
     @property
     def schema(self) -> str:  # type: ignore[override]  # (pydantic's own, deprecated)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from difflib import get_close_matches
 from functools import lru_cache
+from itertools import dropwhile
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -36,6 +37,8 @@ POSITIVE = {
     "end_tension_N": "an end tension",
     "lift_force_N": "a lift force",
 }
+_BLANK = ",;\t\r\v\f "
+"""What empty cells are made of: a spreadsheet writes empty rows as ";;;;"."""
 _MARKS = {",": "comma", ";": "semicolon", "\t": "tab"}
 
 Quantity = tuple[str, str, float]
@@ -190,8 +193,8 @@ Numbers = dict[str, list[float]]
 def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, ...]]:
     r"""Return the cells of a CSV or Parquet file or of a workbook's first sheet, and what is wrong with single rows.
 
-    Cells are separated by ";", a tab or ",", whichever the header has first in this order. A line is a row;
-    empty lines and lines that start with "#" are left out.
+    Cells are separated by ";", a tab or ",", whichever the header has first in this order. A line is a row; empty lines
+    are left out, and lines above the header that start with "#". Below it such a line is a row: names may begin so.
     """
     shown = Path(path).as_posix()
     try:
@@ -203,12 +206,14 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
             raise
         fix = error.fix if "no such file" in error.problem.message else "save the table as CSV text in UTF-8"
         raise DataError(error.problem.message, path=shown, line=error.problem.line, fix=fix) from None
-    lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if is_row(line)]
+    filled = ((n, line) for n, line in enumerate(text.split("\n"), start=1) if line.strip(_BLANK))
+    # A spreadsheet quotes a comment that holds a separator.
+    lines = [*dropwhile(lambda item: item[1].lstrip(_BLANK).lstrip('"').startswith("#"), filled)]
     if not lines:
         fix = "write a header such as file,wheel_radius_mm,wrap_angle_deg,end_tension_N"
         raise DataError("the table is empty", path=shown, fix=fix)
     header_line, head = lines[0]
-    separator = separator_of(head)
+    separator = next((mark for mark in (";", "\t") if mark in head), ",")
     quoted = '"' in text
     split = [(number, _split(line, separator, quoted=quoted)) for number, line in lines]
     header = split[0][1]
@@ -229,18 +234,6 @@ def _text(source: Source) -> tuple[str, str]:
     return load_text(source).whole().data.decode(), ""
 
 
-def separator_of(head: str) -> str:
-    """Return what separates the cells of a table with this header line."""
-    return next((mark for mark in (";", "\t") if mark in head), ",")
-
-
-def is_row(line: str) -> bool:
-    """Return whether a line holds cells, not only blanks or a comment."""
-    bare = line.strip()
-    # A spreadsheet writes empty rows as ";;;;" and quotes a comment that holds a separator.
-    return bool(bare.strip(",;\t ")) and not bare.lstrip('"').startswith("#")
-
-
 def _split(line: str, separator: str, *, quoted: bool) -> tuple[str, ...] | None:
     cells = line.split(separator)
     if quoted:
@@ -259,12 +252,17 @@ def _torn(table: CellTable, split: Sequence[tuple[int, tuple[str, ...] | None]])
     for line, cells in split:
         if cells is None or len(cells) == n:
             continue
+        message = f"{len(cells)} cells, but the header has {n} columns"
+        if cells[0].startswith("#"):  # not dropped in silence: a trial may be called so
+            fix = "put comments above the header; below it every line is a trial"
+            yield table.problem(line, "", "RF103", f"taken for a comment: {message}", fix, warning=True)
+            continue
         fix = f"write a {_MARKS[table.separator]} for every column, also where a cell is empty"
         if table.separator == "," and len(cells) > n:
             fix = 'put text with a comma in "quotes"'
             if Counter(cell.lstrip("+-").isdigit() for cell in cells)[True] > 1:
                 fix = f"if numbers have a decimal comma, separate the columns by ';'; otherwise {fix}"
-        yield table.problem(line, "", "RF103", f"{len(cells)} cells, but the header has {n} columns", fix)
+        yield table.problem(line, "", "RF103", message, fix)
 
 
 def word_of(name: str) -> str:

@@ -249,8 +249,6 @@ STATUS_CODES = {
 RATE_TOLERANCE = 0.01
 LARGEST_N = 1e12
 """More than was ever pulled: such a number is damage, and its square may be none at all."""
-PAIR_TOLERANCE = 0.02
-"""How far the weight that a pair of raising and lowering gives may be from the one that was hung."""
 STATED_SHARE = 0.01
 """Standard uncertainty of a force that a person states, as a fraction of it, where none is stated with it."""
 NO_END = "no end tension is known at the break-away; write it into the list of trials"
@@ -400,15 +398,15 @@ _Stated = tuple[float, float]
 """A force and its standard uncertainty [N]."""
 
 
-def _known_force(campaign: Campaign, spec: TrialSpec, breakaway: Breakaway) -> tuple[_Stated, float]:
+def _known_force(campaign: Campaign, spec: TrialSpec, breakaway: Breakaway) -> tuple[_Stated, _Stated]:
     """Return the force on the side that the pull does not measure, and what it was set to where a sensor read it."""
     known_N = spec.lift_force_N if campaign.protocol.needs_lift_force else spec.end_tension_N
     stated = (nan, nan)
     if known_N is not None:
         stated = (known_N, end_tension_std_N(known_N, campaign.weights_tolerance))
     if math.isnan(breakaway.end_tension_N):
-        return stated, nan
-    return (breakaway.end_tension_N, breakaway.end_tension_std_N), stated[0]
+        return stated, (nan, nan)
+    return (breakaway.end_tension_N, breakaway.end_tension_std_N), stated
 
 
 def _measured_force(campaign: Campaign, breakaway: Breakaway, calibration: Calibration | None) -> _Stated:
@@ -423,19 +421,8 @@ def _measured_force(campaign: Campaign, breakaway: Breakaway, calibration: Calib
     return top_N, math.hypot(breakaway.peak_std_N, 0.5 * up_N, 0.5 * (top_N / low_N) * down_N)
 
 
-def _doubtful_forces(
-    campaign: Campaign, spec: TrialSpec, peak: _Stated, end_N: float, hung_N: float
-) -> Iterator[Problem]:
+def _doubtful_forces(spec: TrialSpec, peak_N: float, end_N: float) -> Iterator[Problem]:
     """Yield what speaks against the two forces of a trial."""
-    peak_N, peak_std_N = peak
-    if campaign.protocol.name == "two-way":
-        apart_N = abs(end_N - hung_N) - 3.0 * end_N * peak_std_N / peak_N
-        if apart_N > PAIR_TOLERANCE * hung_N:
-            pair = f"the geometric mean of raising and lowering is {end_N:.4g} N"
-            fix = "check the zero of the cell, the weight, and what the rope itself weighs"
-            yield _warning(
-                spec, "RF243", f"{pair}, the weight of the list {hung_N:.4g} N", fix, "end_tension"
-            )
     if peak_N <= end_N:
         message = f"the tight side ({peak_N:.4g} N) does not pull harder than the slack side ({end_N:.4g} N)"
         fix = "check whether the sides, the units or the sign of the force are swapped"
@@ -458,10 +445,9 @@ def _result(
 ) -> TrialResult:
     measures_slack, calibration = campaign.protocol.needs_lift_force, more.get("calibration")
     is_ok = breakaway.status is Status.OK
-    known, set_N = _known_force(campaign, spec, breakaway)
+    known, hung = _known_force(campaign, spec, breakaway)
     measured = _measured_force(campaign, breakaway, calibration)
     peak, (end_N, end_std_N) = (known, measured) if measures_slack else (measured, known)
-    hung_N = known[0] if math.isnan(set_N) else set_N
     excluded = spec.exclude or (NO_END if is_ok and math.isnan(end_N) else "")
     wheel, rope = campaign.wheels.get(spec.wheel), campaign.rope
     return TrialResult(
@@ -474,7 +460,8 @@ def _result(
         rope_radius_std_m=rope.radius_std_m if rope.radius_m == spec.rope_radius_m else 0.0,
         wrap_std_rad=campaign.protocol.wrap_tolerance_rad / math.sqrt(3.0),
         cell_std_N=cell_std_N(breakaway.peak_N, calibration) if is_ok else nan,
-        end_tension_set_N=set_N,
+        end_tension_set_N=hung[0],
+        end_tension_set_std_N=hung[1],
         kinetic_mean_std_N=_kinetic_std_N(breakaway, calibration),
         breakaway=breakaway,
         kept=is_ok and not excluded,
@@ -482,7 +469,7 @@ def _result(
         decision=spec.decision,
         measures_slack=measures_slack,
         dwell_s=nan if spec.dwell_s is None else spec.dwell_s,
-        problems=(*problems, *_doubtful_forces(campaign, spec, peak, end_N, hung_N)),
+        problems=(*problems, *_doubtful_forces(spec, peak[0], end_N)),
         **more,
     )
 

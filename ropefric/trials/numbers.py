@@ -153,10 +153,13 @@ COLUMNS: tuple[TrialColumn, ...] = (
     *_of_trial("kept", "rejected_by", "excluded", "decision"),
     _also("decided_by", "by"),
     _also("decided_why", "why"),
+    _also("decided_when", "when"),
     _picked("detail"),
     _also("notes", lambda trial: "; ".join(trial.breakaway.notes)),
-    *_of_trial("cell", "rope_id"),
+    *_of_trial("wheel", "cell", "end_cell", "rope_id"),
     *_of_trial("dwell_s", is_set=True),
+    _also("from_s", "start_s"),
+    _also("until_s", "stop_s"),
     *_of_trial("tare_N", "saturated_samples", "note"),
 )
 """Of a trial's row, in their order."""

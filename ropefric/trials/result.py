@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from math import isfinite, nan
 from pathlib import Path, PurePath
@@ -89,6 +89,7 @@ class TrialResult(TrialRow):
     rope_radius_std_m: float = 0.0
     wrap_std_rad: float = 0.0
     end_tension_set_N: float = nan
+    end_tension_set_std_N: float = 0.0
     kinetic_mean_std_N: float = nan
     breakaway: Breakaway
     kept: bool = False
@@ -172,6 +173,8 @@ class ConditionSummary:
     wrap_angle_rad: float
     end_tension_N: float
     lift_force_N: float
+    end_tension_measured_N: float
+    wheel: str
     n_recorded: int
     n: int
     n_kept: int
@@ -302,6 +305,7 @@ def _summarise(
     trials: Sequence[TrialResult], rule: str
 ) -> tuple[ConditionSummary, tuple[int, ...], list[Problem]]:
     first = trials[0]
+    measured = [one for one in trials if one.usable and not math.isnan(one.end_tension_set_N)]
     usable = [place for place, trial in enumerate(trials) if trial.usable]
     series = summarise([trials[place].breakaway.peak_N for place in usable], rule)
     rejected = tuple(usable[place] for place in series.rejected)
@@ -311,12 +315,16 @@ def _summarise(
         f"R_w = {1000 * first.wheel_radius_m:.4g} mm, wrap {np.degrees(first.wrap_angle_rad):.4g} deg, "
         f"{'F_A' if first.measures_slack else 'F_B'} = {known_N:.4g} N"
     )
-    problems = [replace(p, message=f"{where}: {p.message}") for p in series.problems]
+    problems = [
+        replace(p, message=f"{where}: {p.message}") for p in (*series.problems, *_not_as_hung(measured))
+    ]
     summary = ConditionSummary(
         **{name: getattr(first, name) for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")},
         **{f"{name}_N": getattr(series, name) for name in ("mean_all", "std_all", "mean_kept", "std_kept")},
         end_tension_N=end_N,
         lift_force_N=lift_N,
+        end_tension_measured_N=_mean([one.end_tension_N for one in measured]),
+        wheel=_NAME_SEPARATOR.join(dict.fromkeys(one.wheel for one in trials if one.wheel)),
         n_recorded=len(trials),
         n=series.n,
         n_kept=series.n_kept,
@@ -327,6 +335,30 @@ def _summarise(
         of_kept=_of_kept([trials[place] for place in usable if place not in rejected]),
     )
     return summary, rejected, problems
+
+
+UNSTATED = 0.02
+"""How far a measured end tension may be from what was hung, as a part of it, unless both are stated."""
+
+
+def _not_as_hung(trials: Sequence[TrialResult]) -> Iterator[Problem]:
+    """Yield that the end tension measured is not what hung there, by more than both are uncertain."""
+    if not trials or trials[0].measures_slack:
+        return
+    hung_N, measured_N = trials[0].known_N, _mean([one.end_tension_N for one in trials])
+    std_N = math.hypot(
+        _mean([one.end_tension_std_N for one in trials]), _mean([one.end_tension_set_std_N for one in trials])
+    )
+    # Of a hung weight a tolerance says how well it is known, of a channel its cell's sheet.
+    is_stated = all(one.end_tension_set_std_N > 0.0 and one.end_cell for one in trials)
+    if abs(measured_N - hung_N) > 3.0 * std_N + (0.0 if is_stated else UNSTATED * hung_N):
+        message = f"the end tension measured is {measured_N:.4g} N, the weight of the list {hung_N:.4g} N"
+        fix = "check the zero and the unit of the channel, the weight, and what the rope itself weighs"
+        yield Problem(code="RF243", message=message, key="end_tension", fix=fix, severity="warning")
+
+
+def _mean(values: Sequence[float]) -> float:
+    return math.fsum(values) / len(values) if values else nan
 
 
 def _of_kept(trials: Sequence[TrialResult]) -> dict[str, tuple[float, float, int]]:

@@ -45,7 +45,7 @@ _QUANTITIES_BESIDE = {
     stem: (column.name, column.unit, 1.0) for column in numbers.COLUMNS for stem in column.read_as
 }
 # What an extraction and a list of trials have beside the columns a fit reads.
-_PASSED_OVER = stems() - {"end_tension_set"} | {"exclude", "wheel"}
+_PASSED_OVER = stems() - {"end_tension_set"} | {"exclude"}
 _FRAME_NAMES = {"wrap_std_rad": "wrap_angle_std_rad"}
 _EMPTY = frozenset({"", "nan", "na", "n/a", "none", "null", "<na>", "-"})
 _TRUE = frozenset({"", "true", "yes", "1", "1.0", "kept"})
@@ -289,7 +289,13 @@ def table_of_extraction(extraction: Extraction) -> TrialTable:
     raise_problems(doubts)
     names_of = tuple(trial.trial for trial in trials)
     own = [
-        {**dict(trial.own), "rope_id": trial.rope_id, "cell": trial.cell, "dwell": f"{trial.dwell_s:g}"}
+        {
+            **dict(trial.own),
+            "rope_id": trial.rope_id,
+            "wheel": trial.wheel,
+            "cell": trial.cell,
+            "dwell": f"{trial.dwell_s:g}",
+        }
         for trial in trials
     ]
     labels = {name: tuple(str(row.get(name, "")) for row in own) for name in LABELS}

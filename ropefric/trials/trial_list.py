@@ -22,12 +22,11 @@ from ropefric.friction.condition import condition_groups, distinct
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 from ropefric.trials import cells
-from ropefric.trials.campaign_model import TrialSpec
+from ropefric.trials.campaign_model import DECISIONS, TrialSpec
+from ropefric.trials.decisions import Decision, read_decisions
 
 MISSING_RECORDING = "RF124"
 """Code of the problem that a recording is not there."""
-MAX_MISSING = 20
-"""Missing recordings that are listed one by one."""
 FEWEST_REPEATS = 6
 
 _SLIP = 0.75
@@ -82,6 +81,29 @@ class _Row:
         # Lists written on Windows name folders with backslashes.
         self.file, self.sample = self.texts.get("file", "").replace("\\", "/"), self.texts.get("sample", "")
         self.name = self.texts.get("trial", "")
+        self.decided: tuple[Decision, cells.CellTable] | None = None
+
+    def decide(self, decision: Decision, of: cells.CellTable) -> None:
+        """Let a decision stand in place of what the row itself says."""
+        if decision.peak_N is None or not math.isclose(self.numbers.get("peak_N", 0.0), decision.peak_N):
+            self.numbers.pop("peak_std_N", None)
+        for name in ("pick_s", "peak_N"):
+            self.numbers.pop(name, None)
+        given = {"pick_s": decision.pick_s, "peak_N": decision.peak_N}
+        self.numbers |= {name: value for name, value in given.items() if value is not None}
+        self.texts |= {name: getattr(decision, name) for name in ("exclude", "why", "by", "when")}
+        if decision.is_empty:
+            self.texts["by"] = self.texts["when"] = ""
+        self.decided = decision, of
+
+    def doubt(self, name: str, code: str, message: str, fix: str) -> None:
+        """Take note of what is wrong with a decision, where it stands."""
+        if self.decided is not None:
+            decision, table = self.decided
+            self.problems.append(table.problem(decision.line, name, code, message, fix))
+        else:
+            key = self.columns[name].header if name in self.columns else name
+            self.problems.append(self.table.problem(self.line, key, code, message, fix))
 
     def say(self, name: str, code: str, message: str, fix: str, *, warning: bool = False) -> None:
         """Take note of what is wrong in a column."""
@@ -97,16 +119,23 @@ class _Row:
                 self.say(name, "RF121", what, "fill the cell")
 
 
-def read_trials(
-    path: str | os.PathLike[str], folder: Path, context: TrialContext
-) -> tuple[tuple[TrialSpec, ...], tuple[Problem, ...]]:
-    """Return the rows that can be used, of recordings in a folder, and all problems of the table."""
+class ReadList(NamedTuple):
+    """The rows that can be used; of the others those whose recording can be looked at; and all that is wrong."""
+
+    trials: tuple[TrialSpec, ...] = ()
+    wrong: tuple[TrialSpec, ...] = ()
+    problems: tuple[Problem, ...] = ()
+
+
+def read_trials(path: str | os.PathLike[str], folder: Path, context: TrialContext) -> ReadList:
+    """Return the rows of a list about recordings in a folder."""
     try:
         table, torn = cells.read_cells(path)
     except DataError as error:
         # A trial list is named by the campaign file, and looked for where that is.
         fix = "check the path, relative to the campaign file"
-        return (), tuple(replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
+        told = (replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
+        return ReadList(problems=tuple(told))
     decided = DECIDED if {"why", "by"} <= {cells.word_of(name) for name in table.header} else {}
     columns, others, refused = table.bind({**QUANTITIES, **decided}, TEXTS)
     found = [*torn, *refused, *_check_header(table, columns, others, None if refused else context)]
@@ -115,16 +144,39 @@ def read_trials(
         found.append(table.problem(table.header_line, "", "RF101", message, fix))
     numbers, wrong = table.numbers(columns)
     rows = _named_rows(table, columns, numbers, context.folder)
+    if Path(path).name != DECISIONS:
+        found += _decide(rows, Path(path).with_name(DECISIONS))
     # The user's own columns are kept, but not used.
     own = {name: table.header.index(name) for name in others}
-    trials: list[TrialSpec] = []
+    trials, bad = list[TrialSpec](), list[TrialSpec]()
     for place, row in enumerate(rows):
-        before = len(row.problems)
+        before, is_there = len(row.problems), all(one.code != MISSING_RECORDING for one in row.problems)
         row.problems += wrong[place]
         _check(row, context, wrong_header=bool(refused))
-        trials += _trial(row, own, folder, context) if len(row.problems) == before else ()
+        whole = len(row.problems) == before
+        spec = _trial(row, own, folder, context, whole=whole)
+        if spec is not None and (whole or (is_there and row.file)):
+            (trials if whole else bad).append(spec)
         found += row.problems
-    return tuple(trials), tuple(sorted(found, key=lambda p: p.line or math.inf))
+    return ReadList(tuple(trials), tuple(bad), tuple(sorted(found, key=lambda p: p.line or math.inf)))
+
+
+def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:
+    """Carry out the decisions beside the list; yield what is wrong with them, and which are of no trial of the list."""
+    made, table, problems = read_decisions(path)
+    yield from problems
+    named = {row.name: row for row in rows}
+    for name, decision in made.items():
+        row = named.get(name)
+        if row is None:
+            message, fix = f"there is no trial '{name}' in the list", "correct the name, or remove the line"
+            yield table.problem(decision.line, "trial", "RF120", f"{message}: not used", fix, warning=True)
+        elif decision.file not in {"", row.file, row.texts["file"]}:
+            message = f"this was decided about {decision.file}, but the trial '{name}' is now {row.file}"
+            fix = "give each row of the list a name of its own in the column trial, and correct or remove this line"
+            yield table.problem(decision.line, "file", "RF111", message, fix)
+        else:
+            row.decide(decision, table)
 
 
 def _named_rows(
@@ -235,35 +287,46 @@ def _check_decision(row: _Row, *, alone: bool) -> None:
     given = [name for name in ("pick_s", "peak_N") if name in row.numbers]
     if not given:
         if "peak_std_N" in row.numbers:
-            row.say("peak_std_N", "RF121", "there is no peak_N that it belongs to", "add it")
+            row.doubt("peak_std_N", "RF121", "there is no peak_N that it belongs to", "add it")
         return
     if len(given) > 1:
-        row.say("peak_N", "RF111", "pick_s and peak_N are both given", "leave one of the two cells empty")
+        row.doubt("peak_N", "RF111", "pick_s and peak_N are both given", "leave one of the two cells empty")
     for name in ("peak_N", "peak_std_N"):
         value_N = row.numbers.get(name, 1.0)
         if value_N < 0.0 or (name == "peak_N" and value_N == 0.0):
-            row.say(name, "RF110", f"{value_N:g} N is no possible value", "correct the number")
+            row.doubt(name, "RF110", f"{value_N:g} N is no possible value", "correct the number")
     for name, what in (("why", "its reason"), ("by", "who took it")):
         if not row.texts.get(name):
-            message, fix = f"a decision needs {what}", f"fill the column {name}"
-            row.problems.append(row.table.problem(row.line, name, "RF121", message, fix))
+            row.doubt(name, "RF121", f"a decision needs {what}", f"fill the column {name}")
     if not alone:
         message = "one decision cannot stand for several trials of a recording"
         fix = 'list each block by its name, with protocol "breakaway", or cut the recording with from_s and until_s'
-        row.say(given[0], "RF111", message, fix)
+        row.doubt(given[0], "RF111", message, fix)
 
 
-def _trial(row: _Row, own: Mapping[str, int], folder: Path, context: TrialContext) -> Iterator[TrialSpec]:
-    """Yield a checked row in SI; nothing where the campaign file leaves something open."""
+def _trial(
+    row: _Row, own: Mapping[str, int], folder: Path, context: TrialContext, *, whole: bool
+) -> TrialSpec | None:
+    """Return a row in SI; of one that is not `whole` what its recording is looked at with, else NaN.
+
+    None where the campaign file leaves something open.
+    """
     wheel_m = row.numbers.get("wheel_radius_m", context.wheels.get(row.texts.get("wheel", "")))
     rope_m = row.numbers.get("rope_radius_m", context.rope_radius_m)
     start_s, stop_s = _interval(row, context)
-    if wheel_m is None or rope_m is None or "wrap_angle_rad" not in row.numbers or not row.file:
-        return
-    of_row: dict[str, Any] = {**row.texts, **row.numbers, "start_s": start_s, "stop_s": stop_s}
-    of_row |= {"trial": row.name, "wheel_radius_m": wheel_m, "rope_radius_m": rope_m}
+    settings = {"wheel_radius_m": wheel_m, "rope_radius_m": rope_m}
+    settings["wrap_angle_rad"] = row.numbers.get("wrap_angle_rad")
+    texts = row.texts
+    if not whole:
+        settings = {name: math.nan if value is None else value for name, value in settings.items()}
+        known = {**dict.fromkeys(("cell", "end_cell"), context.cells), "wheel": context.wheels}
+        texts = {name: text for name, text in texts.items() if name not in known or text in known[name]}
+    if None in settings.values() or not row.file:
+        return None
+    of_row: dict[str, Any] = {**texts, **row.numbers, "start_s": start_s, "stop_s": stop_s}
+    of_row |= {"trial": row.name, **settings}
     kept = tuple((name, row.cells[index]) for name, index in own.items())
-    yield TrialSpec(**of_row, path=folder / row.file, line=row.line, own=kept)
+    return TrialSpec(**of_row, path=folder / row.file, line=row.line, own=kept)
 
 
 # --- recordings and names ---
@@ -272,24 +335,18 @@ def _trial(row: _Row, own: Mapping[str, int], folder: Path, context: TrialContex
 def _refuse_missing(rows: Sequence[_Row], folder: Path) -> None:
     """Take note of recordings that are not there, or are no files; as warnings where the trial is excluded."""
     kinds = {file: kind_of_file(folder / file) for file in {row.file: 0 for row in rows} if file}
-    told = {False: 0, True: 0}
-    missing = [row for row in rows if kinds.get(row.file, "file") in ("", "folder")]
-    excluded = [bool(row.texts.get("exclude")) for row in missing]
     for row in rows:
-        if kinds.get(row.file) == "device or pipe":
-            message = f"the recording {row.texts['file']} is a device or pipe, not a file"
-            fix, is_out = "write its content to a file, and name that", bool(row.texts.get("exclude"))
-            row.say("file", MISSING_RECORDING, message, fix, warning=is_out)
-    for row, is_out in zip(missing, excluded, strict=True):
-        told[is_out] += 1
+        kind = kinds.get(row.file, "file")
+        if kind == "file":
+            continue
         message = f"the recording {row.texts['file']} is not there"
-        fix = f"put it into {folder.as_posix()}, or correct the name"
-        if told[is_out] > MAX_MISSING:
-            n = excluded.count(is_out)
-            message = f"{n - MAX_MISSING} more recordings are not there, {n} in all"
-            fix = "check the key 'data' of the campaign file"
-        if told[is_out] <= MAX_MISSING + 1:
-            row.say("file", MISSING_RECORDING, message, fix, warning=is_out)
+        fix = f"put it into {folder.as_posix()}, correct the name, or the key 'data' of the campaign file"
+        if kind == "device or pipe":
+            message = f"the recording {row.texts['file']} is a device or pipe, not a file"
+            fix = "write its content to a file, and name that"
+        elif row.file.startswith("#"):
+            fix = "put comments above the header; below it every line is a trial"
+        row.say("file", MISSING_RECORDING, message, fix, warning=bool(row.texts.get("exclude")))
 
 
 def _refuse_twice(rows: Sequence[_Row]) -> None:
@@ -353,7 +410,7 @@ def advise(trials: Sequence[TrialSpec], path: str, *, rule: str, one_trial_each:
     """Return warnings about a trial list without errors."""
     used = [trial for trial in trials if not trial.exclude]
     warn = partial(Problem, path=path, severity="warning")
-    doubts = [*_doubts(trials, warn), *_unseen_effects(used, warn)]
+    doubts = [*_doubts(trials, warn), *_unseen_effects(used, warn), *_nothing_hung(used, warn)]
     if used and rule == "two-sigma" and one_trial_each and all(trial.sample != "*" for trial in used):
         doubts += _few_repeats(used, warn)
     return tuple(sorted(doubts, key=lambda doubt: (doubt.line or 0, doubt.code, doubt.key)))
@@ -419,6 +476,18 @@ def _settings(trials: Sequence[TrialSpec]) -> tuple[FloatArray, ...]:
     return tuple(np.array(column) for column in columns)
 
 
+def _nothing_hung(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
+    """Yield that repeats cannot be told where the end tension is measured and nobody says what hung there."""
+    unsaid = [one for one in trials if one.end_tension_N is None and one.lift_force_N is None]
+    if unsaid:
+        said = "the end tension is measured, and the list does not say what was hung"
+        message = (
+            f"{said}: each of {counted(len(unsaid), 'trial')} is a condition of its own, without repeats"
+        )
+        fix = "add the column end_tension_N with what was set; what was measured is still what counts"
+        yield warn(code="RF310", message=message, line=unsaid[0].line, key="end_tension", fix=fix)
+
+
 def _unseen_effects(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
     names = (
         ("wheel_radius", "ratio of wheel and rope radius", "size"),
@@ -426,6 +495,8 @@ def _unseen_effects(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Proble
         ("end_tension", "tension", "tension"),
     )
     for (key, name, effect), values in zip(names, _settings(trials), strict=False):
+        if key == "end_tension" and any(one.end_tension_N is one.lift_force_N is None for one in trials):
+            continue  # it is measured
         if len(trials) > 1 and distinct(values).size == 1:
             message = f"all trials have one {name}, so the effect of the {effect} cannot be seen"
             fix = f"measure at two or more values, or fit laws without an effect of the {effect}"

@@ -88,6 +88,54 @@ def test_recordings_that_cannot_be_read_are_an_error_told_once(call, bench, tmp_
     assert "12 of them for one reason: there is no column 'Zeit'" in done.err
 
 
+def test_one_cause_is_one_line_and_all_causes_come_at_once(call, bench, tmp_path):
+    """Two wheels that are not described, an import that does not fit, two recordings that are not there."""
+    folder = tmp_path / "broken"
+    shutil.copytree(bench, folder)
+    toml, table = folder / "campaign.toml", folder / "trials.csv"
+    text = toml.read_text(encoding="utf-8")
+    column = next(line for line in text.splitlines() if line.startswith("time"))
+    toml.write_text(text.replace(column, 'time = "Zeit"'), encoding="utf-8")
+    head, *rows = table.read_text(encoding="utf-8").splitlines()
+    wheel = head.split(",").index("wheel")
+    rows = [row.split(",") for row in rows]
+    for number, row in enumerate(rows):
+        row[wheel] = f"X{number % 2}"
+    lost = [
+        ["lost" if i == 0 else cell.replace("c01-r01", f"gone{n}") for i, cell in enumerate(rows[0])]
+        for n in range(9)
+    ]
+    lost = [[f"lost{n}", *row[1:]] for n, row in enumerate(lost)]
+    table.write_text("\n".join([head, *map(",".join, [*rows, *lost]), ""]), encoding="utf-8")
+    for command in (["check"], ["run", "--out", tmp_path / "out"], ["extract", "--out", tmp_path / "out"]):
+        done = call(command[0], folder, *command[1:], "--quiet")
+        told = [line for line in done.err.splitlines() if line.startswith("error")]
+        first, second, third, last = told if command[0] != "extract" else (*told[:2], "", told[2])
+        assert "unknown wheel 'X0'" in first
+        assert "(15 times: lines 2, 4, 6, …; --json lists all)" in first
+        assert "unknown wheel 'X1'" in second
+        assert "(6 times: lines 3, 5, 7, …; --json lists all)" in second
+        assert not third or "(9 such: lines 14, 15, 16, …; --json lists all)" in third
+        assert "there is no column 'Zeit'" in last
+        assert done.code == 3
+    answer = call("check", folder, "--json").json()
+    assert len(answer["problems"]) == 21 + 9 + 1 + sum(
+        one["severity"] == "warning" for one in answer["problems"]
+    )
+
+
+def test_many_missing_recordings_are_a_line_or_two(call, bench, tmp_path):
+    folder = tmp_path / "broken"
+    shutil.copytree(bench, folder)
+    table = folder / "trials.csv"
+    head, row, *_ = table.read_text(encoding="utf-8").splitlines()
+    rows = (f"t{n}," + row.split(",", 1)[1].replace("c01-r01", f"gone{n}") for n in range(5000))
+    table.write_text("\n".join([head, *rows, ""]), encoding="utf-8")
+    done = call("run", folder, "--out", tmp_path / "out")
+    assert (done.code, len(done.err.splitlines()) < 6) == (3, True)
+    assert "(5000 such: lines 2, 3, 4, …; --json lists all)" in done.err
+
+
 def test_a_single_bad_recording_is_a_warning(call, bench, tmp_path):
     folder = tmp_path / "bad"
     shutil.copytree(bench, folder)

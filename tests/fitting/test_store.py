@@ -4,6 +4,7 @@ import copy
 import gzip
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -114,6 +115,33 @@ def test_what_is_no_fit_is_refused_with_a_remedy(campaign, fit):
         with pytest.raises(DataError, match=said) as caught:
             load_fit(path)
         assert caught.value.where.startswith(path.as_posix())
+
+
+ODD_ERRORS = [
+    *(("change", odd) for odd in ([], [0.1], [0.1, None, 0.1], None, [9.0, 0.0, 0.0])),
+    *(("std", odd) for odd in (0.0, -1.0, None, "x")),
+    *(("name", None), ("unit", 3), ("more", 1)),
+]
+
+
+def test_damaged_errors_in_common_are_refused(campaign):
+    table = read_trial_table(campaign / "data" / "trials.csv")
+    fit = fit_law(replace(table, wheel_radius_std_m=np.full(len(table), 1e-4)), "wrap-power")
+    sound, path = fit.to_dict(), campaign / "bad.json"
+    path.write_text(json.dumps(sound), encoding="utf-8")
+    assert load_fit(path).common_errors
+    trees = [
+        {"common_errors": 7},
+        {"common_errors": [7]},
+        {"common_errors": [{}]},
+        {"common_errors": {"a": 1}},
+    ]
+    trees += [{"common_errors": [sound["common_errors"][0] | {key: value}]} for key, value in ODD_ERRORS]
+    for change in trees:
+        path.write_text(json.dumps(sound | change), encoding="utf-8")
+        with pytest.raises(DataError, match="damaged") as caught:
+            load_fit(path)
+        assert caught.value.code == "RF431", change
 
 
 def test_verify_makes_the_fits_again(campaign, fit):

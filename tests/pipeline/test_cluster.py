@@ -4,9 +4,14 @@ import io
 import os
 import runpy
 import signal
+import socket
+import subprocess
 import sys
+import threading
+import time
 from concurrent.futures import Executor
 from dataclasses import fields, replace
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -17,6 +22,7 @@ from ropefric.accuracy import measure
 from ropefric.accuracy.studies import STUDIES
 from ropefric.cli.app import main
 from ropefric.errors import DataError
+from ropefric.executors import cluster
 from ropefric.scenes.sweep import SweepTable, parse_axis, sweep_scene
 from ropefric.trials import extract as extracting
 from ropefric.trials.campaign import load_campaign
@@ -119,19 +125,91 @@ def test_the_table_of_a_sweep_is_the_same(client, name):
     assert swept(None) == swept(client)
 
 
-def test_the_commands_take_the_address_of_a_cluster(client, tmp_path):
-    address, said = client.scheduler.address, ["--quiet", "--no-figures"]
+def test_the_commands_take_the_address_of_a_cluster_or_make_one(client, tmp_path):
+    said = ["--quiet", "--no-figures"]
     assert main(["simulate", str(tmp_path / "lab"), "--conditions", "2", "--repeats", "6", "--quiet"]) == 0
     scene, axis = str(BENCH.parent / "scenes" / "hoist.toml"), "wheel.wrap=90deg:1440deg:50"
     sweep = ["solve", scene, "--sweep", axis, "--quiet"]
-    for name, more in {"one": [], "two": ["--cluster", address]}.items():
+    ways = {"one": [], "two": ["--cluster", client.scheduler.address], "local": ["--cluster", "local"]}
+    for name, more in ways.items():
         folder = ["--out", str(tmp_path / name)]
         assert main(["extract", str(tmp_path / "lab"), *folder, *said, *more]) == 0
         assert main([*sweep, "--out", str(tmp_path / f"{name}-sweep"), *more]) == 0
-    for name in ("one", "one-sweep"):
+    for name, way in product(("one", "one-sweep"), ("two", "local")):
         files = {path.name: path.read_bytes() for path in (tmp_path / name).iterdir() if path.is_file()}
-        other = tmp_path / name.replace("one", "two")
+        other = tmp_path / name.replace("one", way)
         assert files == {path.name: path.read_bytes() for path in other.iterdir() if path.is_file()}
+
+
+@pytest.fixture
+def servants():
+    """A scheduler and two workers as commands start them; their processes, and the address."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    host, port = address.removeprefix("tcp://").split(":")
+    commands = [["scheduler", "--host", host, "--port", port, "--no-dashboard"]]
+    commands += [["worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny"]] * 2
+    started = [
+        subprocess.Popen(
+            [sys.executable, "-W", "ignore", "-m", f"distributed.cli.dask_{words[0]}", *words[1:]],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        for words in commands
+    ]
+    with Client(address, set_as_default=False, timeout=60) as here:
+        here.wait_for_workers(2)
+    yield started, address
+    for one in started:
+        one.kill()
+        one.wait()
+
+
+@pytest.mark.parametrize("whom", [[1], [1, 2], [0]], ids=["one worker", "all workers", "the scheduler"])
+def test_a_command_whose_workers_are_killed_goes_on_or_ends_in_words(servants, tmp_path, whom):
+    started, address = servants
+    words = ["cost", "integral", "--quick", "--out", str(tmp_path / "cost"), "--cluster", address]
+    if whom == [1]:
+        words = ["extract", str(BENCH / "campaign.toml"), "--out", str(tmp_path / "out"), "--no-figures"]
+        words += ["--cluster", address]
+    command = subprocess.Popen([sys.executable, "-m", "ropefric", *words], stderr=subprocess.PIPE, text=True)
+    with Client(address, set_as_default=False) as here:
+        while not any(here.processing().values()):
+            assert command.poll() is None
+            time.sleep(0.02)
+    for number in whom:
+        started[number].kill()
+    begun_s = time.monotonic()
+    _, said = command.communicate(timeout=120)
+    if whom == [1]:
+        assert command.returncode == 0
+        return
+    assert time.monotonic() - begun_s < 30.0
+    assert (command.returncode, "Traceback" in said) == (3, False)
+    assert "has no worker that works" in said
+    assert "dask worker ADDRESS" in said
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs /proc")
+def test_a_local_cluster_is_open_to_this_machine_alone():
+    def listening():
+        return {row.split()[1] for row in Path("/proc/net/tcp").read_text().splitlines() if " 0A " in row}
+
+    before, seen, ended = listening(), set(), threading.Event()
+
+    def watch():
+        while not ended.wait(0.01):
+            seen.update(listening() - before)
+
+    watching = threading.Thread(target=watch)
+    watching.start()
+    with cluster("local") as one:
+        assert len(one.nthreads()) == 2
+    ended.set()
+    watching.join()
+    assert seen
+    assert {place.split(":")[0] for place in seen} == {"0100007F"}
 
 
 def test_a_recording_that_kills_its_reader_costs_that_recording(client, bench, tmp_path):

@@ -263,6 +263,25 @@ def test_a_second_axis_is_lines_told_apart_without_colour_or_a_map():
     assert "[deg]" in figure.figure.axes[0].get_ylabel()
 
 
+@pytest.mark.parametrize("shape", [(5,), (3, 4), (60, 70)])
+def test_points_outside_of_what_was_tested_are_marked(shape):
+    sweep = swept(*shape)
+    outside = (np.arange(np.prod(shape)) % 3 > 1).astype(float)
+    marked = replace(sweep, columns=sweep.columns | {"extrapolated": outside}, extrapolated_at={"wrap": 1})
+    figure = draw_sweep(marked)
+    assert figure.tables[0].header[-1] == "extrapolated"
+    assert [row[-1] for row in figure.tables[0].rows] == outside.tolist()
+    axes = figure.figure.axes[0]
+    if shape[0] < 10:
+        legend = [text.get_text() for text in axes.get_legend().get_texts()]
+        assert "not tested: extrapolated" in legend
+        pale = [line for line in axes.get_lines() if line.get_label() == "not tested: extrapolated"]
+        known = np.isfinite(np.concatenate([line.get_ydata() for line in pale]))
+        assert known.sum() == (outside.astype(bool) & np.isfinite(sweep.columns["lift_force_N"])).sum()
+    else:
+        assert any(hatch for one in axes.collections for hatch in getattr(one, "hatches", []))
+
+
 def test_another_number_is_drawn_on_demand_and_an_unknown_one_is_not():
     assert draw_sweep(swept(5), quantity="mu_average").tables[0].header[-1] == "mu_average"
     with pytest.raises(InputError, match="lift_force_N"):

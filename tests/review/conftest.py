@@ -27,7 +27,7 @@ def extracted(tmp_path_factory):
     (folder / "campaign.toml").write_text(toml)
     head, *rows = (BENCH / "trials.csv").read_text().splitlines()
     some = [row for row in rows if row[:3] in {"c11", "c28", "c35"} and row[5:7] < "05"]
-    (folder / "trials.csv").write_text("\n".join([head, "# taken in spring", *some, ""]))
+    (folder / "trials.csv").write_text("\n".join(["# taken in spring", head, *some, ""]))
     (folder / "out").mkdir()
     return folder
 

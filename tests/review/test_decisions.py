@@ -1,108 +1,137 @@
-"""A decision changes its own cells of the trial list; every other byte stays."""
+"""Decisions stand beside the list, a line each; the last of a trial holds, and nothing is ever written anew."""
 
-import codecs
 import csv
-import io
+import os
 from itertools import product
+from threading import Thread
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
-from ropefric.errors import InputError
-from ropefric.review.session import with_decision
-from ropefric.trials.cells import read_cells
+from ropefric.errors import DataError, InputError
+from ropefric.files import disk
+from ropefric.trials.campaign import check_campaign, load_campaign
+from ropefric.trials.decisions import Decision, add_decision, content_of, decision_of, read_decisions
 
-PICK = {"pick_s": 1.25, "why": "seen", "by": "A. Meier", "when": "2026-11-22T14:30:00+00:00", "exclude": ""}
-
-
-def test_a_german_list_keeps_everything_but_three_cells():
-    before = ("# Prüfstand 3; Seil ø 9,8\r\nfile;end_tension_N; Bemerkung ;pick_s;why;by;when\r\n"
-        ";;;;;;\r\na.csv; 60,5;schräg ;;;;\r\nb.csv;60; ;;;;\r\n\r\n").encode("cp1252")  # fmt: skip
-    after = with_decision(before, 4, PICK | {"why": "größter Wert"})
-    row = "a.csv; 60,5;schräg ;1,25;größter Wert;A. Meier;2026-11-22T14:30:00+00:00\r\n".encode("cp1252")
-    assert after == before.replace("a.csv; 60,5;schräg ;;;;\r\n".encode("cp1252"), row)
+HEAD = "trial,pick_s,peak_N,exclude,why,by,when,file"
+PICK = Decision("c35-r01", pick_s=1.25, why="seen", by="A. Meier", when="2026-11-22T14:30:00+00:00")
 
 
-def test_columns_that_are_missing_come_last_and_comments_stay():
-    before = b"file,wrap_angle_deg\n# a, remark\na.csv,180\n\nb.csv,90"
-    after = with_decision(before, 5, PICK)
-    assert after == (b"file,wrap_angle_deg,pick_s,why,by,when\n# a, remark\na.csv,180,,,,\n\n"
-        b"b.csv,90,1.25,seen,A. Meier,2026-11-22T14:30:00+00:00")  # fmt: skip
+def add(path, decision):
+    return add_decision(path, decision, content_of(path))
 
 
-def test_byte_order_mark_encoding_and_line_ends_stay():
-    codecs_of = {codecs.BOM_UTF8: "utf-8", codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
-    for (mark, codec), end in product(codecs_of.items(), ("\n", "\r\n", "\r")):
-        lines = ["file\tnote\texclude", "a.csv\tµ\t", "b.csv\t\u2028x\t"]
-        before = mark + (end.join(lines) + end).encode(codec)
-        lines[2] += "schräg"
-        assert with_decision(before, 3, {"exclude": "schräg"}) == mark + (end.join(lines) + end).encode(codec)
+def test_a_new_file_has_a_header_and_the_last_line_of_a_trial_holds_whole(campaign):
+    path, lists = campaign / "decisions.csv", (campaign / "trials.csv").read_bytes()
+    add(path, PICK)
+    add(path, Decision("c35-r02", exclude='torn, "twice"', why="seen", by="B", file="traces/x.csv"))
+    add(path, Decision("c35-r01", exclude="late", by="B"))
+    assert path.read_text().splitlines() == [
+        HEAD,
+        "c35-r01,1.25,,,seen,A. Meier,2026-11-22T14:30:00+00:00,",
+        'c35-r02,,,"torn, ""twice""",seen,B,,traces/x.csv',
+        "c35-r01,,,late,,B,,",
+    ]
+    found, _, problems = read_decisions(path)
+    assert (found["c35-r01"], problems) == (Decision("c35-r01", exclude="late", by="B", line=4), ())
+    assert (campaign / "trials.csv").read_bytes() == lists
 
 
-def test_a_time_is_written_in_the_unit_of_its_column():
-    before = b"file,pick_ms,why,by,when\na.csv,,,,\n"
-    assert b"a.csv,1250,seen," in with_decision(before, 2, PICK)
+def test_it_holds_in_place_of_what_the_list_says_and_what_is_empty_takes_it_back(campaign):
+    path, table = campaign / "decisions.csv", campaign / "trials.csv"
+    head, *rows = [row for row in table.read_text().splitlines() if not row.startswith("#")]
+    own = ",,61.25,0.5,by hand,C"  # of every trial
+    table.write_text("\n".join([f"{head},pick_s,peak_N,peak_std_N,why,by", *(row + own for row in rows)]))
+
+    def held(trial="c35-r01"):
+        return next(one for one in load_campaign(campaign / "campaign.toml").trials if one.trial == trial)
+
+    was = held()
+    assert (was.peak_N, was.peak_std_N, was.by) == (61.25, 0.5, "C")
+    add(path, PICK)
+    assert (held().pick_s, held().peak_N, held().peak_std_N) == (1.25, None, None)
+    assert (held().by, held().when) == (PICK.by, PICK.when)
+    assert held("c35-r02").peak_N == 61.25
+    add(path, Decision("c35-r01", by="A. Meier", when="later"))
+    assert (held().decision, held().exclude, held().why, held().by) == ("", "", "", "")
+    add(path, decision_of(was))
+    assert (held().peak_N, held().peak_std_N, held().why) == (61.25, 0.5, "by hand")
 
 
-def test_an_empty_value_empties_a_cell_and_adds_no_column():
-    before = b'file,"why",by\na.csv,"an ""old"" one",me\n'
-    assert with_decision(before, 2, dict.fromkeys(("why", "by", "when", "exclude"), "")) == (
-        b'file,"why",by\na.csv,,\n'
-    )
-
-
-def test_what_is_in_the_cell_already_is_not_written_anew():
-    before = b'file,"exclude"\n"a.csv", "torn, by hand"\n'
-    assert with_decision(before, 2, {"exclude": "torn, by hand"}) == before
-
-
-def test_any_text_comes_back_as_it_was(tmp_path):
-    path = tmp_path / "list.csv"
-    for text in ("torn, twice", 'a "slip"', "two\nlines", "=1+1", "-5", "'quoted'"):
-        path.write_bytes(with_decision(b"file,exclude\na.csv,\n", 2, {"exclude": text}))
-        table, problems = read_cells(path)
-        told = table.rows[0][1][1]
+def test_a_file_that_a_spreadsheet_saved_goes_on_in_its_own_dialect(tmp_path):
+    path = tmp_path / "decisions.csv"
+    for mark, end in product(("", "\ufeff"), ("", "\r\n")):
+        before = f"{mark}trial;pick_ms;peak_N;exclude;why;by;when;mine\r\na;1250,5;;;seen;me;;x{end}"
+        path.write_text(before, encoding="utf-8", newline="")
+        add(path, Decision("b", pick_s=1.5, why="zu spät; laut", by="me"))
+        told, _, problems = read_decisions(path)
         assert not problems
-        assert told.removeprefix("'") == text.replace("\n", " ").removeprefix("'")
-        assert not told.startswith(("=", "-"))  # no spreadsheet runs it
+        assert (told["a"].pick_s, told["b"].pick_s, told["b"].why) == (1.2505, 1.5, "zu spät; laut")
+        assert path.read_bytes().startswith(before.encode())
 
 
-def test_a_letter_that_the_encoding_lacks_is_refused():
-    with pytest.raises(InputError, match="cp1252, which has no 'φ'") as refused:
-        with_decision("file,exclude,note\na.csv,,schräg\n".encode("cp1252"), 2, {"exclude": "φ too small"})
-    assert "UTF-8" in refused.value.fix
+def test_what_two_write_at_once_is_all_there(tmp_path):
+    path = tmp_path / "decisions.csv"
+    before = add(path, PICK)
+
+    def many(who):
+        for i in range(40):  # each with what it read at the start
+            add_decision(path, Decision(f"{who}{i}", exclude="torn", by=who), before)
+
+    both = [Thread(target=many, args=(who,)) for who in ("anna", "bert")]
+    for one in both:
+        one.start()
+    for one in both:
+        one.join()
+    found, _, problems = read_decisions(path)
+    assert not problems
+    assert set(found) == {PICK.trial, *(f"{who}{i}" for who in ("anna", "bert") for i in range(40))}
+    assert [one.name for one in tmp_path.iterdir()] == ["decisions.csv"]
 
 
-def test_forces_of_the_users_own_do_not_become_decisions():
-    before = b"file,peak_N\na.csv,61.2\n"
-    with pytest.raises(InputError, match="'peak_N' would be decisions too"):
-        with_decision(before, 2, PICK)
-    assert with_decision(before, 2, {"exclude": "torn"}) == b"file,peak_N,exclude\na.csv,61.2,torn\n"
-    # Nor are they taken away with a decision that was none.
-    assert with_decision(before, 2, {"peak_N": "", "why": ""}) == before
+def test_a_full_disk_leaves_it_as_it_was(tmp_path, monkeypatch):
+    path = tmp_path / "decisions.csv"
+    before, write = add(path, PICK), os.write
+    monkeypatch.setattr(disk.os, "write", lambda where, content: write(where, content[:5]))
+    with pytest.raises(DataError, match="no space left"):
+        add(path, PICK)
+    assert path.read_bytes() == before
+    other = tmp_path / "elsewhere.csv"
+    other.symlink_to(path)
+    with pytest.raises(DataError, match="through links"):
+        add(other, PICK)
 
 
-CELLS = st.text(st.sampled_from("ab ,;\"'µ#=."), max_size=6)
+BAD = [
+    (f"{HEAD}\nc35-r01,soon,,,w,b,,\n", "RF102", 2, "pick_s"), (f"{HEAD}\nc35-r01,1\n", "RF103", 2, ""),
+    ("trial,pick_s\n", "RF121", 1, "peak_N"), (f"{HEAD}\nc35-r01,1,2,,w,b,,\n", "RF111", 2, "peak_N"),
+    (f"{HEAD}\nc35-r01,1,,,,b,,\n", "RF121", 2, "why"), (f"{HEAD}\nc35-r01,,-1,,w,b,,\n", "RF110", 2, "peak_N"),
+    (f"{HEAD}\nc35-r01,1,,,w,b,,other.csv\n", "RF111", 2, "file"), ("", "RF101", None, ""),
+]  # fmt: skip
 
 
-@settings(max_examples=40)
-@given(data=st.data(), separator=st.sampled_from(",;\t"), end=st.sampled_from(["\n", "\r\n"]))
-def test_whatever_stands_in_other_cells_stays(tmp_path_factory, data, separator, end):
-    n = data.draw(st.integers(1, 4))
-    rows = [[f"f{i}.csv", *data.draw(st.lists(CELLS, min_size=2, max_size=2))] for i in range(n)]
-    stream = io.StringIO()
-    writer = csv.writer(stream, delimiter=separator, lineterminator=end)
-    writer.writerows([["file", "own", "exclude"], *rows])
-    before = stream.getvalue().encode()
-    line = data.draw(st.integers(2, n + 1))
-    text = data.draw(CELLS)
-    after = with_decision(before, line, {"exclude": text})
-    lines = [one.split(end.encode()) for one in (before, after)]
-    assert [place for place, pair in enumerate(zip(*lines, strict=True), 1) if pair[0] != pair[1]] in ([],
-        [line])  # fmt: skip
-    path = tmp_path_factory.getbasetemp() / "list.csv"
-    path.write_bytes(after)
-    told = dict(read_cells(path)[0].rows)[line]
-    assert told[:2] == (rows[line - 2][0], rows[line - 2][1].strip())
-    assert told[2].removeprefix("'") == " ".join(text.split()).removeprefix("'")
+def test_what_is_wrong_with_it_is_an_error_where_it_stands_and_an_unknown_trial_a_warning(campaign):
+    path, toml = campaign / "decisions.csv", campaign / "campaign.toml"
+    for text, code, line, key in BAD:
+        path.write_text(text)
+        (found,) = (one for one in check_campaign(toml) if one.severity == "error")
+        assert (found.code, found.line, found.key) == (code, line, key), text
+        assert found.path.endswith("decisions.csv")
+        assert found.fix
+    path.write_text(f"{HEAD}\nc99,1,,,w,b,,\n")
+    (found,) = (one for one in load_campaign(toml).warnings if one.path.endswith("decisions.csv"))
+    assert (found.code, found.line, "not used" in found.message) == ("RF120", 2, True)
+    path.write_bytes(f"{HEAD}\nc35-r01,,,schr\xe4g,,b,,\n".encode("cp1252"))
+    with pytest.raises(InputError, match="no UTF-8"):
+        add(path, PICK)
+
+
+@given(text=st.text(st.sampled_from("ab ,;\"'µ#=.-+@\n\t"), max_size=8))
+def test_any_text_comes_back_and_no_spreadsheet_runs_it(tmp_path_factory, text):
+    path = tmp_path_factory.mktemp("any") / "decisions.csv"
+    add(path, Decision(f"t{text.strip()}", exclude=text, by="me"))
+    (told,) = read_decisions(path)[0].values()
+    assert told.exclude.lstrip("'") == " ".join(text.split()).lstrip("'")
+    (cells,) = csv.reader(path.read_text().splitlines()[1:])
+    assert not any(cell.startswith(tuple("=+-@")) for cell in cells)

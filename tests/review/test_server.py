@@ -7,6 +7,8 @@ import re
 import signal
 import subprocess
 import sys
+import time
+from pathlib import Path
 from urllib.parse import quote
 
 import pytest
@@ -66,16 +68,17 @@ def test_whoever_lacks_the_token_or_names_this_address_otherwise_gets_nothing(as
 
 
 def test_another_page_cannot_write(ask, served):
-    path, body = served.review.trial_list, {"trial": "c35-r01", "action": "exclude", "text": "torn"}
-    before = path.read_bytes()
+    path, body = served.review.trial_list.parent, {"trial": "c35-r01", "action": "exclude", "text": "torn"}
+    before = sorted(one.name for one in path.iterdir())
     for origin in ("http://evil.example", "null", None, "http://127.0.0.1:1"):
         assert ask("/api/decide", body, Origin=origin)[0] == 403
     for kind in ("text/plain", None, "application/x-www-form-urlencoded"):
         assert ask("/api/decide", body, Content_Type=kind)[0] == 415
-    assert (ask("/api/decide", method="GET")[0], path.read_bytes()) == (404, before)
+    assert ask("/api/decide", method="GET")[0] == 404
+    assert sorted(one.name for one in path.iterdir()) == before
     done, tree, _ = ask("/api/decide", body)
     assert ((done, tree["rows"]["c35-r01"]["excluded"]), ask("/api/undo", {})[0]) == ((200, "torn"), 200)
-    assert path.read_bytes() == before
+    assert len(served.review.decisions.read_text().splitlines()) == 3
 
 
 def test_requests_that_make_no_sense_are_answered_in_words(ask):
@@ -88,6 +91,8 @@ def test_requests_that_make_no_sense_are_answered_in_words(ask):
         status, tree, _ = ask("/api/decide", {}, raw=raw)
         assert status in {400, 409}, raw
         assert tree["error"]["message"]
+    status, tree, _ = ask("/api/decide", {}, raw="[" * 65_000)
+    assert (status, tree["error"]["code"]) == (400, "RF110")
     assert ask("/api/decide", {}, raw="x" * (MOST_BYTES + 1))[0] == 413
     assert ask("/api/decide", {}, raw="{}", Content_Length="-1")[0] == 413
     status, tree, _ = ask("/api/decide", {"trial": "c99", "action": "clear"})
@@ -122,9 +127,15 @@ def test_the_command_serves_until_it_is_interrupted(campaign):
     # A job in the background, as these tests may be, ignores Ctrl-C, and so do its processes.
     start = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
     start += "from ropefric.__main__ import main; sys.exit(main())"
-    words = [sys.executable, "-c", start, "review", str(out), "--no-open", "--by", "A. Meier"]
+    words = [sys.executable, "-c", start, "review", str(out), "--by", "A. Meier"]
+    browser, opened = campaign / "browser.sh", campaign / "opened"
+    browser.write_text(f'#!/bin/sh\nls -ld "$(dirname "${{1#file://}}")" >{opened}.part\n'
+        f'echo "$1" >>{opened}.part\ncat "${{1#file://}}" >>{opened}.part\nmv {opened}.part {opened}\n')  # fmt: skip
+    browser.chmod(0o700)
     # Without a width of the terminal, which a library of the line editor may hand on behind Python's back.
-    env = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
+    env = {name: value for name, value in os.environ.items() if name != "COLUMNS"} | {
+        "BROWSER": f"{browser} %s"
+    }
     process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env)
     try:
         address = ""
@@ -132,6 +143,16 @@ def test_the_command_serves_until_it_is_interrupted(campaign):
             address = process.stderr.readline()
             assert address
         port, token = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=(\S+)\n", address).groups()
+        while not opened.exists():
+            time.sleep(0.01)
+        rights, door, page = opened.read_text().split("\n", 2)
+        # What everybody sees of a browser is where a page stands that only this user can read.
+        assert (rights[:10], door[:8], token in door, f"token={token}" in page) == (
+            "drwx------",
+            "file:///",
+            False,
+            True,
+        )
         line = http.client.HTTPConnection("127.0.0.1", int(port), timeout=60)
         headers = {"Origin": f"http://127.0.0.1:{port}", "Content-Type": "application/json"}
         body = json.dumps({"trial": "c35-r01", "action": "exclude", "text": "torn"})
@@ -143,10 +164,10 @@ def test_the_command_serves_until_it_is_interrupted(campaign):
     finally:
         process.kill()
         process.communicate()
-    assert process.returncode == 0
+    assert (process.returncode, Path(door.removeprefix("file://")).exists()) == (0, False)
     assert said.startswith("1 decision written to ")
     assert "`ropefric report" in said
-    assert ",torn,A. Meier,20" in (campaign / "trials.csv").read_text()
+    assert ",torn,,A. Meier,20" in (campaign / "decisions.csv").read_text()
 
 
 def test_a_folder_that_knows_no_campaign_needs_its_name(campaign, capfd):

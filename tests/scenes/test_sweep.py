@@ -1,13 +1,15 @@
 """Sweeps: the grid's answers are the scenes' own, one by one, whichever way they are reached."""
 
 import csv
+from itertools import product
 
 import numpy as np
 import pytest
 
 from ropefric.errors import DataError, InputError, UnknownNameError
 from ropefric.files.folder import Folder
-from ropefric.scenes.scene import load_scene, number_keys
+from ropefric.scenes.draws import draw_scene
+from ropefric.scenes.scene import load_scene, number_keys, replaced
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep import columns_text, parse_axis, sweep_scene, sweep_table
 
@@ -47,6 +49,51 @@ def test_what_can_be_swept_is_what_the_scene_gives(hoist_of):
     assert "accuracy" not in keys
 
 
+FIT = {"fit": "../../fits/prth-coupled.json"}
+SWEPT = {
+    "hoist": ("wheel.wrap=200deg:2000deg:4", "rope.diameter=9.8mm,20mm"),
+    "belt-press": ("belts.upper.width=1m,1.2m",),  # point by point
+    "belt-drive": (
+        "driving.wrap=30deg,180deg,700deg",
+        "tension.force=3000N,5250N",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SWEPT)
+def test_a_sweep_says_where_it_extrapolates_as_each_scene_alone(name, loaded, tmp_path, scene_of):
+    scene = loaded(name)
+    scene = scene_of(**{**scene.document.data, "friction": FIT})
+    axes = tuple(parse_axis(scene, text) for text in SWEPT[name])
+    swept = sweep_scene(scene, axes)
+    alone = []
+    for values in product(*(axis.values for axis in axes)):
+        data = scene.document.data
+        for axis, value in zip(axes, values, strict=True):
+            data = replaced(data, axis.key, f"{float(value) / axis.factor!r} {axis.unit}")
+        alone.append(solve_scene(scene_of(**data)))
+    assert swept.columns["extrapolated"].tolist() == [float(bool(one.extrapolation)) for one in alone]
+    assert bool(swept.extrapolated_at) == any(one.extrapolation for one in alone)
+    told = [one for one in swept.warnings if "extrapolated" in one]
+    assert len(told) == len(swept.extrapolated_at)
+    for what, n in swept.extrapolated_at.items():
+        assert sum(any(words.startswith(what) for words in one.extrapolation) for one in alone) == n
+        assert any(
+            f"at {n} of {len(alone)} points extrapolated: the {what} is outside" in one for one in told
+        )
+
+
+def test_a_bare_coefficient_extrapolates_nowhere_and_draws_count_where_they_do(hoist_of):
+    scene = hoist_of(friction={"mu": 0.2})
+    swept = sweep_scene(scene, (parse_axis(scene, "wheel.wrap=200deg:2000deg:4"),))
+    assert ("extrapolated" in swept.columns, swept.extrapolated_at) == (False, {})
+    drawn = draw_scene(hoist_of(wheel={"wrap": "2000 deg"}), 100)
+    assert drawn.extrapolated_at == {"wrap": 100}
+    assert "extrapolated" not in drawn.numbers
+    assert any("in 100 of 100 draws extrapolated: the wrap is" in one for one in drawn.warnings)
+    assert drawn.to_dict()["extrapolated_in"] == {"wrap": 100}
+
+
 def test_a_grid_in_one_call_is_the_scenes_one_by_one(hoist_of):
     scene = hoist_of(effects="all")
     axes = (parse_axis(scene, "wheel.radius=20mm,60mm"), parse_axis(scene, "wheel.wrap=90deg:900deg:4"))
@@ -77,11 +124,11 @@ def test_points_without_answer_are_counted_and_left_empty(hoist_of, tmp_path):
     assert swept.failed == floating.sum()
     assert "lifts off the wheel" in swept.first_failure
     rows = list(csv.reader((tmp_path / "deep" / "sweep.csv").read_text(encoding="utf-8").splitlines()))
-    assert rows[0] == ["wheel.speed [m/s]", "wheel.wrap [turn]", "lift_force_N", "mu_average"]
+    assert rows[0] == ["wheel.speed [m/s]", "wheel.wrap [turn]", "lift_force_N", "mu_average", "extrapolated"]
     assert len(rows) == 1 + 122
     assert rows[1][:2] == ["1", "1"]
     assert float(rows[1][2]) == pytest.approx(swept.columns["lift_force_N"][0], rel=1e-8)
-    assert rows[-1][2:] == ["", ""]
+    assert rows[-1][2:] == ["", "", ""]
 
 
 def test_columns_are_written_row_by_row_with_empty_cells_for_what_is_not_known():

@@ -2,6 +2,8 @@
 
 # ruff: noqa: E501  (a mistake a row reads better than a mistake a page)
 
+from pathlib import Path
+
 import pytest
 
 from ropefric.errors import RopefricError
@@ -142,6 +144,14 @@ def test_odd_files_and_none(bench, tmp_path):
         assert problem.code == "RF101"
         with pytest.raises(RopefricError):
             load_campaign(tmp_path / name)
+
+
+@pytest.mark.skipif(not Path("/proc/self/mem").is_file(), reason="needs /proc")
+def test_a_device_that_says_it_is_a_file_is_refused_in_words(bench):
+    bench.spoil('trials = "trials.csv"', 'trials = "/proc/self/mem"')
+    problem = bench.only()
+    assert problem.path.endswith("/proc/self/mem")
+    assert "cannot be read: input/output error" in problem.message.lower()
 
 
 def test_all_mistakes_in_one_pass(bench):

@@ -53,6 +53,29 @@ def test_a_peak_at_a_stated_time_is_measured_with_its_uncertainty(decided):
     assert any(note.startswith("without the decision: ") for note in trial.breakaway.notes)
 
 
+def test_the_peak_that_the_picker_takes_has_the_same_uncertainty_where_a_person_names_it():
+    """A zero that is not quite known, one that drifts and one that reads 3 % count as much as without the decision."""
+    for level_N, drift_N_s in ((0.3, 0.0), (0.0, 0.2), (0.4, 0.1)):
+        time_s = np.arange(3000) / 1000
+        force_N = np.interp(time_s, [0.5, 1.8, 1.82], [0, 100, 80]) + level_N + drift_N_s * time_s
+        trace = ForceTrace(
+            time_s=time_s, force_N=force_N + 0.05 * np.random.default_rng(1).standard_normal(3000)
+        )
+        own = rf.find_breakaway(trace)
+        assert own.status is Status.OK
+        for moved_s in (0.0, 0.011, -0.011):
+            found = rf.find_breakaway(trace, pick_s=own.peak_time_s + moved_s)
+            assert (found.peak_N, found.peak_std_N) == pytest.approx((own.peak_N, own.peak_std_N))
+    trace = ForceTrace(
+        time_s=time_s, force_N=np.interp(time_s, [0.5, 1.8, 1.82], [4, 104, 84])
+    )  # zero, or load?
+    assert rf.find_breakaway(trace).status is Status.DOUBTFUL
+    found = rf.find_breakaway(trace, pick_s=1.8)
+    assert found.peak_N == pytest.approx(104.0, abs=0.2)
+    assert found.peak_std_N == pytest.approx(4.0 / 3**0.5, rel=0.1)
+    assert any(note.startswith("taken as read: ") for note in found.notes)
+
+
 def test_the_highest_force_near_the_time_counts_and_a_time_without_a_peak_is_refused():
     time_s, force_N = two_peaks()
     trace = ForceTrace(time_s=time_s, force_N=force_N)

@@ -4,7 +4,7 @@ import csv
 
 from ropefric.trials.campaign import check_campaign
 from ropefric.trials.result import write_tables
-from ropefric.trials.table import read_trial_table
+from ropefric.trials.table import read_trial_table, table_of_extraction
 
 OWN = {"note": "rope jumped; later", "weather": "wet, 8 °C", "operator": "A"}
 
@@ -32,6 +32,42 @@ def test_the_note_and_own_columns_reach_the_trial_table(lab, pull_csv, tmp_path)
     assert extraction.to_dict()["trials"][0]["weather"] == OWN["weather"]
     assert extraction.to_dict()["trials"][0]["note"] == OWN["note"]
     assert read_trial_table(tmp_path / "out" / "trials.csv").used.all()
+
+
+def test_names_that_begin_with_a_hash_are_trials_and_comments_stand_above_the_header(lab, pull_csv):
+    with_columns(lab, pull_csv)
+    table = lab.folder / "trials.csv"
+    head, *rows = table.read_text().splitlines()
+    named = [f'"#{i}",{row}' if i % 2 else f"#{i},{row}" for i, row in enumerate(rows)]
+    table.write_text(
+        "\n".join(["# two, remarks", '"# quoted, by a spreadsheet",,', f"trial,{head}", *named, ",,,,,"])
+    )
+    assert [trial.trial for trial in lab.extract().trials] == ["#0", "#1", "#2", "#3"]
+    table.write_text("\n".join([f"trial,{head}", named[0], "# the second day", *named[1:]]))
+    (torn,) = (one for one in check_campaign(lab.path) if one.code == "RF103")
+    assert (torn.severity, torn.line, "above the header" in torn.fix) == ("warning", 3, True)
+    table.write_text("\n".join([head, f"#{rows[0]}", *rows[1:]]))  # a row as any other
+    (missing,) = (one for one in check_campaign(lab.path) if one.severity == "error")
+    assert ("#p0.csv is not there" in missing.message, "above the header" in missing.fix) == (True, True)
+
+
+def test_every_column_of_the_list_reaches_the_tables_and_what_is_fitted(lab, pull_csv, tmp_path):
+    cells = {"from_s": 0.01, "until_s": 2.4, "rope_id": "R1", "wheel": "A", "operator": "Ann", "end_cell": ""}
+    with_columns(lab, pull_csv, **cells)
+    text = lab.path.read_text() + '[wheels.A]\nradius = "40 mm"\n[wheels.B]\nradius = "40 mm"\n'
+    lab.path.write_text(text.replace("[rejection]", ""))
+    table = lab.folder / "trials.csv"
+    table.write_text(
+        table.read_text().replace("p3.csv,40,180,20,0.01,2.4,R1,A", "p3.csv,40,180,20,0.01,2.4,R1,B")
+    )
+    extraction = lab.extract()
+    rows = written(extraction, tmp_path / "out")
+    assert [row["wheel"] for row in rows] == ["A", "A", "A", "B"]
+    assert {(row["from_s"], row["until_s"], row["operator"]) for row in rows} == {("0.01", "2.4", "Ann")}
+    with (tmp_path / "out" / "conditions.csv").open(encoding="utf-8", newline="") as stream:
+        assert [row["wheel"] for row in csv.DictReader(stream)] == ["A; B"]
+    for found in (read_trial_table(tmp_path / "out" / "trials.csv"), table_of_extraction(extraction)):
+        assert found.labels["wheel"] == ("A", "A", "A", "B")
 
 
 def test_a_near_miss_beside_the_known_column_is_a_warning(lab, pull_csv, tmp_path):

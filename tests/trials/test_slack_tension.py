@@ -7,6 +7,8 @@ import pytest
 
 import ropefric as rf
 from ropefric.errors import DataError
+from ropefric.fitting.store import load_fit, save_fit
+from ropefric.plotting.fits import condition_points, draw_fit_band
 from ropefric.traces.breakaway import Status
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign import check_campaign
@@ -64,9 +66,48 @@ def test_the_slack_tension_at_the_break_away_enters_the_trial_and_the_fit(lab, t
     assert abs(rf.fit(hung, "constant")["mu"].value - MU) > 0.01
 
 
+def test_an_end_tension_that_is_not_what_was_hung_is_a_warning_of_each_condition(lab):
+    """The slack of the three conditions is 23 N on average, on 20 N hung; on 23 N hung there is nothing to say."""
+    for hung_N, n in ((20, 3), (23, 0)):
+        told = [one for one in write(lab, end_tension_N=hung_N)[0].extract().problems if one.code == "RF243"]
+        assert len(told) == n
+    lab, _ = write(lab, end_tension_N=20)
+    told = [one for one in lab.extract().problems if one.code == "RF243"]
+    assert all("is 2" in one.message and "the weight of the list 20 N" in one.message for one in told)
+    assert "wrap 180 deg" in told[1].message
+    # What is 1.5 % off is within what nobody states, and beyond what cell and weights state.
+    counts = CHANNELS.replace(
+        'end_tension = { column = "slack", unit = "N" }', 'end_tension_counts = "slack"'
+    )
+    counts += '[adc]\nbits = 16\nhigh = "5 V"\n[cells.K2]\nfull_scale = "20 N"\n'
+    for settings, n in ((counts, 0), (counts + '[weights]\ntolerance = "0.1 %"\n', 1)):
+        lab, _ = write(lab, settings, n=1, scale=3276.75 * 0.985, counts=True, end_cell="K2")
+        told = [one for one in lab.extract().problems if one.code == "RF243"]
+        assert len(told) == n, lab.extract().trials[0]
+
+
+def test_figures_show_every_condition_whose_end_tension_was_measured(lab, tmp_path):
+    write_tables(write(lab)[0].extract(), tmp_path)
+    made = rf.fit(tmp_path / "trials.csv", "constant")
+    loaded = load_fit(save_fit(made, tmp_path / "fit.json"))
+    for fit in (made, loaded):
+        points = condition_points(fit)
+        assert points.as_set.end_tension_N.tolist() == [20.0] * 3
+        assert points.conditions.end_tension_N == pytest.approx([23.0] * 3, abs=0.1)
+        drawn = draw_fit_band(fit, over="wrap_angle_rad").tables[1]
+        assert len(drawn.rows) == 3
+        assert drawn.columns["lift_force_N"] == pytest.approx(
+            23.0 * np.exp(MU * np.array(drawn.columns["wrap_angle_rad"])), rel=0.01
+        )
+    crosses = [line for line in draw_fit_band(made).figure.axes[0].lines if line.get_label() == "one trial"]
+    assert crosses[0].get_xdata().size == 12
+
+
 def test_the_list_need_not_name_an_end_tension_that_is_measured(lab):
     lab, slack_N = write(lab, end_tension_N="")
     extraction = lab.extract()
+    (unsaid,) = (one for one in extraction.problems if one.key == "end_tension")
+    assert "what was hung: each of 12 trials is a condition of its own" in unsaid.message
     assert [trial.end_tension_N for trial in extraction.trials] == pytest.approx(slack_N, abs=0.15)
     assert all(math.isnan(trial.end_tension_set_N) for trial in extraction.trials)
     assert rf.fit(extraction, "constant")["mu"].value == pytest.approx(MU, rel=5e-3)

@@ -5,7 +5,6 @@
 import pytest
 
 from ropefric.trials.campaign import load_campaign
-from ropefric.trials.trial_list import MAX_MISSING
 
 # What is replaced, by what, code, line, key, part of the message, part of the fix.
 MISTAKES = {
@@ -88,13 +87,13 @@ def test_a_point_among_decimal_commas_is_refused(bench):
     assert "write 1,250 if the point is a decimal mark" in problem.fix
 
 
-def test_missing_recordings_are_listed_up_to_a_limit(bench):
+def test_each_missing_recording_is_a_problem_of_its_row(bench):
     head = "file,wheel_radius_mm,wrap_angle_deg,end_tension_N,cell,exclude\n"
-    bench.write(trials=head + "".join(f"no{i}.csv,40,180,80,K1,\n" for i in range(MAX_MISSING + 13)))
+    bench.write(trials=head + "".join(f"no{i}.csv,40,180,80,K1,\n" for i in range(33)))
     errors = bench.errors()
-    assert len(errors) == MAX_MISSING + 1
-    assert errors[-1].message == f"13 more recordings are not there, {MAX_MISSING + 13} in all"
-    assert errors[-1].line == MAX_MISSING + 2
+    assert [one.line for one in errors] == [*range(2, 35)]
+    assert errors[-1].message == "the recording no32.csv is not there"
+    assert len({one.fix for one in errors}) == 1
 
 
 def test_an_excluded_trial_may_lack_its_recording_but_not_its_numbers(bench):

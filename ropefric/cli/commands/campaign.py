@@ -1,22 +1,25 @@
 """The commands of a campaign: its break-away forces, its whole way to a lift force, its report; a look at its picks."""
 
 import getpass
+import html
 import logging
 import math
 import os
 import sys
 import webbrowser
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any, cast
 
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
 from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, option, out_folder
-from ropefric.cli.output import Output, Progress, few_of_each
-from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.cli.output import Output, Progress
+from ropefric.errors import DataError, InputError, RopefricError, raise_problems
 from ropefric.glossary import counted
 
 with on_first_use():
@@ -38,8 +41,8 @@ if TYPE_CHECKING:
 SERIAL_FIGURES = 8
 """Figures below which starting worker processes costs more than it saves."""
 _FIGURE_FILES = ("svg", "pdf", "png")
-MAX_ALIKE = 3
-"""Problems of one code that are said in full; the others are counted."""
+_NAMED = 3
+"""Of trials with one reason."""
 # The advice for these says something about the measurement; an unreadable file has advice of its own.
 _ADVISED = ("doubtful", "no-breakaway", "no-peak", "saturated", "too-short")
 
@@ -62,7 +65,7 @@ def extract(
     one figure per condition with the data it shows. What an earlier run wrote there and no longer fits is removed.
     """
     campaign = options.campaign_file(campaign)
-    loaded = campaigns.load_campaign(campaign, missing_recordings="flag")
+    loaded = _loaded(campaign, flag_missing=True)
     n_jobs = options.parse_jobs(jobs, len(loaded.trials))
     # Before the work, so that a folder that cannot be used costs nothing.
     options.lend_fonts_a_place(folder)
@@ -84,6 +87,14 @@ def extract(
             out.problems(error.problems)
         data, exit_code = data | error.to_dict(), error.exit_code
     return Answer(data, _sections(extraction), exit_code)
+
+
+def _loaded(path: Path, *, flag_missing: bool = False) -> "campaign_model.Campaign":
+    """Return a campaign; refuse one with all that is wrong: beside its files the recordings that cannot be read."""
+    found, problems = campaigns.examine_campaign(path, flag_missing=flag_missing)
+    if found is None or any(one.severity == "error" for one in problems):
+        raise_problems((*problems, *(extracting.check_recordings(found)[1] if found else ())))
+    return cast("campaign_model.Campaign", found)
 
 
 def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack) -> "Executor | None":
@@ -124,12 +135,9 @@ def _work_quietly(_plugins: object) -> None:
 
 
 def say_problems(extraction: "result.Extraction", folder: Path, out: Output) -> None:
-    """Say what was wrong or doubtful beside the recordings that the summary lists, and what became of the trials.
-
-    Many problems of one kind are said a few times and then counted.
-    """
-    for alike in result.problems_by_code(extraction, said_of=_without_force(extraction)).values():
-        out.problems(few_of_each(alike, MAX_ALIKE))
+    """Say what was wrong or doubtful beside the recordings that the summary lists, and what became of the trials."""
+    found = result.problems_by_code(extraction, said_of=_without_force(extraction)).values()
+    out.problems(chain.from_iterable(found), rest="problems.csv lists all")
     trials = extraction.trials
     n_recordings = len({(trial.file, trial.sample) for trial in trials})
     what = counted(len(trials), "trial")
@@ -159,7 +167,7 @@ def _sections(extraction: "result.Extraction") -> "list[section.Section]":
     if flagged := _without_force(extraction):
         statuses = dict.fromkeys(trial.breakaway.status for trial in flagged)
         said = f"{len(flagged)} of {len(extraction.trials)} trials are without a force:"
-        reasons = [row for group in result.alike(flagged) for row in _flagged_rows(group)]
+        reasons = [*map(_flagged_row, result.alike(flagged))]
         advice = [f"{one}: {breakaway.ADVICE[one]}" for one in statuses if one in _ADVISED]
         told.append(section.Section("", (said,), ("trial", "status", "why "), reasons, left=3))
         told.append(section.Section(lines=advice))
@@ -172,16 +180,14 @@ def _without_force(extraction: "result.Extraction") -> "list[result.TrialResult]
     return sorted(found, key=lambda trial: trial.breakaway.status != "doubtful")
 
 
-def _flagged_rows(group: "Sequence[result.TrialResult]") -> list[tuple[str, str, str]]:
-    """Return a row for each of some trials, or one for all where many have one reason."""
-    rows = []
-    for trial in group if len(group) <= MAX_ALIKE else group[:1]:
-        advised = trial.breakaway.status in _ADVISED
-        fixes = [] if advised else [problem.fix for problem in trial.problems if problem.fix]
-        rows.append((trial.trial, str(trial.breakaway.status), "; ".join([trial.why_no_force, *fixes])))
-    if len(group) > MAX_ALIKE:
-        rows = [(f"{group[0].trial} … {group[-1].trial} ({len(group)} trials)", *rows[0][1:])]
-    return rows
+def _flagged_row(group: "Sequence[result.TrialResult]") -> tuple[str, str, str]:
+    """Return a row for trials that have one reason."""
+    trial, names = group[0], ", ".join(one.trial for one in group[:_NAMED])
+    if len(group) > _NAMED:
+        names += f", … ({len(group)} trials)"
+    advised = trial.breakaway.status in _ADVISED
+    fixes = [] if advised else [problem.fix for problem in trial.problems if problem.fix]
+    return names, str(trial.breakaway.status), "; ".join([trial.why_no_force, *fixes])
 
 
 @command("ropefric run data/prth-bench/campaign.toml --out out", order=60)
@@ -206,7 +212,7 @@ def run(
     there and no longer fits is removed. Exits with 4 unless the law and its lift force are supported: when the data
     leave two of them undecided, or judge none.
     """
-    loaded, wish = campaigns.load_campaign(options.campaign_file(campaign)), page.Wish(figures=figures)
+    loaded, wish = _loaded(options.campaign_file(campaign)), page.Wish(figures=figures)
     how: dict[str, Any] = {"law": law, "cluster": cluster, "parquet": parquet, "force": force}
     return work_through(out, loaded, folder, wish, jobs=jobs, of_conditions=figures, **how)
 
@@ -364,8 +370,8 @@ def review(
 ) -> Answer:
     """Look at the picks of a campaign in the browser, and decide: accept, move, exclude, comment, undo.
 
-    Decisions go into the campaign's own list of trials (columns pick_s, exclude, why, by, when), of which nothing else
-    changes; what they change in the condition, the law and the lift force is shown. The page is served on this machine
+    Decisions go into decisions.csv beside the campaign's list of trials, which itself is never written; what they change
+    in the condition, the law and the lift force is shown. The page is served on this machine
     alone, to whoever has the address that is printed. Ctrl-C ends it. The folder of results is brought up to date by
     `ropefric report OUT_DIR`, or `extract`.
     """
@@ -390,20 +396,35 @@ def review(
         # Not a note: without it nobody finds the page.
         sys.stderr.write(f"{serving.address}\n")
         sys.stderr.flush()
-        out.note(f"decisions go into {reviewed.trial_list}; Ctrl-C ends the review")
-        if open_page and _has_screen():
-            webbrowser.open(serving.address)
+        out.note(f"decisions go into {reviewed.decisions}; Ctrl-C ends the review")
         try:
-            serving.serve_forever()
+            with _door_to(serving.address) as door:
+                if open_page and _has_screen():
+                    webbrowser.open(door)
+                serving.serve_forever()
         except KeyboardInterrupt as interrupt:
             reviewed.close()
             if interrupt.args:  # not Ctrl-C: the system wants an end
                 raise
     written = counted(reviewed.n_written, "decision")
     more = f"; `ropefric report {folder}` brings the results up to date" if reviewed.n_written else ""
-    data = {"trial_list": reviewed.trial_list, "n_decisions": reviewed.n_written, "by": reviewed.by}
-    said = f"{written} written to {reviewed.trial_list}{more}"
+    data = {"trial_list": reviewed.trial_list, "decisions": reviewed.decisions, "by": reviewed.by}
+    data |= {"n_decisions": reviewed.n_written}
+    said = f"{written} written to {reviewed.decisions}{more}"
     return Answer(data, [section.Section(title="", lines=(said,), verbatim=True)])
+
+
+@contextmanager
+def _door_to(address: str) -> Iterator[str]:
+    """Yield a page, which only this user can read, that leads to an address: all can read a browser's command line."""
+    with TemporaryDirectory(prefix="ropefric-") as folder:
+        door, shown = Path(folder, "review.html"), html.escape(address)
+        door.write_text(
+            f'<!doctype html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
+            f'<meta http-equiv="refresh" content="0; url={shown}"><a href="{shown}">Review of picks</a>\n',
+            encoding="utf-8",
+        )
+        yield door.as_uri()
 
 
 def _login_name() -> str:

@@ -36,7 +36,7 @@ class TableFormat(StrEnum):
 
 
 _LISTED_POINTS = 1000
-_TOLD = ("failed", "first_failure", "error_bound", "accuracy", "failures", "warnings")
+_TOLD = ("failed", "first_failure", "error_bound", "accuracy", "failures", "extrapolated_at", "warnings")
 
 
 @command("ropefric solve data/scenes/hoist.toml --sweep wheel.wrap=90deg:1440deg:50 --out out/", order=160)

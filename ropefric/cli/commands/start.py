@@ -262,13 +262,12 @@ def _check_table(file: Path) -> _Checked:
 
 
 def _check_campaign(file: Path) -> _Checked:
-    problems = campaigns.check_campaign(file)
-    if any(problem.severity != "warning" for problem in problems):
-        return problems, {}
-    loaded = campaigns.load_campaign(file)
-    looked, unread = extracting.check_recordings(loaded)
-    tells = [item.to_dict() for item in resolution.outlook_of_campaign(loaded)]
-    return (*problems, *unread), _content(loaded) | {"recordings": list(looked), "tells": tells}
+    found, problems = campaigns.examine_campaign(file)
+    looked, unread = extracting.check_recordings(found) if found else ((), ())
+    if found is None or any(problem.severity != "warning" for problem in problems):
+        return (*problems, *unread), {}
+    tells = [item.to_dict() for item in resolution.outlook_of_campaign(found)]
+    return (*problems, *unread), _content(found) | {"recordings": list(looked), "tells": tells}
 
 
 def _is_scene(path: Path) -> bool:

@@ -360,11 +360,14 @@ def _contacts(problem: PressProblem) -> Mapping[str, FloatArray]:
     """Return every roller once, with the tension of its belt at rest."""
     press, forces_N = problem.press, [one.force_N for one in problem.press.tensioners.values()]
     halves = [0.5 * max(belt.thickness_m for belt in press.belts_on(one.name)) for one in press.rollers]
+    set_N = np.array([max(forces_N, default=2.0)]) if problem.preload_N is None else problem.preload_N
+    wraps_rad = np.array([one.wrap_angle_rad for one in press.rollers])
+    # Of each case all rollers.
     return {
-        "wheel_radius_m": press.radius_m,
-        "rope_radius_m": np.array(halves),
-        "wrap_angle_rad": np.array([one.wrap_angle_rad for one in press.rollers]),
-        "end_tension_N": np.full(len(press.rollers), 0.5 * max(forces_N, default=1.0)),
+        "wheel_radius_m": np.tile(press.radius_m, set_N.size),
+        "rope_radius_m": np.tile(halves, set_N.size),
+        "wrap_angle_rad": np.tile(wraps_rad, set_N.size),
+        "end_tension_N": np.repeat(0.5 * set_N, len(press.rollers)),
     }
 
 

@@ -1,0 +1,111 @@
+"""What people decided about trials: decisions.csv beside the list of trials, which the tool writes.
+
+A line is a decision. Of a trial the last one holds, whole, in place of what the list itself says in its columns pick_s,
+peak_N, exclude, why and by; a line that decides nothing takes back what was decided. A decision is put at the end, in
+one piece: what stands in the file already, or is put there by others meanwhile, is never written anew.
+"""
+
+from math import isnan
+from pathlib import Path
+from typing import NamedTuple
+
+from ropefric.errors import DataError, InputError, Problem
+from ropefric.files.disk import append_file, kind_of_file, read_file
+from ropefric.files.plain_text import csv_text, from_spreadsheet, to_spreadsheet
+from ropefric.quantities import unit_factor
+from ropefric.trials.campaign_model import TrialSpec
+from ropefric.trials.cells import CellTable, Quantity, read_cells
+
+_NUMBERS: dict[str, Quantity] = {"pick": ("pick_s", "s", 1.0), "peak": ("peak_N", "N", 1.0)}
+_TEXTS = ("trial", "exclude", "why", "by", "when", "file")
+_NEEDED = ("trial", "pick_s", "peak_N", "exclude", "why", "by", "when")
+
+
+class Decision(NamedTuple):
+    """What holds for a trial: F_A is reached at `pick_s`, or is `peak_N`, or the trial is excluded; or nothing of it.
+
+    `file` is the recording it is about, "" for whichever the list names; `line` is where it stands.
+    """
+
+    trial: str
+    pick_s: float | None = None
+    peak_N: float | None = None
+    exclude: str = ""
+    why: str = ""
+    by: str = ""
+    when: str = ""
+    file: str = ""
+    line: int = 0
+
+    @property
+    def is_empty(self) -> bool:
+        """Return whether it takes back what was decided before."""
+        return self.pick_s is None and self.peak_N is None and not (self.exclude or self.why)
+
+
+def decision_of(spec: TrialSpec) -> Decision:
+    """Return what holds for a trial now, wherever that stands."""
+    return Decision(*(getattr(spec, name) for name in Decision._fields[:-1]))
+
+
+def read_decisions(path: Path) -> tuple[dict[str, Decision], CellTable, tuple[Problem, ...]]:
+    """Return the decision that holds for each trial, their table, and what is wrong with it; of no file, none."""
+    if not kind_of_file(path):
+        return {}, CellTable(path=path.as_posix(), header=Decision._fields[:-1]), ()
+    try:
+        table, torn = read_cells(path)
+    except DataError as error:
+        return {}, CellTable(path=path.as_posix(), header=()), error.problems
+    columns, _, refused = table.bind(_NUMBERS, _TEXTS)
+    missing = [name for name in _NEEDED if name not in columns]
+    problems = [*torn, *refused]
+    if missing and not refused:
+        fix = f"head the table {','.join(Decision._fields[:-1])}, or remove it: then nothing is decided"
+        message = f"there is no column {', '.join(missing)}"
+        problems.append(table.problem(table.header_line, missing[0], "RF121", message, fix))
+    if problems:
+        return {}, table, tuple(problems)
+    numbers, wrong = table.numbers(columns)
+    found = {}
+    for place, (line, cells) in enumerate(table.rows):
+        texts = {name: from_spreadsheet(cells[one.index]) for name, one in columns.items() if not one.si_unit}
+        given = {name: None if isnan(values[place]) else values[place] for name, values in numbers.items()}
+        found[texts["trial"]] = Decision(**{**texts, **given, "line": line})  # type: ignore[arg-type]
+    return found, table, tuple(problem for row in wrong.values() for problem in row)
+
+
+def add_decision(path: Path, decision: Decision, before: bytes) -> bytes:
+    """Put a decision at the end of the file, which said `before`, and return the bytes that were added.
+
+    It is written with the columns, separator and decimal mark that stand there.
+    """
+    _, table, problems = read_decisions(path)
+    problem = next((one for one in problems if one.severity == "error"), None)
+    if problem is not None:
+        raise DataError(problem.message, code=problem.code, path=path, line=problem.line, fix=problem.fix)
+    try:
+        before.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError(
+            "the file is no UTF-8 text", code="RF108", path=path, fix="save it as UTF-8"
+        ) from None
+    columns, _, _ = table.bind(_NUMBERS, _TEXTS)
+    mark = table.decimal_mark(columns)
+    row = [""] * len(table.header)
+    for name, column in columns.items():
+        value = getattr(decision, name)
+        if isinstance(value, str):
+            row[column.index] = to_spreadsheet(" ".join(value.split()))
+        elif value is not None:
+            number = value / unit_factor(column.unit, column.si_unit)
+            row[column.index] = f"{number:.12g}".replace(".", mark)
+    head = [] if before else [table.header]
+    ended = "\n" if before and not before.endswith(b"\n") else ""
+    added = (ended + csv_text([*head, row], separator=table.separator)).encode()
+    append_file(path, added, is_new=not before)
+    return added
+
+
+def content_of(path: Path) -> bytes:
+    """Return the bytes of the file; none where there is no such file."""
+    return read_file(path) if kind_of_file(path) else b""

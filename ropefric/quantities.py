@@ -54,7 +54,7 @@ _GUARDED = {"kn": "kN", "n": "N", "KN": "kN", "hz": "Hz", "khz": "kHz", "v": "V"
 _GUARDED |= dict.fromkeys(("grad", "Grad", "GRAD"), "deg' or 'gon")
 _SI_UNITS = (
     *("m", "N", "s", "V", "Pa", "kg", "m^2", "m^3", "rad", "", "Hz", "m/s", "m/s^2", "kg/m", "N/m"),
-    *("N*s", "N*m", "N/s", "N/V", "V/N", "kg/m^2", "kg/m^3", "A", "ohm", "W", "m^4", "N*m^2", "Pa/V"),
+    *("N*s", "N*m", "N/s", "N/V", "V/N", "m/V", "kg/m^2", "kg/m^3", "A", "ohm", "W", "m^4", "N*m^2", "Pa/V"),
 )
 _SUFFIXES = sorted(SUFFIX_UNITS, key=len, reverse=True)
 
@@ -161,6 +161,31 @@ def si_unit_of(unit: str) -> str:
             return si_unit
     fix = "write the number in SI, without a unit"
     raise _unreadable("quantity", f"no SI unit is known for {unit!r}", fix)
+
+
+def same_unit(one: str, other: str) -> bool | None:
+    """Return whether two units mean one thing, a mass its weight; None where one of them is no unit that is known."""
+    found = []
+    for unit in (one, other):
+        try:
+            si_unit = si_unit_of(unit)
+            factor = unit_factor(unit, si_unit)
+        except InputError:
+            return None
+        found.append(("N", factor * unit_factor("kgf", "N")) if si_unit == "kg" else (si_unit, factor))
+    (si_unit, factor), (other_si, other_factor) = found
+    return si_unit == other_si and math.isclose(factor, other_factor, rel_tol=1e-6)
+
+
+def scaled_by(unit: str, sensitivity: str) -> tuple[float, str]:
+    """Return the factor from a signal's unit to SI by a sensitivity, 25 N/mV or 40 mV/N, and the unit it gives."""
+    value, per = parse_any_quantity(sensitivity), _split(sensitivity, "", "sensitivity")[1]
+    if not value:
+        raise _unreadable("sensitivity", f"{_shown(sensitivity)} is zero", 'write it like "25 N/mV"')
+    if si_unit_of(per) == "V/N":
+        return unit_factor(unit, "V", name="signal") / value, "N"
+    si_unit = si_unit_of(f"{unit}*{per}")
+    return unit_factor(f"{unit}*{per}", si_unit) * float(_split(sensitivity, "", "")[0]), si_unit
 
 
 def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> float:

@@ -14,13 +14,13 @@ from ropefric.files.disk import InputFile, use_file
 from ropefric.files.text import WHOLE_BYTES, Source, Text, split_line
 from ropefric.files.text_table import Dialect, is_unit
 from ropefric.quantities import split_unit_suffix
-from ropefric.traces.assemble import si_factor
 from ropefric.traces.clock import GAP_STEPS, mend_clock
 from ropefric.traces.noise import runs_of
 from ropefric.traces.readers import TEXT_FORMATS, find_reader
 from ropefric.traces.readers.delimited import open_text
 from ropefric.traces.readers.profile import Channel, ImportProfile, profile_to_toml
 from ropefric.traces.readers.table import Table, guess_channels
+from ropefric.traces.signals import si_scale, signal_unit
 
 N_FIRST_ROWS = 5
 PART_BYTES = 2**20
@@ -330,6 +330,10 @@ def _channels(
             doubts.append(
                 f'the unit of the {name} is not told; add it, for example unit = "{_EXAMPLE[name]}"'
             )
+        elif signal_unit(name, unit):
+            doubts.append(
+                f'the {name} is in {unit}; add what it means, sensitivity = "25 N/mV", or name a cell in the list'
+            )
         elif not _is_of(name, unit):
             doubts.append(f"the {name} is in {unit}, which is no unit of it; derive it in [import.derived]")
     return channels, doubts
@@ -349,7 +353,7 @@ def _unit(table: Table, channel: Channel) -> str:
 
 def _is_of(channel: str, unit: str) -> bool:
     try:
-        return bool(si_factor(channel, unit))
+        return bool(si_scale(channel, unit)[0])
     except DataError:
         return False
 
@@ -363,7 +367,7 @@ def _clock(
         if "time" in channels:
             index, unit = _index(table, channels["time"]), _unit(table, channels["time"])
             array = values[index] if index is not None else None
-            time_s = array * si_factor("time", unit) if array is not None and unit else None
+            time_s = array * si_scale("time", unit)[0] if array is not None and unit else None
         if time_s is None or time_s.size < 2:
             return None, False, ()
         others = [array for array in values if array is not None and array.size == time_s.size]

@@ -15,10 +15,18 @@ _ROWS = ("header_row", "units_row", "data_row", "block_columns", "block_names_ro
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Channel:
-    """One column of the file."""
+    """One column of the file: its unit, what a signal of that unit means, its own time and its own tare.
+
+    `tare_s` is the interval in which it is unloaded, () for none, None for that of the campaign; `instead_of` is the
+    unit that the file wrongly states.
+    """
 
     column: str | int
     unit: str = ""
+    sensitivity: str = ""
+    time: str | int = ""
+    tare_s: tuple[float, ...] | None = None
+    instead_of: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,7 +43,11 @@ class ImportProfile(TableLayout):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RawRecording:
-    """Columns as a reader found them, before units, clock and calibration."""
+    """Columns as a reader found them, before units, clock and calibration.
+
+    `clocks` are the times [s] of channels that have one of their own, the same array where they share it; `rate_Hz`
+    is the sampling rate that the head of the file states.
+    """
 
     name: str
     source: str
@@ -44,6 +56,8 @@ class RawRecording:
     units: Mapping[str, str]
     first_line: int = 0
     notes: tuple[str, ...] = ()
+    clocks: Mapping[str, FloatArray] = field(default_factory=dict)
+    rate_Hz: float | None = None
 
 
 def profile_to_toml(profile: ImportProfile) -> str:
@@ -76,10 +90,22 @@ def profile_to_toml(profile: ImportProfile) -> str:
 
 
 def _channel(channel: Channel) -> str:
-    column = channel.column if isinstance(channel.column, int) else _string(channel.column)
-    if channel.unit:
-        return f"{{ column = {column}, unit = {_string(channel.unit)} }}"
-    return str(column) if isinstance(channel.column, str) else f"{{ column = {column} }}"
+    tare = ", ".join(_string(f"{time_s!r} s") for time_s in channel.tare_s or ())
+    rows = {
+        "column": _value(channel.column),
+        "unit": channel.unit and _string(channel.unit),
+        "sensitivity": channel.sensitivity and _string(channel.sensitivity),
+        "time": _value(channel.time) if channel.time else "",
+        "tare": _string("none") if channel.tare_s == () else tare and f"[{tare}]",
+        "instead_of": channel.instead_of and _string(channel.instead_of),
+    }
+    written = [f"{key} = {text}" for key, text in rows.items() if text]
+    is_bare = len(written) == 1 and isinstance(channel.column, str)
+    return rows["column"] if is_bare else f"{{ {', '.join(written)} }}"
+
+
+def _value(column: str | int) -> str:
+    return str(column) if isinstance(column, int) else _string(column)
 
 
 def _string(text: str) -> str:

@@ -31,6 +31,21 @@ SUFFIX_UNITS: dict[str, str] = {unit: unit for unit in _AS_THEY_ARE.split()} | {
 }
 """Unit suffixes of names (`wrap_angle_deg`) and what they mean to pint."""
 
+_SPELLINGS = {
+    "N": "newton newtons", "kN": "kilonewton kilonewtons kn", "lbf": "lbf lb-f lb_f", "kgf": "kgf kp kg-f",
+    "s": "sec secs second seconds sekunde sekunden sek", "ms": "msec msecs millisecond milliseconds",
+    "min": "minute minutes",
+    "V": "volt volts", "mV": "millivolt millivolts", "m": "meter meters metre metres", "kg": "kilogram kilograms",
+    "mm": "millimeter millimeters millimetre", "in": "inch inches", "deg": "degree degrees", "bar": "bars",
+}  # fmt: skip
+_SPELT = {word: unit for unit, words in _SPELLINGS.items() for word in words.split()}
+
+
+def spelled_unit(text: str) -> str:
+    """Return the unit that a device meant, lbF or Newtons, as it is written here; any other text as it is."""
+    return text if text in SUFFIX_UNITS.values() else _SPELT.get(text.strip(" .").lower(), text)
+
+
 _USUAL: dict[str, dict[str, float]] = {
     "m": {"cm": 0.01, "mm": 1e-3, "um": 1e-6},
     "N": {"kN": 1e3, "mN": 1e-3},
@@ -66,6 +81,7 @@ _UNIT = re.compile(rf"(?:1|{_FACTOR})(?:\s*+[*/·]\s*+{_FACTOR}|\s++{_FACTOR})*+
 _LARGE_POWER = re.compile(r"[\d⁰¹²³⁴⁵⁶⁷⁸⁹]{3}")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][+-]?[0-9]++)?")
 _NOT_ZERO = re.compile(r"[1-9]")
+_UNIT_INSIDE = re.compile(r"([^()\[\]]+)[(\[]([^()\[\]]{1,10})[)\]]([^()\[\]]+)")
 _FULL_SCALE = re.compile(r"%\s*+(?:of\s++)?(?:FS|F\.S\.|full scale)")
 
 
@@ -88,7 +104,10 @@ def split_unit_suffix(name: str) -> tuple[str, str]:
         opened = max(body.rfind("("), body.rfind("["))
         if opened >= max(start, 1):  # with something before it, and not closed before
             stem = body[:opened]
-            return stem.rstrip(" \t\r\n\v\f._") or stem[:1], body[opened + 1 :].strip()
+            return stem.rstrip(" \t\r\n\v\f._") or stem[:1], spelled_unit(body[opened + 1 :].strip())
+    inside = _UNIT_INSIDE.fullmatch(text)
+    if inside and spelled_unit(inside[2]) in SUFFIX_UNITS.values():
+        return f"{inside[1].rstrip()} {inside[3].lstrip()}", spelled_unit(inside[2])
     for suffix in _SUFFIXES:
         stem = name.removesuffix(f"_{suffix}")
         if stem and stem != name:

@@ -16,7 +16,7 @@ from pydantic_core import to_jsonable_python
 
 from ropefric.errors import DataError, InputError, Problem
 from ropefric.files import toml_model as read
-from ropefric.files.text_table import ORDERS
+from ropefric.files.text_table import ORDERS, THOUSANDS
 from ropefric.files.toml_model import StrictTable, Table, got, reject
 from ropefric.plugins import provenance
 from ropefric.quantities import scaled_by, si_unit_of
@@ -327,6 +327,8 @@ _IMPORT = Table(
         "sampling_rate_Hz": ("sampling_rate", _RATE),
         "missing": tuple[Text, ...],
         "table": read.text,
+        "thousands": read.choice(lambda: ("", *THOUSANDS)),
+        **dict.fromkeys(("recording_column", "channel_column", "value_column"), _column),
         "channels": dict[str, Annotated[Channel, PlainValidator(_channel)]],
         "constants": dict[str, Annotated[float, PlainValidator(read.any_quantity)]],
         "derived": dict[str, Text],

@@ -9,7 +9,10 @@ from ropefric.arrays import FloatArray
 from ropefric.files.text_table import TableLayout
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+", re.ASCII)
-_TEXTS = ("format", "separator", "decimal", "encoding", "table", "date_order", "time_zone")
+_TEXTS = (
+    *("format", "separator", "decimal", "thousands", "encoding", "table", "date_order", "time_zone"),
+    *("recording_column", "channel_column", "value_column"),
+)
 _ROWS = ("header_row", "units_row", "data_row", "block_columns", "block_names_row", "skip_footer")
 
 
@@ -39,6 +42,9 @@ class ImportProfile(TableLayout):
     constants: Mapping[str, float] = field(default_factory=dict)
     derived: Mapping[str, str] = field(default_factory=dict)
     table: str = ""
+    recording_column: str | int = ""
+    channel_column: str | int = ""
+    value_column: str | int = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -70,7 +76,7 @@ def profile_to_toml(profile: ImportProfile) -> str:
     for key in (*_TEXTS, *_ROWS):
         value = getattr(profile, key)
         if value != getattr(default, key):
-            lines.append(f"{key} = {value if key in _ROWS else _string(value)}")
+            lines.append(f"{key} = {_value(value)}")
     if profile.sampling_rate_Hz is not None:
         lines.append(f'sampling_rate = "{float(profile.sampling_rate_Hz)!r} Hz"')
     if profile.missing:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError
+from ropefric.files.head_facts import NO_FACTS, Facts
 from ropefric.files.text import Source
 from ropefric.files.text_table import Dialect, bare_unit, is_number, read_stamps
 from ropefric.quantities import same_unit, split_unit_suffix, unit_factor
@@ -25,6 +26,25 @@ SAFE_NAMES: dict[str, tuple[str, ...]] = {
 }
 """Bare headers that can mean nothing else, lower case; all other columns must be named by the profile."""
 
+_TIME_WORDS = frozenset(
+    [
+        "time",
+        "t",
+        "zeit",
+        "temps",
+        "tiempo",
+        "tempo",
+        "tijd",
+        "seconds",
+        "elapsed",
+        "elapsed_time",
+        "test_time",
+        "time_stamp",
+        "timestamp",
+        "laufzeit",
+        "messzeit",
+    ]
+)
 _DIGITS_AND_MARKS = re.compile(r"[+-]?[\d.,]++")
 _DATE = re.compile(r"\d[-/:.]\d++[-/:.]\d")
 _NAMED_MISSING = frozenset(
@@ -32,13 +52,20 @@ _NAMED_MISSING = frozenset(
 )
 
 
+def is_time(name: str) -> bool:
+    """Return whether a header is a word for the time, in the languages of loggers."""
+    words = re.split(r"[\s_.\d]+", split_unit_suffix(name.strip())[0].lower())
+    ends = {word for word in words[:1] + words[-1:] if len(word) > 1}
+    return "_".join(filter(None, words)) in _TIME_WORDS or not _TIME_WORDS.isdisjoint(ends)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Table:
     """One table of a file, one recording: its columns' names and units, and a way to their values.
 
-    `stamps` are the columns of text time stamps, whose values are seconds from the first on; `clock` gives the time [s]
-    that a column brings with it, `rate_Hz` the sampling rate that the head of the file states; `notes` say what was
-    recognised, some only after the values were read.
+    `stamps` are the columns of text time stamps, whose values are seconds from the first on; `clock` gives the time
+    [s] that a column brings with it, the only one where the table `brings_time`; `facts` are what
+    the head of the file states; `notes` say what was recognised, some only after the values were read.
     """
 
     names: tuple[str, ...]
@@ -48,7 +75,8 @@ class Table:
     first_line: int = 0
     stamps: frozenset[int] = frozenset()
     clock: Callable[[int], FloatArray | None] | None = None
-    rate_Hz: float | None = None
+    brings_time: bool = False
+    facts: Facts = NO_FACTS
     notes: list[str] = field(default_factory=list)
 
     @property
@@ -139,7 +167,7 @@ def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecor
         first_line=table.first_line,
         notes=tuple(dict.fromkeys(table.notes)),
         clocks=clocks,
-        rate_Hz=table.rate_Hz,
+        rate_Hz=table.facts.rate_Hz if table.facts.is_sure or "time" not in columns else None,
     )
 
 
@@ -221,6 +249,8 @@ def _pick_columns(table: Table, profile: ImportProfile, source: Source) -> dict[
             raise source.error(why, code="RF105", key="[import.channels]", fix=fix)
     picks = {}
     for name, channel in channels.items():
+        if name == "time" and table.brings_time:
+            continue
         index = table.find(channel.column, source, f"[import.channels] {name}")
         if name in {"counts", "end_tension_counts"}:
             unit = ""
@@ -259,7 +289,8 @@ def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | 
         mark = "comma" if other == "," else "point"
         why, fix = f"it looks like a decimal {mark}", f'[import] decimal = "{other}"'
     elif "," in cell and _DIGITS_AND_MARKS.fullmatch(cell):
-        why, fix = "it looks like a thousands separator", "save the file without thousands separators"
+        mark = next(mark for mark in ",." if mark in cell)
+        why, fix = "it looks like a thousands separator", f'[import] thousands = "{mark}"'
     elif cell.lower() in _NAMED_MISSING:
         why, fix = "it looks like a mark for a missing value", f'[import] missing = ["{cell}"]'
     elif _DATE.search(cell):

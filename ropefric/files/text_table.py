@@ -360,7 +360,9 @@ def _first_data_row(
         is_typical = len(row) == len(typical) and all(
             fit or not numeric for fit, numeric in zip(fits, is_numeric, strict=True)
         )
-        if any(hits) and (all(fits) or is_typical) and not any(map(is_fact, _next_row(rows, below, place))):
+        after = rows[below[place + 1] - 1] if place + 1 < len(below) else ()
+        is_head = is_fact(after) or (after and not is_typical and not any(map(is_value, after)))
+        if any(hits) and (all(fits) or is_typical) and not is_head:
             # Half-numeric rows right above are damaged data that must be told.
             for above in reversed(below[:place]):
                 if len(rows[above - 1]) != len(row) or not any(map(looks_numeric, rows[above - 1])):
@@ -368,10 +370,6 @@ def _first_data_row(
                 number = above  # noqa: PLW2901
             return number
     return 0
-
-
-def _next_row(rows: Sequence[Sequence[str]], inked: Sequence[int], place: int) -> Sequence[Sequence[str]]:
-    return [rows[number - 1] for number in inked[place + 1 : place + 2]]
 
 
 def _words_above(

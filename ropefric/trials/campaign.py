@@ -38,11 +38,17 @@ _SET_BY_TRIAL = {
 
 
 def write_templates(
-    folder: str | os.PathLike[str], *, trials: bytes | None = None, overwrite: bool = False
+    folder: str | os.PathLike[str], *, trials: bytes | None = None, section: str = "", overwrite: bool = False
 ) -> tuple[Path, ...]:
-    """Return the paths of the commented campaign.toml and trials.csv just written; or, beside a campaign, of a list."""
+    """Return the paths of the commented campaign.toml and trials.csv just written; or, beside a campaign, of a list.
+
+    A section takes the place of the template's own on how to read recordings.
+    """
     source = files("ropefric.trials") / "templates"
     contents = {name: (source / name).read_bytes() for name in TEMPLATES}
+    if section:
+        text = contents[TEMPLATES[0]].decode()
+        contents[TEMPLATES[0]] = (text[: text.index("# How to read the recordings")] + section).encode()
     if trials is not None:
         contents[TEMPLATES[1]] = trials
         if (Path(folder) / TEMPLATES[0]).exists():

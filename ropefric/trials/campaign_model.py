@@ -374,10 +374,11 @@ class CampaignFile(StrictTable):
 
 
 class AboutTable(StrictTable):
-    """What is said beside a trial table: the wheel to predict, and the words of its report."""
+    """What is said beside a trial table: the wheel to predict, the words of its report; or how to read a recording."""
 
     design: DesignWheel | None = None
     report: ReportWords = ReportWords()
+    profile: Annotated[ImportProfile, _IMPORT, Field(alias="import")] = ImportProfile()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,6 +1,7 @@
 """Excel and OpenDocument sheets, read as the text that they would be saved as; needs the extra `lab`."""
 
 import csv
+import datetime as dt
 import io
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
@@ -32,7 +33,7 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     sizes: dict[str, int] = {}
     errors: list[DataError] = []
     for name, grid in _grids(source, profile.table).items():
-        content = _as_csv(grid, layout.decimal)
+        content = _as_csv([[*map(_with_clock, row)] for row in grid], layout.decimal)
         try:
             text = Text(source=source, data=content.encode(), encoding="utf-8")
             text, dialect = open_text(source, layout, text)
@@ -87,6 +88,12 @@ def _as_csv(grid: _Grid, mark: str) -> str:
     stream = io.StringIO()
     csv.writer(stream, delimiter=";", lineterminator="\n").writerows([*map(written, row), ""] for row in grid)
     return stream.getvalue()
+
+
+def _with_clock(cell: Any) -> Any:
+    """Return a date with its time of day: a package shows the stamp of midnight as a day."""
+    is_day = isinstance(cell, dt.date) and not isinstance(cell, dt.datetime)
+    return dt.datetime.combine(cell, dt.time()) if is_day else cell
 
 
 def _text(cell: Any) -> str:

@@ -1,7 +1,7 @@
 """HDF5: data sets as columns, called by their paths; needs the extra `lab`."""
 
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,24 +47,24 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
         import h5py  # noqa: PLC0415  (an extra that is not always there)
     except ImportError:
         raise needs_package("HDF5 needs the package h5py", source) from None
+    named = {channel.column for channel in profile.channels.values()}
     raw, fix = source.raw_bytes(), "copy it again, or name its format in [import] format"
     with foreign(source, "this is not a readable HDF5 file", fix), h5py.File(io.BytesIO(raw)) as file:
         sets = dict(_sets(file, "", h5py))
+        group = profile.table.strip("/")
+        groups = {path[:end] for path in sets for end, mark in enumerate(path) if mark == "/"}
+        check_choice(group, {*sets, *groups}, "group", source)
+        under = f"{group}/" if group else ""
+        own = {path.removeprefix(under): it for path, it in sets.items() if f"{path}/".startswith(under)}
         columns = {
             name: _Column(values, *_told(item, file))
-            for path, item in sets.items()
+            for path, item in _once(own, named, h5py).items()
             for name, values in _columns(item, path)
         }
     if not columns:
         raise source.error("no data set holds a column of numbers", fix="record it again")
     said = f"HDF5: {', '.join(columns)[:300]}"
-    group = profile.table.strip("/")
-    check_choice(group, {*columns, *(path.rpartition("/")[0] for path in columns)}, "group", source)
-    if group:
-        under = f"{group}/"
-        columns = {p.removeprefix(under): c for p, c in columns.items() if f"{p}/".startswith(under)}
     alike = _groups_alike(columns)
-    named = {channel.column for channel in profile.channels.values()}
     if len(alike) < 2 or named & columns.keys():
         return (_table(columns, source, said),)
     sizes = {name: max(column.values.size for column in group.values()) for name, group in alike.items()}
@@ -111,6 +111,17 @@ def _sets(group: Any, path: str, h5py: Any, above: tuple[Any, ...] = ()) -> Iter
             yield f"{path}{name}", item
         elif isinstance(item, h5py.Group) and item not in above and len(above) < _DEEPEST:
             yield from _sets(item, f"{path}{name}/", h5py, (*above, group, item))
+
+
+def _once(sets: Mapping[str, Any], named: Container[str | int], h5py: Any) -> dict[str, Any]:
+    """Return every data set under its shortest path, and under those that are named; links give it many."""
+    found, seen = dict[str, Any](), set[int]()
+    for path in sorted(sets, key=lambda path: (path.count("/"), path)):
+        place = h5py.h5o.get_info(sets[path].id).addr
+        if place not in seen or path in named:
+            found[path] = sets[path]
+            seen.add(place)
+    return {path: found[path] for path in sets if path in found}
 
 
 def _columns(item: Any, path: str) -> Iterator[tuple[str, np.ndarray[Any, Any]]]:

@@ -32,7 +32,7 @@ SUFFIX_UNITS: dict[str, str] = {unit: unit for unit in _AS_THEY_ARE.split()} | {
 """Unit suffixes of names (`wrap_angle_deg`) and what they mean to pint."""
 
 _SPELLINGS = {
-    "N": "newton newtons", "kN": "kilonewton kilonewtons kn", "lbf": "lbf lb-f lb_f", "kgf": "kgf kp kg-f",
+    "N": "newton newtons", "kN": "kilonewton kilonewtons", "lbf": "lbf lb-f lb_f", "kgf": "kgf kp kg-f",
     "s": "sec secs second seconds sekunde sekunden sek", "ms": "msec msecs millisecond milliseconds",
     "min": "minute minutes",
     "V": "volt volts", "mV": "millivolt millivolts", "m": "meter meters metre metres", "kg": "kilogram kilograms",

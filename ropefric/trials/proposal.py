@@ -47,28 +47,38 @@ def propose_campaign(recordings: str, pattern: str, folder: Path, limits: Limits
         return Proposal(trials, "", (*said, f"{alike[0].name} cannot be read: {found}"))
     said.append(f"read {found.read}, from {found.file}" if found.read else f"{found.file}: {found.stopped}")
     said += (f"assumed: {doubt}" for doubt in found.doubts)
-    look = partial(_samples, paths, found.profile)
-    samples: dict[int, Sequence[str]] = {}
-    wrong: dict[str, list[str]] = {}
-    for number, read in guarded(look, len(paths), limits=limits or Limits()):
-        samples[number] = ("",) if isinstance(read, str | Lost) else read
-        if isinstance(read, str | Lost):
-            wrong.setdefault(read.reason if isinstance(read, Lost) else read, []).append(paths[number].name)
-    for why, unread in wrong.items():
-        shown = f"{', '.join(unread[:_SHOWN])}{', …' if len(unread) > _SHOWN else ''}"
-        said.append(f"{counted(len(unread), 'file')} of {len(paths)} not read so: {shown}: {why}")
-    if any(len(names) > 1 for names in samples.values()):
+    samples, unread = _samples_of(paths, found.profile, limits or Limits())
+    said += unread
+    if any(len(names) > 1 for names in samples):
         place = header.index("file") + 1
-        header = [*header[:place], "sample", *header[place:]]
-        rows = [
-            [*row[:place], to_spreadsheet(name), *row[place:]]
-            for number, row in enumerate(rows)
-            for name in samples[number]
+        named = [
+            (row, to_spreadsheet(name)) for row, names in zip(rows, samples, strict=True) for name in names
         ]
-        trials = csv_text([header, *rows]).encode()
+        table = [[*row[:place], name, *row[place:]] for row, name in named]
+        trials = csv_text([[*header[:place], "sample", *header[place:]], *table]).encode()
     comments = [f"# {line}" for line in (said[1:] if told else said)]
     section = "\n".join(["# How to read the recordings, found out from them:", *comments, ""])
     return Proposal(trials, section + profile_to_toml(found.profile), tuple(said))
+
+
+def _samples_of(
+    paths: Sequence[Path], profile: ImportProfile, limits: Limits
+) -> tuple[list[tuple[str, ...]], list[str]]:
+    """Return the names of the recordings of each file, and what to say of those that are not read."""
+    samples: list[tuple[str, ...]] = [("",)] * len(paths)
+    wrong: dict[str, list[str]] = {}
+    for number, read in guarded(partial(_samples, paths, profile), len(paths), limits=limits):
+        if isinstance(read, str | Lost):
+            wrong.setdefault(read.reason if isinstance(read, Lost) else read, []).append(paths[number].name)
+        else:
+            samples[number] = read
+    shown = {
+        why: f"{', '.join(some[:_SHOWN])}{', …' if len(some) > _SHOWN else ''}" for why, some in wrong.items()
+    }
+    return samples, [
+        f"{counted(len(some), 'file')} of {len(paths)} not read so: {shown[why]}: {why}"
+        for why, some in wrong.items()
+    ]
 
 
 def _inspected(paths: Sequence[Path], limits: Limits) -> Inspection | str:

@@ -1,23 +1,23 @@
 """What an unknown file may mean: how its recordings stand, which column is the time and which the force."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import DataError
 from ropefric.files.text import Text, split_line
-from ropefric.files.text_table import Dialect, HeadRows, is_unit, is_value
+from ropefric.files.text_table import Dialect, is_number, is_unit, is_value
 from ropefric.quantities import split_unit_suffix
 from ropefric.traces.readers.profile import Channel, ImportProfile
 from ropefric.traces.readers.several import blocks_of_header, stacked_parts
 from ropefric.traces.readers.table import Table, guess_channels, is_time
 from ropefric.traces.signals import si_scale, signal_unit
 
-_PULLS = ("force", "kraft", "load", "last", "zug", "pull", "tension", "f_a", "fa")
+_PULLS = ("force", "kraft", "load", "zug", "pull", "tension", "f_a", "fa")
 _SLACKS = ("slack", "end_tension", "gegen", "halte", "lose", "endkraft", "f_b", "fb")
 """Parts of names that tell which side of the wheel a force was measured on, the slack one first."""
 _MOST_LABELS, _FEWEST_ROWS = 64, 10
@@ -64,35 +64,43 @@ def _side_by_side(text: Text, dialect: Dialect, profile: ImportProfile) -> Impor
     Three layouts are known: names that come again but for a number; a row that names each recording above its first
     column; and a header that names the columns of the first recording and leaves the rest blank.
     """
-    n, rows = dialect.n_cells, dialect.rows
-    head = {line: split_line(text.line(line), dialect.separator)[:n] for line in range(1, rows.data_row)}
-    head = {line: cells for line, cells in head.items() if any(cells)}
-    blocks = blocks_of_header(dialect.header[:n]) if len(dialect.header[:n]) == n else []
-    if blocks and (any(map(is_time, blocks[0].names)) or _are_same(dialect.header[:n], n // len(blocks))):
-        width = n // len(blocks)
+    n, rows, header = dialect.n_cells, dialect.rows, dialect.header[: dialect.n_cells]
+    lines = {line: split_line(text.line(line), dialect.separator)[:n] for line in range(1, rows.data_row)}
+    head = {line: cells for line, cells in lines.items() if any(cells)}
+    if width := _width_by_names(header, n):
         names_row = next(
             (line for line in head if _steps(head[line], n) == width and line < rows.header_row), 0
         )
         return replace(profile, block_columns=width, block_names_row=names_row, **rows._asdict())
-    if n < 4 or (len(dialect.header) >= n and all(dialect.header[:n])):
+    if n < 4 or (len(header) == n and all(header)):
         return None
-    names_row, width = next(
-        ((line, step) for line, cells in head.items() if (step := _steps(cells, n))), (0, 0)
-    )
-    if not width:
-        written_once = [sum(map(bool, c)) for c in head.values() if any(c) and all(c[: sum(map(bool, c))])]
-        width = next((w for w in written_once if 1 < w < n and n % w == 0), 0)
+    names_row = next((line for line, cells in head.items() if _steps(cells, n)), 0)
+    width = _steps(head[names_row], n) if names_row else _width_written_once(head.values(), n)
     if not width:
         return None
-    narrow = [line for line in head if line != names_row and not any(head[line][width:])]
-    units = [line for line in narrow if all(is_unit(cell) for cell in head[line] if cell)]
-    header_row = max(set(narrow).difference(units), default=0)
-    found = HeadRows(header_row, max(units, default=0), rows.data_row)
-    return replace(profile, block_columns=width, block_names_row=names_row, **found._asdict())
+    found = _head_of_first({line: head[line] for line in head if line != names_row}, width)
+    return replace(profile, block_columns=width, block_names_row=names_row, data_row=rows.data_row, **found)
 
 
-def _are_same(header: Sequence[str], width: int) -> bool:
-    return list(header) == list(header[:width]) * (len(header) // width)
+def _head_of_first(head: Mapping[int, Sequence[str]], width: int) -> dict[str, Any]:
+    """Return the rows of names and units that stand above the first recording only."""
+    narrow = {line for line, cells in head.items() if not any(cells[width:])}
+    units = {line for line in narrow if all(is_unit(cell) for cell in head[line] if cell)}
+    return {"header_row": max(narrow - units, default=0), "units_row": max(units, default=0)}
+
+
+def _width_by_names(header: Sequence[str], n: int) -> int:
+    """Return how many columns a recording has by names that come again, 0 where none do: two cells are no recordings."""
+    blocks = blocks_of_header(header) if len(header) == n else []
+    width = n // len(blocks) if blocks else 0
+    is_same = width and list(header) == list(header[:width]) * len(blocks)
+    return width if blocks and (is_same or any(map(is_time, blocks[0].names))) else 0
+
+
+def _width_written_once(head: Iterable[Sequence[str]], n: int) -> int:
+    """Return how many cells the first row of names has that stand at the beginning, and divide all columns."""
+    filled = ((sum(map(bool, cells)), cells) for cells in head)
+    return next((k for k, cells in filled if 1 < k < n and n % k == 0 and all(cells[:k])), 0)
 
 
 def _steps(cells: Sequence[str], n: int) -> int:
@@ -105,42 +113,59 @@ def _steps(cells: Sequence[str], n: int) -> int:
 def _in_rows(text: Text, dialect: Dialect, plain: ImportProfile) -> ImportProfile | None:
     """Return the profile of a table whose rows belong to recordings, or channels, that a column names."""
     rows = [row for _, row in text.rows_from(dialect.rows.data_row, dialect.separator)]
-    rows = [row for row in rows if len(row) == dialect.n_cells]
-    columns = [*zip(*rows, strict=True)] if len(rows) >= 2 * _FEWEST_ROWS else []
-    labels = {i: cells for i, cells in enumerate(columns) if 1 < len(set(cells)) <= len(rows) / _FEWEST_ROWS}
-    labels = {i: cells for i, cells in labels.items() if len(set(cells)) <= _MOST_LABELS and all(cells)}
-    time = next((i for i, name in enumerate(dialect.header) if is_time(name) and i < len(columns)), -1)
-    if time < 0 or not labels or not all(map(is_value, columns[time])):
+    columns = [*zip(*(row for row in rows if len(row) == dialect.n_cells), strict=True)]
+    time, clock = _clock_of(dialect, columns)
+    if time < 0:
         return None
-    try:
-        clock = np.array([float(cell.replace(",", ".")) for cell in columns[time]])
-    except ValueError:
-        return None
+    names = [name if dialect.header.count(name) == 1 else i + 1 for i, name in enumerate(dialect.header)]
+    labels = {i: np.array(cells) for i, cells in enumerate(columns) if _are_labels(cells)}
     back = np.diff(clock) < 0
-    changes = {i: np.array([a != b for a, b in pairwise(cells)]) for i, cells in labels.items()}
-    named = {i: dialect.header[i] if dialect.header.count(dialect.header[i]) == 1 else i + 1 for i in labels}
-    words = [i for i, cells in labels.items() if not any(map(is_value, cells))]
-    others = [
-        i for i in range(len(columns)) if i != time and i not in labels and all(map(is_value, columns[i]))
-    ]
-    found: dict[str, str | int] = {}
-    for i in words:  # of channels the times come again, or their rows alternate
-        alternate = changes[i].mean() > 0.5 or any(_side(word) for word in set(labels[i]))
-        if len(others) == 1 and alternate and _rises_in_each(clock, labels[i], back & ~changes[i]):
-            found = {"channel_column": named[i], "value_column": dialect.header[others[0]] or others[0] + 1}
-            back = back & ~changes[i]
-            del labels[i]
-            break
-    for i in labels:
-        if back.any() and not (back & ~changes[i]).any():
-            found["recording_column"] = named[i]
-            break
-    return replace(plain, format="long", **found) if found else None  # type: ignore[arg-type]
+    found: dict[str, Any] = {}
+    channel, value = _channel_and_value(columns, labels, time, clock)
+    if channel >= 0:
+        found = {"channel_column": names[channel], "value_column": names[value]}
+        back &= _stays(labels.pop(channel))  # back to the begin of another channel is no other recording
+    recording = next((i for i, of in labels.items() if back.any() and not (back & _stays(of)).any()), -1)
+    if recording >= 0:
+        found["recording_column"] = names[recording]
+    return replace(plain, format="long", **found) if found else None
 
 
-def _rises_in_each(clock: FloatArray, labels: Sequence[str], back: BoolArray) -> bool:
-    of = np.array(labels)
-    return not back.any() or all((np.diff(clock[of == label]) >= 0).mean() > 0.9 for label in set(labels))
+def _channel_and_value(
+    columns: Sequence[Sequence[str]], labels: Mapping[int, NDArray[np.str_]], time: int, clock: FloatArray
+) -> tuple[int, int]:
+    """Return the column that names channels and the only one that holds their values; -1 where there are no such."""
+    values = [i for i in range(len(columns)) if i not in {time, *labels} and all(map(is_value, columns[i]))]
+    channels = [i for i, of in labels.items() if _names_channels(of, clock)]
+    return (channels[0], values[0]) if channels and len(values) == 1 else (-1, -1)
+
+
+def _clock_of(dialect: Dialect, columns: Sequence[Sequence[str]]) -> tuple[int, FloatArray]:
+    """Return the first column that is called a time and its numbers; -1 where there is none."""
+    time = next((i for i, name in enumerate(dialect.header[: len(columns)]) if is_time(name)), -1)
+    if time < 0 or not all(is_number(cell, dialect.decimal) for cell in columns[time]):
+        return -1, np.empty(0)
+    return time, np.array([float(cell.replace(",", ".")) for cell in columns[time]])
+
+
+def _stays(of: NDArray[np.str_]) -> BoolArray:
+    return np.asarray(of[1:] == of[:-1])
+
+
+def _are_labels(cells: Sequence[str]) -> bool:
+    """Return whether a few words, or whole numbers, fill a column, each of them many rows."""
+    n = len(set(cells))
+    return 1 < n <= min(_MOST_LABELS, len(cells) / _FEWEST_ROWS) and all(cells)
+
+
+def _names_channels(of: NDArray[np.str_], clock: FloatArray) -> bool:
+    """Return whether labels tell channels: words that alternate, or name a side, over times that rise in each."""
+    words = [str(word) for word in np.unique(of)]
+    if any(map(is_value, words)):
+        return False
+    n_back = sum(int((np.diff(clock[of == word]) < 0).sum()) for word in words)
+    alternate = not _stays(of).mean() > 0.5 or any(map(_side, words))
+    return alternate and n_back <= len(words)
 
 
 def _footer_lines(text: Text, dialect: Dialect) -> int:
@@ -253,17 +278,10 @@ def _rank_of_time(table: Table, index: int, array: FloatArray) -> int | None:
 def _side(name: str) -> str:
     """Return "slack" or "pull" for a name that tells a side of the wheel, "" for any other."""
     stem = "_".join(split_unit_suffix(name.strip())[0].lower().split())
-    short, long = (
-        [word for word in words if (len(word) < 4) is is_short]
-        for words, is_short in ((_SLACKS, True), (_SLACKS, False))
-    )
-    if any(word in stem for word in long) or stem in short:
-        return "slack"
-    return (
-        "pull"
-        if any(word in stem if len(word) > 3 or word == "zug" else stem == word for word in _PULLS)
-        else ""
-    )
+    for side, words in (("slack", _SLACKS), ("pull", _PULLS)):
+        if any(stem == word or (len(word) > 2 and word in stem) for word in words):
+            return side
+    return ""
 
 
 def _forces(
@@ -273,35 +291,17 @@ def _forces(
     taken = {index_of(table, channel) for channel in channels.values()}
     free = [i for i, array in enumerate(values) if array is not None and i not in taken]
     units = {i: table.unit(i) or table.facts.unit for i in free}
-    in_newtons = [i for i in free if units[i] and is_of("force", units[i])]
-    signals = [i for i in in_newtons if signal_unit("force", units[i])]
-    in_newtons = [i for i in in_newtons if i not in signals]
+    units = {i: unit for i, unit in units.items() if is_of("force", unit)}
     found: dict[str, Channel] = {}
-    has_force = bool({"force", "counts"} & (channels.keys() | known.derived.keys()))
-    if not has_force:
-        pulls = [i for i in free if _side(table.names[i]) == "pull"]
-        some = in_newtons or [i for i in signals if i in pulls] or signals
-        some = some if len(some) == 1 else [i for i in some if i in pulls] or some
-        some = (
-            some
-            or [i for i in pulls if not table.unit(i)]
-            or [i for i in free if len(free) == 1 and not units[i]]
-        )
-        some = some[:1] if len({units[i] for i in some}) == 1 and _are_one(values, some) else some
-        if len(some) != 1:
+    if not {"force", "counts"} & (channels.keys() | known.derived.keys()):
+        force, why = _force_column(table, values, free, units)
+        if force < 0:
             doubts.append("which column is the force (or the ADC counts)? Name it in [import.channels]")
             return found
-        (force,) = some
         found["force"] = _by_name(table, force)
-        alone = f"alone is in {units[force]}" if units[force] else "alone is left"
-        alone = (
-            "is called so"
-            if len(in_newtons or signals) > 1 or (pulls == some and not units[force])
-            else alone
-        )
-        doubts.append(f"column {force + 1} is taken as the force because it {alone}; check")
-    chosen = {index_of(table, channel) for channel in found.values()}
-    slack = [i for i in (*in_newtons, *signals) if i not in chosen and _side(table.names[i]) == "slack"]
+        doubts.append(f"column {force + 1} is taken as the force because it {why}; check")
+        free = [i for i in free if i != force]
+    slack = [i for i in free if i in units and _side(table.names[i]) == "slack"]
     if len(slack) == 1 and "end_tension" not in channels and not known.channels:
         found["end_tension"] = _by_name(table, slack[0])
         doubts.append(
@@ -311,11 +311,37 @@ def _forces(
     return found
 
 
-def _are_one(values: Values, columns: Sequence[int]) -> bool:
+def _force_column(
+    table: Table, values: Values, free: Sequence[int], units: Mapping[int, str]
+) -> tuple[int, str]:
+    """Return the column that is the force by the first rule that leaves one, and why; -1 where none does.
+
+    Columns in newtons go before those in volts, and these before columns without a unit.
+    """
+    kinds = {
+        i: signal_unit("force", units[i]) or "N" if i in units else table.unit(i) and "other" for i in free
+    }
+    best = next((kind for kind in ("N", "V", "V/V", "") if kind in kinds.values()), "other")
+    some = [i for i in free if kinds[i] == best != "other"]
+    called = [i for i in some if _side(table.names[i]) == "pull"]
+    rules = (
+        ([] if best == "" and len(free) > 1 else some, "alone is {}"),
+        (called, "is called so"),
+        (
+            some[:1] if best and _are_one(values, some, units) else [],
+            "is the first of those that differ by their zero",
+        ),
+    )
+    force, why = next(((hits[0], why) for hits, why in rules if len(hits) == 1), (-1, ""))
+    return force, why.format(f"in {units[force]}" if force in units else "left")
+
+
+def _are_one(values: Values, columns: Sequence[int], units: Mapping[int, str]) -> bool:
     """Return whether columns are one signal but for its zero."""
     arrays = [array for i in columns if (array := values[i]) is not None and array.size > 1]
-    spans = [float(np.nanmax(array - arrays[0]) - np.nanmin(array - arrays[0])) for array in arrays[1:]]
-    return bool(spans) and max(spans) <= 1e-6 * float(np.nanmax(arrays[0]) - np.nanmin(arrays[0]))
+    apart = [float(np.ptp(array - arrays[0])) for array in arrays[1:] if array.size == arrays[0].size]
+    is_one = 0 < len(apart) == len(columns) - 1 and len({units[i] for i in columns}) == 1
+    return is_one and max(apart) <= 1e-6 * float(np.ptp(arrays[0]))
 
 
 def _with_unit(name: str, table: Table, values: Values, channel: Channel, doubts: list[str]) -> Channel:

@@ -23,6 +23,7 @@ from ropefric.traces.readers.guesses import guess_meaning, index_of, layouts, un
 from ropefric.traces.readers.profile import Channel, ImportProfile, profile_to_toml
 from ropefric.traces.readers.table import Table
 from ropefric.traces.signals import FORCES, si_scale, signal_unit
+from ropefric.traces.trace import ForceTrace
 
 N_FIRST_ROWS = 5
 PART_BYTES = 2**20
@@ -201,32 +202,37 @@ def _tried(found: Inspection, source: Source) -> Inspection:
     """Return an inspection with what its own profile reads of the file, or what stops it; not tried on a part of one."""
     if source.most_bytes:
         return found
+    signals = {
+        name: unit for name, one in found.profile.channels.items() if (unit := _open_signal(name, one))
+    }
     channels = {
-        name: replace(one, sensitivity=f"1 N/{unit}") if (unit := _open_signal(name, one)) else one
+        name: replace(one, sensitivity=f"1 N/{signals[name]}") if name in signals else one
         for name, one in found.profile.channels.items()
     }
-    profile, unit = replace(found.profile, channels=channels), "N"
-    if channels != found.profile.channels:
-        unit = found.profile.channels["force"].unit if "force" in channels else ""
+    profile = replace(found.profile, channels=channels)
     try:
         raws = find_reader(source.path, profile, source=source).read(source, profile)
         traces = [
             assemble_trace(raw, profile, calibration=_AS_COUNTS, end_calibration=_AS_COUNTS) for raw in raws
         ]
     except DataError as error:
-        problem = error.problem
-        return replace(found, stopped=f"{problem.message}" + (f" ({problem.fix})" if problem.fix else ""))
-    unit = "counts" if traces[0].counts is not None else unit
-    sizes = [trace.force_N.size for trace in traces]
-    size = f"{sizes[0]}" if len(set(sizes)) == 1 else f"{min(sizes)} to {max(sizes)}"
+        fix = f" ({error.fix})" if error.fix else ""
+        return replace(found, stopped=f"{error.problem.message}{fix}")
+    said = _summary_of(traces, signals.get("force", "N"))
+    said += f"; how much force that is, nothing says yet ({', '.join(signals)})" if signals else ""
+    told = (note for trace in traces for note in trace.notes)
+    return replace(found, read=said, notes=tuple(dict.fromkeys((*found.notes, *told))))
+
+
+def _summary_of(traces: Sequence[ForceTrace], unit: str) -> str:
+    """Return how many recordings of how many samples were read, at which rate, and from which force to which."""
+    sizes = sorted({trace.force_N.size for trace in traces})
+    size = " to ".join(map(str, dict.fromkeys((sizes[0], sizes[-1]))))
     rates = ", ".join(dict.fromkeys(f"{trace.sampling_rate_Hz:.4g} Hz" for trace in traces))
     present = np.concatenate([trace.force_N[np.isfinite(trace.force_N)] for trace in traces])
+    unit = unit if traces[0].counts is None else "counts"
     span = f"{present.min():.4g} to {present.max():.4g} {unit}" if present.size else "no force"
-    missing = [name for name, one in found.profile.channels.items() if _open_signal(name, one)]
-    said = f"{counted(len(traces), 'recording')} of {size} samples, {rates}, {span}"
-    said += f"; how much force that is, nothing says yet ({', '.join(missing)})" if missing else ""
-    told = tuple(dict.fromkeys(note for trace in traces for note in trace.notes))
-    return replace(found, read=said, notes=tuple(dict.fromkeys((*found.notes, *told))))
+    return f"{counted(len(traces), 'recording')} of {size} samples, {rates}, {span}"
 
 
 def _open_signal(name: str, channel: Channel) -> str:

@@ -7,44 +7,18 @@ from typing import NamedTuple
 from ropefric.errors import InputError
 from ropefric.quantities import spelled_unit, split_unit_suffix, unit_factor
 
-_RATES = frozenset(
-    [
-        "samplingrate",
-        "samplerate",
-        "samplingfrequency",
-        "samplefrequency",
-        "abtastrate",
-        "abtastfrequenz",
-        "messrate",
-        "messfrequenz",
-        "scanrate",
-        "datarate",
-        "acquisitionrate",
-        "loggingrate",
-        "lograte",
-        "outputrate",
-        "fs",
-        "sps",
-    ]
-)
-_INTERVALS = frozenset(
-    [
-        "samplinginterval",
-        "sampleinterval",
-        "samplingtime",
-        "samplingtimeinterval",
-        "abtastintervall",
-        "messintervall",
-        "logginginterval",
-        "dt",
-    ]
-)
-_BARE_RATES = frozenset(["speed", "rate", "frequency"])
+_RATES = frozenset((
+    "samplingrate", "samplerate", "samplingfrequency", "samplefrequency", "abtastrate", "abtastfrequenz", "messrate",
+    "messfrequenz", "scanrate", "acquisitionrate", "loggingrate", "lograte",
+))  # fmt: skip
+_INTERVALS = frozenset((
+    "samplinginterval", "sampleinterval", "samplingtime", "samplingtimeinterval", "abtastintervall", "messintervall",
+    "logginginterval", "dt",
+))  # fmt: skip
+_BARE_RATES = frozenset(("speed", "rate", "frequency", "fs", "sps"))
 """Words that mean the sampling rate where nothing else is told of the time and no unit says otherwise."""
-_UNITS = frozenset(["unit", "units", "einheit", "einheiten"])
-_PER_SECOND = frozenset(
-    ["S/s", "Sa/s", "sps", "SPS", "samples/s", "Samples/s", "Hz/s", "1/s", "/s", "Werte/s"]
-)
+_UNITS = frozenset(("unit", "units", "einheit", "einheiten"))
+_PER_SECOND = frozenset(("S/s", "Sa/s", "sps", "SPS", "samples/s", "Samples/s", "1/s", "/s", "Werte/s"))
 _FACT = re.compile(r"[#%*;!]*\s*([A-Za-zÀ-ÿ][^=:;,\t]{0,60}?)\s*[=:]\s*([^=].*)")
 _VALUE = re.compile(r"([+-]?\d+(?:[.,]\d+)?)\s*(.*)")
 

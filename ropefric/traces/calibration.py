@@ -21,7 +21,8 @@ from ropefric.uncertainty.budget import Quantity, limit_of_error
 
 SCHEMA = "ropefric.calibration/1"
 
-MIN_TARE_SAMPLES = 10
+MIN_TARE_SAMPLES, MIN_TARE_READINGS = 10, 3
+"""Samples that a tare needs: of counts, and of a signal, which may be that of a slow sensor."""
 _BLOCKS = 8
 _RESTLESS = 4.0  # block means of white noise spread by 1 of this unit; 4 is out of reach of chance
 _CLIPPED_SHARE = 0.02  # fewer samples at the floor are spikes or the tail of the noise
@@ -311,14 +312,13 @@ class Calibration:
         """
         force_N, saturation = replace(self, tare_N=0.0).apply(counts)
         present_N = force_N[np.isfinite(force_N)]
-        if present_N.size:
+        fewest = MIN_TARE_SAMPLES if self.adc else MIN_TARE_READINGS
+        if present_N.size >= MIN_TARE_SAMPLES:
             # A spike of two samples at full scale moves the mean of a quarter second by more than a count.
             present_N = np.delete(present_N, remove_spikes(present_N, noise_std(present_N)).bad)
-        if present_N.size < MIN_TARE_SAMPLES or 2 * present_N.size < force_N.size:
+        if present_N.size < fewest or 2 * present_N.size < force_N.size:
             usable = f"{present_N.size} usable of {force_N.size} samples"
-            message = (
-                f"the tare interval holds {usable}; at least {MIN_TARE_SAMPLES} and half of them are needed"
-            )
+            message = f"the tare interval holds {usable}; at least {fewest} and half of them are needed"
             raise DataError(message, code="RF212", key="tare", fix="name a longer idle interval")
         if np.diff(saturation.high_runs).max(initial=0) > MAX_SPIKE_SAMPLES:
             n, fix = saturation.n_high, "name an interval in which the rope hangs free"
@@ -326,8 +326,9 @@ class Calibration:
             raise DataError(message, code="RF212", key="tare", fix=fix)
         sample_std_N = float(present_N.std(ddof=1))
         lsb_N = self.lsb_N or resolution(present_N)
-        n_blocks = min(_BLOCKS, present_N.size // 4)
-        block_std_N = float(np.std([block.mean() for block in np.array_split(present_N, n_blocks)], ddof=1))
+        n_blocks = max(min(_BLOCKS, present_N.size // 4), 1)
+        means_N = [block.mean() for block in np.array_split(present_N, n_blocks)]
+        block_std_N = float(np.std(means_N, ddof=1)) if n_blocks > 1 else 0.0
         slow_std_N = block_std_N / math.sqrt(n_blocks)
         quantisation_N = 0.0 if sample_std_N >= _DITHERED * lsb_N else lsb_N / math.sqrt(12.0)
         std_N = math.hypot(max(sample_std_N / math.sqrt(present_N.size), slow_std_N), quantisation_N)

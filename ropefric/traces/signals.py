@@ -20,7 +20,7 @@ RATE_TOLERANCE = 0.01
 """How far a stated sampling rate may be from that of the time stamps [-]."""
 
 _FIXED = {"time": "s", "force": "N", "end_tension": "N"}
-_EXAMPLE = {"time": "ms", "force": "kN", "end_tension": "N"}
+_EXAMPLE = {"time": "s", "force": "kN", "end_tension": "N"}
 
 _FEWEST_READINGS = 20
 _NO_RUN = 0.02

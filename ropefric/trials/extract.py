@@ -549,7 +549,8 @@ def tared_trace(
 
 def _refuse_overload(campaign: Campaign, spec: TrialSpec, name: str, values_N: FloatArray, cell: str) -> None:
     """Refuse a force that its cell, or where the list names none the largest of the campaign, cannot have read."""
-    cells = {cell: campaign.cells[cell]} if cell else campaign.cells
+    named = {cell} if cell else campaign.cells.keys() - {spec.cell, spec.end_cell}
+    cells = {name: campaign.cells[name] for name in campaign.cells if name in named}
     if not cells:
         return
     largest = max(cells.values(), key=lambda one: one.full_scale_N)

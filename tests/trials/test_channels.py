@@ -132,3 +132,21 @@ def test_a_force_beyond_the_full_scale_of_its_cell_is_an_error_of_check(lab, cel
     assert (error.code, error.severity) == ("RF204", "error")
     assert "3.75e+04 N" in error.message
     assert "1000 N" in error.message
+
+
+def test_the_cell_of_the_other_side_says_nothing_of_a_force(lab):
+    settings = channels('column = "pull", unit = "N"', 'column = "slack", unit = "V"')
+    settings += '[cells.K2]\nfull_scale = "25 N"\n'
+    two_channels(lab, settings, end=(5 / 25, 0.0), end_cell="K2")
+    assert forces(lab)[0] == pytest.approx([PULL] * 2, rel=5e-3)
+
+
+def test_three_readings_of_a_slow_sensor_are_a_tare(lab):
+    time_s = np.arange(0.0, 12.0, 0.1)
+    pull_N = np.interp(time_s, [0, 1, 9, 9.1, 12], [0, 0, PULL, 0.8 * PULL, 0.8 * PULL])
+    lab.record(
+        "a.csv", t=time_s, pull=pull_N + 3.0 + 0.02 * np.random.default_rng(4).standard_normal(time_s.size)
+    )
+    settings = '[tare]\ninterval = ["0 s", "0.3 s"]\n' + channels('column = "pull", unit = "N"')
+    (trial,) = lab.write([lab.row("a.csv")], settings).extract().trials
+    assert trial.tare_N == pytest.approx(3.0, abs=0.05)

@@ -26,25 +26,10 @@ SAFE_NAMES: dict[str, tuple[str, ...]] = {
 }
 """Bare headers that can mean nothing else, lower case; all other columns must be named by the profile."""
 
-_TIME_WORDS = frozenset(
-    [
-        "time",
-        "t",
-        "zeit",
-        "temps",
-        "tiempo",
-        "tempo",
-        "tijd",
-        "seconds",
-        "elapsed",
-        "elapsed_time",
-        "test_time",
-        "time_stamp",
-        "timestamp",
-        "laufzeit",
-        "messzeit",
-    ]
-)
+_TIME_WORDS = frozenset((
+    "time", "t", "zeit", "temps", "tiempo", "tempo", "tijd", "seconds", "elapsed", "elapsed_time", "test_time",
+    "time_stamp", "timestamp", "laufzeit", "messzeit",
+))  # fmt: skip
 _DIGITS_AND_MARKS = re.compile(r"[+-]?[\d.,]++")
 _DATE = re.compile(r"\d[-/:.]\d++[-/:.]\d")
 _NAMED_MISSING = frozenset(
@@ -157,7 +142,9 @@ def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecor
     if table.clock is not None and "time" not in columns and profile.sampling_rate_Hz is None:
         clocks = _own_clocks(table, picks) | clocks
     _check_lengths(table, picks, columns, clocks, source)
-    name = PurePath(source.shown).name
+    name, rate_Hz = PurePath(source.shown).name, table.facts.rate_Hz if table.facts.is_sure else None
+    by_head = rate_Hz and "time" not in columns and not clocks and profile.sampling_rate_Hz is None
+    said = [f"the sampling rate, {rate_Hz:g} Hz, is what the head of the file says"] if by_head else []
     return RawRecording(
         name=f"{name}#{table.sample}" if table.sample else name,
         source=source.shown,
@@ -165,9 +152,9 @@ def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecor
         columns=columns,
         units={channel: unit for channel, (_, unit) in picks.items()},
         first_line=table.first_line,
-        notes=tuple(dict.fromkeys(table.notes)),
+        notes=tuple(dict.fromkeys((*table.notes, *said))),
         clocks=clocks,
-        rate_Hz=table.facts.rate_Hz if table.facts.is_sure or "time" not in columns else None,
+        rate_Hz=rate_Hz,
     )
 
 

@@ -52,7 +52,7 @@ def test_units_come_to_si():
 
 def test_units_nobody_knows_are_told_at_once():
     for channel, unit, fix in (
-        ("time", "", 'unit = "ms"'), ("force", "", 'unit = "kN"'), ("force", "kn", "write 'kN'"),
+        ("time", "", 'unit = "s"'), ("force", "", 'unit = "kN"'), ("force", "kn", "write 'kN'"),
         ("time", "N", "such as 's'"), ("force", "s", "such as 'N'"), ("force", "newt on", ""),
         ("pull", "kn", "write 'kN'"), ("x", "furlongs per dog", ""), ("temperature", "degC", ""), ("time", "(", ""),
         # A TDMS property or a header may hold any text; pint would evaluate it.

@@ -84,7 +84,15 @@ def figures() -> Iterator[tuple[str, FigureWithData]]:
         ("belt-press", "press.preload=1000N:4000N:61", "largest_utilisation"),
     ):
         yield scene, draw_sweep(rf.sweep(SCENES / f"{scene}.toml", axis), quantity=quantity)
-    for scene in ("press-start-up", "band-saw", "traction", "belt-drive", "band-brake", "cable-pull", "tendon"):
+    for scene in (
+        "press-start-up",
+        "band-saw",
+        "traction",
+        "belt-drive",
+        "band-brake",
+        "cable-pull",
+        "tendon",
+    ):
         for stem, figure in scene_figures(rf.solve(SCENES / f"{scene}.toml")):
             yield f"{scene}-{stem.replace('_', '-')}", figure
 

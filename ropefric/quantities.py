@@ -31,6 +31,21 @@ SUFFIX_UNITS: dict[str, str] = {unit: unit for unit in _AS_THEY_ARE.split()} | {
 }
 """Unit suffixes of names (`wrap_angle_deg`) and what they mean to pint."""
 
+_SPELLINGS = {
+    "N": "newton newtons", "kN": "kilonewton kilonewtons", "lbf": "lbf lb-f lb_f", "kgf": "kgf kp kg-f",
+    "s": "sec secs second seconds sekunde sekunden sek", "ms": "msec msecs millisecond milliseconds",
+    "min": "minute minutes",
+    "V": "volt volts", "mV": "millivolt millivolts", "m": "meter meters metre metres", "kg": "kilogram kilograms",
+    "mm": "millimeter millimeters millimetre", "in": "inch inches", "deg": "degree degrees", "bar": "bars",
+}  # fmt: skip
+_SPELT = {word: unit for unit, words in _SPELLINGS.items() for word in words.split()}
+
+
+def spelled_unit(text: str) -> str:
+    """Return the unit that a device meant, lbF or Newtons, as it is written here; any other text as it is."""
+    return text if text in SUFFIX_UNITS.values() else _SPELT.get(text.strip(" .").lower(), text)
+
+
 _USUAL: dict[str, dict[str, float]] = {
     "m": {"cm": 0.01, "mm": 1e-3, "um": 1e-6},
     "N": {"kN": 1e3, "mN": 1e-3},
@@ -54,7 +69,7 @@ _GUARDED = {"kn": "kN", "n": "N", "KN": "kN", "hz": "Hz", "khz": "kHz", "v": "V"
 _GUARDED |= dict.fromkeys(("grad", "Grad", "GRAD"), "deg' or 'gon")
 _SI_UNITS = (
     *("m", "N", "s", "V", "Pa", "kg", "m^2", "m^3", "rad", "", "Hz", "m/s", "m/s^2", "kg/m", "N/m"),
-    *("N*s", "N*m", "N/s", "N/V", "V/N", "kg/m^2", "kg/m^3", "A", "ohm", "W", "m^4", "N*m^2", "Pa/V"),
+    *("N*s", "N*m", "N/s", "N/V", "V/N", "m/V", "kg/m^2", "kg/m^3", "A", "ohm", "W", "m^4", "N*m^2", "Pa/V"),
 )
 _SUFFIXES = sorted(SUFFIX_UNITS, key=len, reverse=True)
 
@@ -66,6 +81,7 @@ _UNIT = re.compile(rf"(?:1|{_FACTOR})(?:\s*+[*/·]\s*+{_FACTOR}|\s++{_FACTOR})*+
 _LARGE_POWER = re.compile(r"[\d⁰¹²³⁴⁵⁶⁷⁸⁹]{3}")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][+-]?[0-9]++)?")
 _NOT_ZERO = re.compile(r"[1-9]")
+_UNIT_INSIDE = re.compile(r"([^()\[\]]+)[(\[]([^()\[\]]{1,10})[)\]]([^()\[\]]+)")
 _FULL_SCALE = re.compile(r"%\s*+(?:of\s++)?(?:FS|F\.S\.|full scale)")
 
 
@@ -88,7 +104,10 @@ def split_unit_suffix(name: str) -> tuple[str, str]:
         opened = max(body.rfind("("), body.rfind("["))
         if opened >= max(start, 1):  # with something before it, and not closed before
             stem = body[:opened]
-            return stem.rstrip(" \t\r\n\v\f._") or stem[:1], body[opened + 1 :].strip()
+            return stem.rstrip(" \t\r\n\v\f._") or stem[:1], spelled_unit(body[opened + 1 :].strip())
+    inside = _UNIT_INSIDE.fullmatch(text)
+    if inside and spelled_unit(inside[2]) in SUFFIX_UNITS.values():
+        return f"{inside[1].rstrip()} {inside[3].lstrip()}", spelled_unit(inside[2])
     for suffix in _SUFFIXES:
         stem = name.removesuffix(f"_{suffix}")
         if stem and stem != name:
@@ -161,6 +180,31 @@ def si_unit_of(unit: str) -> str:
             return si_unit
     fix = "write the number in SI, without a unit"
     raise _unreadable("quantity", f"no SI unit is known for {unit!r}", fix)
+
+
+def same_unit(one: str, other: str) -> bool | None:
+    """Return whether two units mean one thing, a mass its weight; None where one of them is no unit that is known."""
+    found = []
+    for unit in (one, other):
+        try:
+            si_unit = si_unit_of(unit)
+            factor = unit_factor(unit, si_unit)
+        except InputError:
+            return None
+        found.append(("N", factor * unit_factor("kgf", "N")) if si_unit == "kg" else (si_unit, factor))
+    (si_unit, factor), (other_si, other_factor) = found
+    return si_unit == other_si and math.isclose(factor, other_factor, rel_tol=1e-6)
+
+
+def scaled_by(unit: str, sensitivity: str) -> tuple[float, str]:
+    """Return the factor from a signal's unit to SI by a sensitivity, 25 N/mV or 40 mV/N, and the unit it gives."""
+    value, per = parse_any_quantity(sensitivity), _split(sensitivity, "", "sensitivity")[1]
+    if not value:
+        raise _unreadable("sensitivity", f"{_shown(sensitivity)} is zero", 'write it like "25 N/mV"')
+    if si_unit_of(per) == "V/N":
+        return unit_factor(unit, "V", name="signal") / value, "N"
+    si_unit = si_unit_of(f"{unit}*{per}")
+    return unit_factor(f"{unit}*{per}", si_unit) * float(_split(sensitivity, "", "")[0]), si_unit
 
 
 def parse_quantity(text: object, si_unit: str, *, name: str = "quantity") -> float:

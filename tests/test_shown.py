@@ -82,7 +82,16 @@ def test_a_campaign_is_drawn_as_its_design():
 
 
 def test_a_scene_is_drawn_as_its_layout():
-    for name in ("hoist", "belt-press", "band-saw", "traction", "belt-drive", "band-brake", "cable-pull", "winch"):
+    for name in (
+        "hoist",
+        "belt-press",
+        "band-saw",
+        "traction",
+        "belt-drive",
+        "band-brake",
+        "cable-pull",
+        "winch",
+    ):
         scene = rf.load_scene(ROOT / "data" / "scenes" / f"{name}.toml")
         drawn = draw_layout(scene)
         belts = scene.kind.layout(scene.problem)

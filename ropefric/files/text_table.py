@@ -3,6 +3,7 @@
 What the user says holds; what is left open is found in the first 64 kB, or refused where two readings are possible.
 """
 
+import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -17,11 +18,15 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError
+from ropefric.files.head_facts import NO_FACTS, Facts, facts_of, is_fact
 from ropefric.files.text import Source, Text, split_line
-from ropefric.quantities import SUFFIX_UNITS
+from ropefric.quantities import SUFFIX_UNITS, spelled_unit
 
 NAN_TEXTS = ("nan", "NaN", "NAN", "Nan", "-nan", "-NaN")
 """Cell texts that mean "no value" in every file, beside the empty cell."""
+
+THOUSANDS = (",", ".", "'", " ", "\u2019", "\u00a0")
+"""Marks that may stand between thousands."""
 
 SEPARATORS = ("\t", ";", "|", ",", " ")
 """By preference: TAB before blanks, and "," only where nothing stronger divides the numbers."""
@@ -33,6 +38,8 @@ _NUMBER = {
     for mark in ".,"
 }
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+", re.ASCII)
+_POINTED = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+\.\d*", re.ASCII)
+_GROUPED_BY_POINTS = re.compile(r"[+-]?[1-9]\d{0,2}(?:\.\d{3})+,\d*", re.ASCII)
 _HAS_COMMA = re.compile(r"[+-]?(?=[\d.]*+,)[\d.,]++(?:[eE][+-]?\d++)?", re.ASCII)
 _COMMA_INSIDE = re.compile(r"[+-]?\d++,\d++", re.ASCII)
 _NUMBER_SHAPED = re.compile(
@@ -65,6 +72,7 @@ class TableLayout:
     block_columns: int = 0
     block_names_row: int = 0
     skip_footer: int = 0
+    thousands: str = ""
     date_order: str = ""
     time_zone: str = ""
 
@@ -103,6 +111,8 @@ class Dialect:
     units: tuple[str, ...]
     first_row: Sequence[str]
     layout: TableLayout
+    thousands: str = ""
+    facts: Facts = NO_FACTS
     notes: list[str] = field(default_factory=list)
 
     @property
@@ -121,6 +131,16 @@ def is_number(cell: str, decimal: str) -> bool:
     return _NUMBER[decimal].fullmatch(cell) is not None
 
 
+def number_of(cell: str, decimal: str, thousands: str) -> float:
+    """Return the finite number of a cell with this decimal mark, its thousands grouped where they are; else infinity."""
+    if thousands and thousands in cell:
+        grouped = re.fullmatch(
+            rf"[+-]?[0-9]{{1,3}}(?:{re.escape(thousands)}[0-9]{{3}})+({re.escape(decimal)}[0-9]*)?", cell
+        )
+        cell = cell.replace(thousands, "") if grouped else ""
+    return float(cell.replace(",", ".")) if is_number(cell, decimal) else math.inf
+
+
 def looks_numeric(cell: str) -> bool:
     """Return whether a cell is written like a number in any country; it need not be readable."""
     return _NUMBER_SHAPED.fullmatch(cell) is not None and not cell.endswith(",")
@@ -134,7 +154,8 @@ def is_value(cell: str) -> bool:
 def bare_unit(text: str) -> str:
     """Return a unit without the brackets people put around it."""
     text = text.strip()
-    return text[1:-1].strip() if len(text) > 1 and text[0] + text[-1] in ("[]", "()", "{}", "<>") else text
+    bare = text[1:-1].strip() if len(text) > 1 and text[0] + text[-1] in ("[]", "()", "{}", "<>") else text
+    return spelled_unit(bare)
 
 
 def is_unit(cell: str) -> bool:
@@ -157,10 +178,13 @@ def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Di
         tuple(split_line(lines[row - 1].lstrip("#").lstrip(" "), separator)) if row else ()
         for row in rows[:2]
     )
-    decimal = layout.decimal or _find_decimal(head, rows.data_row, separator, text.source)
-    cells: dict[str, Any] = {"header": header, "units": units}
+    decimal, thousands = _find_marks(head, rows.data_row, separator, layout, text.source)
+    cells: dict[str, Any] = {"header": header, "units": units, "decimal": decimal, "thousands": thousands}
+    cells["facts"] = facts_of(lines[: max(rows.data_row - 1, 0)], separator)
+    if thousands and not layout.thousands:
+        cells["notes"] = [f"{thousands!r} groups thousands, {decimal!r} is the decimal mark"]
     cells["first_row"] = split_line(lines[rows.data_row - 1], separator)
-    return Dialect(separator=separator, decimal=decimal, rows=rows, layout=layout, **cells)
+    return Dialect(separator=separator, rows=rows, layout=layout, **cells)
 
 
 def _check(layout: TableLayout) -> None:
@@ -171,6 +195,7 @@ def _check(layout: TableLayout) -> None:
         ("separator", odd_mark, 'use one character such as ";", "," or "\\t"; " " is any blanks'),
         ("separator", not mark.isascii(), 'use an ASCII character such as ";"'),
         ("decimal", layout.decimal not in ("", ".", ","), 'use "." or ","'),
+        ("thousands", layout.thousands not in ("", *THOUSANDS), f"use one of {' '.join(THOUSANDS)}"),
         ("date_order", layout.date_order not in ("", *ORDERS), 'use "dmy", "mdy" or "ymd"'),
         ("header_row", layout.header_row < -1, "give a line number from 1, 0 for none, or leave it out"),
         *((key, getattr(layout, key) < 0, "give a number from 1, or leave it out") for key in counts),
@@ -237,29 +262,48 @@ def _refuse_one_or_two(sample: Sequence[str], lines: Sequence[str], source: Sour
         raise source.error(why, code="RF104", fix='set [import] separator = "," or decimal = ","')
 
 
-def _find_decimal(head: bytes, data_row: int, separator: str, source: Source) -> str:
-    """Return the decimal mark that the head shows; "." where there is none. A comma never groups thousands."""
+def _find_marks(
+    head: bytes, data_row: int, separator: str, layout: TableLayout, source: Source
+) -> tuple[str, str]:
+    """Return the decimal mark and the one between thousands that the head shows: "." and none where it shows nothing.
+
+    A comma groups thousands where cells such as 1,234.5 or 1,234,567 say so and none says otherwise; else it is refused
+    where it may be either.
+    """
+    if layout.decimal or layout.thousands:
+        other = "," if layout.thousands == "." else "."
+        return layout.decimal or other, layout.thousands
     if b"," not in head or (separator == "," and b'"' not in head):
-        return "."
-    grouped = (0, "")
+        return ".", ""
+    told: dict[str, tuple[int, str]] = {}
     for number, cell in _comma_cells(head, data_row, separator):
-        is_grouped = _GROUPED.fullmatch(cell) is not None
-        if cell.count(",") > 1 if is_grouped else "." in cell or not is_number(cell, ","):
-            why = f"{cell!r} mixes marks: it looks like a number with thousands separators, which are never guessed"
-            fix = 'save the file without thousands separators, or set [import] decimal = "." or ","'
-            raise source.error(why, code="RF104", line=number, fix=fix)
-        if not is_grouped:
-            return ","
-        grouped = grouped if grouped[0] else (number, cell)
-    if grouped[0]:
-        cell = grouped[1]
+        told.setdefault(_says(cell), (number, cell))
+    either, kinds = told.pop("either", None), frozenset(told)
+    meant = {frozenset(): (".", ""), frozenset({"decimal"}): (",", ""), frozenset({"English"}): (".", ",")}
+    meant |= dict.fromkeys((frozenset({"German"}), frozenset({"German", "decimal"})), (",", "."))
+    if kinds not in meant:
+        number, cell = told.get("neither") or max(told.values())
+        why = f"{cell!r} mixes marks, or others do: which of them groups thousands is never guessed"
+        fix = 'set [import] decimal and thousands, such as decimal = "." and thousands = ","'
+        raise source.error(why, code="RF104", line=number, fix=fix)
+    if either and not kinds:
+        number, cell = either
         meanings = f"{cell.replace(',', '.')} or {cell.replace(',', '')}"
         why = f"{cell!r} may mean {meanings}; no cell in the first 64 kB tells which"
-        refused = '(with decimal = "." such a cell is refused)'
-        grouping = f"if the comma groups thousands, save the file without them {refused}"
-        fix = f'set [import] decimal = "," if it is a decimal comma; {grouping}'
-        raise source.error(why, code="RF104", line=grouped[0], fix=fix)
-    return "."
+        fix = 'set [import] decimal = "," if it is a decimal comma, or thousands = "," if it groups thousands'
+        raise source.error(why, code="RF104", line=number, fix=fix)
+    return meant[kinds]
+
+
+def _says(cell: str) -> str:
+    """Return what a number with a comma tells of the marks."""
+    if _POINTED.fullmatch(cell) or (_GROUPED.fullmatch(cell) and cell.count(",") > 1):
+        return "English"
+    if _GROUPED_BY_POINTS.fullmatch(cell):
+        return "German"
+    if _GROUPED.fullmatch(cell):
+        return "either"
+    return "decimal" if is_number(cell, ",") else "neither"
 
 
 def _comma_cells(head: bytes, data_row: int, separator: str) -> Iterator[tuple[int, str]]:
@@ -316,7 +360,9 @@ def _first_data_row(
         is_typical = len(row) == len(typical) and all(
             fit or not numeric for fit, numeric in zip(fits, is_numeric, strict=True)
         )
-        if any(hits) and (all(fits) or is_typical):
+        after = rows[below[place + 1] - 1] if place + 1 < len(below) else ()
+        is_head = is_fact(after) or (after and not is_typical and not any(map(is_value, after)))
+        if any(hits) and (all(fits) or is_typical) and not is_head:
             # Half-numeric rows right above are damaged data that must be told.
             for above in reversed(below[:place]):
                 if len(rows[above - 1]) != len(row) or not any(map(looks_numeric, rows[above - 1])):
@@ -331,18 +377,23 @@ def _words_above(
 ) -> tuple[int, int]:
     """Return header and units row: the nearest rows of words above the data that are as wide as a header."""
 
+    def over_data(number: int) -> list[str]:
+        """Return the cells over columns that hold data: what stands beside them is a remark."""
+        row, data = rows[number - 1], rows[data_row - 1]
+        pairs = zip(row, data, strict=False) if len(row) == len(data) else ((cell, cell) for cell in row)
+        return [cell for cell, below in pairs if cell and below]
+
     def is_header(number: int) -> bool:
         """Tell names from a preamble: words, and more than one wherever the data have more than one column."""
-        row = rows[number - 1]
-        words = [cell for cell in row if cell]
+        row, words = rows[number - 1], over_data(number)
         wide = len(row) > 1 or len(rows[data_row - 1]) == 1
-        return wide and bool(words) and not any(is_value(cell) for cell in words)
+        return wide and bool(words) and not any(is_value(cell) for cell in words) and not is_fact(row)
 
     units_row = layout.units_row
     above = [n for n in inked if n < (units_row or data_row) and n != layout.block_names_row]
     if not above or not is_header(above[-1]):
         return 0, units_row
-    are_units = all(is_unit(cell) for cell in rows[above[-1] - 1] if cell)
+    are_units = all(map(is_unit, over_data(above[-1])))
     if are_units and not units_row and len(above) > 1 and is_header(above[-2]):
         return above[-2], above[-1]
     return above[-1], units_row

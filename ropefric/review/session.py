@@ -80,7 +80,7 @@ def drawn_of(campaign: Campaign, spec: TrialSpec, result: TrialResult) -> Drawn:
     """Return a recording as it was picked from: calibrated, tared, and smoothed where that was done."""
     raws = read_recordings(spec.path, campaign.profile, shown_as=spec.file)
     raw = blocks_of(replace(spec, sample=result.sample), raws)[0]
-    trace, _, _ = tared_trace(campaign, spec, raw)
+    trace, _ = tared_trace(campaign, spec, raw)
     window_s, present = result.breakaway.window_s, np.isfinite(trace.force_N)
     smoothed_N = smooth(trace, window_s).force_N[present] if isfinite(window_s) else None
     return Drawn(

@@ -1,29 +1,25 @@
-"""From columns as they are in a file, and channels computed from them by a short formula, to a force trace in SI."""
+"""From columns as they are in a file to a force trace in SI: every channel tared, and on the clock of the force."""
 
-import ast
-import math
-from collections.abc import Callable, Mapping
-from collections.abc import Set as AbstractSet
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray, IntArray
-from ropefric.errors import DataError, InputError, RopefricError
-from ropefric.quantities import si_unit_of, unit_factor
+from ropefric.errors import DataError, Problem, RopefricError
 from ropefric.registry import did_you_mean
-from ropefric.traces.calibration import Calibration
-from ropefric.traces.clock import mend_clock
+from ropefric.traces.calibration import Calibration, ForceCell, tare_from_interval
+from ropefric.traces.formulas import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
+from ropefric.traces.segments import MIN_SAMPLES
+from ropefric.traces.signals import Refusal, Signal, fastest, interpolated, placed, signals_of
 from ropefric.traces.trace import ForceTrace
-
-_FIXED = {"time": "s", "force": "N", "end_tension": "N"}
-_EXAMPLE = {"time": "ms", "force": "kN", "end_tension": "N"}
 
 
 class _Cell(NamedTuple):
-    """A force cell by its channels, in newtons or in counts, and by the column of `trials.csv` that names it."""
+    """A force cell by its channels, newtons or volts and counts, and by the column of `trials.csv` that names it."""
 
     newtons: str
     counts: str
@@ -32,37 +28,11 @@ class _Cell(NamedTuple):
 
 _PULL = _Cell("force", "counts", "cell")
 _SLACK = _Cell("end_tension", "end_tension_counts", "end_cell")
-COUNTS = (_PULL.counts, _SLACK.counts)
-"""Channels of raw counts: of the pull, and of a second cell on the slack side."""
+_AS_IT_IS = Calibration(cell=ForceCell(name="", full_scale_N=1.0, full_scale_V=1.0), adc=None)
+"""Of a signal that is in its own unit already: a tare is found of every signal in the same way."""
+_NAME = re.compile(r"\w+")
 
-Channels = dict[str, FloatArray]
-Refusal = Callable[..., DataError]
-
-
-def si_factor(channel: str, unit: str, *, path: str = "") -> float:
-    """Return the factor that turns a channel's numbers into SI.
-
-    `time` comes to seconds, `force` to newtons, `counts` stays as it is; any other channel comes to the SI
-    unit of its own dimension, and is taken as a bare number where it has no unit.
-    """
-    fixed = _FIXED.get(channel)
-    if channel in COUNTS or unit == fixed or (fixed is None and not unit):
-        return 1.0
-    reason, hint = f"the {channel} has no unit", "give the unit"
-    if unit:
-        try:
-            return unit_factor(unit, fixed or si_unit_of(unit), name=channel)
-        except InputError as error:
-            reason = f"unknown unit '{unit[:40]}'"
-            if fixed or error.fix.startswith("write '"):  # a mistyped unit
-                reason, hint = error.problem.message.split(": ", 1)[-1], error.fix or hint
-    raise DataError(
-        reason,
-        code="RF106",
-        path=path,
-        key=f"[import.channels] {channel}",
-        fix=f'{hint}, for example {channel} = {{ column = 1, unit = "{_EXAMPLE.get(channel, "mm")}" }}',
-    )
+Interval = Sequence[float] | None
 
 
 def assemble_trace(
@@ -71,205 +41,141 @@ def assemble_trace(
     *,
     calibration: Calibration | None = None,
     end_calibration: Calibration | None = None,
-    tared: Callable[[FloatArray, IntArray, Calibration], Calibration] | None = None,
+    tare_s: Interval = None,
 ) -> ForceTrace:
-    """Return the force trace of a recording: in SI, derived channels computed, clock mended, counts calibrated.
+    """Return the force trace of a recording: in SI, clocks mended, counts and volts calibrated, tared, channels derived.
 
-    `tared` finds the tare from time and counts, before they are turned into forces, once.
+    `tare_s` is the interval [s] in which the cells are unloaded, where the channel says nothing of it.
     """
 
     def refuse(message: str, code: str, key: str, fix: str) -> DataError:
         return DataError(message, code=code, path=raw.source, key=key, fix=fix)
 
-    told: dict[str, Any] = {"name": raw.name, "source": raw.source}
-    channels = _channels(raw, profile, refuse)
-    clock_s = _time_s(raw, channels, profile, refuse)
-    others = [values for name, values in channels.items() if name != "time"]
-    keep, time_s, notes = mend_clock(clock_s, others, first_line=raw.first_line, **told)
-    kept = {name: values[keep] for name, values in channels.items()}
-    for cell, known in ((_PULL, calibration), (_SLACK, end_calibration)):
-        if cell.counts in kept and cell.newtons not in kept and known is None:
-            message = f"{raw.name} holds ADC counts, and there is no calibration to turn them into newtons"
-            fix = f"name the {cell.column} in trials.csv and [adc] in campaign.toml"
-            raise refuse(message, "RF210", cell.counts, fix)
+    signals, notes = signals_of(raw, profile, refuse)
+    doubts: list[Problem] = []
+    tare = partial(_tared, profile=profile, campaign_s=tare_s, doubts=doubts)
+    for name in signals.keys() - {*_PULL, *_SLACK}:
+        signals[name] = tare(name, signals[name], _AS_IT_IS, campaign_s=None).signal
+    signals = _with_derived(signals, profile, raw, refuse)
     try:
-        slack = _measured(_SLACK, kept, end_calibration)
-        pull = _measured(_PULL, kept, calibration, partial(tared, time_s) if tared else None)
+        found = {
+            cell: _measured(cell, signals, known, tare, raw)
+            for cell, known in ((_SLACK, end_calibration), (_PULL, calibration))
+        }
     except RopefricError as error:
         problem = error.problem
+        if problem.path:
+            raise
         raise refuse(problem.message, problem.code, problem.key or "counts", problem.fix) from None
-    notes = (*raw.notes, *notes)
-    return ForceTrace(time_s=time_s, end_tension_N=slack["force_N"], notes=notes, **told, **pull)
+    pull, slack = found[_PULL], found[_SLACK]
+    assert pull is not None  # noqa: S101  (there is a force, or it was refused)
+    end: dict[str, Any] = {}
+    if slack is not None:
+        end = {
+            "end_tension_N": placed(slack.signal, pull.signal.time_s),
+            "end_calibration": slack.calibration,
+        }
+    return ForceTrace(
+        time_s=pull.signal.time_s,
+        force_N=pull.signal.values,
+        name=raw.name,
+        source=raw.source,
+        notes=notes,
+        tare_N=pull.tare_N,
+        doubts=tuple(replace(doubt, path=raw.source) for doubt in doubts),
+        calibration=pull.calibration,
+        **end,
+        **pull.more,
+    )
 
 
-def _channels(raw: RawRecording, profile: ImportProfile, refuse: Refusal) -> Channels:
-    """Return what was recorded and what a profile derives from it, in SI, a force or its counts among it."""
-    channels = _to_si(raw, refuse)
-    if profile.derived:
-        channels = evaluate_derived(profile.derived, channels, profile.constants, path=raw.source)
-    if not {_PULL.newtons, _PULL.counts} & set(channels):
-        message = f"{raw.name} has no channel 'force' or 'counts', only {', '.join(channels) or 'none'}"
-        fix = f"name its column or derive it; {did_you_mean('force', channels)}"
+class _Measured(NamedTuple):
+    """A force, what was taken off it [N], its measuring chain where that is known, and its counts and saturation."""
+
+    signal: Signal
+    tare_N: float
+    calibration: Calibration | None
+    more: Mapping[str, Any]
+
+
+def _with_derived(
+    signals: dict[str, Signal], profile: ImportProfile, raw: RawRecording, refuse: Refusal
+) -> dict[str, Signal]:
+    """Return the signals together with derived ones, on the clock of the fastest that these are made of."""
+    if profile.derived and "time" not in profile.derived:
+        words = {word for formula in profile.derived.values() for word in _NAME.findall(formula)}
+        time_s = fastest({name: signals[name] for name in signals if name in words} or signals)
+        aligned = {name: interpolated(signal, time_s) for name, signal in signals.items()}
+        found = evaluate_derived(profile.derived, aligned, profile.constants, path=raw.source)
+        signals = signals | {name: Signal(time_s, found[name], "N") for name in profile.derived}
+    if not {_PULL.newtons, _PULL.counts} & signals.keys():
+        message = f"{raw.name} has no channel 'force' or 'counts', only {', '.join(signals) or 'none'}"
+        fix = f"name its column or derive it; {did_you_mean('force', signals)}"
         raise refuse(message, "RF105", "[import.channels] force", fix)
-    return channels
+    return signals
 
 
 def _measured(
     cell: _Cell,
-    channels: Channels,
-    calibration: Calibration | None,
-    tared: Callable[[IntArray, Calibration], Calibration] | None = None,
-) -> dict[str, Any]:
-    """Return the force of a cell, and where it comes from counts, these, their calibration and their saturation."""
-    if cell.newtons in channels or cell.counts not in channels or calibration is None:
-        return {"force_N": channels.get(cell.newtons)}
-    counts = calibration.checked(channels[cell.counts])
-    calibration = tared(counts, calibration) if tared else calibration
-    force_N, saturation = calibration.apply(counts)
-    return {"force_N": force_N, "counts": counts, "calibration": calibration, "saturation": saturation}
+    signals: Mapping[str, Signal],
+    known: Calibration | None,
+    tare: "partial[_Measured]",
+    raw: RawRecording,
+) -> _Measured | None:
+    """Return the force of a cell, tared; None where it has no channel."""
+    if cell.newtons in signals:
+        signal = signals[cell.newtons]
+        if signal.unit == "N":
+            return tare(cell.newtons, signal, _AS_IT_IS)._replace(calibration=None, more={})
+        if known is None:
+            message = f"{raw.name} holds {signal.unit.replace('V/V', 'mV/V')}, and nothing says how much force that is"
+            fix = f'write sensitivity = "25 N/mV" beside its unit, or name the {cell.column} in trials.csv'
+            raise DataError(message, code="RF210", key=f"[import.channels] {cell.newtons}", fix=fix)
+        return tare(cell.newtons, _in_volts(signal, known.cell), replace(known, adc=None))
+    if cell.counts not in signals:
+        return None
+    if known is None or known.adc is None:
+        message = f"{raw.name} holds ADC counts, and there is no calibration to turn them into newtons"
+        fix = f"name the {cell.column} in trials.csv and [adc] in campaign.toml"
+        raise DataError(message, code="RF210", key=cell.counts, fix=fix)
+    counts: Any = known.checked(signals[cell.counts].values)
+    return tare(cell.counts, signals[cell.counts]._replace(values=counts), known)
 
 
-def _to_si(raw: RawRecording, refuse: Refusal) -> Channels:
-    channels: Channels = {}
-    for name, values in raw.columns.items():
-        factor = si_factor(name, raw.units.get(name, ""), path=raw.source)
-        channels[name] = values
-        if factor != 1.0:
-            with np.errstate(over="ignore"):
-                channels[name] = values * factor
-            if (large := np.isinf(channels[name])).any():
-                message = f"sample {int(np.argmax(large)) + 1} is too large for a float in SI"
-                raise refuse(message, "RF102", name, "mend the value, or check the unit")
-    return channels
-
-
-def _time_s(raw: RawRecording, channels: Channels, profile: ImportProfile, refuse: Refusal) -> FloatArray:
-    if "time" in channels:
-        return channels["time"]
-    rate_Hz = profile.sampling_rate_Hz
-    if rate_Hz is None or not np.isfinite(rate_Hz) or rate_Hz <= 0:
-        fix = (
-            'name the time column, time = { column = 1, unit = "s" }, or set [import] sampling_rate = "3 kHz"'
+def _in_volts(signal: Signal, cell: ForceCell) -> Signal:
+    """Return the signal of a bridge as the volts that its transmitter would give."""
+    if signal.unit == "V":
+        return signal
+    if not cell.rated_output:
+        fix = f'add rated_output = "2 mV/V" to [cells.{cell.name}], from its sheet'
+        raise DataError(
+            f"the cell {cell.name} has no rated output for a signal in mV/V", code="RF210", fix=fix
         )
-        message = f"{raw.name} has no time channel and no usable sampling rate"
-        raise refuse(message, "RF105", "[import.channels] time", fix)
-    # Divided, not added up: sample i is at exactly i / rate.
-    return np.arange(next(iter(channels.values())).size, dtype=np.float64) / rate_Hz
+    share = signal.values / cell.rated_output
+    return signal._replace(values=cell.zero_V + share * (cell.full_scale_V - cell.zero_V), unit="V")
 
 
-FUNCTIONS: dict[str, Any] = {
-    name: getattr(np, name)
-    for name in (
-        "abs", "sign", "sqrt", "cbrt", "exp", "log", "log10", "sin", "cos", "tan", "arcsin", "arccos", "arctan",
-        "arctan2", "sinh", "cosh", "tanh", "hypot", "radians", "degrees", "minimum", "maximum", "clip", "where",
-        "cumsum", "gradient", "mean", "median", "min", "max",
-    )
-}  # fmt: skip
-"""What a formula may call: numpy's functions of these names."""
-
-_CONSTANTS = {"pi": math.pi}
-_GRAMMAR = (
-    ast.Expression, ast.BinOp, ast.UnaryOp, ast.Compare, ast.Call, ast.Name, ast.Load, ast.Constant,
-    ast.operator, ast.unaryop, ast.cmpop,
-)  # fmt: skip
-_NO_BITS = (ast.LShift, ast.RShift, ast.BitOr, ast.BitXor, ast.MatMult, ast.In, ast.NotIn, ast.Is, ast.IsNot)
-_MAX_LENGTH = 1000
-_HINT = 'write arithmetic with channels in SI, such as force = "pull - pressure * area"'
-
-
-def evaluate_derived(
-    derived: Mapping[str, str],
-    channels: Mapping[str, FloatArray],
-    constants: Mapping[str, float],
+def _tared(
+    name: str,
+    signal: Signal,
+    calibration: Calibration,
     *,
-    path: str = "",
-) -> dict[str, FloatArray]:
-    """Return the channels together with the derived ones, computed in the order written.
-
-    A formula sees every channel, those derived before it, the constants, `pi` and `FUNCTIONS`, all in SI.
-    It may take the name of a channel, which it then replaces.
-    """
-    known: dict[str, FloatArray] = dict(channels)
-    clash = sorted(set(constants) & (set(channels) | set(derived)))
-    if clash:
-        why, key = f"{clash[0]!r} is a constant and a channel at once", "[import.constants]"
-        raise DataError(why, code="RF109", path=path, key=key, fix="rename one of them")
-    for name, formula in derived.items():
-        try:
-            known[name] = _evaluate(formula.strip(), known, constants)
-        except _FormulaError as error:
-            shown = formula if len(formula) <= 80 else formula[:77] + "..."
-            why, key = f"{shown!r} {error.args[0]}", f"[import.derived] {name}"
-            raise DataError(why, code="RF109", path=path, key=key, fix=error.args[1] or _HINT) from None
-    return known
-
-
-class _FormulaError(Exception):
-    """What is wrong with a formula."""
-
-    def __init__(self, why: str, fix: str = "") -> None:
-        super().__init__(why, fix)
-
-
-def _evaluate(formula: str, channels: Mapping[str, FloatArray], constants: Mapping[str, float]) -> FloatArray:
-    symbols = {**FUNCTIONS, **_CONSTANTS, **constants, **channels}
-    tree, used = _parse(formula, symbols.keys())
-    try:
-        with np.errstate(all="ignore"):  # what comes of it is judged below
-            code = compile(tree, "<derived>", "eval")
-            result = np.asarray(eval(code, {"__builtins__": {}}, symbols))  # noqa: S307  (arithmetic only, see _parse)
-    except Exception as error:  # noqa: BLE001  (whatever a formula does wrong, the user hears of the formula)
-        reason = str(error).strip().splitlines()
-        raise _FormulaError(f"fails: {reason[0] if reason else type(error).__name__}") from None
-    inputs = [channels[word] for word in channels if word in used]
-    if result.dtype.kind not in "buif":
-        raise _FormulaError(f"gives {result.dtype} values, not real numbers")
-    if not inputs:
-        raise _FormulaError("uses no channel")
-    if result.shape != inputs[0].shape:
-        raise _FormulaError(f"gives shape {result.shape}, but the channels have {inputs[0].shape}")
-    result = result.astype(np.float64)
-    unexplained = ~np.isfinite(result) & np.all([np.isfinite(channel) for channel in inputs], axis=0)
-    unexplained |= np.isinf(result)
-    if unexplained.any():
-        index = int(np.argmax(unexplained))
-        raise _FormulaError(f"gives {result[index]} at sample {index + 1}")
-    return np.ascontiguousarray(result)
-
-
-def _parse(formula: str, known: AbstractSet[str]) -> tuple[ast.Expression, set[str]]:
-    """Return the formula's tree and the names it uses, after checking that it is arithmetic only."""
-    if len(formula) > _MAX_LENGTH:
-        raise _FormulaError(f"is longer than {_MAX_LENGTH} characters")
-    try:
-        tree = ast.parse(formula, mode="eval")
-    except (SyntaxError, ValueError, RecursionError, MemoryError, Warning):
-        raise _FormulaError("is not a formula") from None
-    used: set[str] = set()
-    for node in ast.walk(tree):
-        if not isinstance(node, _GRAMMAR) or isinstance(node, _NO_BITS):
-            raise _FormulaError(f"is more than arithmetic ({type(node).__name__})")
-        if isinstance(node, ast.Constant):
-            node.value = _to_float(node.value)
-        elif isinstance(node, ast.Call):
-            called = node.func.id if isinstance(node.func, ast.Name) else ast.unparse(node.func)
-            if called not in FUNCTIONS:
-                raise _FormulaError(
-                    f"calls {called!r}, which is not offered", did_you_mean(called, FUNCTIONS)
-                )
-        elif isinstance(node, ast.Name):
-            if node.id not in known:
-                hint = did_you_mean(node.id, known - FUNCTIONS.keys())
-                raise _FormulaError(f"uses the unknown name {node.id!r}", hint)
-            used.add(node.id)
-    return tree, used
-
-
-def _to_float(literal: object) -> float:
-    """Return a literal as a float: 9**9**9 in integers would never end."""
-    if isinstance(literal, bool) or not isinstance(literal, int | float):
-        raise _FormulaError(f"holds {literal!r}, which is no number")
-    try:
-        return float(literal)
-    except OverflowError:
-        raise _FormulaError("holds a number too large for a float") from None
+    profile: ImportProfile,
+    campaign_s: Interval,
+    doubts: list[Problem],
+) -> _Measured:
+    """Return a signal by its calibration with the tare of the interval that its channel names, or else the campaign."""
+    given = profile.channels.get(name)
+    interval_s = campaign_s if given is None or given.tare_s is None else given.tare_s
+    readings: Any = signal.values
+    tare_N = 0.0
+    if interval_s:
+        present = np.isfinite(readings) if readings.dtype.kind == "f" else readings >= 0
+        tare_N = np.nan  # of a recording that is too short, which picking says
+        if np.count_nonzero(present) >= MIN_SAMPLES:
+            calibration, found = tare_from_interval(signal.time_s, readings, calibration, *interval_s)
+            doubts += (replace(one, key=f"{one.key} of {name}") for one in found)
+            tare_N = calibration.tare_N
+    force, saturation = calibration.apply(readings)
+    more = {"counts": readings, "saturation": saturation} if calibration.adc else {}
+    return _Measured(signal._replace(values=force), tare_N, calibration, more)

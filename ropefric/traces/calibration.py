@@ -16,19 +16,20 @@ import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import DataError, InputError, Problem
-from ropefric.traces.noise import MAX_SPIKE_SAMPLES, noise_std, remove_spikes, runs_of
+from ropefric.traces.noise import MAX_SPIKE_SAMPLES, noise_std, remove_spikes, resolution, runs_of
 from ropefric.uncertainty.budget import Quantity, limit_of_error
 
 SCHEMA = "ropefric.calibration/1"
 
-MIN_TARE_SAMPLES = 10
+MIN_TARE_SAMPLES, MIN_TARE_READINGS = 10, 3
+"""Samples that a tare needs: of counts, and of a signal, which may be that of a slow sensor."""
 _BLOCKS = 8
 _RESTLESS = 4.0  # block means of white noise spread by 1 of this unit; 4 is out of reach of chance
 _CLIPPED_SHARE = 0.02  # fewer samples at the floor are spikes or the tail of the noise
 _DITHERED = 0.5  # in counts: noise this strong leaves less than 0.01 count of quantisation in a mean
 
 _LARGEST_FRACTION = 0.1  # no force cell is sold with 10 % of error: such a number is a percentage by mistake
-_OVERLOAD = 1.2  # usual safe overload of a force cell; a calibration point beyond it is a slip of the unit
+OVERLOAD = 1.2  # usual safe overload of a force cell; a calibration point beyond it is a slip of the unit
 
 
 def _refused(message: str, key: str, fix: str = "") -> InputError:
@@ -108,6 +109,7 @@ class ForceCell:
     full_scale_N: float
     zero_V: float = 0.0
     full_scale_V: float = 5.0
+    rated_output: float = 0.0
     linearity: float = None  # type: ignore[assignment]  # (these four: not given, so assumed)
     hysteresis: float = None  # type: ignore[assignment]
     repeatability: float = None  # type: ignore[assignment]
@@ -134,6 +136,9 @@ class ForceCell:
             fix = "swap the signal wires if the voltage falls with the force"
             message = f"{self.full_scale_V:g} V at full scale is not above {self.zero_V:g} V at no load"
             raise _refused(f"{what}: {message}", "full_scale_V", fix)
+        if self.rated_output and self.points:
+            fix = "give the points for signals in volts, the rated output for those in mV/V"
+            raise _refused(f"{what}: rated output and calibration points are both given", "points", fix)
         for key in ASSUMED_LIMITS:
             value = getattr(self, key)
             if not 0 <= value < _LARGEST_FRACTION:
@@ -185,7 +190,7 @@ def _checked_points(points: Any, full_scale_N: float, what: str) -> tuple[tuple[
     for number, (force_N, voltage_V) in enumerate(pairs, start=1):
         if not (math.isfinite(force_N) and math.isfinite(voltage_V)):
             raise refused(f"calibration point {number} is not finite")
-        if abs(force_N) > _OVERLOAD * full_scale_N:
+        if abs(force_N) > OVERLOAD * full_scale_N:
             why = f"calibration point {number}, {force_N:g} N, is far beyond full scale"
             raise refused(why, "points are written force first, in newtons, then volts")
     for number, ((f_0, v_0), (f_1, v_1)) in enumerate(pairwise(pairs), start=1):
@@ -248,10 +253,10 @@ def as_counts(values: Any) -> IntArray:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Calibration:
-    """How counts become newtons: converter, cell and tare."""
+    """How counts, or without a converter volts, become newtons: converter, cell and tare."""
 
     cell: ForceCell
-    adc: Adc = field(default_factory=Adc)
+    adc: Adc | None = field(default_factory=Adc)
     tare_N: float = 0.0
     tare_std_N: float = 0.0
 
@@ -262,11 +267,12 @@ class Calibration:
 
     @property
     def lsb_N(self) -> float:
-        """Return the force of one count [N]."""
-        return self.adc.lsb_V * self.cell.line.gain_N_V
+        """Return the force of one count [N], 0 without a converter."""
+        return self.adc.lsb_V * self.cell.line.gain_N_V if self.adc else 0.0
 
     def checked(self, values: Any) -> IntArray:
         """Return raw counts as integers, -1 where one is missing, after making sure that the converter can give them."""
+        assert self.adc is not None  # noqa: S101  (volts are no counts)
         counts = as_counts(values)
         top, most = int(counts.max(initial=0)), self.adc.max_count
         if top > most:
@@ -280,9 +286,13 @@ class Calibration:
         return counts
 
     def apply(self, values: Any) -> tuple[FloatArray, Saturation]:
-        """Return the forces of raw counts, and where the converter sat at its limits."""
-        counts = self.checked(values)
+        """Return the forces of raw counts or volts, and where the converter sat at its limits."""
         line = self.cell.line
+        if self.adc is None:
+            nowhere = np.empty((0, 2), dtype=np.int64)
+            force_N = (np.asarray(values, dtype=np.float64) - line.zero_V) * line.gain_N_V - self.tare_N
+            return force_N, Saturation(high_runs=nowhere, low_runs=nowhere)
+        counts = self.checked(values)
         gain_N = self.adc.lsb_V * line.gain_N_V
         offset_N = (self.adc.low_V - line.zero_V) * line.gain_N_V - self.tare_N
         force_N = np.asarray(counts * gain_N, dtype=np.float64)
@@ -302,27 +312,28 @@ class Calibration:
         """
         force_N, saturation = replace(self, tare_N=0.0).apply(counts)
         present_N = force_N[np.isfinite(force_N)]
-        if present_N.size:
+        fewest = MIN_TARE_SAMPLES if self.adc else MIN_TARE_READINGS
+        if present_N.size >= MIN_TARE_SAMPLES:
             # A spike of two samples at full scale moves the mean of a quarter second by more than a count.
             present_N = np.delete(present_N, remove_spikes(present_N, noise_std(present_N)).bad)
-        if present_N.size < MIN_TARE_SAMPLES or 2 * present_N.size < force_N.size:
+        if present_N.size < fewest or 2 * present_N.size < force_N.size:
             usable = f"{present_N.size} usable of {force_N.size} samples"
-            message = (
-                f"the tare interval holds {usable}; at least {MIN_TARE_SAMPLES} and half of them are needed"
-            )
+            message = f"the tare interval holds {usable}; at least {fewest} and half of them are needed"
             raise DataError(message, code="RF212", key="tare", fix="name a longer idle interval")
         if np.diff(saturation.high_runs).max(initial=0) > MAX_SPIKE_SAMPLES:
             n, fix = saturation.n_high, "name an interval in which the rope hangs free"
             message = f"{n} samples of the tare interval are at the ADC ceiling: the rig is not idle"
             raise DataError(message, code="RF212", key="tare", fix=fix)
         sample_std_N = float(present_N.std(ddof=1))
-        n_blocks = min(_BLOCKS, present_N.size // 4)
-        block_std_N = float(np.std([block.mean() for block in np.array_split(present_N, n_blocks)], ddof=1))
+        lsb_N = self.lsb_N or resolution(present_N)
+        n_blocks = max(min(_BLOCKS, present_N.size // 4), 1)
+        means_N = [block.mean() for block in np.array_split(present_N, n_blocks)]
+        block_std_N = float(np.std(means_N, ddof=1)) if n_blocks > 1 else 0.0
         slow_std_N = block_std_N / math.sqrt(n_blocks)
-        quantisation_N = 0.0 if sample_std_N >= _DITHERED * self.lsb_N else self.lsb_N / math.sqrt(12.0)
+        quantisation_N = 0.0 if sample_std_N >= _DITHERED * lsb_N else lsb_N / math.sqrt(12.0)
         std_N = math.hypot(max(sample_std_N / math.sqrt(present_N.size), slow_std_N), quantisation_N)
         tared = replace(self, tare_N=float(present_N.mean()), tare_std_N=std_N)
-        doubts = _doubts_of_tare(present_N, saturation, n_blocks, block_std_N, self.lsb_N)
+        doubts = _doubts_of_tare(present_N, saturation, n_blocks, block_std_N, lsb_N)
         return tared, tuple(
             Problem(code="RF212", message=message, key="tare", fix=fix, severity="warning")
             for message, fix in doubts
@@ -334,7 +345,7 @@ class Calibration:
         cell |= {"points": [list(point) for point in self.cell.points], "assumed": list(self.cell.assumed)}
         return {
             "schema": SCHEMA,
-            "adc": asdict(self.adc),
+            "adc": asdict(self.adc) if self.adc else None,
             "cell": cell,
             "tare_N": self.tare_N,
             "tare_std_N": self.tare_std_N,
@@ -404,17 +415,10 @@ def chain_quantities(force_N: float, calibration: Calibration) -> tuple[Quantity
         found.append(limit_of_error(name, symbol, "N", limit_N, assumed=assumed))
     # Half a count, u = LSB/√12. Averaging reduces it only where noise dithers the converter, and a peak is
     # no place to rely on that: it stays whole.
-    found.append(
-        Quantity(
-            name="resolution",
-            symbol="δ_q",
-            unit="N",
-            estimate=0.0,
-            stated=calibration.lsb_N,
-            divisor=math.sqrt(12.0),
-            distribution="rectangular",
-        )
-    )
+    if calibration.adc:
+        named: dict[str, Any] = {"name": "resolution", "symbol": "δ_q", "unit": "N", "estimate": 0.0}
+        step: dict[str, Any] = {"divisor": math.sqrt(12.0), "distribution": "rectangular"}
+        found.append(Quantity(**named, stated=calibration.lsb_N, **step))
     if line.n:
         std_N, dof = 0.0, math.inf
         if line.n > 2:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray, frozen_array
-from ropefric.errors import DataError
+from ropefric.errors import DataError, Problem
 from ropefric.shown import Shown
 from ropefric.traces.calibration import Calibration, Saturation
 
@@ -35,8 +35,14 @@ class ForceTrace(Shown):
         Where the ADC sat at its ceiling or floor.
     end_tension_N : ndarray, shape (n,), optional
         Force on the slack side [N], where a second sensor measures it; NaN where a sample is missing.
+    end_calibration : Calibration, optional
+        How it was measured.
+    tare_N : float
+        What was taken off the force [N]; NaN where it was too short to tell.
     notes : tuple of str
         What was mended on the way in: repeated time stamps, gaps.
+    doubts : tuple of Problem
+        What is doubtful about the tares.
 
     Raises
     ------
@@ -62,7 +68,10 @@ class ForceTrace(Shown):
     calibration: Calibration | None = None
     saturation: Saturation | None = None
     end_tension_N: FloatArray | None = None
+    end_calibration: Calibration | None = None
+    tare_N: float = 0.0
     notes: tuple[str, ...] = field(default=())
+    doubts: tuple[Problem, ...] = ()
 
     def __post_init__(self) -> None:
         time_s, force_N = frozen_array(self.time_s), frozen_array(self.force_N)

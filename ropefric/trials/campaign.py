@@ -18,8 +18,9 @@ from ropefric.files.toml import TomlDocument, is_scene, read_toml
 from ropefric.files.toml_model import validate_document
 from ropefric.plugins import load_named
 from ropefric.registry import did_you_mean
-from ropefric.traces.assemble import COUNTS, evaluate_derived
 from ropefric.traces.breakaway import SIDES
+from ropefric.traces.formulas import evaluate_derived
+from ropefric.traces.signals import COUNTS, signal_unit
 from ropefric.trials.campaign_model import AboutTable, Campaign, CampaignFile, Protocol, protocol_names
 from ropefric.trials.trial_list import MISSING_RECORDING, TrialContext, advise, radius_doubt, read_trials
 
@@ -37,11 +38,17 @@ _SET_BY_TRIAL = {
 
 
 def write_templates(
-    folder: str | os.PathLike[str], *, trials: bytes | None = None, overwrite: bool = False
+    folder: str | os.PathLike[str], *, trials: bytes | None = None, section: str = "", overwrite: bool = False
 ) -> tuple[Path, ...]:
-    """Return the paths of the commented campaign.toml and trials.csv just written; or, beside a campaign, of a list."""
+    """Return the paths of the commented campaign.toml and trials.csv just written; or, beside a campaign, of a list.
+
+    A section takes the place of the template's own on how to read recordings.
+    """
     source = files("ropefric.trials") / "templates"
     contents = {name: (source / name).read_bytes() for name in TEMPLATES}
+    if section:
+        text = contents[TEMPLATES[0]].decode()
+        contents[TEMPLATES[0]] = (text[: text.index("# How to read the recordings")] + section).encode()
     if trials is not None:
         contents[TEMPLATES[1]] = trials
         if (Path(folder) / TEMPLATES[0]).exists():
@@ -178,16 +185,15 @@ def _context(document: TomlDocument, model: CampaignFile | None, folder: Path) -
     protocol, channels = document.table("protocol"), document.table("import", "channels")
     name, side = protocol.get("name", "breakaway"), protocol.get("side", "slack")
     measures_end = "end_tension" in "\n".join((*channels, *document.table("import", "derived")))
-    tension: tuple[str, ...] = ()
+    tension, needing = tuple[str, ...](), _cells_needed(document).items()
     if isinstance(name, str) and name in protocol_names() and side in SIDES:
         if Protocol(name=name, side=side).needs_lift_force:
             tension = ("lift_force_N",)
         elif name != "two-way" and not measures_end:
             tension = ("end_tension_N",)
-    cells = {"cell": "counts", "end_cell": "end_tension_counts"}
     return TrialContext(
         folder=folder if kind_of_file(folder) == "folder" else None,
-        needed=(*tension, *(column for column, channel in cells.items() if channel in channels)),
+        needed=(*tension, *(column for column, name in needing if name in COUNTS or document.table("cells"))),
         wheels={name: sizes.get(name) for name in document.table("wheels")},
         cells=tuple(document.table("cells")),
         rope_radius_m=model.rope.radius_m if model else None,
@@ -197,19 +203,38 @@ def _context(document: TomlDocument, model: CampaignFile | None, folder: Path) -
     )
 
 
+def _cells_needed(document: TomlDocument) -> dict[str, str]:
+    """Return the columns of the list that must name a cell, with the channel that needs it."""
+    channels = document.table("import", "channels")
+    found = {}
+    for column, counts, force in (("cell", *COUNTS[:1], "force"), ("end_cell", *COUNTS[1:], "end_tension")):
+        given = channels.get(force)
+        volts = isinstance(given, dict) and not given.get("sensitivity") and str(given.get("unit", ""))
+        if counts in channels:
+            found[column] = counts
+        elif volts and signal_unit(force, volts):
+            found[column] = force
+    return found
+
+
 _PLACES = ("channels", "derived")
 
 
 def _check_document(document: TomlDocument) -> Iterator[Problem]:
     """Yield what is wrong between the tables of a campaign file, whether or not each is right by itself."""
-    counts = [name for name in COUNTS if name in document.table("import", "channels")]
-    for key in [("import", "channels", name) for name in counts[:1]]:
-        if "adc" not in document.data:
+    needed = [*_cells_needed(document).values()]
+    for name in needed[:1]:
+        key, what = ("import", "channels", name), "counts" if name in COUNTS else "volts"
+        if what == "counts" and "adc" not in document.data:
             fix = 'add [adc] with bits = 10, low = "0 V", high = "5 V"'
             yield document.problem(key, "RF121", "recordings in counts need the table [adc]", fix=fix)
         if not document.data.get("cells"):
             fix = 'add [cells.K1] with full_scale = "1 kN"'
-            yield document.problem(key, "RF121", "recordings in counts need a force cell", fix=fix)
+            if what == "volts":
+                fix = (
+                    f'write sensitivity = "25 N/mV" beside the unit, or {fix}, and name the cell in the list'
+                )
+            yield document.problem(key, "RF121", f"recordings in {what} need a force cell", fix=fix)
     yield from dict.fromkeys(_check_formulas(document))
     name = document.data.get("data", ".")
     folder = Path(document.path).parent / (name if isinstance(name, str) else "")

@@ -14,17 +14,19 @@ from zoneinfo import available_timezones
 from pydantic import AfterValidator, Field, PlainValidator, model_validator
 from pydantic_core import to_jsonable_python
 
-from ropefric.errors import InputError, Problem
+from ropefric.errors import DataError, InputError, Problem
 from ropefric.files import toml_model as read
-from ropefric.files.text_table import ORDERS
+from ropefric.files.text_table import ORDERS, THOUSANDS
 from ropefric.files.toml_model import StrictTable, Table, got, reject
 from ropefric.plugins import provenance
-from ropefric.quantities import si_unit_of
+from ropefric.quantities import scaled_by, si_unit_of
+from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.traces.breakaway import ENDINGS, PICKERS, RESTS, SIDES
 from ropefric.traces.calibration import ASSUMED_LIMITS, Adc, ForceCell
 from ropefric.traces.readers import READERS
 from ropefric.traces.readers.profile import Channel, ImportProfile
+from ropefric.traces.signals import FORCES, si_scale
 from ropefric.trials.outliers import RULES
 from ropefric.trials.workers import Limits
 
@@ -184,15 +186,39 @@ class ReportWords(StrictTable):
     assumptions: tuple[Text, ...] = ()
 
 
+_CHANNEL_KEYS = ("column", "unit", "sensitivity", "time", "tare", "instead_of")
+
+
 def _channel(value: object) -> Channel:
     if not isinstance(value, dict):
         return Channel(column=_column(value))
-    unknown = sorted(value.keys() - {"column", "unit"})
+    unknown = sorted(value.keys() - set(_CHANNEL_KEYS))
     if unknown:
-        reject("RF120", f"unknown key '{unknown[0]}'", fix="a channel has column and unit", key=unknown[0])
+        fix = did_you_mean(unknown[0], _CHANNEL_KEYS)
+        reject("RF120", f"unknown key '{unknown[0]}'", fix=fix, key=unknown[0])
     if "column" not in value:
         reject("RF121", "'column' is missing", fix='write { column = "time_s", unit = "s" }')
-    return Channel(column=_column(value["column"]), unit=_unit(value.get("unit", "")))
+    tare = value.get("tare")
+    return Channel(
+        column=_column(value["column"]),
+        unit=_unit(value.get("unit", "")),
+        sensitivity=_sensitivity(value),
+        time=_column(value["time"]) if "time" in value else "",
+        tare_s=None if tare is None else () if tare == "none" else _interval(tare),
+        instead_of=read.text(value.get("instead_of", "")),
+    )
+
+
+def _sensitivity(value: dict[str, object]) -> str:
+    sensitivity = read.text(value.get("sensitivity", ""))
+    if sensitivity:
+        try:
+            scaled_by(_unit(value.get("unit", "")), sensitivity)
+        except InputError as error:
+            what = error.problem.message.partition(": ")[2] or error.problem.message
+            fix = 'write the signal and what it means, such as unit = "mV", sensitivity = "25 N/mV"'
+            reject(error.code, what, fix=fix, key="sensitivity")
+    return sensitivity
 
 
 def _column(value: object) -> str | int:
@@ -236,11 +262,16 @@ def _import_profile(**given: Any) -> ImportProfile:
     if profile.separator and profile.separator == profile.decimal:
         reject("RF111", "separator and decimal mark are the same", key="decimal")
     channels = profile.channels
-    for name, si_unit in _SI_UNITS.items():
-        unit = channels[name].unit if name in channels else ""
-        if unit and si_unit_of(unit) != si_unit:
-            fix = f"use a unit such as '{si_unit}'"
-            reject("RF130", f"'{unit}' is not a unit of {name}", fix=fix, key=f"channels.{name}.unit")
+    for name in _SI_UNITS.keys() & channels.keys():
+        if channels[name].unit:
+            try:
+                si_scale(name, channels[name].unit, channels[name].sensitivity)
+            except DataError:
+                unit, si_unit = channels[name].unit, _SI_UNITS[name]
+                fix = f"use a unit such as '{si_unit}'"
+                if name in FORCES:
+                    fix += ', or add what the signal means: sensitivity = "25 N/mV"'
+                reject("RF130", f"'{unit}' is not a unit of {name}", fix=fix, key=f"channels.{name}.unit")
     if channels and not {"force", "counts"} & (channels.keys() | profile.derived.keys()):
         fix = 'add force = { column = "...", unit = "N" }, or counts, or [import.derived] force = "..."'
         reject("RF121", "no channel gives the force", fix=fix, key="channels")
@@ -259,6 +290,7 @@ _CELL = Table(
         "full_scale_N": ("full_scale", _FORCE),
         "zero_V": ("zero_voltage", _VOLTAGE),
         "full_scale_V": ("full_scale_voltage", _VOLTAGE),
+        "rated_output": ("rated_output", read.quantity("", "2 mV/V", above=0)),
         **dict.fromkeys(ASSUMED_LIMITS, read.fraction("0.02 %FS")),
         "points": ("calibration_points", tuple[Annotated[Any, PlainValidator(_point)], ...]),
         "serial": read.text,
@@ -297,6 +329,8 @@ _IMPORT = Table(
         "sampling_rate_Hz": ("sampling_rate", _RATE),
         "missing": tuple[Text, ...],
         "table": read.text,
+        "thousands": read.choice(lambda: ("", *THOUSANDS)),
+        **dict.fromkeys(("recording_column", "channel_column", "value_column"), _column),
         "channels": dict[str, Annotated[Channel, PlainValidator(_channel)]],
         "constants": dict[str, Annotated[float, PlainValidator(read.any_quantity)]],
         "derived": dict[str, Text],
@@ -342,10 +376,11 @@ class CampaignFile(StrictTable):
 
 
 class AboutTable(StrictTable):
-    """What is said beside a trial table: the wheel to predict, and the words of its report."""
+    """What is said beside a trial table: the wheel to predict, the words of its report; or how to read a recording."""
 
     design: DesignWheel | None = None
     report: ReportWords = ReportWords()
+    profile: Annotated[ImportProfile, _IMPORT, Field(alias="import")] = ImportProfile()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

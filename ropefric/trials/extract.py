@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ropefric.arrays import FloatArray, IntArray
+from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, Problem, RopefricError
 from ropefric.executors import spread
 from ropefric.files import disk
@@ -25,16 +25,17 @@ from ropefric.registry import did_you_mean
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status
 from ropefric.traces.calibration import (
+    OVERLOAD,
     Calibration,
     cell_std_N,
     end_tension_std_N,
     force_std_N,
-    tare_from_interval,
-)  # fmt: skip
+)
+from ropefric.traces.noise import MAX_SPIKE_SAMPLES, runs_of
 from ropefric.traces.protocols import PROTOCOLS, pick_at
 from ropefric.traces.readers import READERS, TEXT_FORMATS, find_reader, read_recordings
 from ropefric.traces.readers.profile import RawRecording
-from ropefric.traces.segments import MIN_SAMPLES, upright
+from ropefric.traces.segments import upright
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign_model import Campaign, TrialRow, TrialSpec
 from ropefric.trials.result import Extraction, TrialResult, draw_outline, summarised
@@ -218,7 +219,7 @@ def _look(campaign: Campaign, kinds: Mapping[str, Sequence[TrialSpec]], place: i
     for spec in (specs[0], specs[-1])[: len(specs)]:
         try:
             raws = blocks_of(spec, read_recordings(spec.path, campaign.profile, shown_as=spec.file))
-            trace, _, problems = tared_trace(campaign, spec, raws[0])
+            trace, problems = tared_trace(campaign, spec, raws[0])
         except RopefricError as error:
             failed += error.problems
             continue
@@ -246,7 +247,6 @@ STATUS_CODES = {
     Status.NO_PEAK: "RF232",
     Status.TOO_SHORT: "RF233",
 }
-RATE_TOLERANCE = 0.01
 LARGEST_N = 1e12
 """More than was ever pulled: such a number is damage, and its square may be none at all."""
 STATED_SHARE = 0.01
@@ -318,20 +318,15 @@ def _extract_raw(
     }
     window_s = campaign.smoothing.window_s
     settings = PickSettings(window_s=window_s, start_s=spec.start_s, stop_s=spec.stop_s, **asked)
-    trace, tare_N, problems = tared_trace(campaign, spec, raw)
+    trace, problems = tared_trace(campaign, spec, raw)
     found = PROTOCOLS[campaign.protocol.name].pick(trace, settings)
     if spec.pick_s is not None:
         found = (_beside(pick_at(trace, replace(settings, pick_s=spec.pick_s)), found[0]),)
     elif spec.peak_N is not None:
         found = (_beside(_given(spec), found[0]),)
-    found = tuple(_with_end_tension(trace, one, calibrations(campaign, spec)[1]) for one in found)
-    common: dict[str, Any] = {"sha256": sha256, "outline": draw_outline(trace), "tare_N": tare_N}
+    found = tuple(_with_end_tension(trace, one) for one in found)
+    common: dict[str, Any] = {"sha256": sha256, "outline": draw_outline(trace), "tare_N": trace.tare_N}
     n_high = trace.saturation.n_high if trace.saturation is not None else 0
-    wanted_Hz, found_Hz = campaign.sampling_rate_Hz, trace.sampling_rate_Hz
-    if wanted_Hz is not None and found_Hz and abs(found_Hz / wanted_Hz - 1) > RATE_TOLERANCE:
-        message = f"the time stamps say {found_Hz:.6g} Hz, the campaign {wanted_Hz:.6g} Hz"
-        fix = "correct the unit of the time column or the rate; the time stamps were used"
-        problems += (_warning(spec, "RF203", message, fix, "[sampling] rate"),)
     results = []
     for number, one in enumerate(found, start=1):
         many = campaign.protocol.name in {"stick-slip", "held"}
@@ -351,7 +346,7 @@ def _extract_raw(
     return results
 
 
-def _with_end_tension(trace: ForceTrace, found: Breakaway, calibration: Calibration | None) -> Breakaway:
+def _with_end_tension(trace: ForceTrace, found: Breakaway) -> Breakaway:
     """Return a break-away with the measured slack tension at its time: a line through the samples just before it.
 
     With the slip the slack side changes too, so what follows does not count.
@@ -360,11 +355,15 @@ def _with_end_tension(trace: ForceTrace, found: Breakaway, calibration: Calibrat
         return found
     time_s, peak_s = trace.time_s, found.peak_time_s
     place: dict[str, Any] = {"code": "RF242", "path": trace.source, "key": "end_tension"}
-    place["fix"] = "check the channel end_tension, its unit and its zero"
+    place["fix"] = (
+        "check the channel end_tension, its unit and its zero; where the weights hung in the tare interval already, "
+        'give it tare = "none" or an interval of its own'
+    )
     stop = int(np.searchsorted(time_s, peak_s, side="right")) if math.isfinite(peak_s) else 0
-    first = min(stop - SLACK_SAMPLES, int(np.searchsorted(time_s, peak_s - found.window_s)))
-    x_s, y_N = time_s[max(first, 0) : stop] - peak_s, trace.end_tension_N[max(first, 0) : stop]
-    x_s, y_N = x_s[np.isfinite(y_N)], y_N[np.isfinite(y_N)]
+    there = np.flatnonzero(np.isfinite(trace.end_tension_N[:stop]))
+    window = int(np.count_nonzero(time_s[there] >= peak_s - found.window_s))
+    there = there[max(there.size - max(window, SLACK_SAMPLES), 0) :]
+    x_s, y_N = time_s[there] - peak_s, trace.end_tension_N[there]
     if x_s.size < 3:
         if not math.isfinite(peak_s):
             return found  # stated by a person, without a time: the end tension of the list
@@ -373,9 +372,10 @@ def _with_end_tension(trace: ForceTrace, found: Breakaway, calibration: Calibrat
     scatter_N = math.sqrt(float(((y_N - value_N - slope * x_s) ** 2).sum()) / (x_s.size - 2))
     middle_s = float(x_s.mean())
     share = math.sqrt(1.0 / x_s.size + middle_s**2 / float(((x_s - middle_s) ** 2).sum()))
-    if value_N <= 0.0:
-        raise DataError(f"the end tension at break-away reads {value_N:.4g} N: a rope cannot push", **place)
-    std_N = force_std_N(value_N, calibration, picking_std_N=scatter_N * share)
+    if value_N <= 3.0 * scatter_N * share:
+        why = "a rope cannot push" if value_N <= 0.0 else "no more than its noise"
+        raise DataError(f"the end tension at break-away reads {value_N:.4g} N: {why}", **place)
+    std_N = force_std_N(value_N, trace.end_calibration, picking_std_N=scatter_N * share)
     return replace(found, end_tension_N=value_N, end_tension_std_N=std_N)
 
 
@@ -491,10 +491,9 @@ def _unreadable(
 
 
 def calibrations(campaign: Campaign, spec: TrialSpec) -> tuple[Calibration | None, Calibration | None]:
-    """Return how the counts of both sides become forces; the slack side is never unloaded, so it has no tare."""
-    adc = campaign.adc
+    """Return how the counts or volts of both sides become forces."""
     of_pull, of_slack = (
-        Calibration(cell=campaign.cells[name], adc=adc) if name and adc is not None else None
+        Calibration(cell=campaign.cells[name], adc=campaign.adc) if name else None
         for name in (spec.cell, spec.end_cell)
     )
     return of_pull, of_slack
@@ -502,34 +501,18 @@ def calibrations(campaign: Campaign, spec: TrialSpec) -> tuple[Calibration | Non
 
 def tared_trace(
     campaign: Campaign, spec: TrialSpec, raw: RawRecording
-) -> tuple[ForceTrace, float, tuple[Problem, ...]]:
-    """Return a recording calibrated and tared as its campaign says, what was taken off [N], and what is doubtful.
+) -> tuple[ForceTrace, tuple[Problem, ...]]:
+    """Return a recording calibrated and tared as its campaign says, and what is doubtful about it.
 
     A force that only goes down was recorded with its sign reversed; it is turned round, which is told.
     """
-    trace, tare_N, problems = _tared_trace(campaign, spec, raw)
-    trace, said = upright(trace)
-    if said:
-        fix = 'say so with [import.derived] force = "-force", or check the wiring of the cell'
-        problems += (_warning(spec, "RF241", said, fix, "force"),)
-    return trace, tare_N, problems
-
-
-def _tared_trace(
-    campaign: Campaign, spec: TrialSpec, raw: RawRecording
-) -> tuple[ForceTrace, float, tuple[Problem, ...]]:
-    calibration, end_calibration = calibrations(campaign, spec)
-    interval_s, problems = campaign.tare_interval_s, list[Problem]()
-
-    def tared(time_s: FloatArray, counts: IntArray, untared: Calibration) -> Calibration:
-        if interval_s is None or np.count_nonzero(counts >= 0) < MIN_SAMPLES:
-            return untared
-        found, doubts = tare_from_interval(time_s, counts, untared, *interval_s)
-        problems.extend(replace(doubt, path=spec.file) for doubt in doubts)
-        return found
-
+    of_pull, of_slack = calibrations(campaign, spec)
     trace = assemble_trace(
-        raw, campaign.profile, calibration=calibration, end_calibration=end_calibration, tared=tared
+        raw,
+        campaign.profile,
+        calibration=of_pull,
+        end_calibration=of_slack,
+        tare_s=campaign.tare_interval_s,
     )
     too_large = np.abs(trace.force_N) > LARGEST_N
     if too_large.any():
@@ -537,18 +520,30 @@ def _tared_trace(
         message = f"{force_N:.4g} N at {time_s:.6g} s is no force that a cell can read"
         fix = 'correct the unit or the cell, or list its text under [import] missing = ["..."]'
         raise DataError(message, code="RF204", path=spec.file, fix=fix)
-    if interval_s is None:
-        return trace, 0.0, ()
-    present = np.isfinite(trace.force_N)
-    if np.count_nonzero(present) < MIN_SAMPLES:
-        return trace, nan, ()  # picking says that it is too short
-    if trace.calibration is not None:
-        return trace, trace.calibration.tare_N, tuple(problems)
-    start_s, stop_s = interval_s
-    inside = (trace.time_s >= start_s) & (trace.time_s <= stop_s) & present
-    if not inside.any():
-        message = f"no sample lies in the tare interval from {start_s:g} s to {stop_s:g} s"
-        fix = "name an idle interval inside the recording, or remove [tare]"
-        raise DataError(message, code="RF212", path=spec.file, key="[tare] interval", fix=fix)
-    tare_N = float(np.median(trace.force_N[inside]))
-    return replace(trace, force_N=trace.force_N - tare_N), tare_N, ()
+    for name, values_N, cell in (
+        ("force", trace.force_N, spec.cell),
+        ("end_tension", trace.end_tension_N, spec.end_cell),
+    ):
+        if values_N is not None:
+            _refuse_overload(campaign, spec, name, values_N, cell)
+    trace, said = upright(trace)
+    problems = tuple(replace(doubt, path=spec.file) for doubt in trace.doubts)
+    if said:
+        fix = 'say so with [import.derived] force = "-force", or check the wiring of the cell'
+        problems += (_warning(spec, "RF241", said, fix, "force"),)
+    return trace, problems
+
+
+def _refuse_overload(campaign: Campaign, spec: TrialSpec, name: str, values_N: FloatArray, cell: str) -> None:
+    """Refuse a force that its cell, or where the list names none the largest of the campaign, cannot have read."""
+    named = {cell} if cell else campaign.cells.keys() - {spec.cell, spec.end_cell}
+    cells = {name: campaign.cells[name] for name in campaign.cells if name in named}
+    if not cells:
+        return
+    largest = max(cells.values(), key=lambda one: one.full_scale_N)
+    runs = runs_of(np.abs(values_N) > OVERLOAD * largest.full_scale_N)
+    if np.diff(runs).max(initial=0) > MAX_SPIKE_SAMPLES:
+        said = f"{float(np.nanmax(np.abs(values_N))):.4g} N, but the full scale of [cells.{largest.name}]"
+        message = f"the {name} comes to {said} is {largest.full_scale_N:.4g} N"
+        fix = "correct the unit of the channel, or the full scale"
+        raise DataError(message, code="RF204", path=spec.file, key=f"[import.channels] {name}", fix=fix)

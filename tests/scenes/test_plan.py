@@ -72,7 +72,15 @@ def test_what_has_no_bound_is_simulated_whatever_it_costs():
 
 
 def test_what_is_quick_is_solved_whole_at_any_accuracy(loaded):
-    for name in ["hoist", "climbing-hoist", "traction", "belt-drive", "fast-belt-press", "cable-pull", "tendon"]:
+    for name in [
+        "hoist",
+        "climbing-hoist",
+        "traction",
+        "belt-drive",
+        "fast-belt-press",
+        "cable-pull",
+        "tendon",
+    ]:
         scene = loaded(name)
         plan, _ = make_plan(scene.kind.system, scene.problem, accuracy=0.5, effects="auto")
         assert plan.left_out == (), name

@@ -176,7 +176,7 @@ def test_a_clock_against_the_stated_rate_is_told(lab):
     assert "RF203" not in codes(lab.write(rows, '[sampling]\nrate = "1 kHz"').extract())
     extraction = lab.write(rows, '[sampling]\nrate = "2 kHz"').extract()
     (problem,) = (p for p in extraction.problems if p.code == "RF203")
-    assert (problem.severity, problem.path) == ("warning", "a.csv")
+    assert (problem.severity, problem.path) == ("error", "a.csv")
     assert "1000 Hz" in problem.message
     assert "2000 Hz" in problem.message
 

@@ -31,7 +31,7 @@ with on_first_use():
     from ropefric.scenes import scene as scenes
     from ropefric.scenes import scene_templates
     from ropefric.trials import campaign as campaigns
-    from ropefric.trials import campaign_model, outliers, trial_list, workers
+    from ropefric.trials import campaign_model, outliers, proposal, workers
     from ropefric.trials import extract as extracting
     from ropefric.trials import table as tables
 
@@ -52,7 +52,7 @@ def init(
         "--scene",
     ),
     recordings: str = option(
-        "GLOB", "List these recordings in trials.csv, such as 'daq/*.csv' (in quotes).", "--from", default=""
+        "GLOB", "Begin with these recordings: a folder, or 'daq/*.csv' (in quotes).", "--from", default=""
     ),
     pattern: str = option(
         "PATTERN",
@@ -63,22 +63,24 @@ def init(
 ) -> Answer:
     """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, ….
 
-    With --from the list of trials is made from the names of recordings.
+    With --from the recordings are read: the list of trials is made from their names, the section that reads them is
+    found out, and what was assumed is said.
     """
     if scenes or scene:
         written = scene_templates.write_scenes(folder, () if scenes else scene or (), overwrite=force)
         first = folder / "hoist.toml"
         out.note(f"next: ropefric solve {quote(str(first if first in written else written[0]))}")
     else:
-        trials = None
+        found: dict[str, Any] = {}
         if recordings:
-            trials, told = trial_list.list_from_names(recordings, pattern, folder)
-            if told:
-                out.note(told)
+            trials, section_toml, said = proposal.propose_campaign(recordings, pattern, folder)
+            found = {"trials": trials, "section": section_toml}
+            for line in said:
+                out.note(line)
         elif pattern:
             fix = "add --from 'daq/*.csv'"
             raise InputError("a pattern of names needs recordings", key="--pattern", fix=fix)
-        written = campaigns.write_templates(folder, trials=trials, overwrite=force)
+        written = campaigns.write_templates(folder, overwrite=force, **found)
         out.note(f"next: fill them in, then  ropefric check {quote(str(folder / 'campaign.toml'))}")
     return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
 
@@ -96,6 +98,7 @@ def inspect(
     ),
     write_profile: Path | None = option("PATH", "Write the suggested [import] section there."),
     force: bool = flag("--force", "Write over a file that is already there."),
+    profile_file: Path | None = option("PATH", "Try the [import] section of this TOML file.", "--profile"),
     everything: bool = flag("--all", "Read a large text whole, not only its first and last megabyte."),
     memory: Number = quantity("--memory", "byte", "Most memory that reading it may take [2 GB]."),
     time: Number = quantity("--time", "s", "Most time that reading it may take [120 s]."),
@@ -116,7 +119,10 @@ def inspect(
     given = {"memory_bytes": memory, "time_s": time}
     limits = workers.Limits(**{name: value for name, value in given.items() if value is not None})
     # By a process that may die of it.
-    look = partial(_inspect, file, ImportProfile(format=file_format), everything)
+    known = campaigns.load_about(profile_file).profile if profile_file else ImportProfile()
+    if file_format != "auto":
+        known = replace(known, format=file_format)
+    look = partial(_inspect, file, known, everything)
     ((_, found),) = workers.guarded(look, 1, limits=limits)
     if isinstance(found, workers.Lost):
         raise DataError(found.reason, code="RF101", path=file, fix=found.fix)
@@ -146,6 +152,7 @@ def _sections(found: "Inspection", profile: str) -> list["section.Section"]:
     first, hidden = _first_rows(found)
     notes = [f"({hidden} more columns)"] if hidden > 0 else []
     notes += [f"recognised: {note}" for note in found.notes]
+    tried = [f"read {found.read}"] if found.read else [f"not read: {found.stopped}"] if found.stopped else []
     suggested = ["suggested for campaign.toml:", "", *profile.rstrip().split("\n")]
     told = [
         section.Section(lines=(_headline(found),), verbatim=True),
@@ -153,6 +160,7 @@ def _sections(found: "Inspection", profile: str) -> list["section.Section"]:
         first,
         section.Section(lines=notes, verbatim=True),
         section.Section("please check", notes=found.doubts),
+        section.Section(lines=tried, verbatim=True),
         section.Section(lines=suggested, verbatim=True),
     ]
     return [one for one in told if one.rows or one.notes or (one.lines and not one.headings)]
@@ -188,7 +196,8 @@ def _headline(found: "Inspection") -> str:
     facts = [found.format, rows]
     if found.samples:
         names = ", ".join(found.samples[:12]) + (" …" if len(found.samples) > 12 else "")
-        facts.append(f"{len(found.samples)} recordings side by side ({names})")
+        where = " side by side" if found.format == "wide" else ""
+        facts.append(f"{len(found.samples)} recordings{where} ({names})")
     marks = {"separator": found.separator, "decimal": found.decimal}
     facts += [f"{what} {_MARKS.get(mark, mark)}" for what, mark in marks.items() if mark]
     if found.encoding:

@@ -1,9 +1,9 @@
 """Recording files: one reader a format, found by name or by the file's ending.
 
 In: a file and an `ImportProfile` (profile.py). Out: `RawRecording`s, columns as they are in the file. A reader opens the
-file as tables (table.py says how their columns become channels): delimited.py, and texts that it is told the layout of
-by labview.py (.lvm) and headed.py (NI, Mitsubishi); vernier.py (.cmbl), excel.py, matlab.py, hdf5.py, tdms.py.
-inspection.py looks at an unknown file and suggests a profile.
+file as tables (table.py says how their columns become channels): delimited.py, several.py (many recordings in a text),
+and texts that tell their layout, labview.py (.lvm) and headed.py (NI, Mitsubishi); vernier.py (.cmbl), excel.py,
+matlab.py, hdf5.py, tdms.py. inspection.py looks at an unknown file and suggests a profile.
 """
 
 from pathlib import Path, PurePath
@@ -12,17 +12,25 @@ from ropefric.errors import DataError
 from ropefric.files.disk import InputFile, use_file
 from ropefric.files.text import Source, first_lines
 from ropefric.registry import Registry
-from ropefric.traces.readers import excel, hdf5, headed, labview, matlab, tdms, vernier
-from ropefric.traces.readers.delimited import DELIMITED, WIDE
+from ropefric.traces.readers import excel, hdf5, headed, labview, matlab, several, tdms, vernier
+from ropefric.traces.readers.delimited import DELIMITED
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 from ropefric.traces.readers.table import Reader
 
-TEXT_FORMATS = (DELIMITED.name, WIDE.name)
+TEXT_FORMATS = (DELIMITED.name, several.WIDE.name, several.STACKED.name, several.LONG.name)
 
 READERS: Registry[Reader] = Registry(
     "file format",
     [
-        *(DELIMITED, WIDE, labview.READER, headed.NI, headed.MITSUBISHI),
+        *(
+            DELIMITED,
+            several.WIDE,
+            several.STACKED,
+            several.LONG,
+            labview.READER,
+            headed.NI,
+            headed.MITSUBISHI,
+        ),
         *(vernier.READER, matlab.READER, hdf5.READER, tdms.READER, excel.READER),
     ],
 )
@@ -49,7 +57,7 @@ def find_reader(
             head = first_lines(source)
             knowing = (other for other in READERS.values() if other.recognises and other.recognises(head))
             reader = next(knowing, reader)
-    return WIDE if reader is DELIMITED and profile.block_columns > 0 else reader
+    return several.WIDE if reader is DELIMITED and profile.block_columns > 0 else reader
 
 
 def read_recordings(

@@ -1,4 +1,4 @@
-"""Text with columns: CSV and its relatives, one recording a file, or many side by side ("wide").
+"""Text with columns: CSV and its relatives, one recording a file.
 
 The C parser of pandas reads clean files; it fills short rows up and turns surplus cells into an index, both in silence,
 so rows are counted first, on the bytes. Whatever it does not take as numbers is read again cell by cell, which either
@@ -8,16 +8,15 @@ finds a number after all or says which cell is none. A large file is read block 
 import io
 import math
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import lru_cache, partial
-from itertools import chain, pairwise
+from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.files.disk import FileChangedError
 from ropefric.files.text import Block, Source, Text, is_blank_line, load_text, split_line
-from ropefric.files.text_table import Dialect, find_dialect, is_number, is_value
+from ropefric.files.text_table import Dialect, find_dialect, is_value, number_of
 from ropefric.glossary import counted
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.table import Reader, Table, bad_cell, stamp_column
@@ -96,6 +95,8 @@ def text_table(
         n_optional=n_optional,
     )
     units, stamps = (*dialect.units, *[""] * len(names))[: len(names)], dialect.stamps
+    if len(names) == 1 and not any(units):
+        units = (dialect.facts.unit,)
 
     def values(indices: Sequence[int]) -> list[FloatArray]:
         numbers = iter(_parse_columns(text, dialect, names, [i for i in indices if i not in stamps], n_rows))
@@ -112,6 +113,7 @@ def text_table(
         values=values,
         first_line=dialect.rows.data_row if is_gapless else 0,
         stamps=stamps,
+        facts=dialect.facts,
         notes=dialect.notes,
     )
 
@@ -132,80 +134,15 @@ def _column_names(text: Text, dialect: Dialect) -> tuple[tuple[str, ...], str, i
     surplus = n_cells - len(names)
     if names[-1].lower() == "comment" and surplus in (-1, 0):
         return tuple(names), expected, 1
-    if surplus < 0 or (surplus > 0 and not _ends_empty(text, dialect, surplus)):
+    if surplus < 0 or (surplus > 0 and not ends_empty(text, dialect, surplus)):
         _check_rows(text, dialect, len(names), expected=expected)
     return (*names, *[""] * surplus), in_data if surplus > 0 else expected, 0
 
 
-def _ends_empty(text: Text, dialect: Dialect, surplus: int) -> bool:
+def ends_empty(text: Text, dialect: Dialect, surplus: int) -> bool:
     """Return whether the last cells of every data row are empty: trailing separators."""
     rows = text.rows_from(dialect.rows.data_row, dialect.separator)
     return not any(any(row[-surplus:]) for _, row in rows)
-
-
-def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
-    """Return one table per block of columns; rows that are empty at a block's end belong to longer blocks."""
-    width = profile.block_columns
-    if width < 1:
-        why = "format 'wide' needs the number of columns of one recording"
-        fix = "set [import] block_columns, for example block_columns = 4"
-        raise source.error(why, code="RF105", key="[import] block_columns", fix=fix)
-    text, dialect = open_text(source, profile)
-    data_row, n_cells = dialect.rows.data_row, dialect.n_cells
-    n_blocks, surplus = divmod(n_cells, width)  # a trailing separator makes no column
-    if n_blocks == 0 or surplus > 1 or (surplus and not _ends_empty(text, dialect, 1)):
-        why = f"{n_cells} columns cannot be divided into recordings of {width} columns"
-        fix = "correct [import] block_columns or data_row"
-        raise source.error(why, code="RF103", line=data_row, key="[import] block_columns", fix=fix)
-    expected = f"line {data_row} has {n_cells}: {n_blocks} blocks of {width}"
-    names, units = (_by_block(cells, n_blocks, width) for cells in (dialect.header, dialect.units))
-    dialect = replace(dialect, units=tuple(chain(*units)))
-    whole = text_table(text, dialect, tuple(chain(*names)), expected=expected, block_columns=width)
-
-    @lru_cache(maxsize=1)  # the file is parsed once for all blocks, which ask for the same columns
-    def load(offsets: tuple[int, ...]) -> dict[int, FloatArray]:
-        indices = [block * width + offset for block in range(n_blocks) for offset in offsets]
-        return dict(zip(indices, whole.values(indices), strict=True))
-
-    def values(block: int, offsets: Sequence[int]) -> list[FloatArray]:
-        loaded = load(tuple(sorted(set(offsets))))
-        columns = [loaded[block * width + offset] for offset in offsets]
-        filled = np.flatnonzero(~np.all(np.isnan(columns), axis=0))
-        return [column[: int(filled[-1]) + 1 if filled.size else 0] for column in columns]
-
-    return tuple(
-        replace(
-            whole,
-            names=names[block],
-            units=whole.units[block * width : (block + 1) * width],
-            values=partial(values, block),
-            sample=sample,
-            stamps=frozenset(index - block * width for index in whole.stamps),
-        )
-        for block, sample in enumerate(_block_names(text, dialect, profile, n_blocks))
-    )
-
-
-def _by_block(cells: Sequence[str], n_blocks: int, width: int) -> list[tuple[str, ...]]:
-    """Return cells by block; a block without any takes those of the first, which vendors write only once."""
-    padded = [*cells, *[""] * (n_blocks * width)]
-    blocks = [tuple(padded[i * width : (i + 1) * width]) for i in range(n_blocks)]
-    return [block if any(block) else blocks[0] for block in blocks]
-
-
-def _block_names(text: Text, dialect: Dialect, profile: ImportProfile, n_blocks: int) -> list[str]:
-    """Return the blocks' names: the first filled cell of each in the names row, else their numbers."""
-    row, width = profile.block_names_row, profile.block_columns
-    cells = split_line(text.line(row), dialect.separator) if row >= 1 else []
-    names = [
-        next(filter(None, cells[block * width : (block + 1) * width]), str(block + 1))
-        for block in range(n_blocks)
-    ]
-    if len(set(names)) < n_blocks:
-        twice = next(name for name in names if names.count(name) > 1)
-        why, fix = f"two recordings are called {twice!r}", "set block_names_row = 0 to number them"
-        raise text.source.error(why, code="RF105", line=row, key="[import] block_names_row", fix=fix)
-    return names
 
 
 def _check_rows(
@@ -322,7 +259,7 @@ def _parse_columns(
     columns = {index: np.empty(n_rows) for index in wanted}
     for block in text.blocks(dialect.rows.data_row):
         # Quotes are tokenised here and by pandas by slightly different rules; one rule is safer than two.
-        tries = () if b'"' in block else (False, True)
+        tries = () if b'"' in block or dialect.thousands else (False, True)
         fast = (_parse_fast(block, dialect, len(names), wanted, tolerant=tolerant) for tolerant in tries)
         arrays = next((found for found in fast if found is not None), None)
         if arrays is None:
@@ -383,9 +320,7 @@ def _parse_rows(
         cells, row = split_line(line, dialect.separator), []
         for index in indices:
             cell = cells[index] if index < len(cells) else ""
-            value = math.nan if cell in no_value else math.inf
-            if math.isinf(value) and is_number(cell, dialect.decimal):
-                value = float(cell.replace(",", "."))
+            value = math.nan if cell in no_value else number_of(cell, dialect.decimal, dialect.thousands)
             if math.isinf(value):
                 name = names[index] if index < len(names) and names[index] else f"column {index + 1}"
                 raise bad_cell(cell, name, dialect.decimal, source, line=number)
@@ -402,10 +337,4 @@ DELIMITED = Reader(
     ),
     description="text with columns: CSV, TAB, semicolon or blanks; plain or gzip",
     tables=_delimited_tables,
-)
-WIDE = Reader(
-    name="wide",
-    suffixes=(),
-    description="text with many recordings side by side, block_columns columns each",
-    tables=_wide_tables,
 )

@@ -1,51 +1,84 @@
 """Excel and OpenDocument sheets, read as the text that they would be saved as; needs the extra `lab`."""
 
 import csv
+import datetime as dt
 import io
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
+from ropefric.errors import DataError
 from ropefric.files.text import Source, Text
 from ropefric.files.text_table import is_number
 from ropefric.traces.readers.delimited import open_text, text_table
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.readers.table import Reader, Table, check_choice, foreign, needs_package
+from ropefric.traces.readers.table import (
+    Reader,
+    Table,
+    check_choice,
+    foreign,
+    needs_package,
+    recordings_among,
+)
 
 ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")
 """Cells whose formula failed; they hold no value, and python-calamine shows them empty."""
 
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
-    """Return the table of one sheet: the profile's, else the first that has content."""
+    """Return the table of the sheet that the profile names, else of every sheet that has the columns of the longest."""
     layout = replace(profile, separator=";", decimal=profile.decimal or ".")
-    content, said = sheet_as_csv(source, profile.table, layout.decimal)
-    text = Text(source=source, data=content.encode(), encoding="utf-8")
-    text, dialect = open_text(source, layout, text)
-    dialect.notes.extend([said] if said else [])
-    # Every row of a sheet is as wide as the sheet, and a column needs no header.
-    names = (*dialect.header, *[""] * dialect.n_cells)[: dialect.n_cells]
-    return (text_table(text, dialect, names),)
+    tables: dict[str, Table] = {}
+    sizes: dict[str, int] = {}
+    errors: list[DataError] = []
+    for name, grid in _grids(source, profile.table).items():
+        content = _as_csv([[*map(_with_clock, row)] for row in grid], layout.decimal)
+        try:
+            text = Text(source=source, data=content.encode(), encoding="utf-8")
+            text, dialect = open_text(source, layout, text)
+            # Every row of a sheet is as wide as the sheet, and a column needs no header.
+            names = (*dialect.header, *[""] * dialect.n_cells)[: dialect.n_cells]
+            tables[name] = text_table(text, dialect, names)
+            sizes[name] = content.count("\n") - dialect.rows.data_row
+        except DataError as error:
+            errors.append(error)
+    if not tables:
+        raise errors[0] if errors else source.error("no sheet holds anything", fix="record it again")
+    return recordings_among(tables, sizes, profile, "sheets")
 
 
-def sheet_as_csv(source: Source, table: str = "", mark: str = "") -> tuple[str, str]:
-    """Return the rows of a sheet as lines with ";" between the cells, and which sheet of several it was.
+def sheet_as_csv(source: Source) -> tuple[str, str]:
+    """Return the rows of the first sheet that has any, and which of several it was.
 
-    Without a decimal mark all numbers get that of numbers that stand as text, "1,5" in German sheets, else a point.
+    All numbers get the decimal mark of numbers that stand as text, "1,5" in German sheets, else a point.
     """
+    grids = _grids(source)
+    name, grid = next(((name, grid) for name, grid in grids.items() if grid), ("", []))
+    texts = (cell for row in grid for cell in row if isinstance(cell, str))
+    mark = "," if any("," in text and is_number(text.strip(), ",") for text in texts) else "."
+    return _as_csv(grid, mark), f"read from the sheet {name!r}, one of {len(grids)}" if len(grids) > 1 else ""
+
+
+_Grid = list[list[Any]]
+
+
+def _grids(source: Source, table: str = "") -> dict[str, _Grid]:
+    """Return the cells of a book's sheets, or of the one that is named, without empty rows at the end."""
     raw = io.BytesIO(source.raw_bytes())
     fix = "save it again as .xlsx or .csv, or name its format in [import] format"
     with foreign(source, "this is not a readable sheet", fix):
         sheets, rows_of = _open(raw, source)
         check_choice(table, sheets, "sheet", source)
-        grids = ((name, [list(row) for row in rows_of(name)]) for name in ([table] if table else sheets))
-        name, grid = next((found for found in grids if found[1]), ("", []))
-    while grid and not any(map(_text, grid[-1])):
-        grid.pop()
-    texts = (cell for row in grid for cell in row if isinstance(cell, str))
-    if not mark:
-        mark = "," if any("," in text and is_number(text.strip(), ",") for text in texts) else "."
+        grids = {name: [list(row) for row in rows_of(name)] for name in ([table] if table else sheets)}
+    for grid in grids.values():
+        while grid and not any(map(_text, grid[-1])):
+            grid.pop()
+    return grids
+
+
+def _as_csv(grid: _Grid, mark: str) -> str:
+    """Return rows as lines with ";" between the cells."""
 
     def written(cell: Any) -> str:
         if isinstance(cell, float):
@@ -54,7 +87,13 @@ def sheet_as_csv(source: Source, table: str = "", mark: str = "") -> tuple[str, 
 
     stream = io.StringIO()
     csv.writer(stream, delimiter=";", lineterminator="\n").writerows([*map(written, row), ""] for row in grid)
-    return stream.getvalue(), f"read from the sheet {name!r}, one of {len(sheets)}" if len(sheets) > 1 else ""
+    return stream.getvalue()
+
+
+def _with_clock(cell: Any) -> Any:
+    """Return a date with its time of day: a package shows the stamp of midnight as a day."""
+    is_day = isinstance(cell, dt.date) and not isinstance(cell, dt.datetime)
+    return dt.datetime.combine(cell, dt.time()) if is_day else cell
 
 
 def _text(cell: Any) -> str:

@@ -1,4 +1,4 @@
-"""Look at a recording file without knowing it: what is in it, and which import profile would read it."""
+"""Look at a recording file without knowing it: what is in it, and which import profile reads it, tried on the file."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -11,16 +11,19 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError
 from ropefric.files.disk import InputFile, use_file
-from ropefric.files.text import WHOLE_BYTES, Source, Text, split_line
-from ropefric.files.text_table import Dialect, is_unit
-from ropefric.quantities import split_unit_suffix
-from ropefric.traces.assemble import si_factor
+from ropefric.files.text import WHOLE_BYTES, Source, split_line
+from ropefric.glossary import counted
+from ropefric.traces.assemble import assemble_trace
+from ropefric.traces.calibration import Adc, Calibration, ForceCell
 from ropefric.traces.clock import GAP_STEPS, mend_clock
 from ropefric.traces.noise import runs_of
-from ropefric.traces.readers import TEXT_FORMATS, find_reader
+from ropefric.traces.readers import READERS, TEXT_FORMATS, find_reader
 from ropefric.traces.readers.delimited import open_text
+from ropefric.traces.readers.guesses import guess_meaning, index_of, layouts, unit_of
 from ropefric.traces.readers.profile import Channel, ImportProfile, profile_to_toml
-from ropefric.traces.readers.table import Table, guess_channels
+from ropefric.traces.readers.table import Table
+from ropefric.traces.signals import FORCES, si_scale, signal_unit
+from ropefric.traces.trace import ForceTrace
 
 N_FIRST_ROWS = 5
 PART_BYTES = 2**20
@@ -31,7 +34,11 @@ MIN_RUN = 3
 _TAIL_ENCODINGS = ("utf-8", "utf-8-sig", "cp1252")
 _FULL_SCALES = {2**bits - 1: bits for bits in (8, 10, 12, 14, 16, 18, 20, 24)}
 _UNIFORM = 0.05
-_EXAMPLE = {"time": "ms", "force": "N"}
+_TOP = 2.0**32 - 1.0
+_AS_COUNTS = Calibration(
+    cell=ForceCell(name="", full_scale_N=_TOP, full_scale_V=_TOP), adc=Adc(bits=32, low_V=0.0, high_V=_TOP)
+)
+"""Of a file that is only looked at, a count is a newton."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,6 +78,8 @@ class Inspection:
     profile: ImportProfile = field(default_factory=ImportProfile)
     notes: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
+    read: str = ""
+    stopped: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         r"""Return the inspection for JSON, the profile as its TOML text."""
@@ -98,7 +107,7 @@ def inspect_file(
         reader = find_reader(source.path, known, shown_as=shown, source=source)
         if reader.name not in TEXT_FORMATS:
             found = Inspection(file=shown, format=reader.name, profile=replace(known, format=reader.name))
-            return _summarise(found, reader.tables(source, known))
+            return _tried(_summarise(found, reader.tables(source, known)), source)
         sizes = accumulate(map(len, source.unpacked())) if source.is_packed else (source.file.size,)
         is_small = everything or all(size <= WHOLE_BYTES for size in sizes)
         return _inspect_text(source, known) if is_small else _inspect_ends(source, known)
@@ -128,7 +137,7 @@ def _end_of(found: Inspection, source: Source) -> list[FloatArray | None]:
     """Return the columns of the last lines."""
     known = replace(found.profile, format="delimited", channels={}, decimal=found.decimal)
     known = replace(known, header_row=0, units_row=0, block_names_row=0, data_row=2)  # the first line is cut
-    (table, *_) = find_reader(source.path, known).tables(replace(source, most_bytes=-PART_BYTES), known)
+    (table, *_) = READERS["delimited"].tables(replace(source, most_bytes=-PART_BYTES), known)
     if len(table.names) != len(found.columns):
         raise source.error(f"there are {len(table.names)} columns, not {len(found.columns)}")
     return _load(table)[0]
@@ -137,6 +146,7 @@ def _end_of(found: Inspection, source: Source) -> list[FloatArray | None]:
 def _inspect_text(
     source: Source, profile: ImportProfile, end: Sequence[FloatArray | None] = ()
 ) -> Inspection:
+    """Return what the first profile that reads a text makes of it, or where none does, the first that opens it."""
     doubts = []
     decimal_is_open = False
     try:
@@ -148,75 +158,87 @@ def _inspect_text(
         decimal_is_open = True  # in the profile too, so that reading still refuses until somebody decides
         profile = replace(profile, decimal=",")
         text, dialect = open_text(source, profile)
-    profile = _find_blocks(text, dialect, profile) or replace(profile, **dialect.rows._asdict())
-    reader = find_reader(source.path, replace(profile, format="delimited"))
-    try:
-        tables = reader.tables(source, profile)
-    except DataError as error:
-        if error.code != "RF103" or profile.header_row == 0:
-            raise
-        doubts.append(str(error))
-        profile = replace(profile, header_row=0, units_row=0)
-        text, dialect = open_text(source, profile)
-        tables = reader.tables(source, profile)
-    lines = islice(text.lines_from(dialect.rows.data_row), N_FIRST_ROWS)
-    found = Inspection(
-        file=source.shown,
-        format=reader.name,
-        encoding=text.encoding,
-        separator=dialect.separator,
-        decimal=dialect.decimal,
-        header_row=profile.header_row,
-        units_row=profile.units_row,
-        data_row=profile.data_row,
-        first_rows=tuple(tuple(split_line(line, dialect.separator)) for _, line in lines),
-        profile=replace(
-            profile,
+    found: list[Inspection] = []
+    errors: list[DataError] = []
+    for layout in layouts(text, dialect, profile):
+        reader = find_reader(
+            source.path, replace(layout, format="delimited" if layout.format == "auto" else layout.format)
+        )
+        try:
+            tables = reader.tables(source, layout)
+        except DataError as error:
+            errors.append(error)
+            continue
+        lines = islice(text.lines_from(layout.data_row), N_FIRST_ROWS)
+        seen = Inspection(
+            file=source.shown,
             format=reader.name,
+            encoding=text.encoding,
             separator=dialect.separator,
-            decimal="" if decimal_is_open else dialect.decimal,
-            encoding="" if text.encoding in {"utf-8", "utf-8-sig"} else text.encoding,
-        ),
-        doubts=tuple(doubts),
-    )
-    return _summarise(found, tables, end)
+            decimal=dialect.decimal,
+            header_row=layout.header_row,
+            units_row=layout.units_row,
+            data_row=layout.data_row,
+            first_rows=tuple(tuple(split_line(line, dialect.separator)) for _, line in lines),
+            profile=replace(
+                layout,
+                format=reader.name,
+                separator=dialect.separator,
+                decimal="" if decimal_is_open else dialect.decimal,
+                thousands=dialect.thousands,
+                encoding="" if text.encoding in {"utf-8", "utf-8-sig"} else text.encoding,
+            ),
+            doubts=(*doubts, *map(str, errors)),
+        )
+        found.append(_tried(_summarise(seen, tables, end), source))
+        if not found[-1].stopped:
+            return found[-1]
+    if not found:
+        raise errors[0]
+    return found[0]
 
 
-def _find_blocks(text: Text, dialect: Dialect, profile: ImportProfile) -> ImportProfile | None:
-    """Return the profile with the block layout that the head shows, or None for an ordinary table.
+def _tried(found: Inspection, source: Source) -> Inspection:
+    """Return an inspection with what its own profile reads of the file, or what stops it; not tried on a part of one."""
+    if source.most_bytes:
+        return found
+    signals = {
+        name: unit for name, one in found.profile.channels.items() if (unit := _open_signal(name, one))
+    }
+    channels = {
+        name: replace(one, sensitivity=f"1 N/{signals[name]}") if name in signals else one
+        for name, one in found.profile.channels.items()
+    }
+    profile = replace(found.profile, channels=channels)
+    try:
+        raws = find_reader(source.path, profile, source=source).read(source, profile)
+        traces = [
+            assemble_trace(raw, profile, calibration=_AS_COUNTS, end_calibration=_AS_COUNTS) for raw in raws
+        ]
+    except DataError as error:
+        fix = f" ({error.fix})" if error.fix else ""
+        return replace(found, stopped=f"{error.problem.message}{fix}")
+    said = _summary_of(traces, signals.get("force", "N"))
+    said += f"; how much force that is, nothing says yet ({', '.join(signals)})" if signals else ""
+    told = (note for trace in traces for note in trace.notes)
+    return replace(found, read=said, notes=tuple(dict.fromkeys((*found.notes, *told))))
 
-    Two layouts are known: a row that names each recording above its first column; and a header that names
-    the columns of the first recording and leaves the rest blank.
-    """
-    n, names_row, width = dialect.n_cells, 0, 0
-    if profile.block_columns or n < 4 or sum(map(bool, dialect.header)) == n:  # every column has a name
-        return None
-    head = {}
-    for line in range(1, dialect.rows.data_row):
-        cells = split_line(text.line(line), dialect.separator)
-        filled = [i for i, cell in enumerate(cells[:n]) if cell]
-        if len(filled) > 0:
-            head[line] = (cells, filled)
-    for line, (_, filled) in head.items():
-        step = filled[1] - filled[0] if len(filled) > 1 else 0
-        if step > 1 and n % step == 0 and filled == list(range(0, n, step)):
-            names_row, width = line, step
-            break
-    else:
-        widths = (len(filled) for _, filled in head.values() if filled[-1] == len(filled) - 1)
-        width = next((w for w in widths if w > 1 and n % w == 0 and n // w > 1), 0)
-    if not width:
-        return None
-    rows = [line for line, (_, filled) in head.items() if line != names_row and filled[-1] < width]
-    units = [line for line in rows if all(is_unit(cell) for cell in head[line][0] if cell)]
-    return replace(
-        profile,
-        block_columns=width,
-        block_names_row=names_row,
-        header_row=max(set(rows).difference(units), default=0),
-        units_row=max(units, default=0),
-        data_row=dialect.rows.data_row,
-    )
+
+def _summary_of(traces: Sequence[ForceTrace], unit: str) -> str:
+    """Return how many recordings of how many samples were read, at which rate, and from which force to which."""
+    sizes = sorted({trace.force_N.size for trace in traces})
+    size = " to ".join(map(str, dict.fromkeys((sizes[0], sizes[-1]))))
+    rates = ", ".join(dict.fromkeys(f"{trace.sampling_rate_Hz:.4g} Hz" for trace in traces))
+    present = np.concatenate([trace.force_N[np.isfinite(trace.force_N)] for trace in traces])
+    unit = unit if traces[0].counts is None else "counts"
+    span = f"{present.min():.4g} to {present.max():.4g} {unit}" if present.size else "no force"
+    return f"{counted(len(traces), 'recording')} of {size} samples, {rates}, {span}"
+
+
+def _open_signal(name: str, channel: Channel) -> str:
+    """Return the unit of a force that is a signal of which nothing says what it means, else ""."""
+    is_open = name in FORCES and not channel.sensitivity and signal_unit(name, channel.unit) == "V"
+    return channel.unit if is_open else ""
 
 
 def _summarise(
@@ -228,20 +250,26 @@ def _summarise(
     pairs = zip(values, end, strict=True) if end else ((array, np.empty(0)) for array in values)
     whole = [None if a is None or b is None else np.append(a, b) for a, b in pairs]
     columns = tuple(_column(table, index, array) for index, array in enumerate(whole))
-    channels, doubts = _channels(found, table, values)
-    rate_Hz, is_uniform, clock_doubts = _clock(table, values, channels)
+    guess = guess_meaning(table, values, found.profile)
+    rate_Hz, is_uniform, clock_doubts = _clock(table, values, guess.channels)
+    samples = tuple(table.sample for table in tables if table.sample)
+    several = (
+        ["name one recording in the column 'sample' of the list of trials, or write '*' for all"]
+        if samples
+        else []
+    )
     hints = [hint for column, array in zip(columns, whole, strict=True) for hint in _at_limits(column, array)]
     return replace(
         found,
         columns=columns,
         n_rows=max((array.size for array in whole if array is not None), default=0),
-        samples=tuple(table.sample for table in tables if table.sample),
-        sampling_rate_Hz=rate_Hz,
-        is_uniform=is_uniform,
+        samples=samples,
+        sampling_rate_Hz=rate_Hz or guess.rate_Hz,
+        is_uniform=is_uniform or bool(guess.rate_Hz),
         saturation=tuple(hints),
         notes=tuple(dict.fromkeys(table.notes)),
-        profile=replace(found.profile, channels=channels),
-        doubts=(*found.doubts, *wrong_stamps, *doubts, *clock_doubts),
+        profile=replace(found.profile, channels=guess.channels, sampling_rate_Hz=guess.rate_Hz),
+        doubts=(*found.doubts, *wrong_stamps, *guess.doubts, *clock_doubts, *several),
     )
 
 
@@ -275,85 +303,6 @@ def _column(table: Table, index: int, array: FloatArray | None) -> ColumnSummary
     )
 
 
-def _channels(
-    found: Inspection, table: Table, values: Sequence[FloatArray | None]
-) -> tuple[dict[str, Channel], list[str]]:
-    """Return the channels as far as names or values tell them, and what is left to the user."""
-    names = [name.strip() for name in table.names]
-
-    def by_name(number: int) -> Channel:
-        """Return a guessed channel by its header, which survives a new column, where the header is unique."""
-        name = names[number - 1]
-        return Channel(column=name if name and names.count(name) == 1 else number)
-
-    channels: dict[str, Channel] = dict(found.profile.channels)
-    doubts = []
-    if not channels:
-        named = guess_channels(table, needs_time=False)
-        channels = {name: by_name(int(channel.column)) for name, channel in named.items()}
-    has_time = "time" in channels or found.profile.sampling_rate_Hz is not None or table.clock is not None
-    units = [table.unit(index) for index in range(len(names))]
-    numeric = [(i, array) for i, array in enumerate(values) if array is not None]
-    # What never falls may be a time.
-    rising = [
-        i
-        for i, array in numeric
-        if array.size > 2 and (np.diff(array) >= 0).all() and array[-1] > array[0]
-        if not has_time and _is_of("time", units[i] or "s")
-    ]
-    if rising:
-        is_stamp = rising[0] in table.stamps
-        time = by_name(rising[0] + 1) if is_stamp else Channel(column=rising[0] + 1, unit=units[rising[0]])
-        channels = {"time": time, **channels}
-        why = "holds time stamps" if is_stamp else "only rises"
-        doubts.append(f"column {rising[0] + 1} is taken as the time because it {why}; check")
-    elif not has_time:
-        doubts.append('no column looks like the time; set [import] sampling_rate, for example "3 kHz"')
-    if not {"force", "counts"} & (channels.keys() | found.profile.derived.keys()):
-        newtons = [i for i, _ in numeric if units[i] and _is_of("force", units[i])]
-        if len(newtons) == 1:
-            (only,) = newtons
-            channels["force"] = by_name(only + 1)
-            doubts.append(
-                f"column {only + 1} is taken as the force because it alone is in {units[only]}; check"
-            )
-        else:
-            doubts.append("which column is the force (or the ADC counts)? Name it in [import.channels]")
-    doubts += [
-        f"column {number} looks like a measured end tension: none is used, that of the trial list is"
-        for number, name in enumerate(names, start=1)
-        if "_".join(split_unit_suffix(name)[0].lower().split()) == "end_tension"
-    ]
-    for name in sorted(_EXAMPLE.keys() & channels.keys(), reverse=True):
-        unit = _unit(table, channels[name])
-        if not unit:
-            doubts.append(
-                f'the unit of the {name} is not told; add it, for example unit = "{_EXAMPLE[name]}"'
-            )
-        elif not _is_of(name, unit):
-            doubts.append(f"the {name} is in {unit}, which is no unit of it; derive it in [import.derived]")
-    return channels, doubts
-
-
-def _index(table: Table, channel: Channel) -> int | None:
-    if isinstance(channel.column, int):
-        return channel.column - 1 if 1 <= channel.column <= len(table.names) else None
-    names = [name.strip() for name in table.names]
-    return names.index(channel.column.strip()) if names.count(channel.column.strip()) == 1 else None
-
-
-def _unit(table: Table, channel: Channel) -> str:
-    index = _index(table, channel)
-    return channel.unit or ("" if index is None else table.unit(index))
-
-
-def _is_of(channel: str, unit: str) -> bool:
-    try:
-        return bool(si_factor(channel, unit))
-    except DataError:
-        return False
-
-
 def _clock(
     table: Table, values: Sequence[FloatArray | None], channels: Mapping[str, Channel]
 ) -> tuple[float | None, bool, tuple[str, ...]]:
@@ -361,9 +310,9 @@ def _clock(
     try:
         time_s = _clock_s(table, channels)
         if "time" in channels:
-            index, unit = _index(table, channels["time"]), _unit(table, channels["time"])
+            index, unit = index_of(table, channels["time"]), unit_of(table, channels["time"])
             array = values[index] if index is not None else None
-            time_s = array * si_factor("time", unit) if array is not None and unit else None
+            time_s = array * si_scale("time", unit)[0] if array is not None and unit else None
         if time_s is None or time_s.size < 2:
             return None, False, ()
         others = [array for array in values if array is not None and array.size == time_s.size]
@@ -383,7 +332,7 @@ def _clock_s(table: Table, channels: Mapping[str, Channel]) -> FloatArray | None
     """Return the time that the channels, or else the first column that has one, bring with them."""
     if table.clock is None:
         return None
-    chosen = [index for channel in channels.values() if (index := _index(table, channel)) is not None]
+    chosen = [index for channel in channels.values() if (index := index_of(table, channel)) is not None]
     clocks = (table.clock(index) for index in (*chosen, *range(len(table.names))))
     return next((time_s for time_s in clocks if time_s is not None), None)
 

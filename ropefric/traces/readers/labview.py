@@ -22,7 +22,6 @@ _MAGIC = "LabVIEW Measurement"
 _END = re.compile(rb"^\*\*\*End_of_Header\*\*\*[^\n]*\n", re.MULTILINE)
 _SEPARATORS = {"Tab": "\t", "Comma": ",", "Semicolon": ";", "Space": " "}
 _SPECIAL = (b"***Start_Special", b"***End_Special")
-_UNITS = {"Newtons": "N", "Volts": "V", "Meters": "m", "Seconds": "s", "Kilograms": "kg"}
 
 _Tags = Mapping[str, Sequence[str]]
 
@@ -114,7 +113,7 @@ def _block(text: Text, tags: _Tags, columns: str, layout: ImportProfile, notes: 
         decimal=layout.decimal,
         rows=HeadRows(row, 0, data_row),
         header=tuple(names),
-        units=tuple(_UNITS.get(u := units.get(i, ""), u) if i in channels else "s" for i in range(n)),
+        units=tuple(units.get(i, "") if i in channels else "s" for i in range(n)),
         first_row=first_row,
         layout=layout,
         notes=notes,

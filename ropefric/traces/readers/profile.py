@@ -9,16 +9,27 @@ from ropefric.arrays import FloatArray
 from ropefric.files.text_table import TableLayout
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+", re.ASCII)
-_TEXTS = ("format", "separator", "decimal", "encoding", "table", "date_order", "time_zone")
+_TEXTS = (
+    *("format", "separator", "decimal", "thousands", "encoding", "table", "date_order", "time_zone"),
+    *("recording_column", "channel_column", "value_column"),
+)
 _ROWS = ("header_row", "units_row", "data_row", "block_columns", "block_names_row", "skip_footer")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Channel:
-    """One column of the file."""
+    """One column of the file: its unit, what a signal of that unit means, its own time and its own tare.
+
+    `tare_s` is the interval in which it is unloaded, () for none, None for that of the campaign; `instead_of` is the
+    unit that the file wrongly states.
+    """
 
     column: str | int
     unit: str = ""
+    sensitivity: str = ""
+    time: str | int = ""
+    tare_s: tuple[float, ...] | None = None
+    instead_of: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,11 +42,18 @@ class ImportProfile(TableLayout):
     constants: Mapping[str, float] = field(default_factory=dict)
     derived: Mapping[str, str] = field(default_factory=dict)
     table: str = ""
+    recording_column: str | int = ""
+    channel_column: str | int = ""
+    value_column: str | int = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RawRecording:
-    """Columns as a reader found them, before units, clock and calibration."""
+    """Columns as a reader found them, before units, clock and calibration.
+
+    `clocks` are the times [s] of channels that have one of their own, the same array where they share it; `rate_Hz`
+    is the sampling rate that the head of the file states.
+    """
 
     name: str
     source: str
@@ -44,6 +62,8 @@ class RawRecording:
     units: Mapping[str, str]
     first_line: int = 0
     notes: tuple[str, ...] = ()
+    clocks: Mapping[str, FloatArray] = field(default_factory=dict)
+    rate_Hz: float | None = None
 
 
 def profile_to_toml(profile: ImportProfile) -> str:
@@ -56,7 +76,7 @@ def profile_to_toml(profile: ImportProfile) -> str:
     for key in (*_TEXTS, *_ROWS):
         value = getattr(profile, key)
         if value != getattr(default, key):
-            lines.append(f"{key} = {value if key in _ROWS else _string(value)}")
+            lines.append(f"{key} = {_value(value)}")
     if profile.sampling_rate_Hz is not None:
         lines.append(f'sampling_rate = "{float(profile.sampling_rate_Hz)!r} Hz"')
     if profile.missing:
@@ -76,10 +96,22 @@ def profile_to_toml(profile: ImportProfile) -> str:
 
 
 def _channel(channel: Channel) -> str:
-    column = channel.column if isinstance(channel.column, int) else _string(channel.column)
-    if channel.unit:
-        return f"{{ column = {column}, unit = {_string(channel.unit)} }}"
-    return str(column) if isinstance(channel.column, str) else f"{{ column = {column} }}"
+    tare = ", ".join(_string(f"{time_s!r} s") for time_s in channel.tare_s or ())
+    rows = {
+        "column": _value(channel.column),
+        "unit": channel.unit and _string(channel.unit),
+        "sensitivity": channel.sensitivity and _string(channel.sensitivity),
+        "time": _value(channel.time) if channel.time else "",
+        "tare": _string("none") if channel.tare_s == () else tare and f"[{tare}]",
+        "instead_of": channel.instead_of and _string(channel.instead_of),
+    }
+    written = [f"{key} = {text}" for key, text in rows.items() if text]
+    is_bare = len(written) == 1 and isinstance(channel.column, str)
+    return rows["column"] if is_bare else f"{{ {', '.join(written)} }}"
+
+
+def _value(column: str | int) -> str:
+    return str(column) if isinstance(column, int) else _string(column)
 
 
 def _string(text: str) -> str:

@@ -4,17 +4,18 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import PurePath
 from typing import Any
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import DataError
+from ropefric.errors import DataError, InputError
+from ropefric.files.head_facts import NO_FACTS, Facts
 from ropefric.files.text import Source
 from ropefric.files.text_table import Dialect, bare_unit, is_number, read_stamps
-from ropefric.quantities import split_unit_suffix
+from ropefric.quantities import same_unit, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.traces.readers.profile import Channel, ImportProfile, RawRecording
 
@@ -25,6 +26,10 @@ SAFE_NAMES: dict[str, tuple[str, ...]] = {
 }
 """Bare headers that can mean nothing else, lower case; all other columns must be named by the profile."""
 
+_TIME_WORDS = frozenset((
+    "time", "t", "zeit", "temps", "tiempo", "tempo", "tijd", "seconds", "elapsed", "elapsed_time", "test_time",
+    "time_stamp", "timestamp", "laufzeit", "messzeit",
+))  # fmt: skip
 _DIGITS_AND_MARKS = re.compile(r"[+-]?[\d.,]++")
 _DATE = re.compile(r"\d[-/:.]\d++[-/:.]\d")
 _NAMED_MISSING = frozenset(
@@ -32,12 +37,20 @@ _NAMED_MISSING = frozenset(
 )
 
 
+def is_time(name: str) -> bool:
+    """Return whether a header is a word for the time, in the languages of loggers."""
+    words = re.split(r"[\s_.\d]+", split_unit_suffix(name.strip())[0].lower())
+    ends = {word for word in words[:1] + words[-1:] if len(word) > 1}
+    return "_".join(filter(None, words)) in _TIME_WORDS or not _TIME_WORDS.isdisjoint(ends)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Table:
     """One table of a file, one recording: its columns' names and units, and a way to their values.
 
-    `stamps` are the columns of text time stamps, whose values are seconds from the first on; `clock` gives the time [s]
-    that a column brings with it; `notes` say what was recognised, some only after the values were read.
+    `stamps` are the columns of text time stamps, whose values are seconds from the first on; `clock` gives the time
+    [s] that a column brings with it, the only one where the table `brings_time`; `facts` are what
+    the head of the file states; `notes` say what was recognised, some only after the values were read.
     """
 
     names: tuple[str, ...]
@@ -47,6 +60,8 @@ class Table:
     first_line: int = 0
     stamps: frozenset[int] = frozenset()
     clock: Callable[[int], FloatArray | None] | None = None
+    brings_time: bool = False
+    facts: Facts = NO_FACTS
     notes: list[str] = field(default_factory=list)
 
     @property
@@ -113,38 +128,77 @@ class Reader:
 
 def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecording:
     picks = _pick_columns(table, profile, source)
-    arrays = table.values([index for index, _ in picks.values()])
-    columns = dict(zip(picks, arrays, strict=True))
-    units = {channel: unit for channel, (_, unit) in picks.items()}
+    own_time = {
+        name: table.find(profile.channels[name].time, source, f"[import.channels] {name}.time")
+        for name in picks
+        if name in profile.channels and profile.channels[name].time
+    }
+    wanted = [*(index for index, _ in picks.values()), *dict.fromkeys(own_time.values())]
+    arrays = table.values(wanted)
+    columns = dict(zip(picks, arrays, strict=False))
+    times = dict(zip(wanted[len(picks) :], arrays[len(picks) :], strict=True))
+    seconds = {index: _in_seconds(index, times[index], table, picks, source) for index in times}
+    clocks = {name: seconds[index] for name, index in own_time.items()}
     if table.clock is not None and "time" not in columns and profile.sampling_rate_Hz is None:
-        time_s = _common_clock(table, [index for index, _ in picks.values()], source)
-        if time_s is not None:
-            columns["time"], units["time"] = time_s, "s"
-    name = PurePath(source.shown).name
+        clocks = _own_clocks(table, picks) | clocks
+    _check_lengths(table, picks, columns, clocks, source)
+    name, rate_Hz = PurePath(source.shown).name, table.facts.rate_Hz if table.facts.is_sure else None
+    by_head = rate_Hz and "time" not in columns and not clocks and profile.sampling_rate_Hz is None
+    said = [f"the sampling rate, {rate_Hz:g} Hz, is what the head of the file says"] if by_head else []
     return RawRecording(
         name=f"{name}#{table.sample}" if table.sample else name,
         source=source.shown,
         sample=table.sample,
         columns=columns,
-        units=units,
+        units={channel: unit for channel, (_, unit) in picks.items()},
         first_line=table.first_line,
-        notes=tuple(dict.fromkeys(table.notes)),
+        notes=tuple(dict.fromkeys((*table.notes, *said))),
+        clocks=clocks,
+        rate_Hz=rate_Hz,
     )
 
 
-def _common_clock(table: Table, indices: Sequence[int], source: Source) -> FloatArray | None:
-    """Return the time [s] that columns bring with them, which must be one time; None where they bring none."""
+def _check_lengths(
+    table: Table,
+    picks: Mapping[str, tuple[int, str]],
+    columns: Mapping[str, FloatArray],
+    clocks: Mapping[str, FloatArray],
+    source: Source,
+) -> None:
+    """Refuse columns of several lengths that are to share one clock."""
+    sizes = {picks[name][0]: columns[name].size for name in columns if name not in clocks}
+    if len(set(sizes.values())) > 1:
+        names = [table.names[index].strip() or f"column {index + 1}" for index in sizes]
+        (first, n), *more = zip(names, sizes.values(), strict=True)
+        why = f"the columns differ in length: {first} has {n} values"
+        why += "".join(f", {name} has {n}" for name, n in more)
+        fix = 'name the time of each, such as end_tension = { column = "…", time = "…" }, or save them with one length'
+        raise source.error(why, code="RF103", key="[import.channels]", fix=fix)
+
+
+def _in_seconds(
+    index: int, values: FloatArray, table: Table, picks: Mapping[str, tuple[int, str]], source: Source
+) -> FloatArray:
+    """Return the time column of a channel in seconds, by its own unit or that of the time of the others."""
+    unit = table.unit(index) or picks.get("time", (0, ""))[1]
+    try:
+        return values if unit == "s" else values * unit_factor(unit, "s", name="time")
+    except InputError as error:
+        fix = f"write the unit into the header of {table.names[index] or f'column {index + 1}'!r}"
+        key = "[import.channels] time"
+        raise source.error(error.problem.message, code="RF106", key=key, fix=fix) from None
+
+
+def _own_clocks(table: Table, picks: Mapping[str, tuple[int, str]]) -> dict[str, FloatArray]:
+    """Return the times [s] that the columns of channels bring with them, one array where they are one time."""
     assert table.clock is not None  # noqa: S101  (whoever asks has looked)
-    clocks = {index: time_s for index in indices if (time_s := table.clock(index)) is not None}
-    first = next(iter(clocks), 0)
-    for index, time_s in clocks.items():
-        if not np.array_equal(time_s, clocks[first], equal_nan=True):
-            why = (
-                f"{table.names[first]!r} and {table.names[index]!r} have clocks of their own, and they differ"
-            )
-            fix = "leave one of them out: a recording has one time"
-            raise source.error(why, code="RF103", key="[import.channels]", fix=fix)
-    return clocks.get(first)
+    clocks: dict[str, FloatArray] = {}
+    for name, (index, _) in picks.items():
+        time_s = table.clock(index)
+        if time_s is not None:
+            alike = (one for one in clocks.values() if np.array_equal(one, time_s, equal_nan=True))
+            clocks[name] = next(alike, time_s)
+    return clocks
 
 
 def guess_channels(table: Table, *, needs_time: bool = True) -> dict[str, Channel]:
@@ -182,10 +236,29 @@ def _pick_columns(table: Table, profile: ImportProfile, source: Source) -> dict[
             raise source.error(why, code="RF105", key="[import.channels]", fix=fix)
     picks = {}
     for name, channel in channels.items():
+        if name == "time" and table.brings_time:
+            continue
         index = table.find(channel.column, source, f"[import.channels] {name}")
-        unit = "" if name in {"counts", "end_tension_counts"} else channel.unit or table.unit(index)
-        picks[name] = (index, "s" if index in table.stamps else unit)
+        if name in {"counts", "end_tension_counts"}:
+            unit = ""
+        elif index in table.stamps:
+            unit = "s"
+        else:
+            unit = channel.unit or table.unit(index)
+            _compare_units(name, channel, table, index, source)
+        picks[name] = (index, unit)
     return picks
+
+
+def _compare_units(name: str, channel: Channel, table: Table, index: int, source: Source) -> None:
+    """Refuse a unit of the profile that contradicts the one in the file: a kilonewton read as a newton is no newton."""
+    stated, given = table.unit(index), channel.unit
+    if not given or stated in ("", given, channel.instead_of) or same_unit(stated, given) is not False:
+        return
+    header = table.names[index].strip() or f"column {index + 1}"
+    why = f"the profile says {given}, the file {stated} (column {header!r})"
+    fix = f'leave unit out to take that of the file; if the file is wrong, add instead_of = "{stated}"'
+    raise source.error(why, code="RF106", key=f"[import.channels] {name}", fix=fix)
 
 
 def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | None) -> DataError:
@@ -203,7 +276,8 @@ def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | 
         mark = "comma" if other == "," else "point"
         why, fix = f"it looks like a decimal {mark}", f'[import] decimal = "{other}"'
     elif "," in cell and _DIGITS_AND_MARKS.fullmatch(cell):
-        why, fix = "it looks like a thousands separator", "save the file without thousands separators"
+        mark = next(mark for mark in ",." if mark in cell)
+        why, fix = "it looks like a thousands separator", f'[import] thousands = "{mark}"'
     elif cell.lower() in _NAMED_MISSING:
         why, fix = "it looks like a mark for a missing value", f'[import] missing = ["{cell}"]'
     elif _DATE.search(cell):
@@ -255,6 +329,37 @@ def needs_package(what: str, source: Source) -> DataError:
     return source.error(f"reading {what}", code="RF107", fix='pip install "ropefric[lab]"')
 
 
+def recordings_among(
+    tables: Mapping[str, Table], sizes: Mapping[str, int], profile: ImportProfile, kind: str
+) -> tuple[Table, ...]:
+    """Return those tables of a file that are recordings: with the columns that the profile names, and alike.
+
+    Where it names none, or none has them, the largest says which columns a recording has.
+    """
+    wanted = {channel.column for channel in profile.channels.values() if isinstance(channel.column, str)}
+    fitting = [name for name, table in tables.items() if wanted <= {*table.names}] or [*tables]
+    largest = tables[max(fitting, key=lambda name: sizes[name])]
+    found = [name for name in fitting if tables[name].names == largest.names and sizes[name]]
+    others = [name for name in tables if name not in found]
+    alike = f"those with the columns {', '.join(largest.names)[:200]}: {len(found)}"
+    said = f"of the {kind} {', '.join(map(repr, tables))[:200]} "
+    said += alike if len(found) > 1 else repr(found[0])
+    notes = [said] if others or len(found) > 1 else []
+    for name in found:
+        tables[name].notes[:0] = notes
+    return tuple(replace(tables[name], sample=name if len(found) > 1 else "") for name in found)
+
+
+def seconds_from_first(stamps: Sequence[Any]) -> list[float]:
+    """Return time stamps in seconds from the earliest of them on; 0 where there is none, NaN where it is missing."""
+    known: list[Any] = [None if stamp is None else np.datetime64(stamp, "ns") for stamp in stamps]
+    first = min((stamp for stamp in known if stamp is not None and not np.isnat(stamp)), default=None)
+    return [
+        0.0 if stamp is None or first is None else float((stamp - first) / np.timedelta64(1, "ns")) / 1e9
+        for stamp in known
+    ]
+
+
 def array_table(
     columns: Mapping[str, np.ndarray[Any, Any]],
     source: Source,
@@ -268,24 +373,19 @@ def array_table(
     names = tuple(key.strip() for key in columns)
     keys = [name or f"column {number}" for number, name in enumerate(names, start=1)]
     arrays = list(columns.values())
+    stamps = frozenset(index for index, array in enumerate(arrays) if array.dtype.kind == "M")
 
     def values(indices: Sequence[int]) -> list[FloatArray]:
         found = [_real(keys[index], arrays[index], source) for index in indices]
-        sizes = {index: array.size for index, array in zip(indices, found, strict=True)}
-        if len(set(sizes.values())) > 1:
-            listed = ", ".join(
-                f"{keys[i]} has {size}{' values' if i == indices[0] else ''}" for i, size in sizes.items()
-            )
-            why = f"the columns differ in length: {listed}"
-            raise source.error(why, code="RF103", fix="save them with one length")
-        if found and found[0].size == 0:
+        if found and not max(array.size for array in found):
             raise source.error("there are no data rows")
         return found
 
     return Table(
         names=names,
-        units=tuple((units or {}).get(key, "") for key in columns),
+        units=tuple("s" if i in stamps else (units or {}).get(key, "") for i, key in enumerate(columns)),
         values=values,
+        stamps=stamps,
         sample=sample,
         clock=clock,
         notes=[*notes],
@@ -294,6 +394,9 @@ def array_table(
 
 def _real(key: str, values: np.ndarray[Any, Any], source: Source) -> FloatArray:
     why, fix = "", ""
+    if values.dtype.kind == "M":  # time stamps, from the first of them on
+        first = values[~np.isnat(values)][:1]
+        return np.asarray((values - first) / np.timedelta64(1, "s"), dtype=np.float64)
     if values.dtype.kind not in "iuf":
         why = f"the column holds {values.dtype} values, not real numbers"
         fix = "name another column, or save this one as numbers"

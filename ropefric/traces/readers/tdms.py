@@ -2,6 +2,7 @@
 
 import io
 import logging
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,20 +10,35 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.files.text import Source
 from ropefric.traces.readers.profile import ImportProfile
-from ropefric.traces.readers.table import Reader, Table, array_table, check_choice, foreign, needs_package
+from ropefric.traces.readers.table import (
+    Reader,
+    Table,
+    array_table,
+    check_choice,
+    foreign,
+    needs_package,
+    recordings_among,
+    seconds_from_first,
+)
 
 _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
-    """Return the table of one group: the profile's, else the first that has channels with data."""
+    """Return the table of the group that the profile names, else of every group that has the channels of the largest."""
     groups = {group.name: group.channels() for group in _load(source).groups()}
     check_choice(profile.table, groups, "group", source)
-    filled = [name for name, channels in groups.items() if any(len(channel) for channel in channels)]
+    filled = {name: channels for name, channels in groups.items() if any(map(len, channels))}
     if not filled:
         raise source.error("no group has data", fix="record it again")
-    group = profile.table or filled[0]
-    channels = groups[group]
+    chosen = {profile.table: groups[profile.table]} if profile.table else filled
+    sizes = {name: max(map(len, channels)) for name, channels in chosen.items()}
+    return recordings_among(
+        {name: _table(it, source) for name, it in chosen.items()}, sizes, profile, "groups"
+    )
+
+
+def _table(channels: Any, source: Source) -> Table:
     columns, units = {}, {}
     for channel in channels:
         what, fix = "the channel cannot be scaled", "save the scaled values"
@@ -30,12 +46,11 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
             columns[channel.name] = np.asarray(channel[:])
         found = (channel.properties.get(key) for key in _UNIT_KEYS)
         units[channel.name] = next((str(unit) for unit in found if unit), "")
-    clocks = [_waveform_time(channel) for channel in channels]
+    clocks = _waveform_times([channel.properties for channel in channels], [*map(len, channels)])
     has_clock = any(clock is not None for clock in clocks)
-    notes = [f"the group {group!r}, one of {len(groups)}"] if len(groups) > 1 else []
-    notes += ["the time is that of the waveforms"] if has_clock else []
+    notes = ["the time is that of the waveforms"] if has_clock else []
     clock = clocks.__getitem__ if has_clock else None
-    return (array_table(columns, source, units=units, clock=clock, notes=notes),)
+    return array_table(columns, source, units=units, clock=clock, notes=notes)
 
 
 def _load(source: Source) -> Any:
@@ -49,15 +64,19 @@ def _load(source: Source) -> Any:
         return TdmsFile.read(io.BytesIO(source.raw_bytes()))
 
 
-def _waveform_time(channel: Any) -> FloatArray | None:
-    """Return a waveform's own time from its first sample on.
+def _waveform_times(properties: list[Mapping[str, Any]], sizes: list[int]) -> list[FloatArray | None]:
+    """Return the times of waveforms from the earliest start of them on, None for channels that are none.
 
-    Relative on purpose: absolute starts carry time zones that writers and readers disagree about.
+    Relative on purpose: absolute starts carry time zones that writers and readers disagree about, within a file alike.
     """
-    step_s, offset_s = (channel.properties.get(f"wf_{key}", 0.0) for key in ("increment", "start_offset"))
-    if not isinstance(step_s, float) or not isinstance(offset_s, float) or not 0 < step_s < np.inf:
-        return None
-    return np.asarray(offset_s + step_s * np.arange(len(channel)), dtype=np.float64)
+    clocks: list[FloatArray | None] = []
+    for one, size, start_s in zip(
+        properties, sizes, seconds_from_first([one.get("wf_start_time") for one in properties]), strict=True
+    ):
+        step_s, offset_s = (one.get(f"wf_{key}", 0.0) for key in ("increment", "start_offset"))
+        is_clock = isinstance(step_s, float) and isinstance(offset_s, float) and 0 < step_s < np.inf
+        clocks.append(start_s + offset_s + step_s * np.arange(size) if is_clock else None)
+    return clocks
 
 
 READER = Reader(

@@ -8,9 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ropefric.errors import DataError, RopefricError
-from ropefric.traces.assemble import FUNCTIONS, assemble_trace, evaluate_derived, si_factor
+from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.calibration import as_counts
+from ropefric.traces.formulas import FUNCTIONS, evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
+from ropefric.traces.signals import si_scale
 
 
 def raw(units=None, first_line=0, **columns):
@@ -22,6 +24,8 @@ def raw(units=None, first_line=0, **columns):
 
 @dataclass
 class Doubling:
+    adc = True
+
     def checked(self, counts):
         return as_counts(counts)
 
@@ -43,12 +47,12 @@ def test_units_come_to_si():
         ("pressure", "bar", 1e5), ("x", "mm", 1e-3), ("angle", "deg", np.pi / 180), ("area", "mm^2", 1e-6),
         ("u", "mV", 1e-3), ("n", "", 1), ("share", "%", 0.01), ("m", "g", 1e-3), ("counts", "anything", 1),
     ):  # fmt: skip
-        assert si_factor(channel, unit) == pytest.approx(factor, rel=1e-12), unit
+        assert si_scale(channel, unit)[0] == pytest.approx(factor, rel=1e-12), unit
 
 
 def test_units_nobody_knows_are_told_at_once():
     for channel, unit, fix in (
-        ("time", "", 'unit = "ms"'), ("force", "", 'unit = "kN"'), ("force", "kn", "write 'kN'"),
+        ("time", "", 'unit = "s"'), ("force", "", 'unit = "kN"'), ("force", "kn", "write 'kN'"),
         ("time", "N", "such as 's'"), ("force", "s", "such as 'N'"), ("force", "newt on", ""),
         ("pull", "kn", "write 'kN'"), ("x", "furlongs per dog", ""), ("temperature", "degC", ""), ("time", "(", ""),
         # A TDMS property or a header may hold any text; pint would evaluate it.
@@ -56,7 +60,7 @@ def test_units_nobody_knows_are_told_at_once():
             "10**10**10 N", "9**9**9**9", "a" * 30 + "!", "_" * 20_000, "N" + "²" * 40, "(" * 20_000)),
     ):  # fmt: skip
         with pytest.raises(DataError) as caught:
-            si_factor(channel, unit, path="run.csv")
+            si_scale(channel, unit, path="run.csv")
         assert caught.value.code == "RF106"
         assert fix in caught.value.fix
         assert caught.value.where == f"run.csv [import.channels] {channel}"
@@ -67,8 +71,10 @@ def test_time_comes_from_the_rate_only_without_a_time_channel():
     profile = ImportProfile(sampling_rate_Hz=3000.0)
     trace = assemble_trace(raw({"force": "N"}, force=np.arange(3001)), profile)
     assert trace.time_s[3000] == 1.0
-    trace = assemble_trace(raw({"force": "N", "time": "s"}, force=[1, 2], time=[0, 1]), profile)
-    assert trace.time_s.tolist() == [0, 1]
+    both = raw({"force": "N", "time": "s"}, force=[1, 2], time=[0, 1])
+    assert assemble_trace(both, ImportProfile()).time_s.tolist() == [0, 1]
+    error = refused(both, profile)
+    assert (error.code, "1 Hz, the profile 3000 Hz" in str(error)) == ("RF203", True)
     for rate_Hz in (None, 0.0, -1.0, np.nan):
         error = refused(raw({"force": "N"}, force=[1, 2]), ImportProfile(sampling_rate_Hz=rate_Hz))
         assert error.code == "RF105"

@@ -89,10 +89,11 @@ def test_every_channel_may_have_its_own_x(write):
     (trace,) = read(path)
     np.testing.assert_array_equal(trace.time_s, [0, 0.01, 0.02, 0.03])
     way = {"way": Channel(column="Way"), "force": Channel(column="Force")}
-    error = refused(path, channels=way)
-    assert "'Way' and 'Force' have clocks of their own" in str(error)
-    assert (error.code, error.where) == ("RF103", "run [import.channels]")
-    named = {"time": Channel(column=3, unit="s"), "force": Channel(column="Way", unit="N")}
+    (both,) = read(path, channels=way | {"end_tension": Channel(column="Way", unit="N", instead_of="mm")})
+    np.testing.assert_array_equal(both.time_s, [0, 0.01, 0.02, 0.03])
+    np.testing.assert_array_equal(both.end_tension_N, [0, np.nan, 1, np.nan])
+    newtons = Channel(column="Way", unit="N", instead_of="mm")
+    named = {"time": Channel(column=3, unit="s"), "force": newtons}
     assert read(path, channels=named)[0].time_s.tolist() == [0, 0.02, 0.04, 0.06]
 
 

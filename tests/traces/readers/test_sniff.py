@@ -23,7 +23,7 @@ def test_a_german_file_is_understood(write):
     assert [column.unit for column in found.columns[:2]] == ["ms", "kN"]
     assert (found.columns[1].maximum, found.first_rows[0][:2]) == (12.375, ("0", "0,000"))
     assert (found.sampling_rate_Hz, found.is_uniform) == (100, True)
-    assert found.profile.channels["time"] == Channel(column=1, unit="ms")
+    assert found.profile.channels["time"] == Channel(column="Zeit")
     assert found.profile.channels["force"] == Channel(column="Kraft")
     assert any("column 2 is taken as the force" in doubt for doubt in found.doubts)
 

@@ -35,7 +35,7 @@ def test_a_german_logger_with_text_time_stamps(write):
 def test_the_only_column_of_stamps_is_the_time_whatever_it_is_called(write):
     path = write("when,force_N\n10:00:00.00,1\n10:00:00.01,2\n")
     assert read(path).time_s.tolist() == [0, 0.01]
-    named = {"time": Channel(column="when", unit="ms"), "force": Channel(column=2, unit="kN")}
+    named = {"time": Channel(column="when", unit="ms"), "force": Channel(column=2, unit="kN", instead_of="N")}
     trace = read(path, channels=named)  # stamps are no milliseconds
     assert (trace.time_s.tolist(), trace.force_N.tolist()) == ([0, 0.01], [1000, 2000])
 

@@ -1,0 +1,79 @@
+"""What the lines above a table say of it: `UNIT=kN`, `Sampling rate: 100 Hz`, `Abtastrate;0,1;kHz`."""
+
+import re
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from ropefric.errors import InputError
+from ropefric.quantities import spelled_unit, split_unit_suffix, unit_factor
+
+_RATES = frozenset((
+    "samplingrate", "samplerate", "samplingfrequency", "samplefrequency", "abtastrate", "abtastfrequenz", "messrate",
+    "messfrequenz", "scanrate", "acquisitionrate", "loggingrate", "lograte",
+))  # fmt: skip
+_INTERVALS = frozenset((
+    "samplinginterval", "sampleinterval", "samplingtime", "samplingtimeinterval", "abtastintervall", "messintervall",
+    "logginginterval", "dt",
+))  # fmt: skip
+_BARE_RATES = frozenset(("speed", "rate", "frequency", "fs", "sps"))
+"""Words that mean the sampling rate where nothing else is told of the time and no unit says otherwise."""
+_UNITS = frozenset(("unit", "units", "einheit", "einheiten"))
+_PER_SECOND = frozenset(("S/s", "Sa/s", "sps", "SPS", "samples/s", "Samples/s", "1/s", "/s", "Werte/s"))
+_FACT = re.compile(r"[#%*;!]*\s*([A-Za-zÀ-ÿ][^=:;,\t]{0,60}?)\s*[=:]\s*([^=].*)")
+_VALUE = re.compile(r"([+-]?\d+(?:[.,]\d+)?)\s*(.*)")
+
+
+class Facts(NamedTuple):
+    """The sampling rate that a head states, whether it says so surely, and the unit of its only column."""
+
+    rate_Hz: float | None = None
+    unit: str = ""
+    is_sure: bool = True
+
+
+NO_FACTS = Facts()
+
+
+def is_fact(row: Sequence[str]) -> bool:
+    """Return whether a row of cells is one `key=value`."""
+    return len(row) == 1 and "=" in row[0] and _FACT.fullmatch(row[0]) is not None
+
+
+def facts_of(lines: Sequence[str], separator: str) -> Facts:
+    """Return what the lines above a table say of sampling rate and unit."""
+    rate_Hz, perhaps_Hz, unit = None, None, ""
+    for key, value in _facts(lines, separator):
+        stem, of_key = split_unit_suffix(key)
+        word, number = re.sub(r"[\W_\d]+", "", stem.lower()), _VALUE.fullmatch(value)
+        if word in _UNITS:
+            unit = unit or spelled_unit(value)
+        elif number and word in _RATES:
+            rate_Hz = rate_Hz or _in_si(number, of_key or "Hz", "Hz")
+        elif number and word in _INTERVALS and (of_key or number[2]):
+            step_s = _in_si(number, of_key, "s")
+            rate_Hz = rate_Hz or (1.0 / step_s if step_s else None)
+        elif number and word in _BARE_RATES:
+            perhaps_Hz = perhaps_Hz or _in_si(number, of_key or "Hz", "Hz")
+    return Facts(rate_Hz or perhaps_Hz, unit, rate_Hz is not None or perhaps_Hz is None)
+
+
+def _facts(lines: Sequence[str], separator: str) -> Iterator[tuple[str, str]]:
+    for line in lines:
+        cells = [cell.strip().strip('"') for cell in line.split(separator)] if separator != " " else [line]
+        filled = [cell for cell in cells if cell]
+        found = _FACT.fullmatch(line.strip())
+        if found:
+            yield found[1].strip(), found[2].strip(' \t;,"')
+        elif 2 <= len(filled) <= 3 and filled[0][:1].isalpha():
+            yield filled[0].rstrip(" :="), " ".join(filled[1:])
+
+
+def _in_si(number: re.Match[str], unit: str, si_unit: str) -> float | None:
+    """Return a number by the unit behind it, or that of its key; None where it is of another kind or not positive."""
+    told = number[2].strip().strip("[]()") or unit
+    try:
+        factor = 1.0 if told in _PER_SECOND else unit_factor(spelled_unit(told), si_unit)
+    except InputError:
+        return None
+    value = float(number[1].replace(",", ".")) * factor
+    return value if value > 0.0 else None

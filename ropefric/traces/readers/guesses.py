@@ -1,0 +1,380 @@
+"""What an unknown file may mean: how its recordings stand, which column is the time and which the force."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ropefric.arrays import BoolArray, FloatArray
+from ropefric.errors import DataError
+from ropefric.files.text import Text, split_line
+from ropefric.files.text_table import Dialect, is_number, is_unit, is_value
+from ropefric.quantities import split_unit_suffix
+from ropefric.traces.readers.profile import Channel, ImportProfile
+from ropefric.traces.readers.several import blocks_of_header, stacked_parts
+from ropefric.traces.readers.table import Table, guess_channels, is_time
+from ropefric.traces.signals import si_scale, signal_unit
+
+_PULLS = ("force", "kraft", "load", "zug", "pull", "tension", "f_a", "fa")
+_SLACKS = ("slack", "end_tension", "gegen", "halte", "lose", "endkraft", "f_b", "fb")
+"""Parts of names that tell which side of the wheel a force was measured on, the slack one first."""
+_MOST_LABELS, _FEWEST_ROWS = 64, 10
+"""A column that says what a row belongs to has at most so many words, and each stands in at least so many rows."""
+_MOST_FOOTER = 20
+_LONGEST_S = 4 * 3600.0
+
+Values = Sequence[FloatArray | None]
+
+
+def is_of(channel: str, unit: str) -> bool:
+    """Return whether a unit is one of a channel's."""
+    try:
+        return bool(si_scale(channel, unit)[0])
+    except DataError:
+        return False
+
+
+# --- how recordings stand in a text ---
+
+
+def layouts(text: Text, dialect: Dialect, profile: ImportProfile) -> Iterator[ImportProfile]:
+    """Yield the profiles that a text may be read by: those of several recordings that it shows, then one of a table."""
+    plain = replace(profile, **dialect.rows._asdict())
+    if profile.format == "auto" and not profile.block_columns:
+        if wide := _side_by_side(text, dialect, profile):
+            yield wide
+            return
+        if text.is_whole and dialect.rows.header_row and len(stacked_parts(text, dialect)) > 1:
+            yield replace(plain, format="stacked")
+            return
+        if text.is_whole and (long := _in_rows(text, dialect, plain)):
+            yield long
+    if not plain.skip_footer and (n_footer := _footer_lines(text, dialect)):
+        yield replace(plain, skip_footer=n_footer)
+    yield plain
+    if dialect.rows.header_row:
+        yield replace(plain, header_row=0, units_row=0)
+
+
+def _side_by_side(text: Text, dialect: Dialect, profile: ImportProfile) -> ImportProfile | None:
+    """Return the profile of recordings side by side, or None for an ordinary table.
+
+    Three layouts are known: names that come again but for a number; a row that names each recording above its first
+    column; and a header that names the columns of the first recording and leaves the rest blank.
+    """
+    n, rows, header = dialect.n_cells, dialect.rows, dialect.header[: dialect.n_cells]
+    lines = {line: split_line(text.line(line), dialect.separator)[:n] for line in range(1, rows.data_row)}
+    head = {line: cells for line, cells in lines.items() if any(cells)}
+    if width := _width_by_names(header, n):
+        names_row = next(
+            (line for line in head if _steps(head[line], n) == width and line < rows.header_row), 0
+        )
+        return replace(profile, block_columns=width, block_names_row=names_row, **rows._asdict())
+    if n < 4 or (len(header) == n and all(header)):
+        return None
+    names_row = next((line for line, cells in head.items() if _steps(cells, n)), 0)
+    width = _steps(head[names_row], n) if names_row else _width_written_once(head.values(), n)
+    if not width:
+        return None
+    found = _head_of_first({line: head[line] for line in head if line != names_row}, width)
+    return replace(profile, block_columns=width, block_names_row=names_row, data_row=rows.data_row, **found)
+
+
+def _head_of_first(head: Mapping[int, Sequence[str]], width: int) -> dict[str, Any]:
+    """Return the rows of names and units that stand above the first recording only."""
+    narrow = {line for line, cells in head.items() if not any(cells[width:])}
+    units = {line for line in narrow if all(is_unit(cell) for cell in head[line] if cell)}
+    return {"header_row": max(narrow - units, default=0), "units_row": max(units, default=0)}
+
+
+def _width_by_names(header: Sequence[str], n: int) -> int:
+    """Return how many columns a recording has by names that come again, 0 where none do: two cells are no recordings."""
+    blocks = blocks_of_header(header) if len(header) == n else []
+    width = n // len(blocks) if blocks else 0
+    is_same = width and list(header) == list(header[:width]) * len(blocks)
+    return width if blocks and (is_same or any(map(is_time, blocks[0].names))) else 0
+
+
+def _width_written_once(head: Iterable[Sequence[str]], n: int) -> int:
+    """Return how many cells the first row of names has that stand at the beginning, and divide all columns."""
+    filled = ((sum(map(bool, cells)), cells) for cells in head)
+    return next((k for k, cells in filled if 1 < k < n and n % k == 0 and all(cells[:k])), 0)
+
+
+def _steps(cells: Sequence[str], n: int) -> int:
+    """Return the distance of filled cells that stand at even distances over all columns, 0 where they do not."""
+    filled = [place for place, cell in enumerate(cells) if cell]
+    step = filled[1] - filled[0] if len(filled) > 1 else 0
+    return step if step > 1 and n % step == 0 and filled == list(range(0, n, step)) else 0
+
+
+def _in_rows(text: Text, dialect: Dialect, plain: ImportProfile) -> ImportProfile | None:
+    """Return the profile of a table whose rows belong to recordings, or channels, that a column names."""
+    rows = [row for _, row in text.rows_from(dialect.rows.data_row, dialect.separator)]
+    columns = [*zip(*(row for row in rows if len(row) == dialect.n_cells), strict=True)]
+    time, clock = _clock_of(dialect, columns)
+    if time < 0:
+        return None
+    names = [name if dialect.header.count(name) == 1 else i + 1 for i, name in enumerate(dialect.header)]
+    labels = {i: np.array(cells) for i, cells in enumerate(columns) if _are_labels(cells)}
+    back = np.diff(clock) < 0
+    found: dict[str, Any] = {}
+    channel, value = _channel_and_value(columns, labels, time, clock)
+    if channel >= 0:
+        found = {"channel_column": names[channel], "value_column": names[value]}
+        back &= _stays(labels.pop(channel))  # back to the begin of another channel is no other recording
+    recording = next((i for i, of in labels.items() if back.any() and not (back & _stays(of)).any()), -1)
+    if recording >= 0:
+        found["recording_column"] = names[recording]
+    return replace(plain, format="long", **found) if found else None
+
+
+def _channel_and_value(
+    columns: Sequence[Sequence[str]], labels: Mapping[int, NDArray[np.str_]], time: int, clock: FloatArray
+) -> tuple[int, int]:
+    """Return the column that names channels and the only one that holds their values; -1 where there are no such."""
+    values = [i for i in range(len(columns)) if i not in {time, *labels} and all(map(is_value, columns[i]))]
+    channels = [i for i, of in labels.items() if _names_channels(of, clock)]
+    return (channels[0], values[0]) if channels and len(values) == 1 else (-1, -1)
+
+
+def _clock_of(dialect: Dialect, columns: Sequence[Sequence[str]]) -> tuple[int, FloatArray]:
+    """Return the first column that is called a time and its numbers; -1 where there is none."""
+    time = next((i for i, name in enumerate(dialect.header[: len(columns)]) if is_time(name)), -1)
+    if time < 0 or not all(is_number(cell, dialect.decimal) for cell in columns[time]):
+        return -1, np.empty(0)
+    return time, np.array([float(cell.replace(",", ".")) for cell in columns[time]])
+
+
+def _stays(of: NDArray[np.str_]) -> BoolArray:
+    return np.asarray(of[1:] == of[:-1])
+
+
+def _are_labels(cells: Sequence[str]) -> bool:
+    """Return whether a few words, or whole numbers, fill a column, each of them many rows."""
+    n = len(set(cells))
+    return 1 < n <= min(_MOST_LABELS, len(cells) / _FEWEST_ROWS) and all(cells)
+
+
+def _names_channels(of: NDArray[np.str_], clock: FloatArray) -> bool:
+    """Return whether labels tell channels: words that alternate, or name a side, over times that rise in each."""
+    words = [str(word) for word in np.unique(of)]
+    if any(map(is_value, words)):
+        return False
+    n_back = sum(int((np.diff(clock[of == word]) < 0).sum()) for word in words)
+    alternate = not _stays(of).mean() > 0.5 or any(map(_side, words))
+    return alternate and n_back <= len(words)
+
+
+def _footer_lines(text: Text, dialect: Dialect) -> int:
+    """Return how many of the last lines hold words where the first row of data holds numbers."""
+    if not text.is_whole:
+        return 0
+    numeric = [is_value(cell) for cell in dialect.first_row]
+    rows = [row for _, row in text.rows_from(dialect.rows.data_row, dialect.separator)][-_MOST_FOOTER - 1 :]
+    fits = [
+        len(row) == len(numeric)
+        and all(is_value(c) or not n or not c for c, n in zip(row, numeric, strict=True))
+        for row in rows
+    ]
+    return fits[::-1].index(True) if True in fits and not fits[-1] else 0
+
+
+# --- what the columns of a table mean ---
+
+
+class Guess(NamedTuple):
+    """The channels of a table as far as names, units and values tell them, its rate from its head, what was assumed."""
+
+    channels: dict[str, Channel]
+    rate_Hz: float | None
+    doubts: list[str]
+
+
+def guess_meaning(table: Table, values: Values, known: ImportProfile) -> Guess:
+    """Return what the columns of a table mean, what the profile says first."""
+    channels, rate_Hz, doubts = dict(known.channels), known.sampling_rate_Hz, list[str]()
+    if not channels:
+        named = guess_channels(table, needs_time=False)
+        channels = {name: _by_name(table, int(one.column) - 1) for name, one in named.items()}
+    if "time" not in channels and rate_Hz is None and table.clock is None:
+        channels, rate_Hz = _with_time(table, values, channels, doubts)
+    channels |= _forces(table, values, known, channels, doubts)
+    for name in ("time", "force", "end_tension"):
+        if name in channels:
+            channels[name] = _with_unit(name, table, values, channels[name], doubts)
+    return Guess(channels, rate_Hz, doubts)
+
+
+def index_of(table: Table, channel: Channel) -> int | None:
+    """Return the column of a channel, None where there is not exactly one."""
+    if isinstance(channel.column, int):
+        return channel.column - 1 if 1 <= channel.column <= len(table.names) else None
+    names = [name.strip() for name in table.names]
+    return names.index(channel.column.strip()) if names.count(channel.column.strip()) == 1 else None
+
+
+def unit_of(table: Table, channel: Channel) -> str:
+    """Return the unit of a channel: its own, else the file's."""
+    index = index_of(table, channel)
+    return channel.unit or ("" if index is None else "s" if index in table.stamps else table.unit(index))
+
+
+def _by_name(table: Table, index: int) -> Channel:
+    """Return a guessed channel by its header, which survives a new column, where the header is unique."""
+    names = [name.strip() for name in table.names]
+    return Channel(column=names[index] if names[index] and names.count(names[index]) == 1 else index + 1)
+
+
+def _with_time(
+    table: Table, values: Values, channels: dict[str, Channel], doubts: list[str]
+) -> tuple[dict[str, Channel], float | None]:
+    ranked = sorted(
+        (rank, index)
+        for index, array in enumerate(values)
+        if array is not None and (rank := _rank_of_time(table, index, array)) is not None
+    )
+    if ranked:
+        rank, index = ranked[0]
+        doubts.append(f"column {index + 1} is taken as the time because it {_REASONS[rank]}; check")
+        return {"time": _by_name(table, index), **channels}, None
+    if table.facts.rate_Hz:
+        doubts.append(
+            f"the sampling rate, {table.facts.rate_Hz:g} Hz, is what the head of the file says; check"
+        )
+        return channels, table.facts.rate_Hz
+    doubts.append('no column looks like the time; set [import] sampling_rate, for example "3 kHz"')
+    return channels, None
+
+
+_REASONS = (
+    "holds time stamps",
+    "is called so, and in a unit of time",
+    "is in a unit of time",
+    "is called so",
+    "only rises",
+)
+
+
+def _rank_of_time(table: Table, index: int, array: FloatArray) -> int | None:
+    """Return how surely a column is the time, 0 most; None for one that falls, or counts its rows."""
+    present = array[~np.isnan(array)]
+    if present.size < 3 or (np.diff(present) < 0).any() or present[-1] <= present[0]:
+        return None
+    if index in table.stamps:
+        return 0
+    unit, is_named = table.unit(index), is_time(table.names[index])
+    if unit and not is_of("time", unit):
+        return None
+    if unit:
+        return 1 if is_named else 2
+    steps = np.diff(present)
+    is_counter = (present == np.floor(present)).all() and steps.min() == steps.max()
+    return 3 if is_named else None if is_counter else 4
+
+
+def _side(name: str) -> str:
+    """Return "slack" or "pull" for a name that tells a side of the wheel, "" for any other."""
+    stem = "_".join(split_unit_suffix(name.strip())[0].lower().split())
+    for side, words in (("slack", _SLACKS), ("pull", _PULLS)):
+        if any(stem == word or (len(word) > 2 and word in stem) for word in words):
+            return side
+    return ""
+
+
+def _forces(
+    table: Table, values: Values, known: ImportProfile, channels: dict[str, Channel], doubts: list[str]
+) -> dict[str, Channel]:
+    """Return the channels force and end tension, where they are not known and one column each may be it."""
+    taken = {index_of(table, channel) for channel in channels.values()}
+    free = [i for i, array in enumerate(values) if array is not None and i not in taken]
+    units = {i: table.unit(i) or table.facts.unit for i in free}
+    units = {i: unit for i, unit in units.items() if is_of("force", unit)}
+    found: dict[str, Channel] = {}
+    if not {"force", "counts"} & (channels.keys() | known.derived.keys()):
+        force, why = _force_column(table, values, free, units)
+        if force < 0:
+            doubts.append("which column is the force (or the ADC counts)? Name it in [import.channels]")
+            return found
+        found["force"] = _by_name(table, force)
+        doubts.append(f"column {force + 1} is taken as the force because it {why}; check")
+        free = [i for i in free if i != force]
+    slack = [i for i in free if i in units and _side(table.names[i]) == "slack"]
+    if len(slack) == 1 and "end_tension" not in channels and not known.channels:
+        found["end_tension"] = _by_name(table, slack[0])
+        doubts.append(
+            f"column {slack[0] + 1} looks like a measured end tension and is taken as it; "
+            "leave it out to use that of the trial list"
+        )
+    return found
+
+
+def _force_column(
+    table: Table, values: Values, free: Sequence[int], units: Mapping[int, str]
+) -> tuple[int, str]:
+    """Return the column that is the force by the first rule that leaves one, and why; -1 where none does.
+
+    Columns in newtons go before those in volts, and these before columns without a unit.
+    """
+    kinds = {
+        i: signal_unit("force", units[i]) or "N" if i in units else table.unit(i) and "other" for i in free
+    }
+    best = next((kind for kind in ("N", "V", "V/V", "") if kind in kinds.values()), "other")
+    some = [i for i in free if kinds[i] == best != "other"]
+    called = [i for i in some if _side(table.names[i]) == "pull"]
+    rules = (
+        ([] if best == "" and len(free) > 1 else some, "alone is {}"),
+        (called, "is called so"),
+        (
+            some[:1] if best and _are_one(values, some, units) else [],
+            "is the first of those that differ by their zero",
+        ),
+    )
+    force, why = next(((hits[0], why) for hits, why in rules if len(hits) == 1), (-1, ""))
+    return force, why.format(f"in {units[force]}" if force in units else "left")
+
+
+def _are_one(values: Values, columns: Sequence[int], units: Mapping[int, str]) -> bool:
+    """Return whether columns are one signal but for its zero."""
+    arrays = [array for i in columns if (array := values[i]) is not None and array.size > 1]
+    apart = [float(np.ptp(array - arrays[0])) for array in arrays[1:] if array.size == arrays[0].size]
+    is_one = 0 < len(apart) == len(columns) - 1 and len({units[i] for i in columns}) == 1
+    return is_one and max(apart) <= 1e-6 * float(np.ptp(arrays[0]))
+
+
+def _with_unit(name: str, table: Table, values: Values, channel: Channel, doubts: list[str]) -> Channel:
+    """Return a channel with its unit, a likely one where the file tells none, and say what is to be added."""
+    unit, index = unit_of(table, channel), index_of(table, channel)
+    array = None if index is None else values[index]
+    if not unit and name == "time" and array is not None and np.isfinite(array).sum() > 2:
+        unit, why = _likely_unit(array[np.isfinite(array)])
+        doubts.append(f"the unit of the time is not told; {unit} is taken, {why}; check")
+        return replace(channel, unit=unit)
+    if not unit and name != "time" and is_of(name, table.facts.unit or "?"):
+        doubts.append(f"the unit of the {name}, {table.facts.unit}, is what the head of the file says; check")
+        return replace(channel, unit=table.facts.unit)
+    if not unit:
+        doubts.append(f'the unit of the {name} is not told; add it, for example unit = "N"')
+    elif signal_unit(name, unit) and not channel.sensitivity:
+        how = f'sensitivity = "25 N/{unit}"' if "/" not in unit else 'rated_output = "2 mV/V" of its cell'
+        doubts.append(f"the {name} is in {unit}; add what it means, {how}, or name a cell in the list")
+        return replace(channel, unit=unit)
+    elif not is_of(name, unit):
+        doubts.append(f"the {name} is in {unit}, which is no unit of it; derive it in [import.derived]")
+    return channel
+
+
+def _likely_unit(present: FloatArray) -> tuple[str, str]:
+    """Return the unit that makes a recording of a time, and why: loggers write whole milliseconds, parts of seconds."""
+    span, step = float(present[-1] - present[0]), float(np.median(np.diff(present)))
+    units = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+    if (present == np.floor(present)).all():
+        units.pop("s")
+    fitting = (
+        name for name, second_s in units.items() if span * second_s <= _LONGEST_S and step * second_s < 2.0
+    )
+    unit = next(fitting, "ms")
+    rate_Hz = 1.0 / (step * units[unit]) if step else 0.0
+    return unit, f"as that makes {rate_Hz:.4g} Hz over {span * units[unit]:.4g} s"

@@ -1,0 +1,308 @@
+"""Text with several recordings: side by side ("wide"), one below the other ("stacked"), or mixed in rows ("long").
+
+Each is told by what repeats: names of columns beside each other, the header below the data, the words of a column that
+says what a row belongs to.
+"""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import lru_cache, partial
+from itertools import chain
+from typing import NamedTuple
+
+import numpy as np
+
+from ropefric.arrays import BoolArray, FloatArray
+from ropefric.errors import InputError
+from ropefric.files.text import Source, Text, split_line, start_of_line
+from ropefric.files.text_table import Dialect, HeadRows, is_value
+from ropefric.quantities import unit_factor
+from ropefric.traces.readers.delimited import ends_empty, open_text, text_table, without_footer
+from ropefric.traces.readers.profile import ImportProfile
+from ropefric.traces.readers.table import Reader, Table, is_time
+
+_DIGITS = re.compile(r"\d+")
+_MARKS = " \t:;,.-_/|#"
+
+
+class Block(NamedTuple):
+    """One of the recordings that a header shows side by side: its name, and those of its columns."""
+
+    sample: str
+    names: tuple[str, ...]
+
+
+def blocks_of_header(header: Sequence[str]) -> list[Block]:
+    """Return the recordings that a header shows side by side: names that come again but for a number; [] for none.
+
+    The number and the words beside it that all columns of a block share, "Run 1: " or " Run #1", are the block's name.
+    """
+    n, alike = len(header), [_DIGITS.sub("#", name).strip().lower() for name in header]
+    widths = (width for width in range(2, n // 2 + 1) if n % width == 0)
+    width = next((w for w in widths if alike == alike[:w] * (n // w) and len(set(alike[:w])) == w), 0)
+    if not width or not all(alike):
+        return []
+    blocks = [_block(header[start : start + width], start // width) for start in range(0, n, width)]
+    samples = [block.sample for block in blocks]
+    if len(set(samples)) < len(samples):
+        blocks = [Block(str(place), block.names) for place, block in enumerate(blocks, start=1)]
+    return blocks if len({block.names for block in blocks}) == 1 else []
+
+
+def _block(names: Sequence[str], place: int) -> Block:
+    before, after = _shared(names), _shared([name[::-1] for name in names])[::-1]
+    if any(map(str.isdigit, before)):
+        return Block(before.strip(_MARKS), tuple(name[len(before) :].strip() for name in names))
+    if any(map(str.isdigit, after)):
+        return Block(after.strip(_MARKS), tuple(name[: len(name) - len(after)].strip() for name in names))
+    numbers = [_DIGITS.findall(name) for name in names]
+    label = numbers[0][-1] if all(one and one[-1] == numbers[0][-1] for one in numbers) else ""
+    bare = (re.sub(rf"[ _#.]*{label}(?!.*\d)", "", name).strip() if label else name for name in names)
+    return Block(label or str(place + 1), tuple(bare))
+
+
+def _shared(names: Sequence[str]) -> str:
+    """Return what several names begin with, up to the end of a word."""
+    same = [len(set(letters)) == 1 for letters in zip(*names, strict=False)]
+    shared = names[0][: same.index(False) if False in same else len(same)]
+    return shared[: max(shared.rfind(mark) for mark in _MARKS) + 1]
+
+
+def _wide_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
+    """Return one table per block of columns; rows that are empty at a block's end belong to longer blocks."""
+    width = profile.block_columns
+    if width < 1:
+        why = "format 'wide' needs the number of columns of one recording"
+        fix = "set [import] block_columns, for example block_columns = 4"
+        raise source.error(why, code="RF105", key="[import] block_columns", fix=fix)
+    text, dialect = open_text(source, profile)
+    data_row, n_cells = dialect.rows.data_row, dialect.n_cells
+    n_blocks, surplus = divmod(n_cells, width)  # a trailing separator makes no column
+    if n_blocks == 0 or surplus > 1 or (surplus and not ends_empty(text, dialect, 1)):
+        why = f"{n_cells} columns cannot be divided into recordings of {width} columns"
+        fix = "correct [import] block_columns or data_row"
+        raise source.error(why, code="RF103", line=data_row, key="[import] block_columns", fix=fix)
+    expected = f"line {data_row} has {n_cells}: {n_blocks} blocks of {width}"
+    names, units = (_by_block(cells, n_blocks, width) for cells in (dialect.header, dialect.units))
+    told = blocks_of_header(dialect.header[: n_blocks * width])
+    told = told if len(told) == n_blocks else []
+    names = [block.names for block in told] or names
+    dialect = replace(dialect, units=tuple(chain(*units)))
+    whole = text_table(text, dialect, tuple(chain(*names)), expected=expected, block_columns=width)
+
+    @lru_cache(maxsize=1)  # the file is parsed once for all blocks, which ask for the same columns
+    def load(offsets: tuple[int, ...]) -> dict[int, FloatArray]:
+        indices = [block * width + offset for block in range(n_blocks) for offset in offsets]
+        return dict(zip(indices, whole.values(indices), strict=True))
+
+    def values(block: int, offsets: Sequence[int]) -> list[FloatArray]:
+        loaded = load(tuple(sorted(set(offsets))))
+        columns = [loaded[block * width + offset] for offset in offsets]
+        filled = np.flatnonzero(~np.all(np.isnan(columns), axis=0))
+        return [column[: int(filled[-1]) + 1 if filled.size else 0] for column in columns]
+
+    return tuple(
+        replace(
+            whole,
+            names=names[block],
+            units=whole.units[block * width : (block + 1) * width],
+            values=partial(values, block),
+            sample=sample,
+            stamps=frozenset(index - block * width for index in whole.stamps),
+        )
+        for block, sample in enumerate(_block_names(text, dialect, profile, [one.sample for one in told]))
+    )
+
+
+def _by_block(cells: Sequence[str], n_blocks: int, width: int) -> list[tuple[str, ...]]:
+    """Return cells by block; a block without any takes those of the first, which vendors write only once."""
+    padded = [*cells, *[""] * (n_blocks * width)]
+    blocks = [tuple(padded[i * width : (i + 1) * width]) for i in range(n_blocks)]
+    return [block if any(block) else blocks[0] for block in blocks]
+
+
+def _block_names(text: Text, dialect: Dialect, profile: ImportProfile, told: Sequence[str]) -> Sequence[str]:
+    """Return the blocks' names: the first filled cell of each in the names row, else those of the header, or numbers."""
+    row, width = profile.block_names_row, profile.block_columns
+    n_blocks = dialect.n_cells // width
+    cells = split_line(text.line(row), dialect.separator) if row >= 1 else []
+    if not cells and told:
+        return told
+    names = [
+        next(filter(None, cells[block * width : (block + 1) * width]), str(block + 1))
+        for block in range(n_blocks)
+    ]
+    if len(set(names)) < n_blocks:
+        twice = next(name for name in names if names.count(name) > 1)
+        why, fix = f"two recordings are called {twice!r}", "set block_names_row = 0 to number them"
+        raise text.source.error(why, code="RF105", line=row, key="[import] block_names_row", fix=fix)
+    return names
+
+
+class Part(NamedTuple):
+    """One of several recordings below each other: its name, the lines of its header and its data, and where it ends."""
+
+    name: str
+    header_row: int
+    data_row: int
+    stop: int
+
+
+def stacked_parts(text: Text, dialect: Dialect) -> list[Part]:
+    """Return where the recordings of a text stand whose header comes again below data."""
+    head, first, n_cells = _alike(dialect.header), dialect.rows, dialect.n_cells
+    starts: list[tuple[str, int, int, int]] = []
+    between: list[tuple[int, list[str]]] = []
+    for number, cells in text.rows_from(1, dialect.separator):
+        if number < first.data_row or len(cells) != n_cells or not is_value(next(filter(None, cells), "")):
+            between.append((number, cells))
+            continue
+        heads = [place for place, (_, row) in enumerate(between) if _alike(row) == head]
+        if heads:
+            above = between[heads[-1] - 1][1] if heads[-1] else ()
+            name = " ".join(filter(None, above))[:60]
+            starts.append((name, between[heads[-1]][0], number, between[0][0]))
+        between = []
+    stops = [*(begin for *_, begin in starts[1:]), text.data.count(b"\n") + text.first_line]
+    return [Part(*start[:3], stop) for start, stop in zip(starts, stops, strict=False)]
+
+
+def _alike(cells: Sequence[str]) -> tuple[str, ...]:
+    return tuple(_DIGITS.sub("#", cell.lower()) for cell in cells)
+
+
+def _stacked_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
+    """Return one table for each header that comes again below data; the words above it, or a number, are its name."""
+    text, dialect = open_text(source, profile)
+    text = text.whole()
+    parts = stacked_parts(text, dialect)
+    if not parts:
+        why, fix = (
+            "there is no header that comes again below data",
+            'set [import] header_row, or format = "delimited"',
+        )
+        raise source.error(why, code="RF103", key="[import] format", fix=fix)
+    names = [part.name for part in parts]
+    if "" in names or len(set(names)) < len(names):
+        names = [str(number) for number in range(1, len(parts) + 1)]
+    is_one = len(parts) == 1
+    return tuple(
+        replace(_part_table(text, dialect, part), sample="" if is_one else name)
+        for part, name in zip(parts, names, strict=True)
+    )
+
+
+def _part_table(text: Text, dialect: Dialect, part: Part) -> Table:
+    rows = dialect.rows
+    units_row = part.header_row + rows.units_row - rows.header_row if rows.units_row else 0
+    units = (
+        split_line(text.line(units_row), dialect.separator)
+        if 0 < units_row < part.data_row
+        else dialect.units
+    )
+    start, stop = (
+        start_of_line(text.data, line - text.first_line + 1) for line in (part.header_row, part.stop)
+    )
+    own = replace(
+        dialect,
+        rows=HeadRows(part.header_row, units_row, part.data_row),
+        units=tuple(units),
+        first_row=split_line(text.line(part.data_row), dialect.separator),
+        notes=[*dialect.notes],
+    )
+    return text_table(without_footer(text.part(start, stop), own), own)
+
+
+def _long_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
+    """Return one table for each word of the column that names recordings, with the channels that a column names."""
+    text, dialect = open_text(source, profile)
+    whole = text_table(text, dialect)
+    keys = [(f"{key}_column", getattr(profile, f"{key}_column")) for key in ("recording", "channel", "value")]
+    recording, channel, value = (
+        whole.find(wanted, source, f"[import] {key}") if wanted else -1 for key, wanted in keys
+    )
+    if max(recording, channel) < 0 or (channel >= 0) != (value >= 0):
+        why = "format 'long' needs a column that names recordings, or one that names channels and one of their values"
+        fix = 'set [import] recording_column = "specimen", or channel_column = "channel" and value_column = "value"'
+        raise source.error(why, code="RF105", key="[import] format", fix=fix)
+    rows = [row for _, row in text.rows_from(dialect.rows.data_row, dialect.separator)]
+    labels = np.array([[row[i] if 0 <= i < len(row) else "" for i in (recording, channel)] for row in rows])
+    loaded = lru_cache(maxsize=None)(lambda index: whole.values([index])[0])
+    samples = [*dict.fromkeys(labels[:, 0].tolist())]
+    tables = []
+    for sample in samples:
+        here = labels[:, 0] == sample
+        table = replace(whole, sample=sample if len(samples) > 1 else "", first_line=0, stamps=frozenset())
+        if channel < 0:
+            stamps = frozenset(index for index in whole.stamps)
+            picked = partial(_rows_of, loaded, here)
+            tables.append(replace(table, values=picked, stamps=stamps))
+            continue
+        names = tuple(dict.fromkeys(labels[here, 1].tolist()))
+        masks = [here & (labels[:, 1] == name) for name in names]
+        tables.append(_pivoted(table, names, masks, (value, *_time_of(whole, profile, source)), loaded))
+    return tuple(tables)
+
+
+def _rows_of(
+    loaded: Callable[[int], FloatArray], here: BoolArray, indices: Sequence[int]
+) -> list[FloatArray]:
+    return [loaded(index)[here] for index in indices]
+
+
+def _time_of(whole: Table, profile: ImportProfile, source: Source) -> tuple[int, float]:
+    """Return the column of the time of a long table, and the seconds of its unit."""
+    given = profile.channels.get("time")
+    index = whole.find(given.column, source, "[import.channels] time") if given else -1
+    if index < 0:
+        index = next((i for i, name in enumerate(whole.names) if is_time(name)), -1)
+    unit = (
+        "s"
+        if index in whole.stamps
+        else (given.unit if given else "") or (whole.unit(index) if index >= 0 else "")
+    )
+    try:
+        return index, unit_factor(unit, "s", name="time")
+    except InputError:
+        why, fix = "no column is the time, with its unit", 'name it: time = { column = "t", unit = "s" }'
+        raise source.error(why, code="RF105", key="[import.channels] time", fix=fix) from None
+
+
+def _pivoted(
+    table: Table,
+    names: tuple[str, ...],
+    masks: Sequence[BoolArray],
+    at: tuple[int, int, float],
+    loaded: Callable[[int], FloatArray],
+) -> Table:
+    """Return a table whose columns are the channels that a column of a long one names, each with its own clock."""
+    value, time, second_s = at
+    return replace(
+        table,
+        names=names,
+        units=(table.unit(value),) * len(names),
+        values=lambda indices: [loaded(value)[masks[index]] for index in indices],
+        clock=lambda index: loaded(time)[masks[index]] * second_s,
+        brings_time=True,
+    )
+
+
+WIDE = Reader(
+    name="wide",
+    suffixes=(),
+    description="text with many recordings side by side, block_columns columns each",
+    tables=_wide_tables,
+)
+STACKED = Reader(
+    name="stacked",
+    suffixes=(),
+    description="text with many recordings one below the other, each with its header",
+    tables=_stacked_tables,
+)
+LONG = Reader(
+    name="long",
+    suffixes=(),
+    description="text with many recordings or channels in rows, told apart by recording_column or channel_column",
+    tables=_long_tables,
+)

@@ -1,0 +1,111 @@
+"""A campaign begun from its recordings: the import profile that reads them, and a row of the list for each of them."""
+
+import csv
+import os
+from collections import Counter
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+from ropefric.errors import RopefricError
+from ropefric.files.plain_text import csv_text, to_spreadsheet
+from ropefric.glossary import counted
+from ropefric.traces.readers import read_recordings
+from ropefric.traces.readers.inspection import Inspection, inspect_file
+from ropefric.traces.readers.profile import ImportProfile, profile_to_toml
+from ropefric.trials.trial_list import list_from_names
+from ropefric.trials.workers import Limits, Lost, guarded
+
+_SHOWN = 3
+
+
+class Proposal(NamedTuple):
+    """A list of trials, the section that reads their recordings, "" where none was found, and what was assumed."""
+
+    trials: bytes
+    section: str
+    said: tuple[str, ...]
+
+
+def propose_campaign(recordings: str, pattern: str, folder: Path, limits: Limits | None = None) -> Proposal:
+    """Return what the files that a glob pattern, or a folder, names tell of a campaign; each of them is read.
+
+    A row is one recording: a file with several has several rows. No file is left out of the list because it cannot be
+    read; that is said.
+    """
+    files = f"{recordings.rstrip('/')}/*" if Path(recordings).is_dir() else recordings
+    trials, told = list_from_names(files, pattern, folder)
+    header, *rows = csv.reader(trials.decode().splitlines())
+    # The folder need not be there yet.
+    paths = [Path(os.path.normpath(folder / row[header.index("file")])) for row in rows]
+    usual = Counter(path.suffix.lower() for path in paths).most_common(1)[0][0]
+    alike = [path for path in paths if path.suffix.lower() == usual]
+    found = _inspected(alike, limits or Limits())
+    said = [told] if told else []
+    if isinstance(found, str):
+        return Proposal(trials, "", (*said, f"{alike[0].name} cannot be read: {found}"))
+    said.append(f"read {found.read}, from {found.file}" if found.read else f"{found.file}: {found.stopped}")
+    said += (f"assumed: {doubt}" for doubt in found.doubts)
+    samples, unread = _samples_of(paths, found.profile, limits or Limits())
+    said += unread
+    if any(len(names) > 1 for names in samples):
+        place = header.index("file") + 1
+        named = [
+            (row, to_spreadsheet(name)) for row, names in zip(rows, samples, strict=True) for name in names
+        ]
+        table = [[*row[:place], name, *row[place:]] for row, name in named]
+        trials = csv_text([[*header[:place], "sample", *header[place:]], *table]).encode()
+    comments = [f"# {line}" for line in (said[1:] if told else said)]
+    section = "\n".join(["# How to read the recordings, found out from them:", *comments, ""])
+    return Proposal(trials, section + profile_to_toml(found.profile), tuple(said))
+
+
+def _samples_of(
+    paths: Sequence[Path], profile: ImportProfile, limits: Limits
+) -> tuple[list[tuple[str, ...]], list[str]]:
+    """Return the names of the recordings of each file, and what to say of those that are not read."""
+    samples: list[tuple[str, ...]] = [("",)] * len(paths)
+    wrong: dict[str, list[str]] = {}
+    for number, read in guarded(partial(_samples, paths, profile), len(paths), limits=limits):
+        if isinstance(read, str | Lost):
+            wrong.setdefault(read.reason if isinstance(read, Lost) else read, []).append(paths[number].name)
+        else:
+            samples[number] = read
+    shown = {
+        why: f"{', '.join(some[:_SHOWN])}{', …' if len(some) > _SHOWN else ''}" for why, some in wrong.items()
+    }
+    return samples, [
+        f"{counted(len(some), 'file')} of {len(paths)} not read so: {shown[why]}: {why}"
+        for why, some in wrong.items()
+    ]
+
+
+def _inspected(paths: Sequence[Path], limits: Limits) -> Inspection | str:
+    """Return the first of some files whose own proposal reads it, else the first that opens, or why none does."""
+    some = list(dict.fromkeys((paths[0], paths[len(paths) // 2], paths[-1])))
+    opened: list[Inspection] = []
+    why: list[str] = []
+    for _, found in guarded(partial(_inspect, some), len(some), limits=limits):
+        if isinstance(found, Inspection):
+            opened.insert(0 if found.read else len(opened), found)
+        else:
+            why.append(found if isinstance(found, str) else found.reason)
+    return opened[0] if opened else why[0]
+
+
+def _inspect(paths: Sequence[Path], number: int) -> Inspection | str:
+    try:
+        return inspect_file(paths[number], shown_as=paths[number].name)
+    except RopefricError as error:
+        return error.problem.message
+
+
+def _samples(paths: Sequence[Path], profile: ImportProfile, number: int) -> tuple[str, ...] | str:
+    """Return the names of the recordings of a file, or why it is not read."""
+    try:
+        return tuple(
+            raw.sample for raw in read_recordings(paths[number], profile, shown_as=paths[number].name)
+        )
+    except RopefricError as error:
+        return error.problem.message

@@ -56,7 +56,7 @@ PIECE, UNKNOWN = 500, 255
 """Recordings drawn at a time; the state of bins of which none is known."""
 LEFT_OUT = 777
 """Seed of the recordings that nothing is trained on."""
-TEMPERATURES = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0)
+TEMPERATURES = (0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5)
 RIGHT = 0.02
 
 
@@ -323,16 +323,12 @@ def is_right(one: Known, answer: tuple[Status, float]) -> bool:
     )
 
 
-def surprise(ones: Iterable[Known], weights: picker.Weights) -> float:
-    """Return the mean negative logarithm of the probability that was given to what is true."""
-    shares = [
-        max(
-            (share for answer, share in answers_of(one, weights).items() if is_right(one, answer)),
-            default=0.0,
-        )
-        for one in ones
-    ]
-    return float(np.mean([-log(max(share, 0.005)) for share in shares]))
+def stated_and_right(ones: Iterable[Known], weights: picker.Weights) -> tuple[float, float]:
+    """Return the mean probability of the most probable answers, and the share of them that are right."""
+    answers = [(one, found) for one in ones if (found := answers_of(one, weights))]
+    best = [(one, *max(found.items(), key=lambda answer: answer[1])) for one, found in answers]
+    stated, right = np.mean([(share, is_right(one, answer)) for one, answer, share in best], axis=0)
+    return float(stated), float(right)
 
 
 def card(sets: Mapping[str, list[Known]], weights: picker.Weights) -> str:
@@ -409,11 +405,12 @@ def write(folder: Path, weights: dict[str, Any], say: Callable[[str], object]) -
     """Set the temperature of trained weights on the second rig; write them, and how they do, into a folder."""
     stored: dict[str, Any] = {name: np.asarray(values, dtype=np.float16) for name, values in weights.items()}
     other, path = list(of_the_second_rig(6, LEFT_OUT + 1)), folder / "picker.npz"
-    surprises = {
-        one: surprise(other, picker.multiplied({**stored, "temperature": one})) for one in TEMPERATURES
-    }
-    say("\n".join(f"temperature {one:g}: {value:.4f}" for one, value in surprises.items()))
-    stored["temperature"] = np.float64(min(surprises, key=lambda one: surprises[one]))
+    gaps = {}
+    for one in TEMPERATURES:
+        stated, right = stated_and_right(other, picker.multiplied({**stored, "temperature": one}))
+        gaps[one] = abs(stated - right)
+        say(f"temperature {one:g}: {stated:.3f} stated, {right:.3f} right")
+    stored["temperature"] = np.float64(min(gaps, key=lambda one: gaps[one]))
     np.savez(path, **stored)
     sets = {
         "drawn": list(drawn_ones(1000)),

@@ -19,7 +19,7 @@ _BARE_RATES = frozenset(("speed", "rate", "frequency", "fs", "sps"))
 """Words that mean the sampling rate where nothing else is told of the time and no unit says otherwise."""
 _UNITS = frozenset(("unit", "units", "einheit", "einheiten"))
 _PER_SECOND = frozenset(("S/s", "Sa/s", "sps", "SPS", "samples/s", "Samples/s", "1/s", "/s", "Werte/s"))
-_FACT = re.compile(r"[#%*;!]*\s*([A-Za-zÀ-ÿ][^=:;,\t]{0,60}?)\s*[=:]\s*([^=].*)")
+_FACT = re.compile(r"[#%*;!]*+\s*+([A-Za-zÀ-ÿ][^=:;,\t]{0,60})[=:](?!=)\s*+(.+)")
 _VALUE = re.compile(r"([+-]?\d+(?:[.,]\d+)?)\s*(.*)")
 
 
@@ -44,7 +44,7 @@ def facts_of(lines: Sequence[str], separator: str) -> Facts:
     rate_Hz, perhaps_Hz, unit = None, None, ""
     for key, value in _facts(lines, separator):
         stem, of_key = split_unit_suffix(key)
-        word, number = re.sub(r"[\W_\d]+", "", stem.lower()), _VALUE.fullmatch(value)
+        word, number = "".join(filter(str.isalpha, stem.lower())), _VALUE.fullmatch(value)
         if word in _UNITS:
             unit = unit or spelled_unit(value)
         elif number and word in _RATES:

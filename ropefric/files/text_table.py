@@ -134,10 +134,9 @@ def is_number(cell: str, decimal: str) -> bool:
 def number_of(cell: str, decimal: str, thousands: str) -> float:
     """Return the finite number of a cell with this decimal mark, its thousands grouped where they are; else infinity."""
     if thousands and thousands in cell:
-        grouped = re.fullmatch(
-            rf"[+-]?[0-9]{{1,3}}(?:{re.escape(thousands)}[0-9]{{3}})+({re.escape(decimal)}[0-9]*)?", cell
-        )
-        cell = cell.replace(thousands, "") if grouped else ""
+        first, *groups = cell.partition(decimal)[0].split(thousands)
+        of_three = all(len(group) == 3 and group.isdecimal() for group in groups)
+        cell = cell.replace(thousands, "") if of_three and 1 <= len(first.lstrip("+-")) <= 3 else ""
     return float(cell.replace(",", ".")) if is_number(cell, decimal) else math.inf
 
 

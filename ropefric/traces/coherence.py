@@ -11,9 +11,9 @@ import numpy as np
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.traces.segments import TINY
 
-SIGNALS, SMOOTHED, APART, MOST = (2, 3), 15, 0.1, 0.5
+SIGNALS, SMOOTHED, APART, CLEAR, MOST = (2, 3), 15, 0.1, 6.0, 0.5
 """Numbers of interleaved signals that are tested, rounds that are averaged, smallest difference between the signals as a
-fraction of the force's range, and the fraction of the loaded samples that must show it."""
+fraction of the force's range and in standard errors, and the fraction of the loaded samples that must show it."""
 TOKENS, BLOCK, BY_CHANCE = 8, 32, 1e-9
 """Runs of equal samples that are compared at once; fewest samples of a repeated block, and the largest probability of a
 repetition by chance."""
@@ -56,7 +56,8 @@ def _interleaved(force_N: FloatArray) -> str:
         steady_N = np.stack([np.convolve(column, kernel, "valid") for column in away_N.T], axis=1)
         level_N = np.convolve(np.abs(turns_N - force_N[0]).max(axis=1), kernel, "valid")
         apart_N = np.ptp(steady_N, axis=1)[level_N > 0.5 * level_N.max()]
-        if np.mean(apart_N > APART * range_N) > MOST:
+        scatter_N = float(np.std(away_N[SMOOTHED // 2 : -(SMOOTHED // 2)] - steady_N)) / math.sqrt(SMOOTHED)
+        if np.mean(apart_N > max(APART * range_N, CLEAR * scatter_N)) > MOST:
             return (
                 f"every {'second' if n == 2 else 'third'} sample is {np.median(apart_N):.3g} N away from "
                 "its neighbours: several signals are interleaved; export each into a column of its own"

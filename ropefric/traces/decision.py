@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.arrays import BoolArray, FloatArray, IntArray, median
 from ropefric.traces.breakaway import SURE, Breakaway, ForceEvent, PickSettings, Status
+from ropefric.traces.clock import GAP_STEPS
 from ropefric.traces.coherence import incoherence, sudden_steps
 from ropefric.traces.noise import runs_of
 from ropefric.traces.peak import gap_beside, peak_result
@@ -221,7 +222,7 @@ def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
             before = tops.get(found.block)
             tops[found.block] = found if before is None else _both(before, found)
     left = 1.0 - reasons[Status.DOUBTFUL]
-    if SEEN < left < 1.0 and not sudden_steps(force_N).size:  # no damage is without a step
+    if SEEN < left < 1.0 and not _sudden(prepared).size:  # no damage is without a step
         reasons = {reason: one / left for reason, one in reasons.items()} | {Status.DOUBTFUL: 0.0}
         tops = {block: one._replace(probability=one.probability / left) for block, one in tops.items()}
     rounded = [one._replace(probability=round(one.probability, 2)) for one in tops.values()]
@@ -229,6 +230,12 @@ def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
         (one for one in rounded if one.probability), key=lambda one: (-one.probability, one.block)
     )
     return Judgement(candidates, {reason: round(one, 2) for reason, one in reasons.items()}, whole)
+
+
+def _sudden(prepared: Prepared) -> IntArray:
+    """Return the samples at which the force steps suddenly, across no gap in time."""
+    steps, steps_s = sudden_steps(prepared.force_N), np.diff(prepared.time_s)
+    return steps[steps_s[steps - 1] <= GAP_STEPS * median(steps_s)]
 
 
 def share_near(found: Judgement, top: Candidate) -> float:
@@ -300,10 +307,11 @@ def _where_damaged(prepared: Prepared, found: Judgement) -> str:
     """Return in words where the damage of a recording begins: the sudden step nearest to where the picker sees it."""
     states, edges_s = found.whole.states[:, State.DAMAGED], found.whole.edges_s
     begins_s = float(edges_s[int(np.argmax(states >= 0.5 * states.max()))])
-    steps = sudden_steps(prepared.force_N)
-    if not steps.size:
-        return "no sudden step shows where"
-    at = int(steps[int(np.argmin(np.abs(prepared.time_s[steps] - begins_s)))])
+    steps = _sudden(prepared)
+    if steps.size:
+        at = int(steps[int(np.argmin(np.abs(prepared.time_s[steps] - begins_s)))])
+    else:
+        at = int(np.argmax(np.abs(np.diff(prepared.force_N)))) + 1
     before_N, after_N = prepared.force_N[at - 1 : at + 1].tolist()
     step = (
         f"at {prepared.time_s[at]:.4g} s the force changes from {before_N:.4g} N to {after_N:.4g} N at once"

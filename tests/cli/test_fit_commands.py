@@ -69,7 +69,7 @@ def test_a_fit_has_the_agreed_shape_and_is_what_is_stored_and_told(call, tmp_pat
     assert told.code == 0
     for words in ("mu_inf", "0.461", "95 % interval", "coefficient of a very large wheel"):
         assert words in told.out
-    assert "394 trials of 36 conditions" in told.out
+    assert "398 trials of 36 conditions" in told.out
 
 
 def test_a_law_that_misses_an_effect_is_4_and_says_why(call):

@@ -75,7 +75,7 @@ def test_a_large_drift_is_in_doubt_until_a_later_rest_confirms_it():
 def test_what_a_drift_may_leave_is_a_part_of_the_probability():
     """Off by less than a fiftieth: nearly certain without a drift, less so the larger one is that was taken off."""
     stated = [picked(pulled() + rate_N_s * TIME_S + noise(1)).probability for rate_N_s in (0.0, 1.4, 1.8)]
-    assert stated[0] >= 0.95
+    assert stated[0] >= 0.9
     assert stated[0] > stated[1] > stated[2] >= 0.8
 
 
@@ -113,8 +113,8 @@ def test_what_jumps_and_comes_back_or_comes_on_slowly_was_a_load():
 def test_a_jump_in_the_climb_is_a_load_or_the_zero():
     for at_s in (1.3, 2.2):
         found = picked(pulled() + 6.0 * (at_s < TIME_S) + noise(5, 0.1))
-        assert "within the climb" in found.detail
-        names(found, 106.0, 100.0)
+        # From the step alone it may be the zero, a load that came on, a partial slip or a file that was joined.
+        assert found.status is Status.DOUBTFUL
     slips = pulled() - 6.0 * np.clip((TIME_S - 2.2) / 0.003, 0.0, 1.0)
     assert is_right(picked(slips + noise(5, 0.1)), 94.0)
 

@@ -263,7 +263,7 @@ def _quantities(answer: LineAnswer, problem: LineProblem) -> tuple[kind.Quantity
         found["elongation_m"] = _elongation_m(answer)
     if answer.needed_end_N is not None:
         found["needed_end_tension_N"] = answer.needed_end_N
-    if answer.cycle is not None:
+    if answer.cycle is not None and np.isfinite(answer.cycle.pulled_N).any():
         found |= {f"cycle.{name}": value for name, value in _cycle(answer).items()}
     if answer.other_end is not None:
         found["from_other_end.hand_tension_N"] = answer.other_end[-1]

@@ -58,8 +58,9 @@ def _block(names: Sequence[str], place: int) -> Block:
         return Block(after.strip(_MARKS), tuple(name[: len(name) - len(after)].strip() for name in names))
     numbers = [_DIGITS.findall(name) for name in names]
     label = numbers[0][-1] if all(one and one[-1] == numbers[0][-1] for one in numbers) else ""
-    bare = (re.sub(rf"[ _#.]*{label}(?!.*\d)", "", name).strip() if label else name for name in names)
-    return Block(label or str(place + 1), tuple(bare))
+    parts = [name.rpartition(label) if label else ("", "", name) for name in names]
+    bare = (before.rstrip(" _#.") + after if label else after for before, _, after in parts)
+    return Block(label or str(place + 1), tuple(name.strip() for name in bare))
 
 
 def _shared(names: Sequence[str]) -> str:

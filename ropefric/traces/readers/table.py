@@ -32,6 +32,7 @@ _TIME_WORDS = frozenset((
 ))  # fmt: skip
 _DIGITS_AND_MARKS = re.compile(r"[+-]?[\d.,]++")
 _DATE = re.compile(r"\d[-/:.]\d++[-/:.]\d")
+_BETWEEN_WORDS = re.compile(r"[\s_.\d]++")
 _NAMED_MISSING = frozenset(
     ("na", "n/a", "#n/a", "null", "none", "-", "--", "---", "?", "missing", "error", "over", "ovl")
 )
@@ -39,7 +40,7 @@ _NAMED_MISSING = frozenset(
 
 def is_time(name: str) -> bool:
     """Return whether a header is a word for the time, in the languages of loggers."""
-    words = re.split(r"[\s_.\d]+", split_unit_suffix(name.strip())[0].lower())
+    words = _BETWEEN_WORDS.split(split_unit_suffix(name.strip())[0].lower())
     ends = {word for word in words[:1] + words[-1:] if len(word) > 1}
     return "_".join(filter(None, words)) in _TIME_WORDS or not _TIME_WORDS.isdisjoint(ends)
 

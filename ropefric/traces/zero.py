@@ -135,7 +135,12 @@ def _with_drift(
     if weights[has].sum() < CERTAIN:
         within = [_within(small_N, *drift) for drift in zip(drifts_N.tolist(), stds_N.tolist(), strict=True)]
         std_N = math.sqrt(float(weights @ (stds_N**2 + drifts_N**2)))
-        likely, share = _as_likely(result, float(weights @ within))
+        right = float(weights @ within)
+        likely, share = _as_likely(result, right)
+        if share < SURE and right > CERTAIN:
+            return _either(
+                likely, f"the place and its zero together have a probability of {share:.2f}"
+            ), level_N
         if share < SURE:
             why = f"the rope rests too briefly to exclude a drift of the zero of {2.0 * std_N:.2g} N"
             return _either(likely, why), level_N

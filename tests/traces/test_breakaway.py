@@ -11,7 +11,7 @@ from rigged import rigged_trace
 from thinned import thinned
 
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.traces import decision
+from ropefric.traces import decision, zero
 from ropefric.traces.breakaway import ADVICE, PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.noise import resolution
@@ -120,9 +120,8 @@ def test_a_top_between_few_samples_is_not_read_low(monkeypatch):
     """Breaks at every phase of the sampling, sharp and filtered ones: no bias, and u covers what is left."""
     time_s, fine_s = np.arange(0.0, 4.0, 0.02), np.arange(0.0, 4.0, 1e-4)
     errors, pulls, rises_N = [], [], []
-    monkeypatch.setattr(
-        decision, "SURE", 0.5
-    )  # with so few samples the picker is in doubt whether it is a peak
+    for module in (decision, zero):  # with so few samples the picker is in doubt whether it is a peak
+        monkeypatch.setattr(module, "SURE", 0.5)
     for n, phase in enumerate(np.linspace(0.0, 1.0, 41)):
         top_s = 1.5 + 0.02 * phase
         fine = np.interp(fine_s, (1.0, top_s, top_s + 0.01, 4.0), (0.0, 100.0, 70.0, 70.0))

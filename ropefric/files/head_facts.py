@@ -20,7 +20,7 @@ _BARE_RATES = frozenset(("speed", "rate", "frequency", "fs", "sps"))
 _UNITS = frozenset(("unit", "units", "einheit", "einheiten"))
 _PER_SECOND = frozenset(("S/s", "Sa/s", "sps", "SPS", "samples/s", "Samples/s", "1/s", "/s", "Werte/s"))
 _FACT = re.compile(r"[#%*;!]*+\s*+([A-Za-zÀ-ÿ][^=:;,\t]{0,60})[=:](?!=)(.+)")
-_VALUE = re.compile(r"([+-]?\d++(?:[.,]\d++)?+)([^\d.,].*)?")
+_VALUE = re.compile(r"([+-]?\d++(?:[.,]\d++)?+)([^\d.,].*|)")
 
 
 class Facts(NamedTuple):
@@ -49,7 +49,7 @@ def facts_of(lines: Sequence[str], separator: str) -> Facts:
             unit = unit or spelled_unit(value)
         elif number and word in _RATES:
             rate_Hz = rate_Hz or _in_si(number, of_key or "Hz", "Hz")
-        elif number and word in _INTERVALS and (of_key or number[2] or "").strip():
+        elif number and word in _INTERVALS and (of_key or number[2].strip()):
             step_s = _in_si(number, of_key, "s")
             rate_Hz = rate_Hz or (1.0 / step_s if step_s else None)
         elif number and word in _BARE_RATES:
@@ -70,7 +70,7 @@ def _facts(lines: Sequence[str], separator: str) -> Iterator[tuple[str, str]]:
 
 def _in_si(number: re.Match[str], unit: str, si_unit: str) -> float | None:
     """Return a number by the unit behind it, or that of its key; None where it is of another kind or not positive."""
-    told = (number[2] or "").strip().strip("[]()") or unit
+    told = number[2].strip().strip("[]()") or unit
     try:
         factor = 1.0 if told in _PER_SECOND else unit_factor(spelled_unit(told), si_unit)
     except InputError:

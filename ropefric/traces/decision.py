@@ -522,7 +522,9 @@ def _stuck(prepared: Prepared, block: int) -> str:
 
 def _with_its_gap(prepared: Prepared, result: Breakaway) -> Breakaway:
     """Return a doubtful result if the force may have been higher in a gap beside its top."""
-    gap_s, last = gap_beside(prepared.time_s, result)
+    index = int(np.searchsorted(prepared.time_s, result.peak_time_s))
+    below = np.flatnonzero(prepared.force_N[:index] < (1.0 - HIDES) * result.peak_N)
+    gap_s, last = gap_beside(prepared.time_s, result, first=int(below[-1]) if below.size else 0)
     if not gap_s:
         return result
     highest_N = _climbed_to_N(prepared, last, gap_s, result.peak_N)

@@ -118,15 +118,15 @@ def early_s(peak: Breakaway) -> float:
     return min(LONGEST_EARLY_S, EARLY_SIGMAS * peak.noise_std_N / max(TINY, peak.loading_rate_N_s))
 
 
-def gap_beside(time_s: FloatArray, peak: Breakaway) -> tuple[float, int]:
+def gap_beside(time_s: FloatArray, peak: Breakaway, first: int | None = None) -> tuple[float, int]:
     """Return the length of a gap in the samples next to a peak or the end of its window [s], and the sample before it.
 
-    Of length 0 for none.
+    The length is 0 without a gap. Samples are next to a peak from `first` on, or two before it.
     """
     index = int(np.searchsorted(time_s, peak.peak_time_s))
     usual_s = np.median(np.diff(time_s[max(0, index - 250) : index + 250]))
     half = round((0.5 * peak.window_s + early_s(peak)) / max(usual_s, TINY))
-    first = max(0, index - 2)
+    first = min(max(0, index - 2), index if first is None else first)
     steps_s = np.diff(time_s[first : index + half + 4], append=-np.inf)
     at = int(np.argmax(steps_s))
     return (float(steps_s[at]) if steps_s[at] > GAP_STEPS * usual_s else 0.0), first + at

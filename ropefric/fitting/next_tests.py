@@ -18,7 +18,7 @@ import numpy.typing as npt
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.files.plain_text import csv_text, rounded_tree
-from ropefric.fitting.fit import COMMON, rope_slopes
+from ropefric.fitting.fit import at_level, error_name, error_slopes
 from ropefric.fitting.predict import REGRESSORS, outside_words
 from ropefric.fitting.problem import FitSettings, check_settings
 from ropefric.fitting.resolution import (
@@ -121,21 +121,18 @@ class PlannedLaw:
         as large as those of the others.
         """
         found = {self.chain: self.scatter.instrument_N * np.exp(-log_lift)}
-        slopes, roped = self.law.log_lift_gradient_conditions(self.theta, at), "radius of the rope"
-        known = any(item.name.startswith(roped) for item in self.common)
-        by_rope = rope_slopes(self.law, self.theta, at) if known else slopes[:, 0]
-        kinds = (
-            ("the second", slopes[:, 2], COMMON[1], np.zeros(len(at))),
-            ("weights", slopes[:, 2], COMMON[1], at.end_tension_N),
-            ("radius of the wheels", slopes[:, 0], COMMON[2], at.wheel_radius_m),
-            ("setting", slopes[:, 1], COMMON[3], at.wrap_angle_rad),
-            (roped, by_rope, COMMON[4], at.rope_radius_m),
-        )
-        for start, slope, (words, _unit), values in kinds:
-            stds = {item.name: item.std for item in self.common if item.name.startswith(start)}
-            for value in np.unique(values).tolist() if stds else ():
-                size = stds.get(name := words(value), float(np.median([*stds.values()])))
-                found[name] = found.get(name, 0.0) + np.where(values == value, size * slope, 0.0)
+        for kind, by in dict.fromkeys((item.kind, item.by) for item in self.common if item.kind):
+            stds = {item.name: item.std for item in self.common if item.kind == kind}
+            usual = float(np.median([*stds.values()]))
+            slope = error_slopes(kind, self.law, self.theta, at)
+            if kind == "cell":
+                own = stds.get(self.chain, usual) * np.ones(len(at))
+                found[self.chain] = np.hypot(found[self.chain], own)
+                continue
+            level = at_level(kind, by, at)
+            for value in np.unique(level).tolist():
+                size = stds.get(name := error_name(kind, by, value), usual)
+                found[name] = found.get(name, 0.0) + np.where(level == value, size * slope, 0.0)
         return {name: effect for name, effect in found.items() if effect.any()}
 
 
@@ -209,9 +206,6 @@ def planned_fit(
     if not fit.trials.get("n"):
         raise InputError("the fit does not list its conditions", key="fit", fix="fit the trials again")
     columns = {name: np.array(values, dtype=np.float64) for name, values in fit.trials.items()}
-    if instrument_N is None:
-        known_N = columns["peak_std_N"][np.isfinite(columns["peak_std_N"])]
-        instrument_N = float(np.median(known_N)) if known_N.size else 0.0
     # New tests are pulled with the cell whose error moves the fit most.
     size = np.where(fit.shown, np.sqrt(np.diag(fit.covariance)), np.inf)
     moves = {item.name: float(np.linalg.norm(item.change / size)) for item in fit.common_errors}
@@ -223,7 +217,7 @@ def planned_fit(
         law=fit.friction_law,
         theta=fit.theta,
         free=fit.shown,
-        scatter=MeanScatter(within=within, between=between, instrument_N=instrument_N),
+        scatter=MeanScatter(within=within, between=between, instrument_N=instrument_N or 0.0),
         tested=Conditions(**{name: columns[name] for name in SETTINGS}),
         tested_repeats=columns["n"],
         common=fit.common_errors,

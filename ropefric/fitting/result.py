@@ -12,8 +12,8 @@ not judged
 undecided
     Something speaks against the law. Its own fit: the residuals follow a regressor, the repeats scatter extremely,
     or the conditions scatter more than twice as far as their repeats (a third or more of the residuals then lie
-    beyond ±2 of the scatter between repeats) while fewer than ten conditions are left over, too few to show whether
-    that is a new rope each time or an effect the law misses; with ten, a trend would have been found, and the
+    beyond ±2 of the scatter between repeats) while fewer than twenty conditions are left over, too few to show whether
+    that is a new rope each time or an effect the law misses; with twenty, a trend would have been found, and the
     scatter counts as scatter, which the clustered errors and the prediction interval hold. Another law: one that
     stands more than 2 in AICc before it (an evidence ratio of e), or one within 2 that gives another lift force.
     The interval: the linear one and the one drawn from the parameters' covariance differ by more than a half width.
@@ -29,7 +29,7 @@ supported
 
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from math import inf, isfinite, nan, sqrt
 from typing import Any, Literal, NamedTuple
 
@@ -44,7 +44,16 @@ from ropefric.errors import InputError
 from ropefric.files.disk import hash_file, kind_of_file
 from ropefric.files.plain_text import GIVEN_DIGITS, STD_DIGITS, rounded_tree, significant, to_share
 from ropefric.fitting import statistics as stats
-from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
+from ropefric.fitting.problem import FitProblem, FitSettings
+from ropefric.fitting.scatter import (
+    CONDITION,
+    REPEAT,
+    Layout,
+    ScatterModel,
+    estimated,
+    nothing_known,
+    weighed,
+)
 from ropefric.friction.condition import SETTINGS, Conditions, distinct
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
@@ -91,10 +100,13 @@ RIVAL = 2.0
 """Difference in AICc up to which two laws are not told apart."""
 
 _WORDS: tuple[Word, ...] = ("supported", "undecided", "not judged")
+_OF_PARAMETERS = (FitStatus.AT_BOUND, FitStatus.UNIDENTIFIABLE)
+# The last digits of a conversion are no extrapolation.
+_NEAR = 1e-6
 _ONLY_DOUBTED = (FitStatus.EXTREME_SCATTER, FitStatus.RESIDUAL_STRUCTURE)
 # Conditions beyond the fitted parameters: one for the scatter, one more for the small-sample term of AICc.
 SPARE = 3
-_MANY_SPARE = 10
+_MANY_SPARE = 20
 _SCATTER_RATIO = 2.0
 _LACK_OF_FIT_P = 1e-3
 # Levels within a tenth are one, such as those of a weight with its pan and without.
@@ -130,10 +142,10 @@ def verdict_of(doubts: Iterable[Doubt], otherwise: str) -> Verdict:
     return Verdict(word=grave[0][0], reasons=tuple(dict.fromkeys(text for _, text in grave)))
 
 
-CovarianceKind = Literal["absolute", "scaled", "clustered"]
+CovarianceKind = Literal["scaled", "clustered"]
 
 SCHEMA = "ropefric.fit/1"
-ERRORS = "two levels"
+ERRORS = "REML"
 """How the standard errors of a stored fit were found; those of fits without this word are not compared with today's."""
 
 
@@ -152,12 +164,18 @@ class FittedParameter:
 
 
 class CommonError(NamedTuple):
-    """An error that several conditions share, such as a cell's gain, and how one standard uncertainty moves the fit."""
+    """A stated error that trials share, such as a cell's gain: of what, by whom, and what one standard uncertainty does.
+
+    To the p parameters (`change`), and to ln F_A of the k cells of trials (`effect`).
+    """
 
     name: str
     unit: str
     std: float
     change: tuple[float, ...]
+    kind: str = ""
+    by: str = ""
+    effect: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -173,11 +191,12 @@ class FitResult(Shown):
     covariance : ndarray, shape (p, p)
         Covariance of the parameters in the law's order; zero for those that are fixed, or on a bound where the data
         do not see them.
-    covariance_kind : {"absolute", "scaled", "clustered"}
-        "absolute": from the known scatter as it stands; "scaled": times χ²/dof, because the scatter is not known;
-        "clustered": from how the means of the conditions scatter, which includes what the repeats of one share.
+    covariance_kind : {"scaled", "clustered"}
+        "clustered": from repeats and from how the means of the conditions scatter; "scaled": from the latter alone.
     statistics : FitStatistics
         How well it fits.
+    scatter : ScatterModel
+        What ropes, conditions, repeats scatter by, and what that leaves open of the parameters.
     status : FitStatus
         The gravest finding.
     advice : tuple of str
@@ -193,12 +212,11 @@ class FitResult(Shown):
     trials : dict of str to list
         The data by condition: enough to fit again.
     common_errors : tuple of CommonError
-        What several conditions have in common and no scatter shows: cells, wheels, ropes, weights, wraps. `change`
-        is that of the parameters by one standard uncertainty; the covariance includes it.
+        The stated errors that trials share; the covariance includes them.
     problem : FitProblem, optional
         What was fitted; None after loading from a file.
-    draws : ndarray, shape (n, p), optional
-        Parameters refitted by the bootstrap that the intervals are from; None otherwise, and after loading.
+    rivals : tuple of FitResult
+        Laws that a comparison does not tell from this one; outside what was tested its intervals hold theirs.
     """
 
     _said = ("law", "status", "verdict=verdict.word", "statistics.n", "statistics.n_conditions")
@@ -215,6 +233,7 @@ class FitResult(Shown):
     covariance: FloatArray
     covariance_kind: CovarianceKind
     statistics: stats.FitStatistics
+    scatter: ScatterModel
     status: FitStatus
     advice: tuple[str, ...]
     identifiability: stats.Identifiability
@@ -224,7 +243,7 @@ class FitResult(Shown):
     trials: Mapping[str, list[float]] = field(default_factory=dict)
     common_errors: tuple[CommonError, ...] = ()
     problem: FitProblem | None = None
-    draws: FloatArray | None = None
+    rivals: tuple["FitResult", ...] = ()
 
     @property
     def theta(self) -> FloatArray:
@@ -241,6 +260,27 @@ class FitResult(Shown):
         """Return the changes of the parameters by one standard uncertainty of each common error, shape (p, b)."""
         changes = [item.change for item in self.common_errors]
         return np.array(changes, np.float64).reshape(-1, len(self.parameters)).T
+
+    def weighted(self) -> FitProblem | None:
+        """Return the means of the cells as they are weighed; None where nothing tells the scatter, or in an old fit."""
+        if "condition" not in self.trials or not self.scatter.names:
+            return None
+        columns = {name: np.array(values, np.float64) for name, values in self.trials.items()}
+        k = columns["n"].size
+        rows = [(item.lower, item.upper, item.vary) for item in self.parameters]
+        lower, upper, vary = (np.array(column) for column in zip(*rows, strict=True))
+        problem = FitProblem(
+            law=self.friction_law, conditions=Conditions(**{name: columns[name] for name in SETTINGS}),
+            log_lift=columns["mean_log_lift"], std=np.ones(k), group=np.arange(k), start=self.theta, lower=lower,
+            upper=upper, vary=vary,
+        )  # fmt: skip
+        groups = {name: columns[name].astype(np.int64) for name in self.scatter.groups}
+        condition = columns["condition"].astype(np.int64)
+        layout = Layout(
+            problem, problem.group, columns["n"], condition, 0.0, 0, groups, uneven=self.scatter.uneven
+        )
+        effects = np.array([item.effect for item in self.common_errors]).reshape(-1, k).T
+        return weighed(layout, self.scatter, self.theta, effects)
 
     @property
     def data(self) -> FitProblem:
@@ -262,16 +302,27 @@ class FitResult(Shown):
     @property
     def doubts(self) -> tuple[Doubt, ...]:
         """Return what speaks against the law in its own fit, with the word each calls for."""
+        return self.doubts_on(None)
+
+    def doubts_on(self, asked: Conditions | None) -> tuple[Doubt, ...]:
+        """Return what speaks against what the law says of conditions; of the whole law for None.
+
+        A parameter that the data do not show by itself, or only on its bound, takes nothing from a force inside what
+        was tested, whose interval holds all that the parameters may be.
+        """
         doubts: list[Doubt] = []
-        if self.status is not FitStatus.OK:
+        forgiven = self.status in _OF_PARAMETERS and asked is not None and self._inside(asked)
+        if self.status is not FitStatus.OK and not forgiven:
             word: Word = "undecided" if self.status in _ONLY_DOUBTED else "not judged"
             doubts.append((word, self.advice[0] if self.advice else self.status.advice))
+        if forgiven and self.statistics.lack_of_fit_p < _TREND_P:
+            doubts += [("undecided", text) for text in self.advice if _LEAVES_OVER in text]
         found, n, q = self.statistics, self.statistics.n_conditions, self.statistics.n - self.statistics.dof
         within, between, spare = found.scatter_within, found.scatter_between, n - q
         if spare < SPARE and self.status is not FitStatus.TOO_FEW_POINTS:
             text = f"{counted(n, 'condition')} cannot test {counted(q, 'fitted parameter')} of {self.law}"
             doubts.append(("not judged", f"{text}: {q + SPARE} are needed"))
-        elif spare < _MANY_SPARE and between > _SCATTER_RATIO * within:
+        elif spare < _MANY_SPARE and between > _SCATTER_RATIO * within > 0.0:
             F = 1.0 + found.n / n * (between / within) ** 2
             if float(fdtrc(spare, found.n - n, F)) < _LACK_OF_FIT_P:
                 text = (
@@ -280,6 +331,16 @@ class FitResult(Shown):
                 )
                 doubts.append(("undecided", text))
         return tuple(doubts)
+
+    def _inside(self, asked: Conditions) -> bool:
+        """Return whether conditions lie inside what was tested, and the errors of all parameters there are finite."""
+        told = all(isfinite(item.std) or item.at_bound for item in self.parameters)
+        ends = {name: self.validity.get(name, (-inf, inf)) for name in SETTINGS}
+        within = (
+            ((getattr(asked, name) >= low * (1.0 - _NEAR)) & (getattr(asked, name) <= high * (1.0 + _NEAR))).all()
+            for name, (low, high) in ends.items()
+        )
+        return told and all(within)
 
     def untested(self, asked: Conditions | None = None) -> tuple[Doubt, ...]:
         """Return whether the law depends on a setting that all trials have alike, and what is asked for has not."""
@@ -298,7 +359,7 @@ class FitResult(Shown):
 
     def verdict_on(self, asked: Conditions | None) -> Verdict:
         """Return the verdict by its own fit on what the law says of conditions; on the whole law for None."""
-        doubts = self.doubts or self.untested(asked)
+        doubts = self.doubts_on(asked) or self.untested(asked)
         return verdict_of(doubts, f"nothing in its own fit speaks against {self.law}")
 
     @property
@@ -330,7 +391,7 @@ class FitResult(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.fit/1`; a number that is not there or infinite is None."""
-        left_out = {"problem", "draws", "parameters", "common_errors"}
+        left_out = {"problem", "rivals", "parameters", "common_errors", "scatter"}
         tree = {item.name: getattr(self, item.name) for item in fields(self) if item.name not in left_out} | {
             "schema": SCHEMA,
             "status": self.status.value,
@@ -338,6 +399,7 @@ class FitResult(Shown):
             "parameters": {one.pop("name"): one for one in map(asdict, self.parameters)},
             "parameter_order": [item.name for item in self.parameters],
             "statistics": asdict(self.statistics),
+            "scatter": self.scatter.to_dict(),
             "identifiability": self.identifiability._asdict(),
         }
         if self.common_errors:
@@ -363,6 +425,7 @@ class FitResult(Shown):
             covariance=np.array([[_number(cell) for cell in row] for row in tree["covariance"]], np.float64),
             covariance_kind=tree["covariance_kind"],
             statistics=stats.FitStatistics(**{key: _number(x) for key, x in tree["statistics"].items()}),
+            scatter=_model_of(tree),
             status=FitStatus(tree["status"]),
             advice=tuple(tree["advice"]),
             notes=tuple(tree["notes"]),
@@ -372,11 +435,32 @@ class FitResult(Shown):
             trials={name: [_number(cell) for cell in column] for name, column in tree["trials"].items()},
             common_errors=tuple(
                 CommonError(
-                    **item | {"std": _number(item["std"]), "change": tuple(map(_number, item["change"]))}
+                    **item
+                    | {"std": _number(item["std"])}
+                    | {name: tuple(map(_number, item.get(name, ()))) for name in ("change", "effect")}
                 )
                 for item in tree.get("common_errors", ())
             ),
         )
+
+
+def _model_of(tree: Mapping[str, Any]) -> ScatterModel:
+    """Return the model of scatter of a stored fit; of one from before there was one, with its degrees of freedom."""
+    p = len(tree["parameter_order"])
+    if "scatter" in tree:
+        return ScatterModel.from_dict(tree["scatter"], p)
+    dof = _number(tree["statistics"]["interval_dof"], inf)
+    if not dof:
+        return nothing_known(p)
+    # One component that the whole covariance goes with.
+    covariance = np.array([[_number(cell) for cell in row] for row in tree["covariance"]], np.float64)
+    return ScatterModel(
+        names=("all",),
+        levels=(0,),
+        variance=np.ones(1),
+        covariance=np.array([[2.0 / dof]]),
+        slopes=covariance[None],
+    )
 
 
 def _parameter(name: str, item: Mapping[str, Any]) -> FittedParameter:
@@ -385,7 +469,8 @@ def _parameter(name: str, item: Mapping[str, Any]) -> FittedParameter:
     gone = nan if at_bound else inf
     absent = {"value": nan, "std": gone, "lower": -inf, "upper": inf}
     numbers = {key: float(_number(item[key], default)) for key, default in absent.items()}
-    ci95 = (float(_number(low, -gone)), float(_number(high, gone)))
+    both_gone = low is None and high is None and item["std"] is None
+    ci95 = (nan, nan) if both_gone else (float(_number(low, -gone)), float(_number(high, gone)))
     return FittedParameter(name=name, ci95=ci95, at_bound=at_bound, vary=bool(item["vary"]), **numbers)
 
 
@@ -415,16 +500,23 @@ _UNKNOWN_BY_DESIGN = 0.1
 # Errors of F_B reach ln F_A weakened by this; further down, agreement in ln F_A is no evidence.
 _LEAST_SLACK_SLOPE = 0.9
 _TREND_P = 1e-3
+_LEAVES_OVER = "leaves over follows"
 _EXTREME_SCATTER = 0.3
 _NOTES: dict[CovarianceKind, str] = {
     "clustered": "errors clustered by condition: they include what the repeats of a condition share",
-    "scaled": "the scatter is not known beforehand and taken from the residuals (scale_covar = True)",
+    "scaled": "no condition is repeated: the scatter is taken from the residuals",
 }
+_NOTHING_LEFT = (
+    "there are no more conditions than parameters: nothing tells what conditions scatter by, so no interval is given"
+)
+# Scatter so small that it is rounding; weights need some number.
+_SMALLEST_STD = 1e-12
 _EXACT = "the data agree with the law to rounding: nothing is left to estimate a scatter from, so no interval is given"
 _REMEDY = {
-    "wrap angle": "a wrap effect (wrap-power, coupled) or an offset (constant-offset)",
-    "size ratio": "a size effect (size-exponential, coupled, thickness)",
-    "end tension": "a load effect (coupled, howell, bending)",
+    "wrap angle": "Compare laws with a wrap effect (wrap-power, coupled) or an offset (constant-offset).",
+    "size ratio": "Compare laws with a size effect (size-exponential, coupled, thickness).",
+    "end tension": "Compare laws with a load effect (coupled, howell, bending).",
+    "settings together": "Compare laws with other effects, or measure more to see which.",
 }
 # Of a regressor with so few values or fewer: the effects that need more, how they are shown, and what to measure.
 _FEW = 3
@@ -444,17 +536,26 @@ Finding = tuple[FitStatus, str]
 
 
 class Found(NamedTuple):
-    """What a search found."""
+    """What a search found: the problem of the trials, how they are put together, and the parameters."""
 
     problem: FitProblem
+    layout: Layout
     theta: FloatArray
     at_bound: BoolArray
     converged: bool
-    scatter: stats.Scatter
-    shared: FloatArray
     notes: tuple[str, ...]
     common: tuple[CommonError, ...]
     effects: FloatArray
+
+
+class _Errors(NamedTuple):
+    """What the scatter leaves open of the free parameters: weighed means, covariance (q, q), its model, and why."""
+
+    weighted: FitProblem
+    covariance: FloatArray
+    moved: FloatArray
+    model: ScatterModel
+    note: str
 
 
 def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResult:
@@ -463,157 +564,158 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     A large ratio of singular values alone condemns nothing: with enough data the parameters are known all the
     same. A parameter counts as not seen if it can be traded for others without any trace, or if the ratio is
     above 100 and its standard error is more than half of it (a tenth, where a regressor the law needs has one value
-    only). Scatter between conditions is advice, not a fault:
-    the clustered errors include it; a trend with p < 0.001 in wrap, size or load is a fault of the law.
+    only). A trend with p < 0.001 is a fault of the law.
 
     A parameter on its bound counts as free for the errors of all, unless the data do not see it there: held, it
     would make the others look better known than they are (90 % of the 95 % intervals beside a bound held the truth).
     """
-    problem, theta = found.problem, found.theta
-    shown = problem.vary & ~found.at_bound
-    residuals, slopes = problem.residuals_and_jacobian(theta)
-    jacobian, free = slopes[:, shown], shown
+    layout, theta = found.layout, found.theta
+    shown = found.problem.vary & ~found.at_bound
+    slopes, free = layout.problem.jacobian(theta), shown
     if found.at_bound.any():
-        values = stats.decomposed(slopes[:, problem.vary]).values
+        values = stats.decomposed(slopes[:, found.problem.vary]).values
         # The data tell all parameters apart, those that lie on their bounds too.
         if values.max(initial=0.0) <= _HOPELESS_RATIO * values.min(initial=inf):
-            free = problem.vary
-    errors, left = slopes[:, free], (-residuals * problem.std, problem.std, problem.group)
-    levels = None
-    if problem.n_conditions > errors.shape[1]:
-        levels = stats.two_levels(errors, *left, found.scatter, found.effects)
-    covariance, kind, dof, note = _errors(found, settings, errors, residuals, levels)
-    common, svd = np.zeros((theta.size, len(found.common))), stats.decomposed(errors)
-    if levels is not None and settings.clustered and settings.scale_covar == "auto":
-        common[free] = levels.common
-        covariance = covariance + levels.common @ levels.common.T
-    covariance = stats.rounded_covariance(covariance, lost=int(svd.lost.sum()))
-    full = np.zeros((theta.size, theta.size))
-    full[np.ix_(free, free)] = covariance
-    std = np.zeros(theta.size)
+            free = found.problem.vary
+    errors = _errors(found, free)
+    residuals, slopes = errors.weighted.residuals_and_jacobian(theta)
+    svd = stats.decomposed(slopes[:, free])
+    covariance = stats.rounded_covariance(errors.covariance, lost=int(svd.lost.sum()))
+    full, common = np.zeros((theta.size, theta.size)), np.zeros((theta.size, len(found.common)))
+    full[np.ix_(free, free)], common[free] = covariance, errors.moved
+    std, told = np.zeros(theta.size), bool(errors.model.names)
     known = [significant(sqrt(variance), STD_DIGITS) for variance in np.diag(covariance).tolist()]
     std[free] = np.where(svd.unseen, inf, known)
-    seen = stats.identify(jacobian, np.array(problem.law.parameter_names)[shown].tolist())
-    between, p_value = (levels.between, levels.p_value) if levels else (nan, nan)
+    seen = stats.identify(slopes[:, shown], np.array(found.problem.law.parameter_names)[shown].tolist())
+    trials = _trial_level(found)
     findings = [*_of_search(found), *_of_design(found, seen, std)]
     if table.measures_slack:
         findings += _of_slack(found)
-    for trend in stats.find_trends(jacobian, *left, problem.conditions):
-        if trend.p_value < _TREND_P:
-            text = f"What {problem.law.name} leaves over follows the {trend.regressor} (by {trend.size:.2%} of the "
-            text += f"force, p = {trend.p_value:.1g}): the law misses an effect. "
-            text += f"Compare laws with {_REMEDY[trend.regressor]}."
-            findings.append((FitStatus.RESIDUAL_STRUCTURE, text))
-    if p_value < _LACK_OF_FIT_P:
-        text = (
-            f"The conditions scatter by {between:.2%} beyond their repeats (p = {p_value:.1g}): a new rope "
-            "each time, a setting, or an effect no regressor shows. Clustered errors include it, others do not."
-        )
-        findings.append((FitStatus.OK, text))
+    trends = stats.find_trends(errors.weighted, slopes[:, shown], -residuals) if told else ()
+    findings += _of_rest(found, trends)
     rank = list(FitStatus)
     findings.sort(key=lambda finding: -rank.index(finding[0]))
-    ranges = ((name, getattr(problem.conditions, name)) for name in _REGRESSORS)
+    ranges = ((name, getattr(found.problem.conditions, name)) for name in _REGRESSORS)
     # Of two parameters that are traded for each other a change may cancel: digits count from the error.
     sizes = np.sqrt(np.diag(full)).tolist()
+    dof = errors.model.dof(np.eye(theta.size)) if told else np.zeros(theta.size)
+    dof = np.array([significant(x) if isfinite(x) else x for x in dof.tolist()])
+    interval_dof = float(dof[free].min(initial=inf)) if told else 0.0
     return FitResult(
-        law=problem.law.name,
-        parameters=_parameters(found, std, dof, common),
+        law=found.problem.law.name,
+        parameters=_parameters(found, std, dof),
         covariance=full,
-        covariance_kind=kind,
-        statistics=stats.fit_statistics(problem, residuals, found.scatter, between, dof),
+        covariance_kind="clustered" if layout.spare else "scaled",
+        statistics=_statistics(found, trials, errors.model, interval_dof, trends),
+        scatter=errors.model,
         status=findings[0][0] if findings else FitStatus.OK,
         advice=tuple(text for _, text in findings),
-        notes=(note, *found.notes),
+        notes=(errors.note, *found.notes),
         common_errors=tuple(
             item._replace(
-                change=tuple(significant(x, GIVEN_DIGITS, size=s) for x, s in zip(row, sizes, strict=True))
+                change=tuple(significant(x, GIVEN_DIGITS, size=s) for x, s in zip(row, sizes, strict=True)),
+                effect=tuple(effect),
             )
-            for item, row in zip(found.common, common.T.tolist(), strict=True)
-            if any(row)
+            for item, row, effect in zip(
+                found.common, common.T.tolist(), found.effects.T.tolist(), strict=True
+            )
         ),
         identifiability=seen,
         validity={name: (float(values.min()), float(values.max())) for name, values in ranges},
         provenance=_provenance(table, settings),
         trials=_summary(found, table),
-        problem=problem,
+        problem=trials,
     )
 
 
-def _errors(
-    found: Found,
-    settings: FitSettings,
-    jacobian: FloatArray,
-    residuals: FloatArray,
-    levels: stats.TwoLevels | None,
-) -> tuple[FloatArray, CovarianceKind, float, str]:
-    """Return the covariance of the parameters shown, its kind, the degrees of freedom of t, and why."""
-    problem, (n, q), linear = found.problem, jacobian.shape, settings.loss == "linear"
-    weights = LOSSES[settings.loss](residuals**2)[1]
-    if settings.clustered and settings.scale_covar == "auto" and levels is not None:
-        repeated = problem.n_conditions < n
-        if linear:
-            exact = sqrt(float(np.mean((residuals * problem.std) ** 2))) < stats.SMALLEST_SCATTER
-            kind: CovarianceKind = "clustered" if repeated else "scaled"
-            return levels.covariance, kind, 0.0 if exact else levels.dof, _EXACT if exact else _NOTES[kind]
-        if repeated:
-            sandwich, each = stats.clustered_covariance(jacobian, residuals, problem.group, weights)
-            return sandwich, "clustered", min(each, default=0.0), _NOTES["clustered"]
-    # A weighted residual has less variance than one; the sandwich over trials knows by how much.
-    inverse = (
-        stats.plain_covariance(jacobian, weights)
-        if linear
-        else stats.clustered_covariance(jacobian, residuals, np.arange(n), weights)[0]
-    )
-    known = found.scatter.known
-    if known if settings.scale_covar == "auto" else not settings.scale_covar:
-        if not (known or found.shared.all()):
-            text = "there are no repeats and not every trial has an uncertainty"
-            text = f"scale_covar = False needs a known scatter, but {text}"
-            fix = "repeat conditions, give peak_std_N, or use scale_covar = 'auto'"
-            raise InputError(text, code="RF403", key="scale_covar", fix=fix)
-        note = "the scatter is known from the repeats and the budget (scale_covar = False)"
-        return inverse, "absolute", float(found.scatter.dof) if known else inf, note
-    dof = float(n - q)
-    factor = float(residuals @ residuals) / dof if dof > 0 else 1.0
-    if settings.scale_covar == "auto" and found.shared.any():
-        # What is known of the instrument stays, however well the points happen to lie.
-        factor = max(factor, 1.0)
-    return inverse * factor, "scaled", max(dof, 0.0), _NOTES["scaled"]
+def _errors(found: Found, free: BoolArray) -> _Errors:
+    """Return what the scatter leaves open of the parameters; without an interval where nothing tells the scatter."""
+    layout, q = found.layout, int(free.sum())
+    if (best := estimated(layout, found.theta, free, found.effects)) is not None:
+        note = _NOTES["clustered" if layout.spare else "scaled"]
+        counts = zip(best.model.names, best.model.levels, strict=True)
+        if named := ", ".join(f"{n} {name}s" for name, n in counts if name in best.model.groups):
+            note += f"; the trials have {named}, which may differ in μ and count as so many"
+        hidden = [name for name in layout.groups if name not in best.model.names]
+        if hidden:
+            note += f"; {' and '.join(hidden)} cannot be told from the law or from another group"
+        return _Errors(best.weighted, best.covariance, best.moved, best.model.rounded(), note)
+    # What repeats scatter by is all that is known, and nothing between conditions.
+    rest = layout.problem.residuals(found.theta)
+    size = np.nan_to_num(layout.within) or sqrt(float(rest @ rest) / rest.size)
+    weighted = replace(layout.problem, std=max(size, stats.SMALLEST_SCATTER) / np.sqrt(layout.size))
+    slopes = weighted.jacobian(found.theta)[:, free]
+    note = _EXACT if rest.size > q else _NOTHING_LEFT
+    moved = np.zeros((q, found.effects.shape[1]))
+    return _Errors(weighted, stats.plain_covariance(slopes), moved, nothing_known(found.theta.size), note)
 
 
-def _parameters(found: Found, std: FloatArray, dof: float, common: FloatArray) -> tuple[FittedParameter, ...]:
+def _trial_level(found: Found) -> FitProblem:
+    """Return the problem of the trials, each weighed by what repeats scatter by; by all scatter without any."""
+    residual = found.problem.log_lift - found.problem.law.log_lift(found.theta, found.problem.conditions)
+    spare = max(residual.size - found.problem.n_varying, 1)
+    within = np.nan_to_num(found.layout.within) or sqrt(float(residual @ residual) / spare)
+    return replace(found.problem, std=np.full(residual.size, max(within, _SMALLEST_STD)))
+
+
+def _statistics(
+    found: Found, problem: FitProblem, model: ScatterModel, dof: float, trends: Sequence[stats.Trend]
+) -> stats.FitStatistics:
+    layout, theta = found.layout, found.theta
+    within, between = layout.within, model.std(CONDITION)
+    if not layout.spare and not layout.nested and REPEAT in model.names:
+        within = model.std(REPEAT)
+    lack = min((trend.p_value for trend in trends), default=nan)
+    return stats.fit_statistics(problem, problem.residuals(theta), within, between, dof, lack)
+
+
+def _of_rest(found: Found, trends: Iterable[stats.Trend]) -> Iterator[Finding]:
+    """Yield what the law leaves over: an effect that it misses."""
+    name = found.problem.law.name
+    for trend in trends:
+        if trend.p_value < _TREND_P:
+            text = f"What {name} {_LEAVES_OVER} the {trend.regressor} (by {trend.size:.2%} of the "
+            text += f"force, p = {trend.p_value:.1g}): the law misses an effect. {_REMEDY[trend.regressor]}"
+            yield FitStatus.RESIDUAL_STRUCTURE, text
+
+
+def _parameters(found: Found, std: FloatArray, dof: FloatArray) -> tuple[FittedParameter, ...]:
+    """Return the parameters with Student's intervals; none where nothing tells the scatter."""
     problem = found.problem
     parameters = []
     given = (problem.lower, problem.upper, found.at_bound, problem.vary)
-    columns = (found.theta, std, *given, (common**2).sum(axis=1))
+    columns = (found.theta, std, *given, dof)
     for name, *row in zip(problem.law.parameter_names, *(column.tolist() for column in columns), strict=True):
-        value, error, low, high, at_bound, vary, known = row
-        reach = quantile(0.975, float(stats.combined_dof(error**2, known, dof))) if dof > 0 else inf
-        half = reach * error if error > 0 else 0.0
+        value, error, low, high, at_bound, vary, nu = row
+        error = error if nu > 0.0 or not vary else inf
+        half = quantile(0.975, nu) * error if 0.0 < error < inf else error
         # Rounded, but never past the estimate itself, which may have more digits than a tiny error has room for.
         near, far = min(to_share(value - half, error), value), max(to_share(value + half, error), value)
         interval = (max(near, low), min(far, high)) if vary else (value, value)
         parameters.append(
             FittedParameter(
                 name=name, value=value, std=nan if at_bound else error, lower=low, upper=high, at_bound=at_bound,
-                ci95=(nan, nan) if at_bound and not 0.0 < error < inf else interval, vary=vary,
+                ci95=(nan, nan) if (at_bound or not nu) and vary and not 0.0 < error < inf else interval, vary=vary,
             )
         )  # fmt: skip
     return tuple(parameters)
 
 
 def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:
-    """Return the data by condition: settings, number of trials, mean and sample standard deviation of ln F_A."""
-    problem, group = found.problem, found.problem.group
-    n, means = np.bincount(group), stats.group_means(problem.log_lift, group)
-    squares = np.bincount(group, (problem.log_lift - means[group]) ** 2)
+    """Return the data by cell: settings, number of trials, mean and sample standard deviation of ln F_A, and levels."""
+    problem, layout = found.problem, found.layout
+    n, means = layout.size, stats.group_means(problem.log_lift, layout.cell)
+    squares = np.bincount(layout.cell, (problem.log_lift - means[layout.cell]) ** 2)
     std = np.sqrt(squares / np.where(n > 1, n - 1, np.nan))
-    columns = {name: getattr(problem.conditions, name) for name in SETTINGS}
-    columns["peak_std_N"] = table.peak_std_N[table.used]
-    return {name: stats.group_means(values, group).tolist() for name, values in columns.items()} | {
+    at = layout.problem.conditions
+    peak_std_N = stats.group_means(table.peak_std_N[table.used], layout.cell)
+    return {name: getattr(at, name).tolist() for name in SETTINGS} | {
+        "peak_std_N": peak_std_N.tolist(),
         "n": n.tolist(),
-        "mean_log_lift": [significant(value, GIVEN_DIGITS) for value in means.tolist()],
+        "mean_log_lift": layout.problem.log_lift.tolist(),
         "std_log_lift": [significant(value, smallest=_RESIDUE) for value in std.tolist()],
+        "condition": layout.condition.tolist(),
+        **{name: level.tolist() for name, level in layout.groups.items()},
     }
 
 
@@ -636,7 +738,7 @@ def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
 
 
 def _of_search(found: Found) -> Iterator[Finding]:
-    problem, scatter = found.problem, found.scatter.within
+    problem, scatter = found.problem, found.layout.within
     law, n, q = problem.law, problem.n_conditions, problem.n_varying
     if not found.converged:
         yield FitStatus.NOT_CONVERGED, FitStatus.NOT_CONVERGED.advice

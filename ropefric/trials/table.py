@@ -39,7 +39,7 @@ _BESIDE = tuple(column.name for column in numbers.COLUMNS if column.read_as)
 FORCES = ("peak", "kinetic")
 """What a law can be fitted to: the break-away force, or the mean force while sliding."""
 _TEXTS = ("trial", "kept", "status")
-LABELS = ("rope_id", "wheel", "operator", "dwell", "order", "cell")
+LABELS = ("rope_id", "wheel", "mounting", "operator", "day", "dwell", "order", "cell")
 """Columns beside the numbers by which trials can be told into groups."""
 _QUANTITIES_BESIDE = {
     stem: (column.name, column.unit, 1.0) for column in numbers.COLUMNS for stem in column.read_as

@@ -135,7 +135,7 @@ def test_the_errors_expected_of_parameters_are_those_of_a_fit(bench, guessed, wa
     at = plan.conditions.select(np.repeat(np.arange(12), 8))
     scatter = 0.017 * np.random.default_rng(2).standard_normal(len(at))
     table = table_at(at, planned.law.log_lift(planned.theta, at) + scatter)
-    fit = fit_law(table, planned.law, clustered=False, scale_covar=False)
+    fit = fit_law(table, planned.law)
     # The fit's own slopes are those at its estimate, and its scatter is estimated with 84 degrees of freedom.
     for name, std in plan.expected_parameter_std().items():
         assert fit[name].std == pytest.approx(std, rel=0.25)

@@ -393,7 +393,8 @@ def fit(
     >>> round(fit(frame, "constant")["mu"].value, 3)
     0.2
     """
-    BY_NAME.check_given(fixed=fixed, bounds=bounds, start=start)
+    BY_NAME.check_given(fixed=fixed, bounds=bounds, start=start, shared=shared)
+    SEVERAL.check_given(groups=groups)
     made = fit_law(
         trial_table(trials, columns=columns), law, fixed=fixed, bounds=bounds, start=start,
         groups=None if groups is None else tuple(groups), shared=shared, n_starts=n_starts, seed=seed, of=of,

@@ -33,11 +33,6 @@ LEVELS = {
 DOORS = {"__init__", "__main__"}
 
 TO_BE_REBUILT = {
-    "fitting/compare.py _contests",
-    "fitting/compare.py choose_law",
-    "fitting/compare.py compare_laws",
-    "fitting/diagnose.py _grouped",
-    "fitting/diagnose.py _judged",
     "traces/readers/inspection.py _channels",
     "traces/readers/inspection.py _find_blocks",
 }

@@ -412,9 +412,18 @@ def _gathered(comparison: Comparison, law: str, wheel: Conditions | None) -> _Fa
         simpler = _simplest(comparison, chosen, [entry for entry, _ in good])
         chosen, fit = simpler, simpler.fit or fit
     others = [entry for entry, _ in fitted if entry is not chosen]
+    open_, won, rivals = _rivals_of(comparison, chosen, others)
+    return _Facts(comparison, chosen, fit, bool(law), wheel, fitted[0][0], open_, won, rivals)
+
+
+def _rivals_of(
+    comparison: Comparison, chosen: ComparisonEntry, others: Sequence[ComparisonEntry]
+) -> tuple[tuple[Rivalry, ...], tuple[Rivalry, ...], tuple[FitResult, ...]]:
+    """Return rivalries of the law used that are open, those that it won, and the laws that are not told from it."""
     against = [rivalry for entry in others if (rivalry := rivalry_of(comparison, chosen, entry)) is not None]
     open_ = [one for one in against if one.preferred == "undecided"]
-    lost = {one.simpler for one in against if one.fuller == chosen.law and one.preferred == "fuller"}
+    won = [one for one in against if one.preferred == "fuller" and one.fuller == chosen.law]
+    lost = {one.simpler for one in won}
     undecided = {name for one in open_ for name in (one.simpler, one.fuller)}
 
     def is_rival(entry: ComparisonEntry, other: FitResult) -> bool:
@@ -424,8 +433,7 @@ def _gathered(comparison: Comparison, law: str, wheel: Conditions | None) -> _Fa
         return other.status in _ANSWERING and (entry.law in undecided or near)
 
     rivals = tuple(e.fit for e in others if e.fit is not None and is_rival(e, e.fit))
-    won = tuple(one for one in against if one.preferred == "fuller" and one.fuller == chosen.law)
-    return _Facts(comparison, chosen, fit, bool(law), wheel, fitted[0][0], tuple(open_), won, rivals)
+    return tuple(open_), tuple(won), rivals
 
 
 def _simplest(

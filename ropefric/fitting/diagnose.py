@@ -199,7 +199,11 @@ class _Trends:
         # The trends that AICc chooses.
         self.best = min(self.aicc, key=lambda chosen: (self.aicc[chosen], chosen))
         first = ranked.best
-        self.law = first.fit if first.counted and first.aicc < self.aicc[self.best] - _SAME_AICC and not slack else None
+        self.law = (
+            first.fit
+            if first.counted and first.aicc < self.aicc[self.best] - _SAME_AICC and not slack
+            else None
+        )
 
     def matrix(self, chosen: Iterable[str]) -> FloatArray:
         """Return the columns of μ and of some trends, shape (K, 1 + number of trends)."""

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import significant, to_share
+from ropefric.fitting.assembled import Found, assemble
 from ropefric.fitting.problem import (
     FitProblem,
     FitSettings,
@@ -22,7 +23,7 @@ from ropefric.fitting.problem import (
     law_named,
     reduced,
 )
-from ropefric.fitting.result import CommonError, FitResult, Found, assemble
+from ropefric.fitting.result import CommonError, FitResult
 from ropefric.fitting.scatter import estimated, laid_out
 from ropefric.fitting.statistics import RANK_RATIO, decomposed
 from ropefric.friction.condition import Conditions
@@ -272,7 +273,7 @@ def _search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Fo
 def _check_names(table: TrialTable, settings: FitSettings) -> None:
     """Refuse groups and sharers that the table does not know."""
     for name in settings.groups or ():
-        if name not in table.labels:
+        if str(name) not in table.labels:
             fix = did_you_mean(str(name), table.labels)
             raise UnknownNameError(f"the table has no column {name!r}", key="groups", fix=fix)
     for kind, by in settings.shared.items():
@@ -280,7 +281,7 @@ def _check_names(table: TrialTable, settings: FitSettings) -> None:
             raise UnknownNameError(
                 f"no error is called {kind!r}", key="shared", fix=did_you_mean(str(kind), STATED)
             )
-        if by not in {*SHARERS, *table.labels}:
+        if str(by) not in {*SHARERS, *table.labels}:
             fix = did_you_mean(str(by), [*SHARERS, *table.labels])
             raise UnknownNameError(f"nothing called {by!r} shares an error", key="shared", fix=fix)
 

@@ -56,8 +56,6 @@ _BESIDE_A_BOUND = (
 _STRAIGHT = (0.8, 1.25)
 # How strongly a fit is pulled to a lift force, in its standard errors; how near its end is searched for.
 _PULL, _FOUND, _STEPS = 0.1, 1e-5, 40
-# Of a fit on the way to it: in standard errors, and steps.
-_NEAR, _MOST = 1e-5, 60
 # By how much parameters are moved to see whether a law is straight in them.
 _MOVED = 0.3
 
@@ -338,7 +336,7 @@ def profile_lift(fit: FitResult, conditions: Conditions, half: FloatArray) -> Fl
     target, low, high = wanted * std[row] * (1.0 + _PULL**2), np.zeros(2 * c), np.full(2 * c, inf)
     for _ in range(_STEPS):
         data[range(2 * c), k + row] = origin[row] + sign * target
-        fits = batched_fit(problem, data, starts, multiplicity=own, tolerance=_NEAR, max_iterations=_MOST)
+        fits = batched_fit(problem, data, starts, multiplicity=own, tolerance=_TOLERANCE)
         values = law.log_lift(fits.theta, conditions)[range(2 * c), row] if c else np.zeros(0)
         pulled = ((values - data[range(2 * c), k + row]) / pull[row]) ** 2
         gone = np.sqrt(np.maximum(fits.chi2 - pulled - least, 0.0))

@@ -125,9 +125,13 @@ def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout
     size, of_cell = means.size.astype(np.float64), np.bincount(cell, about**2)
     uneven = _unevenness(means.log_lift, size, of_cell)
     if uneven.exponent:
-        squares2 = (of_cell.sum() / max(cell.size - k, 1)) * uneven.factor(np.array([uneven.low, uneven.high]))
+        squares2 = (of_cell.sum() / max(cell.size - k, 1)) * uneven.factor(
+            np.array([uneven.low, uneven.high])
+        )
         low, high = (f"{100.0 * value**0.5:.2g} %" for value in squares2.tolist())
-        notes.append(f"repeats scatter by about {low} at the lowest force and {high} at the highest, and are weighed so")
+        notes.append(
+            f"repeats scatter by about {low} at the lowest force and {high} at the highest, and are weighed so"
+        )
     squares = float((of_cell / uneven.factor(means.log_lift)).sum())
     return Layout(on_means, cell, size, condition[first], squares, cell.size - k, own, tuple(notes), uneven)
 
@@ -234,7 +238,9 @@ class ScatterModel:
         """Return the model to the digits that mean something."""
         digits = np.vectorize(lambda value: significant(float(value), GIVEN_DIGITS), otypes=[np.float64])
         slopes = np.array([rounded_covariance(one) for one in self.slopes]).reshape(self.slopes.shape)
-        return replace(self, variance=digits(self.variance), covariance=digits(self.covariance), slopes=slopes)
+        return replace(
+            self, variance=digits(self.variance), covariance=digits(self.covariance), slopes=slopes
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON tree."""
@@ -392,6 +398,34 @@ def _seen(left: FloatArray, A: FloatArray) -> FloatArray:
     return np.asarray((left.T * A) @ left if A.ndim == 1 else left.T @ A @ left)
 
 
+def _whitening(V: FloatArray, least: FloatArray) -> tuple[FloatArray, float] | None:
+    """Return R with Rᵀ R = V⁻¹, or its diagonal, and ln |V|; None unless `least` is positive definite."""
+    if V.ndim == 1:
+        return (V**-0.5, float(np.log(V).sum())) if float(least.min()) > 0.0 else None
+    try:
+        np.linalg.cholesky(least)
+        triangle = np.linalg.cholesky(V)
+    except np.linalg.LinAlgError:
+        return None
+    return np.linalg.inv(triangle), 2.0 * float(np.log(np.diag(triangle)).sum())
+
+
+def _turned(whitening: FloatArray, part: FloatArray) -> FloatArray:
+    """Return R A Rᵀ, or its diagonal."""
+    return part * whitening**2 if part.ndim == 1 else whitening @ part @ whitening.T
+
+
+def _sums(A: Sequence[FloatArray], left: FloatArray, e: FloatArray) -> tuple[FloatArray, list[float]]:
+    """Return tr(A_i A_j) − 2 tr(Uᵀ A_i A_j U), shape (m, m), and eᵀ A_i e − tr(A_i)."""
+    if A[0].ndim == 1:
+        rest = 1.0 - 2.0 * (left**2).sum(axis=1)
+        return np.array([[float(rest @ (a * b)) for a in A] for b in A]), [
+            float(a @ (e * e - 1.0)) for a in A
+        ]
+    trace = [[float((a * b).sum() - 2.0 * ((a @ left) * (b @ left)).sum()) for a in A] for b in A]
+    return np.array(trace), [float(e @ a @ e - np.trace(a)) for a in A]
+
+
 class _Reml(NamedTuple):
     """Residuals r of k means with slopes X, V = Σ s_i part_i + known, and the squares of repeats about their means."""
 
@@ -404,7 +438,7 @@ class _Reml(NamedTuple):
 
     def solved(self) -> tuple[FloatArray, _Moments]:
         """Return the variances of greatest restricted likelihood, by Fisher's scoring with steps that must gain."""
-        within = self.squares / self.spare if self.spare else 0.5
+        within = max(self.squares / self.spare, 1e-3) if self.spare else 0.5
         start = {CONDITION: max(1.0 - within, 0.1)}
         s = np.array([within if name == REPEAT else start.get(name, 1e-3) for name in self.parts])
         at = self.moments(s)
@@ -436,32 +470,16 @@ class _Reml(NamedTuple):
         floor = _LEAST * repeat * self.parts[REPEAT] if REPEAT in of else 0.0 * V
         if REPEAT in of and repeat <= 0.0:
             return None
-        try:
-            if V.ndim == 1:
-                if float((V - floor).min()) <= 0.0:
-                    return None
-                whitening, log_det = V**-0.5, float(np.log(V).sum())
-            else:
-                np.linalg.cholesky(V - floor)
-                triangle = np.linalg.cholesky(V)
-                whitening, log_det = np.linalg.inv(triangle), 2.0 * float(np.log(np.diag(triangle)).sum())
-        except np.linalg.LinAlgError:
+        if (found := _whitening(V, V - floor)) is None:
             return None
+        whitening, log_det = found
         svd = decomposed(_times(whitening, self.X))
         half, left = svd.root()
         log_det += 2.0 * float(np.log(svd.values[~svd.lost]).sum() + np.log(svd.length).sum())
         e = _times(whitening, self.r[:, None])[:, 0]
         e = e - left @ (left.T @ e)
-        if V.ndim == 1:
-            A = [part * whitening**2 for part in self.parts.values()]
-            trace = np.array([[float(a @ b - 2.0 * (left**2).sum(axis=1) @ (a * b)) for a in A] for b in A])
-            score = [float((a * e) @ e) - float(a.sum()) for a in A]
-        else:
-            A = [whitening @ part @ whitening.T for part in self.parts.values()]
-            trace = np.array(
-                [[float((a * b).sum() - 2.0 * ((a @ left) * (b @ left)).sum()) for a in A] for b in A]
-            )
-            score = [float(e @ a @ e) - float(np.trace(a)) for a in A]
+        A = [_turned(whitening, part) for part in self.parts.values()]
+        trace, score = _sums(A, left, e)
         C = [_seen(left, a) for a in A]
         information = 0.5 * (trace + np.array([[float((c * d).sum()) for c in C] for d in C]))
         gradient = 0.5 * np.array([x + float(np.trace(c)) for x, c in zip(score, C, strict=True)])

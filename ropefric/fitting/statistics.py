@@ -227,7 +227,7 @@ class FitStatistics:
     lack_of_fit_p: float = nan
 
 
-def fit_statistics(
+def fit_statistics(  # noqa: PLR0917  (each is a number of the result)
     problem: FitProblem,
     residuals: FloatArray,
     within: float,

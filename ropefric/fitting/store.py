@@ -321,7 +321,9 @@ def _again(stored: FitResult, folder: Path) -> FitResult:
         text = "the data file has changed since the fit was made"
         raise DataError(text, code="RF432", path=data, fix="fit again")
     try:
-        settings = {key: value for key, value in dict(stored.provenance["settings"]).items() if key not in _GONE}
+        settings = {
+            key: value for key, value in dict(stored.provenance["settings"]).items() if key not in _GONE
+        }
         if settings.get("groups") is not None:
             settings["groups"] = tuple(settings["groups"])
         for key in ("fixed", "start"):

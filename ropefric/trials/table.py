@@ -442,9 +442,12 @@ def _why_unusable(
 ) -> Iterator[Problem]:
     for name in _REQUIRED:
         if name in columns and math.isnan(numbers[name]):
-            message = "the cell is empty or NaN, but the trial is to be used"
+            message, left_out = "the cell is empty or NaN, but the trial is to be used", name == "peak_N"
+            message = (
+                "the cell is empty or NaN: the trial gave no force, and is left out" if left_out else message
+            )
             fix = "write the number, or set the trial aside with kept = false"
-            yield table.problem(line, columns[name].header, "RF121", message, fix)
+            yield table.problem(line, columns[name].header, "RF121", message, fix, warning=left_out)
     for name in ("peak_N", *_OPTIONAL):
         if numbers[name] < 0 or (name == "peak_N" and numbers[name] == 0):
             least = "above zero" if name == "peak_N" else "zero or more"

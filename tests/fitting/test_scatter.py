@@ -73,7 +73,8 @@ CROSSED = {
     (4, 2): (1.8644,),
     (5, 0): (2.4093, 2.4097),
     (5, 1): (2.4907, 2.4599, 2.4915, 2.5095),
-    (5, 2): (2.4617, 2.478)}
+    (5, 2): (2.4617, 2.478),
+}
 
 
 def test_mixed_model_of_statsmodels():
@@ -95,9 +96,13 @@ def test_reml_of_a_curved_law_with_a_known_error_by_direct_search():
     rng = np.random.default_rng(3)
     wrap, load = (axis.ravel() for axis in np.meshgrid([1.6, 3.1, 6.3, 12.6], [10.0, 40.0, 160.0]))
     group = np.repeat(np.arange(12), rng.integers(1, 6, 12))
-    at = Conditions(wheel_radius_m=0.03, rope_radius_m=0.005, wrap_angle_rad=wrap, end_tension_N=load).select(group)
+    at = Conditions(wheel_radius_m=0.03, rope_radius_m=0.005, wrap_angle_rad=wrap, end_tension_N=load).select(
+        group
+    )
     law, truth = LAWS["wrap-power"], np.array([0.25, -0.4, 0.1])
-    log_lift = law.log_lift(truth, at) + 0.02 * rng.normal(size=12)[group] + 0.02 * rng.normal(size=group.size)
+    log_lift = (
+        law.log_lift(truth, at) + 0.02 * rng.normal(size=12)[group] + 0.02 * rng.normal(size=group.size)
+    )
     problem = replace(FitProblem.plain(law, at, log_lift, start=truth), group=group)
     gain = 0.01 * np.ones((12, 1))
     theta, found = settled(problem, theta=truth, errors=gain)
@@ -125,7 +130,9 @@ def test_reml_of_a_curved_law_with_a_known_error_by_direct_search():
 def test_where_all_have_as_many_repeats_it_is_the_straight_line_through_the_means(between):
     rng = np.random.default_rng(5)
     rise = 0.2 * np.repeat(WRAPS, 4) + between * np.repeat(rng.normal(size=6), 4) + 0.02 * rng.normal(size=24)
-    at = Conditions(wheel_radius_m=0.03, rope_radius_m=0.005, wrap_angle_rad=np.repeat(WRAPS, 4), end_tension_N=20.0)
+    at = Conditions(
+        wheel_radius_m=0.03, rope_radius_m=0.005, wrap_angle_rad=np.repeat(WRAPS, 4), end_tension_N=20.0
+    )
     problem = FitProblem.plain(LAWS["constant-offset"], at, math.log(20.0) + rise)
     _, found = settled(replace(problem, group=np.repeat(np.arange(6), 4)), theta=(0.2, 0.0))
     line = stats.linregress(WRAPS, rise.reshape(6, 4).mean(axis=1))
@@ -199,7 +206,10 @@ def test_the_mean_of_a_new_rope_lies_between_the_law_and_one_pull():
         (found.interval_N, found.rope_interval_N, found.prediction_interval_N))  # fmt: skip
     assert mean < rope <= pull
     assert any("degrees of freedom" in note for note in found.notes())
-    assert predict(fit_law(roped(np.random.default_rng(2), named=False), "constant"), wheel(6.0)).rope_interval_N is None
+    assert (
+        predict(fit_law(roped(np.random.default_rng(2), named=False), "constant"), wheel(6.0)).rope_interval_N
+        is None
+    )
 
 
 def test_a_group_that_goes_with_something_else_is_said_and_not_counted():
@@ -249,7 +259,9 @@ def test_an_error_that_all_share_is_held_by_the_interval(kind, by):
         error = rng.standard_normal()
         off = 0.2 * math.radians(3) * error if kind == "wrap" else 0.03 * error
         y = 0.2 * np.repeat(WRAPS, 4) + 0.01 * rng.standard_normal(24) + off
-        stated = {"wrap_std_rad": math.radians(3)} if kind == "wrap" else {"cell_std_N": 0.03 * 20 * np.exp(y)}
+        stated = (
+            {"wrap_std_rad": math.radians(3)} if kind == "wrap" else {"cell_std_N": 0.03 * 20 * np.exp(y)}
+        )
         fit = fit_law(table(y, 4, **stated), "constant", n_starts=1, shared={kind: by})
         inside += fit["mu"].ci95[0] <= 0.2 <= fit["mu"].ci95[1]
     assert inside > 24
@@ -328,7 +340,9 @@ def test_identical_repeats_leave_the_scatter_between_conditions():
     low, high = np.log(predict(fit, wheel()).prediction_interval_N[0])
     s = fit.statistics.scatter_between
     assert (fit.statistics.scatter_within, s) == (0.0, pytest.approx(0.03, rel=0.6))
-    assert high - low == pytest.approx(2 * stats.t.ppf(0.975, 5) * math.hypot(s, 5.0 * fit["mu"].std), rel=1e-3)
+    assert high - low == pytest.approx(
+        2 * stats.t.ppf(0.975, 5) * math.hypot(s, 5.0 * fit["mu"].std), rel=1e-3
+    )
 
 
 def test_without_repeats_a_new_rope_scatters_like_the_conditions():

@@ -203,7 +203,24 @@ def _fault(fit: FitResult) -> str:
     if fit.covariance.shape != (p, p) or names != tuple(item.name for item in fit.parameters):
         return f"it does not belong to the law {fit.law}, whose parameters are {', '.join(names)}"
     with np.errstate(all="ignore"):
-        return next((text for wrong, text in (*_checks_of_numbers(fit), *_checks_of_words(fit)) if wrong), "")
+        found = next(
+            (text for wrong, text in (*_checks_of_numbers(fit), *_checks_of_words(fit)) if wrong), ""
+        )
+        return found or _fault_of_scatter(fit)
+
+
+def _fault_of_scatter(fit: FitResult) -> str:
+    """Return that scatter and data of a fit do not belong together; empty if they do, or the fit has none."""
+    model, text = fit.scatter, "its scatter is none that its data could have"
+    arrays = (model.variance, model.covariance, model.slopes)
+    if not all(np.isfinite(array).all() for array in arrays) or (np.diag(model.covariance) < 0.0).any():
+        return text
+    try:
+        weighted = fit.weighted()
+    except (ValueError, IndexError, KeyError, RopefricError):
+        return text
+    weight = np.ones(1) if weighted is None else weighted.std if weighted.root is None else weighted.root
+    return "" if np.isfinite(weight).all() else text
 
 
 def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:

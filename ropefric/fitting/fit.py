@@ -235,8 +235,8 @@ def rope_slopes(law: FrictionLaw, theta: FloatArray, at: Conditions) -> FloatArr
 
 def _search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Found:
     """Return the best minimum, with weights taken at it."""
-    chosen = GROUPS if settings.groups is None else {name: GROUPS.get(name, name) for name in settings.groups}
     _check_names(table, settings)
+    chosen = GROUPS if settings.groups is None else {name: GROUPS.get(name, name) for name in settings.groups}
     named = {
         word: np.array(table.labels[name])[table.used].tolist()
         for name, word in chosen.items()

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropefric import plugins
+from ropefric.arrays import FloatArray
 from ropefric.errors import PATH, DataError, Kind, RopefricError
 from ropefric.files.disk import hash_file, kind_of_file, read_file, refuse_input, refuse_special, write_file
 from ropefric.files.plain_text import json_document
@@ -18,6 +19,7 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.fitting.problem import FitSettings, check_settings
 from ropefric.fitting.result import ERRORS, SCHEMA, FitResult, FitStatus
+from ropefric.friction.condition import SETTINGS
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
 from ropefric.trials.table import read_trial_table
@@ -212,7 +214,10 @@ def _fault(fit: FitResult) -> str:
 def _fault_of_scatter(fit: FitResult) -> str:
     """Return that scatter and data of a fit do not belong together; empty if they do, or the fit has none."""
     model, text = fit.scatter, "its scatter is none that its data could have"
-    arrays = (model.variance, model.covariance, model.slopes)
+    arrays: tuple[FloatArray, ...] = (model.variance, model.covariance, model.slopes)
+    told = fit.trials.get("n", ()) if "condition" in fit.trials and model.names else ()
+    names = ("condition", "n", "mean_log_lift", *SETTINGS, *model.groups) if told else ()
+    arrays += tuple(np.array(fit.trials.get(name, (nan,)), np.float64) for name in names)
     if not all(np.isfinite(array).all() for array in arrays) or (np.diag(model.covariance) < 0.0).any():
         return text
     try:

@@ -37,6 +37,8 @@ def sound(fit):
         if item.at_bound:
             assert fit.status is not FitStatus.OK
             continue
+        if fit.statistics.interval_dof == 0.0 and math.isnan(item.ci95[0]):
+            continue  # nothing tells the scatter
         assert item.ci95[0] <= item.value <= item.ci95[1]
         if fit.status is FitStatus.OK:
             assert math.isfinite(item.std)

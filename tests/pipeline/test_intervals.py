@@ -39,7 +39,7 @@ def test_what_cannot_be_done_is_refused(pulls, tmp_path):
         with_intervals(fit, "profil")
     again = load_fit(save_fit(fit, tmp_path / "fit.json"))
     assert with_intervals(again, "profile")["mu"] == with_intervals(fit, "profile")["mu"]
-    one = table.wrap_angle_rad == table.wrap_angle_rad[0]
+    one = table.group() == 0
     with pytest.raises(InputError, match="no scatter that profiles could rest on"):
         with_intervals(fit_law(replace(table, kept=one), "constant"), "profile")
 

@@ -122,7 +122,7 @@ def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout
     if own and k > _MOST_CELLS:
         text = f"{k} cells of conditions and {', '.join(own)} are more than one matrix of covariances holds"
         raise InputError(text, key="groups", fix=f"name fewer groups, for {_MOST_CELLS} cells at most")
-    size, of_cell = means.size.astype(np.float64), np.bincount(cell, about**2)
+    size, of_cell = means.size.astype(np.float64), np.asarray(np.bincount(cell, about**2), np.float64)
     uneven = _unevenness(means.log_lift, size, of_cell)
     if uneven.exponent:
         squares2 = (of_cell.sum() / max(cell.size - k, 1)) * uneven.factor(

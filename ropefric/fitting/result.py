@@ -343,7 +343,9 @@ class FitResult(Shown):
     def _inside(self, asked: Conditions) -> bool:
         """Return whether conditions lie inside what was tested, and the errors of all parameters there are finite."""
         told = all(isfinite(item.std) or item.at_bound for item in self.parameters)
-        ends = {name: self.validity.get(name, (-inf, inf)) for name in SETTINGS}
+        sized = bool(self.friction_law.effects & {"size", "bending-stiffness"})
+        matter = [name for name in SETTINGS if sized or not name.endswith("radius_m")]
+        ends = {name: self.validity.get(name, (-inf, inf)) for name in matter}
         within = (
             (
                 (getattr(asked, name) >= low * (1.0 - _NEAR)) & (getattr(asked, name) <= high * (1.0 + _NEAR))

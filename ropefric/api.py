@@ -35,7 +35,6 @@ from ropefric.fitting.intervals import with_intervals
 from ropefric.fitting.predict import FrictionTable, Method, Prediction
 from ropefric.fitting.predict import friction_table as tabulate
 from ropefric.fitting.predict import predict as predict_lift
-from ropefric.fitting.problem import Loss
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import SETTINGS, Conditions, one_condition
@@ -388,16 +387,13 @@ def fit(
     fixed: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     start: Mapping[str, float] | None = None,
-    scale_covar: Literal["auto"] | bool = "auto",
-    loss: Loss = "linear",
-    clustered: bool = True,
+    groups: Sequence[str] | None = None,
+    shared: Mapping[str, str] | None = None,
     n_starts: int = 4,
     seed: int = 0,
-    intervals: Literal["auto", "covariance", "profile", "bootstrap", "bootstrap-t"] = "auto",
+    intervals: Literal["auto", "covariance", "profile"] = "auto",
     of: Literal["peak", "kinetic"] = "peak",
     columns: Columns = None,
-    resamples: int = 2000,
-    executor: Any = None,
 ) -> FitResult:
     """Return a friction law fitted to trials; `status` says whether to trust it.
 
@@ -411,23 +407,19 @@ def fit(
         Parameters that are held, and where the search begins for others.
     bounds : mapping of parameter name to (lower, upper), optional
         Where the search may go; the law's own bounds by default.
-    scale_covar : "auto" or bool
-        Whether the covariance is multiplied by χ²/dof, because the scatter is not known beforehand.
-    loss : {"linear", "soft_l1", "huber", "cauchy", "arctan"}
-        How much an outlier may pull.
-    clustered : bool
-        Whether the errors hold what the repeats of a condition share.
+    groups : sequence of str, optional
+        Columns whose levels may differ in μ, so that three ropes count as three; `rope_id`, `wheel`, `mounting`,
+        `operator` and `day` where the trials have them, by default.
+    shared : mapping of str to str, optional
+        By what a stated error is shared: {"wrap": "rig", "wheel_radius": "wheel", "cell": "cell"}. What is not said to
+        be shared shows in the scatter; `cell_std_N` is shared by the trials of a cell by default.
     n_starts, seed : int
         Starts of the search, and the seed of what spreads them.
-    intervals : {"auto", "covariance", "profile", "bootstrap", "bootstrap-t"}
+    intervals : {"auto", "covariance", "profile"}
         Where the 95 % intervals of the parameters come from; "auto" is the covariance where χ² grows to the ends of its
         intervals as a parabola does, else the profile.
     of : {"peak", "kinetic"}
         The force that is fitted: the break-away force, or the mean force while sliding (column `kinetic_N`).
-    resamples : int
-        Data sets that a bootstrap draws and fits anew.
-    executor : concurrent.futures.Executor or dask.distributed.Client, optional
-        Fits them, with the same result to the last bit.
 
     Examples
     --------
@@ -439,12 +431,13 @@ def fit(
     >>> round(fit(frame, "constant")["mu"].value, 3)
     0.2
     """
-    BY_NAME.check_given(fixed=fixed, bounds=bounds, start=start)
+    BY_NAME.check_given(fixed=fixed, bounds=bounds, start=start, shared=shared)
+    SEVERAL.check_given(groups=groups)
     made = fit_law(
         trial_table(trials, columns=columns), law, fixed=fixed, bounds=bounds, start=start,
-        scale_covar=scale_covar, loss=loss, clustered=clustered, n_starts=n_starts, seed=seed, of=of,
+        groups=None if groups is None else tuple(groups), shared=shared, n_starts=n_starts, seed=seed, of=of,
     )  # fmt: skip
-    return with_intervals(made, intervals, n=resamples, seed=seed, executor=executor)
+    return with_intervals(made, intervals)
 
 
 def compare(
@@ -453,36 +446,27 @@ def compare(
     *,
     progress: Callable[[str, int, int], None] | None = None,
     of: Literal["peak", "kinetic"] = "peak",
-    touching_turns: float | None = None,
     columns: Columns = None,
 ) -> Comparison:
     """Return friction laws ranked on trials by AICc, all laws by default; the constant laws always stand in it.
 
-    `of` is the force they are fitted to: the break-away force, or the mean force while sliding. `touching_turns` is
-    how many turns at most touch the one beside them, all beyond the first by default: `contact` of the answer says
-    whether that describes the trials better than any law.
+    `of` is the force they are fitted to: the break-away force, or the mean force while sliding.
     """
     SEVERAL.check_given(laws=laws)
     CALL.check_given(progress=progress)
-    NUMBER.check_given(touching_turns=touching_turns)
     table = trial_table(trials, columns=columns).of(of)
-    return compare_laws(table, laws, touching_turns=touching_turns, progress=progress)
+    return compare_laws(table, laws, progress=progress)
 
 
 def diagnose(
     trials: Trials,
     comparison: Comparison | None = None,
     *,
-    touching_turns: float | None = None,
     columns: Columns = None,
 ) -> Diagnosis:
-    """Return why trials do not obey the capstan equation, with the evidence, or that they do.
-
-    `touching_turns` is how many turns at most touch the one beside them; by default all beyond the first may.
-    """
-    NUMBER.check_given(touching_turns=touching_turns)
+    """Return why trials do not obey the capstan equation, with the evidence, or that they do."""
     Kind((Comparison,), "a comparison").check_given(comparison=comparison)
-    return find_causes(trial_table(trials, columns=columns), comparison, touching_turns=touching_turns)
+    return find_causes(trial_table(trials, columns=columns), comparison)
 
 
 def predict(
@@ -494,7 +478,7 @@ def predict(
     end_tension_N: Given = None,
     rope_radius_m: Given = None,
     level: float = 0.95,
-    method: Method = "linear",
+    method: Method = "auto",
     linear_density_kg_m: Given = None,
     speed_m_s: Given = None,
     columns: Columns = None,

@@ -109,11 +109,12 @@ def answer_trials(
     design: DesignWheel | None = None,
     rope_radius_m: float | None = None,
     law: str = "",
+    shared: Mapping[str, str] | None = None,
     progress: Progress | None = None,
 ) -> CampaignAnswer:
     """Return which law a trial table asks for, what it supports, and the lift force of a design."""
     laws = [*LAWS, law] if law and law not in LAWS else None
-    comparison = compare_laws(table, laws, progress=progress)
+    comparison = compare_laws(table, laws, shared=shared, progress=progress)
     rope_m = float(np.median(table.rope_radius_m[table.used])) if rope_radius_m is None else rope_radius_m
     wheel = prediction = None
     refused: list[str] = []
@@ -196,6 +197,7 @@ def run_campaign(
         raise without
     # From the file, so that every fit names its data, with its hash, and can be made again.
     asked: dict[str, Any] = {"design": campaign.design, "rope_radius_m": campaign.rope.radius_m}
+    asked["shared"] = {"cell": "cell"} | campaign.uncertainty
     answer = answer_trials(read_trial_table(tables[0]), law=law, progress=fit_progress, **asked)
     written = (*tables, *write_answer(answer, target))
     return CampaignRun(campaign=campaign, extraction=extraction, answer=answer, written=written)
@@ -483,10 +485,8 @@ def trace_table(answer: CampaignAnswer, evidence: Evidence, inputs: Sequence[Pat
 def _traced(
     answer: CampaignAnswer, evidence: Evidence, words: Sequence[str], inputs: Mapping[str, str]
 ) -> dict[str, Any]:
-    fit, prediction = answer.fit, answer.prediction
+    fit = answer.fit
     seeds = {"fit": fit.provenance.get("settings", {}).get("seed", 0)}
-    if prediction is not None:
-        seeds["prediction"] = prediction.seed
     if evidence.lift is not None:
         seeds["uncertainty budget"] = evidence.lift.drawn.seed
     if evidence.plan is not None:

@@ -32,13 +32,7 @@ LEVELS = {
 # The package's own face and its `python -m` door stand outside the house: they may look at everything.
 DOORS = {"__init__", "__main__"}
 
-TO_BE_REBUILT = {
-    "fitting/compare.py _contests",
-    "fitting/compare.py choose_law",
-    "fitting/compare.py compare_laws",
-    "fitting/diagnose.py _grouped",
-    "fitting/diagnose.py _judged",
-}
+TO_BE_REBUILT: set[str] = set()
 """Functions of rooms that are rebuilt next, more complex than any other may be."""
 
 ONLY_IN = {

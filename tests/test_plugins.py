@@ -149,7 +149,7 @@ def test_worker_processes_have_it(lab, monkeypatch):
 
 @pytest.mark.slow
 def test_an_executor_has_it(lab):
-    """Processes that are spawned: recordings by a plugin's reader, a bootstrap of a plugin's law with a lambda in it."""
+    """Processes that are spawned: recordings by a plugin's reader, a plugin's law with a lambda in it."""
     campaign = rf.load_campaign("campaign.toml")
     rf.load_plugin("my_law.py")
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:

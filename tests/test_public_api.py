@@ -34,15 +34,15 @@ SIGNATURES = {
     "budget": "(fit, *, wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m=None, u_wheel_radius_m=0.0, "
     "u_rope_radius_m=0.0, u_wrap_angle_rad=0.0, u_end_tension_N=0.0, one_pull=False, level=0.95, draws=200000, "
     "seed=0)",
-    "compare": "(trials, laws=None, *, progress=None, of='peak', touching_turns=None, columns=None)",
+    "compare": "(trials, laws=None, *, progress=None, of='peak', columns=None)",
     "design": f"(fit, *, lift_N, solve_for='wrap', {WHEEL}, probability=0.95)",
-    "diagnose": "(trials, comparison=None, *, touching_turns=None, columns=None)",
+    "diagnose": "(trials, comparison=None, *, columns=None)",
     "explain": "(scene, *, measure=False)",
     "extract": "(campaign, *, jobs=1, progress=None, executor=None)",
     "find_breakaway": "(trace, force_N=None, *, sampling_rate=None, tare=None, rest='unknown', columns=None, "
     "window_s=None, start_s=None, stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
-    "fit": "(trials, law, *, fixed=None, bounds=None, start=None, scale_covar='auto', loss='linear', clustered=True, "
-    "n_starts=4, seed=0, intervals='auto', of='peak', columns=None, resamples=2000, executor=None)",
+    "fit": "(trials, law, *, fixed=None, bounds=None, start=None, groups=None, shared=None, n_starts=4, "
+    "seed=0, intervals='auto', of='peak', columns=None)",
     "friction_table": f"(fit, *, {WHEEL})",
     "lmfit_model": "(law)",
     "load_campaign": "(path, *, missing_recordings='error')",
@@ -55,7 +55,7 @@ SIGNATURES = {
     "plan_tests": "(known, *, wheels_m, wraps_rad, end_tensions_N, wheel_radius_m, wrap_angle_rad, end_tension_N, "
     "rope_radius_m=None, largest_force_N=inf, n_conditions=12, repeats=12, criterion='v', level=0.95, starts=10, "
     "seed=0)",
-    "predict": f"(fit, wheels=None, *, {WHEEL}, level=0.95, method='linear', linear_density_kg_m=None, speed_m_s=None, "
+    "predict": f"(fit, wheels=None, *, {WHEEL}, level=0.95, method='auto', linear_density_kg_m=None, speed_m_s=None, "
     "columns=None)",
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
     "read_trial": "(campaign, trial)",

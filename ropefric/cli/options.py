@@ -258,6 +258,11 @@ def parse_spans(texts: Iterable[str], *, option: str) -> dict[str, tuple[float, 
     return _by_name(texts, option, "d=0:0.2", read)
 
 
+def parse_sharers(texts: Iterable[str] | None) -> dict[str, str] | None:
+    """Return what shares stated errors, `--shared wrap=rig`, beside what a cell shares; None where nothing is said."""
+    return {"cell": "cell"} | _by_name(texts, "--shared", "wrap=rig", str) if texts else None
+
+
 def _finite(text: str) -> float:
     if not math.isfinite(value := float(text)):
         raise ValueError

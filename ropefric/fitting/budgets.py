@@ -15,7 +15,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.fit import rope_slopes
-from ropefric.fitting.predict import degrees_of_freedom, new_rope_std, outside_words
+from ropefric.fitting.predict import has_interval, new_rope_std, outside_words
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.glossary import GLOSSARY
@@ -30,7 +30,6 @@ from ropefric.uncertainty.budget import (
     MeasurementModel,
     Quantity,
     Statement,
-    effective_dof,
     limit_of_error,
     repeats,
     state_uncertainty,
@@ -363,12 +362,14 @@ def lift_model(
         for key, words in _SETTINGS.items()
     ]
     if one_pull:
-        if not math.isfinite(new := new_rope_std(fit)):
+        rise = math.log(F_A / float(wheel.end_tension_N[0]))
+        if not math.isfinite(new := new_rope_std(fit, rise, math.log(F_A))):
             text = f"the fit of {fit.law} knows no scatter, so nothing can be said of one pull"
             raise InputError(text, key="one_pull", fix="repeat conditions, or ask for the mean law")
-        told = fit.statistics
-        scatter = np.nan_to_num([told.scatter_within, told.scatter_between]).tolist()
-        dof = effective_dof(scatter, [max(told.n - told.n_conditions, 1.0), degrees_of_freedom(fit)])
+        # What one pull brings beside the law: a new rope by its rise, a condition, a repeat.
+        single = float(fit.scatter.uneven.factor(np.array(math.log(F_A))))
+        own = np.array([[rise**2 if name in fit.scatter.groups else single for name in fit.scatter.names]])
+        dof = float(fit.scatter.dof(np.zeros((1, theta.size)), own * (fit.scatter.variance > 0.0))[0])
         quantities.append(Quantity("scatter of one new rope", "δ_rope", "-", new, dof=dof, type="A"))
     first = len(quantities)
     # Known by their own uncertainty, and a line each: what many conditions have in common.
@@ -380,7 +381,7 @@ def lift_model(
         symbols=tuple(np.array(law.parameter_names)[free].tolist()),
         estimates=theta[free],
         covariance=np.asarray(covariance)[np.ix_(free, free)],
-        dof=degrees_of_freedom(fit),
+        dof=float(fit.scatter.dof(law.jacobian(theta, wheel))[0]) if has_interval(fit) else 1.0,
     )
 
     def evaluate(inputs: FloatArray) -> FloatArray:

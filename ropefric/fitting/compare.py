@@ -1,35 +1,24 @@
 """Which law the data ask for: all laws on one trial table, ranked by AICc over the conditions, and the one to use.
 
 A law stands on the condition means (`standing`): refit there, judged by likelihood, with each mean left out. That a
-fuller law is preferred to a simpler one takes AICc, the error at conditions left out and a bootstrap test together.
+fuller law is preferred to a simpler one takes AICc, the error at conditions left out and an F-test together; the
+verdict is made by rules (`_RULES`), each from one fact to the word that it calls for.
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from ropefric.errors import FitError, RopefricError, UnknownNameError
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.predict import Candidate, Prediction, averaged, predict
+from ropefric.fitting.predict import Candidate, Prediction, predict
 from ropefric.fitting.problem import law_named
 from ropefric.fitting.result import RIVAL, Doubt, FitResult, FitStatus, Verdict, verdict_of
-from ropefric.fitting.standing import (
-    CHANCE,
-    STRONG,
-    Contest,
-    FTest,
-    Standing,
-    contact_trend,
-    lead_by_chance,
-    leave_one_out,
-    nested_test,
-    standing,
-    wild_trial,
-)
+from ropefric.fitting.standing import FTest, Standing, leave_one_out, nested_test, standing, wild_trial
 from ropefric.fitting.statistics import ConditionMeans, akaike_weights, condition_means, scatter_fit
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
@@ -42,6 +31,9 @@ from ropefric.trials.table import TrialTable
 ALWAYS = ("constant", "constant-offset")
 """Laws that stand in every comparison: a constant μ with an offset can look exactly like a wrap effect."""
 
+CHANCE = 0.01
+"""p-value of an F-test above which a fuller law's lead is put down to chance: low, for the best of many laws leads."""
+
 REFUSED = "refused"
 """Status of a law that has no answer on the data."""
 
@@ -50,7 +42,6 @@ _NO_ANSWER = frozenset({FitStatus.NOT_CONVERGED, FitStatus.TOO_FEW_POINTS})
 _SAME = 1e-6
 # Twice a log-likelihood this far below the best that the law can do is another solution.
 _STRAYED = 10.0
-_CLEAR = 1e-5
 # Half widths of two intervals that differ by no more than this factor are alike.
 _WIDTHS = 2.0
 # Criteria are differences of logarithms, weights and p-values their powers.
@@ -97,13 +88,8 @@ class Comparison(Shown):
         Standard deviation of ln F_A between repeats [-]; NaN without repeats.
     notes : tuple of str
         What to know before reading the ranking.
-    contests : tuple of Contest
-        The best law against the simpler ones it contains, and against a fuller one that an F-test speaks for.
     wild : tuple of str
         Trials that lie so far off all the others that they decide the ranking.
-    contact : dict of str to float
-        Of a constant μ that is larger beyond the first turn, where coils touch: by how much (`slope`), its `aicc`, and
-        by how much that is lower than the best law's (`lead`). Empty where no turn touches or it is not larger.
     """
 
     _said = ("best.law", "n", "unit", "n_trials", "scatter_within", "notes")
@@ -116,9 +102,7 @@ class Comparison(Shown):
     n_trials: int
     scatter_within: float
     notes: tuple[str, ...]
-    contests: tuple[Contest, ...] = ()
     wild: tuple[str, ...] = ()
-    contact: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def best(self) -> ComparisonEntry:
@@ -138,11 +122,10 @@ class Comparison(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape: `ranking` best first, F-tests and notes; weights are null if not `conclusive`."""
-        names = ("unit", "n", "n_trials", "scatter_within", "conclusive", "notes", "wild", "contact")
+        names = ("unit", "n", "n_trials", "scatter_within", "conclusive", "notes", "wild")
         tree = {name: getattr(self, name) for name in names} | {
             "ranking": [entry.to_dict() for entry in self.ranking],
             "f_tests": [test._asdict() for test in self.tests],
-            "contests": [item._asdict() | {"preferred": item.preferred} for item in self.contests],
         }
         return dict(rounded_tree(tree, _DIGITS))
 
@@ -151,10 +134,10 @@ def compare_laws(
     table: TrialTable,
     laws: Iterable[str | FrictionLaw] | None = None,
     *,
-    touching_turns: float | None = None,
+    shared: Mapping[str, str] | None = None,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> Comparison:
-    """Return how friction laws stand against each other on a trial table; all turns beyond the first may touch."""
+    """Return how friction laws stand against each other on a trial table; their fits share stated errors as said."""
     if isinstance(laws, str | FrictionLaw):
         laws = [laws]
     laws = LAWS.values() if laws is None else laws
@@ -167,7 +150,7 @@ def compare_laws(
         if progress is not None:
             progress(name, number, len(chosen))
         try:
-            fits[name] = fit_law(table, law)
+            fits[name] = fit_law(table, law, shared=shared)
             notes[name] = _why_not(fits[name])
         except RopefricError as error:
             if name == "constant":
@@ -189,58 +172,15 @@ def compare_laws(
         for case in stands.problem.law.special_cases
         if case.name in standings and (found := nested_test(standings[case.name], stands)) is not None
     )
-    best = min((entry.aicc for entry in ranking if entry.counted), default=math.inf)
-    contact = contact_trend(means, touching_turns, best)
     return Comparison(
         ranking=ranking,
         tests=tests,
-        contests=_contests(ranking, tests, standings, means),
         n=len(means),
         n_trials=data.n_points,
         scatter_within=means.scatter_within,
-        notes=(*_notes(ranking, tests, means, slack=slack), *_contact_notes(ranking[0], contact)),
-        contact=contact,
+        notes=_notes(ranking, tests, means, slack=slack),
         wild=() if wild is None else (np.array(table.trial)[table.used][wild].item(),),
     )
-
-
-def _contests(
-    ranking: Sequence[ComparisonEntry],
-    tests: Sequence[FTest],
-    standings: Mapping[str, Standing],
-    means: ConditionMeans,
-) -> tuple[Contest, ...]:
-    """Return the best law against others, and a simpler law that chance leaves beside it against simpler ones still."""
-    entries = {entry.law: entry for entry in ranking if entry.counted and not math.isnan(entry.weight)}
-    trusted = [name for name, entry in entries.items() if entry.fit is not None and not entry.fit.doubts]
-    p_values = {(test.simpler, test.fuller): test.p_value for test in tests}
-    contained = {law: [case.name for case in ALL_LAWS[law].special_cases] for law in entries}
-    held: dict[tuple[str, str], Contest] = {}
-    waiting = (trusted or list(entries))[:1]
-    for name in waiting:
-        simpler = [law for law in contained[name] if law in entries]
-        # Every law is tried against the constant one, whether it contains it or not.
-        simpler = simpler or [law for law in entries if law == "constant" != name]
-        against = {high: p for (low, high), p in p_values.items() if low == name and high in entries}
-        likely = min(against, key=against.__getitem__, default=name)
-        pairs = [(law, name) for law in simpler]
-        pairs += [(name, likely)] if against.get(likely, 1.0) <= CHANCE else []
-        for low, high in pairs:
-            if (low, high) in held:
-                continue
-            p_value = p_values.get((low, high), math.nan)
-            # Some are so clear that no simulated campaign would lead as far.
-            if not p_value < _CLEAR:
-                fuller = [law for law in entries if law != low and low in {"constant", *contained[law]}]
-                family = [standings[law] for law in fuller]
-                p_value = lead_by_chance(standings[low], standings[high], family, means)
-            below, above = entries[low].loco_error, entries[high].loco_error
-            lead = standings[low].aicc - standings[high].aicc
-            contest = Contest(low, high, lead, p_value, above / below if below > 0.0 else math.nan)
-            held[low, high] = contest
-            if contest.preferred == "simpler" and low not in waiting:
-                waiting.append(low)
-    return tuple(held.values())
 
 
 def _ranking(
@@ -343,27 +283,46 @@ def _notes(
     return tuple(notes)
 
 
-def _contact_notes(best: ComparisonEntry, contact: Mapping[str, float]) -> list[str]:
-    """Return that contact between coils may be what a law stands for."""
-    lead = contact.get("lead", -math.inf)
-    if lead > RIVAL:
-        text = f"{_contact_words(lead, best.law)}: such a law may only stand for it"
-        return [f"{text}; `ropefric diagnose` weighs the causes against each other"]
-    if lead >= -RIVAL and best.law != "constant":
-        text = (
-            f"contact between coils, beyond the first turn, describes the trials about as well as {best.law}"
-        )
-        return [f"{text}: hold the coils apart to tell"]
-    return []
-
-
-def _contact_words(lead: float, law: str) -> str:
-    text = "a constant μ that is larger beyond the first turn, as by contact between coils, describes the trials better"
-    return f"{text} (its AICc is {lead:.1f} below that of {law})"
-
-
 # Their forces follow the data as well as those of others, whatever is known of their parameters.
 _ANSWERING = frozenset({FitStatus.OK, FitStatus.AT_BOUND, FitStatus.UNIDENTIFIABLE})
+
+
+Preferred = Literal["simpler", "fuller", "undecided"]
+
+
+class Rivalry(NamedTuple):
+    """A fuller law against a simpler one, by three facts that need not agree.
+
+    By how much the AICc of the fuller law is lower, the p-value of the F-test (NaN for laws that are not nested), and
+    its error at conditions left out over that of the simpler one (NaN where one is not known).
+    """
+
+    simpler: str
+    fuller: str
+    lead: float
+    p_value: float
+    loco_ratio: float
+
+    @property
+    def preferred(self) -> Preferred:
+        """Return the law to use: the fuller where all facts say so, the simpler where none does."""
+        nested = not math.isnan(self.p_value)
+        beyond_chance = self.p_value <= CHANCE if nested else self.lead > RIVAL
+        if self.lead > 0.0 and beyond_chance and not self.loco_ratio > 1.0:
+            return "fuller"
+        return "simpler" if not beyond_chance and self.lead <= (RIVAL if nested else 0.0) else "undecided"
+
+    @property
+    def text(self) -> str:
+        """Return the facts in words."""
+        side = "below" if self.lead > 0.0 else "above"
+        text = f"the AICc of {self.fuller} is {abs(self.lead):.1f} {side} that of {self.simpler}"
+        text += "" if math.isnan(self.p_value) else f", the F-test gives p = {self.p_value:.2g}"
+        if not math.isnan(self.loco_ratio):
+            text += (
+                f", and its error at unseen conditions is {self.loco_ratio:.2f} times that of {self.simpler}"
+            )
+        return text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -376,13 +335,13 @@ class Choice:
     verdict: Verdict
     doubts: tuple[str, ...]
     rivals: tuple[FitResult, ...]
-    undecided: Mapping[str, float]
 
     @property
     def how(self) -> str:
         """Return how the law came to be used, and the verdict."""
         chosen = self.entry.counted and not math.isnan(self.entry.weight)
-        place = "the best by AICc" if chosen else "shown, since none could be chosen"
+        place = "the best by AICc" if self.entry.delta_aicc <= 0.0 else "the best that may be used"
+        place = place if chosen else "shown, since none could be chosen"
         return f"{'as asked for' if self.forced else place}; {self.verdict.word}"
 
     def to_dict(self) -> dict[str, Any]:
@@ -390,15 +349,11 @@ class Choice:
         return {"law": self.fit.law, "verdict": self.verdict.to_dict()}
 
     def of(self, prediction: Prediction) -> Prediction:
-        """Return a prediction of one condition with this verdict, averaged over the laws that are undecided.
-
-        Beside it stands what each rival answers, the same answer once.
-        """
-        answers: list[Prediction] = []
-        settings: dict[str, Any] = {"level": prediction.level, "method": prediction.method, "check": False}
-        for fit in (self.fit, *self.rivals):
+        """Return a prediction of one condition with this verdict; beside it what each rival answers, the same once."""
+        answers = [prediction]
+        for fit in self.rivals:
             try:
-                new = predict(fit, prediction.conditions, **settings)
+                new = predict(fit, prediction.conditions, level=prediction.level)
             except RopefricError:
                 continue
             known = (item.lift_force_N for item in answers)
@@ -410,103 +365,187 @@ class Choice:
             )
             for one in (answers if len(answers) > 1 else ())
         )
-        judged = replace(prediction, judged=self.verdict, candidates=candidates)
-        open_ = [answer for answer in answers if answer.law in self.undecided]
-        return judged if len(open_) < 2 else averaged(judged, open_, [self.undecided[x.law] for x in open_])
+        return replace(prediction, judged=self.verdict, candidates=candidates)
 
 
 def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None = None) -> Choice:
     """Return the law of a comparison that is to be used, or the law that is asked for.
 
-    That is the best one whose fit may be used as it stands, or a simpler one that chance alone leaves behind it.
+    That is the best one whose fit may be used as it stands, or a simpler one that no fact speaks against.
     """
+    facts = _gathered(comparison, law, wheel)
+    doubts = [doubt for rule in _RULES for doubt in rule(facts)]
+    return Choice(
+        fit=replace(facts.fit, rivals=facts.rivals),
+        entry=facts.entry,
+        forced=bool(law),
+        verdict=verdict_of(doubts, _why_supported(facts)),
+        doubts=tuple(dict.fromkeys(text for _, text in doubts)),
+        rivals=facts.rivals,
+    )
+
+
+class _Facts(NamedTuple):
+    """What there is to know about the law used: its place, its fit, and the laws that the data do not tell from it."""
+
+    comparison: Comparison
+    entry: ComparisonEntry
+    fit: FitResult
+    forced: bool
+    wheel: Conditions | None
+    first: ComparisonEntry
+    open: tuple[Rivalry, ...]
+    won: tuple[Rivalry, ...]
+    rivals: tuple[FitResult, ...]
+
+
+def _gathered(comparison: Comparison, law: str, wheel: Conditions | None) -> _Facts:
     fitted = [(entry, entry.fit) for entry in comparison.ranking if entry.fit is not None]
-    good = [(entry, fit) for entry, fit in fitted if entry.counted and not fit.doubts]
-    contests = comparison.contests if comparison.conclusive else ()
+    good = [(entry, fit) for entry, fit in fitted if entry.counted and not fit.doubts_on(wheel)]
     chosen, fit = (good or fitted)[0]
     if law:
         chosen = comparison[law]
         if chosen.fit is None:
             raise FitError(f"{law} has no answer on these data: {chosen.note}", fix="use another law")
         fit = chosen.fit
-    while not law:
-        lost = {c.simpler for c in contests if c.fuller == chosen.law and c.preferred == "simpler"}
-        simpler = [(entry, other) for entry, other in good if entry.law in lost]
-        if not simpler:
-            break
-        chosen, fit = simpler[0]
-    # What the three criteria say of the law used: laws that it beats, and laws of which they do not agree.
-    beaten = {c.simpler for c in contests if c.fuller == chosen.law and c.preferred == "fuller"}
-    open_ = {
-        c.fuller if c.simpler == chosen.law else c.simpler: c
-        for c in contests
-        if chosen.law in {c.simpler, c.fuller} and c.preferred == "undecided"
-    }
-    # The laws that the data do not tell from the one used: all that fit, where none could be weighed.
-    others = [(entry, other) for entry, other in fitted if entry is not chosen]
+    elif comparison.conclusive:
+        simpler = _simplest(comparison, chosen, [entry for entry, _ in good])
+        chosen, fit = simpler, simpler.fit or fit
+    others = [entry for entry, _ in fitted if entry is not chosen]
+    open_, won, rivals = _rivals_of(comparison, chosen, others)
+    return _Facts(comparison, chosen, fit, bool(law), wheel, fitted[0][0], open_, won, rivals)
+
+
+def _rivals_of(
+    comparison: Comparison, chosen: ComparisonEntry, others: Sequence[ComparisonEntry]
+) -> tuple[tuple[Rivalry, ...], tuple[Rivalry, ...], tuple[FitResult, ...]]:
+    """Return rivalries of the law used that are open, those that it won, and the laws that are not told from it."""
+    against = [rivalry for entry in others if (rivalry := rivalry_of(comparison, chosen, entry)) is not None]
+    open_ = [one for one in against if one.preferred == "undecided"]
+    won = [one for one in against if one.preferred == "fuller" and one.fuller == chosen.law]
+    lost = {one.simpler for one in won}
+    undecided = {name for one in open_ for name in (one.simpler, one.fuller)}
 
     def is_rival(entry: ComparisonEntry, other: FitResult) -> bool:
         if not comparison.conclusive:
             return other.status is FitStatus.OK
-        near = entry.counted and entry.delta_aicc <= RIVAL and entry.law not in beaten
-        return other.status in _ANSWERING and (entry.law in open_ or near)
+        near = entry.counted and entry.delta_aicc <= RIVAL and entry.law not in lost
+        return other.status in _ANSWERING and (entry.law in undecided or near)
 
-    rivals = tuple(other for entry, other in others if is_rival(entry, other))
-    doubts = [*_of_place(comparison, chosen, fitted[0][0], forced=bool(law))]
-    doubts += fit.doubts or fit.untested(wheel)
-    doubts += [("undecided", contest.text) for contest in open_.values()]
-    text = "lies far off what all the others agree on: look at it, and set it aside if it is bad"
-    doubts += [("undecided", f"trial {name} {text}") for name in comparison.wild]
-    if (lead := comparison.contact.get("lead", 0.0)) >= STRONG:
-        doubts.append(("undecided", _contact_words(lead, comparison.best.law)))
-    apart = [r.law for r in rivals if comparison[r.law].counted and not _agree(fit, r, wheel)]
-    if other := [name for name in apart if name not in open_]:
-        where = "on the conditions tested" if wheel is None else "for the wheel asked for"
-        near_it = f"are within {RIVAL:g} in AICc and " if chosen.delta_aicc <= RIVAL else ""
-        text = f"{near_it}answer differently {where}"
-        doubts.append(("undecided", f"{chosen.law} and {' and '.join(other)} {text}"))
-    undecided = [chosen.law, *dict.fromkeys([*apart, *open_])] if comparison.conclusive else []
-    weight = "" if math.isnan(chosen.weight) else f" with a weight of {chosen.weight:.2f}"
-    names = " and ".join(rival.law for rival in rivals)
-    alike = f"; {names} answer{'s' * (len(rivals) == 1)} alike" if rivals else ""
-    place = "has the lowest AICc" if chosen.delta_aicc <= 0.0 else f"is within {RIVAL:g} of the lowest AICc"
-    plainer = any(comparison[rival.law].k < chosen.k for rival in rivals)
-    alike += ": an effect is there, its form is not known" if rivals and not plainer else ""
-    alike += "".join(f"; {text}" for _, text in fit.untested())
-    text = f"{chosen.law} {place}{weight}, and its fit follows the data within their scatter{alike}"
-    return Choice(
-        fit=fit,
-        entry=chosen,
-        forced=bool(law),
-        verdict=verdict_of(doubts, text),
-        doubts=tuple(dict.fromkeys(text for _, text in doubts)),
-        rivals=rivals,
-        # Where criteria disagree none of them may outvote the others by more than laws that are not told apart.
-        undecided={x: math.exp(-0.5 * min(max(comparison[x].delta_aicc, 0.0), RIVAL)) for x in undecided},
-    )
+    rivals = tuple(e.fit for e in others if e.fit is not None and is_rival(e, e.fit))
+    return tuple(open_), tuple(won), rivals
 
 
-def _of_place(
-    comparison: Comparison, chosen: ComparisonEntry, first: ComparisonEntry, *, forced: bool
-) -> list[Doubt]:
-    """Return what the place of a law in the comparison says against it."""
+def _simplest(
+    comparison: Comparison, chosen: ComparisonEntry, good: Sequence[ComparisonEntry]
+) -> ComparisonEntry:
+    """Return the law that no fact speaks against and that is the simplest so."""
+    for _ in good:
+        lost = [
+            entry
+            for entry in good
+            if (one := rivalry_of(comparison, entry, chosen)) is not None
+            and one.simpler == entry.law
+            and one.preferred == "simpler"
+        ]
+        if not lost:
+            break
+        chosen = lost[0]
+    return chosen
+
+
+def rivalry_of(comparison: Comparison, one: ComparisonEntry, other: ComparisonEntry) -> Rivalry | None:
+    """Return two counted laws against each other if one contains the other, or is the constant one; else None."""
+    if not (one.counted and other.counted and comparison.conclusive):
+        return None
+    for simpler, fuller in ((one, other), (other, one)):
+        contained = {case.name for case in ALL_LAWS[fuller.law].special_cases}
+        if simpler.law not in contained and not simpler.law == "constant" != fuller.law:
+            continue
+        tests = {(test.simpler, test.fuller): test.p_value for test in comparison.tests}
+        p_value = tests.get((simpler.law, fuller.law), math.nan)
+        ratio = fuller.loco_error / simpler.loco_error if simpler.loco_error > 0.0 else math.nan
+        return Rivalry(simpler.law, fuller.law, simpler.aicc - fuller.aicc, p_value, ratio)
+    return None
+
+
+# ---- facts, and the word that each calls for ----
+
+
+def _of_no_choice(facts: _Facts) -> Iterator[Doubt]:
+    comparison, chosen = facts.comparison, facts.entry
     if not comparison.conclusive:
         ranked = [entry.law for entry in comparison.ranking if entry.counted]
         where = f"{_ranked_on(ranked, counted(comparison.n, 'condition'))}; measure more conditions"
-        return [("not judged", f"no choice of law: {where}")]
-    if not chosen.counted:
-        return [("not judged", f"{chosen.law} takes no part in the comparison: {chosen.note}")]
+        yield "not judged", f"no choice of law: {where}"
+    elif not chosen.counted:
+        yield "not judged", f"{chosen.law} takes no part in the comparison: {chosen.note}"
+
+
+def _of_place(facts: _Facts) -> Iterator[Doubt]:
+    """Yield that another law stands before the one used, and why it is not used."""
+    chosen, first = facts.entry, facts.first
     lead = chosen.delta_aicc - (first.delta_aicc if first.counted else 0.0)
-    if chosen is first or lead <= 0.0:
-        return []
+    if not (facts.comparison.conclusive and chosen.counted) or chosen is first or not lead > 0.0:
+        return
+    rivalry = rivalry_of(facts.comparison, chosen, first)
     text = f"{first.law} stands {lead:.1f} in AICc before"
-    if forced:
+    if facts.forced:
         text = f"{chosen.law} was asked for; {text} it"
-    elif any(c.simpler == chosen.law and c.preferred == "simpler" for c in comparison.contests):
-        return []
+    elif first.fit is not None and not first.fit.doubts_on(facts.wheel) and rivalry is not None:
+        return  # no fact but AICc speaks for it, and that not by much
     else:
         text = f"{text} {chosen.law}, but is not to be used as it stands: {first.status}"
-    return [("undecided" if lead > RIVAL else "supported", text)]
+    yield ("undecided" if lead > RIVAL else "supported"), text
+
+
+def _of_own_fit(facts: _Facts) -> Iterator[Doubt]:
+    yield from facts.fit.doubts_on(facts.wheel) or facts.fit.untested(facts.wheel)
+
+
+def _of_open_rivalries(facts: _Facts) -> Iterator[Doubt]:
+    for rivalry in facts.open:
+        yield "undecided", rivalry.text
+
+
+def _of_wild_trials(facts: _Facts) -> Iterator[Doubt]:
+    for name in facts.comparison.wild:
+        text = "lies far off what all the others agree on: look at it, and set it aside if it is bad"
+        yield "undecided", f"trial {name} {text}"
+
+
+def _of_other_answers(facts: _Facts) -> Iterator[Doubt]:
+    """Yield that laws which the data do not tell apart answer differently."""
+    known = {name for one in facts.open for name in (one.simpler, one.fuller)}
+    apart = [
+        rival.law
+        for rival in facts.rivals
+        if facts.comparison[rival.law].counted
+        and rival.law not in known
+        and not _agree(facts.fit, rival, facts.wheel)
+    ]
+    if apart:
+        where = "on the conditions tested" if facts.wheel is None else "for the wheel asked for"
+        near_it = f"are within {RIVAL:g} in AICc and " if facts.entry.delta_aicc <= RIVAL else ""
+        yield (
+            "undecided",
+            f"{facts.entry.law} and {' and '.join(apart)} {near_it}answer differently {where}",
+        )
+
+
+_RULES = (_of_no_choice, _of_place, _of_own_fit, _of_open_rivalries, _of_wild_trials, _of_other_answers)
+
+
+def _why_supported(facts: _Facts) -> str:
+    """Return what speaks for the law used."""
+    chosen, names = facts.entry, " and ".join(rival.law for rival in facts.rivals)
+    weight = "" if math.isnan(chosen.weight) else f" with a weight of {chosen.weight:.2f}"
+    place = "has the lowest AICc" if chosen.delta_aicc <= 0.0 else "needs fewest parameters"
+    alike = f"; {names} answer{'s' * (len(facts.rivals) == 1)} alike" if facts.rivals else ""
+    if facts.rivals and any(one.simpler == "constant" for one in facts.won):
+        alike += ": an effect is there, its form is not known"
+    alike += "".join(f"; {text}" for _, text in facts.fit.untested())
+    return f"{chosen.law} {place}{weight}, and its fit follows the data within their scatter{alike}"
 
 
 def _ranked_on(ranked: Iterable[str], what: str) -> str:
@@ -523,7 +562,7 @@ def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
     if wheel is None:
         wheel = fit.data.conditions.select(np.unique(fit.data.group, return_index=True)[1])
     try:
-        own, other = (predict(one, wheel, check=False) for one in (fit, rival))
+        own, other = (predict(one, wheel, method="linear") for one in (fit, rival))
     except RopefricError:
         return False
     values = (other.log_lift - own.log_lift, own.log_half_width, np.nan_to_num(other.log_half_width))

@@ -7,7 +7,7 @@ operator, order, dwell) are judged by what they explain beside all settings.
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from types import MappingProxyType
@@ -24,7 +24,7 @@ from ropefric.fitting.compare import Comparison, choose_law, compare_laws
 from ropefric.fitting.predict import has_interval
 from ropefric.fitting.problem import FitProblem, typical_mu
 from ropefric.fitting.result import FitResult, Verdict
-from ropefric.fitting.standing import STRONG, beyond_first_turn, straight_fit
+from ropefric.fitting.standing import STRONG, straight_fit
 from ropefric.friction.condition import distinct
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted
@@ -36,7 +36,8 @@ Supported = Literal["yes", "no", "cannot-tell"]
 WORDS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
 # A difference of AICc.
 _WEAK = 2.0
-_SIGNIFICANT = 0.01
+_SAME_AICC = 1e-6
+_SIGNIFICANT, _DOUBTED = 0.01, 0.05
 _MANY = 0.2
 _LEVEL = 0.95
 # Of a column, what others leave of it; below, it says nothing that they do not.
@@ -65,14 +66,12 @@ _EFFECTS = {
         "wrap-dependence", "wrap",
         "wraps from a quarter turn to two turns at several end tensions: a wrap series at one load cannot fix a law",
     ),
-    "coil contact": _Effect(
-        "coil-contact", "", "the same wraps with the coils held apart, by a groove or a spacer",
-        "the turns that touch go with the wrap in all conditions",
-    ),
 }  # fmt: skip
 _GROUPS = {
     "rope": ("rope_id", "repeat conditions with several ropes each"),
     "wheel": ("wheel", "two wheels of one size, at the same conditions"),
+    "mounting": ("mounting", "mount the rope anew within each condition"),
+    "day": ("day", "measure some conditions on several days"),
     "operator": ("operator", "let each operator pull at all conditions"),
     "dwell": ("dwell", "vary the dwell by a factor 10 or more within each condition"),
     "order of trials": ("order", "measure in random order, and come back to the first condition at the end"),
@@ -129,17 +128,9 @@ class Diagnosis(Shown):
         return {"summary": self.summary, "verdict": self.verdict.to_dict(), "causes": causes}
 
 
-def diagnose(
-    table: TrialTable, comparison: Comparison | None = None, *, touching_turns: float | None = None
-) -> Diagnosis:
-    """Return why the trials of a table do not obey F_A = F_B e^{μφ}, or that they do.
-
-    `touching_turns` says how many turns at most touch the one beside them; where it is not said, all beyond the first
-    may, and that is tested as an effect.
-    """
-    ranked = comparison
-    if ranked is None:
-        ranked = compare_laws(table, ALL_LAWS.values(), touching_turns=touching_turns)
+def diagnose(table: TrialTable, comparison: Comparison | None = None) -> Diagnosis:
+    """Return why the trials of a table do not obey F_A = F_B e^{μφ}, or that they do."""
+    ranked = compare_laws(table, ALL_LAWS.values()) if comparison is None else comparison
     if (fit := ranked["constant"].fit) is None or fit.problem is None:
         text = "the comparison carries no data"
         raise InputError(text, fix="compare the laws again, or leave the comparison out")
@@ -147,15 +138,17 @@ def diagnose(
     if wild:
         # One trial must not hide what all the others show.
         table = replace(table, kept=table.kept & ~np.isin(np.array(table.trial), wild))
-        ranked = compare_laws(table, [entry.law for entry in ranked.ranking], touching_turns=touching_turns)
+        ranked = compare_laws(table, [entry.law for entry in ranked.ranking])
         fit = ranked["constant"].fit or fit
     problem = fit.data
     means = stats.condition_means(problem)
-    trends = _Trends(means, ranked, slack=table.measures_slack, touching_turns=touching_turns)
+    trends = _Trends(means, ranked, slack=table.measures_slack)
     causes = [_judged(title, ranked, trends) for title in _EFFECTS]
+    pairs = _not_separated(causes, ranked, trends)
+    causes = [_with_pairs(cause, pairs) for cause in causes]
     causes += [_grouped(title, table, problem, trends) for title in _GROUPS]
     causes += [_no_slip(table), _scatter(ranked, means), _wild(wild)]
-    return Diagnosis(causes=tuple(causes), summary=_summary(ranked, causes), verdict=verdict)
+    return Diagnosis(causes=tuple(causes), summary=_summary(ranked, causes, pairs), verdict=verdict)
 
 
 # ---- effects of the settings ----
@@ -184,9 +177,7 @@ class _Line(NamedTuple):
 class _Trends:
     """Trends of μ with the settings on condition means: ln(F_A/F_B) = φ (μ + Σ slope · ln level) + offset."""
 
-    def __init__(
-        self, means: stats.ConditionMeans, ranked: Comparison, *, slack: bool, touching_turns: float | None
-    ) -> None:
+    def __init__(self, means: stats.ConditionMeans, ranked: Comparison, *, slack: bool) -> None:
         at, self.means = means.conditions, means
         wrap = at.wrap_angle_rad
         self.rise = means.log_lift - at.log_end_tension
@@ -197,10 +188,8 @@ class _Trends:
             "size effect": ("R_w/R_r =", "", 1.0, at.size_ratio),
             "wrap effect": ("", "deg", math.degrees(1.0), np.maximum(wrap, 1e-9)),
         }
-        beyond = beyond_first_turn(at, touching_turns)
         every = {"offset": np.ones_like(wrap)}
         every |= {title: wrap * np.log(x / x.min()) for title, (*_, x) in self.settings.items()}
-        every["coil contact"], self.touching = beyond, bool(beyond.any())
         self.columns = {title: column for title, column in every.items() if _adds(wrap[:, None], column)}
         self.aicc = {
             chosen: self._aicc(chosen)
@@ -210,7 +199,11 @@ class _Trends:
         # The trends that AICc chooses.
         self.best = min(self.aicc, key=lambda chosen: (self.aicc[chosen], chosen))
         first = ranked.best
-        self.law = first.fit if first.counted and first.aicc < self.aicc[self.best] and not slack else None
+        self.law = (
+            first.fit
+            if first.counted and first.aicc < self.aicc[self.best] - _SAME_AICC and not slack
+            else None
+        )
 
     def matrix(self, chosen: Iterable[str]) -> FloatArray:
         """Return the columns of μ and of some trends, shape (K, 1 + number of trends)."""
@@ -220,14 +213,14 @@ class _Trends:
         X, K = self.matrix(chosen), len(self.means)
         if X.shape[1] + 2 >= K or any(not _adds(np.delete(X, i, 1), X[:, i]) for i in range(1, X.shape[1])):
             return math.inf
-        theta, scatter = straight_fit(X, self.rise, self.means)
-        if "coil contact" in chosen and theta[1 + chosen.index("coil contact")] < 0.0:
-            return math.inf  # contact between coils cannot help the rope along
+        _, scatter = straight_fit(X, self.rise, self.means)
         return stats.aicc(float(scatter.deviance), K, X.shape[1] + 1)
 
-    def least(self, title: str, *, there: bool, without: str = "") -> float:
-        """Return the lowest AICc of trends that have one or not, and have not another."""
-        found = (x for some, x in self.aicc.items() if (title in some) == there and without not in some)
+    def least(self, having: str = "", without: Sequence[str] = ()) -> float:
+        """Return the lowest AICc of trends that have one, and have not others."""
+        found = (
+            x for some, x in self.aicc.items() if (not having or having in some) and not {*without} & {*some}
+        )
         return min(found, default=math.inf)
 
     def line(self, title: str) -> _Line | None:
@@ -268,71 +261,127 @@ def _beside(columns: FloatArray, values: FloatArray) -> FloatArray:
     return np.asarray(values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0])
 
 
+class _Evidence(NamedTuple):
+    """What there is to know about an effect of the settings.
+
+    The AICc of the constant law, of the best description with it and of the best without; which law is the best of each;
+    whether its trend is clear, and whether a description without what the best one has would do with it instead.
+    """
+
+    plain: float
+    best: float
+    other: float
+    having: str
+    lacking: str
+    clear: bool
+    replaces: bool
+    looks_like_offset: bool
+
+    @property
+    def judged(self) -> Supported:
+        """Return the verdict, by the first rule that applies."""
+        known = math.isfinite(self.plain) and math.isfinite(self.best)
+        gain, lead = self.plain - self.best, self.other - self.best
+        rules: tuple[tuple[bool, Supported], ...] = (
+            (not known, "cannot-tell"),
+            (lead >= STRONG, "yes"),
+            (self.clear or self.looks_like_offset, "cannot-tell"),
+            (gain < _WEAK or (lead < 0.0 and not self.replaces), "no"),
+        )
+        return next((verdict for applies, verdict in rules if applies), "cannot-tell")
+
+    @property
+    def words(self) -> Iterator[str]:
+        """Return the differences of AICc in words."""
+        gain, lead = self.plain - self.best, self.other - self.best
+        text = f"AICc of the best description with it, {self.having or 'straight trends of μ'}, is "
+        text += f"{_against(gain)} the constant law's"
+        if abs(gain - lead) > 1e-9:
+            text += f" and {_against(lead)} that of the best without it ({self.lacking or 'constant'} among the laws)"
+        yield text
+        if self.looks_like_offset:
+            text = "a constant μ with a constant offset in ln F looks exactly like a wrap effect"
+            yield f"{text}, and here both fit"
+
+
+def _evidence(title: str, ranked: Comparison, trends: _Trends, line: _Line | None) -> _Evidence:
+    effect, plain, offset = _EFFECTS[title].effect, ranked["constant"].aicc, ranked["constant-offset"]
+    having, by_having = _best_law(ranked, lambda law: effect in ALL_LAWS[law].effects)
+    lacking, by_lacking = _best_law(ranked, lambda law: effect not in ALL_LAWS[law].effects)
+    by_trends = trends.least(title)
+    other = min(trends.least(without=[title]), by_lacking)
+    # An offset and a wrap effect both explain what the constant law cannot, as well as each other.
+    alike = title == "wrap effect" and offset.counted and plain - max(offset.aicc, by_having) >= _WEAK
+    return _Evidence(
+        plain=plain,
+        best=min(by_trends, by_having),
+        other=other,
+        having=having if by_having <= by_trends else "",
+        lacking=lacking,
+        clear=line is not None and line.p_value < _SIGNIFICANT,
+        replaces=title not in trends.best
+        and any(trends.least(title, without=[one]) < other + STRONG for one in trends.best),
+        looks_like_offset=alike and abs(offset.aicc - by_having) < STRONG,
+    )
+
+
+def _best_law(ranked: Comparison, chosen: Callable[[str], bool]) -> tuple[str, float]:
+    """Return the best of some laws and its AICc; infinite if none of them is counted."""
+    laws = {entry.law: entry.aicc for entry in ranked.ranking if entry.counted and chosen(entry.law)}
+    first = min(laws, key=laws.__getitem__, default="")
+    return first, laws.get(first, math.inf)
+
+
 def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
     """Return the verdict on an effect of the settings."""
-    effect, quantity, experiment, untold = _EFFECTS[title]
-    if title == "coil contact" and not trends.touching:
-        text = "no turn lies beside another, by the wraps or by what is said of them"
-        return Cause(title, "no", text, experiment)
+    _, quantity, experiment, untold = _EFFECTS[title]
     if title not in trends.columns:
         return Cause(title, "cannot-tell", untold or f"all conditions have one {quantity}", experiment)
     line = trends.line(title)
     numbers, parts = _of_line(title, line, ranked)
     limits, room = _limits(title, line, trends) if line is not None else ({}, "")
-
-    def found(supported: Supported) -> Cause:
-        """Return the verdict with the evidence so far and, unless the effect is there, what it leaves room for."""
-        said, more = (parts, {}) if supported == "yes" else ([*parts, room], limits)
-        return Cause(title, supported, "; ".join(filter(None, said)), experiment, numbers | more)
-
-    laws = {entry.law: entry.aicc for entry in ranked.ranking if entry.counted}
-    having = {law: value for law, value in laws.items() if effect in ALL_LAWS[law].effects}
-    lacking = {law: value for law, value in laws.items() if law not in having}
-    plain, winner, offset = ranked["constant"].aicc, ranked.best, ranked["constant-offset"]
-    by_having, by_lacking = (min(some.values(), default=math.inf) for some in (having, lacking))
-    best = min(trends.least(title, there=True), by_having)
-    other = min(trends.least(title, there=False), by_lacking)
-    if title == "coil contact" and math.isfinite(plain) and best == math.inf and ranked.n > 4:
-        parts.append("contact cannot make μ smaller, and no description with it finds a larger one")
-        return found("no")
-    if not (math.isfinite(plain) and math.isfinite(best)):
+    found = _evidence(title, ranked, trends, line)
+    if math.isfinite(found.plain) and math.isfinite(found.best):
+        numbers |= {"gain_on_constant": found.plain - found.best, "lead_on_others": found.other - found.best}
+        parts += found.words
+    else:
         parts.append(f"{ranked.n} conditions are too few for any law with it")
-        return found("cannot-tell")
-    gain, lead = plain - best, other - best
-    numbers |= {"gain_on_constant": gain, "lead_on_others": lead}
-    first = min(having, key=having.__getitem__, default="")
-    by = first if first and plain - having[first] >= gain - 1e-9 else "straight trends of μ"
-    text = f"AICc of the best description with it, {by}, is {_against(gain)} the constant law's"
-    if abs(gain - lead) > 1e-9:
-        rival = min(lacking, key=lacking.__getitem__, default="constant")
-        text += f" and {_against(lead)} that of the best without it ({rival} among the laws)"
-    parts.append(text)
-    yes = lead >= STRONG or (by_lacking - by_having >= STRONG and lead > 0.0)
-    if not yes and winner.law in having:
-        # The law that won names the effect where no description without it that is as simple comes near, and none at
-        # all is better. A fuller law may contain the winner as a limit and then cannot be far behind.
-        rivals = [entry.aicc for entry in ranked.ranking if entry.law in lacking and entry.k <= winner.k]
-        rivals += [x for some, x in trends.aicc.items() if title not in some and len(some) + 2 <= winner.k]
-        yes = min(rivals, default=math.inf) - winner.aicc >= STRONG and other > winner.aicc - _WEAK
-    # An offset and a wrap effect both explain what the constant law cannot, as well as each other.
-    looks_like_offset = (
-        title == "wrap effect"
-        and offset.counted
-        and plain - max(offset.aicc, by_having) >= _WEAK
-        and abs(offset.aicc - by_having) < STRONG
+    supported = found.judged
+    if supported != "yes":  # what the data leave room for
+        parts, numbers = [*parts, room], numbers | limits
+    return Cause(title, supported, "; ".join(filter(None, parts)), experiment, numbers)
+
+
+def _not_separated(
+    causes: Sequence[Cause], ranked: Comparison, trends: _Trends
+) -> tuple[tuple[Cause, Cause], ...]:
+    """Return pairs of effects of which one must be there, but which one the design does not tell."""
+    open_ = [cause for cause in causes if cause.supported == "cannot-tell" and cause.cause in trends.columns]
+
+    def without(*titles: str) -> float:
+        gone = {_EFFECTS[title].effect for title in titles}
+        return min(
+            trends.least(without=titles), _best_law(ranked, lambda law: not gone & ALL_LAWS[law].effects)[1]
+        )
+
+    best = without()
+    return tuple(
+        (one, other)
+        for one, other in combinations(open_, 2)
+        if math.isfinite(best)
+        and without(one.cause, other.cause) - best >= STRONG
+        and max(without(one.cause), without(other.cause)) - best < STRONG
     )
-    if looks_like_offset:
-        text = "a constant μ with a constant offset in ln F looks exactly like a wrap effect"
-        parts.append(f"{text}, and here both fit")
-    if yes:
-        return found("yes")
-    # Another effect could stand in its place: it is as good without what the best description has.
-    replaced = title not in trends.best and any(
-        trends.least(title, there=True, without=o) < other + STRONG for o in trends.best
+
+
+def _with_pairs(cause: Cause, pairs: Sequence[tuple[Cause, Cause]]) -> Cause:
+    """Return a cause with what it cannot be told from, and the pull that would tell."""
+    own = [pair for pair in pairs if cause.cause in {one.cause for one in pair}]
+    others = [one for pair in own for one in pair if one.cause != cause.cause]
+    text = "".join(
+        f"; {cause.cause} or {x.cause}, one of them is there: {x.experiment}, would tell" for x in others
     )
-    needless = gain < _WEAK or (lead < 0.0 and not replaced)
-    clear = line is not None and line.p_value < _SIGNIFICANT
-    return found("no" if needless and not clear and not looks_like_offset else "cannot-tell")
+    return cause._replace(evidence=cause.evidence + text)
 
 
 def _against(difference: float) -> str:
@@ -352,13 +401,10 @@ def _of_line(title: str, line: _Line | None, ranked: Comparison) -> tuple[dict[s
         return numbers, [text]
     if line is None:
         return {}, []
-    key, factor, words = "slope", 1.0, "beyond the first turn μ is larger by {}"
-    if title != "coil contact":
-        key, factor = "slope_per_doubling", math.log(2.0)
-        words = f"average μ changes by {{}} per doubling of the {_EFFECTS[title].quantity}"
-    slope, std = line.slope * factor, line.std * factor
-    numbers = {key: slope, "slope_std": std, "p_value": line.p_value}
-    return numbers, [f"{words.format(f'{slope:+.2g} ± {std:.1g}')} (p = {line.p_value:.2g})"]
+    slope, std = line.slope * math.log(2.0), line.std * math.log(2.0)
+    numbers = {"slope_per_doubling": slope, "slope_std": std, "p_value": line.p_value}
+    words = f"average μ changes by {slope:+.2g} ± {std:.1g} per doubling of the {_EFFECTS[title].quantity}"
+    return numbers, [f"{words} (p = {line.p_value:.2g})"]
 
 
 def _limits(title: str, line: _Line, trends: _Trends) -> tuple[dict[str, float], str]:
@@ -371,18 +417,12 @@ def _limits(title: str, line: _Line, trends: _Trends) -> tuple[dict[str, float],
         name, unit, factor, every = trends.settings[title]
         levels = distinct(every)[[0, -1]]
         low, high = (end * (math.log(float(levels[-1] / levels[0])) / line.mu) for end in (low, high))
-    elif title == "coil contact":
-        low, high = max(low, 0.0) * (1.0 / line.mu), high * (1.0 / line.mu)
     low, high = sorted((low, high))
     numbers, fit = {"bound_low": low, "bound_high": high}, trends.law
     beside = f" beside {fit.law}" if fit is not None and fit.law != "constant" else ""
     if title == "offset":
         span = f"{_percent(low)} to {_percent(high)}"
         return numbers, f"an offset may still change F_A by {span}{beside} (at 95 % each)"
-    if title == "coil contact":
-        if high <= 0.0:
-            return numbers, "the trials leave contact no room (at 95 %)"
-        return numbers, f"contact may still raise μ beyond the first turn by up to {_percent(high)} (at 95 %)"
     ends = " to ".join(f"{significant(float(end) * factor, 4):g}" for end in levels)
     room = [f"{way} by up to {_percent(size)}" for way, size in (("fall", -low), ("rise", high)) if size > 0]
     span = " ".join(filter(None, (name, ends, unit)))
@@ -396,34 +436,53 @@ def _percent(share: float) -> str:
 # ---- groups of trials ----
 
 
+def _numbers_of(name: str, values: Sequence[str]) -> FloatArray | None:
+    """Return a numeric column over its span, of a dwell its logarithm; None where it holds what is no number."""
+    try:
+        number = np.array([float(value.replace(",", ".")) for value in values])
+    except ValueError:
+        return None
+    if name == "dwell":
+        number = np.log(np.where(number > 0.0, number, np.nan))
+    return number / np.ptp(number) if np.isfinite(number).all() and np.ptp(number) > 0.0 else None
+
+
 def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends) -> Cause:
-    """Return whether what is written beside the trials explains their scatter, within conditions or between them."""
+    """Return whether μ goes with what is written beside the trials, within conditions or between them."""
     name, experiment = _GROUPS[title]
+    values = np.array(table.labels.get(name) or ("",) * len(table))[table.used].tolist()
+    found, numeric = sorted(set(values)), name in {"dwell", "order"}
+    number = _numbers_of(name, values) if numeric and len(found) > 1 else None
+    reasons = {
+        f"the table has no column {name}": not any(values),
+        f"all trials have one {name}": len(found) < 2,
+        f"the column {name} holds what is no number": numeric and number is None,
+    }
+    if why := next((text for text, applies in reasons.items() if applies), ""):
+        return Cause(title, "cannot-tell", why, experiment)
+    x = np.stack([np.array([v == word for v in values], float) for word in found[1:]], axis=-1)
+    x = x if number is None else number[:, None]
+    told = _group_tests(x * problem.conditions.wrap_angle_rad[:, None], problem, trends)
+    if not told:
+        why = "go with the settings or with single trials, or too few trials are left to judge by"
+        return Cause(title, "cannot-tell", f"its {counted(len(found), 'value')} {why}", experiment)
+    clear = min(test[0] for test in told.values()) * len(told) < _SIGNIFICANT
+    # The one that sees it, or else the one that leaves least room.
+    where, (p_value, *ends) = min(told.items(), key=lambda x: x[1][0] if clear else x[1][2] - x[1][1])
+    p_value = min(1.0, p_value * len(told))
+    low, high = sorted(end / typical_mu(problem.conditions, problem.log_lift) for end in ends)
+    open_ = p_value < _DOUBTED or not low <= 0.0 <= high
+    supported: Supported = "yes" if p_value < _SIGNIFICANT else "cannot-tell" if open_ else "no"
+    may = "changes" if supported == "yes" else "may still change"
+    what = "from its lowest value to its highest" if numeric else f"between {len(found)} groups"
+    span = f"{_percent(low)} to {_percent(high)} {what}"
+    text = f"{where} conditions μ {may} by {span} (at 95 % each; p = {p_value:.2g})"
+    numbers = {"p_value": p_value, "bound_low": low, "bound_high": high}
+    return Cause(title, supported, text, experiment, numbers)
 
-    def untold(text: str) -> Cause:
-        return Cause(title, "cannot-tell", text, experiment)
 
-    # The order is that of the rows where none is written.
-    order = tuple(str(row + 1) for row in range(len(table)))
-    every = table.labels.get(name) or (order if name == "order" else ("",) * len(table))
-    values = np.array(every)[table.used].tolist()
-    if not any(values):
-        return untold(f"the table has no column {name}")
-    found = sorted(set(values))
-    if len(found) < 2:
-        return untold(f"all trials have one {name}")
-    if numeric := name in {"dwell", "order"}:
-        try:
-            number = np.array([float(value.replace(",", ".")) for value in values])
-        except ValueError:
-            number = np.full(len(values), np.nan)
-        if name == "dwell":
-            number = np.log(np.where(number > 0.0, number, np.nan))
-        if not np.isfinite(number).all() or np.ptp(number) == 0.0:
-            return untold(f"the column {name} holds what is no number")
-        x = (number / np.ptp(number))[:, None]
-    else:
-        x = np.stack([np.array([v == word for v in values], float) for word in found[1:]], axis=-1)
+def _group_tests(x: FloatArray, problem: FitProblem, trends: _Trends) -> dict[str, tuple[float, ...]]:
+    """Return what columns of trials, which change ln F_A, explain within conditions and between them."""
     rise, group = problem.log_lift - problem.conditions.log_end_tension, problem.group
     mean = np.stack([stats.group_means(column, group) for column in x.T], axis=-1)
     about = rise - stats.group_means(rise, group)[group]
@@ -433,21 +492,7 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
         "within": _explained(np.zeros((rise.size, 0)), x - mean[group], about, rise.size - len(mean)),
         "between": _explained(full, mean * weight, trends.rise * weight[:, 0], len(mean)),
     }
-    told = {where: test for where, test in tests.items() if test is not None}
-    if not told:
-        why = "go with the settings or with single trials, or too few trials are left to judge by"
-        return untold(f"its {counted(len(found), 'value')} {why}")
-    clear = min(test[0] for test in told.values()) * len(told) < _SIGNIFICANT
-    # The one that sees it, or else the one that leaves least room.
-    where, (p_value, low, high) = min(told.items(), key=lambda x: x[1][0] if clear else x[1][2] - x[1][1])
-    p_value = min(1.0, p_value * len(told))
-    supported: Supported = "yes" if p_value < _SIGNIFICANT else "no"
-    may = "changes" if supported == "yes" else "may still change"
-    what = "from its lowest value to its highest" if numeric else f"between {len(found)} groups"
-    span = f"{_percent(low)} to {_percent(high)} {what}"
-    text = f"{where} conditions F_A {may} by {span} (at 95 % each; p = {p_value:.2g})"
-    numbers = {"p_value": p_value, "bound_low": low, "bound_high": high}
-    return Cause(title, supported, text, experiment, numbers)
+    return {where: test for where, test in tests.items() if test is not None}
 
 
 def _explained(base: FloatArray, extra: FloatArray, rise: FloatArray, n: int) -> tuple[float, ...] | None:
@@ -516,7 +561,7 @@ def _scatter(ranked: Comparison, means: stats.ConditionMeans) -> Cause:
     return Cause(title, "yes" if p_value < _SIGNIFICANT else "no", text, experiment, numbers)
 
 
-def _summary(ranked: Comparison, causes: Sequence[Cause]) -> str:
+def _summary(ranked: Comparison, causes: Sequence[Cause], pairs: Sequence[tuple[Cause, Cause]]) -> str:
     found = [item.cause for item in causes if item.supported == "yes"]
     effects = [cause for cause in found if cause in _EFFECTS or cause in _GROUPS]
     open_ = [item.cause for item in causes if item.supported == "cannot-tell" and item.cause in _EFFECTS]
@@ -524,18 +569,26 @@ def _summary(ranked: Comparison, causes: Sequence[Cause]) -> str:
     law = "the capstan equation"
     if plain.fit is not None:
         law += f" with μ = {_with_error(plain.fit, 'mu', '.3g')}"
-    if effects:
-        text = f"{law} does not describe the trials"
-    elif not ranked.conclusive:
-        text = f"{counted(ranked.n, ranked.unit[:-1])} cannot test {law}"
-    elif ranked.best.law == "constant" or plain.delta_aicc <= _WEAK:
-        text = f"{law} describes the trials; no cause to leave it is supported"
-        hidden = [item for item in causes if item.cause == "wrap effect" and "bound_low" in item.numbers]
-        text += "".join(f", but {item.evidence.rsplit('; ', 1)[-1]}" for item in hidden)
-    else:
-        text = f"{law} is not the best description ({ranked.best.law} is), but the data do not show why"
+    texts = {
+        f"{law} does not describe the trials": bool(effects or pairs),
+        f"{counted(ranked.n, ranked.unit[:-1])} cannot test {law}": not ranked.conclusive,
+        f"{law} describes the trials; no cause to leave it is supported" + _hidden(causes): (
+            ranked.best.law == "constant" or plain.delta_aicc <= _WEAK
+        ),
+        f"{law} is not the best description ({ranked.best.law} is), but the data do not show why": True,
+    }
+    text = next(text for text, applies in texts.items() if applies)
+    text += "".join(
+        f"; {one.cause} or {other.cause}, which these conditions do not separate" for one, other in pairs
+    )
     lists = {"the data support": found, "cannot be told": open_}
     return "; ".join([text, *(f"{words}: {', '.join(names)}" for words, names in lists.items() if names)])
+
+
+def _hidden(causes: Sequence[Cause]) -> str:
+    """Return which wrap effect the data still leave room for."""
+    hidden = [item for item in causes if item.cause == "wrap effect" and "bound_low" in item.numbers]
+    return "".join(f", but {item.evidence.rsplit('; ', 1)[-1]}" for item in hidden)
 
 
 def _with_error(fit: FitResult, name: str, form: str) -> str:

@@ -4,41 +4,38 @@ The search goes from several starts, with weights that follow the parameters; `r
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from math import sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.arrays import BoolArray, FloatArray, IntArray
-from ropefric.errors import InputError
+from ropefric.arrays import BoolArray, FloatArray
+from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import significant, to_share
+from ropefric.fitting.assembled import Found, assemble
 from ropefric.fitting.problem import (
-    LOSSES,
     FitProblem,
     FitSettings,
-    Loss,
     batched_fit,
     check_settings,
     law_named,
     reduced,
 )
-from ropefric.fitting.result import CommonError, FitResult, Found, assemble
-from ropefric.fitting.statistics import RANK_RATIO, Scatter, decomposed, pooled_scatter
-from ropefric.friction.condition import Conditions, levels
+from ropefric.fitting.result import CommonError, FitResult
+from ropefric.fitting.scatter import estimated, laid_out
+from ropefric.fitting.statistics import RANK_RATIO, decomposed
+from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
+from ropefric.registry import did_you_mean
 from ropefric.trials.table import TrialTable
 
 # Beyond this the squares of residuals and slopes, and their sums, are no floats.
 _LARGEST = 1e100
-# Weights depend on the parameters through the errors of the settings; they settle in two rounds.
-_ROUNDS = 5
-_SETTLED = 1e-4
-# Scatter so small that it is rounding; weights need some number.
-_SMALLEST_STD = 1e-12
-_MAD_TO_STD = 1.4826
+# Weights depend on the parameters through what is left over; they settle in a few rounds.
+_ROUNDS = 12
+_SETTLED = 1e-5
 # How far other starts are spread, as a factor e^±this.
 _SPREAD = 0.7
 # Minima closer than this in χ² describe the data equally well (two standard deviations).
@@ -59,15 +56,8 @@ _FREE = 1e-6
 _FLAT = 1e-3
 _FLAT_RANK = 1e-6
 _STEP = 1e-5
-_SETTINGS_STD = ("wheel_radius_std_m", "wrap_std_rad", "rope_radius_std_m")
-COMMON: tuple[tuple[Callable[[Any], str], str], ...] = (
-    (lambda cell: f"calibration of cell {cell}" if cell else "calibration of the force cell", "-"),
-    (lambda force_N: f"weights of {force_N:.4g} N" if force_N else "the second force cell", "-"),
-    (lambda radius_m: f"radius of the wheels of {1e3 * radius_m:.4g} mm", "m"),
-    (lambda wrap_rad: f"setting of the wrap of {math.degrees(wrap_rad):.4g} deg", "rad"),
-    (lambda rope: f"radius of the rope {rope if isinstance(rope, str) else f'of {1e3 * rope:.4g} mm'}", "m"),
-)
-"""What conditions can have in common, in words, and its unit: cell, load, wheel, wrap, rope."""
+GROUPS = {"rope_id": "rope", "wheel": "wheel", "mounting": "mounting", "operator": "operator", "day": "day"}
+"""Columns of a table whose levels may differ in μ, and the name of what differs."""
 
 
 def fit_law(table: TrialTable, law: str | FrictionLaw, **settings: Any) -> FitResult:
@@ -121,73 +111,116 @@ def _problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> F
     )
 
 
-# ---- what each trial weighs ----
+# ---- stated errors, and who shares them ----
 
 
-def shared_variance(law: FrictionLaw, theta: FloatArray, table: TrialTable) -> FloatArray:
-    """Return the variance of ln F_A that all repeats of a condition share, shape (n,).
+class Stated(NamedTuple):
+    """An uncertainty that can be stated: its column, the unit, what shares it in words, and its own level if unnamed."""
 
-    The instrument's (u_F/F_A)² and those of the settings, (∂ ln F_A/∂φ u_φ)² + (∂ ln F_A/∂R_w u_R)² +
-    (∂ ln F_A/∂ ln F_B · u_{F_B}/F_B)²: a wheel, a weight and a force cell are the same for every repeat, so these
-    do not average out over them.
-    """
-    used = table.used
-    # What overflows is refused right after.
-    with np.errstate(over="ignore", invalid="ignore"):
-        variance: FloatArray = np.nan_to_num(table.peak_std_N[used] / table.peak_N[used]) ** 2
-        end_tension = table.end_tension_std_N[used] / table.end_tension_N[used]
-        settings = np.stack([table.wheel_radius_std_m[used], table.wrap_std_rad[used], end_tension], axis=-1)
-        if settings.any():
-            slopes = law.log_lift_gradient_conditions(theta, table.conditions())
-            variance = variance + ((slopes * settings) ** 2).sum(axis=-1)
-    wrong = ~np.isfinite(variance)
-    if wrong.any():
-        trial = np.array(table.trial)[used][int(np.argmax(wrong))]
-        text = f"the uncertainties given for trial '{trial}' amount to more than any number of ln F_A"
-        raise InputError(text, code="RF410", fix="correct the columns that end in _std")
-    return variance
+    column: str
+    unit: str
+    words: str
+    level: Callable[[Conditions], FloatArray]
+    factor: float = 1.0
+    of_level: str = "{:.4g}"
+    named: str = ""
 
 
-def common_errors(
-    problem: FitProblem, theta: FloatArray, table: TrialTable
+STATED = {
+    "cell": Stated(
+        "cell_std_N",
+        "-",
+        "calibration of the force cell",
+        lambda at: np.zeros(len(at)),
+        of_level="",
+        named="calibration of cell {}",
+    ),
+    "end_tension": Stated(
+        "end_tension_std_N", "-", "end tension", lambda at: at.end_tension_N, of_level="of {:.4g} N"
+    ),
+    "wheel_radius": Stated(
+        "wheel_radius_std_m", "m", "radius of the wheel", lambda at: at.wheel_radius_m, 1e3, "of {:.4g} mm"
+    ),
+    "wrap": Stated(
+        "wrap_std_rad",
+        "rad",
+        "setting of the wrap",
+        lambda at: at.wrap_angle_rad,
+        math.degrees(1.0),
+        "of {:.4g} deg",
+    ),
+    "rope_radius": Stated(
+        "rope_radius_std_m", "m", "radius of the rope", lambda at: at.rope_radius_m, 1e3, "of {:.4g} mm"
+    ),
+}
+"""What a table may state the uncertainty of, see `FitSettings.shared`."""
+
+
+SHARERS = ("cell", "rig", "wheel", "rope", "setting")
+"""What may share an error beside the columns of a table: one rig, wheels and ropes by their size, equal settings."""
+
+
+def stated_errors(
+    problem: FitProblem, theta: FloatArray, table: TrialTable, shared: Mapping[str, str]
 ) -> tuple[tuple[CommonError, ...], FloatArray]:
-    """Return the errors that several conditions share, and by how much one standard uncertainty of each moves ln F_A.
+    """Return the errors that trials share by what is said of them, and how one of each moves ln F_A, shape (n, b).
 
-    Shape (n, b). A force cell is the same in all its trials; a wheel, a rope, a weight and a wrap setting are in every
-    condition that has them, each rope by its name where it has one. What belongs to one condition only is part of the
-    scatter between conditions.
+    What nobody says is shared belongs to single pulls or conditions, and shows in their scatter.
     """
-    used, at, law = table.used, problem.conditions, problem.law
-    is_slack = table.measures_slack
-
-    def of(name: str) -> FloatArray:
-        return np.asarray(getattr(table, name), np.float64)[used]
-
-    tight, slack = (of("peak_N"), of("peak_std_N")), (of("end_tension_N"), of("end_tension_std_N"))
-    (read_N, read_std_N), (set_N, set_std_N) = (slack, tight) if is_slack else (tight, slack)
-    own = of("cell_std_N")
-    shares = np.nan_to_num(np.where(np.isnan(own), read_std_N, own)) / read_N
-    stated = (shares, np.nan_to_num(set_std_N) / set_N, *map(of, _SETTINGS_STD))
-    if not any(values.any() for values in stated):
-        return (), np.zeros((used.sum(), 0))
-    slopes = law.log_lift_gradient_conditions(theta, at)
-    by_force = (slopes[:, 2], np.ones(len(at))) if is_slack else (np.ones(len(at)), slopes[:, 2])
-    if not np.isnan(of("end_tension_set_N")).all():  # a second cell, which all trials share
-        set_N = np.zeros_like(set_N)
-    by_rope = rope_slopes(law, theta, at) if stated[4].any() else np.zeros(len(at))
-    names = {name: np.array(words)[used] for name, words in table.labels.items()}
-    cells, ropes = names.get("cell", np.full(len(at), "")), names.get("rope_id", at.rope_radius_m)
-    values = (cells, set_N, at.wheel_radius_m, at.wrap_angle_rad, ropes)
-    kinds = zip(COMMON, stated, (*by_force, *slopes.T[:2], by_rope), values, strict=True)
-    found, effects = list[CommonError](), list[FloatArray]()
-    for (words, unit), std, slope, value in kinds:
-        number = np.unique(value, return_inverse=True)[1] if value.dtype.kind == "U" else levels(value)
-        for one in np.unique(number[std > 0.0]):
-            here = (number == one) & (std > 0.0)
-            if np.ptp(problem.group[here]):
-                found.append(CommonError(words(value[here][0]), unit, float(std[here].max()), ()))
+    used, at, found, effects = table.used, problem.conditions, list[CommonError](), list[FloatArray]()
+    for kind, by in shared.items():
+        one = STATED[kind]
+        std = np.nan_to_num(np.asarray(getattr(table, one.column), np.float64)[used])
+        if not std.any():
+            continue
+        slope = error_slopes(kind, problem.law, theta, at, slack=table.measures_slack)
+        if kind == "cell":
+            std = std / (at.end_tension_N if table.measures_slack else np.exp(problem.log_lift))
+        words = [*table.labels.get(by, ())]
+        named = np.array(words)[used] if words else None
+        if named is None:
+            level = at_level(kind, by, at)
+            names = [error_name(kind, by, value) for value in level.tolist()]
+        else:
+            how = one.named or f"{one.words}, {by.removesuffix('_id')} {{}}"
+            names = [how.format(word) for word in named.tolist()]
+        for name in dict.fromkeys(names):
+            here = (np.array(names) == name) & (std > 0.0)
+            if here.any():
+                found.append(CommonError(name, one.unit, float(std[here].max()), (), kind, by))
                 effects.append(np.where(here, std * slope, 0.0))
-    return tuple(found), np.stack(effects, axis=-1) if effects else np.zeros((used.sum(), 0))
+    return tuple(found), np.stack(effects, axis=-1) if effects else np.zeros((len(at), 0))
+
+
+def at_level(kind: str, by: str, at: Conditions) -> FloatArray:
+    """Return what tells errors of a kind apart by the settings alone: one rig, or wheels, ropes, settings."""
+    if by in {"rig", "cell"}:
+        return np.zeros(len(at))
+    name = {"wheel": "wheel_radius_m", "rope": "rope_radius_m", "rope_id": "rope_radius_m"}.get(by)
+    return STATED[kind].level(at) if name is None else np.asarray(getattr(at, name))
+
+
+def error_name(kind: str, by: str, value: float) -> str:
+    """Return the name of an error of a kind, by what shares it."""
+    one = STATED[kind]
+    if by in {"rig", "cell"}:
+        return one.words
+    if by == "setting":
+        return f"{one.words} {one.of_level.format(one.factor * value)}".strip()
+    return f"{one.words}, {by.removesuffix('_id')} of {1e3 * value:.4g} mm"
+
+
+def error_slopes(
+    kind: str, law: FrictionLaw, theta: FloatArray, at: Conditions, *, slack: bool = False
+) -> FloatArray:
+    """Return how ln F_A moves by one unit of a stated error; of forces by ln F, shape (n,)."""
+    if kind == "rope_radius":
+        return rope_slopes(law, theta, at)
+    if kind == "cell" and not slack:
+        return np.ones(len(at))
+    slopes = law.log_lift_gradient_conditions(theta, at)
+    found = {"wheel_radius": slopes[:, 0], "wrap": slopes[:, 1], "cell": slopes[:, 2]}
+    return np.asarray(found.get(kind, slopes[:, 2] / at.end_tension_N))
 
 
 def rope_slopes(law: FrictionLaw, theta: FloatArray, at: Conditions) -> FloatArray:
@@ -197,58 +230,69 @@ def rope_slopes(law: FrictionLaw, theta: FloatArray, at: Conditions) -> FloatArr
     return np.asarray((ends[0] - ends[1]) / (2.0 * _STEP * radius_m))
 
 
-def trial_std(within: float, shared: FloatArray, group: IntArray) -> FloatArray:
-    """Return the standard deviation that a trial enters a least-squares fit with, shape (n,).
-
-    σ² = s_w² + n_c u². Independent trials with this variance give the condition's mean the variance s_w²/n_c + u²,
-    and so the same estimates and covariance as generalised least squares with the correlated covariance
-    s_w² I + u² 1 1ᵀ, because a law is constant over the repeats of a condition.
-    """
-    return np.sqrt(within**2 + np.bincount(group)[group] * shared)
-
-
-def _weighed(
-    problem: FitProblem, table: TrialTable, theta: FloatArray, loss: Loss
-) -> tuple[FitProblem, Scatter, FloatArray]:
-    residuals = problem.log_lift - problem.law.log_lift(theta, problem.conditions)
-    scatter = pooled_scatter(residuals, problem.group)
-    shared = shared_variance(problem.law, theta, table)
-    dof = max(problem.n_points - problem.n_varying, 1)
-    if loss != "linear":
-        # Outliers must not widen the yardstick that is to tell them.
-        within = _MAD_TO_STD * float(np.median(np.abs(residuals - np.median(residuals))))
-    elif scatter.known:
-        within = scatter.within
-    else:
-        within = sqrt(max(float(residuals @ residuals) / dof - float(shared.mean()), 0.0))
-    std = np.maximum(trial_std(within, shared, problem.group), _SMALLEST_STD)
-    return replace(problem, std=std), scatter, shared
-
-
 # ---- the search ----
 
 
 def _search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Found:
     """Return the best minimum, with weights taken at it."""
-    loss = settings.loss
-    weighed, scatter, shared = _weighed(problem, table, problem.start, loss)
-    theta, converged, notes = _minimum(weighed, _starts(weighed, settings), loss)
+    _check_names(table, settings)
+    chosen = GROUPS if settings.groups is None else {name: GROUPS.get(name, name) for name in settings.groups}
+    named = {
+        word: np.array(table.labels[name])[table.used].tolist()
+        for name, word in chosen.items()
+        if name in table.labels
+    }
+    layout = laid_out(problem, named)
+
+    def errors(theta: FloatArray) -> tuple[tuple[CommonError, ...], FloatArray]:
+        """Return the stated errors, and how one of each moves the mean of each cell."""
+        found, effects = stated_errors(problem, theta, table, settings.shared)
+        of_cells = np.array([np.bincount(layout.cell, z) / layout.size for z in effects.T])
+        return found, of_cells.reshape(-1, layout.size.size).T
+
+    weighted = replace(layout.problem, std=layout.size**-0.5)
+    theta, converged, notes = _minimum(weighted, _starts(weighted, settings))
     for _ in range(_ROUNDS):
-        before = weighed.std
-        weighed, scatter, shared = _weighed(problem, table, theta, loss)
-        if np.allclose(weighed.std, before, rtol=_SETTLED, atol=0.0):
+        found = estimated(layout, theta, problem.vary, errors(theta)[1])
+        if found is None:
             break
-        theta, converged, _same = _minimum(weighed, theta, loss)
+        settled = _as_before(weighted, found.weighted)
+        weighted = found.weighted
+        if settled:
+            break
+        theta, converged, _same = _minimum(weighted, theta)
     at_bound = problem.vary & ((theta <= problem.lower) | (theta >= problem.upper))
-    if loss == "linear":
-        theta = _rounded(weighed, theta, at_bound)
-    # The weights of the very parameters that are handed on.
-    weighed, scatter, shared = _weighed(problem, table, theta, loss)
-    common, effects = common_errors(problem, theta, table)
+    theta = _rounded(weighted, theta, at_bound)
+    common, effects = errors(theta)
     return Found(
-        problem=weighed, theta=theta, at_bound=at_bound, converged=converged, scatter=scatter, shared=shared,
-        notes=notes, common=common, effects=effects,
+        problem=problem, layout=layout, theta=theta, at_bound=at_bound, converged=converged,
+        notes=(*layout.notes, *notes), common=common, effects=effects,
     )  # fmt: skip
+
+
+def _check_names(table: TrialTable, settings: FitSettings) -> None:
+    """Refuse groups and sharers that the table does not know."""
+    for name in settings.groups or ():
+        if str(name) not in table.labels:
+            fix = did_you_mean(str(name), table.labels)
+            raise UnknownNameError(f"the table has no column {name!r}", key="groups", fix=fix)
+    for kind, by in settings.shared.items():
+        if kind not in STATED:
+            raise UnknownNameError(
+                f"no error is called {kind!r}", key="shared", fix=did_you_mean(str(kind), STATED)
+            )
+        if str(by) not in {*SHARERS, *table.labels}:
+            fix = did_you_mean(str(by), [*SHARERS, *table.labels])
+            raise UnknownNameError(f"nothing called {by!r} shares an error", key="shared", fix=fix)
+
+
+def _as_before(one: FitProblem, other: FitProblem) -> bool:
+    """Return whether two sets of weights are the same but for a factor, which moves no minimum."""
+    if (one.root is None) != (other.root is None):
+        return False
+    weights = [x.std if x.root is None else x.root for x in (one, other)]
+    scale = float(np.linalg.norm(weights[1]) / np.linalg.norm(weights[0]))
+    return bool(np.abs(weights[1] - scale * weights[0]).max() <= _SETTLED * np.abs(weights[1]).max())
 
 
 def _starts(problem: FitProblem, settings: FitSettings) -> FloatArray:
@@ -261,9 +305,9 @@ def _starts(problem: FitProblem, settings: FitSettings) -> FloatArray:
     return np.vstack([problem.start, others[problem.law.admissible(others, problem.conditions)]])
 
 
-def _minimum(problem: FitProblem, starts: FloatArray, loss: Loss) -> tuple[FloatArray, bool, tuple[str, ...]]:
+def _minimum(problem: FitProblem, starts: FloatArray) -> tuple[FloatArray, bool, tuple[str, ...]]:
     """Return the best end of the searches from some starts, whether it is a minimum, and others as good in words."""
-    ends = batched_fit(problem, starts=starts, loss=loss, tolerance=_TIGHT)
+    ends = batched_fit(problem, starts=starts, tolerance=_TIGHT)
     least = np.nanmin(ends.chi2)
     # Several starts end in one valley, and the last bits may not say at which of its places, nor which of them creeps
     # on: the first one that has arrived stands, or else the first.
@@ -271,7 +315,7 @@ def _minimum(problem: FitProblem, starts: FloatArray, loss: Loss) -> tuple[Float
     best = low[np.argmax(ends.converged[low])]
     theta, cost = ends.theta[best], float(ends.chi2[best])
     if not ends.converged[best]:
-        theta, cost = _end_of_the_valley(problem, theta, cost, loss)
+        theta, cost = _end_of_the_valley(problem, theta, cost)
     size = np.maximum(np.maximum(np.abs(ends.theta), np.abs(theta)), 1e-6)
     apart = (np.abs(ends.theta - theta) > _APART * size)[:, problem.vary].any(axis=1)
     rivals = np.flatnonzero(ends.converged & (ends.chi2 - cost < _AS_GOOD) & apart)
@@ -282,27 +326,24 @@ def _minimum(problem: FitProblem, starts: FloatArray, loss: Loss) -> tuple[Float
         values = ", ".join(f"{name} = {value:.4g}" for name, value in mapping.items())
         more = significant(float(ends.chi2[rival] - cost), 2, smallest=_SAME_COST * (1.0 + cost))
         notes = (f"another minimum is as good (χ² larger by {more:.2g}): {values}",)
-    theta = _onto_bounds(problem, theta, loss)
-    return theta, bool(ends.converged[best]) or _is_flat(problem, theta, loss), notes
+    theta = _onto_bounds(problem, theta)
+    return theta, bool(ends.converged[best]) or _is_flat(problem, theta), notes
 
 
-def _is_flat(problem: FitProblem, theta: FloatArray, loss: Loss) -> bool:
+def _is_flat(problem: FitProblem, theta: FloatArray) -> bool:
     """Return whether the next step would gain nothing that counts, though the search may creep on for ever.
 
     Along a valley, where parameters can be traded for each other, the steps never get small.
     """
     residuals, jacobian = problem.residuals_and_jacobian(theta)
     inside = problem.vary & (theta > problem.lower) & (theta < problem.upper)
-    cost, weights = LOSSES[loss](residuals**2)
-    svd = decomposed(jacobian[:, inside], weights)
+    svd = decomposed(jacobian[:, inside])
     seen = svd.values > _FLAT_RANK * svd.values.max(initial=0.0)
-    along = svd.left[:, seen].T @ (residuals * np.sqrt(weights))
-    return bool(along @ along <= _FLAT * float(cost.sum()) / residuals.size)
+    along = svd.left[:, seen].T @ residuals
+    return bool(along @ along <= _FLAT * float(residuals @ residuals) / residuals.size)
 
 
-def _end_of_the_valley(
-    problem: FitProblem, theta: FloatArray, cost: float, loss: Loss
-) -> tuple[FloatArray, float]:
+def _end_of_the_valley(problem: FitProblem, theta: FloatArray, cost: float) -> tuple[FloatArray, float]:
     """Return the bound that a search creeps towards, where it leads lower; how far it got hangs on the last bits."""
     index = np.repeat(np.flatnonzero(problem.vary), 2)
     bound = np.stack([problem.lower, problem.upper], axis=-1)[problem.vary].ravel()
@@ -313,14 +354,14 @@ def _end_of_the_valley(
     good = good[problem.law.admissible(starts[good], problem.conditions)]
     if not good.size:
         return theta, cost
-    ends = batched_fit(problem, starts=starts[good], vary=vary[good], loss=loss, tolerance=_TIGHT)
+    ends = batched_fit(problem, starts=starts[good], vary=vary[good], tolerance=_TIGHT)
     best = int(np.argmin(ends.chi2))
     return (ends.theta[best], float(ends.chi2[best])) if ends.chi2[best] < cost else (theta, cost)
 
 
-def _onto_bounds(problem: FitProblem, theta: FloatArray, loss: Loss) -> FloatArray:
+def _onto_bounds(problem: FitProblem, theta: FloatArray) -> FloatArray:
     """Return theta with every parameter on its bound that is close to it for no gain, the others fitted anew."""
-    data, moved = reduced(problem, loss=loss), theta
+    data, moved = reduced(problem), theta
     cost = data.chi2(theta[np.newaxis])[0]
     for i in np.flatnonzero(problem.vary & (theta > problem.lower) & (theta < problem.upper)):
         for bound in (problem.lower[i], problem.upper[i]):
@@ -333,7 +374,7 @@ def _onto_bounds(problem: FitProblem, theta: FloatArray, loss: Loss) -> FloatArr
     if moved is theta:
         return theta
     inside = problem.vary & (moved > problem.lower) & (moved < problem.upper)
-    return np.asarray(batched_fit(problem, starts=moved, vary=inside, loss=loss, tolerance=_TIGHT).theta[0])
+    return np.asarray(batched_fit(problem, starts=moved, vary=inside, tolerance=_TIGHT).theta[0])
 
 
 def _rounded(problem: FitProblem, best: FloatArray, at_bound: BoolArray) -> FloatArray:

@@ -1,25 +1,23 @@
-"""Intervals found in another way than from the covariance: along profiles of the likelihood, and by bootstrap.
+"""Intervals along profiles of the likelihood, of parameters and of predictions.
 
-A profile asks how far a parameter can go while the others make up for it; all ends of all parameters are walked to at
-once: along a grid, further where needed, then to the root. A bootstrap refits thousands of resamples in one batch.
+A profile asks how far a parameter, or a lift force, can go while the parameters make up for it; all ends are walked to
+at once: along a grid, further where needed, then to the root.
 """
 
 from dataclasses import replace
-from functools import partial
 from math import inf, isfinite
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy.special import gammaincinv
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import FitError, InputError, UnknownNameError
-from ropefric.executors import spread
+from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import to_share
-from ropefric.fitting.problem import MANY, FitProblem, Rows, batched_fit, pooled, reduced
+from ropefric.fitting.problem import FitProblem, Rows, batched_fit, reduced
 from ropefric.fitting.result import FitResult, FitStatus
-from ropefric.fitting.statistics import decomposed, plain_covariance, two_level_scatter
+from ropefric.fitting.statistics import plain_covariance
 from ropefric.friction.condition import Conditions
 from ropefric.registry import did_you_mean
 from ropefric.uncertainty.budget import quantile
@@ -46,22 +44,20 @@ _END_NOTES: dict[EndKind, str] = {
     "open": "the data set no {} limit at all",
     "edge": "the {} end {:.6g} is where the law stops having an answer",
 }
-BootstrapKind = Literal["parametric", "clustered"]
 
-INTERVALS = ("auto", "covariance", "profile", "bootstrap", "bootstrap-t")
+INTERVALS = ("auto", "covariance", "profile")
 """Ways to the 95 % intervals of the parameters; "auto" is the covariance where χ² bears it out, else the profile."""
 
 _BESIDE_A_BOUND = (
     "a parameter lies on its bound: 95 % intervals beside it are on the safe side, they held the truth in 97 to 100 % "
     "of simulated campaigns"
 )
-_WORTH_A_NOTE = 0.025
 # √Δχ² at the ends of an interval from the covariance, over what a parabola has there: χ² bears the interval out.
 _STRAIGHT = (0.8, 1.25)
-_MOST_RESAMPLES = 1_000_000
-_BLOCK = 500
-# With fewer conditions than this, drawing whole conditions gives intervals that are too narrow.
-_ENOUGH_TO_DRAW = 20
+# How strongly a fit is pulled to a lift force, in its standard errors; how near its end is searched for.
+_PULL, _FOUND, _STEPS = 0.1, 1e-5, 40
+# By how much parameters are moved to see whether a law is straight in them.
+_MOVED = 0.3
 
 
 class ProfileResult(NamedTuple):
@@ -230,189 +226,35 @@ class _Walk:
         return list(zip(np.where(endless, self.bound, ends).tolist(), kinds, strict=True))
 
 
-class BootstrapResult(NamedTuple):
-    """Parameters of the resamples that could be refitted, shape (m, p), and what they say of the fit."""
-
-    theta: FloatArray
-    notes: tuple[str, ...]
-
-    def interval(self, level: float = 0.95) -> FloatArray:
-        """Return the percentile interval of every parameter at a level between 0 and 1, shape (p, 2)."""
-        return np.quantile(self.theta, [(1.0 - level) / 2.0, (1.0 + level) / 2.0], axis=0).T
-
-
-def bootstrap(
-    problem: FitProblem,
-    theta: npt.ArrayLike,
-    *,
-    kind: BootstrapKind = "parametric",
-    n: int = 2000,
-    seed: int | np.random.Generator = 0,
-    scatter: tuple[float, float] | None = None,
-    executor: Any = None,
-) -> BootstrapResult:
-    """Return the spread of a fit over resampled data sets, refitted here or by an executor.
-
-    "parametric" draws scatter about the law, at two levels; "clustered" draws whole conditions.
-    """
-    law, best = problem.law, np.asarray(theta, dtype=np.float64)
-    if not 2 <= n <= _MOST_RESAMPLES:
-        what = "has no spread" if n < 2 else f"is too large: {_MOST_RESAMPLES} is the limit"
-        raise InputError(f"a bootstrap of {n} resamples {what}", key="n", fix="take 2000")
-    rng = np.random.default_rng(seed)
-    within, between = two_level_scatter(problem, best) if scatter is None else scatter
-    share: float | FloatArray = 1.0
-    if problem.n_points >= MANY:
-        problem, share = pooled(problem)
-    group, k = problem.group, problem.n_conditions
-    if kind == "parametric":
-        lift = law.log_lift(best, problem.conditions)
-        shared = rng.standard_normal((n, k))[:, group]
-        own = rng.standard_normal((n, lift.size))
-        drawn = lift + between * shared + within * share * own
-        fitted, _, good = _refits(problem, best, executor, log_lift=drawn)
-    else:
-        counts = rng.multinomial(k, np.full(k, 1.0 / k), size=n)
-        fitted, _, good = _refits(problem, best, executor, multiplicity=counts[:, group])
-        good &= (counts > 0).sum(axis=1) >= problem.n_varying
-    refits = fitted[good]
-    failed = n - len(refits)
-    if len(refits) < 2:
-        text = f"{law.name}: only {len(refits)} of {n} resamples could be refitted"
-        raise FitError(text, fix="take a law with fewer parameters, or measure more conditions")
-    notes = []
-    if failed > _WORTH_A_NOTE * n:
-        text = "resamples could not be refitted; the intervals speak for the others only"
-        notes.append(f"{failed} of {n} {text}")
-    at_bound = ((refits <= problem.lower) | (refits >= problem.upper)).mean(axis=0) * problem.vary
-    notes += [
-        f"{name} is at a bound in {100 * part:.0f} % of the refits, so its interval is one-sided there"
-        for name, part in zip(law.parameter_names, at_bound, strict=True)
-        if part > _WORTH_A_NOTE
-    ]
-    return BootstrapResult(theta=refits, notes=tuple(notes))
-
-
-def _refits(
-    problem: FitProblem, best: FloatArray, executor: Any, **drawn: npt.NDArray[Any]
-) -> tuple[FloatArray, FloatArray, BoolArray]:
-    """Return parameters, χ² and whether they were found for data sets drawn; by blocks, whoever fits them."""
-    (draws,) = drawn.values()
-    blocks = ({name: block} for name in drawn for block in np.split(draws, range(_BLOCK, len(draws), _BLOCK)))
-    found = spread(partial(_refit, problem, best), blocks, executor)
-    theta, chi2, converged = map(np.concatenate, zip(*found, strict=True))
-    return theta, chi2, converged
-
-
-def _refit(
-    problem: FitProblem, best: FloatArray, drawn: dict[str, Any]
-) -> tuple[FloatArray, FloatArray, BoolArray]:
-    fits = batched_fit(problem, starts=best, **drawn)
-    return fits.theta, fits.chi2, fits.converged
-
-
-def bootstrap_t(
-    problem: FitProblem,
-    theta: npt.ArrayLike,
-    *,
-    at: Conditions | None = None,
-    n: int = 2000,
-    seed: int = 0,
-    executor: Any = None,
-) -> FloatArray:
-    """Return the 95 % bootstrap-t interval of every parameter, and of ln F_A at c conditions, shape (p + c, 2).
-
-    Residuals of the conditions' means, each over √(1 − h), are drawn anew about the law. Of each resample not the
-    estimate itself but its distance in its own standard errors is kept (Efron & Tibshirani 1993, chapter 12): the
-    quantiles of that take the place of Student's.
-    """
-    means, best, law = pooled(problem)[0], np.asarray(theta, dtype=np.float64), problem.law
-    k, spare = means.n_points, means.n_points - problem.n_varying
-    if spare < 1:
-        text = f"{k} conditions leave nothing to draw residuals of {problem.n_varying} parameters from"
-        raise FitError(text, fix="measure more conditions")
-
-    def answers(sets: FloatArray, chi2: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return parameters and predictions of m sets, and their standard errors, shape (m, p + c) each."""
-        J = law.jacobian(sets, means.conditions)[..., problem.vary] / means.std[:, None]
-        scale = np.maximum(np.linalg.norm(J, axis=1, keepdims=True), np.finfo(np.float64).tiny)
-        slopes = np.tile(np.eye(best.size)[:, problem.vary], (len(sets), 1, 1))
-        found = sets
-        if at is not None:
-            slopes = np.concatenate([slopes, law.jacobian(sets, at)[..., problem.vary]], axis=1)
-            found = np.hstack([sets, law.log_lift(sets, at)])
-        root = slopes / scale @ np.linalg.pinv(J / scale)
-        return found, np.sqrt((root**2).sum(axis=-1) * chi2[:, None] / spare)
-
-    residual = means.residuals(best)
-    own, std = answers(best[None], np.array([residual @ residual]))
-    left = decomposed(means.jacobian(best)[:, problem.vary]).root()[1]
-    residual = residual / np.sqrt(np.maximum(1.0 - (left**2).sum(axis=1), 1e-3))
-    drawn = residual[np.random.default_rng(seed).integers(k, size=(n, k))]
-    again = law.log_lift(best, means.conditions) - means.std * drawn
-    theta_drawn, chi2, good = _refits(means, best, executor, log_lift=again)
-    # A resample may leave a parameter unseen: its standard error is then no float, and its distance says nothing.
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        found, errors = answers(theta_drawn[good], chi2[good])
-        away = (found - own) / errors
-    away = np.where(np.isfinite(away), away, 0.0)
-    reach = np.quantile(away, [0.975, 1.0 - 0.975], axis=0).T
-    ends = own[0, :, None] - reach * std[0, :, None]
-    p = best.size
-    ends[:p] = np.clip(ends[:p], problem.lower[:, None], problem.upper[:, None])
-    return np.asarray(ends)
-
-
-def with_intervals(
-    fit: FitResult, method: str, *, n: int = 2000, seed: int = 0, executor: Any = None
-) -> FitResult:
+def with_intervals(fit: FitResult, method: str) -> FitResult:
     """Return a fit with `ci95` of its parameters found in another way; all else stays, standard errors too."""
     if method not in INTERVALS:
         text = f"unknown way to intervals {method!r}"
         raise UnknownNameError(text, key="intervals", fix=did_you_mean(str(method), INTERVALS))
-    linear = fit.provenance.get("settings", {}).get("loss", "linear") == "linear"
-    on_bound = any(item.at_bound for item in fit.parameters)
+    weighted, on_bound = fit.weighted(), any(item.at_bound for item in fit.parameters)
     if method == "auto":
-        known = all(isfinite(item.std) or item.at_bound for item in fit.parameters)
-        told = linear and known and fit.statistics.interval_dof > 0.0
-        told = told and fit.status is not FitStatus.NOT_CONVERGED
+        told = all(isfinite(item.std) or item.at_bound for item in fit.parameters)
+        told = told and weighted is not None and fit.status is not FitStatus.NOT_CONVERGED
         method = "profile" if told and (on_bound or not is_straight(fit)) else "covariance"
     if method == "covariance":
         return fit
-    problem = fit.data
-    if not linear:
-        text = f"{method} intervals are those of least squares, not of a robust loss"
-        raise InputError(text, key="intervals", fix="use loss = 'linear', or intervals = 'covariance'")
-    how: dict[str, Any] = {"n": n, "seed": seed}
-    notes: tuple[str, ...] = ()
-    draws: FloatArray | None = None
-    if method == "profile":
-        found, how = profile_of(fit), {}
-        ends, notes = found.ci, (*found.notes, *((_BESIDE_A_BOUND,) if on_bound else ()))
-    elif method == "bootstrap-t":
-        ends = bootstrap_t(problem, fit.theta, executor=executor, **how)
-    else:
-        enough = max(_ENOUGH_TO_DRAW, problem.n_varying + 1)
-        whole = enough <= fit.statistics.n_conditions < fit.statistics.n
-        kind: BootstrapKind = "clustered" if whole else "parametric"
-        drawn = bootstrap(problem, fit.theta, kind=kind, executor=executor, **how)
-        ends, notes, draws = drawn.interval(), drawn.notes, drawn.theta
+    found = profile_of(fit)
     parameters = tuple(
         replace(item, ci95=(to_share(low, item.std), to_share(high, item.std))) if item.vary else item
-        for item, (low, high) in zip(fit.parameters, ends.tolist(), strict=True)
+        for item, (low, high) in zip(fit.parameters, found.ci.tolist(), strict=True)
     )
+    notes = (*found.notes, *((_BESIDE_A_BOUND,) if on_bound else ()))
     return replace(
         fit,
         parameters=parameters,
-        notes=(*fit.notes, f"95 % intervals by {method}", *notes),
-        draws=draws,
-        provenance=dict(fit.provenance) | {"intervals": {"method": method} | how},
+        notes=(*fit.notes, "95 % intervals by profile", *notes),
+        provenance=dict(fit.provenance) | {"intervals": {"method": method}},
     )
 
 
 def is_straight(fit: FitResult) -> bool:
     """Return whether χ² grows to the ends of the covariance's intervals as a parabola does, within a quarter."""
-    problem, best = fit.data, fit.theta
+    problem, best = _weighted(fit), fit.theta
     scale = float((problem.residuals(best) ** 2).sum())
     walk = _Walk(problem, best, scale, np.full(best.size, max(scale, 1e-300)))
     reach = np.array([0.5 * (item.ci95[1] - item.ci95[0]) for item in fit.parameters])[walk.parameter]
@@ -426,10 +268,18 @@ def is_straight(fit: FitResult) -> bool:
     return bool(((straight > _STRAIGHT[0]) & (straight < _STRAIGHT[1])).all())
 
 
+def _weighted(fit: FitResult) -> FitProblem:
+    """Return the weighed means of a fit; refuse one that has none."""
+    if (problem := fit.weighted()) is None:
+        text = f"the fit of {fit.law} has no scatter that profiles could rest on"
+        raise InputError(text, key="intervals", fix="measure more conditions, or fit the trials again")
+    return problem
+
+
 def profile_of(fit: FitResult) -> ProfileResult:
     """Return the profile intervals of a fit, as wide as its own covariance and degrees of freedom make them."""
-    problem = fit.data
-    # χ² believes in independent trials and a normal quantile; the fit's own covariance and Student's t know better.
+    problem = _weighted(fit)
+    # χ² believes in variances that are known; the fit's own covariance and Student's t know better.
     variance = np.diag(fit.covariance)
     shown = variance > 0.0
     plain = np.ones_like(variance)
@@ -437,6 +287,65 @@ def profile_of(fit: FitResult) -> ProfileResult:
     ratio = np.where(shown & np.isfinite(variance) & (plain > 0.0), variance / plain, 0.0)
     # Of a parameter on its bound no variance is known, but the scatter is the same for all.
     ratio = np.where(ratio > 0.0, ratio, ratio.max(initial=0.0) or 1.0)
-    dof, normal = fit.statistics.interval_dof, quantile(0.975, inf)
-    reach = quantile(0.975, dof) if dof > 0 else normal
-    return profile_intervals(problem, fit.theta, scale=ratio * (reach / normal) ** 2)
+    dof = np.minimum(fit.scatter.dof(np.eye(variance.size)), 1e9)
+    dof = np.where(shown, dof, dof[shown].min(initial=inf))
+    reach = np.array([quantile(0.975, nu) for nu in dof.tolist()]) / quantile(0.975, inf)
+    return profile_intervals(problem, fit.theta, scale=ratio * reach**2)
+
+
+def is_curved(fit: FitResult, conditions: Conditions) -> bool:
+    """Return whether ln F_A at conditions, or where it was measured, is no straight function of the parameters."""
+    law, moved = fit.friction_law, np.array([1.0 + _MOVED if item.vary else 1.0 for item in fit.parameters])
+    ends = np.clip(fit.theta * moved, law.lower, law.upper)
+    if not law.admissible(ends, conditions):
+        return True
+    here, there = (law.jacobian(theta, conditions) for theta in (fit.theta, ends))
+    return not np.allclose(here, there, rtol=1e-9, atol=0.0)
+
+
+def profile_lift(fit: FitResult, conditions: Conditions, half: FloatArray) -> FloatArray:
+    """Return how far ln F_A of c conditions may go, shape (c, 2), where the linear interval goes half a width each way.
+
+    A fit that is pulled to a lift force, as by one measurement more, ends on its profile: at the force it reaches it
+    follows the data as well as any parameters can. It is pulled until Δχ² is that of a parabola at the linear end.
+    """
+    base, c, law = _weighted(fit), len(conditions), fit.friction_law
+    centre, slopes = law.log_lift(fit.theta, conditions), law.jacobian(fit.theta, conditions)
+    shown = fit.shown
+    plain = plain_covariance(base.jacobian(fit.theta)[:, shown])
+    std = np.sqrt(np.maximum(((slopes[:, shown] @ plain) * slopes[:, shown]).sum(axis=1), 1e-300))
+    k, root = base.n_points, None
+    pull = _PULL * std
+    if base.root is not None:
+        root = np.zeros((k + c, k + c))
+        root[:k, :k], root[range(k, k + c), range(k, k + c)] = base.root, 1.0 / pull
+    problem = replace(
+        base, conditions=base.conditions.joined(conditions), log_lift=np.append(base.log_lift, centre),
+        std=np.append(base.std, pull), group=np.arange(k + c), root=root,
+    )  # fmt: skip
+    best = batched_fit(base, starts=fit.theta)
+    least, origin = float(best.chi2[0]), law.log_lift(best.theta[0], conditions)
+    row, sign = np.repeat(np.arange(c), 2), np.tile([-1.0, 1.0], c)
+    wanted, reach = (half / std)[row], np.full(2 * c, 0.0)
+    own = np.zeros((2 * c, k + c))
+    own[:, :k] = 1.0
+    own[range(2 * c), k + row] = 1.0
+    data = np.tile(problem.log_lift, (2 * c, 1))
+    starts = np.tile(best.theta[0], (2 * c, 1))
+    # The pull's own place: further than the force that it reaches, since the data hold against it.
+    target, low, high = wanted * std[row] * (1.0 + _PULL**2), np.zeros(2 * c), np.full(2 * c, inf)
+    for _ in range(_STEPS):
+        data[range(2 * c), k + row] = origin[row] + sign * target
+        fits = batched_fit(problem, data, starts, multiplicity=own, tolerance=_TOLERANCE)
+        values = law.log_lift(fits.theta, conditions)[range(2 * c), row] if c else np.zeros(0)
+        pulled = ((values - data[range(2 * c), k + row]) / pull[row]) ** 2
+        gone = np.sqrt(np.maximum(fits.chi2 - pulled - least, 0.0))
+        reach, starts = sign * (values - origin[row]), fits.theta
+        if (np.abs(gone - wanted) <= _FOUND * wanted).all():
+            break
+        low, high = np.where(gone < wanted, target, low), np.where(gone < wanted, high, target)
+        step = target * np.clip(wanted / np.maximum(gone, 1e-300), 0.2, 4.0)
+        inside = (step > low) & (step < high)
+        target = np.where(inside, step, np.where(np.isinf(high), 2.0 * target, 0.5 * (low + high)))
+    reach = np.maximum(reach, 0.0).reshape(c, 2)
+    return np.stack([origin - reach[:, 0], origin + reach[:, 1]], axis=1)

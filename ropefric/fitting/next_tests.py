@@ -18,7 +18,7 @@ import numpy.typing as npt
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.files.plain_text import csv_text, rounded_tree
-from ropefric.fitting.fit import COMMON, rope_slopes
+from ropefric.fitting.fit import at_level, error_name, error_slopes
 from ropefric.fitting.predict import REGRESSORS, outside_words
 from ropefric.fitting.problem import FitSettings, check_settings
 from ropefric.fitting.resolution import (
@@ -50,6 +50,8 @@ BALANCE = 0.3
 _RIDGE = 1e-13
 _TINY = float(np.finfo(np.float64).tiny)
 _WORTHWHILE = 1e-9
+# Part of a mean's error that is its own, at least: of none, two means would tell their shared error without any.
+_LEAST_OWN = 1e-4
 _MAX_PASSES = 100
 # Half a per cent of a standard error.
 _AS_GOOD = 0.01
@@ -96,10 +98,10 @@ class PlannedLaw:
     @property
     def known(self) -> "Evidence":
         """Return what was tested before; of common errors, by what they did to the fit."""
-        found = self.evidence(self.tested, self.tested_repeats)
-        chain = {name: share for name, share in found.shares.items() if name == _CHAIN}
-        moved = {item.name: found.rows @ np.array(item.change)[self.free] for item in self.common}
-        return found._replace(shares=chain | moved)
+        log_lift = self.law.log_lift(self.theta, self.tested)
+        chain = {name: size for name, size in self._effects(self.tested, log_lift).items() if name == _CHAIN}
+        named = {item.name: np.array(item.effect) for item in self.common if item.effect}
+        return self._evidence(self.tested, self.tested_repeats, chain | named)
 
     def gradients(self, conditions: Conditions) -> FloatArray:
         """Return ∂ ln F_A/∂θ by the free parameters, shape (n, q)."""
@@ -107,8 +109,13 @@ class PlannedLaw:
 
     def evidence(self, conditions: Conditions, repeats: npt.ArrayLike) -> "Evidence":
         """Return what means of conditions tell, each weighed by its scatter and what it shares with others."""
-        log_lift, slopes = self.law.log_lift_and_jacobian(self.theta, conditions)
-        effects = self._effects(conditions, log_lift)
+        log_lift = self.law.log_lift(self.theta, conditions)
+        return self._evidence(conditions, repeats, self._effects(conditions, log_lift))
+
+    def _evidence(
+        self, conditions: Conditions, repeats: npt.ArrayLike, effects: Mapping[str, FloatArray]
+    ) -> "Evidence":
+        slopes = self.law.jacobian(self.theta, conditions)
         own2 = self.scatter.variance(repeats) + np.zeros(len(conditions))
         std = np.sqrt(sum((effect**2 for effect in effects.values()), own2))
         rows = slopes[:, self.free] / std[:, None]
@@ -121,21 +128,18 @@ class PlannedLaw:
         as large as those of the others.
         """
         found = {self.chain: self.scatter.instrument_N * np.exp(-log_lift)}
-        slopes, roped = self.law.log_lift_gradient_conditions(self.theta, at), "radius of the rope"
-        known = any(item.name.startswith(roped) for item in self.common)
-        by_rope = rope_slopes(self.law, self.theta, at) if known else slopes[:, 0]
-        kinds = (
-            ("the second", slopes[:, 2], COMMON[1], np.zeros(len(at))),
-            ("weights", slopes[:, 2], COMMON[1], at.end_tension_N),
-            ("radius of the wheels", slopes[:, 0], COMMON[2], at.wheel_radius_m),
-            ("setting", slopes[:, 1], COMMON[3], at.wrap_angle_rad),
-            (roped, by_rope, COMMON[4], at.rope_radius_m),
-        )
-        for start, slope, (words, _unit), values in kinds:
-            stds = {item.name: item.std for item in self.common if item.name.startswith(start)}
-            for value in np.unique(values).tolist() if stds else ():
-                size = stds.get(name := words(value), float(np.median([*stds.values()])))
-                found[name] = found.get(name, 0.0) + np.where(values == value, size * slope, 0.0)
+        for kind, by in dict.fromkeys((item.kind, item.by) for item in self.common if item.kind):
+            stds = {item.name: item.std for item in self.common if item.kind == kind}
+            usual = float(np.median([*stds.values()]))
+            slope = error_slopes(kind, self.law, self.theta, at)
+            if kind == "cell":
+                own = stds.get(self.chain, usual) * np.ones(len(at))
+                found[self.chain] = np.hypot(found[self.chain], own)
+                continue
+            level = at_level(kind, by, at)
+            for value in np.unique(level).tolist():
+                size = stds.get(name := error_name(kind, by, value), usual)
+                found[name] = found.get(name, 0.0) + np.where(level == value, size * slope, 0.0)
         return {name: effect for name, effect in found.items() if effect.any()}
 
 
@@ -165,18 +169,20 @@ class Evidence(NamedTuple):
         return np.array([*self.shares.values()]).reshape(len(self.shares), len(self.rows)).T
 
     def errors(self, gradients: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the standard errors of weighted least squares along gradients (t, q), and their shared parts.
+        """Return the standard errors of generalised least squares along gradients (t, q), and their shared parts.
 
         Shapes (t,) and (t, b), a column an error. Infinite where the rows leave undetermined what is asked for.
         """
-        svd = decomposed(self.rows)
+        table = self.table
+        root = np.linalg.inv(
+            np.linalg.cholesky(np.diag(np.maximum(self.own, _LEAST_OWN) ** 2) + table @ table.T)
+        )
+        svd = decomposed(root @ self.rows)
         half, left = svd.root()
         turned = (gradients / svd.length) @ svd.rows.T
         needed = np.abs(turned[:, svd.lost]) > 1e-6 * np.linalg.norm(turned, axis=1)[:, None]
         along = gradients @ half
-        moved = self.table.T @ self.rows @ half
-        own, shared = np.linalg.norm((along @ left.T) * self.own, axis=1), along @ moved.T
-        total = np.hypot(own, np.linalg.norm(shared, axis=1))
+        shared, total = along @ (left.T @ root @ table), np.linalg.norm(along, axis=1)
         return np.where(needed.any(axis=1), np.inf, total), shared
 
 
@@ -209,9 +215,6 @@ def planned_fit(
     if not fit.trials.get("n"):
         raise InputError("the fit does not list its conditions", key="fit", fix="fit the trials again")
     columns = {name: np.array(values, dtype=np.float64) for name, values in fit.trials.items()}
-    if instrument_N is None:
-        known_N = columns["peak_std_N"][np.isfinite(columns["peak_std_N"])]
-        instrument_N = float(np.median(known_N)) if known_N.size else 0.0
     # New tests are pulled with the cell whose error moves the fit most.
     size = np.where(fit.shown, np.sqrt(np.diag(fit.covariance)), np.inf)
     moves = {item.name: float(np.linalg.norm(item.change / size)) for item in fit.common_errors}
@@ -223,7 +226,7 @@ def planned_fit(
         law=fit.friction_law,
         theta=fit.theta,
         free=fit.shown,
-        scatter=MeanScatter(within=within, between=between, instrument_N=instrument_N),
+        scatter=MeanScatter(within=within, between=between, instrument_N=instrument_N or 0.0),
         tested=Conditions(**{name: columns[name] for name in SETTINGS}),
         tested_repeats=columns["n"],
         common=fit.common_errors,
@@ -253,8 +256,8 @@ def allowed_conditions(
 class Exchange:
     """A criterion on a choice of candidates: values of plans, and of all exchanges of one condition.
 
-    It is made of the covariance of weighted least squares V = A⁻¹ B A⁻¹, as a fit has it: A = Σ g gᵀ is the information
-    if all means were independent, and B that with what they share, Σ own² g gᵀ + Σ_e m_e m_eᵀ with m_e = Σ share_e g.
+    It is made of the covariance of generalised least squares, as a fit has it: errors that means share stand beside
+    the parameters, each with a prior variance of one, and a mean is one row (g, shares)/own of both.
     """
 
     def __init__(
@@ -274,53 +277,43 @@ class Exchange:
         n_known, length = len(known.rows), np.linalg.norm(both.rows, axis=0)
         triangle = np.linalg.qr(both.rows / length, mode="r") / np.sqrt(len(candidates.rows))
         turn = np.linalg.inv(triangle) / length[:, None]
-        rows, self.targets = both.rows @ turn, targets @ turn
-        self.known = rows[:n_known], both.own[:n_known], both.table[:n_known]
-        self.rows, self.own, self.shares = rows[n_known:], both.own[n_known:], both.table[n_known:]
+        self.q, errors = len(turn), both.table
+        whole = np.hstack([both.rows @ turn, errors]) / np.maximum(both.own, _LEAST_OWN)[:, None]
+        self.known, self.rows = whole[:n_known], whole[n_known:]
+        self.targets = np.hstack([targets @ turn, np.zeros((len(targets), errors.shape[1]))])
+        self.prior = np.diag(np.append(np.zeros(self.q), np.ones(errors.shape[1])))
         self.criterion, self.balance = criterion, balance
 
-    def _sums(self, plan: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return A, B and the m_e of a plan with what is known, shapes (q, q) and (b, q)."""
-        chosen = self.rows[plan], self.own[plan], self.shares[plan]
-        rows, own, shares = (np.concatenate(parts) for parts in zip(self.known, chosen, strict=True))
-        ridge, moved, own_rows = _RIDGE * np.eye(rows.shape[1]), shares.T @ rows, rows * own[:, None]
-        # Of shared errors that outweigh all else B keeps one direction only, up to rounding of its size.
-        B = own_rows.T @ own_rows + moved.T @ moved + max(1.0, float((moved**2).sum())) * ridge
-        return rows.T @ rows + ridge, B, moved
+    def _information(self, plan: IntArray) -> FloatArray:
+        """Return the information of a plan with what is known on parameters and errors together."""
+        rows = np.concatenate([self.known, self.rows[plan]])
+        M = rows.T @ rows
+        return np.asarray(M + self.prior + max(1.0, float(np.trace(M))) * _RIDGE * np.eye(len(M)))
 
     def _criterion(self, log_det: npt.ArrayLike, variance: npt.ArrayLike) -> FloatArray:
         """Return what is to be small, from ln det V and the sum of the targets' variances."""
         if self.criterion == "d":
             return np.asarray(log_det)
         mean = np.maximum(variance, _TINY) / len(self.targets)
-        return np.asarray(np.log(mean) + self.balance * np.asarray(log_det) / self.rows.shape[1])
+        return np.asarray(np.log(mean) + self.balance * np.asarray(log_det) / self.q)
 
     def value(self, plan: IntArray) -> float:
         """Return the criterion of a plan."""
-        A, B, _ = self._sums(plan)
-        along = np.linalg.solve(A, self.targets.T)
-        log_det = np.linalg.slogdet(B)[1] - 2.0 * np.linalg.slogdet(A)[1]
-        return float(self._criterion(log_det, np.einsum("it,ij,jt->", along, B, along)))
+        M, q = self._information(plan), self.q
+        log_det = np.linalg.slogdet(M[q:, q:])[1] - np.linalg.slogdet(M)[1]
+        variance = float((self.targets * np.linalg.solve(M, self.targets.T).T).sum())
+        return float(self._criterion(log_det, variance))
 
     def with_each(self, rest: IntArray) -> FloatArray:
-        """Return the criterion of a plan with each candidate added in turn, shape (N,).
-
-        A candidate g that shares y = Σ_e share_e m_e with the plan adds g gᵀ to A and g gᵀ + y gᵀ + g yᵀ to B, for the
-        squares of its own part and its shares sum to one.
-        """
-        (A, B, moved), rows, dots = self._sums(rest), self.rows, partial(np.einsum, "ni,ni->n")
-        y, by_A, by_B = self.shares @ moved, rows @ np.linalg.inv(A), rows @ np.linalg.inv(B)
-        more = 1.0 + np.maximum(dots(by_A, rows), 0.0)
-        p, r, z = dots(by_B, rows), dots(by_B, y), dots(y @ np.linalg.inv(B), y)
-        log_det = np.linalg.slogdet(B)[1] - 2.0 * np.linalg.slogdet(A)[1]
-        log_det = log_det + np.log(np.maximum((1.0 + r) ** 2 + p * (1.0 - z), _TINY)) - 2.0 * np.log(more)
-        # With a candidate added A⁻¹ t is less by `less` A⁻¹ g, and its product with g is `less`.
-        before, seen = np.linalg.solve(A, self.targets.T), by_A @ B
-        less = rows @ before / more[:, None]
-        square = dots(seen - 2.0 * y, by_A) + 1.0
-        variance = dots(less, 2.0 * (y - seen) @ before + less * square[:, None])
-        variance += float(np.einsum("it,ij,jt->", before, B, before))
-        return self._criterion(log_det, variance)
+        """Return the criterion of a plan with each candidate added in turn, shape (N,): an update of rank one each."""
+        M, q, rows, dots = self._information(rest), self.q, self.rows, partial(np.einsum, "ni,ni->n")
+        inverse, errors = np.linalg.inv(M), rows[:, q:]
+        more = 1.0 + np.maximum(dots(rows @ inverse, rows), 0.0)
+        by_error = 1.0 + np.maximum(dots(errors @ np.linalg.inv(M[q:, q:]), errors), 0.0)
+        log_det = np.linalg.slogdet(M[q:, q:])[1] - np.linalg.slogdet(M)[1] + np.log(by_error) - np.log(more)
+        less = rows @ inverse @ self.targets.T
+        before = float(np.einsum("ti,ij,tj->", self.targets, inverse, self.targets))
+        return self._criterion(log_det, before - (less**2).sum(axis=1) / more)
 
     def improved(self, plan: IntArray) -> IntArray:
         """Return a plan that no exchange of a single condition improves, sorted."""

@@ -1,12 +1,13 @@
 """From a fitted law to the lift force of a wheel, with the interval of the law and of one new rope; laws for others.
 
-The covariance of the parameters becomes the uncertainty of ln F_A by J C Jᵀ, and draws check that. For others: a table
+The covariance of the parameters becomes the uncertainty of ln F_A by J C Jᵀ; for laws that are curved in their
+parameters the profile of ln F_A takes its place. For others: a table
 μ(φ, F_B, R_w) of a fit for simulators and the constant that stands for it best, and a law as an `lmfit.Model`, for fits
 and plots of one's own; ropefric itself fits without lmfit.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from inspect import Parameter, Signature
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -14,23 +15,25 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
-from scipy.special import ndtri, stdtr, stdtrit
+from scipy.special import ndtri, stdtrit
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.plain_text import rounded_tree
+from ropefric.fitting.intervals import is_curved, profile_lift
 from ropefric.fitting.problem import law_named
-from ropefric.fitting.result import Doubt, FitResult, FitStatus, Verdict, verdict_of
-from ropefric.fitting.statistics import combined_dof
+from ropefric.fitting.result import FitResult, FitStatus, Verdict
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw, LiftModel
 from ropefric.shown import Shown
-from ropefric.uncertainty.budget import check_level, joint_draws, symmetric_root
+from ropefric.uncertainty.budget import check_level
 
 if TYPE_CHECKING:
     import lmfit
 
-Method = Literal["linear", "monte-carlo"]
+Method = Literal["auto", "linear", "profile"]
+METHODS = ("auto", "linear", "profile")
+"""How the uncertainty of a law is carried over; "auto" is the profile for curved laws and 100 conditions at most."""
 Validity = Mapping[str, tuple[float, float]]
 
 REGRESSORS = {
@@ -44,18 +47,11 @@ REGRESSORS = {
 # Settings are written in round degrees and millimetres; the last digits of the conversion are no extrapolation.
 _SLACK = 1e-6
 _LARGEST = math.log(np.finfo(np.float64).max)
-_DISAGREEMENT = 0.1
 _ENDS_N = ("interval_N", "prediction_interval_N")
-# Forces that agree to this are the same whatever their intervals.
-_SAME = 1e-6
-# The check of the linear interval by draws is made unasked only where it is quick.
-_CHECKED_CONDITIONS = 100
-_CHECKING_DRAWS = 2000
-# Draws times conditions held in memory at once.
-_BLOCK = 1_000_000
-# Student's t of so many degrees of freedom is normal; beyond so many scales lies none of a mixture's ends.
-_MANY_DOF, _FARTHEST, _HALVINGS = 1e6, 1e3, 80
-_ONE_SIGMA = 0.8413447460685429
+# The profile of a prediction is made unasked only where it is quick.
+_PROFILED = 100
+# Fewer degrees of freedom than this are said.
+_FEW_DOF = 6.0
 # Nothing is left to estimate an interval from: what was not found could be anything.
 _NOTHING_TOLD = (FitStatus.TOO_FEW_POINTS, FitStatus.NOT_CONVERGED)
 
@@ -119,25 +115,16 @@ class Prediction(Shown):
         Degrees of freedom of Student's t in the confidence interval; 0 where nothing is left to estimate it from
         (no condition too many, data that agree to rounding, parameters that the data do not show), so that there is
         no standard deviation and no interval (NaN).
-    method : {"linear", "monte-carlo"}
-        How the uncertainty of the law was carried over.
-    linear_agrees : ndarray of bool, shape (n,), or None
-        Whether the ends of the linear and of the Monte-Carlo interval agree within 10 % of its half width;
-        None where this was not looked at.
-    drawn_interval_N : ndarray, shape (n, 2), or None
-        The Monte-Carlo interval [N], where it was made.
+    method : {"linear", "profile"}
+        How the uncertainty of the law was carried over: by J C Jᵀ, or along the profile of ln F_A.
     outside : ndarray of bool, shape (n, 4)
         Which of R_w, R_r, φ, F_B lie outside the tested range.
     validity : mapping
         Lowest and highest tested value of each.
-    draws, seed : int
-        Monte-Carlo draws and their seed; 0 draws if there were none.
     judged : Verdict
         On the law: by its own fit, or by the comparison it comes from.
     candidates : tuple of Candidate
         What the laws answer that the data do not tell apart, the law used first; empty where there is one only.
-    averaged : tuple of str
-        The laws whose answers were averaged, because the data leave them undecided; empty for one law.
     of : {"peak", "kinetic"}
         Which force was fitted, so that `lift_force_N` is what sets the rope in motion or what keeps it sliding.
     """
@@ -154,18 +141,14 @@ class Prediction(Shown):
     std_N: FloatArray
     interval_N: FloatArray
     prediction_interval_N: FloatArray
+    rope_interval_N: FloatArray | None
     level: float
     dof: FloatArray
     method: Method
-    linear_agrees: BoolArray | None
-    drawn_interval_N: FloatArray | None
     outside: BoolArray
     validity: Validity
-    draws: int
-    seed: int
     judged: Verdict
     candidates: tuple[Candidate, ...] = ()
-    averaged: tuple[str, ...] = ()
     of: str = "peak"
 
     def __len__(self) -> int:
@@ -190,30 +173,17 @@ class Prediction(Shown):
         known = [end for end in ends if math.isfinite(end)]
         return min(known), max(known)
 
-    def verdict(self, index: int = 0) -> Verdict:
-        """Return the verdict on the lift force of one condition: that on the law, and on the interval."""
-        doubts: list[Doubt] = [(self.judged.word, text) for text in self.judged.reasons]
-        linear_N, drawn_N = self.interval_N[index], self.drawn_interval_N
-        # By more than half a width: a gross disagreement.
-        room = 0.5 * float(np.diff(linear_N)[0]) + _SAME * float(np.abs(linear_N).max())
-        apart = math.inf if drawn_N is None else float(np.abs(drawn_N[index] - linear_N).max())
-        if self.method == "linear" and apart > room:
-            doubts += [("undecided", text) for text in self._disagreement(index)]
-        return verdict_of(doubts, self.judged.reason.removesuffix("."))
+    def verdict(self, index: int = 0) -> Verdict:  # noqa: ARG002  (what is asked of every condition)
+        """Return the verdict on the lift force of one condition: that on the law."""
+        return self.judged
 
     def notes(self, index: int = 0) -> tuple[str, ...]:
         """Return what to know about one condition before trusting its numbers; empty if nothing."""
-        return (*outside_words(self.validity, self.conditions, index), *self._disagreement(index))
-
-    def _disagreement(self, index: int) -> tuple[str, ...]:
-        """Return how far the linear and the drawn interval lie apart, where they disagree."""
-        if self.linear_agrees is None or self.linear_agrees[index]:
-            return ()
-        text = "the interval depends on how the parameters' uncertainty is carried over: linearly"
-        if self.drawn_interval_N is None:
-            return (f"{text} only, for the law has no answer for most of what they may be",)
-        (near, far), (low, high) = self.interval_N[index], self.drawn_interval_N[index]
-        return (f"{text} {near:.4g}–{far:.4g} N, drawn from their covariance {low:.4g}–{high:.4g} N",)
+        words = outside_words(self.validity, self.conditions, index)
+        if 0.0 < self.dof[index] < _FEW_DOF:
+            few = f"the interval rests on {self.dof[index]:.2g} degrees of freedom"
+            return (*words, f"{few}: more ropes or conditions would narrow it most")
+        return words
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON shape: one flat object for one condition, `{"predictions": [...]}` for several."""
@@ -224,11 +194,10 @@ class Prediction(Shown):
         arrays = ("lift_force_N", "std_N", *_ENDS_N, "extrapolated", "dof")
         found = {name: getattr(self, name)[i] for name in arrays}
         found |= {name: getattr(self, name) for name in ("level", "method", "spread_N", "of")} | {
-            "linear_agrees": None if self.linear_agrees is None else self.linear_agrees[i],
+            "rope_interval_N": None if self.rope_interval_N is None else self.rope_interval_N[i],
             "notes": self.notes(i),
             "verdict": self.verdict(i).to_dict(),
             "candidates": [item._asdict() for item in self.candidates],
-            "averaged": self.averaged,
         }
         return {"law": self.law, **self.conditions.row(i), **rounded_tree(found)}
 
@@ -238,77 +207,98 @@ def predict(
     conditions: Conditions,
     *,
     level: float = 0.95,
-    method: Method = "linear",
-    n: int = 20_000,
-    seed: int = 0,
-    check: bool | None = None,
+    method: Method = "auto",
     linear_density_kg_m: float | None = None,
     speed_m_s: float | None = None,
 ) -> Prediction:
-    """Return the lift force of a fitted law for n conditions, with its intervals."""
+    """Return the lift force of a fitted law for n conditions, with its intervals.
+
+    Outside what was tested they hold those of the laws that a comparison does not tell from this one, `fit.rivals`.
+    """
     model = _model(fit, linear_density_kg_m, speed_m_s)
     check_level(level)
-    if method not in ("linear", "monte-carlo"):
-        raise InputError(f"unknown method {method!r}", key="method", fix="use 'linear' or 'monte-carlo'")
+    if method not in METHODS:
+        raise InputError(f"unknown method {method!r}", key="method", fix=f"use {', '.join(METHODS)}")
     log_lift = model.log_lift(fit.theta, conditions)
     if (log_lift > _LARGEST).any():
         worst = int(np.argmax(log_lift))
         text = f"ln F_A = {log_lift[worst]:.6g} at {conditions.describe(worst)}: the force overflows"
         raise InputError(text, code="RF420", fix="use a smaller wrap; in Python, law.log_lift stays finite")
-    (variance, dof), probability = _law_spread(fit, model, conditions), 0.5 + 0.5 * level
-    told = has_interval(fit)
-    if not told:
-        variance, dof = np.full_like(variance, math.nan), np.zeros_like(dof)
-    std = np.sqrt(variance)
-    half = _quantiles(probability, dof) * std
+    spread, probability = _spread(fit, model, conditions), 0.5 + 0.5 * level
+    half = _quantiles(probability, spread.dof) * np.sqrt(spread.law)
+    curved = has_interval(fit) and fit.weighted() is not None and is_curved(fit, model.pressing(conditions))
+    if method == "profile" and not has_interval(fit):
+        text = f"the fit of {fit.law} leaves nothing to estimate an interval from"
+        raise InputError(text, key="method", fix="measure more conditions")
+    by_profile = method == "profile" or (method == "auto" and curved and len(conditions) <= _PROFILED)
     ends = np.stack([log_lift - half, log_lift + half], axis=1)
-    if check is None:
-        check = len(conditions) <= _CHECKED_CONDITIONS
-    drawing = method == "monte-carlo" and told
-    agrees, draws, drawn = None, 0, None
-    if drawing or (check and told and np.isfinite(fit.covariance).all()):
-        draws = n if drawing else _CHECKING_DRAWS
-        try:
-            half_68, drawn = drawn_range(model, parameter_draws(fit, draws, seed), conditions, level)
-        except InputError:
-            if drawing:
-                raise
-            agrees = np.zeros(len(conditions), dtype=np.bool_)
-        else:
-            # The 97.5 % point of N draws scatters by about 2.7 σ/√N; three times that is no disagreement.
-            room = _DISAGREEMENT + 3.0 * 2.7 / 1.96 / math.sqrt(draws)
-            agrees = np.asarray(
-                (np.abs(drawn - ends) <= 0.5 * room * np.diff(ends, axis=1) + 1e-12).all(axis=1)
-            )
-            # A standard deviation is half the central 68.27 % less the t's heavier tails.
-            std, ends = (half_68 / _quantiles(_ONE_SIGMA, dof), drawn) if drawing else (std, ends)
-    # About the middle of the law's own interval, which is not quite log_lift where draws are skew; as much wider.
-    middle, drawn_half = ends.mean(axis=1), 0.5 * np.diff(ends, axis=1)[:, 0]
-    wide = half_width(fit, model, conditions, probability) if told else half
-    wide = np.sqrt(np.maximum(wide**2 - half**2, 0.0) + drawn_half**2)
+    if by_profile and curved:
+        ends = _profiled(fit, model, conditions, half, log_lift)
+    sides = np.abs(ends - log_lift[:, None])
+    pull, rope = (
+        np.sqrt(np.maximum(_wide(fit, one, probability) ** 2 - half**2, 0.0)[:, None] + sides**2)
+        for one in (spread, spread._replace(own=spread.of_rope))
+    )
+    # One pull of few degrees of freedom may seem to be known better than the mean of its rope.
+    pull = np.fmax(pull, rope)
+    outside = outside_range(fit.validity, conditions)
+    beyond = np.asarray(outside.any(axis=1))
+    signs, at = np.array([-1.0, 1.0]), log_lift[:, None]
+    every = [ends, at + signs * pull, at + signs * rope]
+    every = _with_rivals(fit, conditions, every, beyond, level)
     with np.errstate(over="ignore"):
         lift = np.exp(log_lift)
         return Prediction(
             law=fit.law,
             conditions=conditions,
             log_lift=log_lift,
-            std_log=std,
+            std_log=np.sqrt(spread.law),
             lift_force_N=lift,
-            std_N=lift * std,
-            interval_N=np.exp(ends),
-            prediction_interval_N=np.exp(np.stack([middle - wide, middle + wide], axis=1)),
+            std_N=lift * np.sqrt(spread.law),
+            interval_N=np.exp(every[0]),
+            prediction_interval_N=np.exp(every[1]),
+            rope_interval_N=np.exp(every[2]) if fit.scatter.groups else None,
             level=level,
-            dof=dof,
-            method=method,
-            linear_agrees=agrees,
-            drawn_interval_N=None if drawn is None else np.exp(drawn),
-            outside=outside_range(fit.validity, conditions),
+            dof=spread.dof,
+            method="profile" if by_profile and curved else "linear",
+            outside=outside,
             validity=fit.validity,
-            draws=draws,
-            seed=seed,
             judged=fit.verdict_on(conditions),
             of=fit.of,
         )
+
+
+def _profiled(
+    fit: FitResult, model: LiftModel, conditions: Conditions, half: FloatArray, log_lift: FloatArray
+) -> FloatArray:
+    """Return the ends of ln F_A along its profile, shape (n, 2), of a rope at rest or running."""
+    pressing = model.pressing(conditions)
+    at_rest = model.law.log_lift(fit.theta, pressing)
+    # Of a running rope only F_A − ρv² depends on the parameters.
+    share = np.exp(at_rest - log_lift)
+    ends = profile_lift(fit, pressing, half / share)
+    return ends if model.inertia_N == 0.0 else np.logaddexp(math.log(model.inertia_N), ends)
+
+
+def _with_rivals(
+    fit: FitResult, conditions: Conditions, ends: list[FloatArray], outside: BoolArray, level: float
+) -> list[FloatArray]:
+    """Return ends of intervals of ln F_A which, outside what was tested, hold those of all rivals too."""
+    if not outside.any():
+        return ends
+    places, wider = np.flatnonzero(outside), [one.copy() for one in ends]
+    for rival in fit.rivals:
+        try:
+            other = predict(rival, conditions.select(places), level=level)
+        except InputError:
+            continue
+        theirs = (other.interval_N, other.prediction_interval_N, other.rope_interval_N)
+        for own, more_N in zip(wider, theirs, strict=True):
+            if more_N is not None:
+                more = np.log(more_N)
+                own[places, 0] = np.fmin(own[places, 0], more[:, 0])
+                own[places, 1] = np.fmax(own[places, 1], more[:, 1])
+    return wider
 
 
 def has_interval(fit: FitResult) -> bool:
@@ -317,12 +307,45 @@ def has_interval(fit: FitResult) -> bool:
     return fit.statistics.interval_dof != 0.0 and fit.status not in _NOTHING_TOLD and seen
 
 
-def _law_spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> tuple[FloatArray, FloatArray]:
-    """Return the variance of ln F_A of the mean law, J C Jᵀ, and its degrees of freedom, shape (n,) each."""
-    variance = linear_std(model, fit.theta, fit.covariance, conditions) ** 2
-    changes = fit.common_changes
-    known = linear_std(model, fit.theta, changes @ changes.T, conditions) ** 2
-    return variance, combined_dof(variance, known, degrees_of_freedom(fit))
+class Spread(NamedTuple):
+    """What is open of ln F_A of n conditions: of the mean law, with degrees of freedom, and what one pull brings.
+
+    `own` and `of_rope` (n, m) say how much of each component of scatter one pull, or the mean of one rope, adds.
+    """
+
+    law: FloatArray
+    dof: FloatArray
+    rows: FloatArray
+    known: FloatArray
+    own: FloatArray
+    of_rope: FloatArray
+
+
+def _spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> Spread:
+    """Return what is open of ln F_A at conditions, NaN where nothing tells it."""
+    J, scatter = model.jacobian(fit.theta, conditions), fit.scatter
+    # Rounding may turn a variance of zero a hair negative.
+    variance = np.maximum(((J @ fit.covariance) * J).sum(axis=-1), 0.0)
+    known = ((J @ fit.common_changes) ** 2).sum(axis=1)
+    dof = scatter.dof(J, known=known) if scatter.names else np.zeros(len(J))
+    if not has_interval(fit):
+        variance, dof = np.full_like(variance, np.nan), np.zeros_like(dof)
+    rise = model.log_lift(fit.theta, conditions) - conditions.log_end_tension
+    of_rope = np.stack([rise**2 * (name in scatter.groups) for name in scatter.names] or [rise], axis=1)
+    single = np.array([float(name not in scatter.groups) for name in scatter.names] or [0.0])
+    own = of_rope + single * scatter.uneven.factor(rise + conditions.log_end_tension)[:, None]
+    return Spread(variance, dof, J, known, own, of_rope)
+
+
+def _wide(fit: FitResult, spread: Spread, probability: float) -> FloatArray:
+    """Return how far ln F_A of one pull, or of one rope, may lie to one side, with a probability, shape (n,)."""
+    scatter, found = fit.scatter, fit.statistics
+    if not (math.isfinite(found.scatter_within) or math.isfinite(found.scatter_between)) or not scatter.names:
+        return np.full_like(spread.law, np.nan)
+    # A component below zero is one that the data do not show: a new rope brings nothing by it.
+    own = spread.own * (scatter.variance > 0.0)
+    dof = scatter.dof(spread.rows, own, spread.known)
+    return np.asarray(_quantiles(probability, dof) * np.sqrt(spread.law + own @ scatter.variance))
 
 
 def linear_std(
@@ -330,7 +353,6 @@ def linear_std(
 ) -> FloatArray:
     """Return the standard deviation of ln F_A of the mean law, √(J C Jᵀ), shape (n,)."""
     J = model.jacobian(theta, conditions)
-    # Rounding may turn a variance of zero a hair negative.
     return np.asarray(np.sqrt(np.maximum(((J @ covariance) * J).sum(axis=-1), 0.0)))
 
 
@@ -341,89 +363,43 @@ def _quantiles(probability: float, dof: FloatArray) -> FloatArray:
 
 
 def half_width(fit: FitResult, model: LiftModel, conditions: Conditions, probability: float) -> FloatArray:
-    """Return how far ln F_A of one pull with a new rope may lie to one side, with a probability, shape (n,).
+    """Return how far ln F_A of one pull with a new rope may lie below the law, with a probability, shape (n,).
 
-    What a new rope brings on top of the law, s_b² + s_w², is a mean square between conditions, with the degrees of
-    freedom of the law's own errors, and what single pulls scatter beyond it, with those of the repeats (Welch and
-    Satterthwaite).
+    Outside what was tested down to where a rival law puts it, if that is further.
     """
-    (variance, dof), found, new = _law_spread(fit, model, conditions), fit.statistics, new_rope_std(fit)
-    within = float(np.nan_to_num(found.scatter_within))
-    # A product may be infinite; a power of a Python float raises.
-    new2, pulls = new * new, within * within * (1.0 - found.n_conditions / found.n)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        shared = variance / np.sqrt(dof) + (new2 - pulls) / math.sqrt(degrees_of_freedom(fit))
-        spread = shared**2 + pulls * pulls / max(found.n - found.n_conditions, 1)
-        dof = np.where(spread > 0.0, (variance + new2) ** 2 / spread, np.inf)
-    return np.asarray(_quantiles(probability, dof) * np.sqrt(variance + new2))
-
-
-def averaged(own: Prediction, answers: Sequence[Prediction], weights: Sequence[float]) -> Prediction:
-    """Return the weighted average of the answers of several laws; its intervals hold the spread between them.
-
-    An end of an interval is a quantile of the mixture of the laws' Student distributions of ln F_A. A law whose own
-    interval is not known enters with that of the first.
-    """
-    share = np.array(weights)[:, np.newaxis] / sum(weights)
-    centre = np.stack([item.log_lift for item in answers])
-    dof = np.stack([item.dof for item in answers])
-    dof = np.where((dof > 0.0) & (dof < _MANY_DOF), dof, _MANY_DOF)
-    reach = stdtrit(dof, 0.5 + 0.5 * own.level)
-
-    def known(values: list[FloatArray]) -> FloatArray:
-        table = np.stack(values)
-        return np.asarray(np.where(np.isfinite(table) & (table > 0.0), table, table[0]))
-
-    def ends_N(of: str) -> FloatArray:
-        halves = [0.5 * np.diff(np.log(getattr(item, of)), axis=1)[:, 0] for item in answers]
-        scale = known(halves) / reach
-        ends = []
-        for side in (0.5 - 0.5 * own.level, 0.5 + 0.5 * own.level):
-            low, high = ((centre + sign * _FARTHEST * scale).T for sign in (-1.0, 1.0))
-            low, high = low.min(axis=1), high.max(axis=1)
-            for _ in range(_HALVINGS):
-                middle = 0.5 * (low + high)
-                below = (share * stdtr(dof, (middle - centre) / scale)).sum(axis=0) < side
-                low, high = np.where(below, middle, low), np.where(below, high, middle)
-            ends.append(0.5 * (low + high))
-        return np.asarray(np.exp(np.stack(ends, axis=1)))
-
-    mean = (share * centre).sum(axis=0)
-    variance = known([item.std_log for item in answers]) ** 2 + (centre - mean) ** 2
-    std = np.sqrt((share * variance).sum(axis=0))
-    with np.errstate(invalid="ignore"):
-        return replace(
-            own,
-            log_lift=mean,
-            std_log=std,
-            lift_force_N=np.exp(mean),
-            std_N=np.exp(mean) * std,
-            interval_N=ends_N("interval_N"),
-            prediction_interval_N=ends_N("prediction_interval_N"),
-            linear_agrees=None,
-            drawn_interval_N=None,
-            averaged=tuple(item.law for item in answers),
-        )
+    spread = _spread(fit, model, conditions)
+    half = _wide(fit, spread, probability)
+    outside = np.flatnonzero(outside_range(fit.validity, conditions).any(axis=1))
+    own = model.log_lift(fit.theta, conditions)
+    for rival in fit.rivals if outside.size else ():
+        law = replace(model, law=rival.friction_law)
+        places = outside[law.law.answers(rival.theta, conditions.select(outside))]
+        if places.size:
+            some = conditions.select(places)
+            lower = law.log_lift(rival.theta, some) - half_width(rival, law, some, probability)
+            half[places] = np.fmax(half[places], own[places] - lower)
+    return half
 
 
 def degrees_of_freedom(fit: FitResult) -> float:
-    """Return the degrees of freedom behind a fit's covariance; infinite where the standard deviations were known.
-
-    Errors clustered by condition rest on the conditions, not on the trials.
-    """
+    """Return the degrees of freedom behind a fit's covariance, the fewest of its parameters; infinite where known."""
     dof = fit.statistics.interval_dof
     # A file has no infinity, so an infinite number of degrees of freedom comes back as NaN.
     return math.inf if math.isnan(dof) else max(dof, 1.0)
 
 
-def new_rope_std(fit: FitResult) -> float:
-    """Return the standard deviation of ln F_A of one new rope about the law [-]; NaN where the fit knows none.
+def new_rope_std(fit: FitResult, rise: float = 0.0, log_lift: float | None = None) -> float:
+    """Return the standard deviation of ln F_A of one pull with a new rope about the law [-]; NaN where none is known.
 
-    A new rope brings both scatters of the trials: that between conditions and that between repeats.
+    `rise` is ln(F_A/F_B) there: a new rope of the kind, mounting or operator has a μ of its own. `log_lift` is ln F_A,
+    with which the others may grow.
     """
     parts = [fit.statistics.scatter_within, fit.statistics.scatter_between]
-    known = [part for part in parts if math.isfinite(part)]
-    return math.hypot(*known) if known else math.nan
+    uneven = fit.scatter.uneven
+    size = float(uneven.factor(np.array(uneven.centre if log_lift is None else log_lift))) ** 0.5
+    known = [size * part for part in parts if math.isfinite(part)]
+    groups = [rise * fit.scatter.std(name) for name in fit.scatter.groups]
+    return math.hypot(*known, *groups) if known else math.nan
 
 
 def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftModel:
@@ -432,46 +408,6 @@ def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftMo
         text = f"a running rope needs its mass per length and its speed; {missing} is missing"
         raise InputError(text, key=missing, fix="give both, or neither for a rope at rest")
     return LiftModel(law=fit.friction_law, linear_density_kg_m=density or 0.0, speed_m_s=speed or 0.0)
-
-
-def parameter_draws(fit: FitResult, n: int, seed: int) -> FloatArray:
-    """Return n draws of the parameters, shape (n, p), moved onto the law's bounds where they cross them.
-
-    From the multivariate t of their covariance, the part of it that common errors make from the normal.
-    """
-    if not np.isfinite(fit.covariance).all():
-        text = "the covariance of the parameters is not finite, so nothing can be drawn from it"
-        fix = "use method='linear', or a fit whose parameters are all seen by the data"
-        raise InputError(text, key="covariance", fix=fix)
-    rng, known, theta, law = np.random.default_rng(seed), fit.common_changes, fit.theta, fit.friction_law
-    root = symmetric_root(fit.covariance - known @ known.T)
-    draws = joint_draws(theta, root, dof=degrees_of_freedom(fit), n=n, rng=rng)
-    if known.size:
-        draws = draws + rng.standard_normal((n, known.shape[1])) @ known.T
-    return np.clip(draws, np.minimum(law.lower, theta), np.maximum(law.upper, theta))
-
-
-def drawn_range(
-    model: LiftModel, draws: FloatArray, conditions: Conditions, level: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return half the central 68.27 % (c,) and the interval (c, 2) of ln F_A for c conditions, from n draws."""
-    n, tail = len(draws), 50.0 * (1.0 - level)
-    at = [tail, 100.0 - tail, 100.0 * (1.0 - _ONE_SIGMA), 100.0 * _ONE_SIGMA]
-    found = np.empty((4, len(conditions)))
-    step = max(1, _BLOCK // n)
-    for first in range(0, len(conditions), step):
-        rows = np.arange(first, min(first + step, len(conditions)))
-        part = conditions.select(rows)
-        usable = draws[model.law.admissible(draws, model.pressing(part))]
-        if 2 * len(usable) < n:
-            raise InputError(
-                f"{model.law.name} has no answer for {n - len(usable)} of {n} parameter sets drawn from its "
-                f"covariance at {part.describe(0)}",
-                code="RF420",
-                fix="the fit is too uncertain for this method; measure more conditions",
-            )
-        found[:, rows] = np.percentile(model.log_lift(usable, part), at, axis=0)
-    return 0.5 * (found[3] - found[2]), found[:2].T.copy()
 
 
 # ---- laws for others ----

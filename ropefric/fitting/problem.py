@@ -1,17 +1,17 @@
 """How a fit is to be made, its least-squares problem in ln F_A, and the engine that solves thousands of these at once.
 
 Repeats of a condition share the model's answer f, so Σ w (y − f)² = W (ȳ − f)² + Σ w (y − ȳ)² exactly. A law
-is therefore evaluated once per condition and not once per trial, however many repeats there are. A robust loss
-weighs each trial by its own residual, so there the trials stay as they are.
+is therefore evaluated once per condition and not once per trial, however many repeats there are. Points that share
+errors have a matrix `root` with rootᵀ root = V⁻¹ in the place of their standard deviations.
 
 `batched_fit`, Levenberg-Marquardt inside bounds with the analytic Jacobian of the law, is the one engine of every fit:
-of a law from several starts, of resamples, of profiles, of laws on condition means.
+of a law from several starts, of profiles, of laws on condition means.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from numbers import Integral
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -25,20 +25,6 @@ from ropefric.registry import did_you_mean
 
 Rows = npt.NDArray[np.intp]
 _Three = tuple[FloatArray, FloatArray, FloatArray]
-Loss = Literal["linear", "soft_l1", "huber", "cauchy", "arctan"]
-
-LOSSES: dict[Loss, Callable[[FloatArray], tuple[FloatArray, FloatArray]]] = {
-    "linear": lambda z: (z, np.ones_like(z)),
-    "soft_l1": lambda z: (2.0 * (np.sqrt(1.0 + z) - 1.0), 1.0 / np.sqrt(1.0 + z)),
-    "huber": lambda z: (np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0), 1.0 / np.sqrt(np.maximum(z, 1.0))),
-    "cauchy": lambda z: (np.log1p(z), 1.0 / (1.0 + z)),
-    "arctan": lambda z: (np.arctan(z), 1.0 / (1.0 + z**2)),
-}
-"""Losses of squared residuals in standard deviations: cost, and the weight left to each; the first is χ²."""
-
-MANY = 2000
-"""From so many trials on, the repeats of a condition are put together before a law is resampled."""
-
 # Starts of a search; beyond some hundreds nothing new is found.
 _MOST_STARTS = 10_000
 # Sets times conditions evaluated in one go: the temporaries of a law then stay in the processor's cache.
@@ -53,12 +39,11 @@ class FitSettings:
     ----------
     fixed, bounds, start : mapping of parameter name to a value, or to (lower, upper)
         What is held, where the search may go, and where it begins.
-    scale_covar : "auto" or bool
-        Whether the covariance is multiplied by χ²/dof, because the scatter is not known beforehand.
-    loss : str
-        How much an outlier may pull, see `LOSSES`.
-    clustered : bool
-        Whether the errors hold what the repeats of a condition share.
+    groups : tuple of str, optional
+        Columns of the table whose levels may differ in μ: ropes, mountings, operators. All such by default.
+    shared : mapping of str to str
+        By what a stated error is shared: "wrap" by the "rig", the "wheel", equal "setting"s or a column of the table.
+        Only the part that is the cell's by its name is, unless it is said; all else shows in the scatter.
     n_starts, seed : int
         Starts of the search, and of the random numbers that spread them.
     of : {"peak", "kinetic"}
@@ -68,9 +53,8 @@ class FitSettings:
     fixed: Mapping[str, float] = field(default_factory=dict)
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     start: Mapping[str, float] = field(default_factory=dict)
-    scale_covar: Literal["auto"] | bool = "auto"
-    loss: Loss = "linear"
-    clustered: bool = True
+    groups: tuple[str, ...] | None = None
+    shared: Mapping[str, str] = field(default_factory=lambda: {"cell": "cell"})
     n_starts: int = 4
     seed: int = 0
     of: str = "peak"
@@ -102,12 +86,6 @@ def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
                 text = f"the bounds of {name}, {value[0]:g} … {value[1]:g}, leave nothing between them"
                 fix = "give (lower, upper), or fix the parameter"
                 raise InputError(text, code="RF402", key="bounds", fix=fix)
-    if settings.loss not in tuple(LOSSES):
-        fix = did_you_mean(str(settings.loss), LOSSES)
-        raise UnknownNameError(f"unknown loss {settings.loss!r}", key="loss", fix=fix)
-    if settings.scale_covar not in ("auto", True, False):
-        text = f"{settings.scale_covar!r} is no setting"
-        raise InputError(text, key="scale_covar", fix="use 'auto', True or False")
     for key, least, most, why in (
         ("n_starts", 1, _MOST_STARTS, "a search needs at least one start"),
         ("seed", 0, 2**63, "a seed is a whole number of at least 0"),
@@ -134,6 +112,7 @@ class FitProblem:
     lower: FloatArray
     upper: FloatArray
     vary: BoolArray
+    root: FloatArray | None = None
 
     @classmethod
     def plain(
@@ -169,16 +148,22 @@ class FitProblem:
 
     def residuals(self, theta: FloatArray) -> FloatArray:
         """Return (model − measured)/std: shape (n,) for theta of shape (p,), (m, n) for (m, p)."""
-        return (self.law.log_lift(theta, self.conditions) - self.log_lift) / self.std
+        return self.whitened(self.law.log_lift(theta, self.conditions) - self.log_lift)
 
     def jacobian(self, theta: FloatArray) -> FloatArray:
         """Return the derivatives of the residuals by all p parameters, shape (n, p) or (m, n, p)."""
-        return self.law.jacobian(theta, self.conditions) / self.std[:, None]
+        return self.whitened(self.law.jacobian(theta, self.conditions).swapaxes(-1, -2)).swapaxes(-1, -2)
 
     def residuals_and_jacobian(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return `residuals` and `jacobian`, the law evaluated once for both."""
         log_lift, slopes = self.law.log_lift_and_jacobian(theta, self.conditions)
-        return (log_lift - self.log_lift) / self.std, slopes / self.std[:, None]
+        return self.whitened(log_lift - self.log_lift), self.whitened(slopes.swapaxes(-1, -2)).swapaxes(
+            -1, -2
+        )
+
+    def whitened(self, values: FloatArray) -> FloatArray:
+        """Return values (…, n) in standard deviations, or as combinations of them that share no error."""
+        return values / self.std if self.root is None else values @ self.root.T
 
 
 class Reduced(NamedTuple):
@@ -189,12 +174,16 @@ class Reduced(NamedTuple):
     weight: FloatArray
     mean: FloatArray
     rest: FloatArray
-    loss: Loss = "linear"
+    root: FloatArray | None = None
 
     @property
     def signal(self) -> FloatArray:
         """Return the weighted sum of squares of the means, shape (1,) or (m,): rounding errors scale with it."""
-        return np.asarray((self.weight * self.mean**2).sum(axis=-1))
+        return np.asarray((self.weight * self._turned(self.mean) ** 2).sum(axis=-1))
+
+    def _turned(self, values: FloatArray) -> FloatArray:
+        """Return values (…, k) as combinations that share no error."""
+        return values if self.root is None else values @ self.root.T
 
     def chi2(self, theta: FloatArray, rows: Rows | None = None) -> FloatArray:
         """Return the weighted sums of squares, infinite where the law has no answer."""
@@ -220,6 +209,7 @@ class Reduced(NamedTuple):
         for part in self._blocks(sloped.size):
             at = sloped[part]
             (values, J), has_answer = _each(both, theta[at], self.conditions, (k,), (k, p))
+            J = J if self.root is None else self.root @ J
             chi2[at], residual, weight = self._misfit(values, has_answer, rows[at])
             (good,) = (np.isfinite(chi2[at]) & (chi2[at] <= limit[at])).nonzero()
             if good.size < at.size:
@@ -232,16 +222,15 @@ class Reduced(NamedTuple):
     def evaluate_shared(self, theta: FloatArray, m: int) -> _Three | None:
         """Return the same as `evaluate` for all m data sets at one parameter set of shape (p,), or None.
 
-        The law is evaluated once, so this costs next to nothing; None where it has no answer, or the loss is robust.
+        The law is evaluated once, so this costs next to nothing; None where it has no answer.
         """
         p = theta.size
-        if self.loss != "linear":
-            return None
         try:
             values, J = self.law.log_lift_and_jacobian(theta, self.conditions)
         except InputError:
             return None
-        residual = self.mean - values
+        J = J if self.root is None else self.root @ J
+        residual = self._turned(self.mean - values)
         chi2 = (self.weight * residual**2).sum(axis=-1) + self.rest
         products = (J[:, :, np.newaxis] * J[:, np.newaxis, :]).reshape(len(J), p * p)
         normal = (self.weight @ products).reshape(-1, p, p)
@@ -254,14 +243,10 @@ class Reduced(NamedTuple):
 
     def _misfit(self, values: FloatArray, has_answer: BoolArray, rows: Rows) -> _Three:
         """Return the cost, the residuals and the weights of their squares."""
-        residual, weight = _row(self.mean, rows) - values, _row(self.weight, rows)
+        residual, weight = self._turned(_row(self.mean, rows) - values), _row(self.weight, rows)
         # A law may answer with 1e300, which no square can hold: such a set is no candidate.
         with np.errstate(over="ignore", invalid="ignore"):
-            if self.loss == "linear":
-                chi2 = np.einsum("rk,rk->r", weight * residual, residual) + _row(self.rest, rows)
-            else:
-                cost, left = LOSSES[self.loss](weight * residual**2)
-                chi2, weight = cost.sum(axis=1), weight * left
+            chi2 = np.einsum("rk,rk->r", weight * residual, residual) + _row(self.rest, rows)
         return np.where(has_answer & ~np.isnan(chi2), chi2, np.inf), residual, weight
 
     def _blocks(self, r: int) -> Iterator[slice]:
@@ -273,8 +258,6 @@ def reduced(
     problem: FitProblem,
     log_lift: npt.ArrayLike | None = None,
     multiplicity: npt.ArrayLike | None = None,
-    *,
-    loss: Loss = "linear",
 ) -> Reduced:
     """Return the data of a problem, or m data sets at its conditions, by distinct condition.
 
@@ -282,8 +265,11 @@ def reduced(
     """
     y = np.atleast_2d(np.asarray(problem.log_lift if log_lift is None else log_lift, np.float64))
     count = np.atleast_2d(np.asarray(1.0 if multiplicity is None else multiplicity, np.float64))
+    if problem.root is not None:
+        weight = count * np.ones(problem.n_points)
+        return Reduced(problem.law, problem.conditions, weight, y, np.zeros(1), problem.root)
     order, starts = _distinct(problem.conditions)
-    repeated = starts.size < order.size and loss == "linear"
+    repeated = starts.size < order.size
     if not repeated:
         # Nothing to put together, so the points stay as they are.
         order = starts = np.arange(order.size)
@@ -296,27 +282,7 @@ def reduced(
     mean = reference + np.add.reduceat(w * (y - np.repeat(reference, sizes, axis=1)), starts, axis=1) / safe
     conditions = problem.conditions.select(order[starts]) if repeated else problem.conditions
     rest = (w * (y - np.repeat(mean, sizes, axis=1)) ** 2).sum(axis=1)
-    return Reduced(problem.law, conditions, weight, mean, rest, loss)
-
-
-def pooled(problem: FitProblem) -> tuple[FitProblem, FloatArray]:
-    """Return a problem with one point per distinct condition, and how much less each scatters than a trial.
-
-    Its χ² is that of the whole problem but for a constant.
-    """
-    order, starts = _distinct(problem.conditions)
-    if starts.size == order.size:
-        return problem, np.ones(order.size)
-    means, weight = reduced(problem), problem.std[order] ** -2.0
-    share = np.sqrt(np.add.reduceat(weight**2, starts)) / np.add.reduceat(weight, starts)
-    whole = replace(
-        problem,
-        conditions=means.conditions,
-        log_lift=means.mean[0],
-        std=means.weight[0] ** -0.5,
-        group=problem.group[order[starts]],
-    )
-    return whole, share
+    return Reduced(problem.law, conditions, weight, mean, rest)
 
 
 def _distinct(conditions: Conditions) -> tuple[Rows, Rows]:
@@ -394,7 +360,6 @@ def batched_fit(
     *,
     multiplicity: npt.ArrayLike | None = None,
     vary: npt.ArrayLike | None = None,
-    loss: Loss = "linear",
     tolerance: float = 1e-9,
     max_iterations: int = 300,
 ) -> "BatchFit":
@@ -405,7 +370,7 @@ def batched_fit(
     (`bounded_steps`). Data sets that are done leave the batch. Repeats of a condition are summed first, so the law
     is evaluated once per distinct condition.
     """
-    data = reduced(problem, log_lift, multiplicity, loss=loss)
+    data = reduced(problem, log_lift, multiplicity)
     theta = np.atleast_2d(np.asarray(problem.start if starts is None else starts, dtype=np.float64))
     free = np.atleast_2d(np.asarray(problem.vary if vary is None else vary, dtype=np.bool_))
     shape = np.broadcast_shapes(data.rest[:, np.newaxis].shape, theta.shape, free.shape)

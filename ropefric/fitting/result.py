@@ -1,6 +1,6 @@
 """What a fit hands on: parameters with their uncertainty, how they were got, and whether to trust them.
 
-`assemble` makes it of the minimum a search found: errors, intervals, statistics, findings, provenance.
+`assembled` makes it of the minimum a search found.
 
 The one verdict on a law and on what it predicts is supported, undecided or not judged, with the reason in words. All
 rules stand here, and the terminal, the report, JSON and the exit code say what they say.
@@ -10,13 +10,13 @@ not judged
     end of their range, there are fewer than `spare` = 3 more conditions than fitted parameters (as for AICc, which
     has no value below n = k + 2 with the scatter among the k), or no law but one could be weighed.
 undecided
-    Something speaks against the law. Its own fit: the residuals follow a regressor, the repeats scatter extremely,
+    Something speaks against the law. Its own fit: what it leaves over follows a regressor or any smooth function of
+    all (F-tests beside the scatter between conditions, p < 0.001), the repeats scatter extremely,
     or the conditions scatter more than twice as far as their repeats (a third or more of the residuals then lie
-    beyond ±2 of the scatter between repeats) while fewer than ten conditions are left over, too few to show whether
-    that is a new rope each time or an effect the law misses; with ten, a trend would have been found, and the
+    beyond ±2 of the scatter between repeats) while fewer than twenty conditions are left over, too few to show whether
+    that is a new rope each time or an effect the law misses; with twenty, a trend would have been found, and the
     scatter counts as scatter, which the clustered errors and the prediction interval hold. Another law: one that
     stands more than 2 in AICc before it (an evidence ratio of e), or one within 2 that gives another lift force.
-    The interval: the linear one and the one drawn from the parameters' covariance differ by more than a half width.
     The design: the law depends on a setting that all trials have alike, and is asked about others. They may show that
     μ is not constant, but another form that follows them as well may say something else of that setting.
 supported
@@ -27,32 +27,31 @@ supported
     in its own, wider interval, and that it is wider says nothing against the simpler law.
 """
 
-import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields
-from math import inf, isfinite, nan, sqrt
+from math import inf, isfinite, nan
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-import scipy
 from scipy.special import fdtrc
 
-import ropefric
-from ropefric import plugins
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
-from ropefric.files.disk import hash_file, kind_of_file
-from ropefric.files.plain_text import GIVEN_DIGITS, STD_DIGITS, rounded_tree, significant, to_share
+from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting import statistics as stats
-from ropefric.fitting.problem import LOSSES, FitProblem, FitSettings
-from ropefric.friction.condition import SETTINGS, Conditions, distinct
+from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.scatter import (
+    Layout,
+    ScatterModel,
+    nothing_known,
+    weighed,
+)
+from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import AdvisedStatus, counted
 from ropefric.registry import Registry
 from ropefric.shown import Shown, in_words
-from ropefric.trials.table import TrialTable
-from ropefric.uncertainty.budget import quantile
 
 
 class FitStatus(AdvisedStatus):
@@ -91,14 +90,35 @@ RIVAL = 2.0
 """Difference in AICc up to which two laws are not told apart."""
 
 _WORDS: tuple[Word, ...] = ("supported", "undecided", "not judged")
+_OF_PARAMETERS = (FitStatus.AT_BOUND, FitStatus.UNIDENTIFIABLE)
+# The last digits of a conversion are no extrapolation.
+_NEAR = 1e-6
 _ONLY_DOUBTED = (FitStatus.EXTREME_SCATTER, FitStatus.RESIDUAL_STRUCTURE)
 # Conditions beyond the fitted parameters: one for the scatter, one more for the small-sample term of AICc.
 SPARE = 3
-_MANY_SPARE = 10
+_MANY_SPARE = 20
 _SCATTER_RATIO = 2.0
 _LACK_OF_FIT_P = 1e-3
 # Levels within a tenth are one, such as those of a weight with its pan and without.
 _ALIKE = 1.1
+
+
+TREND_P = 1e-3
+"""p-value of an F-test below which what a law leaves over speaks against it."""
+LEAVES_OVER = "leaves over follows"
+"""Words that a finding of that kind has."""
+EXPERIMENTS = {
+    "size ratio": ("size_ratio", {"size"}, "R_w/R_r = {}", (
+        "measure wheels from less than 3 to more than 15 times the rope radius, the small ones above all."
+    )),
+    "wrap angle": ("wrap_angle_rad", {"wrap-dependence", "offset", "bending-stiffness"}, "{} deg", (
+        "measure more, from half a turn to several turns."
+    )),
+    "end tension": ("end_tension_N", {"end-tension", "bending-stiffness"}, "F_B = {} N", (
+        "a wrap series at one load cannot fix the law; repeat it at loads from a few newtons to a hundred times that."
+    )),
+}  # fmt: skip
+"""Of a regressor: its name, the effects that need several of its values, how they are shown, and what to measure."""
 
 
 class Verdict(NamedTuple):
@@ -130,10 +150,10 @@ def verdict_of(doubts: Iterable[Doubt], otherwise: str) -> Verdict:
     return Verdict(word=grave[0][0], reasons=tuple(dict.fromkeys(text for _, text in grave)))
 
 
-CovarianceKind = Literal["absolute", "scaled", "clustered"]
+CovarianceKind = Literal["scaled", "clustered"]
 
 SCHEMA = "ropefric.fit/1"
-ERRORS = "two levels"
+ERRORS = "REML"
 """How the standard errors of a stored fit were found; those of fits without this word are not compared with today's."""
 
 
@@ -152,12 +172,18 @@ class FittedParameter:
 
 
 class CommonError(NamedTuple):
-    """An error that several conditions share, such as a cell's gain, and how one standard uncertainty moves the fit."""
+    """A stated error that trials share, such as a cell's gain: of what, by whom, and what one standard uncertainty does.
+
+    To the p parameters (`change`), and to ln F_A of the k cells of trials (`effect`).
+    """
 
     name: str
     unit: str
     std: float
     change: tuple[float, ...]
+    kind: str = ""
+    by: str = ""
+    effect: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -173,11 +199,12 @@ class FitResult(Shown):
     covariance : ndarray, shape (p, p)
         Covariance of the parameters in the law's order; zero for those that are fixed, or on a bound where the data
         do not see them.
-    covariance_kind : {"absolute", "scaled", "clustered"}
-        "absolute": from the known scatter as it stands; "scaled": times χ²/dof, because the scatter is not known;
-        "clustered": from how the means of the conditions scatter, which includes what the repeats of one share.
+    covariance_kind : {"scaled", "clustered"}
+        "clustered": from repeats and from how the means of the conditions scatter; "scaled": from the latter alone.
     statistics : FitStatistics
         How well it fits.
+    scatter : ScatterModel
+        What ropes, conditions, repeats scatter by, and what that leaves open of the parameters.
     status : FitStatus
         The gravest finding.
     advice : tuple of str
@@ -193,12 +220,11 @@ class FitResult(Shown):
     trials : dict of str to list
         The data by condition: enough to fit again.
     common_errors : tuple of CommonError
-        What several conditions have in common and no scatter shows: cells, wheels, ropes, weights, wraps. `change`
-        is that of the parameters by one standard uncertainty; the covariance includes it.
+        The stated errors that trials share; the covariance includes them.
     problem : FitProblem, optional
         What was fitted; None after loading from a file.
-    draws : ndarray, shape (n, p), optional
-        Parameters refitted by the bootstrap that the intervals are from; None otherwise, and after loading.
+    rivals : tuple of FitResult
+        Laws that a comparison does not tell from this one; outside what was tested its intervals hold theirs.
     """
 
     _said = ("law", "status", "verdict=verdict.word", "statistics.n", "statistics.n_conditions")
@@ -215,6 +241,7 @@ class FitResult(Shown):
     covariance: FloatArray
     covariance_kind: CovarianceKind
     statistics: stats.FitStatistics
+    scatter: ScatterModel
     status: FitStatus
     advice: tuple[str, ...]
     identifiability: stats.Identifiability
@@ -224,7 +251,7 @@ class FitResult(Shown):
     trials: Mapping[str, list[float]] = field(default_factory=dict)
     common_errors: tuple[CommonError, ...] = ()
     problem: FitProblem | None = None
-    draws: FloatArray | None = None
+    rivals: tuple["FitResult", ...] = ()
 
     @property
     def theta(self) -> FloatArray:
@@ -241,6 +268,27 @@ class FitResult(Shown):
         """Return the changes of the parameters by one standard uncertainty of each common error, shape (p, b)."""
         changes = [item.change for item in self.common_errors]
         return np.array(changes, np.float64).reshape(-1, len(self.parameters)).T
+
+    def weighted(self) -> FitProblem | None:
+        """Return the means of the cells as they are weighed; None where nothing tells the scatter, or in an old fit."""
+        if "condition" not in self.trials or not self.scatter.names:
+            return None
+        columns = {name: np.array(values, np.float64) for name, values in self.trials.items()}
+        k = columns["n"].size
+        rows = [(item.lower, item.upper, item.vary) for item in self.parameters]
+        lower, upper, vary = (np.array(column) for column in zip(*rows, strict=True))
+        problem = FitProblem(
+            law=self.friction_law, conditions=Conditions(**{name: columns[name] for name in SETTINGS}),
+            log_lift=columns["mean_log_lift"], std=np.ones(k), group=np.arange(k), start=self.theta, lower=lower,
+            upper=upper, vary=vary,
+        )  # fmt: skip
+        groups = {name: columns[name].astype(np.int64) for name in self.scatter.groups}
+        condition = columns["condition"].astype(np.int64)
+        layout = Layout(
+            problem, problem.group, columns["n"], condition, 0.0, 0, groups, uneven=self.scatter.uneven
+        )
+        effects = np.array([item.effect for item in self.common_errors]).reshape(-1, k).T
+        return weighed(layout, self.scatter, self.theta, effects)
 
     @property
     def data(self) -> FitProblem:
@@ -262,16 +310,27 @@ class FitResult(Shown):
     @property
     def doubts(self) -> tuple[Doubt, ...]:
         """Return what speaks against the law in its own fit, with the word each calls for."""
+        return self.doubts_on(None)
+
+    def doubts_on(self, asked: Conditions | None) -> tuple[Doubt, ...]:
+        """Return what speaks against what the law says of conditions; of the whole law for None.
+
+        A parameter that the data do not show by itself, or only on its bound, takes nothing from a force inside what
+        was tested, whose interval holds all that the parameters may be.
+        """
         doubts: list[Doubt] = []
-        if self.status is not FitStatus.OK:
+        forgiven = self.status in _OF_PARAMETERS and asked is not None and self._inside(asked)
+        if self.status is not FitStatus.OK and not forgiven:
             word: Word = "undecided" if self.status in _ONLY_DOUBTED else "not judged"
             doubts.append((word, self.advice[0] if self.advice else self.status.advice))
+        if forgiven and self.statistics.lack_of_fit_p < TREND_P:
+            doubts += [("undecided", text) for text in self.advice if LEAVES_OVER in text]
         found, n, q = self.statistics, self.statistics.n_conditions, self.statistics.n - self.statistics.dof
         within, between, spare = found.scatter_within, found.scatter_between, n - q
         if spare < SPARE and self.status is not FitStatus.TOO_FEW_POINTS:
             text = f"{counted(n, 'condition')} cannot test {counted(q, 'fitted parameter')} of {self.law}"
             doubts.append(("not judged", f"{text}: {q + SPARE} are needed"))
-        elif spare < _MANY_SPARE and between > _SCATTER_RATIO * within:
+        elif spare < _MANY_SPARE and between > _SCATTER_RATIO * within > 0.0:
             F = 1.0 + found.n / n * (between / within) ** 2
             if float(fdtrc(spare, found.n - n, F)) < _LACK_OF_FIT_P:
                 text = (
@@ -281,10 +340,24 @@ class FitResult(Shown):
                 doubts.append(("undecided", text))
         return tuple(doubts)
 
+    def _inside(self, asked: Conditions) -> bool:
+        """Return whether conditions lie inside what was tested, and the errors of all parameters there are finite."""
+        told = all(isfinite(item.std) or item.at_bound for item in self.parameters)
+        sized = bool(self.friction_law.effects & {"size", "bending-stiffness"})
+        matter = [name for name in SETTINGS if sized or not name.endswith("radius_m")]
+        ends = {name: self.validity.get(name, (-inf, inf)) for name in matter}
+        within = (
+            (
+                (getattr(asked, name) >= low * (1.0 - _NEAR)) & (getattr(asked, name) <= high * (1.0 + _NEAR))
+            ).all()
+            for name, (low, high) in ends.items()
+        )
+        return told and all(within)
+
     def untested(self, asked: Conditions | None = None) -> tuple[Doubt, ...]:
         """Return whether the law depends on a setting that all trials have alike, and what is asked for has not."""
         alone = []
-        for title, (name, effects, *_) in _EXPERIMENTS.items():
+        for title, (name, effects, *_) in EXPERIMENTS.items():
             low, high = self.validity.get(name, (0.0, inf))
             values = np.array(inf) if asked is None else getattr(asked, name)
             elsewhere = ((values * _ALIKE < low) | (values > _ALIKE * high)).any()
@@ -298,7 +371,7 @@ class FitResult(Shown):
 
     def verdict_on(self, asked: Conditions | None) -> Verdict:
         """Return the verdict by its own fit on what the law says of conditions; on the whole law for None."""
-        doubts = self.doubts or self.untested(asked)
+        doubts = self.doubts_on(asked) or self.untested(asked)
         return verdict_of(doubts, f"nothing in its own fit speaks against {self.law}")
 
     @property
@@ -330,7 +403,7 @@ class FitResult(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON tree of schema `ropefric.fit/1`; a number that is not there or infinite is None."""
-        left_out = {"problem", "draws", "parameters", "common_errors"}
+        left_out = {"problem", "rivals", "parameters", "common_errors", "scatter"}
         tree = {item.name: getattr(self, item.name) for item in fields(self) if item.name not in left_out} | {
             "schema": SCHEMA,
             "status": self.status.value,
@@ -338,6 +411,7 @@ class FitResult(Shown):
             "parameters": {one.pop("name"): one for one in map(asdict, self.parameters)},
             "parameter_order": [item.name for item in self.parameters],
             "statistics": asdict(self.statistics),
+            "scatter": self.scatter.to_dict(),
             "identifiability": self.identifiability._asdict(),
         }
         if self.common_errors:
@@ -363,6 +437,7 @@ class FitResult(Shown):
             covariance=np.array([[_number(cell) for cell in row] for row in tree["covariance"]], np.float64),
             covariance_kind=tree["covariance_kind"],
             statistics=stats.FitStatistics(**{key: _number(x) for key, x in tree["statistics"].items()}),
+            scatter=_model_of(tree),
             status=FitStatus(tree["status"]),
             advice=tuple(tree["advice"]),
             notes=tuple(tree["notes"]),
@@ -372,11 +447,35 @@ class FitResult(Shown):
             trials={name: [_number(cell) for cell in column] for name, column in tree["trials"].items()},
             common_errors=tuple(
                 CommonError(
-                    **item | {"std": _number(item["std"]), "change": tuple(map(_number, item["change"]))}
+                    **item
+                    | {"std": _number(item["std"])}
+                    | {name: tuple(map(_number, item.get(name, ()))) for name in ("change", "effect")}
                 )
                 for item in tree.get("common_errors", ())
             ),
         )
+
+
+def _model_of(tree: Mapping[str, Any]) -> ScatterModel:
+    """Return the model of scatter of a stored fit; of one from before there was one, with its degrees of freedom."""
+    p = len(tree["parameter_order"])
+    if "scatter" in tree:
+        return ScatterModel.from_dict(tree["scatter"], p)
+    dof = _number(tree["statistics"]["interval_dof"], inf)
+    if not dof:
+        return nothing_known(p)
+    # One component that the whole covariance goes with, but for what is known for sure.
+    covariance = np.array([[_number(cell) for cell in row] for row in tree["covariance"]], np.float64)
+    common = [[_number(x) for x in item["change"]] for item in tree.get("common_errors", ())]
+    changes = np.array(common, np.float64).reshape(-1, p)
+    covariance = covariance - changes.T @ changes
+    return ScatterModel(
+        names=("all",),
+        levels=(0,),
+        variance=np.ones(1),
+        covariance=np.array([[2.0 / dof]]),
+        slopes=covariance[None],
+    )
 
 
 def _parameter(name: str, item: Mapping[str, Any]) -> FittedParameter:
@@ -385,7 +484,8 @@ def _parameter(name: str, item: Mapping[str, Any]) -> FittedParameter:
     gone = nan if at_bound else inf
     absent = {"value": nan, "std": gone, "lower": -inf, "upper": inf}
     numbers = {key: float(_number(item[key], default)) for key, default in absent.items()}
-    ci95 = (float(_number(low, -gone)), float(_number(high, gone)))
+    both_gone = low is None and high is None and item["std"] is None
+    ci95 = (nan, nan) if both_gone else (float(_number(low, -gone)), float(_number(high, gone)))
     return FittedParameter(name=name, ci95=ci95, at_bound=at_bound, vary=bool(item["vary"]), **numbers)
 
 
@@ -395,310 +495,3 @@ def _number(value: Any, gone: float = nan) -> Any:
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(float(value)):
         raise TypeError(f"{value!r:.40} is no number that a fit can hold")
     return value
-
-
-# ---- from the minimum a search found to a result ----
-
-# Repeats of one value have a standard deviation of this or less, by rounding.
-_RESIDUE = 1e-14
-
-_REGRESSORS = ("wheel_radius_m", "rope_radius_m", "size_ratio", "wrap_angle_rad", "end_tension_N")
-# Above this ratio a part in a hundred of noise in the data is more than the parameters' own size; below it the
-# standard errors cannot be bad unless the scatter is, and that is no matter of the design.
-_POOR_RATIO = 100.0
-# Above this the errors of all parameters would be those of one that lies on its bound and is not seen there.
-_HOPELESS_RATIO = 1e4
-# A parameter whose standard error is more than this part of it is not known even to its sign at two sigma.
-_UNKNOWN = 0.5
-# Less will do where a regressor has one value: the error is then judged by the estimate, which may lie anywhere.
-_UNKNOWN_BY_DESIGN = 0.1
-# Errors of F_B reach ln F_A weakened by this; further down, agreement in ln F_A is no evidence.
-_LEAST_SLACK_SLOPE = 0.9
-_TREND_P = 1e-3
-_EXTREME_SCATTER = 0.3
-_NOTES: dict[CovarianceKind, str] = {
-    "clustered": "errors clustered by condition: they include what the repeats of a condition share",
-    "scaled": "the scatter is not known beforehand and taken from the residuals (scale_covar = True)",
-}
-_EXACT = "the data agree with the law to rounding: nothing is left to estimate a scatter from, so no interval is given"
-_REMEDY = {
-    "wrap angle": "a wrap effect (wrap-power, coupled) or an offset (constant-offset)",
-    "size ratio": "a size effect (size-exponential, coupled, thickness)",
-    "end tension": "a load effect (coupled, howell, bending)",
-}
-# Of a regressor with so few values or fewer: the effects that need more, how they are shown, and what to measure.
-_FEW = 3
-_EXPERIMENTS = {
-    "size ratio": ("size_ratio", {"size"}, "R_w/R_r = {}", (
-        "measure wheels from less than 3 to more than 15 times the rope radius, the small ones above all."
-    )),
-    "wrap angle": ("wrap_angle_rad", {"wrap-dependence", "offset", "bending-stiffness"}, "{} deg", (
-        "measure more, from half a turn to several turns."
-    )),
-    "end tension": ("end_tension_N", {"end-tension", "bending-stiffness"}, "F_B = {} N", (
-        "a wrap series at one load cannot fix the law; repeat it at loads from a few newtons to a hundred times that."
-    )),
-}  # fmt: skip
-
-Finding = tuple[FitStatus, str]
-
-
-class Found(NamedTuple):
-    """What a search found."""
-
-    problem: FitProblem
-    theta: FloatArray
-    at_bound: BoolArray
-    converged: bool
-    scatter: stats.Scatter
-    shared: FloatArray
-    notes: tuple[str, ...]
-    common: tuple[CommonError, ...]
-    effects: FloatArray
-
-
-def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResult:
-    """Return the result of a search.
-
-    A large ratio of singular values alone condemns nothing: with enough data the parameters are known all the
-    same. A parameter counts as not seen if it can be traded for others without any trace, or if the ratio is
-    above 100 and its standard error is more than half of it (a tenth, where a regressor the law needs has one value
-    only). Scatter between conditions is advice, not a fault:
-    the clustered errors include it; a trend with p < 0.001 in wrap, size or load is a fault of the law.
-
-    A parameter on its bound counts as free for the errors of all, unless the data do not see it there: held, it
-    would make the others look better known than they are (90 % of the 95 % intervals beside a bound held the truth).
-    """
-    problem, theta = found.problem, found.theta
-    shown = problem.vary & ~found.at_bound
-    residuals, slopes = problem.residuals_and_jacobian(theta)
-    jacobian, free = slopes[:, shown], shown
-    if found.at_bound.any():
-        values = stats.decomposed(slopes[:, problem.vary]).values
-        # The data tell all parameters apart, those that lie on their bounds too.
-        if values.max(initial=0.0) <= _HOPELESS_RATIO * values.min(initial=inf):
-            free = problem.vary
-    errors, left = slopes[:, free], (-residuals * problem.std, problem.std, problem.group)
-    levels = None
-    if problem.n_conditions > errors.shape[1]:
-        levels = stats.two_levels(errors, *left, found.scatter, found.effects)
-    covariance, kind, dof, note = _errors(found, settings, errors, residuals, levels)
-    common, svd = np.zeros((theta.size, len(found.common))), stats.decomposed(errors)
-    if levels is not None and settings.clustered and settings.scale_covar == "auto":
-        common[free] = levels.common
-        covariance = covariance + levels.common @ levels.common.T
-    covariance = stats.rounded_covariance(covariance, lost=int(svd.lost.sum()))
-    full = np.zeros((theta.size, theta.size))
-    full[np.ix_(free, free)] = covariance
-    std = np.zeros(theta.size)
-    known = [significant(sqrt(variance), STD_DIGITS) for variance in np.diag(covariance).tolist()]
-    std[free] = np.where(svd.unseen, inf, known)
-    seen = stats.identify(jacobian, np.array(problem.law.parameter_names)[shown].tolist())
-    between, p_value = (levels.between, levels.p_value) if levels else (nan, nan)
-    findings = [*_of_search(found), *_of_design(found, seen, std)]
-    if table.measures_slack:
-        findings += _of_slack(found)
-    for trend in stats.find_trends(jacobian, *left, problem.conditions):
-        if trend.p_value < _TREND_P:
-            text = f"What {problem.law.name} leaves over follows the {trend.regressor} (by {trend.size:.2%} of the "
-            text += f"force, p = {trend.p_value:.1g}): the law misses an effect. "
-            text += f"Compare laws with {_REMEDY[trend.regressor]}."
-            findings.append((FitStatus.RESIDUAL_STRUCTURE, text))
-    if p_value < _LACK_OF_FIT_P:
-        text = (
-            f"The conditions scatter by {between:.2%} beyond their repeats (p = {p_value:.1g}): a new rope "
-            "each time, a setting, or an effect no regressor shows. Clustered errors include it, others do not."
-        )
-        findings.append((FitStatus.OK, text))
-    rank = list(FitStatus)
-    findings.sort(key=lambda finding: -rank.index(finding[0]))
-    ranges = ((name, getattr(problem.conditions, name)) for name in _REGRESSORS)
-    # Of two parameters that are traded for each other a change may cancel: digits count from the error.
-    sizes = np.sqrt(np.diag(full)).tolist()
-    return FitResult(
-        law=problem.law.name,
-        parameters=_parameters(found, std, dof, common),
-        covariance=full,
-        covariance_kind=kind,
-        statistics=stats.fit_statistics(problem, residuals, found.scatter, between, dof),
-        status=findings[0][0] if findings else FitStatus.OK,
-        advice=tuple(text for _, text in findings),
-        notes=(note, *found.notes),
-        common_errors=tuple(
-            item._replace(
-                change=tuple(significant(x, GIVEN_DIGITS, size=s) for x, s in zip(row, sizes, strict=True))
-            )
-            for item, row in zip(found.common, common.T.tolist(), strict=True)
-            if any(row)
-        ),
-        identifiability=seen,
-        validity={name: (float(values.min()), float(values.max())) for name, values in ranges},
-        provenance=_provenance(table, settings),
-        trials=_summary(found, table),
-        problem=problem,
-    )
-
-
-def _errors(
-    found: Found,
-    settings: FitSettings,
-    jacobian: FloatArray,
-    residuals: FloatArray,
-    levels: stats.TwoLevels | None,
-) -> tuple[FloatArray, CovarianceKind, float, str]:
-    """Return the covariance of the parameters shown, its kind, the degrees of freedom of t, and why."""
-    problem, (n, q), linear = found.problem, jacobian.shape, settings.loss == "linear"
-    weights = LOSSES[settings.loss](residuals**2)[1]
-    if settings.clustered and settings.scale_covar == "auto" and levels is not None:
-        repeated = problem.n_conditions < n
-        if linear:
-            exact = sqrt(float(np.mean((residuals * problem.std) ** 2))) < stats.SMALLEST_SCATTER
-            kind: CovarianceKind = "clustered" if repeated else "scaled"
-            return levels.covariance, kind, 0.0 if exact else levels.dof, _EXACT if exact else _NOTES[kind]
-        if repeated:
-            sandwich, each = stats.clustered_covariance(jacobian, residuals, problem.group, weights)
-            return sandwich, "clustered", min(each, default=0.0), _NOTES["clustered"]
-    # A weighted residual has less variance than one; the sandwich over trials knows by how much.
-    inverse = (
-        stats.plain_covariance(jacobian, weights)
-        if linear
-        else stats.clustered_covariance(jacobian, residuals, np.arange(n), weights)[0]
-    )
-    known = found.scatter.known
-    if known if settings.scale_covar == "auto" else not settings.scale_covar:
-        if not (known or found.shared.all()):
-            text = "there are no repeats and not every trial has an uncertainty"
-            text = f"scale_covar = False needs a known scatter, but {text}"
-            fix = "repeat conditions, give peak_std_N, or use scale_covar = 'auto'"
-            raise InputError(text, code="RF403", key="scale_covar", fix=fix)
-        note = "the scatter is known from the repeats and the budget (scale_covar = False)"
-        return inverse, "absolute", float(found.scatter.dof) if known else inf, note
-    dof = float(n - q)
-    factor = float(residuals @ residuals) / dof if dof > 0 else 1.0
-    if settings.scale_covar == "auto" and found.shared.any():
-        # What is known of the instrument stays, however well the points happen to lie.
-        factor = max(factor, 1.0)
-    return inverse * factor, "scaled", max(dof, 0.0), _NOTES["scaled"]
-
-
-def _parameters(found: Found, std: FloatArray, dof: float, common: FloatArray) -> tuple[FittedParameter, ...]:
-    problem = found.problem
-    parameters = []
-    given = (problem.lower, problem.upper, found.at_bound, problem.vary)
-    columns = (found.theta, std, *given, (common**2).sum(axis=1))
-    for name, *row in zip(problem.law.parameter_names, *(column.tolist() for column in columns), strict=True):
-        value, error, low, high, at_bound, vary, known = row
-        reach = quantile(0.975, float(stats.combined_dof(error**2, known, dof))) if dof > 0 else inf
-        half = reach * error if error > 0 else 0.0
-        # Rounded, but never past the estimate itself, which may have more digits than a tiny error has room for.
-        near, far = min(to_share(value - half, error), value), max(to_share(value + half, error), value)
-        interval = (max(near, low), min(far, high)) if vary else (value, value)
-        parameters.append(
-            FittedParameter(
-                name=name, value=value, std=nan if at_bound else error, lower=low, upper=high, at_bound=at_bound,
-                ci95=(nan, nan) if at_bound and not 0.0 < error < inf else interval, vary=vary,
-            )
-        )  # fmt: skip
-    return tuple(parameters)
-
-
-def _summary(found: Found, table: TrialTable) -> dict[str, list[float]]:
-    """Return the data by condition: settings, number of trials, mean and sample standard deviation of ln F_A."""
-    problem, group = found.problem, found.problem.group
-    n, means = np.bincount(group), stats.group_means(problem.log_lift, group)
-    squares = np.bincount(group, (problem.log_lift - means[group]) ** 2)
-    std = np.sqrt(squares / np.where(n > 1, n - 1, np.nan))
-    columns = {name: getattr(problem.conditions, name) for name in SETTINGS}
-    columns["peak_std_N"] = table.peak_std_N[table.used]
-    set_N = table.end_tension_set_N[table.used]
-    if not np.isnan(set_N).all():  # of conditions whose end tension was measured: what they have in common
-        columns["end_tension_set_N"] = np.where(np.isnan(set_N), columns["end_tension_N"], set_N)
-    return {name: stats.group_means(values, group).tolist() for name, values in columns.items()} | {
-        "n": n.tolist(),
-        "mean_log_lift": [significant(value, GIVEN_DIGITS) for value in means.tolist()],
-        "std_log_lift": [significant(value, smallest=_RESIDUE) for value in std.tolist()],
-    }
-
-
-def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
-    """Return where the result comes from; nothing in it changes from run to run."""
-    python = f"{sys.version_info.major}.{sys.version_info.minor}"
-    versions = {"ropefric": ropefric.__version__, "python": python}
-    versions |= {"numpy": np.__version__, "scipy": scipy.__version__, "errors": ERRORS}
-    source: dict[str, Any] = {"path": table.source, "n_trials": len(table), "n_used": int(table.used.sum())}
-    if table.source and kind_of_file(table.source) == "file":
-        source["sha256"] = hash_file(table.source)
-    how = asdict(settings)
-    if settings.of == "peak":  # what older versions can read
-        del how["of"]
-    used = {"plugins": found} if (found := plugins.provenance()) else {}
-    return {"input": source, "settings": how, "versions": versions, **used}
-
-
-# ---- what keeps a fit from being trusted, and the experiment that would help ----
-
-
-def _of_search(found: Found) -> Iterator[Finding]:
-    problem, scatter = found.problem, found.scatter.within
-    law, n, q = problem.law, problem.n_conditions, problem.n_varying
-    if not found.converged:
-        yield FitStatus.NOT_CONVERGED, FitStatus.NOT_CONVERGED.advice
-    if n < q:
-        text = f"{counted(n, 'condition')} cannot determine the {counted(q, 'parameter')} of {law.name}: "
-        text += "repeats of one condition count once. Measure more conditions, or use a simpler law."
-        yield FitStatus.TOO_FEW_POINTS, text
-    for i in np.flatnonzero(found.at_bound):
-        text = (
-            f"{law.parameter_names[i]} of {law.name} lies on its bound {found.theta[i]:.6g}, which is not a "
-            "measurement of it; the errors of the others hold with it there. Use the simpler law it amounts to, or "
-            "measure conditions that show it."
-        )
-        yield FitStatus.AT_BOUND, text
-    if scatter > _EXTREME_SCATTER:
-        kind = FitStatus.EXTREME_SCATTER
-        yield kind, f"Repeats scatter by {scatter:.0%} of the force. {kind.advice}"
-
-
-def _of_design(found: Found, seen: stats.Identifiability, std: FloatArray) -> Iterator[Finding]:
-    lost, law, at, experiments = list(seen.unseen), found.problem.law, found.problem.conditions, []
-    levels = (at.size_ratio, np.degrees(at.wrap_angle_rad), at.end_tension_N)
-    for (what, (_, effects, shown, do)), values in zip(
-        _EXPERIMENTS.items(), map(distinct, levels), strict=True
-    ):
-        if effects & law.effects and values.size <= _FEW:
-            there = f"is only one {what}" if values.size == 1 else f"are only {values.size} {what}s"
-            given = shown.format(", ".join(f"{value:.4g}" for value in values))
-            experiments.append(f"There {there} ({given}): {do}")
-    if not lost and seen.ratio > _POOR_RATIO:
-        one_value = any("only one" in text for text in experiments)
-        limit = _UNKNOWN_BY_DESIGN if one_value else _UNKNOWN
-        unknown = np.array(law.parameter_names)[std > limit * np.abs(found.theta)]
-        lost = [name for name in seen.weak if name in unknown]
-    if lost:
-        how = f": {seen.weak_direction} leaves the forces as they are" if len(seen.weak) > 1 else ""
-        ratio = f" (ratio of singular values {seen.ratio:.3g})" if isfinite(seen.ratio) else ""
-        simpler = f"Fix one of {_listed(seen.weak)} at a value known from elsewhere, or use a simpler law."
-        text = f"The data do not show {_listed(lost)} of {law.name}{how}{ratio}. {' '.join(experiments) or simpler}"
-        yield FitStatus.UNIDENTIFIABLE, text
-
-
-def _of_slack(found: Found) -> Iterator[Finding]:
-    """Return that the law does not let the lift force follow the end tension that was measured."""
-    problem = found.problem
-    try:
-        slopes = problem.law.log_lift_gradient_conditions(found.theta, problem.conditions)
-        slope = float(np.abs(slopes[:, 2]).min())
-    except InputError:
-        slope = 0.0  # the coefficient at the slack end is infinite: F_A does not depend on F_B at all
-    if slope < _LEAST_SLACK_SLOPE:
-        text = (
-            "The end tension was measured against a known lift force, and in this fit of "
-            f"{problem.law.name} the lift force follows it with the power {slope:.2g} only: a law "
-            "under which F_A does not depend on F_B would agree with any such data. Use a law without a load effect, "
-            "or its form ending in '-from-zero', or measure F_A at known end tensions."
-        )
-        yield FitStatus.UNIDENTIFIABLE, text
-
-
-def _listed(names: Sequence[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -6,7 +6,7 @@ Everything about a Jacobian comes from one decomposition, `decomposed`.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, isfinite, nan, sqrt
+from math import inf, nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -29,10 +29,6 @@ _TAKES_PART = 0.15
 _RATIO_DECIMALS = 6
 # What is left of a singular value that is zero.
 _RESIDUE = 1e-14
-# A condition that fixes a parameter alone has a leverage of 1 and no residual to judge it by.
-_LARGEST_LEVERAGE = 0.999
-# What known errors explain of the scatter about a law, at most, where no repeats tell the rest.
-_LEAST_SHARE = 0.1
 # Decimals of a correlation beside those its smallest eigenvalue needs, and the most that rounding leaves any.
 _DECIMALS = 3
 _MOST_DECIMALS = 17
@@ -43,6 +39,8 @@ _ROUNDING = 1e-9
 _RESOLVED = 1e-12
 # To the last bit of a variance that is no smaller than 1e-6 of the largest square.
 _HALVINGS = 72
+# Of a smooth function: its modes, how far it carries in parts of a setting's span, and what it needs to be seen.
+_MODES, _SMOOTH_OVER, _SMOOTH_SPARE, _MOST_SMOOTH = 5, 0.5, 4, 400
 
 
 # ---- scatter of ln F_A about a law ----
@@ -75,18 +73,6 @@ def pooled_scatter(residuals: FloatArray, group: IntArray) -> Scatter:
         return Scatter(within=nan, dof=0)
     about = residuals - group_means(residuals, group)[group]
     return Scatter(within=sqrt(float(about @ about) / dof), dof=dof)
-
-
-def two_level_scatter(problem: FitProblem, theta: FloatArray) -> tuple[float, float]:
-    """Return the scatter of the residuals in ln F_A within and between conditions; all of it within without repeats."""
-    residual = problem.log_lift - problem.law.log_lift(theta, problem.conditions)
-    n, k, p = residual.size, problem.n_conditions, problem.n_varying
-    if n == k or k <= max(p, 1):
-        return sqrt(float((residual**2).sum()) / max(n - p, 1)), 0.0
-    scatter = pooled_scatter(residual, problem.group)
-    jacobian = problem.jacobian(theta)[:, problem.vary]
-    between = two_levels(jacobian, residual, problem.std, problem.group, scatter).between
-    return scatter.within, between if isfinite(between) else 0.0
 
 
 # ---- what a Jacobian knows of its parameters ----
@@ -133,115 +119,11 @@ def plain_covariance(jacobian: FloatArray, weights: FloatArray | None = None) ->
     return np.asarray(half @ half.T)
 
 
-def clustered_covariance(
-    jacobian: FloatArray,
-    residuals: FloatArray,
-    group: IntArray,
-    weights: FloatArray | None = None,
-    *,
-    of: FloatArray | None = None,
-) -> tuple[FloatArray, list[float]]:
-    """Return the sandwich covariance with the conditions as clusters, shape (q, q), and degrees of freedom.
-
-    Bell & McCaffrey's (2002) CR2: each condition's part is divided by √(1 − h), h its leverage, which makes the
-    estimate unbiased if the scatter is even. Satterthwaite's degrees of freedom are of each combination of parameters
-    in the rows `of` (r, q), of each parameter by default. Right however unevenly the conditions scatter, and so with
-    few of them: see `two_levels`.
-    """
-    w = np.ones_like(residuals) if weights is None else weights
-    # In the combinations that are seen, and not in the parameters: where these can be traded for each other the
-    # inverse of JᵀWJ is so large that products with it lose twice the digits.
-    half, left = decomposed(jacobian, w).root()
-    scores = _by_condition(left * (np.sqrt(w) * residuals)[:, None], group)
-    mean = _by_condition(left, group) / np.sqrt(np.bincount(group))[:, None]
-    rest = 1.0 - np.minimum((mean**2).sum(axis=1), _LARGEST_LEVERAGE)
-    parts = half @ (scores / np.sqrt(rest)[:, None]).T
-    wanted = half if of is None else of @ half
-    return np.asarray(parts @ parts.T), [squares_dof(mean, (mean @ row) ** 2 / rest) for row in wanted]
-
-
-def _by_condition(values: FloatArray, group: IntArray) -> FloatArray:
-    """Return the sums of rows over the conditions, shape (k, q)."""
-    k = int(group.max(initial=-1)) + 1
-    sums = [np.bincount(group, column) for column in values.T]
-    return np.stack(sums, axis=-1) if sums else np.zeros((k, 0))
-
-
-def squares_dof(left: FloatArray, size: FloatArray) -> float:
-    """Return Satterthwaite's degrees of freedom of Σ d_c r_c² over k residuals r = (I − U Uᵀ) ε of even scatter.
-
-    2 E²/Var of the quadratic form, E = Σ d_c (1 − h_c), Var = 2 tr (D M D M) with M = I − U Uᵀ; the same for Σ r_c²
-    where d_c are the variances of ε_c. U has shape (k, q), d (k,); all d alike give k − q.
-    """
-    free = 1.0 - (left**2).sum(axis=1)
-    spread = float(size**2 @ (2.0 * free - 1.0)) + float((((left.T * size) @ left) ** 2).sum())
-    return significant(float(size @ free) ** 2 / spread) if spread > 0.0 else 0.0
-
-
 def combined_dof(variance: npt.ArrayLike, known: npt.ArrayLike, dof: float) -> FloatArray:
     """Return Welch and Satterthwaite's degrees of freedom of a variance of which a part is known for sure."""
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.asarray(variance) / np.maximum(np.asarray(variance) - known, 0.0)
     return np.where(np.isnan(share), dof, dof * np.maximum(share, 1.0) ** 2)
-
-
-class TwoLevels(NamedTuple):
-    """Scatter about a law within and between conditions, and what it leaves open of the parameters."""
-
-    between: float
-    p_value: float
-    covariance: FloatArray
-    common: FloatArray
-    dof: float
-
-
-def two_levels(  # noqa: PLR0917  (the fit's own arrays, in the order of `find_trends`)
-    jacobian: FloatArray,
-    log_residuals: FloatArray,
-    std: FloatArray,
-    group: IntArray,
-    scatter: Scatter,
-    common: FloatArray | None = None,
-) -> TwoLevels:
-    """Return the scatter between conditions, the covariance (q, q) it and the repeats leave, and what is `common`.
-
-    V = s_b² 1 + s_w²/n_c are the variances of the conditions' means, θ̂ − θ = G ē, so the covariance is G V Gᵀ. With
-    s_w² from the repeats, s_b² follows by the method of moments: Q = Σ w_c r̄_c² over the residuals of the means has
-    the expectation Σ w_c (1 − h_c)(s_b² + s_w²/n_c) + Σ |M z_b|². The last sum is over the `common` errors, (n, b)
-    changes of ln F_A by one standard uncertainty each: a cell's gain, a wheel's radius. Residuals show them only in
-    part, so they move the parameters beside the scatter, by the (q, b) returned.
-
-    Where all conditions have as many repeats, G V Gᵀ is Q/(k − q) (JᵀWJ)⁻¹ whatever s_b is, and t with k − q degrees
-    of freedom is exact for a law linear in its parameters; where they do not, Q has Satterthwaite's. Q is not held
-    above what the repeats alone would leave: that would cost the exactness. p is that of Q by the F-test against the
-    repeats; without repeats s_b is the whole scatter.
-    """
-    k, n = int(group.max(initial=-1)) + 1, log_residuals.size
-    half, left = decomposed(jacobian).root()
-    size, weight = np.bincount(group), np.bincount(group, std**-2.0)
-    root = np.sqrt(weight)
-    mean = _by_condition(left / std[:, None], group) / root[:, None]
-    residual = root * np.bincount(group, log_residuals / std**2) / weight
-    by_trial = half @ (left / std[:, None]).T
-    effects = np.zeros((n, 0)) if common is None else common
-    shown = _by_condition(effects / std[:, None] ** 2, group) / root[:, None]
-    shown = shown - mean @ (mean.T @ shown)
-    free = 1.0 - np.minimum((mean**2).sum(axis=1), 1.0)
-    within2 = scatter.within**2 if scatter.known else 0.0
-    by_repeats = within2 * weight / size
-    total, expected = float(residual @ residual), float(free @ by_repeats)
-    least = min(total, expected) if scatter.known else _LEAST_SHARE * total
-    left_over = max(total - float((shown**2).sum()), least)
-    if left_over < expected:
-        between2, by_repeats, within2 = 0.0, by_repeats * left_over / expected, within2 * left_over / expected
-    else:
-        between2 = (left_over - expected) / float(free @ weight)
-    by_condition = _by_condition(by_trial.T, group)
-    covariance = between2 * by_condition.T @ by_condition + within2 * by_trial @ by_trial.T
-    dof = squares_dof(mean, by_repeats + between2 * weight)
-    p_value = float(fdtrc(k - half.shape[1], scatter.dof, left_over / expected)) if scatter.known else nan
-    between = sqrt(between2) if scatter.known or n == k else nan
-    return TwoLevels(between, p_value, covariance, by_trial @ effects, dof)
 
 
 def rounded_covariance(covariance: FloatArray, *, lost: int = 0) -> FloatArray:
@@ -342,10 +224,16 @@ class FitStatistics:
     scatter_within: float
     scatter_between: float
     interval_dof: float
+    lack_of_fit_p: float = nan
 
 
-def fit_statistics(
-    problem: FitProblem, residuals: FloatArray, scatter: Scatter, between: float, interval_dof: float
+def fit_statistics(  # noqa: PLR0917  (each is a number of the result)
+    problem: FitProblem,
+    residuals: FloatArray,
+    within: float,
+    between: float,
+    interval_dof: float,
+    lack_of_fit_p: float,
 ) -> FitStatistics:
     """Return how well a law fits, from its residuals in standard deviations and the scatter at two levels."""
     chi2, n, q = float(residuals @ residuals), problem.n_points, problem.n_varying
@@ -358,9 +246,10 @@ def fit_statistics(
         chi2_reduced=significant(chi2 / (n - q)) if n > q else nan,
         aicc=significant(aicc(deviance, n, q + 1)),
         bic=significant(bic(deviance, n, q + 1)),
-        scatter_within=significant(scatter.within),
+        scatter_within=significant(within),
         scatter_between=significant(between),
         interval_dof=interval_dof,
+        lack_of_fit_p=significant(lack_of_fit_p),
     )
 
 
@@ -375,50 +264,78 @@ class Trend(NamedTuple):
     p_value: float
 
 
-def find_trends(
-    jacobian: FloatArray, log_residuals: FloatArray, std: FloatArray, group: IntArray, conditions: Conditions
-) -> tuple[Trend, ...]:
-    """Return how far the means of the conditions follow each regressor, the surest first.
+def find_trends(weighted: FitProblem, jacobian: FloatArray, residuals: FloatArray) -> tuple[Trend, ...]:
+    """Return how far means follow each regressor beside the law's own parameters, the surest first.
 
-    Linear and quadratic terms of the regressor are fitted beside the law's own parameters to the means of the
-    conditions and tested (F) against what is left between conditions, so that a scatter between conditions alone
-    makes no trend. A regressor with fewer than three values gets the linear term alone. Size and end tension may change
-    ln F itself, or μ and so ln F in proportion to the wrap: the surer of both counts, with its p-value doubled.
+    Linear and quadratic terms of the regressor are tested (F) against what is left of the means, which their scatter
+    weighs, so that a scatter between conditions alone makes no trend. A regressor with fewer than three values gets the
+    linear term alone. Size and end tension may change ln F itself, or μ and so ln F in proportion to the wrap: the surer
+    of both counts, with its p-value doubled. Last comes any smooth function of all three, `_smooth`.
     """
-    weight = np.sqrt(np.bincount(group, 1.0 / std**2))
-    # Only what the law's own parameters cannot take up counts.
-    means = _by_condition(jacobian * std[:, None], group) / np.bincount(group)[:, None]
-    basis = _basis(means * weight[:, None])
-    left = weight * group_means(log_residuals, group)
-    left = left - basis @ (basis.T @ left)
+    basis, at = _basis(jacobian), weighted.conditions
+    left = residuals - basis @ (basis.T @ residuals)
     regressors = {
-        "wrap angle": conditions.wrap_angle_rad,
-        "size ratio": conditions.size_ratio,
-        "end tension": conditions.log_end_tension,
+        "wrap angle": at.wrap_angle_rad,
+        "size ratio": at.size_ratio,
+        "end tension": at.log_end_tension,
     }
-    trends, wrap = [], group_means(conditions.wrap_angle_rad, group)
-    for name, of_pulls in regressors.items():
-        values = group_means(of_pulls, group)
+    trends, varied = [], dict[str, FloatArray]()
+    for name, values in regressors.items():
         span = np.ptp(values) if values.size else 0.0
         if span <= _SAME * np.abs(values).max(initial=1.0):
             continue
-        x = (values - values.mean()) / span
+        x = varied[name] = (values - values.mean()) / span
         powers = (1,) if distinct(x + 2.0).size < 3 else (1, 2)
-        found = []
-        for shape in (1.0,) if name == "wrap angle" else (1.0, wrap):
-            extra = np.stack([shape * x**power for power in powers], axis=-1) * weight[:, None]
-            extra = _basis(extra - basis @ (basis.T @ extra), np.linalg.norm(extra, axis=0).max())
-            explained = extra.T @ left
-            more, dof = extra.shape[1], values.size - basis.shape[1] - extra.shape[1]
-            rest = float(left @ left - explained @ explained)
-            size = sqrt(float(np.mean((extra @ explained / weight) ** 2)))
-            if more and dof >= 1 and rest > 0.0 and size >= _ROUNDING:
-                F = float(explained @ explained) / more / (rest / dof)
-                found.append(Trend(name, size, float(fdtrc(more, dof, F))))
+        shapes = (1.0,) if name == "wrap angle" else (1.0, at.wrap_angle_rad)
+        found = [
+            trend
+            for shape in shapes
+            if (trend := _explained(name, weighted, [shape * x**n for n in powers], basis, left)) is not None
+        ]
         if found:
             surest = min(found, key=lambda trend: trend.p_value)
             trends.append(surest._replace(p_value=min(1.0, len(found) * surest.p_value)))
-    return tuple(sorted(trends, key=lambda trend: trend.p_value))
+    smooth = _smooth(weighted, [*varied.values()], basis, left)
+    return tuple(sorted([*trends, *smooth], key=lambda trend: trend.p_value))
+
+
+def _explained(
+    name: str, weighted: FitProblem, columns: list[FloatArray], basis: FloatArray, left: FloatArray
+) -> Trend | None:
+    """Return what columns beside a basis explain of the residuals; None where they hold nothing, or all."""
+    extra = weighted.whitened(np.stack(columns)).T
+    extra = _basis(extra - basis @ (basis.T @ extra), np.linalg.norm(extra, axis=0).max())
+    explained = extra.T @ left
+    more, dof = extra.shape[1], left.size - basis.shape[1] - extra.shape[1]
+    rest = float(left @ left - explained @ explained)
+    fitted = extra @ explained
+    fitted = np.asarray(
+        fitted * weighted.std if weighted.root is None else np.linalg.solve(weighted.root, fitted)
+    )
+    size = sqrt(float(np.mean(fitted**2))) if fitted.size else 0.0
+    if not more or dof < 1 or not rest > 0.0 or size < _ROUNDING:
+        return None
+    return Trend(name, size, float(fdtrc(more, dof, float(explained @ explained) / more / (rest / dof))))
+
+
+def _smooth(
+    weighted: FitProblem, settings: list[FloatArray], basis: FloatArray, left: FloatArray
+) -> tuple[Trend, ...]:
+    """Return how far means follow any smooth function of the settings: the leading modes of a Gaussian kernel.
+
+    Which modes those are hangs on the settings alone and not on the forces, so that the F-test is exact.
+    """
+    dof = left.size - basis.shape[1]
+    if not settings or dof < _SMOOTH_SPARE or left.size > _MOST_SMOOTH:
+        return ()
+    apart = sum((np.subtract.outer(x, x) / _SMOOTH_OVER) ** 2 for x in settings)
+    kernel = weighted.whitened(weighted.whitened(np.exp(-0.5 * np.asarray(apart))).T)
+    beside = kernel - basis @ (basis.T @ kernel)
+    beside = beside - (beside @ basis) @ basis.T
+    modes = np.linalg.eigh(0.5 * (beside + beside.T))[1][:, ::-1][:, : min(_MODES, dof // 2)]
+    columns = modes.T * weighted.std if weighted.root is None else np.linalg.solve(weighted.root, modes).T
+    found = _explained("settings together", weighted, [*columns], basis, left)
+    return () if found is None else (found,)
 
 
 def _basis(columns: FloatArray, scale: float = 0.0) -> FloatArray:

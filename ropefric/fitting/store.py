@@ -19,6 +19,7 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.fitting.problem import FitSettings, check_settings
 from ropefric.fitting.result import ERRORS, SCHEMA, FitResult, FitStatus
+from ropefric.friction.condition import SETTINGS
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
 from ropefric.trials.table import read_trial_table
@@ -35,6 +36,8 @@ _FIELDS = {
 _AGAIN = "fit again: `ropefric fit TRIALS.csv --law NAME --out FIT.json`, or save_fit in Python"
 _PARTS = ("input", "settings", "versions")
 _ROUNDING = 1e-9
+# Settings of earlier versions, without which a fit is made anew today.
+_GONE = {"loss", "scale_covar", "clustered"}
 # Part of a standard error that another processor's rounding may move an estimate by.
 _MOST = 1e-3
 
@@ -202,7 +205,27 @@ def _fault(fit: FitResult) -> str:
     if fit.covariance.shape != (p, p) or names != tuple(item.name for item in fit.parameters):
         return f"it does not belong to the law {fit.law}, whose parameters are {', '.join(names)}"
     with np.errstate(all="ignore"):
-        return next((text for wrong, text in (*_checks_of_numbers(fit), *_checks_of_words(fit)) if wrong), "")
+        found = next(
+            (text for wrong, text in (*_checks_of_numbers(fit), *_checks_of_words(fit)) if wrong), ""
+        )
+        return found or _fault_of_scatter(fit)
+
+
+def _fault_of_scatter(fit: FitResult) -> str:
+    """Return that scatter and data of a fit do not belong together; empty if they do, or the fit has none."""
+    model, text = fit.scatter, "its scatter is none that its data could have"
+    arrays: tuple[FloatArray, ...] = (model.variance, model.covariance, model.slopes)
+    told = fit.trials.get("n", ()) if "condition" in fit.trials and model.names else ()
+    names = ("condition", "n", "mean_log_lift", *SETTINGS, *model.groups) if told else ()
+    arrays += tuple(np.array(fit.trials.get(name, (nan,)), np.float64) for name in names)
+    if not all(np.isfinite(array).all() for array in arrays) or (np.diag(model.covariance) < 0.0).any():
+        return text
+    try:
+        weighted = fit.weighted()
+    except (ValueError, IndexError, KeyError, RopefricError):
+        return text
+    weight = np.ones(1) if weighted is None else weighted.std if weighted.root is None else weighted.root
+    return "" if np.isfinite(weight).all() else text
 
 
 def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
@@ -218,7 +241,8 @@ def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
         yield outside, f"{name} = {value:g} does not lie between its bounds {bounds}"
         known = item.std >= 0.0 or (isnan(item.std) and item.at_bound)
         yield not known, f"the standard error of {name} is {item.std:g}"
-        around = item.at_bound or (low <= high and (not plain or low - slack <= value <= high + slack))
+        none = item.at_bound or (found.interval_dof == 0.0 and isnan(low) and isnan(high))
+        around = none or (low <= high and (not plain or low - slack <= value <= high + slack))
         yield not around, f"the interval of {name} from {low:g} to {high:g} is none of {value:g}"
     yield not np.isfinite(covariance).all(), "the covariance is not finite"
     yield bool((variance < 0.0).any()), "the covariance has a negative variance"
@@ -266,8 +290,8 @@ def _checks_of_words(fit: FitResult) -> Iterator[tuple[bool, str]]:
         yield not isinstance(fit.provenance.get(name, {}), Mapping), f"provenance.{name} is no object"
     ok, on_bound = fit.status is FitStatus.OK, any(item.at_bound for item in fit.parameters)
     yield ok and on_bound, "the status is ok, but a parameter lies on its bound"
-    unknown = not all(isfinite(item.std) for item in fit.parameters)
-    yield ok and unknown, "the status is ok, but a parameter has no standard error"
+    unknown, found_dof = not all(isfinite(item.std) for item in fit.parameters), fit.statistics.interval_dof
+    yield ok and unknown and found_dof != 0.0, "the status is ok, but a parameter has no standard error"
     yield not (ok or fit.advice), f"the status is {fit.status}, but there is no advice"
     for text in (*fit.advice, *fit.notes):
         yield type(text) is not str, f"{text!r:.40} is no advice"
@@ -336,7 +360,11 @@ def _again(stored: FitResult, folder: Path) -> FitResult:
         text = "the data file has changed since the fit was made"
         raise DataError(text, code="RF432", path=data, fix="fit again")
     try:
-        settings = dict(stored.provenance["settings"])
+        settings = {
+            key: value for key, value in dict(stored.provenance["settings"]).items() if key not in _GONE
+        }
+        if settings.get("groups") is not None:
+            settings["groups"] = tuple(settings["groups"])
         for key in ("fixed", "start"):
             settings[key] = {name: float(value) for name, value in settings[key].items()}
         settings["bounds"] = {

@@ -340,7 +340,7 @@ def _band(fit: FitResult, settings: dict[str, Any], over: str) -> tuple[FloatArr
     x = np.union1d(np.linspace(max(low - beyond, 0.5 * low), high + beyond, _BAND_STEPS), [low, high])
 
     def law(at: Conditions) -> FloatArray:
-        found = predict(fit, at, level=0.95, check=False)
+        found = predict(fit, at, level=0.95, method="linear")
         return np.vstack([found.lift_force_N, found.interval_N.T, found.prediction_interval_N.T])
 
     return x, _evaluated(fit, Conditions(**settings | {over: x}), law, len(_BAND))

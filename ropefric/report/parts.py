@@ -110,15 +110,16 @@ def prediction_section(prediction: Prediction) -> Section:
     lift, std = plain(prediction.lift_force_N[0], ".5g"), _newtons(prediction.std_N[0])
     is_kinetic = prediction.of == "kinetic"
     title, symbol = ("Kinetic force", "F_A while sliding") if is_kinetic else ("Lift force", "F_A")
-    by = f"{' and '.join(prediction.averaged)}, averaged" if prediction.averaged else prediction.law
     lines = [
         f"{_where(prediction.conditions, 0, rope=True)}:",
-        f"{symbol} = {lift} N by {by}, standard error {std}",
+        f"{symbol} = {lift} N by {prediction.law}, standard error {std}",
         f"{level} confidence interval of the mean: {_span(prediction.interval_N[0])}",
     ]
     wide = prediction.prediction_interval_N[0]
     if not math.isnan(float(wide[0])):
         lines.append(f"{level} prediction interval of one pull with a new rope: {interval(wide)} N")
+    if prediction.rope_interval_N is not None:
+        lines.append(f"{level} interval of the mean of one new rope: {_span(prediction.rope_interval_N[0])}")
     verdict = prediction.verdict()
     lines.append(f"{verdict.word}: {verdict.reason}")
     notes = [note for note in prediction.notes() if note not in verdict.reasons]

@@ -12,8 +12,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
-from ropefric.fitting.predict import REGRESSORS, degrees_of_freedom, has_interval, outside_range
-from ropefric.fitting.statistics import combined_dof
+from ropefric.fitting.predict import REGRESSORS, has_interval, outside_range
 from ropefric.friction.condition import Conditions
 from ropefric.plugins import provenance
 from ropefric.quantities import split_unit_suffix
@@ -260,7 +259,7 @@ def carry_through(
 
     The gradient is taken along the principal directions of the covariance, by central differences: two solutions
     a parameter. Forces and coefficients are taken in their logarithm. The degrees of freedom are those that `predict`
-    gives the number: of its variance, that by common errors is known for sure. Without a fit the numbers are certain;
+    gives the number. Without a fit the numbers are certain;
     a covariance that is not known leaves every number without an error.
     """
     fit = None if source is None else source.fit
@@ -272,6 +271,8 @@ def carry_through(
         columns = columns[:, columns.any(axis=0)]
         size = np.maximum(np.abs(columns).max(axis=1, initial=0.0), np.finfo(float).tiny)[:, None]
         common = np.linalg.lstsq(columns / size, fit.common_changes / size, rcond=None)[0]
+        # A slope along the directions is that by the parameters, as far as these are uncertain.
+        back = np.linalg.pinv(columns / size) / size.T
         try:
             ends = [
                 [solve(replace(source.friction, theta=source.friction.theta + way)) for way in (step, -step)]
@@ -284,7 +285,7 @@ def carry_through(
             slopes = [_slope(up[place], down[place]) for up, down in ends]
             along = np.array(slopes).reshape(len(ends), one.value.size)
             variance, known = (along**2).sum(axis=0), ((common.T @ along) ** 2).sum(axis=0)
-            dof = combined_dof(variance, known, degrees_of_freedom(fit))
+            dof = fit.scatter.dof(along.T @ back, known=known)
             reach = np.array([quantile(0.5 + 0.5 * level, nu) for nu in dof.tolist()])
             spreads[place] = np.sqrt(variance).reshape(one.value.shape), reach.reshape(one.value.shape)
     return tuple(_with_std(one, *spread) for one, spread in zip(nominal, spreads, strict=True))

@@ -369,6 +369,7 @@ class CampaignFile(StrictTable):
     weights_tolerance: Annotated[
         float, _of_one_key("tolerance", read.fraction("0.05 %")), Field(alias="weights")
     ] = 0.0
+    uncertainty: dict[str, Annotated[str, _of_one_key("by", read.text)]] = Field(default_factory=dict)
     design: DesignWheel | None = None
     report: ReportWords = ReportWords()
     profile: Annotated[ImportProfile, _IMPORT, Field(alias="import")] = ImportProfile()
@@ -455,6 +456,8 @@ class Campaign(CampaignFile, Shown):
         Name of an outlier rule.
     weights_tolerance : float
         Limit of error of the end tension, as a fraction of it [-].
+    uncertainty : mapping of str to str
+        By what stated errors are shared, such as "wrap" by the "rig".
     design : DesignWheel, optional
         The wheel to predict.
     report : ReportWords

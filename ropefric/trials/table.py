@@ -39,7 +39,7 @@ _BESIDE = tuple(column.name for column in numbers.COLUMNS if column.read_as)
 FORCES = ("peak", "kinetic")
 """What a law can be fitted to: the break-away force, or the mean force while sliding."""
 _TEXTS = ("trial", "kept", "status")
-LABELS = ("rope_id", "wheel", "operator", "dwell", "order", "cell")
+LABELS = ("rope_id", "wheel", "mounting", "operator", "day", "dwell", "order", "cell")
 """Columns beside the numbers by which trials can be told into groups."""
 _QUANTITIES_BESIDE = {
     stem: (column.name, column.unit, 1.0) for column in numbers.COLUMNS for stem in column.read_as
@@ -448,9 +448,12 @@ def _why_unusable(
 ) -> Iterator[Problem]:
     for name in _REQUIRED:
         if name in columns and math.isnan(numbers[name]):
-            message = "the cell is empty or NaN, but the trial is to be used"
+            message, left_out = "the cell is empty or NaN, but the trial is to be used", name == "peak_N"
+            message = (
+                "the cell is empty or NaN: the trial gave no force, and is left out" if left_out else message
+            )
             fix = "write the number, or set the trial aside with kept = false"
-            yield table.problem(line, columns[name].header, "RF121", message, fix)
+            yield table.problem(line, columns[name].header, "RF121", message, fix, warning=left_out)
     for name in ("peak_N", *_OPTIONAL):
         if numbers[name] < 0 or (name == "peak_N" and numbers[name] == 0):
             least = "above zero" if name == "peak_N" else "zero or more"

@@ -5,6 +5,7 @@ data with one effect. `docs/accuracy.md` shows what is counted here: `python tes
 `verdicts`, which takes hours.
 """
 
+from dataclasses import replace
 from math import log, log1p, nan, pi
 from typing import NamedTuple
 
@@ -19,7 +20,7 @@ from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.laws import LAWS
 from ropefric.trials.table import TrialTable
 
-WITHIN, GAIN, OUTLIER = 0.02, 0.03, 0.15
+WITHIN, GAIN, OUTLIER, ROPES, SET_WRONG = 0.02, 0.03, 0.15, 0.04, pi / 90
 TRUTH = {"constant": (0.2,), "wrap-power": (0.25, -0.4, 0.1), "coupled": (0.46, -0.22, -0.3, -0.48, 0.055)}
 # Inside what is tested, and at none of its conditions.
 WHEEL = Conditions(wheel_radius_m=np.array([0.035]), rope_radius_m=np.array([0.0049]),
@@ -75,19 +76,36 @@ class Design(NamedTuple):
                         end_tension_N=np.array([10.0, 40.0, 120.0])[(np.arange(k) // 4) % 3])  # fmt: skip
         group = np.repeat(np.arange(k), size)
         law, gain = LAWS[self.law], GAIN if self.special == "gain" else 0.0
-        log_lift = law.log_lift(self.theta, at)
+        wrap_rad = SET_WRONG if self.special == "wrap by rig" else 0.0
+        set_wrong = wrap_rad * rng.standard_normal() if wrap_rad else 0.0
+        pulled = replace(at, wrap_angle_rad=at.wrap_angle_rad + set_wrong)
+        log_lift = law.log_lift(self.theta, pulled)
         if judged:
             _, setting, span, change = EFFECTS[self.special]
             level = getattr(at, setting)
             more = (level / level.min()) ** (log1p(change) / log(span)) - 1.0
             log_lift += self.theta[0] * at.wrap_angle_rad * more
-        log_lift = (log_lift + self.between * rng.standard_normal(k))[group]
-        log_lift = log_lift + WITHIN * rng.standard_normal(group.size) + gain * rng.standard_normal()
+        # From 0.3 to 1.8 times as much, with the force.
+        before, grown = log_lift, self.special == "growing scatter"
+        ends = [before.min(), before.max()]
+        size = np.exp(np.interp(before, ends, [log(0.3), log(1.8)])) if grown else np.ones(k)
+        rise, ropes = log_lift - at.log_end_tension, self.special == "three ropes"
+        rope = np.arange(group.size) % 3
+        of_rope = (ROPES * rng.standard_normal(3))[rope] * rise[group] if ropes else 0.0
+        log_lift = (log_lift + self.between * size * rng.standard_normal(k))[group] + of_rope
+        log_lift = (
+            log_lift + WITHIN * size[group] * rng.standard_normal(group.size) + gain * rng.standard_normal()
+        )
         log_lift[0] += OUTLIER if self.special == "outlier" else 0.0
-        new = law.log_lift(self.theta, WHEEL)[0] + np.hypot(self.between, WITHIN) * rng.standard_normal()
+        new = law.log_lift(self.theta, WHEEL)[0]
+        there = np.exp(np.interp(new, ends, [log(0.3), log(1.8)])) if grown else 1.0
+        more = ROPES * (new - WHEEL.log_end_tension[0]) * rng.standard_normal() if ropes else 0.0
+        new = new + more + there * np.hypot(self.between, WITHIN) * rng.standard_normal()
         pulls, force_N = at.select(group), np.exp(log_lift)
         columns = {name: getattr(pulls, name) for name in SETTINGS} | {"peak_N": force_N}
-        columns["peak_std_N"] = gain * force_N if gain else np.full(group.size, nan)
+        columns["cell_std_N"] = gain * force_N if gain else np.full(group.size, nan)
+        columns["wrap_std_rad"] = wrap_rad
+        columns["labels"] = {"rope_id": tuple(f"r{i}" for i in rope)} if ropes else {}
         return TrialTable(trial=tuple(map(str, range(group.size))), **columns), float(new)
 
 
@@ -95,22 +113,32 @@ DESIGNS = (Design("wrap-power", 12, 5), *(Design("wrap-power", k, 5) for k in (6
            *(Design("wrap-power", 12, n) for n in (1, 3, 12)),
            *(Design("wrap-power", k, 5, 0.0) for k in (8, 12)),
            *(Design("constant", k, 5) for k in (6, 12)), *(Design("coupled", k, 5) for k in (12, 36)),
-           *(Design("wrap-power", 12, 5, special=one) for one in ("gain", "bound", "outlier", "uneven")))  # fmt: skip
+           *(Design("wrap-power", 12, 5, special=one)
+             for one in ("gain", "bound", "outlier", "uneven", "three ropes", "wrap by rig",
+                         "growing scatter")))  # fmt: skip
 # Of constant data on several wheels, by conditions, repeats and scatter between conditions.
 JUDGED = {(k, n, between): Design("constant", k, n, between, "no effect") for k in (6, 8, 12, 20, 36)
           for n in (1, 3, 5, 12) for between in (0.0, WITHIN)}  # fmt: skip
 
 
 def coverage(design, n):
-    """Return in which share of campaigns the printed intervals hold the truth: of the mean law, and of one pull."""
+    """Return in which share of campaigns the printed intervals hold the truth: of the mean law, and of one pull.
+
+    Beside them the median half width of the mean's interval and degrees of freedom, and how often it is supported.
+    """
     mean, held = LAWS[design.law].log_lift(design.theta, WHEEL)[0], []
+    shared = {"cell": "cell"} | ({"wrap": "rig"} if design.special == "wrap by rig" else {})
     for seed in range(n):
         table, new = design.table(seed)
-        found = predict(fit_law(table, design.law), WHEEL)
+        fit = fit_law(table, design.law, shared=shared)
+        found = predict(fit, WHEEL)
         ends = np.log([found.interval_N[0], found.prediction_interval_N[0]])
         held.append([low - 1e-12 <= truth <= high + 1e-12
-                     for (low, high), truth in zip(ends, (mean, new), strict=True)])  # fmt: skip
-    return dict(zip(("mean", "pull"), np.mean(held, axis=0).tolist(), strict=True))  # fmt: skip
+                     for (low, high), truth in zip(ends, (mean, new), strict=True)]
+                    + [0.5 * float(np.ptp(ends[0])), float(found.dof[0]), found.verdict().supported])  # fmt: skip
+    shares = np.mean(np.array(held, float)[:, [0, 1, 4]], axis=0).tolist()
+    width, dof = np.median(np.array(held, float)[:, [2, 3]], axis=0).tolist()
+    return dict(zip(("mean", "pull", "supported"), shares, strict=True)) | {"half_width": width, "dof": dof}
 
 
 def verdicts(design, n):
@@ -120,7 +148,7 @@ def verdicts(design, n):
     """
     effect, named = EFFECTS[design.special][0], {design.special}
     if not effect:
-        named = {*EFFECTS, "offset", "coil contact"}
+        named = {*EFFECTS, "offset"}
     laws = effects = 0
     for seed in range(n):
         table, _ = design.table(seed)
@@ -142,10 +170,13 @@ def with_interval(share, n):
 
 def uncertainty_block(designs=DESIGNS):
     """Return how many of the intervals of the mean and of one pull hold the truth, design by design."""
-    lines = ["| law and design | mean | one pull |", "|---|---|---|"]
+    lines = ["| law and design | mean | one pull | half width of the mean | degrees of freedom | supported |",
+             "|---|---|---|---|---|---|"]  # fmt: skip
     for design in designs:
-        shares = [f"{100 * share:.0f}{_PERCENT}" for share in coverage(design, COUNTED).values()]
-        lines.append(f"| {design.name} | {' | '.join(shares)} |")
+        found = coverage(design, COUNTED)
+        mean, pull, supported = (f"{100 * found[key]:.0f}{_PERCENT}" for key in ("mean", "pull", "supported"))
+        width = f"{100 * found['half_width']:.1f}{_PERCENT}"
+        lines.append(f"| {design.name} | {mean} | {pull} | {width} | {found['dof']:.2g} | {supported} |")
     return "\n".join([*lines, ""])
 
 

@@ -7,18 +7,6 @@ from ropefric.accuracy.measure import error_table
 from ropefric.accuracy.studies import STUDIES
 
 
-@pytest.mark.slow
-def test_bootstrap_errs_with_one_over_the_root_of_the_number(errors):
-    """The 97.5 % point of n normal draws scatters by √(0.975 · 0.025/n)/0.0584, that is 1.364/√n of the arm."""
-    found = errors("interval", "curved", "bootstrap")
-    counts = np.array(sorted(found))
-    slope, _ = np.polyfit(np.log(counts), np.log([found[n] for n in counts]), 1)
-    assert slope == pytest.approx(-0.5, abs=0.06)
-    scaled = [found[n] * np.sqrt(n) / 1.364 for n in counts]
-    # A root mean square over 24 arms scatters by 1/√48 = 14 %.
-    assert 0.6 < min(scaled) <= max(scaled) < 1.45
-
-
 def test_draws_err_with_one_over_the_root_of_the_number_where_the_law_is_linear(errors):
     found = errors("interval", "linear", "monte carlo")
     counts = np.array(sorted(found))

@@ -42,13 +42,6 @@ def test_every_law_is_compared_on_the_kinetic_force():
     assert comparison["constant"].fit["mu"].value == pytest.approx(KINETIC_MU, rel=2e-3)
 
 
-def test_the_uncertainty_of_the_kinetic_force_weighs_its_trials():
-    uncertain = frame()
-    uncertain.loc[uncertain["wrap_angle_rad"] == 6.0, "kinetic_mean_std_N"] = 20.0
-    uncertain.loc[uncertain["wrap_angle_rad"] == 6.0, "kinetic_N"] *= 1.3
-    assert rf.fit(uncertain, "constant", of="kinetic")["mu"].value == pytest.approx(KINETIC_MU, rel=0.02)
-
-
 def test_trials_without_a_kinetic_force_are_left_out_and_counted():
     gaps = frame()
     gaps.loc[[0, 5], "kinetic_N"] = [np.nan, 10.0]

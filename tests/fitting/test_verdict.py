@@ -13,7 +13,7 @@ from pulled import grid, table_at
 
 from ropefric.fitting import fit as fitting
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.problem import batched_fit
+from ropefric.fitting.problem import FitProblem, batched_fit
 from ropefric.fitting.result import FitStatus
 from ropefric.fitting.statistics import find_trends, identify
 from ropefric.friction.condition import Conditions
@@ -159,16 +159,15 @@ def test_trends_are_not_found_where_there_are_none():
     """Conditions that scatter by themselves show a trend with p < 0.001 in about three of a thousand tests."""
     rng = np.random.default_rng(0)
     r, phi, F = (axis.ravel() for axis in np.meshgrid([3, 6, 12.0], [3, 6, 9.0, 12], [5, 20, 80.0]))
-    group = np.repeat(np.arange(36), 4)
-    pulls = Conditions(wheel_radius_m=0.005 * r, rope_radius_m=0.005, wrap_angle_rad=phi,
-        end_tension_N=F).select(group)  # fmt: skip
-    J = pulls.wrap_angle_rad[:, None] / 0.01
+    at = Conditions(wheel_radius_m=0.005 * r, rope_radius_m=0.005, wrap_angle_rad=phi, end_tension_N=F)
     found = []
     for _ in range(400):
-        noise = 0.01 * rng.normal(size=144) + 0.05 * rng.normal(size=36)[group]
-        rest = noise - J[:, 0] * (J[:, 0] @ noise) / (J[:, 0] @ J[:, 0])
-        found += [trend.p_value for trend in find_trends(J, rest, np.full(144, 0.01), group, pulls)]
-    assert (len(found), np.mean(np.array(found) < 0.05)) == (1200, pytest.approx(0.05, abs=0.02))
+        means = FitProblem.plain(LAWS["constant"], at, 0.05 * rng.normal(size=36), 0.05)
+        J = means.jacobian(np.array([0.2]))
+        left = means.log_lift / 0.05
+        left = left - J[:, 0] * (J[:, 0] @ left) / (J[:, 0] @ J[:, 0])
+        found += [trend.p_value for trend in find_trends(means, J, left)]
+    assert (len(found), np.mean(np.array(found) < 0.05)) == (1600, pytest.approx(0.05, abs=0.02))
     assert np.mean(np.array(found) < 1e-3) < 0.006
 
 

@@ -37,6 +37,8 @@ def sound(fit):
         if item.at_bound:
             assert fit.status is not FitStatus.OK
             continue
+        if fit.statistics.interval_dof == 0.0 and math.isnan(item.ci95[0]):
+            continue  # nothing tells the scatter
         assert item.ci95[0] <= item.value <= item.ci95[1]
         if fit.status is FitStatus.OK:
             assert math.isfinite(item.std)
@@ -79,9 +81,9 @@ def trials(kind, n, scatter, seed, extreme):
     return TrialTable(trial=tuple(f"t{i}" for i in range(n)), **columns)
 
 
-def check_fit(law, loss, clustered, **table):
+def check_fit(law, **table):
     """Whatever the table, a fit is sound or refused."""
-    fit = answered(lambda: fit_law(trials(**table), law, loss=loss, clustered=clustered, n_starts=2))
+    fit = answered(lambda: fit_law(trials(**table), law, n_starts=2))
     if fit is not None:
         sound(fit)
 
@@ -149,11 +151,10 @@ def _edit(which, *at, value):
 test_fit, test_fit_long = fuzzed(
     check_fit, short=18, share=0.003,
     # An uncertainty or a wrap so large that its square is no float.
-    examples=[{"law": "constant", "loss": "linear", "clustered": True, "kind": "plain", "n": 12, "scatter": 0.5,
+    examples=[{"law": "constant", "kind": "plain", "n": 12, "scatter": 0.5,
                "seed": 2, "extreme": [(5, 1e160)]}],
     law=st.sampled_from(sorted(ALL_LAWS)),
-    loss=st.sampled_from(["linear", "linear", "linear", "soft_l1", "huber", "cauchy", "arctan"]),
-    clustered=st.booleans(), kind=st.sampled_from(list(CHANGES)), n=st.sampled_from([1, 2, 3, 4, 6, 12, 24]),
+    kind=st.sampled_from(list(CHANGES)), n=st.sampled_from([1, 2, 3, 4, 6, 12, 24]),
     scatter=st.sampled_from([0.0, 1e-15, 1e-3, 0.02, 0.5]), seed=st.integers(0, 10**6),
     extreme=st.lists(st.tuples(st.integers(0, 99), st.sampled_from(EXTREME)), max_size=2),
 )  # fmt: skip

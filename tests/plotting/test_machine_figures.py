@@ -178,9 +178,7 @@ def test_lines_are_the_predictions_and_pale_outside_the_tested_range(told):
     at = Conditions(
         wheel_radius_m=0.02, rope_radius_m=0.0049, wrap_angle_rad=made.wrap_angle_rad, end_tension_N=60.0
     )
-    np.testing.assert_allclose(
-        whole.get_ydata(), predict(load_fit(FIT), at, check=False).lift_force_N, rtol=1e-12
-    )
+    np.testing.assert_allclose(whole.get_ydata(), predict(load_fit(FIT), at).lift_force_N, rtol=1e-12)
     shown = np.isfinite(tested.get_ydata())
     np.testing.assert_array_equal(shown, ~made.extrapolated[0])
     assert 0 < shown.sum() < shown.size

@@ -13,7 +13,7 @@ SETTINGS = ('tolerance = "0.2 mm"\n[wheels.W40]\nradius = "40 mm"\ntolerance = "
 RECORDS = {"a": 50, "b": 52, "c": 110, "d": 108}
 
 
-def test_tolerances_are_errors_that_trials_share(lab, tmp_path):
+def test_tolerances_are_errors_that_trials_share_where_it_is_said(lab, tmp_path):
     lab.pulls(**RECORDS)
     rows = [{"file": f"{name}.csv", "wheel": "W40", "wrap_angle_deg": 180 * (1 + (name in "cd")),
         "end_tension_N": 20} for name in RECORDS]  # fmt: skip
@@ -26,6 +26,7 @@ def test_tolerances_are_errors_that_trials_share(lab, tmp_path):
     again = rf.trial_table(tmp_path / "trials.csv")
     for name in ("wheel_radius_std_m", "rope_radius_std_m", "wrap_std_rad", "cell_std_N"):
         np.testing.assert_allclose(getattr(again, name), getattr(table, name), rtol=1e-8)
-    names = [item.name for item in rf.fit(extraction, "thickness").common_errors]
-    assert "radius of the wheels of 40 mm" in names
-    assert "radius of the rope of 4.9 mm" in names
+    assert rf.fit(extraction, "thickness").common_errors == ()
+    shared = {"wheel_radius": "wheel", "rope_radius": "rope", "wrap": "rig"}
+    found = rf.fit(extraction, "thickness", shared=shared).common_errors
+    assert {(item.kind, item.by) for item in found} == set(shared.items())

@@ -76,7 +76,6 @@ CELLS = [
     ("d,40,9.8,540,80,80", "peak_N", "80 N is not above the end tension 80 N", "exchanged"),
     ("d,40,9.8,-540,80,300", "wrap_angle_deg", "-540 deg is no possible value", "correct"),
     ("d,40,9.8,,80,300", "wrap_angle_deg", "empty or NaN", "kept = false"),
-    ("d,40,9.8,540,80,nan", "peak_N", "empty or NaN", "kept = false"),
     ("d,40,9.8,540,80,about 300", "peak_N", "cannot read 'about 300' as a number", "plain number"),
     ("d,40,9.8,540,80 N,300", "end_tension_N", "cannot read '80 N'", "write 80; the unit stands in the header"),
     ("d,40,9.8,540,80,1'300", "peak_N", "cannot read", "without marks between thousands"),
@@ -100,6 +99,14 @@ def test_wrong_names_and_units_of_columns_and_bad_cells_say_what_where_and_how_t
         assert said in found.message, row
         assert fix in found.fix, row
         assert (found.line, found.key) == (5, key), row
+
+
+def test_an_empty_force_costs_its_trial_and_not_the_table(read):
+    table = read(HEADER, *ROWS, "d,40,9.8,540,80,nan")
+    assert (len(table), int(table.used.sum()), bool(table.used[3])) == (4, 3, False)
+    (found,) = table.warnings
+    assert (found.line, found.key, found.severity) == (5, "peak_N", "warning")
+    assert "left out" in found.message
 
 
 def test_all_problems_come_at_once(read):

@@ -1,4 +1,4 @@
-"""The 95 % interval of a fitted coefficient: covariance, profile, bootstrap and draws.
+"""The 95 % interval of a fitted coefficient: covariance, profile and draws.
 
 Both laws have one parameter and an exponent per radian that is estimated linearly, so the exact interval is known.
 """
@@ -12,12 +12,10 @@ from scipy.special import ndtri
 
 from ropefric.accuracy.study import Case, Outcome, Setting, Study, against, over_seeds
 from ropefric.arrays import FloatArray
-from ropefric.fitting.intervals import bootstrap, profile_intervals
-from ropefric.fitting.predict import drawn_range
+from ropefric.fitting.intervals import profile_intervals
 from ropefric.fitting.problem import FitProblem
 from ropefric.fitting.statistics import plain_covariance
 from ropefric.friction.condition import Conditions
-from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import LAWS
 from ropefric.uncertainty.budget import joint_draws
 
@@ -89,10 +87,6 @@ def _settings(law: str) -> tuple[Setting, ...]:
     def by_profile() -> FloatArray:
         return arms(profile_intervals(problem, theta, level=LEVEL).ci[0])
 
-    def by_bootstrap(n: int, seed: int) -> FloatArray:
-        scatter = (_SCATTER[law], 0.0)
-        return arms(bootstrap(problem, theta, n=n, seed=seed, scatter=scatter).interval(LEVEL)[0])
-
     root = np.sqrt(plain_covariance(problem.jacobian(theta)))
     pull = problem.conditions.select(np.array([2]))
     wrap, log_end = float(pull.wrap_angle_rad[0]), float(np.log(pull.end_tension_N[0]))
@@ -100,8 +94,9 @@ def _settings(law: str) -> tuple[Setting, ...]:
     def by_draws(n: int, seed: int) -> FloatArray:
         draws = joint_draws(theta, root, dof=np.inf, n=n, rng=np.random.default_rng(seed))
         draws = np.clip(draws, problem.lower, problem.upper)
-        _, ends = drawn_range(LiftModel(law=problem.law), draws, pull, LEVEL)
-        return arms(mu_of_exponent(law, (ends[0] - log_end) / wrap))
+        lifts = problem.law.log_lift(draws, pull)[:, 0]
+        ends = np.percentile(lifts, [50.0 * (1.0 - LEVEL), 50.0 * (1.0 + LEVEL)])
+        return arms(mu_of_exponent(law, (ends - log_end) / wrap))
 
     def drawn(method: str, solve: Callable[[int, int], FloatArray], n: int) -> Setting:
         def assess() -> Outcome:
@@ -114,7 +109,6 @@ def _settings(law: str) -> tuple[Setting, ...]:
     return (
         *against(exact, "covariance", "", by_covariance, work=1.0),
         *against(exact, "profile", "", by_profile, work=n_profile),
-        *(drawn("bootstrap", by_bootstrap, n) for n in _COUNTS),
         *(drawn("monte carlo", by_draws, n) for n in _COUNTS),
     )
 
@@ -122,10 +116,10 @@ def _settings(law: str) -> tuple[Setting, ...]:
 STUDY = Study(
     name="interval",
     title="95 % interval of a fitted coefficient: both its arms",
-    question="When is the covariance enough, and how many resamples does an interval need?",
+    question="When is the covariance enough, and how many draws does an interval need?",
     reference="exact interval, through an exponent per radian that is estimated linearly",
     counted="fits or draws",
-    used="covariance; profile or bootstrap where they are asked for",
+    used="covariance where χ² is a parabola to its ends, else the profile",
     cases=(
         Case("linear", "constant law, six pulls with a scatter of 2 % each", partial(_settings, "constant")),
         Case(

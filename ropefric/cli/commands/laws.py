@@ -43,10 +43,6 @@ _OF = Option(
     "peak", metavar="peak|kinetic", help="Fit the break-away force, or the mean force while sliding."
 )
 
-_TOUCHING = Option(
-    None, min=0.0, help="Turns that touch the one beside them; by default all beyond the first may."
-)
-
 
 @command("ropefric fit fits/prth-trials.csv --law coupled --out coupled.json", order=80)
 def fit(
@@ -58,12 +54,15 @@ def fit(
     bound: Words = listed("NAME=LOW:HIGH", "Bounds of a parameter"),
     start: Words = Option(None, metavar="NAME=VALUE", help="Start value; the law guesses others."),
     intervals: str = option(
-        "auto|covariance|profile|bootstrap|bootstrap-t",
+        "auto|covariance|profile",
         "Where the 95 % intervals come from; auto is the covariance where it will do, else the profile.",
         default="auto",
     ),
-    loss: str = Option("linear", help="linear, or soft_l1, huber, cauchy, arctan: less weight for outliers."),
-    seed: int = Option(0, min=0, help="Of the search's further starts and of the bootstrap."),
+    groups: Words = listed(
+        "COLUMN", "A column whose levels may differ in μ; rope_id, operator, … by default"
+    ),
+    shared: Words = listed("ERROR=BY", "By what a stated error is shared: wrap=rig, wheel_radius=wheel"),
+    seed: int = Option(0, min=0, help="Of the search's further starts."),
     of: str = _OF,
     file: Path | None = Option(None, "--out", "-o", metavar="FIT.json", help="Store the fit there."),
     force: bool = flag("--force", "Write over a file that is there and is no fit."),
@@ -77,15 +76,16 @@ def fit(
         "bounds": options.parse_spans(bound or (), option="--bound"),
         "start": options.parse_assignments(start or (), option="--start"),
     }
+    given |= {"groups": tuple(groups) if groups else None, "shared": options.parse_sharers(shared)}
     if file is not None:  # before the work
         store.check_target(file, trials, overwrite=force)
     with _steps(trials, out) as step:
         step(0, "reading")
         table = options.read_table(trials, out, of=of)
         step(1, "fitting")
-        fitted = fitting.fit_law(table, law, loss=loss, seed=seed, **given)
+        fitted = fitting.fit_law(table, law, seed=seed, **given)
         step(2, "intervals")
-        result = confidence.with_intervals(fitted, intervals, seed=seed)
+        result = confidence.with_intervals(fitted, intervals)
         step(3, "done")
     if file is not None:
         out.note(f"wrote {store.save_fit(result, file, overwrite=force)}")
@@ -112,11 +112,8 @@ def compare(
     *,
     laws: Words = listed("NAME[,NAME…]", "Laws to compare, all by default"),
     of: str = _OF,
-    touching_turns: float | None = _TOUCHING,
 ) -> Answer:
     """Rank friction laws on a trial table by AICc, with weights and the error at unseen conditions.
-
-    What no law knows is said beside them: contact between coils, where that describes the trials as well or better.
 
     The two constant laws always stand in the comparison. Exits with 4 unless the best law is supported: when the
     data leave two laws undecided, or no choice at all.
@@ -125,7 +122,7 @@ def compare(
     table = options.read_table(trials, out, of=of)
     with Progress(out, "fit") as progress:
         told = progress.update_named
-        found = comparing.compare_laws(table, names or None, touching_turns=touching_turns, progress=told)
+        found = comparing.compare_laws(table, names or None, progress=told)
     chosen = comparing.choose_law(found)
     verdict = parts.verdict_section(chosen.verdict, f"The law: {chosen.fit.law}")
     data = found.to_dict() | chosen.to_dict() | {"of": table.force}
@@ -136,17 +133,15 @@ def compare(
 def diagnose(
     out: Output,
     trials: options.TableArgument,
-    *,
-    touching_turns: float | None = _TOUCHING,
 ) -> Answer:
-    """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap, coil contact.
+    """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap.
 
-    Columns rope_id, wheel, operator, dwell and order of the table are looked at too. Of what is not supported the
-    largest effect is stated that the data leave room for.
+    Columns rope_id, wheel, mounting, operator, day, dwell and order of the table are looked at too. Of what is not
+    supported the largest effect is stated that the data leave room for.
 
     Exits with 4 unless the best law is supported: when the data leave two laws undecided, or no choice at all.
     """
-    found = diagnosing.diagnose(options.read_table(trials, out), touching_turns=touching_turns)
+    found = diagnosing.diagnose(options.read_table(trials, out))
     return Answer(found.to_dict(), [parts.diagnosis_section(found, full=True)], exit_code_of(found.verdict))
 
 
@@ -196,7 +191,7 @@ def predict(
     speed: Number = quantity("--speed", "m/s", 'Of a running rope, such as "0.3 m/s".'),
     linear_density: Number = quantity("--linear-density", "kg/m", 'Of a running rope, such as "62 g/m".'),
     level: options.Level = 0.95,
-    method: str = Option("linear", metavar="linear|monte-carlo", help="How the uncertainty is carried over."),
+    method: str = Option("auto", metavar="auto|linear|profile", help="How the uncertainty is carried over."),
     hand: bool = flag("--hand", "Print the calculation, to be checked by hand."),
 ) -> Answer:
     """Predict the lift force of a wheel from a stored fit, with confidence and prediction interval.

@@ -89,7 +89,7 @@ def campaigns():
             log_lift = law.log_lift(theta, pulls) + scatter.between * rng.standard_normal(k)[group]
             log_lift = log_lift + scatter.within * rng.standard_normal(group.size)
             fit = fit_law(table_at(pulls, log_lift), law, n_starts=1)
-            found = predict(fit, target, check=False)
+            found = predict(fit, target, method="linear")
             low, high = np.log(found.interval_N[0])
             widths.append(high - low)
             errors.append(found.log_lift[0] - truth)

@@ -15,6 +15,7 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.next_tests import plan_tests, planned_fit, planned_guess
 from ropefric.fitting.predict import predict
 from ropefric.fitting.resolution import MeanScatter
+from ropefric.fitting.result import CommonError
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
@@ -31,52 +32,49 @@ def expected_std(planned, evidence, wanted):
 
 
 def test_no_number_of_pulls_takes_away_what_they_all_share(guessed):
-    """Constant law, k conditions of wrap φ_i by a chain that is off by u: δμ = u Σ φ/F σ⁻² / Σ φ² σ⁻² whatever k."""
+    """Constant law, k conditions of wrap φ_i by a chain that is off by u: generalised least squares, written out."""
     planned = guessed("constant", MeanScatter(within=0.02, between=0.01, instrument_N=2.0))
     wraps, target = np.array([2.0, 5.0, 9.0]), one_condition(0.04, 0.0049, 12.0, 20.0)
     totals = []
-    for k, repeats in ((1, 1), (1, 10**6), (10**4, 10**4)):
+    for k, repeats in ((1, 1), (1, 10**6), (100, 10**4)):
         at = Conditions(wheel_radius_m=0.04, rope_radius_m=0.0049, wrap_angle_rad=np.tile(wraps, k),
             end_tension_N=20)  # fmt: skip
         (total,), shared = planned.evidence(at, repeats).errors(planned.gradients(target))
         effect = 2.0 / (20.0 * np.exp(0.15 * wraps))
         own2 = 1e-4 + 4e-4 / repeats
-        weight = 1.0 / (own2 + effect**2)
-        bias = 12.0 * (weight * wraps * effect).sum() / (weight * wraps**2).sum()
-        scatter2 = 144.0 * own2 * (weight**2 * wraps**2).sum() / (weight * wraps**2).sum() ** 2 / k
-        assert shared.item() == pytest.approx(bias, rel=1e-12)
-        assert total == pytest.approx(math.sqrt(bias**2 + scatter2), rel=1e-12)
+        V = own2 / k * np.eye(3) + np.outer(effect, effect)
+        weight = np.linalg.solve(V, wraps)
+        assert total == pytest.approx(12.0 / math.sqrt(weight @ wraps), rel=1e-6)
+        assert abs(shared.item()) == pytest.approx(abs(12.0 * (weight @ effect) / (weight @ wraps)), rel=1e-4)
         totals.append(total)
     assert totals[0] > totals[1] > totals[2]
-    assert totals[2] == pytest.approx(bias, rel=1e-5)
 
 
 def test_a_plan_says_when_more_pulls_do_not_help(bench, guessed, wanted):
-    known, bad = (plan_tests(guessed("constant", MeanScatter(within=0.02, between=0.01, instrument_N=u_N)),
-        bench, wanted("inside"), n_conditions=30, repeats=100, starts=1) for u_N in (0.1, 20.0))  # fmt: skip
+    """A gain that all share goes with the offset of the law, so that no data tell the two apart."""
+    law, name = LAWS["constant-offset"], "calibration of the force cell"
+    plain = planned_guess(law, {"mu": 0.2, "k": 0.05}, MeanScatter(within=0.02, between=0.01))
+    known, bad = (plan_tests(dataclasses.replace(plain, chain=name,
+        common=(CommonError(name, "-", u, (), "cell", "cell"),)),
+        bench, wanted("inside"), n_conditions=30, repeats=100, starts=1) for u in (0.001, 0.05))  # fmt: skip
     assert not any("more pulls hardly help" in note for note in known.notes)
     (note,) = (note for note in bad.notes if "more pulls hardly help" in note)
-    assert "measuring chain" in note
+    assert name in note
     assert bad.after.shared_log[0] > 0.7 * bad.after.std_log[0]
 
 
 def test_errors_that_a_fit_shares_reach_the_plan_as_in_its_prediction(bench, root):
-    """Before: those of the fit. With ever more tests by the same cell: never below what the cell brings."""
+    """Before: those of the fit; with more tests less, for these tell the errors as well."""
     fit = load_fit(root / "fits" / "prth-coupled.json")
     planned, target = planned_fit(fit), one_condition(0.04, 0.0049, math.radians(540), 80.0)
     along = planned.gradients(target)
     before, shared = planned.known.errors(along)
     by_fit = fit.friction_law.jacobian(fit.theta, target) @ fit.common_changes
-    np.testing.assert_allclose(shared, by_fit, rtol=1e-7)
+    np.testing.assert_allclose(shared, by_fit, rtol=1e-3)
     at = bench.conditions()
     (many,), (most,) = (planned.known.joined(planned.evidence(at, repeats)).errors(along)[0]
         for repeats in (1000, 10**9))  # fmt: skip
-    found = planned.known.joined(planned.evidence(at, 10**9))
-    left = np.linalg.norm(found.errors(along)[1])
-    assert most < many < before[0]
-    assert most == pytest.approx(left, rel=0.05)
-    name = [*found.shares][int(np.argmax(np.abs(found.errors(along)[1])))]
-    assert name.startswith("calibration of cell")
+    assert most <= many < before[0]
 
 
 def test_the_expected_error_is_that_of_least_squares_in_closed_form(guessed):
@@ -133,12 +131,13 @@ def test_the_errors_expected_of_parameters_are_those_of_a_fit(bench, guessed, wa
     planned = guessed("size-exponential", MeanScatter(within=0.017))
     plan = plan_tests(planned, bench, wanted("large wheel"), repeats=8, starts=2)
     at = plan.conditions.select(np.repeat(np.arange(12), 8))
-    scatter = 0.017 * np.random.default_rng(2).standard_normal(len(at))
-    table = table_at(at, planned.law.log_lift(planned.theta, at) + scatter)
-    fit = fit_law(table, planned.law, clustered=False, scale_covar=False)
-    # The fit's own slopes are those at its estimate, and its scatter is estimated with 84 degrees of freedom.
-    for name, std in plan.expected_parameter_std().items():
-        assert fit[name].std == pytest.approx(std, rel=0.25)
+    ratio2 = []
+    for seed in range(8):
+        scatter = 0.017 * np.random.default_rng(seed).standard_normal(len(at))
+        fit = fit_law(table_at(at, planned.law.log_lift(planned.theta, at) + scatter), planned.law)
+        ratio2.append([(fit[name].std / std) ** 2 for name, std in plan.expected_parameter_std().items()])
+    # The fit's own slopes are those at its estimate, and its scatter is estimated with 9 degrees of freedom each.
+    assert np.mean(ratio2, axis=0) == pytest.approx(np.ones(len(ratio2[0])), abs=0.5)
 
 
 def test_of_both_criteria_each_is_best_at_its_own(bench, guessed, wanted):

@@ -1,0 +1,492 @@
+"""One model of scatter: ln F_A = law(θ) + what ropes, mountings, operators bring + condition + repeat + stated errors.
+
+A rope, a mounting, an operator may have a μ of its own: it changes ln F_A in proportion to the rise ln(F_A/F_B). What a
+condition brings (a setting, a new rope each time) is shared by its repeats. Stated errors are known components, shared
+by exactly what the user says shares them. The variances of the others are found by restricted maximum likelihood (REML)
+on the linearised law (Patterson & Thompson 1971, Biometrika 58:545), without a floor at zero: a mean square between
+conditions that happens to lie below the repeats' stays what it is, which makes Student's t exact in balanced designs.
+Standard errors are Kenward and Roger's (1997, Biometrics 53:983), degrees of freedom Satterthwaite's, so that
+three ropes count as three.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.special import psi, zeta
+
+from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.errors import InputError
+from ropefric.files.plain_text import GIVEN_DIGITS, significant
+from ropefric.fitting.problem import FitProblem
+from ropefric.fitting.statistics import SMALLEST_SCATTER, condition_means, decomposed, rounded_covariance
+from ropefric.friction.condition import SETTINGS
+
+CONDITION, REPEAT = "condition", "repeat"
+
+# The variance of a mean stays above this part of what its repeats leave, however low the others happen to be.
+_LEAST = 0.05
+# Uneven scatter: standard errors of its exponent (p = 0.001), cells with repeats, and range of ln F_A to see it in.
+_BEYOND_CHANCE, _LEAST_CELLS, _SAME_FORCE = 3.29, 4, 0.1
+_ROUNDS, _HALVINGS = 100, 30
+_SETTLED, _CLOSE = 1e-9, 1e-10
+# Smallest eigenvalue of the correlations between what components do: below, one is another one in disguise.
+_TOLD_APART = 1e-3
+_MOST_CELLS = 3000
+_TINY = 1e-300
+
+
+class Uneven(NamedTuple):
+    """How the variance of ln F_A grows with the force: by e^{exponent (ln F_A − centre)}, over the forces tested."""
+
+    exponent: float = 0.0
+    centre: float = 0.0
+    low: float = 0.0
+    high: float = 0.0
+
+    def factor(self, log_lift: FloatArray) -> FloatArray:
+        """Return the variance at forces over that at the centre."""
+        return np.exp(self.exponent * (np.clip(log_lift, self.low, self.high) - self.centre))
+
+
+EVEN = Uneven()
+
+
+class Layout(NamedTuple):
+    """Trials put together where they share everything, and which of these cells share what.
+
+    Attributes
+    ----------
+    problem : FitProblem
+        A law and the mean ln F_A of the k cells.
+    cell : ndarray, shape (n,)
+        Of each trial.
+    size, condition : ndarray, shape (k,)
+        Trials of a cell, and its condition.
+    squares, spare : float, int
+        Of repeats about the mean of their cell, the sum and its degrees of freedom.
+    groups : mapping of str to ndarray, shape (k,)
+        The level of each cell in each group that the trials tell from all else.
+    notes : tuple of str
+        Which groups they do not tell, and why.
+    """
+
+    problem: FitProblem
+    cell: IntArray
+    size: FloatArray
+    condition: IntArray
+    squares: float
+    spare: int
+    groups: Mapping[str, IntArray]
+    notes: tuple[str, ...] = ()
+    uneven: "Uneven" = EVEN
+
+    @property
+    def nested(self) -> bool:
+        """Return whether conditions have several cells."""
+        return int(self.condition.max()) + 1 < self.condition.size
+
+    @property
+    def within(self) -> float:
+        """Return the scatter of repeats; NaN without any, 0 where they agree to rounding."""
+        if not self.spare:
+            return float("nan")
+        found = (self.squares / self.spare) ** 0.5
+        return float(found) if found > SMALLEST_SCATTER else 0.0
+
+
+def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout:
+    """Return the layout of trials; those of one cell agree in condition and in the levels of groups."""
+    condition, notes, told, columns = problem.group, [], dict[str, IntArray](), [problem.group]
+    for name, words in groups.items():
+        level = np.unique(np.array(words), return_inverse=True)[1]
+        if why := _hidden(level, problem, told):
+            notes.append(f"{name} {why}")
+        elif level.max(initial=0):
+            told[name] = level
+            columns.append(level)
+    first, cell = np.unique(np.stack(columns), axis=1, return_index=True, return_inverse=True)[1:]
+    # In the order of the trials, so that conditions stay in theirs.
+    order = np.argsort(np.argsort(first))
+    cell, first = order[cell.ravel()], np.sort(first)
+    by_cell = replace(problem, group=cell, std=np.ones(problem.n_points))
+    means = condition_means(by_cell)
+    rise = problem.log_lift - problem.conditions.log_end_tension
+    about = rise - (np.bincount(cell, rise) / means.size)[cell]
+    k = len(means)
+    on_means = replace(
+        by_cell, conditions=means.conditions, log_lift=means.log_lift, std=np.ones(k), group=np.arange(k)
+    )
+    own = {name: level[first] for name, level in told.items()}
+    if own and k > _MOST_CELLS:
+        text = f"{k} cells of conditions and {', '.join(own)} are more than one matrix of covariances holds"
+        raise InputError(text, key="groups", fix=f"name fewer groups, for {_MOST_CELLS} cells at most")
+    size, of_cell = means.size.astype(np.float64), np.asarray(np.bincount(cell, about**2), np.float64)
+    uneven = _unevenness(means.log_lift, size, of_cell)
+    if uneven.exponent:
+        squares2 = (of_cell.sum() / max(cell.size - k, 1)) * uneven.factor(
+            np.array([uneven.low, uneven.high])
+        )
+        low, high = (f"{100.0 * value**0.5:.2g} %" for value in squares2.tolist())
+        notes.append(
+            f"repeats scatter by about {low} at the lowest force and {high} at the highest, and are weighed so"
+        )
+    squares = float((of_cell / uneven.factor(means.log_lift)).sum())
+    return Layout(on_means, cell, size, condition[first], squares, cell.size - k, own, tuple(notes), uneven)
+
+
+def _unevenness(log_lift: FloatArray, size: FloatArray, squares: FloatArray) -> Uneven:
+    """Return how the variance of repeats goes with the force, where that is beyond chance.
+
+    ln s² of ν degrees of freedom scatters by ψ'(ν/2) about ln σ² + ψ(ν/2) − ln(ν/2) (Bartlett & Kendall 1946), so that
+    a straight line through them, weighed, has a known error.
+    """
+    seen = (size > 1.0) & (squares > SMALLEST_SCATTER**2)
+    half, x = 0.5 * (size[seen] - 1.0), log_lift[seen]
+    if half.size < _LEAST_CELLS or np.ptp(x) < _SAME_FORCE:
+        return EVEN
+    y, weight = np.log(squares[seen] / (2.0 * half)) - psi(half) + np.log(half), 1.0 / zeta(2, half)
+    centre = float(weight @ x / weight.sum())
+    spread = float(weight @ (x - centre) ** 2)
+    exponent = float(weight @ ((x - centre) * y)) / spread
+    if abs(exponent) * spread**0.5 < _BEYOND_CHANCE:
+        return EVEN
+    ends = significant(float(log_lift.min()), 6), significant(float(log_lift.max()), 6)
+    return Uneven(significant(exponent, 6), significant(centre, 6), *ends)
+
+
+def _hidden(level: IntArray, problem: FitProblem, told: Mapping[str, IntArray]) -> str:
+    """Return what a group goes with, so that its scatter is part of that; empty if it can be told."""
+
+    def finer(one: IntArray, other: IntArray) -> bool:
+        """Return whether each level of the one has one level of the other only."""
+        pairs = np.unique(np.stack([one, other]), axis=1).shape[1]
+        return bool(pairs == np.unique(one).size)
+
+    if not level.max(initial=0):
+        return ""
+    if finer(level, np.arange(level.size)):
+        return "is another one in every pull: its scatter is part of that of repeats"
+    if finer(level, problem.group):
+        return "is another one in every condition: its scatter is part of that between conditions"
+    for name in SETTINGS:
+        setting = np.unique(getattr(problem.conditions, name).round(12), return_inverse=True)[1]
+        if setting.max(initial=0) and finer(level, setting) and finer(setting, level):
+            return f"goes with the {name.rsplit('_', 1)[0].replace('_', ' ')}: the law holds what differs between them"
+    for name, other in told.items():
+        if finer(level, other) and finer(other, level):
+            return f"goes with {name} throughout, and is counted once"
+    return ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ScatterModel:
+    """Components of the scatter about a law, and what they leave open of its p parameters.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the m components: groups, "condition", "repeat".
+    levels : tuple of int
+        How many ropes, conditions, trials each has.
+    variance : ndarray, shape (m,)
+        Of ln F_A by condition and repeat, of the relative change of μ by a group [-]; below zero where a mean square
+        happens to lie below the one it holds.
+    covariance : ndarray, shape (m, m)
+        Of these variances, the inverse of their information.
+    slopes : ndarray, shape (m, p, p)
+        Derivatives of the parameters' covariance by each variance.
+    uneven : Uneven
+        How the variances by condition and repeat, those at its centre, grow with the force.
+    """
+
+    names: tuple[str, ...] = ()
+    levels: tuple[int, ...] = ()
+    variance: FloatArray
+    covariance: FloatArray
+    slopes: FloatArray
+    uneven: Uneven = EVEN
+
+    def std(self, name: str) -> float:
+        """Return the standard deviation by a component, 0 where its variance is below zero; NaN if there is none."""
+        if name not in self.names:
+            return float("nan")
+        return float(max(self.variance[self.names.index(name)], 0.0) ** 0.5)
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Return the names of the groups."""
+        return tuple(name for name in self.names if name not in {CONDITION, REPEAT})
+
+    def dof(
+        self, rows: FloatArray, own: FloatArray | None = None, known: FloatArray | float = 0.0
+    ) -> FloatArray:
+        """Return Satterthwaite's degrees of freedom of variances, shape (r,): 2 v²/Var(v).
+
+        v = j C jᵀ for combinations j of parameters in `rows` (r, p), plus Σ σ_i² of the components in `own` (r, m),
+        what one pull brings beside the law, plus `known` (r,), which is sure.
+        """
+        slopes = np.einsum("rp,mpq,rq->rm", rows, self.slopes, rows, optimize=True)
+        slopes = slopes if own is None else slopes + own
+        variance = slopes @ self.variance + known
+        spread = np.einsum("rm,mn,rn->r", slopes, self.covariance, slopes)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(spread > 0.0, np.maximum(2.0 * variance**2 / spread, 1.0), np.inf)
+
+    def rounded(self) -> "ScatterModel":
+        """Return the model to the digits that mean something."""
+        digits = np.vectorize(lambda value: significant(float(value), GIVEN_DIGITS), otypes=[np.float64])
+        slopes = np.array([rounded_covariance(one) for one in self.slopes]).reshape(self.slopes.shape)
+        return replace(
+            self, variance=digits(self.variance), covariance=digits(self.covariance), slopes=slopes
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return a JSON tree."""
+        names = ("names", "levels", "variance", "covariance", "slopes")
+        return {name: getattr(self, name) for name in names} | {"uneven": self.uneven._asdict()}
+
+    @classmethod
+    def from_dict(cls, tree: Mapping[str, Any], p: int) -> "ScatterModel":
+        """Return the model of such a tree."""
+        m = len(tree["names"])
+        shapes = {"variance": (m,), "covariance": (m, m), "slopes": (m, p, p)}
+        arrays = {name: np.array(tree[name], np.float64).reshape(shape) for name, shape in shapes.items()}
+        words, levels = tuple(map(str, tree["names"])), tuple(map(int, tree["levels"]))
+        return cls(names=words, levels=levels, uneven=Uneven(**tree["uneven"]), **arrays)
+
+
+def nothing_known(p: int) -> ScatterModel:
+    """Return the model of data that leave nothing to estimate a scatter from."""
+    return ScatterModel(variance=np.zeros(0), covariance=np.zeros((0, 0)), slopes=np.zeros((0, p, p)))
+
+
+class Estimate(NamedTuple):
+    """The scatter about a law at some parameters, the means weighed by it, and the covariance (q, q) it leaves."""
+
+    weighted: FitProblem
+    model: ScatterModel
+    covariance: FloatArray
+    moved: FloatArray
+    """How one standard uncertainty of each stated error moves the free parameters, shape (q, b)."""
+
+
+def estimated(
+    layout: Layout, theta: FloatArray, free: BoolArray, errors: FloatArray | None = None
+) -> Estimate | None:
+    """Return the scatter of cells about their law at theta, for the parameters that are `free`.
+
+    `errors` (k, b): how one standard uncertainty of each stated error moves ln F_A of each cell. None where nothing is
+    left to estimate from: no cell more than parameters, or means that agree with the law to rounding.
+    """
+    problem, p = layout.problem, theta.size
+    values, J = problem.law.log_lift_and_jacobian(theta, problem.conditions)
+    X, r, Z = J[:, free], problem.log_lift - values, np.zeros((len(values), 0)) if errors is None else errors
+    seen = decomposed(X)
+    left = seen.left[:, ~seen.lost]
+    spare, rest = r.size - left.shape[1], r - left @ (left.T @ r)
+    within = layout.within if layout.spare else 0.0
+    size2 = float(rest @ rest) / max(spare, 1) + within**2
+    if spare < 1 or size2**0.5 < SMALLEST_SCATTER:
+        return None
+    rise = values - problem.conditions.log_end_tension
+    parts = {name: _part(name, layout, rise) for name in _told(layout, left, rise)}
+    if Z.shape[1] or any(part.ndim == 2 for part in parts.values()):
+        parts = {name: np.diag(part) if part.ndim == 1 else part for name, part in parts.items()}
+    known = Z @ Z.T if Z.shape[1] else np.zeros(())
+    # In units of what the residuals scatter by.
+    reml = _Reml(r / size2**0.5, X, parts, known / size2, layout.squares / size2, layout.spare)
+    variance, at = reml.solved()
+    inverse, C, adjusted = at.corrections()
+    slopes, place = np.zeros((len(parts), p, p)), free.nonzero()[0]
+    slopes[np.ix_(np.arange(len(parts)), place, place)] = at.half @ C @ at.half.T
+    count = {CONDITION: int(layout.condition.max()) + 1, REPEAT: int(layout.size.sum())}
+    count |= {name: int(np.unique(level).size) for name, level in layout.groups.items()}
+    model = ScatterModel(
+        names=tuple(parts), levels=tuple(count[name] for name in parts), variance=variance * size2,
+        covariance=inverse * size2**2, slopes=slopes, uneven=layout.uneven,
+    )  # fmt: skip
+    whitening = at.whitening / size2**0.5
+    weight = {"std": 1.0 / whitening} if whitening.ndim == 1 else {"root": whitening}
+    covariance = at.half @ adjusted @ at.half.T * size2
+    moved = size2**0.5 * at.half @ (at.left.T @ _times(whitening, Z))
+    return Estimate(replace(problem, **weight), model, covariance, moved)
+
+
+def weighed(layout: Layout, model: ScatterModel, theta: FloatArray, errors: FloatArray) -> FitProblem:
+    """Return the means of cells weighed by a model of their scatter and by stated errors (k, b)."""
+    problem = layout.problem
+    rise = problem.law.log_lift(theta, problem.conditions) - problem.conditions.log_end_tension
+    parts = [_part(name, layout, rise) for name in model.names]
+    if errors.shape[1] or any(part.ndim == 2 for part in parts):
+        parts = [np.diag(part) if part.ndim == 1 else part for part in parts]
+    V = sum(size * part for size, part in zip(model.variance.tolist(), parts, strict=True))
+    V = V + errors @ errors.T if errors.shape[1] else V
+    if V.ndim == 1:
+        return replace(problem, std=np.sqrt(V))
+    return replace(problem, root=np.linalg.inv(np.linalg.cholesky(V)))
+
+
+def _part(name: str, layout: Layout, rise: FloatArray) -> FloatArray:
+    """Return what a component adds to the covariance of the cells by a variance of one; a vector for a diagonal."""
+    factor = layout.uneven.factor(layout.problem.log_lift)
+    if name == REPEAT:
+        return factor / layout.size
+    if name == CONDITION:
+        return np.sqrt(np.outer(factor, factor)) * _same(layout.condition) if layout.nested else factor
+    return np.outer(rise, rise) * _same(layout.groups[name])
+
+
+def _told(layout: Layout, left: FloatArray, rise: FloatArray) -> tuple[str, ...]:
+    """Return the components that residuals tell apart, the groups first.
+
+    Without repeats, or where all of them agree to rounding, the scatter between conditions is all there is.
+    """
+    found = (CONDITION, REPEAT) if layout.nested or layout.within > 0.0 else (CONDITION,)
+    if not layout.groups:
+        return found
+    M = np.eye(rise.size) - left @ left.T
+    condition = _part(CONDITION, layout, rise)
+    seen = [(M @ condition @ M).ravel() if layout.nested else M.ravel()]
+    for name in layout.groups:
+        more = [*seen, (M @ _part(name, layout, rise) @ M).ravel()]
+        gram = np.array([[one @ other for one in more] for other in more])
+        size = np.sqrt(np.maximum(np.diag(gram), _TINY))
+        if float(np.linalg.eigvalsh(gram / np.outer(size, size))[0]) > _TOLD_APART:
+            found, seen = (name, *found), more
+    return found
+
+
+def _same(level: IntArray) -> FloatArray:
+    """Return which pairs of cells share a level, 1 or 0, shape (k, k)."""
+    return np.equal.outer(level, level).astype(np.float64)
+
+
+def _times(whitening: FloatArray, columns: FloatArray) -> FloatArray:
+    return columns * whitening[:, None] if whitening.ndim == 1 else whitening @ columns
+
+
+class _Moments(NamedTuple):
+    """The restricted likelihood of some variances, in coordinates in which V is one: its score and information."""
+
+    likelihood: float
+    score: FloatArray
+    information: FloatArray
+    whitening: FloatArray
+    half: FloatArray
+    left: FloatArray
+    parts: list[FloatArray]
+
+    def corrections(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the covariance of the variances, Uᵀ A_i U, and Kenward and Roger's factor of the covariance.
+
+        I + 2 Σ w_ij (Uᵀ A_i A_j U − Uᵀ A_i U Uᵀ A_j U), A_i the whitened parts and U the whitened slopes' basis.
+        """
+        inverse = np.asarray(np.linalg.pinv(self.information, hermitian=True), np.float64)
+        C = np.stack([_seen(self.left, A) for A in self.parts])
+        factor = np.eye(self.left.shape[1])
+        for i, A in enumerate(self.parts):
+            for j, B in enumerate(self.parts):
+                product = _seen(self.left, A * B) if A.ndim == 1 else (self.left.T @ A) @ (B @ self.left)
+                factor = factor + 2.0 * inverse[i, j] * (product - C[i] @ C[j])
+        return inverse, C, 0.5 * (factor + factor.T)
+
+
+def _seen(left: FloatArray, A: FloatArray) -> FloatArray:
+    """Return Uᵀ A U for a matrix or a diagonal, shape (q, q)."""
+    return np.asarray((left.T * A) @ left if A.ndim == 1 else left.T @ A @ left)
+
+
+def _whitening(V: FloatArray, least: FloatArray) -> tuple[FloatArray, float] | None:
+    """Return R with Rᵀ R = V⁻¹, or its diagonal, and ln |V|; None unless `least` is positive definite."""
+    if V.ndim == 1:
+        return (V**-0.5, float(np.log(V).sum())) if float(least.min()) > 0.0 else None
+    try:
+        np.linalg.cholesky(least)
+        triangle = np.linalg.cholesky(V)
+    except np.linalg.LinAlgError:
+        return None
+    return np.linalg.inv(triangle), 2.0 * float(np.log(np.diag(triangle)).sum())
+
+
+def _turned(whitening: FloatArray, part: FloatArray) -> FloatArray:
+    """Return R A Rᵀ, or its diagonal."""
+    return part * whitening**2 if part.ndim == 1 else whitening @ part @ whitening.T
+
+
+def _sums(A: Sequence[FloatArray], left: FloatArray, e: FloatArray) -> tuple[FloatArray, list[float]]:
+    """Return tr(A_i A_j) − 2 tr(Uᵀ A_i A_j U), shape (m, m), and eᵀ A_i e − tr(A_i)."""
+    if A[0].ndim == 1:
+        rest = 1.0 - 2.0 * (left**2).sum(axis=1)
+        return np.array([[float(rest @ (a * b)) for a in A] for b in A]), [
+            float(a @ (e * e - 1.0)) for a in A
+        ]
+    trace = [[float((a * b).sum() - 2.0 * ((a @ left) * (b @ left)).sum()) for a in A] for b in A]
+    return np.array(trace), [float(e @ a @ e - np.trace(a)) for a in A]
+
+
+class _Reml(NamedTuple):
+    """Residuals r of k means with slopes X, V = Σ s_i part_i + known, and the squares of repeats about their means."""
+
+    r: FloatArray
+    X: FloatArray
+    parts: Mapping[str, FloatArray]
+    known: FloatArray
+    squares: float
+    spare: int
+
+    def solved(self) -> tuple[FloatArray, _Moments]:
+        """Return the variances of greatest restricted likelihood, by Fisher's scoring with steps that must gain."""
+        within = max(self.squares / self.spare, 1e-3) if self.spare else 0.5
+        start = {CONDITION: max(1.0 - within, 0.1)}
+        s = np.array([within if name == REPEAT else start.get(name, 1e-3) for name in self.parts])
+        at = self.moments(s)
+        while at is None:  # what is known may be more than all that residuals show
+            s = 2.0 * s
+            at = self.moments(s)
+        for _ in range(_ROUNDS):
+            step = np.linalg.lstsq(at.information, at.score, rcond=None)[0]
+            new = None
+            for _ in range(_HALVINGS):
+                new = self.moments(s + step)
+                if new is not None and new.likelihood >= at.likelihood - _SETTLED:
+                    break
+                step, new = 0.5 * step, None
+            if new is None:
+                break
+            s, before, at = s + step, at.likelihood, new
+            if abs(at.likelihood - before) < _SETTLED and float(np.abs(step).max()) < _CLOSE * float(
+                np.abs(s).max()
+            ):
+                break
+        return s, at
+
+    def moments(self, s: FloatArray) -> _Moments | None:
+        """Return what the likelihood says at some variances; None where they leave no covariance."""
+        of = dict(zip(self.parts, s.tolist(), strict=True))
+        V = self.known + sum(size * self.parts[name] for name, size in of.items())
+        repeat = of.get(REPEAT, 0.0)
+        floor = _LEAST * repeat * self.parts[REPEAT] if REPEAT in of else 0.0 * V
+        if REPEAT in of and repeat <= 0.0:
+            return None
+        if (found := _whitening(V, V - floor)) is None:
+            return None
+        whitening, log_det = found
+        svd = decomposed(_times(whitening, self.X))
+        half, left = svd.root()
+        log_det += 2.0 * float(np.log(svd.values[~svd.lost]).sum() + np.log(svd.length).sum())
+        e = _times(whitening, self.r[:, None])[:, 0]
+        e = e - left @ (left.T @ e)
+        A = [_turned(whitening, part) for part in self.parts.values()]
+        trace, score = _sums(A, left, e)
+        C = [_seen(left, a) for a in A]
+        information = 0.5 * (trace + np.array([[float((c * d).sum()) for c in C] for d in C]))
+        gradient = 0.5 * np.array([x + float(np.trace(c)) for x, c in zip(score, C, strict=True)])
+        likelihood = -0.5 * (log_det + float(e @ e))
+        if REPEAT in of and self.spare:
+            place = [*of].index(REPEAT)
+            information[place, place] += 0.5 * self.spare / repeat**2
+            gradient[place] += 0.5 * (self.squares / repeat**2 - self.spare / repeat)
+            likelihood -= 0.5 * (self.spare * np.log(repeat) + self.squares / repeat)
+        return _Moments(float(likelihood), gradient, information, whitening, half, left, A)

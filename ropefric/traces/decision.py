@@ -181,11 +181,11 @@ def _before_sliding(
         return without_force(Status.SATURATED if cut else Status.NO_PEAK, cut or stuck, prepared)
     reason = max(found.reasons, key=lambda status: found.reasons[status])
     if best is None or sum(found.reasons.values()) >= SURE:  # none for certain, whichever the reason
-        say = _in_doubt if reason is Status.DOUBTFUL else _with_reason
-        return say(prepared, reason, found)
+        is_damaged = reason is Status.DOUBTFUL
+        return _in_doubt(prepared, found) if is_damaged else _with_reason(prepared, reason, found)
     same = share_near(found, best)
     if same < SURE:
-        return _in_doubt(prepared, reason, found)
+        return _in_doubt(prepared, found)
     result = measured(prepared, settings, best.block, rests_of(prepared, found.whole))
     events = tuple(_events(prepared, found.whole, best.block, settings))
     result = replace(result, probability=round(same, 2), events=events)
@@ -319,7 +319,7 @@ def _where_damaged(prepared: Prepared, found: Judgement) -> str:
     return f"{step} and does not continue what was before"
 
 
-def _in_doubt(prepared: Prepared, _: Status, found: Judgement) -> Breakaway:
+def _in_doubt(prepared: Prepared, found: Judgement) -> Breakaway:
     """Return a doubtful result: several candidates, or a candidate and a reason, are possible."""
     time_s = prepared.blocks.time_s
     events = tuple(

@@ -1,6 +1,6 @@
 """Make the weights of the picker again: draw recordings, train, set the temperature, write weights and model card.
 
-`python -m ropefric.training [--out FOLDER] [--seed 21] [--recordings 72000] [--steps 24000] [--jobs 2]` writes
+`python -m ropefric.training [--out FOLDER] [--seed 21] [--recordings 36000] [--steps 8000] [--jobs 2]` writes
 `picker.npz` and `picker.md`; `--help` lists the rest. It learns from drawn recordings and a tenth of recordings of the
 first rig; the second rig is left for the temperature and, with other draws, for the check. It needs the extra `train`;
 nothing else in ropefric imports it.
@@ -394,7 +394,7 @@ def main() -> None:
     """Draw, train, set the temperature, and write weights and model card into a folder."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=picker.STORED.parent)
-    for name, usual in (("seed", 21), ("recordings", 72_000), ("steps", 24_000), ("jobs", 2)):
+    for name, usual in (("seed", 21), ("recordings", 36_000), ("steps", 8_000), ("jobs", 2)):
         parser.add_argument(f"--{name}", type=int, default=usual)
     parser.add_argument(
         "--device", default="cpu", help="where the network is trained, as torch names it: cpu, cuda"

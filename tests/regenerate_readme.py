@@ -160,6 +160,12 @@ def small_campaigns() -> ModuleType:
     return _script("small_campaigns", "accuracy", "small_campaigns.py")
 
 
+def peers() -> ModuleType:
+    """Return the script that times ropefric beside what its users would write instead."""
+    sys.path.append(str(ROOT / "tests" / "benchmarks"))
+    return _script("peers", "benchmarks", "peers.py")
+
+
 def with_blocks(text: str, blocks: dict[str, str]) -> str:
     """Return a text with these blocks between their markers; one without its marker is not put in."""
     for name, block in blocks.items():
@@ -203,6 +209,7 @@ def write_blocks(only: list[str]) -> list[str]:
     """Measure these blocks, or all, where their markers are in a page, write them there, and return their names."""
     makers: dict[str, Callable[[], str]] = {"cost": lambda: cost_block(this_machine().line),
                                             "hard-cases": lambda: hard_cases().table(),
+                                            "peers": lambda: peers().peers_block(this_machine().line),
                                             "picks": picks_block,
                                             "uncertainty": lambda: small_campaigns().uncertainty_block(),
                                             "verdicts": lambda: small_campaigns().verdicts_block()}  # fmt: skip

@@ -137,7 +137,7 @@ def coverage(design, n):
                      for (low, high), truth in zip(ends, (mean, new), strict=True)]
                     + [0.5 * float(np.ptp(ends[0])), float(found.dof[0]), found.verdict().supported])  # fmt: skip
     shares = np.mean(np.array(held, float)[:, [0, 1, 4]], axis=0).tolist()
-    width, dof = np.median(np.array(held, float)[:, [2, 3]], axis=0).tolist()
+    width, dof = np.nanmedian(np.array(held, float)[:, [2, 3]], axis=0).tolist()
     return dict(zip(("mean", "pull", "supported"), shares, strict=True)) | {"half_width": width, "dof": dof}
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, Kind, RopefricWarning, UnknownNameError
-from ropefric.quantities import parse_quantity, split_unit_suffix, unit_factor
+from ropefric.quantities import example_unit, parse_quantity, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.readers.table import SAFE_NAMES
@@ -75,6 +75,39 @@ def settings(**given: Any) -> dict[str, FloatArray]:
             raise InputError(f"{name} is empty", key=name, fix="give one value or more")
     warn_of_odd(found)
     return found
+
+
+def in_declared_units(others: Mapping[str, Any], **declared: Any) -> dict[str, Any]:
+    """Return declared arguments, with those that came under another unit or name, such as wheel_diameter_mm, in SI.
+
+    >>> found = in_declared_units({"wheel_diameter_mm": 70, "lift": "2 kN"}, wheel_radius_m=None, lift_N=None)
+    >>> [float(one) for one in found.values()]
+    [0.035, 2000.0]
+    """
+    known: dict[str, cells.Quantity] = {}
+    for prefix in ("", "u_"):
+        for stem, (field, unit, factor) in cells.SETTINGS.items():
+            if prefix + field in declared:
+                known[prefix + stem] = (prefix + field, unit, factor)
+    for name in declared:
+        stem, unit = split_unit_suffix(name)
+        known[stem] = (name, unit, 1.0)
+    for name, value in others.items():
+        stem, unit = split_unit_suffix(name)
+        if stem not in known:
+            fix = did_you_mean(name, [*declared, *known])
+            raise UnknownNameError(f"there is no argument {name}", key=name, fix=fix)
+        field, si_unit, factor = known[stem]
+        if declared[field] is not None:
+            text = f"{name} and another argument both give {field}"
+            raise InputError(text, key=name, fix="leave one of them out")
+        if not _has_units(value):
+            if not unit:
+                fix = f'write {stem}="… {example_unit(si_unit)}" or {stem}_{si_unit.replace("/", "_")}=…'
+                raise InputError(f"{name} does not say its unit", key=name, fix=fix)
+            factor *= unit_factor(unit, si_unit, name=name)
+        declared[field] = in_si(value, si_unit, name) * factor
+    return declared
 
 
 def warn_of_odd(values: Mapping[str, FloatArray]) -> None:

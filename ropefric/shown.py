@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _MOST_VALUES, _MOST_ROWS, _MOST_TEXT = 4, 10, 90
 
-_DRAWN_BY: list[Callable[[], Callable[..., Any]]] = []
+_ABOVE: dict[str, Callable[[], Callable[..., Any]]] = {}
 
 
 class Shown:
@@ -77,12 +77,17 @@ class Shown:
 
     def plot(self, *args: Any, **options: Any) -> Any:
         """Return a matplotlib figure of the result; a break-away takes its trace, a fit `over`, a sweep `quantity`."""
-        return _DRAWN_BY[0]()(self, *args, **options)
+        return from_above("plot")(self, *args, **options)
 
 
-def drawn_by(find: Callable[[], Callable[..., Any]]) -> None:
-    """Say how the function is found that draws results; it is looked for when the first is drawn."""
-    _DRAWN_BY[:] = [find]
+def provide(**functions: Callable[[], Callable[..., Any]]) -> None:
+    """Set how the functions of higher rooms that are methods of results are found; each is loaded when first called."""
+    _ABOVE.update(functions)
+
+
+def from_above(name: str) -> Callable[..., Any]:
+    """Return the function of a higher room that is behind a method of results."""
+    return _ABOVE[name]()
 
 
 def _paths(said: Sequence[str]) -> Iterator[str]:

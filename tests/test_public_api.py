@@ -180,7 +180,12 @@ def test_what_is_not_there_or_not_one_is_told():
 
 def test_settings_come_in_any_unit_under_the_names_of_a_table():
     fit = rf.load_fit(COUPLED)
-    radius = ({"wheel_radius_m": 0.035}, {"wheel_radius_mm": 35}, {"wheel_radius": "35 mm"}, {"wheel_diameter_mm": 70})
+    radius = (
+        {"wheel_radius_m": 0.035},
+        {"wheel_radius_mm": 35},
+        {"wheel_radius": "35 mm"},
+        {"wheel_diameter_mm": 70},
+    )
     for own, wrap in zip(radius, ("wrap_angle", "wrap"), strict=False):
         lift_N = rf.predict(fit, **own, **{wrap: "400 deg"}, end_tension_kN=0.06).lift_force_N
         assert lift_N == pytest.approx(168.8, abs=0.05)
@@ -196,7 +201,7 @@ def test_settings_come_in_any_unit_under_the_names_of_a_table():
     running = fit.predict(**wheel, linear_density="62 g/m", speed_m_s=2.0)
     assert running.lift_force_N != fit.predict(**wheel).lift_force_N
     for wrong, error, words in (
-        ({"wheel_radius": 0.035}, InputError, "wheel_radius does not say its unit Fix: write wheel_radius=\"… mm\""),
+        ({"wheel_radius": 0.035}, InputError, 'wheel_radius does not say its unit Fix: write wheel_radius="… mm"'),
         ({"wheel_radius_m": 0.035, "wheel_diameter_mm": 70}, InputError, "both give wheel_radius_m"),
         ({"wheel_radius_N": 3}, InputError, "wheel_radius_N: 'N' is not a unit of"),
         ({"wheel_radios_m": 3}, UnknownNameError, "no argument wheel_radios_m Fix: did you mean 'wheel_radius_m'"),

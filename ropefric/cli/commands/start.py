@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from itertools import accumulate
@@ -28,6 +28,7 @@ with on_first_use():
     from ropefric.rig import bench as rig_bench
     from ropefric.rig import campaign as rigs
     from ropefric.rig import recording
+    from ropefric.scenes import keys as scene_keys
     from ropefric.scenes import scene as scenes
     from ropefric.scenes import scene_templates
     from ropefric.trials import campaign as campaigns
@@ -48,7 +49,7 @@ def init(
     scenes: bool = flag("--scenes", "Write all scenes instead of a campaign."),
     scene: Words = listed(
         "NAME",
-        "Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …",
+        "Write this scene and print all keys of its system: hoist, belt-press, band-saw, traction, belt-drive, …",
         "--scene",
     ),
     recordings: str = option(
@@ -68,6 +69,9 @@ def init(
     """
     if scenes or scene:
         written = scene_templates.write_scenes(folder, () if scenes else scene or (), overwrite=force)
+        keys = {} if scenes else scene_keys.keys_of(scene or ())
+        for line in _key_lines(keys):
+            out.note(line)
         first = folder / "hoist.toml"
         out.note(f"next: ropefric solve {quote(str(first if first in written else written[0]))}")
     else:
@@ -80,9 +84,28 @@ def init(
         elif pattern:
             fix = "add --from 'daq/*.csv'"
             raise InputError("a pattern of names needs recordings", key="--pattern", fix=fix)
+        keys = {}
         written = campaigns.write_templates(folder, overwrite=force, **found)
         out.note(f"next: fill them in, then  ropefric check {quote(str(folder / 'campaign.toml'))}")
-    return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
+    data = {
+        "written": written,
+        **({"keys": {k: [one._asdict() for one in v] for k, v in keys.items()}} if keys else {}),
+    }
+    return Answer(data, "\n".join(f"wrote {path}" for path in written))
+
+
+def _key_lines(keys: dict[str, tuple["scene_keys.SceneKey", ...]]) -> Iterator[str]:
+    """Yield the table of all keys of some systems."""
+    for system, rows in keys.items():
+        yield f"all keys of a scene with system = {system!r}:"
+        table = [("key", "unit", "default", "meaning")] + [
+            (r.name, r.unit, r.default, r.meaning) for r in rows
+        ]
+        widths = [max(len(row[column]) for row in table) for column in range(3)]
+        for row in table:
+            yield "  " + "  ".join(
+                [*(f"{text:{width}}" for text, width in zip(row, widths, strict=False)), row[3]]
+            )
 
 
 _MARKS = {"\t": "tab", " ": "space", ",": "comma", ";": "semicolon", ".": "point", "|": "bar"}

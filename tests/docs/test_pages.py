@@ -1,5 +1,6 @@
 """The pages keep their word: what they print is printed, links lead somewhere, commands and options exist."""
 
+import importlib.util
 import inspect
 import re
 import shlex

@@ -1,4 +1,4 @@
-"""What `import ropefric` offers: from recordings to forces, laws, lift forces and designs; from scenes to answers."""
+"""Functions of `import ropefric`: from recordings to forces, laws, lift forces, designs; from scenes to answers."""
 
 import math
 import os
@@ -433,15 +433,15 @@ def fit(
     law : str
         "constant", "wrap-power", "coupled", …
     fixed, start : mapping of parameter name to value, optional
-        Parameters that are held, and where the search begins for others.
+        Parameters that are held, and start values of others.
     bounds : mapping of parameter name to (lower, upper), optional
         Where the search may go; the law's own bounds by default.
     groups : sequence of str, optional
         Columns whose levels may differ in μ, so that three ropes count as three; `rope_id`, `wheel`, `mounting`,
         `operator` and `day` where the trials have them, by default.
     shared : mapping of str to str, optional
-        By what a stated error is shared: {"wrap": "rig", "wheel_radius": "wheel", "cell": "cell"}. What is not said to
-        be shared shows in the scatter; `cell_std_N` is shared by the trials of a cell by default.
+        Which trials share a stated error: {"wrap": "rig", "wheel_radius": "wheel", "cell": "cell"}. Other errors are
+        part of the scatter; `cell_std_N` is shared by the trials of a cell by default.
     n_starts, seed : int
         Starts of the search, and the seed of what spreads them.
     intervals : {"auto", "covariance", "profile"}
@@ -692,7 +692,7 @@ def run(
     folder : path-like
         Where trials.csv, fits/, comparison.csv, … go; what an earlier run wrote there and no longer fits is removed.
     law : str
-        The law to use; "" for the best whose fit may be used as it stands.
+        The law to use; "" for the best law with a usable fit.
     jobs, executor
         As `extract`.
     overwrite : bool
@@ -751,7 +751,7 @@ def friction_table(
     rope_radius_m: Given = None,
     **named: Given,
 ) -> FrictionTable:
-    """Return a fitted law as a table μ(φ, F_B, R_w) for a simulator, and the constant that stands for it best.
+    """Return a fitted law as a table μ(φ, F_B, R_w) for a simulator, and the constant that fits it best.
 
     Parameters
     ----------
@@ -968,7 +968,7 @@ def plan_tests(
     Raises
     ------
     InputError
-        If the rope is not given and not known, or no plan within these settings can tell.
+        If the rope is not given and not known, or no plan within these settings determines the law.
 
     Examples
     --------
@@ -1053,7 +1053,7 @@ def accuracy_table(
 
     if not study:
         rows = [(one.name, one.title, ", ".join(each.name for each in one.cases)) for one in STUDIES.values()]
-        return pd.DataFrame(rows, columns=["study", "what is compared", "cases"])
+        return pd.DataFrame(rows, columns=["study", "comparison", "cases"])
     cases = (STUDIES[study].case(case),) if case else STUDIES[study].cases
     if timed:
         (measured,) = measure_studies([replace(STUDIES[study], cases=cases)], quick=True)
@@ -1099,7 +1099,7 @@ def solve(scene: Scene | PathLike, *, level: float = 0.95) -> Solution:
 
 
 def explain(scene: Scene | PathLike, *, measure: bool = False) -> Explanation:
-    """Return why a scene is solved the way it is: each effect, whether it is simulated, and what it is worth.
+    """Return how a scene is solved: each effect, whether it is simulated, and its influence.
 
     Parameters
     ----------
@@ -1113,8 +1113,8 @@ def explain(scene: Scene | PathLike, *, measure: bool = False) -> Explanation:
     >>> import tempfile
     >>> from ropefric.scenes.scene_templates import write_scenes
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     told = explain(write_scenes(folder, ["band-saw"])[0])
-    >>> told.plan.left_out
+    ...     found = explain(write_scenes(folder, ["band-saw"])[0])
+    >>> found.plan.left_out
     ('bending', 'torsion')
     """
     return explain_scene(_as_scene(scene), measure=measure)

@@ -1,4 +1,4 @@
-"""What users hand over in the forms they have it in: tables, arrays, quantities with their units; SI comes out."""
+"""Input of users in many forms, tables, arrays, quantities with units, converted to SI."""
 
 import os
 import warnings
@@ -29,7 +29,7 @@ _ODD = {
     "wheel_radius_m": (5.0, "{:g} m is a wheel of {:.3g} m diameter", 2.0, "mm"),
     "rope_radius_m": (0.5, "{:g} m is a rope of {:.3g} m diameter", 2.0, "mm"),
 }
-"""Above what a setting is hardly meant, how to say it, and the unit it was probably given in."""
+"""The limit above which a setting is improbable, its message, and the unit that was probably meant."""
 _USER = 4
 """Calls from a warning up to the line that called a function of `import ropefric` with settings."""
 
@@ -67,7 +67,7 @@ def number(value: Any, si_unit: str, name: str) -> float:
 
 
 def settings(**given: Any) -> dict[str, FloatArray]:
-    """Return the settings that are given (not None) in SI, by name, and warn of what is hardly meant."""
+    """Return the settings that are given (not None) in SI, by name, and warn of improbable values."""
     known = {name: value for name, value in given.items() if value is not None}
     found = {name: in_si(value, split_unit_suffix(name)[1], name) for name, value in known.items()}
     for name, values in found.items():

@@ -19,12 +19,12 @@ _ABOVE: dict[str, Callable[[], Callable[..., Any]]] = {}
 
 
 class Shown:
-    """What a result has in common with every other: `repr`, `_repr_html_`, `to_frame()` and `plot()`.
+    """Base of all results: `repr`, `_repr_html_`, `to_frame()` and `plot()`.
 
-    A class declares in `_said` what is worth saying, as paths of attributes with their standard uncertainty after
+    A class declares in `_said` what its text shows, as paths of attributes with their standard uncertainty after
     a ±: `"peak_N ± peak_std_N"`, under another name `"verdict=verdict.word"`. Units are read off the names. `_framed`
     says what `to_frame()` holds: an attribute with records or columns, or several attributes that are columns of one
-    length; by default one row of what is said.
+    length; by default one row of the text.
     """
 
     __slots__ = ()

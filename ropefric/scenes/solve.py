@@ -205,9 +205,9 @@ def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
 
 
 def _own_bounds(scene: Scene, plan: Plan, answer: Any, quantities: tuple[Quantity, ...]) -> dict[str, float]:
-    """Return how far what is left out may put off a number, in its unit: each one where a list of effects is asked for.
+    """Return the possible error of each number by effects left out, in its unit.
 
-    Of a list it is the difference to the answer with what it leaves out, and the bound of what is too dear for that.
+    For a list of effects it is the difference to the answer with all, plus the bound of the expensive ones.
     """
     if not plan.left_out:
         return {}

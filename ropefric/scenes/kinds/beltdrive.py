@@ -87,7 +87,7 @@ class BeltTable(kind.Table):
         if self.density is not None and (self.linear_density is not None or self.stress is None):
             reject(
                 "RF111",
-                "a density is for the width that a stress asks for, in place of a mass per length",
+                "a density is for the width that follows from a stress, in place of a mass per length",
                 fix="add stress and leave out linear_density, or leave out density",
                 key="density",
             )
@@ -161,7 +161,7 @@ class DriveScene(kind.SceneTable):
         if self.driven is not None and self.driven.wrap is None and not wrap < _TURN:
             reject(
                 "RF121",
-                "a belt that goes round more than once does not tell the driven pulley's wrap",
+                "the driven pulley's wrap does not follow from a belt that goes round more than once",
                 fix='add wrap = "180 deg" to [driven]',
                 key="driven.wrap",
             )

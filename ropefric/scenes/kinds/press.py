@@ -47,7 +47,7 @@ class TensionerTable(kind.Table):
     Keys
     ----
     spring : Stiffness k_1 that presses the roller into the belt (zero or more).
-    travel : x, by how far its spring is pressed where it stands.
+    travel : x, compression of its spring in the given position.
     force : Its own preload F, in place of that of all.
     mass : Of the roller with what moves with it; for a start-up.
     damping : C_1 of its travel; for a start-up (zero or more).
@@ -137,7 +137,7 @@ class MachineTable(kind.Table):
     rotation : Of the first driver; or give the speed (zero or more).
     preload : F of all tensioners that have no force of their own.
     load_factor : Times which the torques of the sludge are taken (zero or more).
-    closure : What is said of the drivers where the balances leave open who pulls how much.
+    closure : Condition that divides the load between the drivers, where the balances leave it open.
     """
 
     speed: Annotated[float | None, kind.key("m/s", "0.92 m/s", "speed_m_s", above=None)] = None

@@ -145,7 +145,7 @@ def _failures(answer: TractionAnswer, problem: TractionProblem) -> tuple[kind.Fa
     for name, what, limit, way, factor, unit in limits:
         if (given := getattr(problem, name)) is not None:
             value, ends = factor * given, f"{'at most' if way > 0 else 'at least'} {limit:g} {unit}"
-            said, fails = f"outside EN 81-50, which asks for {ends}", way * (value - limit) > 1e-9 * limit
+            said, fails = f"outside EN 81-50, which requires {ends}", way * (value - limit) > 1e-9 * limit
             outside.append(kind.Failure(said, what, value, fails, limit))
     held = [f"the ropes slip in the load case {case}" for case in CASES[:-1]]
     words = (*held, "the ropes do not slip when the car is stalled")

@@ -243,8 +243,9 @@ def as_trace(
     for channel, unit in (("time", "s"), ("force", "N")):
         names = [name for name in headers if split_unit_suffix(name)[0].lower() in SAFE_NAMES[channel]]
         if len(names) != 1 or not split_unit_suffix(names[0])[1]:
-            text = f"{len(names)} columns are a {channel} with its unit, of {', '.join(headers)}"
-            fix = f'name the one that is meant: columns={{"…": "{channel}_{unit}"}}'
+            found = "more than one" if len(names) > 1 else "no"
+            text = f"{found} {channel} column with its unit in {', '.join(headers) or 'an empty table'}"
+            fix = f'name one with its unit, columns={{"…": "{channel}_{unit}"}}, or give times and forces'
             raise InputError(text, key="columns", fix=fix)
         factor = unit_factor(split_unit_suffix(names[0])[1], unit)
         arrays.append(factor * in_si(frame[names[0]].to_numpy(), "", names[0]))

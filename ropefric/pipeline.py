@@ -319,17 +319,17 @@ def rejection_words(run: CampaignRun) -> tuple[str, ...]:
         n = " to ".join(map(str, sorted({min(sizes), max(sizes)})))
         took = f"{np.count_nonzero(rejected)} of {sum(sizes)}"
         words.append(
-            f"with n = {n} {rule.label} takes {lost:.2g} good trials on average; here it took {took}"
+            f"with n = {n} {rule.label} rejects {lost:.2g} good trials on average; here it rejected {took}"
         )
     if rejected.any():
         fit = fit_law(replace(answer.table, kept=answer.table.kept | rejected), answer.fit.law)
         shown = [item for item in fit.parameters if item.vary]
         values = ", ".join(f"{item.name} = {item.value:.4g} ± {item.std:.2g}" for item in shown)
-        text = f"without it {fit.law} has {values}"
+        text = f"without the rule {fit.law} has {values}"
         if (asked := answer.prediction) is not None:
             both = (_lift_N(one, asked.conditions, "wrap_angle_rad", 1.0) for one in (answer.fit, fit))
             with_N, without_N = both
-            text += f", and lifts {without_N:.5g} N in the design instead of {with_N:.5g} N"
+            text += f", and F_A of the design is {without_N:.5g} N instead of {with_N:.5g} N"
         words.append(text)
     return tuple(words)
 

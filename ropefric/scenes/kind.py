@@ -55,7 +55,7 @@ zero_or_more = number_where(
 _accuracy = number_where(
     lambda one: 0.0 < one <= 1.0,
     "an accuracy of {} is not above 0 and at most 1",
-    "give the relative error you can live with, such as 0.01 for 1 %",
+    "give the relative error you accept, such as 0.01 for 1 %",
     "RF501",
 )
 
@@ -254,8 +254,8 @@ class SceneTable(Table):
     Keys
     ----
     system : The kind of machine.
-    accuracy : Relative error of the answer that you can live with.
-    effects : Which effects are simulated: those the accuracy calls for, all, or a list of their names.
+    accuracy : Relative error of the answer that you accept.
+    effects : Simulated effects: those that the accuracy needs, all, or a list of their names.
     tolerances : Limits of error of the scene's numbers, by key, in the number's unit or in per cent; for `--draws`.
     plugins : Files with laws or machines of your own, from the scene's folder.
     """

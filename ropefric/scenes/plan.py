@@ -111,7 +111,7 @@ def _refuse_missing(system: System, problem: Any, names: Iterable[str]) -> None:
                 f"the effect {name} cannot be simulated without {lacking}",
                 code="RF502",
                 key="effects",
-                fix=f"add {lacking}, or take {name} off the list",
+                fix=f"add {lacking}, or remove {name} from the list",
             )
 
 
@@ -138,7 +138,7 @@ def _decided(  # noqa: PLR0917  (facts of one plan)
 
 def _why_simulated(one: Effect, bound: float, asked: str | tuple[str, ...], kept: Mapping[str, str]) -> str:
     if asked != "auto":
-        return "all effects are asked for" if asked == "all" else "asked for by name"
+        return "the scene requires all effects" if asked == "all" else "named in the scene"
     if one.name in kept:
         return kept[one.name]
     if math.isnan(bound):

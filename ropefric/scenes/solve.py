@@ -117,7 +117,7 @@ class Solution(Shown):
         """Return what speaks against using the answer, or the machine."""
         source, plan = self.scene.source, self.plan
         found = [*self.failures, *(() if source is None else source.warnings)]
-        found += [f"left open by the effects left out: {words}" for words in self.undecided]
+        found += [f"not decided without the effects left out: {words}" for words in self.undecided]
         found += [f"extrapolated: {words}" for words in self.extrapolation]
         if not plan.keeps_accuracy:
             bound = "not known" if math.isinf(plan.error_bound) else f"up to {plan.error_bound:.2g}"

@@ -360,7 +360,7 @@ def _rows_of_campaign(
 ) -> list[tuple[str, str]]:
     """Return the rows of a campaign: name and trials, conditions, wanted lift force, outlier rule."""
     good_lost = outliers.RULES[content["rejection"]].good_lost(most)
-    lost = f", takes {good_lost:.2g} good trials of {most} on average" if good_lost > 0.0 else ""
+    lost = f", rejects {good_lost:.2g} of {most} good trials on average" if good_lost > 0.0 else ""
     excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
     trials = f"{content['n_trials']} in {content['n_files']} files{excluded}"
     asked = _listed(content["lift_force_N"], 1.0, "N")

@@ -318,7 +318,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         lines.append(f"turning the other way, against the band: torque {work['reversed_torque_N_m']:.5g} N m")
     if tree.get("belts") is not None:
         belts = "belts" if tree["belts"] > 1 else "belt"
-        lines.append(f"the power takes {tree['belts']} {belts} tensioned like this")
+        lines.append(f"the power takes {tree['belts']} {belts} with this tension")
     if best is not None:
         lines.append(
             f"best speed: {best['speed_m_s']:.4g} m/s, {best['rotation_rad_s'] * _PER_MINUTE:.5g} rpm of the driving "

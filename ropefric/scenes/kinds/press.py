@@ -425,7 +425,7 @@ def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure,
     if problem.start_up is not None:
         return () if answer.start_up is None else (_pushes(answer.start_up),)
     largest = answer.slip.utilisation.max(axis=-1)
-    words = "a roller slips, so the belts cannot be pulled like this"
+    words = "a roller slips, so a steady run is not possible"
     return (kind.Failure(words, "largest utilisation", largest, largest > 1.0),)
 
 
@@ -511,7 +511,7 @@ _WAYS = {
     ("preload", "rises"): "the preload of all tensioners rises to",
     ("speed", "falls"): "the belts run no faster than",
     ("speed", "rises"): "the belts run as fast as",
-    ("load", "falls"): "all loads fall to what they are times",
+    ("load", "falls"): "all loads fall by the factor",
     ("load", "rises"): "all loads grow by the factor",
     ("friction", "falls"): "the coefficient falls to",
     ("friction", "rises"): "the coefficient rises to",
@@ -557,7 +557,7 @@ def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
             f"{name} ({'its belt lifts off, or has no friction' if use is None else f'utilisation {use:.3g}'})"
             for name, use in uses.items()
         )
-        lines = [f"rollers that slip already: {found}; their belts cannot be pulled like this"]
+        lines = [f"rollers that slip already: {found}; a steady run is not possible"]
     elif tree["first_to_slip"] is None:
         lines = ["no roller carries a torque"]
     else:

@@ -190,10 +190,10 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
             wrap += f", or an undercut of at least {math.degrees(undercut):.1f} deg"
             if undercut > _LARGEST_UNDERCUT_RAD:
                 wrap += " (the standard ends at 106 deg)"
-        lines.append(f"what would hold, all else as it is: {wrap}")
+        lines.append(f"changes that would make it hold: {wrap}")
     if not cases["stalled"]["passes"]:
         limit = math.degrees(cases["stalled"]["wrap_limit_rad"] or 0.0)
-        lines.append(f"what would slip when stalled, all else as it is: a wrap of at most {limit:.1f} deg")
+        lines.append(f"change that would make it slip when stalled: a wrap of at most {limit:.1f} deg")
     more = {"lines": tuple(lines), "notes": (tree["note"],)}
     return (kind.by_rows("Traction", "load case", cases, columns, **more),)
 

@@ -1,4 +1,4 @@
-"""A user's plugin files, those of docs/plugins.md and docs/plugin-machine.md: on the command line, in a campaign, a scene and in Python."""
+"""A user's plugin files, those of the pages on plugins: on the command line, in a campaign, a scene and in Python."""
 
 import json
 import multiprocessing

@@ -241,15 +241,21 @@ def as_trace(
     frame = as_frame(trace, columns)
     arrays, headers = [], [str(name) for name in frame.columns]
     for channel, unit in (("time", "s"), ("force", "N")):
-        names = [name for name in headers if split_unit_suffix(name)[0].lower() in SAFE_NAMES[channel]]
-        if len(names) != 1 or not split_unit_suffix(names[0])[1]:
-            found = "more than one" if len(names) > 1 else "no"
-            text = f"{found} {channel} column with its unit in {', '.join(headers) or 'an empty table'}"
-            fix = f'name one with its unit, columns={{"…": "{channel}_{unit}"}}, or give times and forces'
-            raise InputError(text, key="columns", fix=fix)
-        factor = unit_factor(split_unit_suffix(names[0])[1], unit)
-        arrays.append(factor * in_si(frame[names[0]].to_numpy(), "", names[0]))
+        name = _named(headers, channel, unit)
+        factor = unit_factor(split_unit_suffix(name)[1], unit)
+        arrays.append(factor * in_si(frame[name].to_numpy(), "", name))
     return _recorded(*arrays)
+
+
+def _named(headers: Sequence[str], channel: str, unit: str) -> str:
+    """Return the one header that is a channel with its unit."""
+    names = [name for name in headers if split_unit_suffix(name)[0].lower() in SAFE_NAMES[channel]]
+    if len(names) == 1 and split_unit_suffix(names[0])[1]:
+        return names[0]
+    found = "more than one" if len(names) > 1 else "no"
+    text = f"{found} {channel} column with its unit in {', '.join(headers) or 'an empty table'}"
+    fix = f'name one with its unit, columns={{"…": "{channel}_{unit}"}}, or give times and forces'
+    raise InputError(text, key="columns", fix=fix)
 
 
 def _at_rate(forces: Any, force_N: Any, sampling_rate: Any) -> ForceTrace:

@@ -98,14 +98,12 @@ def _key_lines(keys: dict[str, tuple["scene_keys.SceneKey", ...]]) -> Iterator[s
     """Yield the table of all keys of some systems."""
     for system, rows in keys.items():
         yield f"all keys of a scene with system = {system!r}:"
-        table = [("key", "unit", "default", "meaning")] + [
-            (r.name, r.unit, r.default, r.meaning) for r in rows
+        table = [
+            ("key", "unit", "default", "meaning"),
+            *((r.name, r.unit, r.default, r.meaning) for r in rows),
         ]
-        widths = [max(len(row[column]) for row in table) for column in range(3)]
-        for row in table:
-            yield "  " + "  ".join(
-                [*(f"{text:{width}}" for text, width in zip(row, widths, strict=False)), row[3]]
-            )
+        wide, unit, default = (max(len(row[column]) for row in table) for column in range(3))
+        yield from (f"  {a:{wide}}  {b:{unit}}  {c:{default}}  {d}" for a, b, c, d in table)
 
 
 _MARKS = {"\t": "tab", " ": "space", ",": "comma", ";": "semicolon", ".": "point", "|": "bar"}

@@ -48,7 +48,7 @@ from ropefric.scenes.solve import Solution, solve_scene
 from ropefric.scenes.sweep import KEPT_POINTS, Axis, Sweep, parse_axis, sweep_scene, sweep_table
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings
-from ropefric.traces.calibration import Calibration
+from ropefric.traces.calibration import IN_NEWTONS, Calibration, tare_from_interval
 from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.protocols import pick_at
 from ropefric.traces.readers import read_recordings
@@ -293,18 +293,14 @@ def _tared(trace: ForceTrace, tare: Any) -> ForceTrace:
     if tare is None:
         return trace
     if isinstance(tare, str) or np.ndim(tare) == 0:
-        zero_N = number(tare, "N", "tare")
-    else:
+        return replace(trace, force_N=trace.force_N - number(tare, "N", "tare"))
+    if np.shape(tare) != (2,):
         fix = "give (from, until) in seconds, or the force that was shown without load"
-        if np.shape(tare) != (2,):
-            raise InputError("tare is an interval or one force", key="tare", fix=fix)
-        first_s, last_s = in_si(list(tare), "s", "tare").tolist()
-        idle = (trace.time_s >= first_s) & (trace.time_s <= last_s) & np.isfinite(trace.force_N)
-        if not idle.any():
-            text = f"the tare interval from {first_s:g} s until {last_s:g} s holds no sample"
-            raise InputError(text, key="tare", fix=fix)
-        zero_N = float(trace.force_N[idle].mean())
-    return replace(trace, force_N=trace.force_N - zero_N)
+        raise InputError("tare is an interval or one force", key="tare", fix=fix)
+    interval_s = in_si(list(tare), "s", "tare").tolist()
+    found, doubts = tare_from_interval(trace.time_s, trace.force_N, IN_NEWTONS, *interval_s)
+    notes = (*trace.notes, *(one.message for one in doubts))
+    return replace(trace, force_N=trace.force_N - found.tare_N, notes=notes)
 
 
 def extract(

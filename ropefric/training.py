@@ -1,9 +1,9 @@
 """Make the weights of the picker again: draw recordings, train, set the temperature, write weights and model card.
 
 `python -m ropefric.training [--out FOLDER] [--seed 21] [--recordings 36000] [--steps 8000] [--jobs 2]` writes
-`picker.npz` and `picker.md`. It learns from drawn recordings and a tenth of recordings of the first rig; the second rig
-is left for the temperature and, with other draws, for the check. It needs the extra `train`; nothing else in ropefric
-imports it.
+`picker.npz` and `picker.md`; `--help` lists the rest. It learns from drawn recordings and a tenth of recordings of the
+first rig; the second rig is left for the temperature and, with other draws, for the check. It needs the extra `train`;
+nothing else in ropefric imports it.
 """
 
 import argparse
@@ -233,47 +233,54 @@ def _beside(left: Any, right: Any) -> Any:
 
 def _targets(answers: Any) -> Any:
     """Return the share of every answer: spread over neighbouring bins, a little over all."""
-    bins = torch.arange(BINS) + 0.5
+    bins = torch.arange(BINS, device=answers.device) + 0.5
     near = torch.exp(-0.5 * ((bins[None] - answers[:, None]) / BLUR_BINS) ** 2)
     place = (answers < BINS).float()[:, None] * near / near.sum(dim=1, keepdim=True).clamp_min(1e-9)
-    reasons = (answers[:, None] == BINS + torch.arange(len(REASONS))[None]).float()
+    numbers = BINS + torch.arange(len(REASONS), device=answers.device)
+    reasons = (answers[:, None] == numbers[None]).float()
     wanted = torch.cat([place, reasons], dim=1)
     return (1.0 - SMOOTHING) * wanted + SMOOTHING / wanted.shape[1]
 
 
 def train(
-    lessons: tuple[Any, Any, Any], steps: int, seed: int, say: Callable[[str], object] = lambda _: None
+    lessons: tuple[Any, Any, Any],
+    steps: int,
+    seed: int,
+    say: Callable[[str], object] = lambda _: None,
+    device: str = "cpu",
+    *,
+    short_floats: bool = False,
 ) -> Network:
-    """Return the network that has learnt from lessons."""
+    """Return the network that has learnt from lessons; the layers may calculate in bfloat16."""
     torch.manual_seed(seed)
     rng = np.random.default_rng([seed, 1])
-    network = Network()
-    channels, answers, states = lessons
+    network = Network().to(device)
+    channels, answers, states = (torch.from_numpy(values).to(device) for values in lessons)
     optimizer = torch.optim.AdamW(network.parameters(), RATE, betas=(0.9, 0.98), weight_decay=DECAY)
     plan = torch.optim.lr_scheduler.OneCycleLR(optimizer, RATE, total_steps=steps, pct_start=0.1)
-    order, mean_loss = np.zeros(0, dtype=np.intp), 0.0
+    order, mean_loss = np.zeros(0, dtype=np.intp), torch.zeros((), device=device)
     for step in range(steps):
         if order.size < BATCH:
             order = rng.permutation(len(answers))
-        chosen, order = np.sort(order[:BATCH]), order[BATCH:]
-        batch = torch.from_numpy(channels[chosen].astype(np.float32)).transpose(1, 2).contiguous()
-        shift = rng.standard_normal((chosen.size, 1)) * 0.01 * (rng.random((chosen.size, 1)) < 0.3)
-        batch[:, 0] += torch.from_numpy(shift.astype(np.float32))
-        places, kinds = network(batch)
-        wanted = _targets(torch.from_numpy(answers[chosen]))
+        chosen, order = torch.from_numpy(np.sort(order[:BATCH])).to(device), order[BATCH:]
+        batch = channels[chosen].float().transpose(1, 2).contiguous()
+        shift = rng.standard_normal((BATCH, 1)) * 0.01 * (rng.random((BATCH, 1)) < 0.3)
+        batch[:, 0] += torch.from_numpy(shift.astype(np.float32)).to(device)
+        with torch.autocast(device, torch.bfloat16, enabled=short_floats):
+            places, kinds = network(batch)
+        places, kinds = places.float(), kinds.float()
+        wanted = _targets(answers[chosen])
         loss = -(wanted * torch.log_softmax(places, dim=1)).sum(dim=1).mean()
-        loss = loss + STATES * nn.functional.cross_entropy(
-            kinds, torch.from_numpy(states[chosen].astype(np.int64)), ignore_index=UNKNOWN
-        )
+        loss = loss + STATES * nn.functional.cross_entropy(kinds, states[chosen].long(), ignore_index=UNKNOWN)
         optimizer.zero_grad()
         loss.backward()
         nn.utils.clip_grad_norm_(network.parameters(), 1.0)
         optimizer.step()
         plan.step()
-        mean_loss += (float(loss.detach()) - mean_loss) * max(0.01, 1.0 / (step + 1))
+        mean_loss += (loss.detach() - mean_loss) * max(0.01, 1.0 / (step + 1))
         if step % 100 == 99:
-            say(f"step {step + 1} of {steps}: loss {mean_loss:.3f}")
-    return network.eval()
+            say(f"step {step + 1} of {steps}: loss {float(mean_loss):.3f}")
+    return network.cpu().eval()
 
 
 class Known(NamedTuple):
@@ -389,6 +396,14 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=picker.STORED.parent)
     for name, usual in (("seed", 21), ("recordings", 36_000), ("steps", 8_000), ("jobs", 2)):
         parser.add_argument(f"--{name}", type=int, default=usual)
+    parser.add_argument(
+        "--device", default="cpu", help="where the network is trained, as torch names it: cpu, cuda"
+    )
+    parser.add_argument(
+        "--short-floats",
+        action="store_true",
+        help="train in bfloat16: half the time where the processor has it",
+    )
     given = parser.parse_args()
     torch.set_num_threads(given.jobs)
     say = partial(print, flush=True)
@@ -398,7 +413,8 @@ def main() -> None:
     say(
         f"{len(lessons[1])} lessons of {given.recordings} drawn recordings and {len(rig[1])} of the first rig"
     )
-    write(given.out, train(lessons, given.steps, given.seed, say).weights(), say)
+    options: Any = {"device": given.device, "short_floats": given.short_floats}
+    write(given.out, train(lessons, given.steps, given.seed, say, **options).weights(), say)
 
 
 def write(folder: Path, weights: dict[str, Any], say: Callable[[str], object]) -> None:

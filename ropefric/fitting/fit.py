@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.files.plain_text import significant, to_share
+from ropefric.files.plain_text import GIVEN_DIGITS, significant, to_share
 from ropefric.fitting.assembled import Found, assemble
 from ropefric.fitting.problem import (
     FitProblem,
@@ -187,7 +187,11 @@ def stated_errors(
         for name in dict.fromkeys(names):
             here = (np.array(names) == name) & (std > 0.0)
             if here.any():
-                found.append(CommonError(name, one.unit, float(std[here].max()), (), kind, by))
+                found.append(
+                    CommonError(
+                        name, one.unit, significant(float(std[here].max()), GIVEN_DIGITS), (), kind, by
+                    )
+                )
                 effects.append(np.where(here, std * slope, 0.0))
     return tuple(found), np.stack(effects, axis=-1) if effects else np.zeros((len(at), 0))
 
@@ -318,14 +322,17 @@ def _minimum(problem: FitProblem, starts: FloatArray) -> tuple[FloatArray, bool,
         theta, cost = _end_of_the_valley(problem, theta, cost)
     size = np.maximum(np.maximum(np.abs(ends.theta), np.abs(theta)), 1e-6)
     apart = (np.abs(ends.theta - theta) > _APART * size)[:, problem.vary].any(axis=1)
-    rivals = np.flatnonzero(ends.converged & (ends.chi2 - cost < _AS_GOOD) & apart)
+    # Of the same cost are the places of one valley, along which parameters are traded; which of them is found is luck.
+    more = ends.chi2 - cost
+    other = (more > _SAME_COST * (1.0 + cost)) & (more < _AS_GOOD)
+    rivals = np.flatnonzero(ends.converged & other & apart)
     notes: tuple[str, ...] = ()
     if rivals.size:
         rival = rivals[np.argmin(ends.chi2[rivals])]
         mapping = problem.law.as_mapping(ends.theta[rival])
         values = ", ".join(f"{name} = {value:.4g}" for name, value in mapping.items())
-        more = significant(float(ends.chi2[rival] - cost), 2, smallest=_SAME_COST * (1.0 + cost))
-        notes = (f"another minimum is as good (χ² larger by {more:.2g}): {values}",)
+        larger = significant(float(more[rival]), 2)
+        notes = (f"another minimum is as good (χ² larger by {larger:.2g}): {values}",)
     theta = _onto_bounds(problem, theta)
     return theta, bool(ends.converged[best]) or _is_flat(problem, theta), notes
 

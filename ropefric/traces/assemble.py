@@ -10,7 +10,7 @@ import numpy as np
 
 from ropefric.errors import DataError, Problem, RopefricError
 from ropefric.registry import did_you_mean
-from ropefric.traces.calibration import Calibration, ForceCell, tare_from_interval
+from ropefric.traces.calibration import IN_NEWTONS, Calibration, ForceCell, tare_from_interval
 from ropefric.traces.formulas import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 from ropefric.traces.segments import MIN_SAMPLES
@@ -28,8 +28,6 @@ class _Cell(NamedTuple):
 
 _PULL = _Cell("force", "counts", "cell")
 _SLACK = _Cell("end_tension", "end_tension_counts", "end_cell")
-_AS_IT_IS = Calibration(cell=ForceCell(name="", full_scale_N=1.0, full_scale_V=1.0), adc=None)
-"""Of a signal that is in its own unit already: a tare is found of every signal in the same way."""
 _NAME = re.compile(r"\w+")
 
 Interval = Sequence[float] | None
@@ -55,7 +53,7 @@ def assemble_trace(
     doubts: list[Problem] = []
     tare = partial(_tared, profile=profile, campaign_s=tare_s, doubts=doubts)
     for name in signals.keys() - {*_PULL, *_SLACK}:
-        signals[name] = tare(name, signals[name], _AS_IT_IS, campaign_s=None).signal
+        signals[name] = tare(name, signals[name], IN_NEWTONS, campaign_s=None).signal
     signals = _with_derived(signals, profile, raw, refuse)
     try:
         found = {
@@ -126,7 +124,7 @@ def _measured(
     if cell.newtons in signals:
         signal = signals[cell.newtons]
         if signal.unit == "N":
-            return tare(cell.newtons, signal, _AS_IT_IS)._replace(calibration=None, more={})
+            return tare(cell.newtons, signal, IN_NEWTONS)._replace(calibration=None, more={})
         if known is None:
             message = f"{raw.name} holds {signal.unit.replace('V/V', 'mV/V')}, and nothing says how much force that is"
             fix = f'write sensitivity = "25 N/mV" beside its unit, or name the {cell.column} in trials.csv'

@@ -352,6 +352,10 @@ class Calibration:
         }
 
 
+IN_NEWTONS = Calibration(cell=ForceCell(name="", full_scale_N=1.0, full_scale_V=1.0), adc=None)
+"""Of a signal that is in its own unit already: the tare of every signal is found in the same way."""
+
+
 def tare_from_interval(
     time_s: FloatArray, counts: Any, calibration: Calibration, start_s: float, end_s: float
 ) -> tuple[Calibration, tuple[Problem, ...]]:

@@ -9,7 +9,6 @@ import math
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
-from ropefric.traces.segments import TINY
 
 SIGNALS, SMOOTHED, APART, CLEAR, MOST = (2, 3), 15, 0.1, 6.0, 0.5
 """Numbers of interleaved signals that are tested, rounds that are averaged, smallest difference between the signals as a
@@ -73,7 +72,7 @@ def _repeated_block(time_s: FloatArray, force_N: FloatArray) -> str:
     lengths, levels_N = np.diff(begins, append=force_N.size), force_N[begins]
     # How rare a step and the run after it are: what a level is like hangs on the one before it.
     half_N = 0.5 * levels_N  # the range of the largest floats is no float
-    parts = (half_N - half_N[0]) / max(float(np.ptp(half_N)), TINY)
+    parts = (half_N - half_N[0]) / max(float(np.ptp(half_N)), float(np.finfo(np.float64).tiny))
     steps = np.rint(1e9 * np.diff(parts, prepend=0.0)).astype(np.int64)
     _, of_step, counts = np.unique(_mixed(steps, lengths), return_inverse=True, return_counts=True)
     sums = np.concatenate([[0.0], np.cumsum(-np.log(counts / begins.size)[of_step.ravel()])])

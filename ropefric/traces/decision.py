@@ -29,6 +29,7 @@ from ropefric.traces.segments import (
     phases_of,
     prepare,
     sliding_after,
+    wanted,
 )
 from ropefric.traces.smoothing import average_over_samples, window_samples
 from ropefric.traces.trace import ForceTrace
@@ -84,16 +85,28 @@ class Judgement(NamedTuple):
 
 def pick_breakaway(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
     """Return the break-away of a recording in which the load is raised once until the rope slides."""
-    prepared = prepare(trace, settings)
-    return (too_short(trace, settings) if prepared is None else pick_prepared(trace, prepared, settings),)
+    prepared = usable(trace, settings)
+    return (prepared if isinstance(prepared, Breakaway) else pick_prepared(trace, prepared, settings),)
 
 
-def too_short(trace: ForceTrace, settings: PickSettings) -> Breakaway:
-    """Return the result for a recording that `prepare` refused."""
-    n = int(np.isfinite(trace.force_N).sum())
-    part = " in the part looked at" if settings.start_s is not None or settings.stop_s is not None else ""
-    detail = f"{trace.force_N.size} samples, {n} of them usable{part}; at least {MIN_SAMPLES} are needed"
-    return Breakaway(status=Status.TOO_SHORT, detail=detail)
+def usable(trace: ForceTrace, settings: PickSettings) -> Prepared | Breakaway:
+    """Return the samples to pick from, or the result for too few of them or for numbers that are not one signal.
+
+    Who names the time of the break-away has seen the recording.
+    """
+    prepared, part = prepare(trace, settings), wanted(trace, settings)
+    present = np.isfinite(trace.force_N[part])
+    if prepared is None:
+        n = int(np.count_nonzero(present))
+        inside = " in the part looked at" if present.size < trace.force_N.size else ""
+        detail = (
+            f"{trace.force_N.size} samples, {n} of them usable{inside}; at least {MIN_SAMPLES} are needed"
+        )
+        return Breakaway(status=Status.TOO_SHORT, detail=detail)
+    is_seen = settings.pick_s is not None
+    if not is_seen and (said := incoherence(trace.time_s[part][present], trace.force_N[part][present])):
+        return without_force(Status.DOUBTFUL, said, prepared)
+    return prepared
 
 
 def without_force(status: Status, detail: str, prepared: Prepared, **found: object) -> Breakaway:
@@ -111,9 +124,6 @@ def pick_prepared(
     trace: ForceTrace, prepared: Prepared, settings: PickSettings, weights: Weights | None = None
 ) -> Breakaway:
     """Return the break-away of a recording that is prepared already, see `pick_breakaway`."""
-    present = np.isfinite(trace.force_N)
-    if said := incoherence(trace.time_s[present], trace.force_N[present]):
-        return without_force(Status.DOUBTFUL, said, prepared)
     force_N = prepared.blocks.force_N
     rise_N = float(force_N.max() - force_N[0])
     if rise_N <= 2.0 * DROP_SIGMAS * prepared.blocks.noise_N:

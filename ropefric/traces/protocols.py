@@ -28,11 +28,11 @@ from ropefric.traces.decision import (
     pick_prepared,
     rests_of,
     teeth_of,
-    too_short,
+    usable,
     without_force,
 )
 from ropefric.traces.picker import look
-from ropefric.traces.segments import Prepared, prepare
+from ropefric.traces.segments import Prepared
 from ropefric.traces.trace import ForceTrace
 from ropefric.traces.zero import with_its_zero
 
@@ -78,9 +78,9 @@ def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ..
     A fall is a stick-slip event if it exceeds the noise and is not small against the typical one, or if it is as large
     as the user requires. A recording may begin in the middle of a train.
     """
-    prepared = prepare(trace, settings)
-    if prepared is None:
-        return (too_short(trace, settings),)
+    prepared = usable(trace, settings)
+    if isinstance(prepared, Breakaway):
+        return (prepared,)
     first = pick_prepared(trace, prepared, settings)
     blocks, least_N = prepared.blocks, least_fall_N(prepared, settings)
     tops = teeth_of(blocks.force_N, settings.min_step_N or least_N)
@@ -104,9 +104,9 @@ def pick_plateaus(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway,
     With the sensor on the slack side and a known weight on the tight side, the plateau is the end tension F_B at which
     the weight F_A is just held (Euler, rope_wheel eq. 2).
     """
-    prepared = prepare(trace, settings)
-    if prepared is None:
-        return (too_short(trace, settings),)
+    prepared = usable(trace, settings)
+    if isinstance(prepared, Breakaway):
+        return (prepared,)
     # Means over about a thousandth of the recording: a plateau is long, and its search goes step by step.
     size = max(1, prepared.force_N.size // STEPS)
     n = prepared.force_N.size // size
@@ -198,9 +198,9 @@ NOISE_SIGMAS = 6.0
 
 def pick_two_way(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
     """Return the highest steady force and the steady one after it, as one trial."""
-    prepared = prepare(trace, settings)
-    if prepared is None:
-        return (too_short(trace, settings),)
+    prepared = usable(trace, settings)
+    if isinstance(prepared, Breakaway):
+        return (prepared,)
     edges = np.linspace(0, prepared.force_N.size, min(PARTS, prepared.force_N.size) + 1).astype(np.intp)
     force_N = np.add.reduceat(prepared.force_N, edges[:-1]) / np.diff(edges)
     top_N, noise_N = float(force_N.max()), prepared.noise_N / math.sqrt(float(np.diff(edges).min()))
@@ -291,9 +291,11 @@ def pick_at(trace: ForceTrace, settings: PickSettings) -> Breakaway:
     DataError
         RF244 if that time is not in the recording, or the force passes it without a peak.
     """
-    prepared, pick_s = prepare(trace, settings), settings.pick_s
-    if prepared is None or pick_s is None:
-        return too_short(trace, settings)
+    if (pick_s := settings.pick_s) is None:
+        return pick_breakaway(trace, settings)[0]
+    prepared = usable(trace, settings)
+    if isinstance(prepared, Breakaway):
+        return prepared
     blocks, start_s, end_s = prepared.blocks, float(prepared.time_s[0]), float(prepared.time_s[-1])
     if not start_s <= pick_s <= end_s:
         what = f"{pick_s:g} s is not in the recording, which runs from {start_s:.6g} s to {end_s:.6g} s"

@@ -82,14 +82,20 @@ class Sliding(NamedTuple):
     stop: int
 
 
-def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
-    """Return the samples to pick from, or None if there are too few."""
+def wanted(trace: ForceTrace, settings: PickSettings) -> slice:
+    """Return the part of a trace between the times of the settings."""
     start, stop = 0, trace.time_s.size
     if settings.start_s is not None:
         start = int(np.searchsorted(trace.time_s, settings.start_s, side="left"))
     if settings.stop_s is not None:
         stop = int(np.searchsorted(trace.time_s, settings.stop_s, side="right"))
-    time_s, force_N = trace.time_s[start:stop], trace.force_N[start:stop]
+    return slice(start, stop)
+
+
+def prepare(trace: ForceTrace, settings: PickSettings) -> Prepared | None:
+    """Return the samples to pick from, or None if there are too few."""
+    part = wanted(trace, settings)
+    time_s, force_N = trace.time_s[part], trace.force_N[part]
     present = np.isfinite(force_N)
     n_missing = int(force_N.size - np.count_nonzero(present))
     if n_missing:

@@ -128,7 +128,8 @@ ODD_ERRORS = [
 
 def test_damaged_errors_in_common_are_refused(campaign):
     table = read_trial_table(campaign / "data" / "trials.csv")
-    fit = fit_law(replace(table, wheel_radius_std_m=np.full(len(table), 1e-4)), "wrap-power")
+    table = replace(table, wheel_radius_std_m=np.full(len(table), 1e-4))
+    fit = fit_law(table, "wrap-power", shared={"wheel_radius": "wheel"})
     sound, path = fit.to_dict(), campaign / "bad.json"
     path.write_text(json.dumps(sound), encoding="utf-8")
     assert load_fit(path).common_errors

@@ -79,3 +79,13 @@ def test_a_press_that_cannot_be_pulled_like_this_shows_no_creep(loaded, scene_of
     assert slips.failures
     assert "Creep" not in parts[1]
     assert ("Creep" in parts[0]) == bool(held.to_dict()["creep"]["power_lost_W"])
+
+
+def test_a_belt_of_a_press_strained_by_more_than_a_tenth_is_said_running_and_starting(scene_of):
+    for starts in (False, True):
+        tree = six_rollers(slip=True)
+        tree = tree if starts else {key: value for key, value in tree.items() if key != "start_up"}
+        for stiffness, is_said in (("5 kN", True), ("500 kN", False)):
+            tree["belts"]["belt"]["axial_stiffness"] = stiffness
+            said = solve_scene(scene_of(**tree)).failures
+            assert any("strained by more than 10 %" in one for one in said) == is_said, (starts, stiffness)

@@ -11,6 +11,7 @@ from ropefric.rig.strangers import recordings
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.coherence import incoherence
 from ropefric.traces.decision import pick_breakaway
+from ropefric.traces.protocols import PROTOCOLS, pick_at
 from ropefric.traces.trace import ForceTrace
 
 QUANTISED = {"as they are": 0.0, "in steps of 0.5 N": 0.5}
@@ -32,6 +33,28 @@ def test_three_signals_in_turn_are_no_force():
     force_N = drawn(*PULL)
     force_N[1::3], force_N[2::3] = 20.0, 0.5 * force_N[2::3]
     assert "every third sample" in picked(force_N).detail
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_every_way_of_measuring_refuses_what_is_not_one_signal(protocol):
+    force_N = drawn(*PULL)
+    force_N[1::2] = 45.0
+    trace = ForceTrace(time_s=TIME_S, force_N=force_N, name="a")
+    (found,) = PROTOCOLS[protocol].pick(trace, PickSettings())
+    assert found.status is Status.DOUBTFUL
+    assert "interleaved" in found.detail
+
+
+def test_only_the_part_that_is_asked_for_need_hang_together():
+    """A block that stands twice after the pull spoils nothing before it; who names the time has seen the recording."""
+    force_N = drawn(*PULL, noise_N=0.4)
+    twice_N = np.insert(force_N, 4256, force_N[4000:4256])
+    time_s = np.arange(twice_N.size) * 0.001
+    trace = ForceTrace(time_s=time_s, force_N=twice_N, name="a")
+    whole, part = (pick_breakaway(trace, PickSettings(stop_s=stop_s))[0] for stop_s in (None, 3.9))
+    assert (whole.status, part.status) == (Status.DOUBTFUL, Status.OK)
+    by_hand = pick_at(trace, PickSettings(pick_s=part.peak_time_s))
+    assert by_hand.peak_N == pytest.approx(part.peak_N, rel=0.01)
 
 
 @pytest.mark.parametrize("step_N", QUANTISED.values(), ids=QUANTISED)

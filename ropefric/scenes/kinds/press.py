@@ -420,13 +420,21 @@ def _outcomes(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ...]
 def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure, ...]:
     """Return the slip of a press that runs steadily; in a start-up slip is simulated, and part of the answer.
 
-    There a belt that may not lift off, since no slip is simulated, may have to push.
+    There a belt that may not lift off, since no slip is simulated, may have to push. Either may stretch a belt too far.
     """
+    press, tension_N = problem.press, answer.state.tension_N
     if problem.start_up is not None:
-        return () if answer.start_up is None else (_pushes(answer.start_up),)
-    largest = answer.slip.utilisation.max(axis=-1)
-    words = "a roller slips, so a steady run is not possible"
-    return (kind.Failure(words, "largest utilisation", largest, largest > 1.0),)
+        if answer.start_up is None:
+            return ()
+        found, tension_N = [_pushes(answer.start_up)], answer.start_up.tension_N.max(axis=0)[np.newaxis]
+    else:
+        largest = answer.slip.utilisation.max(axis=-1)
+        words = "a roller slips, so a steady run is not possible"
+        found = [kind.Failure(words, "largest utilisation", largest, largest > 1.0)]
+    if all(belt.axial_stiffness_N is not None for belt in press.belts):
+        stiffness_N = np.array([belt.axial_stiffness_N for belt in press.belts]) @ press.carried
+        found.append(kind.strained("a belt", (tension_N / stiffness_N).max(axis=-1)))
+    return tuple(found)
 
 
 def _pushes(found: StartUp) -> kind.Failure:

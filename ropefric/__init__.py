@@ -8,7 +8,7 @@
 from importlib import import_module
 from typing import Any
 
-from ropefric.shown import drawn_by as _drawn_by
+from ropefric.shown import provide as _provide
 
 __version__ = "0.1.0"
 
@@ -39,5 +39,8 @@ def __dir__() -> list[str]:
     return __all__
 
 
-# Results lie below the room that knows matplotlib; this package stands above all rooms, and says who draws them.
-_drawn_by(lambda: import_module("ropefric.plotting.results").draw)
+# Results lie below the rooms that draw them and predict by them; this package stands above all rooms.
+_provide(
+    plot=lambda: import_module("ropefric.plotting.results").draw,
+    predict=lambda: import_module("ropefric.api").predict,
+)

@@ -41,7 +41,7 @@ def _listen(handler: object) -> None:
 
 
 def _leave(number: int, _: FrameType | None) -> None:
-    """End at once: nothing is begun, and what is being loaded or parsed may make something else of an exception."""
+    """End at once: no work has begun, and a module being loaded may turn an exception into another."""
     os.write(2, b"error RF001  interrupted\n")
     os._exit(128 + number)
 

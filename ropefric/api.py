@@ -1,4 +1,4 @@
-"""What `import ropefric` offers: from recordings to forces, laws, lift forces and designs; from scenes to answers."""
+"""Functions of `import ropefric`: from recordings to forces, laws, lift forces, designs; from scenes to answers."""
 
 import math
 import os
@@ -38,7 +38,7 @@ from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import SETTINGS, Conditions, one_condition
-from ropefric.given import Columns, as_table, as_trace, in_si, number, settings, wheels_of
+from ropefric.given import Columns, as_table, as_trace, in_declared_units, in_si, number, settings, wheels_of
 from ropefric.pipeline import CampaignRun, campaign_folder, run_campaign
 from ropefric.quantities import split_unit_suffix
 from ropefric.scenes.draws import Draws, draw_scene
@@ -156,6 +156,18 @@ def read_trial(campaign: Campaign | PathLike, trial: str) -> ForceTrace:
         If there is no such trial.
     DataError
         If its recording cannot be understood.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
+    >>> bench = prth_bench_plan()
+    >>> small = replace(bench, conditions=bench.conditions[:1], repeats=2, faults={})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = simulate_campaign(folder, small, seed=1)
+    ...     trace = read_trial(Path(folder, "campaign.toml"), "c01-r02")
+    >>> str(find_breakaway(trace).status)
+    'ok'
     """
     loaded = as_campaign(campaign)
     for spec in loaded.trials:
@@ -311,6 +323,23 @@ def extract(
     executor : concurrent.futures.Executor or dask.distributed.Client, optional
         Reads the recordings in the stead of `jobs` processes of this machine; the result is the same to the last bit.
         Its workers need the recordings under the same path. What a worker that died had in hand is read here.
+
+    Returns
+    -------
+    Extraction
+        `trials` with their forces, `conditions` with mean and scatter, `problems`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
+    >>> bench = prth_bench_plan()
+    >>> small = replace(bench, conditions=bench.conditions[:1], repeats=2, faults={})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = simulate_campaign(folder, small, seed=1)
+    ...     found = extract(Path(folder, "campaign.toml"))
+    >>> [(trial.trial, str(trial.status)) for trial in found.trials]
+    [('c01-r01', 'ok'), ('c01-r02', 'ok')]
     """
     WHOLE_NUMBER.check(jobs=jobs)
     CALL.check_given(progress=progress)
@@ -400,15 +429,15 @@ def fit(
     law : str
         "constant", "wrap-power", "coupled", …
     fixed, start : mapping of parameter name to value, optional
-        Parameters that are held, and where the search begins for others.
+        Parameters that are held, and start values of others.
     bounds : mapping of parameter name to (lower, upper), optional
         Where the search may go; the law's own bounds by default.
     groups : sequence of str, optional
         Columns whose levels may differ in μ, so that three ropes count as three; `rope_id`, `wheel`, `mounting`,
         `operator` and `day` where the trials have them, by default.
     shared : mapping of str to str, optional
-        By what a stated error is shared: {"wrap": "rig", "wheel_radius": "wheel", "cell": "cell"}. What is not said to
-        be shared shows in the scatter; `cell_std_N` is shared by the trials of a cell by default.
+        Which trials share a stated error: {"wrap": "rig", "wheel_radius": "wheel", "cell": "cell"}. Other errors are
+        part of the scatter; `cell_std_N` is shared by the trials of a cell by default.
     n_starts, seed : int
         Starts of the search, and the seed of what spreads them.
     intervals : {"auto", "covariance", "profile"}
@@ -444,9 +473,36 @@ def compare(
     of: Literal["peak", "kinetic"] = "peak",
     columns: Columns = None,
 ) -> Comparison:
-    """Return friction laws ranked on trials by AICc, all laws by default; the constant laws always stand in it.
+    """Return friction laws ranked on trials by AICc; its text is the ranking.
 
-    `of` is the force they are fitted to: the break-away force, or the mean force while sliding.
+    Parameters
+    ----------
+    trials : TrialTable, Extraction, DataFrame, mapping, ndarray or path-like
+        See `trial_table`, which takes `columns`, too.
+    laws : str or iterable of str, optional
+        Names of laws, all by default; the two constant laws are always among them.
+    progress : callable, optional
+        Called with the name of a law, its number, and how many there are.
+    of : {"peak", "kinetic"}
+        The force that is fitted: the break-away force, or the mean force while sliding.
+
+    Returns
+    -------
+    Comparison
+        `best` is the first of `ranking`; `comparison["coupled"].fit` the fit of a law.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such law.
+
+    Examples
+    --------
+    >>> wrap_rad = np.repeat([3.0, 6.0, 9.0, 12.0, 15.0], 2)
+    >>> trials = {"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": wrap_rad, "end_tension_N": 20,
+    ...     "peak_N": 20 * np.exp(0.2 * wrap_rad + 0.01 * np.array([1, -1, -1, 1, 1, -1, -1, 1, 1, -1]))}
+    >>> [entry.law for entry in compare(trials, ["wrap-power"]).ranking][0]
+    'constant'
     """
     SEVERAL.check_given(laws=laws)
     CALL.check_given(progress=progress)
@@ -460,7 +516,28 @@ def diagnose(
     *,
     columns: Columns = None,
 ) -> Diagnosis:
-    """Return why trials do not obey the capstan equation, with the evidence, or that they do."""
+    """Return why trials do not obey the capstan equation, with the evidence, or that they do.
+
+    Parameters
+    ----------
+    trials : TrialTable, Extraction, DataFrame, mapping, ndarray or path-like
+        See `trial_table`, which takes `columns`, too.
+    comparison : Comparison, optional
+        The result of `compare` on the same trials; made where it is not given.
+
+    Returns
+    -------
+    Diagnosis
+        `causes`, each with `supported` ("yes", "no", "undecided") and its evidence; `found["wrap effect"]` is one.
+
+    Examples
+    --------
+    >>> wrap_rad = np.repeat([3.0, 6.0, 9.0, 12.0, 15.0], 2)
+    >>> trials = {"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": wrap_rad, "end_tension_N": 20,
+    ...     "peak_N": 20 * np.exp(0.2 * wrap_rad + 0.01 * np.array([1, -1, -1, 1, 1, -1, -1, 1, 1, -1]))}
+    >>> diagnose(trials)["wrap effect"].supported
+    'no'
+    """
     Kind((Comparison,), "a comparison").check_given(comparison=comparison)
     return find_causes(trial_table(trials, columns=columns), comparison)
 
@@ -478,6 +555,7 @@ def predict(
     linear_density_kg_m: Given = None,
     speed_m_s: Given = None,
     columns: Columns = None,
+    **named: Given,
 ) -> Prediction:
     """Return the lift force of a fitted law for n wheels, with confidence and prediction intervals.
 
@@ -495,11 +573,16 @@ def predict(
         As `ropefric.fitting.predict.predict`.
     columns : mapping of str to str, optional
         New names of the table's columns.
+    **named : number, array_like or quantity
+        The same settings under another name or unit, as in the header of a trial table: `wheel_diameter_mm=70`,
+        `wrap_turns=1.5`, `wheel_radius="35 mm"`.
 
     Raises
     ------
     InputError
-        If a setting is missing, or the law has no answer for a wheel.
+        If a setting is missing or has no unit, or the law has no answer for a wheel.
+    UnknownNameError
+        If there is no such argument.
 
     Warns
     -----
@@ -510,20 +593,24 @@ def predict(
     --------
     >>> trials = {"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": [3.0, 6.0, 9.0], "end_tension_N": 20,
     ...     "peak_N": [36.6, 66.1, 121.7]}
-    >>> found = predict(fit(trials, "constant"), wheel_radius_m="35 mm", wrap_angle_rad="400 deg", end_tension_N=20)
-    >>> round(found.lift_force_N[0])
+    >>> mine = fit(trials, "constant")
+    >>> round(predict(mine, wheel_radius="35 mm", wrap="400 deg", end_tension_N=20).lift_force_N[0])
+    81
+    >>> round(mine.predict(wheel_radius_m=0.035, wrap_deg=400, end_tension_N=20).lift_force_N[0])
     81
     """
     NUMBER.check(level=level)
     stored = as_fit(fit)
     given = {} if wheels is None else wheels_of(wheels, columns)
-    given |= settings(
-        wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N
-    )
+    asked = in_declared_units(
+        named, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N,
+        rope_radius_m=rope_radius_m, linear_density_kg_m=linear_density_kg_m, speed_m_s=speed_m_s,
+    )  # fmt: skip
+    moving = {name: asked.pop(name) for name in ("linear_density_kg_m", "speed_m_s")}
+    given |= settings(**asked)
     _refuse_missing(given, [name for name in SETTINGS if name != "rope_radius_m"], "by name or as a column")
-    if rope_radius_m is not None or "rope_radius_m" not in given:
-        given["rope_radius_m"] = _rope(stored, rope_radius_m)
-    moving: dict[str, Any] = {"linear_density_kg_m": linear_density_kg_m, "speed_m_s": speed_m_s}
+    if "rope_radius_m" not in given:
+        given["rope_radius_m"] = _rope(stored)
     for name, unit in (("linear_density_kg_m", "kg/m"), ("speed_m_s", "m/s")):
         if moving[name] is not None:
             moving[name] = number(moving[name], unit, name)
@@ -533,13 +620,14 @@ def predict(
 def design(
     fit: FitResult | PathLike,
     *,
-    lift_N: Given,
+    lift_N: Given = None,
     solve_for: SolveFor = "wrap",
     wheel_radius_m: Given = None,
     wrap_angle_rad: Given = None,
     end_tension_N: Given = None,
     rope_radius_m: Given = None,
     probability: float | None = 0.95,
+    **named: Given,
 ) -> Design:
     """Return the smallest wrap, wheel radius or end tension that lifts a load with a probability.
 
@@ -551,18 +639,35 @@ def design(
         As `ropefric.fitting.design.design`.
     rope_radius_m : array_like, optional
         R_r [m]; that of the trials where they had one rope only.
+    **named : number, array_like or quantity
+        The same settings under another name or unit, as in the header of a trial table: `wheel_diameter_mm=70`,
+        `wrap_turns=1.5`, `wheel_radius="35 mm"`.
+
+    Raises
+    ------
+    InputError
+        If a setting is missing or has no unit, or no such wheel lifts the load.
+    UnknownNameError
+        If there is no such argument.
+
+    Examples
+    --------
+    >>> trials = {"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": [3.0, 6.0, 9.0], "end_tension_N": 20,
+    ...     "peak_N": [36.6, 66.1, 121.7]}
+    >>> found = design(fit(trials, "constant"), lift="100 N", wheel_radius="40 mm", end_tension_N=20, probability=None)
+    >>> round(float(found.value[0]), 1)
+    8.0
     """
     NUMBER.check_given(probability=probability)
     stored = as_fit(fit)
-    asked = {
-        "wheel_radius_m": wheel_radius_m,
-        "wrap_angle_rad": wrap_angle_rad,
-        "end_tension_N": end_tension_N,
-    }
-    given: dict[str, Any] = settings(lift_N=lift_N, **asked)
+    asked = in_declared_units(
+        named, lift_N=lift_N, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad,
+        end_tension_N=end_tension_N, rope_radius_m=rope_radius_m,
+    )  # fmt: skip
+    given: dict[str, Any] = settings(**asked)
     _refuse_missing(given, ["lift_N"])
-    rope_m = _rope(stored, rope_radius_m)
-    return find_design(stored, rope_radius_m=rope_m, solve_for=solve_for, probability=probability, **given)
+    given.setdefault("rope_radius_m", _rope(stored))
+    return find_design(stored, solve_for=solve_for, probability=probability, **given)
 
 
 def run(
@@ -583,11 +688,29 @@ def run(
     folder : path-like
         Where trials.csv, fits/, comparison.csv, … go; what an earlier run wrote there and no longer fits is removed.
     law : str
-        The law to use; "" for the best whose fit may be used as it stands.
+        The law to use; "" for the best law with a usable fit.
     jobs, executor
         As `extract`.
     overwrite : bool
         Replace files in the folder that ropefric did not write; the campaign's own are never replaced.
+
+    Returns
+    -------
+    CampaignRun
+        `extraction`, `comparison`, `fit` and `prediction`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
+    >>> bench = prth_bench_plan()
+    >>> small = replace(bench, conditions=bench.conditions[:5], repeats=2, faults={})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = simulate_campaign(folder, small, seed=1)
+    ...     found = run(Path(folder, "campaign.toml"), Path(folder, "out"))
+    ...     names = {path.name for path in Path(folder, "out").iterdir()}
+    >>> "trials.csv" in names, len(found.extraction.trials)
+    (True, 10)
     """
     PATH.check(folder=folder)
     WHOLE_NUMBER.check(jobs=jobs)
@@ -605,17 +728,12 @@ def _refuse_missing(given: Mapping[str, Any], needed: Iterable[str], how: str = 
         raise InputError(text, key=missing[0], fix=f"give it {how}")
 
 
-def _rope(fit: FitResult, given_m: Given) -> FloatArray:
-    return settings(rope_radius_m=fit.only_rope_radius_m() if given_m is None else given_m)["rope_radius_m"]
+def _rope(fit: FitResult) -> FloatArray:
+    return settings(rope_radius_m=fit.only_rope_radius_m())["rope_radius_m"]
 
 
-def _wheel(
-    wheel_radius_m: Given, rope_radius_m: Given, wrap_angle_rad: Given, end_tension_N: Given
-) -> Conditions:
-    given = settings(
-        wheel_radius_m=wheel_radius_m, rope_radius_m=rope_radius_m, wrap_angle_rad=wrap_angle_rad,
-        end_tension_N=end_tension_N,
-    )  # fmt: skip
+def _wheel(asked: Mapping[str, Any]) -> Conditions:
+    given = settings(**{name: asked[name] for name in SETTINGS})
     _refuse_missing(given, SETTINGS)
     return one_condition(**{name: number(value, "", name) for name, value in given.items()})
 
@@ -627,15 +745,19 @@ def friction_table(
     wrap_angle_rad: Given = None,
     end_tension_N: Given = None,
     rope_radius_m: Given = None,
+    **named: Given,
 ) -> FrictionTable:
-    """Return a fitted law as a table μ(φ, F_B, R_w) for a simulator, and the constant that stands for it best.
+    """Return a fitted law as a table μ(φ, F_B, R_w) for a simulator, and the constant that fits it best.
 
     Parameters
     ----------
     fit : FitResult or path-like
         The fit or its file.
     wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m : array_like, optional
-        Levels of each setting, of which every combination becomes a row; by default over what was tested.
+        Levels of each setting, of which every combination becomes a row; by default over the tested range.
+    **named : number, array_like or quantity
+        The same settings under another name or unit, as in the header of a trial table: `wheel_diameter_mm=70`,
+        `wrap_turns=1.5`, `wheel_radius="35 mm"`.
 
     Returns
     -------
@@ -652,32 +774,33 @@ def friction_table(
     --------
     >>> trials = {"wheel_radius_mm": 40, "rope_diameter_mm": 10, "wrap_angle_rad": [3.0, 6.0, 9.0], "end_tension_N": 20,
     ...     "peak_N": [36.6, 66.1, 121.7]}
-    >>> table = friction_table(fit(trials, "constant"), wrap_angle_rad=["1 turn", "2 turn"])
+    >>> table = friction_table(fit(trials, "constant"), wrap_turns=[1, 2])
     >>> round(table.constant_mu, 3), len(table.to_frame())
     (0.2, 2)
     """
-    levels = settings(
-        wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N,
+    levels = in_declared_units(
+        named, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N,
         rope_radius_m=rope_radius_m,
     )  # fmt: skip
-    return tabulate(as_fit(fit), **levels)
+    return tabulate(as_fit(fit), **settings(**levels))
 
 
 def budget(
     fit: FitResult | PathLike,
     *,
-    wheel_radius_m: Given,
-    wrap_angle_rad: Given,
-    end_tension_N: Given,
+    wheel_radius_m: Given = None,
+    wrap_angle_rad: Given = None,
+    end_tension_N: Given = None,
     rope_radius_m: Given = None,
-    u_wheel_radius_m: Given = 0.0,
-    u_rope_radius_m: Given = 0.0,
-    u_wrap_angle_rad: Given = 0.0,
-    u_end_tension_N: Given = 0.0,
+    u_wheel_radius_m: Given = None,
+    u_rope_radius_m: Given = None,
+    u_wrap_angle_rad: Given = None,
+    u_end_tension_N: Given = None,
     one_pull: bool = False,
     level: float = 0.95,
     draws: int = 200_000,
     seed: int = 0,
+    **named: Given,
 ) -> Statement:
     """Return the uncertainty budget of a lift force that a fit predicts for a wheel known only so well.
 
@@ -690,11 +813,14 @@ def budget(
     rope_radius_m : float, optional
         R_r [m]; that of the trials where they had one rope only.
     u_wheel_radius_m, u_rope_radius_m, u_wrap_angle_rad, u_end_tension_N : float
-        Their standard uncertainties; 0 for what is exact.
+        Their standard uncertainties; what has none is exact.
     one_pull : bool
         Of one pull with a new rope, not of the mean law.
     level, draws, seed
         As `ropefric.uncertainty.budget.state_uncertainty`.
+    **named : number, array_like or quantity
+        The same settings under another name or unit, as in the header of a trial table: `wheel_diameter_mm=70`,
+        `wrap_turns=1.5`, `u_wrap="2 deg"`.
 
     Returns
     -------
@@ -721,9 +847,16 @@ def budget(
     NUMBER.check(level=level)
     WHOLE_NUMBER.check(draws=draws, seed=seed)
     stored = as_fit(fit)
-    at = _wheel(wheel_radius_m, _rope(stored, rope_radius_m), wrap_angle_rad, end_tension_N)
-    stds = zip(SETTINGS, (u_wheel_radius_m, u_rope_radius_m, u_wrap_angle_rad, u_end_tension_N), strict=True)
-    wheel_std = {name: number(std, split_unit_suffix(name)[1], f"u_{name}") for name, std in stds}
+    asked = in_declared_units(
+        named, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N,
+        rope_radius_m=rope_radius_m, u_wheel_radius_m=u_wheel_radius_m, u_rope_radius_m=u_rope_radius_m,
+        u_wrap_angle_rad=u_wrap_angle_rad, u_end_tension_N=u_end_tension_N,
+    )  # fmt: skip
+    if asked["rope_radius_m"] is None:
+        asked["rope_radius_m"] = _rope(stored)
+    at = _wheel(asked)
+    stds = {name: 0.0 if asked[f"u_{name}"] is None else asked[f"u_{name}"] for name in SETTINGS}
+    wheel_std = {name: number(std, split_unit_suffix(name)[1], f"u_{name}") for name, std in stds.items()}
     return budgets.state_lift(stored, at, wheel_std, one_pull=one_pull, level=level, draws=draws, seed=seed)
 
 
@@ -792,20 +925,21 @@ def measured_budgets(
 def plan_tests(
     known: FitResult | next_tests.PlannedLaw | PathLike,
     *,
-    wheels_m: Sequence[Given],
-    wraps_rad: Sequence[Given],
-    end_tensions_N: Sequence[Given],
-    wheel_radius_m: Given,
-    wrap_angle_rad: Given,
-    end_tension_N: Given,
+    wheels_m: Sequence[Given] | None = None,
+    wraps_rad: Sequence[Given] | None = None,
+    end_tensions_N: Sequence[Given] | None = None,
+    wheel_radius_m: Given = None,
+    wrap_angle_rad: Given = None,
+    end_tension_N: Given = None,
     rope_radius_m: Given = None,
-    largest_force_N: Given = math.inf,
+    largest_force_N: Given = None,
     n_conditions: int = 12,
     repeats: int = 12,
     criterion: next_tests.Criterion = "v",
     level: float = 0.95,
     starts: int = 10,
     seed: int = 0,
+    **named: Given,
 ) -> next_tests.LabPlan:
     """Return the conditions to test next so that one wanted lift force becomes as certain as it can.
 
@@ -820,14 +954,17 @@ def plan_tests(
     rope_radius_m : float, optional
         R_r [m]; that of the trials where they had one rope only, and needed with a guessed law.
     largest_force_N : float
-        The largest F_A the cell takes [N].
+        The largest F_A the cell takes [N]; no limit by default.
     n_conditions, repeats, criterion, level, starts, seed
         As `ropefric.fitting.next_tests.plan_tests`.
+    **named : number, array_like or quantity
+        The same settings under another name or unit, as in the header of a trial table: `wheel_diameter_mm=70`,
+        `wrap_turns=1.5`, `wheels_mm=[30, 40]`.
 
     Raises
     ------
     InputError
-        If the rope is not given and not known, or no plan within these settings can tell.
+        If the rope is not given and not known, or no plan within these settings determines the law.
 
     Examples
     --------
@@ -835,7 +972,7 @@ def plan_tests(
     >>> from ropefric.fitting.resolution import MeanScatter
     >>> from ropefric.friction.laws import LAWS
     >>> law = planned_guess(LAWS["constant"], {"mu": 0.2}, MeanScatter(within=0.02))
-    >>> plan = plan_tests(law, wheels_m=[0.03, 0.04], wraps_rad=[3.0, 6.0, 9.0, 12.0], end_tensions_N=[20.0, 40.0],
+    >>> plan = plan_tests(law, wheels_mm=[30, 40], wraps_rad=[3.0, 6.0, 9.0, 12.0], end_tensions_N=[20.0, 40.0],
     ...     wheel_radius_m=0.05, wrap_angle_rad=14.0, end_tension_N=20.0, rope_radius_m=0.005, largest_force_N=300.0,
     ...     n_conditions=3, repeats=4)
     >>> plan.conditions.wrap_angle_rad.tolist()
@@ -844,22 +981,30 @@ def plan_tests(
     TEXT.check(criterion=criterion)
     WHOLE_NUMBER.check(n_conditions=n_conditions, repeats=repeats, starts=starts, seed=seed)
     NUMBER.check(level=level)
-    rope_m = rope_radius_m
+    asked = in_declared_units(
+        named, wheels_m=wheels_m, wraps_rad=wraps_rad, end_tensions_N=end_tensions_N, wheel_radius_m=wheel_radius_m,
+        wrap_angle_rad=wrap_angle_rad, end_tension_N=end_tension_N, rope_radius_m=rope_radius_m,
+        largest_force_N=largest_force_N,
+    )  # fmt: skip
     if isinstance(known, next_tests.PlannedLaw):
         planned = known
-        if rope_m is None:
+        if asked["rope_radius_m"] is None:
             text = "a guessed law does not know its rope"
             raise InputError(text, key="rope_radius_m", fix="give the rope's radius [m]")
     else:
         stored = _loaded(load_fit, FitResult, known=known)
         planned = next_tests.planned_fit(stored)
-        rope_m = _rope(stored, rope_m)
-    wanted = _wheel(wheel_radius_m, rope_m, wrap_angle_rad, end_tension_N)
-    rig = settings(wheel_radius_m=wheels_m, wrap_angle_rad=wraps_rad, end_tension_N=end_tensions_N)
+        if asked["rope_radius_m"] is None:
+            asked["rope_radius_m"] = _rope(stored)
+    wanted = _wheel(asked)
+    of_rig = {"wheels_m": "wheel_radius_m", "wraps_rad": "wrap_angle_rad", "end_tensions_N": "end_tension_N"}
+    _refuse_missing({name: value for name, value in asked.items() if value is not None}, of_rig)
+    rig = settings(**{name: asked[one] for one, name in of_rig.items()})
+    largest_N = math.inf if asked["largest_force_N"] is None else asked["largest_force_N"]
     limits = resolution.RigLimits(
         **{name: tuple(values.tolist()) for name, values in rig.items()},
         rope_radius_m=float(wanted.rope_radius_m[0]),
-        largest_force_N=number(largest_force_N, "N", "largest_force_N"),
+        largest_force_N=number(largest_N, "N", "largest_force_N"),
     )
     return next_tests.plan_tests(
         planned, limits, wanted,
@@ -904,7 +1049,7 @@ def accuracy_table(
 
     if not study:
         rows = [(one.name, one.title, ", ".join(each.name for each in one.cases)) for one in STUDIES.values()]
-        return pd.DataFrame(rows, columns=["study", "what is compared", "cases"])
+        return pd.DataFrame(rows, columns=["study", "comparison", "cases"])
     cases = (STUDIES[study].case(case),) if case else STUDIES[study].cases
     if timed:
         (measured,) = measure_studies([replace(STUDIES[study], cases=cases)], quick=True)
@@ -950,7 +1095,7 @@ def solve(scene: Scene | PathLike, *, level: float = 0.95) -> Solution:
 
 
 def explain(scene: Scene | PathLike, *, measure: bool = False) -> Explanation:
-    """Return why a scene is solved the way it is: each effect, whether it is simulated, and what it is worth.
+    """Return how a scene is solved: each effect, whether it is simulated, and its influence.
 
     Parameters
     ----------
@@ -964,8 +1109,8 @@ def explain(scene: Scene | PathLike, *, measure: bool = False) -> Explanation:
     >>> import tempfile
     >>> from ropefric.scenes.scene_templates import write_scenes
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     told = explain(write_scenes(folder, ["band-saw"])[0])
-    >>> told.plan.left_out
+    ...     found = explain(write_scenes(folder, ["band-saw"])[0])
+    >>> found.plan.left_out
     ('bending', 'torsion')
     """
     return explain_scene(_as_scene(scene), measure=measure)

@@ -1,4 +1,4 @@
-"""What can go wrong, said so that the reader can mend it: what, where, why and how to fix.
+"""The errors of the package, each with its cause, its place and its fix.
 
 Every failure that a user can cause or meet is a `RopefricError`; each also derives from the built-in
 exception a Python programmer would expect, so `except ValueError` keeps working.
@@ -55,7 +55,7 @@ class RopefricError(Exception):
     Parameters
     ----------
     message : str
-        What is wrong and why.
+        The error and its cause.
     code : str
         Stable identifier, see `Problem.code`.
     path, line, key
@@ -130,7 +130,7 @@ def _place(problem: Problem) -> dict[str, Any]:
 
 
 class RopefricWarning(UserWarning):
-    """What is allowed but hardly meant, such as a wrap of 400 rad; the message says what and how to fix it."""
+    """A warning about an allowed but improbable value, such as a wrap of 400 rad; the message has the fix."""
 
 
 class InputError(RopefricError, ValueError):
@@ -140,7 +140,7 @@ class InputError(RopefricError, ValueError):
 
 
 class Kind(NamedTuple):
-    """What an argument has to be: `NUMBER.check(level=level)` refuses a value that is none, by its name."""
+    """The kind of an argument: `NUMBER.check(level=level)` refuses a value of another kind by its name."""
 
     types: tuple[type, ...]
     words: str
@@ -169,7 +169,7 @@ class UnknownNameError(RopefricError, LookupError):
 
 
 class DataError(RopefricError, ValueError):
-    """A file's content cannot be used as it stands."""
+    """A file's content cannot be used."""
 
     default_code = "RF101"
 

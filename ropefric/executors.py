@@ -26,7 +26,7 @@ A = TypeVar("A")
 T = TypeVar("T")
 
 AHEAD = 128
-"""Pieces in hand at most: what is kept of work and results that wait, and how many workers can be kept busy."""
+"""Pieces in hand at most: a limit of waiting work and results, and of the workers that can be kept busy."""
 
 CONNECT_S = 10.0
 """Time for a scheduler to answer."""
@@ -137,7 +137,7 @@ def _wait_for(
 
 
 def _nothing_to_look_at() -> None:
-    """Do nothing: processes of this machine are told of when they die."""
+    """Do nothing: the end of a process of this machine is reported anyway."""
 
 
 def _refuse_deserted(client: Any) -> None:

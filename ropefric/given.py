@@ -1,4 +1,4 @@
-"""What users hand over in the forms they have it in: tables, arrays, quantities with their units; SI comes out."""
+"""Input of users in many forms, tables, arrays, quantities with units, converted to SI."""
 
 import os
 import warnings
@@ -9,7 +9,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, Kind, RopefricWarning, UnknownNameError
-from ropefric.quantities import parse_quantity, split_unit_suffix, unit_factor
+from ropefric.quantities import example_unit, parse_quantity, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.readers.table import SAFE_NAMES
@@ -29,7 +29,7 @@ _ODD = {
     "wheel_radius_m": (5.0, "{:g} m is a wheel of {:.3g} m diameter", 2.0, "mm"),
     "rope_radius_m": (0.5, "{:g} m is a rope of {:.3g} m diameter", 2.0, "mm"),
 }
-"""Above what a setting is hardly meant, how to say it, and the unit it was probably given in."""
+"""The limit above which a setting is improbable, its message, and the unit that was probably meant."""
 _USER = 4
 """Calls from a warning up to the line that called a function of `import ropefric` with settings."""
 
@@ -67,7 +67,7 @@ def number(value: Any, si_unit: str, name: str) -> float:
 
 
 def settings(**given: Any) -> dict[str, FloatArray]:
-    """Return the settings that are given (not None) in SI, by name, and warn of what is hardly meant."""
+    """Return the settings that are given (not None) in SI, by name, and warn of improbable values."""
     known = {name: value for name, value in given.items() if value is not None}
     found = {name: in_si(value, split_unit_suffix(name)[1], name) for name, value in known.items()}
     for name, values in found.items():
@@ -75,6 +75,39 @@ def settings(**given: Any) -> dict[str, FloatArray]:
             raise InputError(f"{name} is empty", key=name, fix="give one value or more")
     warn_of_odd(found)
     return found
+
+
+def in_declared_units(others: Mapping[str, Any], **declared: Any) -> dict[str, Any]:
+    """Return declared arguments, with those that came under another unit or name, such as wheel_diameter_mm, in SI.
+
+    >>> found = in_declared_units({"wheel_diameter_mm": 70, "lift": "2 kN"}, wheel_radius_m=None, lift_N=None)
+    >>> [float(one) for one in found.values()]
+    [0.035, 2000.0]
+    """
+    known: dict[str, cells.Quantity] = {}
+    for prefix in ("", "u_"):
+        for stem, (field, unit, factor) in cells.SETTINGS.items():
+            if prefix + field in declared:
+                known[prefix + stem] = (prefix + field, unit, factor)
+    for name in declared:
+        stem, unit = split_unit_suffix(name)
+        known[stem] = (name, unit, 1.0)
+    for name, value in others.items():
+        stem, unit = split_unit_suffix(name)
+        if stem not in known:
+            fix = did_you_mean(name, [*declared, *known])
+            raise UnknownNameError(f"there is no argument {name}", key=name, fix=fix)
+        field, si_unit, factor = known[stem]
+        if declared[field] is not None:
+            text = f"{name} and another argument both give {field}"
+            raise InputError(text, key=name, fix="leave one of them out")
+        if not _has_units(value):
+            if not unit:
+                fix = f'write {stem}="… {example_unit(si_unit)}" or {stem}_{si_unit.replace("/", "_")}=…'
+                raise InputError(f"{name} does not say its unit", key=name, fix=fix)
+            factor *= unit_factor(unit, si_unit, name=name)
+        declared[field] = in_si(value, si_unit, name) * factor
+    return declared
 
 
 def warn_of_odd(values: Mapping[str, FloatArray]) -> None:
@@ -208,14 +241,21 @@ def as_trace(
     frame = as_frame(trace, columns)
     arrays, headers = [], [str(name) for name in frame.columns]
     for channel, unit in (("time", "s"), ("force", "N")):
-        names = [name for name in headers if split_unit_suffix(name)[0].lower() in SAFE_NAMES[channel]]
-        if len(names) != 1 or not split_unit_suffix(names[0])[1]:
-            text = f"{len(names)} columns are a {channel} with its unit, of {', '.join(headers)}"
-            fix = f'name the one that is meant: columns={{"…": "{channel}_{unit}"}}'
-            raise InputError(text, key="columns", fix=fix)
-        factor = unit_factor(split_unit_suffix(names[0])[1], unit)
-        arrays.append(factor * in_si(frame[names[0]].to_numpy(), "", names[0]))
+        name = _named(headers, channel, unit)
+        factor = unit_factor(split_unit_suffix(name)[1], unit)
+        arrays.append(factor * in_si(frame[name].to_numpy(), "", name))
     return _recorded(*arrays)
+
+
+def _named(headers: Sequence[str], channel: str, unit: str) -> str:
+    """Return the one header that is a channel with its unit."""
+    names = [name for name in headers if split_unit_suffix(name)[0].lower() in SAFE_NAMES[channel]]
+    if len(names) == 1 and split_unit_suffix(names[0])[1]:
+        return names[0]
+    found = "more than one" if len(names) > 1 else "no"
+    text = f"{found} {channel} column with its unit in {', '.join(headers) or 'an empty table'}"
+    fix = f'name one with its unit, columns={{"…": "{channel}_{unit}"}}, or give times and forces'
+    raise InputError(text, key="columns", fix=fix)
 
 
 def _at_rate(forces: Any, force_N: Any, sampling_rate: Any) -> ForceTrace:

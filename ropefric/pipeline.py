@@ -1,4 +1,4 @@
-"""A campaign from recordings to the lift force of a wheel, what stands behind it, and what it was made from.
+"""A campaign from recordings to the lift force of a wheel, with its evidence and its inputs.
 
 Recordings to forces, forces to a law, the law to the lift force, written so that others can check it; for a report
 budgets, sensitivities and next tests; a manifest by which the result can be made again.
@@ -61,7 +61,7 @@ _ANSWERED = (
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CampaignAnswer:
-    """What a trial table says."""
+    """The results of a trial table."""
 
     table: TrialTable
     comparison: Comparison
@@ -112,7 +112,7 @@ def answer_trials(
     shared: Mapping[str, str] | None = None,
     progress: Progress | None = None,
 ) -> CampaignAnswer:
-    """Return which law a trial table asks for, what it supports, and the lift force of a design."""
+    """Return the law that a trial table supports, with its verdict, and the lift force of a design."""
     laws = [*LAWS, law] if law and law not in LAWS else None
     comparison = compare_laws(table, laws, shared=shared, progress=progress)
     rope_m = float(np.median(table.rope_radius_m[table.used])) if rope_radius_m is None else rope_radius_m
@@ -244,7 +244,7 @@ def _answered() -> tuple[str, ...]:
 T = TypeVar("T")
 
 STEP = 0.05
-"""By how much of itself each setting of a design is changed to see what it is worth [-]."""
+"""Relative change of each setting of a design to find its influence [-]."""
 
 _WHEELS, _WRAPS = 4, 80
 _BEYOND = 1.2
@@ -257,7 +257,7 @@ Measured = tuple[tuple[budgets.MeasuredCondition, LinearBudget], ...]
 
 
 class Evidence(NamedTuple):
-    """What stands behind a campaign's answer; None where there is no design, or where it could not be made."""
+    """The uncertainty behind a campaign's answer; None without a design, or where it could not be computed."""
 
     measured: Measured = ()
     typical: Statement | None = None
@@ -319,17 +319,17 @@ def rejection_words(run: CampaignRun) -> tuple[str, ...]:
         n = " to ".join(map(str, sorted({min(sizes), max(sizes)})))
         took = f"{np.count_nonzero(rejected)} of {sum(sizes)}"
         words.append(
-            f"with n = {n} {rule.label} takes {lost:.2g} good trials on average; here it took {took}"
+            f"with n = {n} {rule.label} rejects {lost:.2g} good trials on average; here it rejected {took}"
         )
     if rejected.any():
         fit = fit_law(replace(answer.table, kept=answer.table.kept | rejected), answer.fit.law)
         shown = [item for item in fit.parameters if item.vary]
         values = ", ".join(f"{item.name} = {item.value:.4g} ± {item.std:.2g}" for item in shown)
-        text = f"without it {fit.law} has {values}"
+        text = f"without the rule {fit.law} has {values}"
         if (asked := answer.prediction) is not None:
             both = (_lift_N(one, asked.conditions, "wrap_angle_rad", 1.0) for one in (answer.fit, fit))
             with_N, without_N = both
-            text += f", and lifts {without_N:.5g} N in the design instead of {with_N:.5g} N"
+            text += f", and F_A of the design is {without_N:.5g} N instead of {with_N:.5g} N"
         words.append(text)
     return tuple(words)
 
@@ -365,7 +365,7 @@ def swings_of_design(fit: FitResult, prediction: Prediction) -> tuple[tuple[str,
     """Return the lift force of the first wheel when one input changes: name, low, high, as designed [N].
 
     Each setting goes `STEP` down and up; the law and the rope go from end to end of the intervals of the prediction.
-    NaN stands where the law has no answer, or the fit knows no scatter.
+    NaN where the law has no answer, or the fit knows no scatter.
     """
     at = prediction.conditions.select([0])
     base_N = _lift_N(fit, at, "wrap_angle_rad", 1.0)  # of this law, where the prediction averages several

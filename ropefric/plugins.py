@@ -65,7 +65,7 @@ class Plugin(Shown):
 _LOADED: list[Plugin] = []
 
 TOLD: list[Callable[[str], None]] = []
-"""Who are told before code runs that a file names, which nobody may have read."""
+"""Functions that are called before the code of a plugin runs that a file names."""
 
 
 def loaded() -> tuple[Plugin, ...]:
@@ -91,7 +91,7 @@ def registry_of(slot: str) -> Registry[Any]:
 
 @contextmanager
 def unloaded_after() -> Iterator[None]:
-    """Forget at the end what is loaded within: one command's plugins are not those of the next."""
+    """Forget at the end the plugins that are loaded within: those of one command are not those of the next."""
     plugins, members = list(_LOADED), count_added()
     try:
         yield
@@ -118,8 +118,7 @@ def load_plugin(source: str | Path, called: str = "") -> Plugin:
     Raises
     ------
     DataError
-        RF160 if it cannot be read or run, with its line; RF161 if it declares nothing, or what is no such object; RF162
-        if a name is taken.
+        RF160 if it cannot be read or run, with its line; RF161 if it declares no such object; RF162 if a name is taken.
 
     Examples
     --------
@@ -158,7 +157,7 @@ def load_plugin(source: str | Path, called: str = "") -> Plugin:
 
 
 def load_named(document: TomlDocument) -> tuple[Problem, ...]:
-    """Load the plugins that a campaign or scene names, relative to its file; return what is wrong with them."""
+    """Load the plugins that a campaign or scene names, relative to its file; return the problems."""
     given = document.data.get("plugins", [])
     problems: list[Problem] = []
     for name in given if isinstance(given, list) else []:
@@ -235,7 +234,7 @@ def _declared(names: dict[str, Any], text: str, shown: str) -> Iterator[str]:
                 fix = f"write {slot} = {wanted.__name__}(...), imported from {wanted.__module__}"
                 raise DataError(why, code="RF161", **where, fix=fix)
             if not isinstance(member.name, str) or not _SAFE.fullmatch(member.name):
-                why = f"the name {member.name!r:.60} cannot be used: it stands in file names and on the command line"
+                why = f"the name {member.name!r:.60} cannot be used: it is part of file names and of command lines"
                 raise DataError(
                     why, code="RF161", **where, fix="use small letters, digits and hyphens: two-term"
                 )

@@ -260,7 +260,7 @@ def _shown(text: object) -> str:
 
 
 def _doubt(digits: str, value: float, unit: str, si_unit: str) -> tuple[str, str]:
-    """Return what is wrong with a number and its unit as they stand, and the fix; nothing where all is well."""
+    """Return the error of a number and its unit, and the fix; nothing where both are right."""
     example = example_unit(si_unit)
     if not math.isfinite(value):
         return "is not a finite number", ""

@@ -34,7 +34,7 @@ def forget_added(after: int = 0) -> None:
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return `did you mean 'x'?` for the known word closest to `word`, or the list of what is known."""
+    """Return `did you mean 'x'?` for the known word closest to `word`, or the list of known words."""
     names = sorted(known)
     folded = {name.lower(): name for name in names}
     close = get_close_matches(str(word).lower(), folded, n=1, cutoff=0.6)

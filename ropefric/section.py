@@ -1,4 +1,4 @@
-"""What is told to people: numbers as they read them, sections with tables, charts as data, and text of it all.
+"""Results in words: formatted numbers, sections with tables, charts as data, and the text of all.
 
 The terminal and summary.txt show sections by `as_text`; `ropefric.report.page` shows the same as HTML and Markdown.
 """

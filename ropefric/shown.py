@@ -15,16 +15,16 @@ if TYPE_CHECKING:
 
 _MOST_VALUES, _MOST_ROWS, _MOST_TEXT = 4, 10, 90
 
-_DRAWN_BY: list[Callable[[], Callable[..., Any]]] = []
+_ABOVE: dict[str, Callable[[], Callable[..., Any]]] = {}
 
 
 class Shown:
-    """What a result has in common with every other: `repr`, `_repr_html_`, `to_frame()` and `plot()`.
+    """Base of all results: `repr`, `_repr_html_`, `to_frame()` and `plot()`.
 
-    A class declares in `_said` what is worth saying, as paths of attributes with their standard uncertainty after
+    A class declares in `_said` what its text shows, as paths of attributes with their standard uncertainty after
     a ±: `"peak_N ± peak_std_N"`, under another name `"verdict=verdict.word"`. Units are read off the names. `_framed`
     says what `to_frame()` holds: an attribute with records or columns, or several attributes that are columns of one
-    length; by default one row of what is said.
+    length; by default one row of the text.
     """
 
     __slots__ = ()
@@ -77,12 +77,17 @@ class Shown:
 
     def plot(self, *args: Any, **options: Any) -> Any:
         """Return a matplotlib figure of the result; a break-away takes its trace, a fit `over`, a sweep `quantity`."""
-        return _DRAWN_BY[0]()(self, *args, **options)
+        return from_above("plot")(self, *args, **options)
 
 
-def drawn_by(find: Callable[[], Callable[..., Any]]) -> None:
-    """Say how the function is found that draws results; it is looked for when the first is drawn."""
-    _DRAWN_BY[:] = [find]
+def provide(**functions: Callable[[], Callable[..., Any]]) -> None:
+    """Set how the functions of higher rooms that are methods of results are found; each is loaded when first called."""
+    _ABOVE.update(functions)
+
+
+def from_above(name: str) -> Callable[..., Any]:
+    """Return the function of a higher room that is behind a method of results."""
+    return _ABOVE[name]()
 
 
 def _paths(said: Sequence[str]) -> Iterator[str]:

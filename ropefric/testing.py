@@ -1,4 +1,4 @@
-"""What the author of a law, reader, outlier rule, protocol or machine runs on it, to see that it keeps what ours keep.
+"""Checks for authors of laws, readers, outlier rules, protocols and machines: the same that the package's own pass.
 
 `check_law` and its like raise `PromiseError` at the first promise that is broken, `check_plugin` tries all that a file
 declares. Each promise is the first line of the check that tries it.
@@ -41,7 +41,7 @@ _GARBAGE = (b"", bytes(4096), np.random.default_rng(0).bytes(20_000), b"Messung 
 
 
 class PromiseError(AssertionError):
-    """What a member does that it must not, or does not that it must."""
+    """A broken promise of a member."""
 
 
 class Finding(NamedTuple):
@@ -223,7 +223,7 @@ def protocol_knows_no_clock_and_no_unit(protocol: Protocol) -> None:
 
 
 def reader_refuses_garbage(reader: Reader) -> None:
-    """What is no recording is refused in ropefric's words, never read and never a crash."""
+    """A file that is no recording is refused with a RopefricError, never read, and never crashes the reader."""
     dotted = all(one.startswith(".") and one == one.lower() for one in reader.suffixes)
     _must(reader.description and dotted, f"there is no description, or one of {reader.suffixes} is no suffix")
     with TemporaryDirectory() as folder:
@@ -276,10 +276,10 @@ CHECKS: Checks = {
     "PROTOCOL": (protocol_gives_results, protocol_knows_no_clock_and_no_unit),
     "READER": (reader_refuses_garbage,),
 }  # fmt: skip
-"""What a member of each registry promises."""
+"""The promises of the members of each registry."""
 
 FILE_CHECKS: Checks = {"READER": (reader_reads,), "KIND": (kind_answers, kind_is_swept)}
-"""What can only be seen on a file: a recording for a reader, a scene for a machine."""
+"""The promises that need a file: a recording for a reader, a scene for a machine."""
 
 
 def check_law(law: FrictionLaw) -> None:

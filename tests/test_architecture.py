@@ -143,6 +143,7 @@ def test_top_level_is_fixed():
         "CODE_OF_CONDUCT.md",
         "CONTRIBUTING.md",
         "LICENSE",
+        "SECURITY.md",
         "CHANGELOG.md",
     }
     tracked = subprocess.run(

@@ -1,4 +1,4 @@
-"""A user's plugin files, those of docs/plugins.md: on the command line, in a campaign, a scene and in Python."""
+"""A user's plugin files, those of the pages on plugins: on the command line, in a campaign, a scene and in Python."""
 
 import json
 import multiprocessing
@@ -18,7 +18,9 @@ from ropefric.friction.laws import ALL_LAWS, LAWS
 
 ROOT = Path(__file__).parents[1]
 TRIALS = ROOT / "fits" / "prth-trials.csv"
-PAGE = (ROOT / "docs" / "plugins.md").read_text(encoding="utf-8")
+PAGE = "".join(
+    (ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("plugins.md", "plugin-machine.md")
+)
 FILES = dict(re.findall(r"```(?:python|toml)\n# file: (\S+)\n(.*?)```", PAGE, re.DOTALL))
 
 

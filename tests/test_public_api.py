@@ -31,11 +31,10 @@ HOIST = ROOT / "data" / "scenes" / "hoist.toml"
 WHEEL = "wheel_radius_m=None, wrap_angle_rad=None, end_tension_N=None, rope_radius_m=None"
 SIGNATURES = {
     "accuracy_table": "(study='', case='', *, method='', timed=False)",
-    "budget": "(fit, *, wheel_radius_m, wrap_angle_rad, end_tension_N, rope_radius_m=None, u_wheel_radius_m=0.0, "
-    "u_rope_radius_m=0.0, u_wrap_angle_rad=0.0, u_end_tension_N=0.0, one_pull=False, level=0.95, draws=200000, "
-    "seed=0)",
+    "budget": f"(fit, *, {WHEEL}, u_wheel_radius_m=None, u_rope_radius_m=None, u_wrap_angle_rad=None, "
+    "u_end_tension_N=None, one_pull=False, level=0.95, draws=200000, seed=0, **named)",
     "compare": "(trials, laws=None, *, progress=None, of='peak', columns=None)",
-    "design": f"(fit, *, lift_N, solve_for='wrap', {WHEEL}, probability=0.95)",
+    "design": f"(fit, *, lift_N=None, solve_for='wrap', {WHEEL}, probability=0.95, **named)",
     "diagnose": "(trials, comparison=None, *, columns=None)",
     "explain": "(scene, *, measure=False)",
     "extract": "(campaign, *, jobs=1, progress=None, executor=None)",
@@ -43,7 +42,7 @@ SIGNATURES = {
     "window_s=None, start_s=None, stop_s=None, min_step_N=None, ending='sliding', pick_s=None)",
     "fit": "(trials, law, *, fixed=None, bounds=None, start=None, groups=None, shared=None, n_starts=4, "
     "seed=0, intervals='auto', of='peak', columns=None)",
-    "friction_table": f"(fit, *, {WHEEL})",
+    "friction_table": f"(fit, *, {WHEEL}, **named)",
     "lmfit_model": "(law)",
     "load_campaign": "(path, *, missing_recordings='error')",
     "load_fit": "(path)",
@@ -52,11 +51,10 @@ SIGNATURES = {
     "measured_budgets": "(trials, quantity='force', *, u_wrap_angle_rad=None, gain_limit=0.0, weights_tolerance=0.0, "
     "gravity_limit=0.0027, level=0.95, draws=200000, seed=0)",
     "monte_carlo": "(scene, *, draws=10000, seed=0, level=0.95, progress=None, table=None, executor=None)",
-    "plan_tests": "(known, *, wheels_m, wraps_rad, end_tensions_N, wheel_radius_m, wrap_angle_rad, end_tension_N, "
-    "rope_radius_m=None, largest_force_N=inf, n_conditions=12, repeats=12, criterion='v', level=0.95, starts=10, "
-    "seed=0)",
+    "plan_tests": f"(known, *, wheels_m=None, wraps_rad=None, end_tensions_N=None, {WHEEL}, largest_force_N=None, "
+    "n_conditions=12, repeats=12, criterion='v', level=0.95, starts=10, seed=0, **named)",
     "predict": f"(fit, wheels=None, *, {WHEEL}, level=0.95, method='auto', linear_density_kg_m=None, speed_m_s=None, "
-    "columns=None)",
+    "columns=None, **named)",
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
     "read_trial": "(campaign, trial)",
     "reject": "(values, rule='two-sigma')",
@@ -180,8 +178,49 @@ def test_what_is_not_there_or_not_one_is_told():
     assert rf.smooth(flat, 0.01).force_N.tolist() == [0.0] * 500
 
 
+def test_settings_come_in_any_unit_under_the_names_of_a_table():
+    fit = rf.load_fit(COUPLED)
+    radius = (
+        {"wheel_radius_m": 0.035},
+        {"wheel_radius_mm": 35},
+        {"wheel_radius": "35 mm"},
+        {"wheel_diameter_mm": 70},
+    )
+    for own, wrap in zip(radius, ("wrap_angle", "wrap"), strict=False):
+        lift_N = rf.predict(fit, **own, **{wrap: "400 deg"}, end_tension_kN=0.06).lift_force_N
+        assert lift_N == pytest.approx(168.8, abs=0.05)
+    for own in radius:
+        wheel = own | {"wrap_deg": 400, "end_tension_N": 60}
+        assert fit.predict(**wheel).lift_force_N == pytest.approx(168.8, abs=0.05)
+        needed = rf.design(fit, lift="168.8 N", **own, end_tension="60 N", probability=None)
+        assert np.degrees(needed.value) == pytest.approx(400, abs=0.5)
+        assert rf.friction_table(fit, **wheel).lift_force_N == pytest.approx(168.8, abs=0.05)
+    exact, loose = (rf.budget(fit, **wheel, **u, draws=10_000).budget for u in ({}, {"u_wrap": "2 deg"}))
+    assert exact.estimate == loose.estimate
+    assert exact.combined < loose.combined
+    running = fit.predict(**wheel, linear_density="62 g/m", speed_m_s=2.0)
+    assert running.lift_force_N != fit.predict(**wheel).lift_force_N
+    for wrong, error, words in (
+        ({"wheel_radius": 0.035}, InputError, 'wheel_radius does not say its unit Fix: write wheel_radius="… mm"'),
+        ({"wheel_radius_m": 0.035, "wheel_diameter_mm": 70}, InputError, "both give wheel_radius_m"),
+        ({"wheel_radius_N": 3}, InputError, "wheel_radius_N: 'N' is not a unit of"),
+        ({"wheel_radios_m": 3}, UnknownNameError, "no argument wheel_radios_m Fix: did you mean 'wheel_radius_m'"),
+    ):  # fmt: skip
+        with pytest.raises(error, match=words):
+            fit.predict(**wrong, wrap_deg=400, end_tension_N=60)
+
+
+def test_a_fit_has_its_parameters_by_name():
+    fit = rf.load_fit(COUPLED)
+    assert list(fit.params) == ["mu_inf", "a", "b", "c", "d"]
+    assert fit.params["mu_inf"] is fit["mu_inf"]
+
+
 def test_comparison_and_diagnosis_fit_together(few):
     comparison = rf.compare(few, ["coupled", "constant"])
+    lines = str(comparison).splitlines()
+    assert [line.split()[0] for line in lines[-3:]] == [entry.law for entry in comparison.ranking]
+    assert lines[-3].endswith(comparison.best.status)
     assert (comparison.best.law, rf.diagnose(few, comparison)["wrap effect"].supported) == ("coupled", "yes")
 
 
@@ -295,9 +334,9 @@ def test_a_recording_of_any_form_gives_the_same_break_away():
     assert {one.peak_N for one in found} == {found[0].peak_N}
     smoothed = rf.smooth({"time_ms": 1e3 * time_s, "force_N": force_N}, 0.01)
     assert smoothed.window_s == pytest.approx(0.01, rel=0.1)
-    with pytest.raises(InputError, match="0 columns are a force with its unit"):
+    with pytest.raises(InputError, match="no force column with its unit in time_s, kraft_N"):
         rf.find_breakaway({"time_s": time_s, "kraft_N": force_N})
-    with pytest.raises(InputError, match="1 columns are a time with its unit"):
+    with pytest.raises(InputError, match="no time column with its unit in time"):
         rf.find_breakaway({"time": time_s, "force_N": force_N})
     for odd in (pd.to_timedelta(time_s, unit="s"), pd.to_datetime(time_s, unit="s").to_numpy(), time_s + 0j):
         with pytest.raises(InputError, match="is no number Fix: give numbers in s"):

@@ -1,6 +1,6 @@
-"""What accuracy costs in time: every numerical choice of the tool, its error and its time, measured.
+"""Work-precision studies: error and time of every numerical method of the package, measured.
 
-`studies` declares what is compared, a study a file: cases with a known answer, and methods at several settings. `study`
+`studies` declares the comparisons, a study a file: cases with a known answer, and methods at several settings. `study`
 has what they are made of, and what follows from measured points: the front, the cheapest for an accuracy. `measure`
 goes through the settings and takes the time; out come `StudyResult`s, which `report` and `plotting` show.
 """

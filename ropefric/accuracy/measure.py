@@ -24,13 +24,13 @@ from ropefric.executors import software, spread
 _CPUINFO = Path("/proc/cpuinfo")
 _MOST_LOOPS = 1_000_000
 _SHORTER = 10
-"""Than usual are batches of what is timed in turn, and as many times more."""
+"""Factor by which batches timed in turn are shorter than usual, and more numerous."""
 
 Progress = Callable[[int, int, str], None]
 
 
 class Machine(NamedTuple):
-    """What ran: a time without it says nothing."""
+    """The machine of a measurement: a time without it has no meaning."""
 
     cpu: str
     cores: int
@@ -48,7 +48,7 @@ class Machine(NamedTuple):
 
 
 def this_machine() -> Machine:
-    """Return the machine this runs on; its processor where a file tells it, else the platform's word for it."""
+    """Return the machine this runs on; its processor from a file, else the platform's name."""
     lines = _CPUINFO.read_text(encoding="utf-8", errors="replace").splitlines() if _CPUINFO.is_file() else []
     models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
     return Machine(
@@ -157,8 +157,8 @@ def measure_studies(
 ) -> tuple[StudyResult, ...]:
     """Return the error and time of every setting of each study; errors are found by an executor, times taken here.
 
-    Each goes at once to the file `kept`, a line each. What stands there already, measured by this version on this
-    machine, is not measured again, so that the same call goes on where another ended.
+    Each goes at once to the file `kept`, a line each. Results in it, measured by this version on this
+    machine, are not measured again, so that the same call continues where another ended.
     """
     effort = effort or (QUICK if quick else FULL)
     how = (software(), this_machine().line, effort)
@@ -208,7 +208,7 @@ def _timed(pieces: Sequence[_Piece], effort: Effort) -> Iterator[Timing]:
 
 
 def _name_of(how: tuple[object, ...], study: Study, case: Case, setting: Setting) -> str:
-    """Return what tells a setting, and how it is measured, from all others."""
+    """Return the identity of a setting and of how it is measured."""
     text = repr((*how, study.name, case.name, case.title, setting.method, setting.setting))
     return hashlib.sha256(text.encode()).hexdigest()
 

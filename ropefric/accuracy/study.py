@@ -1,4 +1,4 @@
-"""What a study of accuracy is made of: cases, methods at several settings, one reference, and measured points."""
+"""Parts of an accuracy study: cases, methods at several settings, one reference, and measured points."""
 
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -93,11 +93,11 @@ class Study:
     Attributes
     ----------
     name : str
-        What it is found by: "integral".
+        The name of the study: "integral".
     title : str
-        What is compared, in a line.
+        The comparison in one line.
     question : str
-        What a reader wants to know from it.
+        The question that it answers.
     reference : str
         Where the true answer comes from, independent of all methods compared.
     counted : str
@@ -176,8 +176,8 @@ def against(
     """Return a method at the settings `over`, named after a label such as "{} steps"; without a label, its only one.
 
     `solve(*functions)`, or `solve(setting, *functions)`, answers a problem that is given by functions. Its work is how
-    often they are called, or at how many points; or a number; or told by the answer and the setting. What is counted
-    is so only while it is assessed, not while it is timed. A quick look takes those settings that are in `quick`, by
+    often they are called, or at how many points; or a number; or from the answer and the setting. Calls are counted
+    only while the error is assessed, not while it is timed. A quick look takes those settings that are in `quick`, by
     default every third.
     """
 
@@ -248,7 +248,7 @@ _UNSTEADY = 0.5
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StudyResult:
-    """What was measured of one study."""
+    """The measurements of one study."""
 
     study: Study
     points: tuple[Measured, ...]

@@ -1,9 +1,9 @@
 """The command line: presentation only. Every number it prints comes from the library.
 
 `app` assembles the commands, runs one and turns failures into words and exit codes; `output` is where words, JSON,
-tables and progress go; `options` is what commands share: their answer, and the options that name files, folders,
+tables and progress go; `options` has the parts that commands share: their answer, and the options for files, folders,
 quantities and processes.
-`commands` has the commands by subject: options, one call of the library, what is shown.
+`commands` has the commands by subject: options, one call of the library, output.
 """
 
 import sys

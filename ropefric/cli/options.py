@@ -1,4 +1,4 @@
-"""What commands share: their answer, and the options that name files, folders, quantities and processes."""
+"""Shared parts of the commands: their answer, and options for files, folders, quantities and processes."""
 
 import math
 import os
@@ -114,7 +114,7 @@ def campaign_file(path: Path, *, or_table: bool = False) -> Path:
 
 
 def read_table(path: Path, out: Output, *, of: str = "peak") -> "table.TrialTable":
-    """Return a trial table of the force to be fitted, and say on stderr what is doubtful about it."""
+    """Return a trial table of the force to fit, with its warnings on stderr."""
     found = table.read_trial_table(path).of(of)
     out.problems(found.warnings)
     return found
@@ -131,7 +131,7 @@ def read_fit(path: Path, out: Output) -> "result.FitResult":
 
 
 def refuse_file(path: Path | None, source: Path | None) -> None:
-    """Refuse, before the work, to write to what is no plain file, or is read by the same command."""
+    """Refuse, before the work, to write to a special file or to an input of the same command."""
     if path is not None:
         refuse_special(path)
         refuse_input(path, source)
@@ -148,7 +148,7 @@ def rope_radius(fit: "result.FitResult", given_m: float | None) -> float:
 
 
 def exit_code_of(found: "bool | result.Verdict") -> int:
-    """Return 0 for what stands or is supported, 4 for what is undecided or not judged."""
+    """Return 0 for a supported result, 4 for an undecided or not judged one."""
     return 0 if getattr(found, "supported", found) else NOT_TRUSTED
 
 
@@ -168,7 +168,7 @@ def saying_what_is_kept(out: Output, what: str, where: Path) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        out.note(f"finished {what} are kept in {where}; the same command goes on from there")
+        out.note(f"finished {what} are kept in {where}; the same command continues from there")
         raise
 
 

@@ -27,7 +27,7 @@ REDRAW_S = 0.1
 
 
 class Output(NamedTuple):
-    """What the user wants to see."""
+    """The wanted form of output."""
 
     json: bool = False
     quiet: bool = False
@@ -167,7 +167,7 @@ class Progress:
             self._bar.stop()
 
     def update_named(self, item: str, done: int, total: int) -> None:
-        """Take note as `update` does, told of the item first."""
+        """Take note as `update` does, with the item first."""
         self.update(done, total, item)
 
     def update(self, done: int, total: int, item: str) -> None:

@@ -1,7 +1,7 @@
 """Single files, read and written whole, whatever happens meanwhile.
 
-What somebody named is read if it is a regular file: never blocked, never half of one version and half of another.
-What is written is the whole new file or the whole old one.
+A named file is read if it is a regular file: never blocked, never half of one version and half of another.
+Writing leaves the whole new file or the whole old one.
 """
 
 import errno
@@ -36,7 +36,7 @@ _FLAGS = (
 
 
 def kind_of_file(path: str | os.PathLike[str]) -> str:
-    """Return what stands at a path: "file", "folder", "device or pipe", or "" for nothing that can be looked at."""
+    """Return the kind of a path: "file", "folder", "device or pipe", or "" for none."""
     try:
         return _kind(os.stat(path))  # noqa: PTH116  (a name with a null byte raises in either way)
     except (OSError, ValueError):
@@ -110,7 +110,7 @@ class InputFile:
         return content
 
     def part(self, start: int, size: int) -> bytes:
-        """Return some bytes from a place on, without reading what stands before."""
+        """Return some bytes from a place on, without reading those before."""
         if self._kept is not None:
             return self._kept[start : start + size]
         self._stream.seek(start)
@@ -238,7 +238,7 @@ def refuse_link(path: Path) -> None:
 
 
 def refuse_special(path: Path) -> None:
-    """Refuse to replace what is not a plain file: what a link leads to belongs to others, a device is none."""
+    """Refuse to replace links and special files: the target of a link belongs to others."""
     try:
         mode = path.lstat().st_mode
     except (FileNotFoundError, NotADirectoryError):
@@ -269,7 +269,7 @@ def refuse_input(path: Path, *inputs: Path | None) -> None:
             continue
         if same:
             why = "this is an input of the same command and is never replaced"
-            raise not_written(path, why, "choose another name for what is written", "RF151")
+            raise not_written(path, why, "choose another name for the output", "RF151")
 
 
 @contextmanager
@@ -312,7 +312,7 @@ def put_in_place(part: Path, path: Path) -> None:
 
 
 def discard(part: Path) -> None:
-    """Remove a file that did not become one; a folder that does not let go of it is not the trouble to tell of."""
+    """Remove a file that did not become one; an error of the folder is not the one to report."""
     with suppress(OSError):
         part.unlink(missing_ok=True)
 
@@ -363,7 +363,7 @@ def write_files(
     paths = tuple(Path(folder) / name for name in contents)
     for path in paths:
         if not overwrite and os.path.lexists(path):
-            fix = "choose another folder, or ask for overwriting (--force)"
+            fix = "choose another folder, or allow overwriting (--force)"
             raise InputError("the file is there already", code="RF150", path=path.as_posix(), fix=fix)
     with ExitStack() as stack:  # none gets its name before all are written
         for path, content in zip(paths, contents.values(), strict=True):

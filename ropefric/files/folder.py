@@ -31,7 +31,7 @@ if sys.platform != "win32":
 
 
 OWN = ".ropefric"
-"""Folder within a command's folder: the list of its files, its lock, and what is still being written."""
+"""Folder within a command's folder: the list of its files, its lock, and unfinished files."""
 CACHE = ".cache"
 """Folder within a command's folder for what can be made again at any time."""
 SCHEMA = "ropefric.files/1"
@@ -52,7 +52,7 @@ class Folder:
         return tuple(disk.write_file(self.path / name, content) for name, content in contents.items())
 
     def stream(self, name: str) -> AbstractContextManager[BinaryIO]:
-        """Return a context whose stream becomes a file, for what is too long to be held."""
+        """Return a context whose stream becomes a file, for output too long to be held."""
         return disk.replacing(self.path / name)
 
     def publish(self, part: str) -> None:
@@ -65,7 +65,7 @@ def as_folder(folder: "Folder | str | os.PathLike[str]") -> Folder:
 
 
 class _Entry(NamedTuple):
-    """What is known of a file of ours: the hashes it may have, the parts it is of, and the hash it rests on."""
+    """Facts about a file of ours: the hashes it may have, the parts it is of, and the hash it rests on."""
 
     sha256: tuple[str, ...]
     parts: frozenset[str]
@@ -75,7 +75,7 @@ class _Entry(NamedTuple):
 class OutputFolder(Folder):
     """The folder of a command, as a context: locked, checked before the work, and never left half done.
 
-    What is written appears when it is published, at once; what is not published when the context ends is dropped.
+    Written files appear at once when they are published; unpublished files are dropped at the end of the context.
     """
 
     def __init__(

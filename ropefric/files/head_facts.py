@@ -1,4 +1,4 @@
-"""What the lines above a table say of it: `UNIT=kN`, `Sampling rate: 100 Hz`, `Abtastrate;0,1;kHz`."""
+"""Facts in the lines above a table: `UNIT=kN`, `Sampling rate: 100 Hz`, `Abtastrate;0,1;kHz`."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -16,7 +16,7 @@ _INTERVALS = frozenset((
     "logginginterval", "dt",
 ))  # fmt: skip
 _BARE_RATES = frozenset(("speed", "rate", "frequency", "fs", "sps"))
-"""Words that mean the sampling rate where nothing else is told of the time and no unit says otherwise."""
+"""Words for the sampling rate, where the time is not given and no unit contradicts."""
 _UNITS = frozenset(("unit", "units", "einheit", "einheiten"))
 _PER_SECOND = frozenset(("S/s", "Sa/s", "sps", "SPS", "samples/s", "Samples/s", "1/s", "/s", "Werte/s"))
 _FACT = re.compile(r"[#%*;!]*+\s*+([A-Za-zÀ-ÿ][^=:;,\t]{0,60})[=:](?!=)(.+)")

@@ -1,4 +1,4 @@
-"""What is written: numbers to the digits that mean something, and text of others made harmless for what shows it.
+"""Output: numbers to their significant digits, and text of others made harmless.
 
 Sine, logarithm and linear algebra differ in the last bits from processor to processor and from one version of a
 library to the next. Measured numbers are known to four digits at best; rounded far below that, but far above the
@@ -87,7 +87,7 @@ _SHARE = 1e-4
 def significant(
     value: float, digits: int = MEASURED_DIGITS, *, smallest: float = 0.0, size: float = 0.0
 ) -> float:
-    """Return a number with so many significant digits; zero where it is below `smallest`, the rest of a difference.
+    """Return a number with this many significant digits; zero where it is below `smallest`, the rest of a difference.
 
     Where it is the rest of a difference of numbers of a certain `size`, the digits count from that.
     """
@@ -107,7 +107,7 @@ def to_share(value: float, std: float) -> float:
 
 
 def rounded_tree(tree: Any, digits: int | None = MEASURED_DIGITS) -> Any:
-    """Return a JSON tree with its numbers to so many significant digits, standard errors (`std`, `std_*`) to four.
+    """Return a JSON tree with its numbers to this many significant digits, standard errors (`std`, `std_*`) to four.
 
     A number that is not there or infinite is None; None for the digits leaves the others as they are.
     """

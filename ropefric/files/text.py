@@ -201,7 +201,7 @@ class Text:
 
 
 class Block(NamedTuple):
-    """Whole lines of a text from a byte on, and the number of the first of them; what stands before is not meant."""
+    """Whole lines of a text from a byte on, and the number of the first of them; earlier lines are skipped."""
 
     line: int
     data: bytes

@@ -1,6 +1,6 @@
 """How a table in a text file is laid out: separator, decimal mark, header, units and first data row.
 
-What the user says holds; what is left open is found in the first 64 kB, or refused where two readings are possible.
+The user's settings hold; others are found in the first 64 kB, or refused where two readings are possible.
 """
 
 import math
@@ -60,7 +60,7 @@ _N_SAMPLE = 20
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableLayout:
-    """What a user says of a table's layout; row numbers count from 1, `header_row` -1 is open and 0 none."""
+    """A table's layout as the user states it; row numbers count from 1, `header_row` -1 is open and 0 none."""
 
     separator: str = ""
     decimal: str = ""
@@ -78,7 +78,7 @@ class TableLayout:
 
     @property
     def no_value(self) -> frozenset[str]:
-        """Return every cell text that stands for "no value"."""
+        """Return every cell text that means "no value"."""
         return frozenset(("", *NAN_TEXTS, *(text.strip() for text in self.missing)))
 
     def no_value_numbers(self, decimal: str) -> tuple[float, ...]:
@@ -102,7 +102,7 @@ class HeadRows(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dialect:
-    """The layout of a text table as found, and what is to be told of the text when it is read."""
+    """The layout of a text table as found, and notes for when the text is read."""
 
     separator: str
     decimal: str
@@ -233,7 +233,7 @@ def _find_separator(
 
 
 def _possible(sample: Sequence[str], decimal: str) -> list[str]:
-    """Return the separators that lines hold, by preference; a blank stands for any, and no decimal comma divides."""
+    """Return the separators that lines hold, by preference; a blank means any, and no decimal comma divides."""
     joined = "\n".join(sample)
     there = [mark for mark in SEPARATORS if mark in joined or (mark == " " and "\t" in joined)]
     return [mark for mark in there if not mark == "," == decimal or '"' in joined]
@@ -251,13 +251,13 @@ def _divided(sample: Sequence[str], separator: str, no_value: frozenset[str]) ->
 
 
 def _refuse_one_or_two(sample: Sequence[str], lines: Sequence[str], source: Source) -> None:
-    """Refuse `12,47` on every line, where nothing tells one decimal number from two whole ones."""
+    """Refuse `12,47` on every line, which is one decimal number or two whole ones."""
     numbers = [line.strip() for line in sample if not any(c.isalpha() for c in line)]
     names = (split_line(line, ",") for line in lines if any(c.isalpha() for c in line))
     if not numbers or not all(_COMMA_INSIDE.fullmatch(line) for line in numbers):
         return
     if not any(len(cells) > 1 and all(cells) for cells in names):
-        why = f"{numbers[0]!r} is one number with a decimal comma or two whole numbers; nothing tells which"
+        why = f"{numbers[0]!r} is one number with a decimal comma or two whole numbers; the file does not show which"
         raise source.error(why, code="RF104", fix='set [import] separator = "," or decimal = ","')
 
 
@@ -288,14 +288,14 @@ def _find_marks(
     if either and not kinds:
         number, cell = either
         meanings = f"{cell.replace(',', '.')} or {cell.replace(',', '')}"
-        why = f"{cell!r} may mean {meanings}; no cell in the first 64 kB tells which"
+        why = f"{cell!r} may mean {meanings}; no cell in the first 64 kB shows which"
         fix = 'set [import] decimal = "," if it is a decimal comma, or thousands = "," if it groups thousands'
         raise source.error(why, code="RF104", line=number, fix=fix)
     return meant[kinds]
 
 
 def _says(cell: str) -> str:
-    """Return what a number with a comma tells of the marks."""
+    """Return the marks that a number with a comma implies."""
     if _POINTED.fullmatch(cell) or (_GROUPED.fullmatch(cell) and cell.count(",") > 1):
         return "English"
     if _GROUPED_BY_POINTS.fullmatch(cell):
@@ -377,13 +377,13 @@ def _words_above(
     """Return header and units row: the nearest rows of words above the data that are as wide as a header."""
 
     def over_data(number: int) -> list[str]:
-        """Return the cells over columns that hold data: what stands beside them is a remark."""
+        """Return the cells over columns that hold data; other cells are remarks."""
         row, data = rows[number - 1], rows[data_row - 1]
         pairs = zip(row, data, strict=False) if len(row) == len(data) else ((cell, cell) for cell in row)
         return [cell for cell, below in pairs if cell and below]
 
     def is_header(number: int) -> bool:
-        """Tell names from a preamble: words, and more than one wherever the data have more than one column."""
+        """Distinguish names from a preamble: words, and more than one wherever the data have more than one column."""
         row, words = rows[number - 1], over_data(number)
         wide = len(row) > 1 or len(rows[data_row - 1]) == 1
         return wide and bool(words) and not any(is_value(cell) for cell in words) and not is_fact(row)
@@ -479,7 +479,7 @@ def _form(match: _Stamp) -> tuple[bool, bool]:
 
 @dataclass(slots=True)
 class _Clock:
-    """What makes one count of the times of a column: where the clock stood, and what it showed last."""
+    """State of reading a column of times: the offset of the clock, and its last value."""
 
     place: ZoneInfo | None
     last_ps: int | None = None

@@ -1,4 +1,4 @@
-"""A TOML file as read: its tree, and the line of every key in it, which tomllib does not tell."""
+"""A TOML file as read: its tree, and the line of every key in it, which tomllib does not give."""
 
 import os
 import re
@@ -24,7 +24,7 @@ _MAX_PARTS = 32
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TomlDocument:
-    """What a TOML file says, and where."""
+    """Contents of a TOML file, with their lines."""
 
     path: str
     data: Mapping[str, Any]
@@ -108,7 +108,7 @@ _MEANINGS = (
     ("Unterminated string", "a quote is not closed", "close the quote"),
     ('Expected \'"""\'', "a quote is not closed", "close the quote"),
     ("Unclosed array", "a bracket is not closed", "close it with ]"),
-    ("Unescaped '\\'", "a lone backslash stands in the text", "use / in paths, or single quotes"),
+    ("Unescaped '\\'", "there is a lone backslash in the text", "use / in paths, or single quotes"),
 )
 
 

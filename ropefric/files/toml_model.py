@@ -183,7 +183,7 @@ def _converted(read: Callable[[], float], like: str) -> float:
 
 
 def validate_document(model: type[M], document: TomlDocument) -> tuple[M | None, tuple[Problem, ...]]:
-    """Return a document as a model, or what is wrong with it."""
+    """Return a document as a model, or its errors."""
     try:
         return model.model_validate(dict(document.data)), ()
     except pydantic.ValidationError as error:

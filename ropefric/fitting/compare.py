@@ -96,6 +96,14 @@ class Comparison(Shown):
     _framed = "ranking"
     unit = "conditions"
 
+    def _more_said(self) -> Iterator[tuple[str, str]]:
+        yield "ranking", "delta AICc, weight, status"
+        for entry in self.ranking:
+            numbers = (
+                f"{entry.delta_aicc:8.2f}  {entry.weight:5.3f}" if entry.counted else f"{'–':>8}  {'–':>5}"
+            )
+            yield f"  {entry.law}", f"{numbers}  {entry.status}"
+
     ranking: tuple[ComparisonEntry, ...]
     tests: tuple[FTest, ...]
     n: int

@@ -51,7 +51,7 @@ from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import AdvisedStatus, counted
 from ropefric.registry import Registry
-from ropefric.shown import Shown, in_words
+from ropefric.shown import Shown, from_above, in_words
 
 
 class FitStatus(AdvisedStatus):
@@ -252,6 +252,15 @@ class FitResult(Shown):
     common_errors: tuple[CommonError, ...] = ()
     problem: FitProblem | None = None
     rivals: tuple["FitResult", ...] = ()
+
+    @property
+    def params(self) -> dict[str, FittedParameter]:
+        """Return the parameters by name: `fit.params["mu"].value`."""
+        return {item.name: item for item in self.parameters}
+
+    def predict(self, wheels: Any = None, **settings: Any) -> Any:
+        """Return the lift force for n wheels, as `ropefric.predict` does: `fit.predict(wheel_radius="35 mm", …)`."""
+        return from_above("predict")(self, wheels, **settings)
 
     @property
     def theta(self) -> FloatArray:

@@ -1,6 +1,6 @@
 """Closed forms of ∫μ over the wrap, eqs. (11)-(17), that keep their digits where the textbook expressions cancel.
 
-Local coefficients μ(φ) = a φ^b + c and a e^{bφ} + c over [p, p + δ], and the wrap φ0 that an end tension stands for:
+Local coefficients μ(φ) = a φ^b + c and a e^{bφ} + c over [p, p + δ], and the wrap φ0 equivalent to an end tension:
 ∫₀^{φ0} μ dφ = ln(F_B/F_0), eqs. (11)-(13). An end tension acts as if the rope had already gone round φ0. F_0 = 1 N is
 a physical reference, not a free scale, and F_B < F_0 has no φ0.
 """

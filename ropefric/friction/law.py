@@ -1,4 +1,4 @@
-"""What a friction law is: one question (ln F_A for a condition), its gradient, and how far it may be trusted."""
+"""Friction laws: ln F_A for a condition, its gradient, and its range of validity."""
 
 import math
 import re
@@ -22,7 +22,7 @@ Slopes = tuple[FloatArray, ...]
 """Derivatives, each of which broadcasts to what it is a derivative of."""
 
 FROM_ZERO = "use the law that counts the wrap from zero (NAME-from-zero; in Python law.without_end_tension())"
-"""What to do where no wrap angle stands for an end tension."""
+"""Fix where no wrap angle is equivalent to an end tension."""
 
 _LEAST_WRAP_RAD = 1e-290
 _DIGITS = 9
@@ -69,7 +69,7 @@ def negative(values: FloatArray, what: str, fix: str = "keep it at zero or more"
 def below_reference(conditions: Conditions) -> Refusal:
     """Return the refusal of end tensions below F_0 = 1 N, for laws that count the end tension as wrap."""
     F_B = conditions.end_tension_N
-    what = "F_B = {value} N is below F_0 = 1 N, so no wrap angle stands for it"
+    what = "F_B = {value} N is below F_0 = 1 N, so no wrap angle is equivalent to it"
     return Refusal(F_B < 1.0, F_B, what, f"leave it out, or {FROM_ZERO}")
 
 
@@ -166,7 +166,7 @@ class FrictionLaw:
     physics : Physics
         The formulae.
     candidates : callable
-        `candidates(mu, conditions, log_lift) -> (m, p)`: parameter sets worth trying as the start of a fit to measured
+        `candidates(mu, conditions, log_lift) -> (m, p)`: parameter sets to start a fit from, to measured
         ln F_A, whose median average coefficient is mu.
     special_cases : tuple of FrictionLaw
         Simpler laws that are special or limiting cases of it: a comparison tests it against them.

@@ -147,7 +147,7 @@ class Sensor:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordingTruth:
-    """What is true of one simulated recording, before noise, conversion and damage; NaN where nothing is."""
+    """Truth of one simulated recording, before noise, conversion and damage; NaN where there is none."""
 
     status: Status
     lift_force_N: float
@@ -211,7 +211,7 @@ class Teeth(NamedTuple):
     bottom_N: FloatArray
 
     def scaled(self, factor: float) -> "Teeth":
-        """Return teeth that slip at the same times and are so many times as high."""
+        """Return teeth that slip at the same times and are scaled in height."""
         return Teeth(time_s=self.time_s, top_N=factor * self.top_N, bottom_N=factor * self.bottom_N)
 
     def force_N(self, elapsed_s: FloatArray, snap: Snap) -> FloatArray:
@@ -278,7 +278,7 @@ class BreakawayPull:
     has_peak: bool = True
 
     def raised(self, factor: float) -> "BreakawayPull":
-        """Return the pull with static and kinetic friction so many times as high."""
+        """Return the pull with static and kinetic friction scaled."""
         forces = ("lift_force_N", "ramp_top_N", "kinetic_N", "holding_N")
         raised: dict[str, Any] = {name: factor * getattr(self, name) for name in forces}
         return replace(self, teeth=self.teeth.scaled(factor), **raised)

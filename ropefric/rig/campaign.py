@@ -45,7 +45,7 @@ class RigCondition:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CampaignPlan:
-    """What a simulated campaign is to hold: the law that is true, the conditions, the repeats, what goes wrong."""
+    """Plan of a simulated campaign: true law, conditions, repeats, faults."""
 
     name: str
     law: str
@@ -68,7 +68,7 @@ class CampaignPlan:
             raise InputError(f"{planned} make no recording", key="repeats", fix=fix)
         if self.n_trials > _MOST_TRIALS:
             message = f"{planned} are {self.n_trials} recordings; the limit is {_MOST_TRIALS}"
-            raise InputError(message, key="repeats", fix="ask for fewer repeats")
+            raise InputError(message, key="repeats", fix="use fewer repeats")
         for name, rate in self.faults.items():
             fault = FAULTS[name]
             if not 0.0 <= rate <= 1.0:

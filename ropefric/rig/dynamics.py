@@ -80,7 +80,7 @@ class Slider:
 
 
 class Motion(NamedTuple):
-    """What a slider did, at the steps of the integration, shape (n,): spring force, rope, wheel, slip, friction."""
+    """Motion of a slider, at the steps of the integration, shape (n,): spring force, rope, wheel, slip, friction."""
 
     time_s: FloatArray
     force_N: FloatArray

@@ -1,4 +1,4 @@
-"""How a rope of the second rig is pulled: machines and contacts drawn from wide ranges, and what is true."""
+"""Pulls of the second rig: machines and contacts drawn from wide ranges, and their truth."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -21,9 +21,9 @@ _FALL = 0.015  # of F_A; a first fall of less, or lost in the noise, is none
 
 
 class Truth(NamedTuple):
-    """What is true of a recording: its status, and F_A and its time where there is one.
+    """Truth of a recording: its status, and F_A and its time where there is one.
 
-    F_A is the largest noise-free force of the spring between the onset of macroscopic slip (which goes on for many
+    F_A is the largest noise-free force of the spring between the onset of macroscopic slip (which lasts many
     micro-slip lengths) and its first fall. `fall_N` is that fall; `partial_s` are the partial slips before it.
     """
 
@@ -226,7 +226,7 @@ def _roughness(slider: Slider) -> float:
 
 
 def truth_of(motion: Motion, slider: Slider, *, noise: float = 0.0) -> Truth | None:
-    """Return what is true of a motion; None where the first fall is neither resolved nor absent, so nobody could say."""
+    """Return the truth of a motion; None where the first fall is neither resolved nor absent."""
     onset = _onset(motion, slider)
     partial_s = [_begun(motion, mu, slider.profile[1][0]) for mu, _, _ in slider.partial]
     if onset is None:
@@ -302,7 +302,7 @@ class SliderPull:
         return np.asarray(self.scale * self.motion.spring_N(time_s) * part**2 * (3.0 - 2.0 * part))
 
     def raised(self, factor: float) -> "SliderPull":
-        """Return the pull with all its forces so many times as high."""
+        """Return the pull with all its forces scaled."""
         return replace(self, scale=factor * self.scale, lift_force_N=factor * self.lift_force_N)
 
     def truth(self) -> RecordingTruth:

@@ -49,8 +49,8 @@ class SimulatedRecording:
 class Fault:
     """Something that goes wrong in a recording, and what an honest reading makes of it.
 
-    It acts on the pull, also on what measures it, on the force, on the samples, or on the bytes of the file. Where
-    friction is not Coulomb's, what is drawn differs (`ranges`) in place of the pull.
+    It acts on the pull, on the sensor, on the force, on the samples, or on the bytes of the file. With other friction
+    than Coulomb's, it changes the drawn ranges (`ranges`) instead of the pull.
     """
 
     name: str
@@ -213,7 +213,7 @@ def _hum(pull: Any, sensor: Sensor, _bench: Bench, rng: Rng) -> tuple[Any, Senso
 
 
 def _zero_drift(pull: Any, sensor: Sensor, _bench: Bench, rng: Rng) -> tuple[Any, Sensor]:
-    """Let the zero wander by 5 to 10 % of F_A from the first sample to the last."""
+    """Let the zero drift by 5 to 10 % of F_A from the first sample to the last."""
     part, whole = rng.choice((-1.0, 1.0)) * rng.uniform(0.05, 0.1), _counts(sensor, pull.lift_force_N)
     zero_counts = sensor.zero_counts - min(part, 0.0) * whole  # stays on scale
     return pull, replace(sensor, drift_counts=part * whole, zero_counts=zero_counts)

@@ -23,7 +23,7 @@ def maybe(rng: Rng, chance: float) -> bool:
 
 
 def coloured(rng: Rng, n: int, length: float, steep: float) -> FloatArray:
-    """Return noise of standard deviation 1 that is alike over so many samples."""
+    """Return noise of standard deviation 1, correlated over this many samples."""
     if n < 4:
         return np.zeros(n)
     frequency = np.fft.rfftfreq(n)

@@ -1,9 +1,9 @@
 """Recordings drawn piece by piece with known truth: no equation of motion, so that nothing of the two rigs is in them.
 
-A recording is a story: a rest, weights that are hung, what disturbs it, a climb with its partial slips, the slip and
-what follows, how it ends. Each piece is a shape of the force over its time and the state the rope is in; a sensor makes
+A recording is a sequence: a rest, weights that are hung, disturbances, a climb with its partial slips, the slip and
+the sliding after it, an end. Each piece is a shape of the force over its time with the state of the rope; a sensor makes
 samples of it. Force is in units of the break-away, time in seconds; everything is drawn over ranges far wider than any
-one bench has, so that a picker that learns from these learns what a break-away is and not what one machine does.
+one bench has, so that a picker learns the break-away and not the habits of one machine.
 """
 
 from collections.abc import Callable, Iterator
@@ -35,7 +35,7 @@ Shape = Callable[[FloatArray], FloatArray]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LabelledRecording:
-    """A recording and what is true of it.
+    """A recording and its truth.
 
     Attributes
     ----------
@@ -163,7 +163,7 @@ def _fall(story: _Story, to: float, lasting_s: float, state: State) -> None:
 
 
 def _rest(story: _Story) -> None:
-    """Begin with a rest, long or hardly any, and perhaps with weights that hang already."""
+    """Begin with a long or very short rest, with or without weights that hang already."""
     rng = story.rng
     if maybe(rng, 0.2):
         story.level = rng.uniform(0.01, 0.5)
@@ -512,7 +512,7 @@ def _rests_on(story: _Story) -> Status:
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """A kind of story: how often it is told, and what happens in it; returns what can be seen of the break-away."""
+    """A kind of sequence: its frequency, and its parts; returns the visible truth of the break-away."""
 
     name: str
     share: float
@@ -535,7 +535,7 @@ KINDS: Registry[Kind] = Registry("kind of drawn recording", [
 
 
 def _told(rng: Rng, kind: Kind) -> tuple[_Story, Status]:
-    """Return a whole story: what comes before the pull, the pull, and what comes after."""
+    """Return a whole sequence: the part before the pull, the pull, and the part after it."""
     story = _Story(rng, spread(rng, 0.04, 15.0))
     _rest(story)
     if maybe(rng, 0.3):
@@ -607,6 +607,6 @@ def draw_recording(rng: Rng, kind: str | None = None) -> LabelledRecording:
 
 
 def draw_recordings(seed: int, count: int, kind: str | None = None) -> Iterator[LabelledRecording]:
-    """Yield so many recordings, each from a seed of its own: the n-th is the same however many are asked for."""
+    """Yield this many recordings, each from a seed of its own: the n-th does not depend on their number."""
     for number in range(count):
         yield draw_recording(np.random.default_rng([seed, number]), kind)

@@ -74,7 +74,7 @@ def _size_N(take: Take) -> float:
 
 
 def _filtered(take: Take) -> None:
-    """Let an anti-alias filter pass what is slower than 10 to 60 Hz, but no less than the climb needs."""
+    """Apply an anti-alias filter of 10 to 60 Hz, but not below the frequencies of the climb."""
     rate_Hz = 1.0 / (take.time_s[1] - take.time_s[0])
     corner_Hz = max(float(np.exp(take.rng.uniform(*np.log((10.0, 60.0))))), 40.0 / take.drawn["climb_s"])
     if corner_Hz < 0.4 * rate_Hz:
@@ -382,7 +382,7 @@ def recordings(
 
 
 def _made(seed: int, jobs: list[tuple[Family, int]]) -> Iterator[Recording]:
-    """Draw until every recording's truth is one that can be told; a draw that is not is thrown away."""
+    """Draw until the truth of every recording is defined; other draws are discarded."""
     order = list(FAMILIES)
     done: dict[int, Recording] = {}
     for attempt in range(_ATTEMPTS):

@@ -102,7 +102,7 @@ def _flat(seed: int, block: int, size: int, stream: int = 0) -> FloatArray:
 
 @lru_cache(maxsize=2)
 def _scattered(seed: int, block: int, size: int, columns: int, dof: float) -> FloatArray:
-    """Return draws of a standard t, and behind them of the normal for what is known for sure, (n, columns)."""
+    """Return draws of a standard t, and behind them of the normal for infinite degrees of freedom, (n, columns)."""
     rng = np.random.default_rng([seed, block, 1])
     own = joint_draws(np.zeros(size), np.eye(size), dof=dof, n=BLOCK, rng=rng)
     return np.hstack([own, rng.standard_normal((BLOCK, columns - size))])
@@ -137,7 +137,7 @@ def _friction(scene: Scene) -> _Friction | None:
 
 
 class Drawn(NamedTuple):
-    """What draws say of one number: the answer at the values as given, mean, standard deviation and quantiles."""
+    """Statistics of one number over draws: the answer at the values as given, mean, standard deviation and quantiles."""
 
     value: float
     mean: float

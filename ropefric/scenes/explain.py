@@ -1,4 +1,4 @@
-"""What the effects of a scene are worth, each by leaving it out once, and the time that they take."""
+"""Influence of each effect of a scene, by leaving it out once, and its time."""
 
 import math
 import time
@@ -18,19 +18,19 @@ from ropefric.systems.effect import assemble
 
 _ROUNDS = (2, 25)
 _LONG_S = 0.5
-"""Everything is timed in so many rounds, more than the least only while they take no longer than this together."""
+"""Least and largest number of rounds of timing, and the time [s] of all that stops them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Explanation(Shown):
-    """A plan, with what its effects are and what they are worth.
+    """A plan with its effects and their influence.
 
     Attributes
     ----------
     system : str
         Name of the system.
     plan : Plan
-        With what each effect turned out to be worth, and the time it takes if that was measured.
+        With the influence of each effect, and its time if that was measured.
     planned_s, all_s : float
         Median time of planning and solving, as asked and with all effects [s]; NaN where it was not measured.
     spread_s : float
@@ -68,7 +68,7 @@ class Explanation(Shown):
         return not math.isnan(self.planned_s)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the explanation as a JSON tree; what is not known is null."""
+        """Return the explanation as a JSON tree; unknown values are null."""
         measured = {name: getattr(self, name) for name in ("planned_s", "saved_s", "spread_s", "difference")}
         measured["all_effects_s"] = self.all_s
         numbers = ("bound", "worth", "time_share", "time_s", "time_spread_s")
@@ -90,7 +90,7 @@ class Explanation(Shown):
 def explain_scene(
     scene: Scene, *, measure: bool = False, clock: Callable[[], float] = time.perf_counter
 ) -> Explanation:
-    """Return why a scene is solved the way it is, and what every effect of it is worth."""
+    """Return how a scene is solved, and the influence of each of its effects."""
     try:
         try:
             plan, own = solve_planned(scene, scene.problem)
@@ -120,7 +120,7 @@ def _runs(scene: Scene, plan: Plan) -> dict[str, Callable[[], Any]]:
 
 
 def _weighed(scene: Scene, plan: Plan, own: Any) -> Explanation:
-    """Return a plan with what each effect is worth: by how much the answer changes with it left out, or put in."""
+    """Return a plan with the influence of each effect: the change of the answer with it left out, or added."""
     distance, everything, worth = scene.kind.system.distance, own, dict[str, float]()
     told = Explanation(system=scene.kind.name, plan=plan)
     with suppress(RopefricError):
@@ -182,7 +182,7 @@ def _in_turn(runs: Mapping[str, Callable[[], Any]], clock: Callable[[], float]) 
 
 
 def _difference(apart_s: list[float]) -> tuple[float, float]:
-    """Return the median of differences and their spread; where that is larger no difference can be told (NaN)."""
+    """Return the median of differences and their spread; NaN where the spread is larger."""
     found, spread_s = median(apart_s), _spread(apart_s)
     return (found if found > spread_s else math.nan), spread_s
 

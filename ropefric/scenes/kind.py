@@ -1,4 +1,4 @@
-"""What a kind of scene is made of: its keys, its machine, and its answer in numbers, words, files and figures."""
+"""Kinds of scenes: keys, machine, and answer in numbers, words, files and figures."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -55,7 +55,7 @@ zero_or_more = number_where(
 _accuracy = number_where(
     lambda one: 0.0 < one <= 1.0,
     "an accuracy of {} is not above 0 and at most 1",
-    "give the relative error you can live with, such as 0.01 for 1 %",
+    "give the relative error you accept, such as 0.01 for 1 %",
     "RF501",
 )
 
@@ -186,7 +186,7 @@ class Table(StrictTable):
 
 
 class ReferenceTable(Table):
-    """`[friction.reference]`: the condition that stands in for what the law is not told.
+    """`[friction.reference]`: the condition for regressors that the law does not get.
 
     Keys
     ----
@@ -249,13 +249,13 @@ class FrictionTable(Table):
 
 
 class SceneTable(Table):
-    """What every scene has at its top.
+    """The keys at the top of every scene.
 
     Keys
     ----
     system : The kind of machine.
-    accuracy : Relative error of the answer that you can live with.
-    effects : Which effects are simulated: those the accuracy calls for, all, or a list of their names.
+    accuracy : Relative error of the answer that you accept.
+    effects : Simulated effects: those that the accuracy needs, all, or a list of their names.
     tolerances : Limits of error of the scene's numbers, by key, in the number's unit or in per cent; for `--draws`.
     plugins : Files with laws or machines of your own, from the scene's folder.
     """
@@ -285,7 +285,7 @@ class Quantity(NamedTuple):
 class Failure(NamedTuple):
     """A way in which a machine does not do what it is for, however well that is known: on one side of a limit.
 
-    One that is only `counted`, over many cases, does not speak against a single answer, which tells of it elsewhere.
+    One that is only `counted`, over many cases, is no failure of a single answer, which states it elsewhere.
     """
 
     words: str
@@ -317,7 +317,7 @@ def strained(what: str, strain: FloatArray) -> Failure:
 class Wheel(NamedTuple):
     """A wheel of a machine's layout: what part it plays, how far what runs over it lies on it, and what pulls there.
 
-    `apart_m` is the distance to the next one's axle where a scene tells; `ends` name what leaves a lone wheel.
+    `apart_m` is the distance to the next one's axle where a scene gives it; `ends` name the strands of a lone wheel.
     """
 
     name: str
@@ -342,9 +342,9 @@ class Kind:
     Attributes
     ----------
     name : str
-        What `system = "…"` says.
+        The value of `system = "…"`.
     schema : type of SceneTable
-        Its TOML keys, each with what it `Becomes`.
+        Its TOML keys, each with its `Becomes`.
     system : System
         Its effects and mechanics.
     own_wheel : callable
@@ -356,24 +356,24 @@ class Kind:
         `quantities(answer, problem)` returns the numbers that people read; none of them is uncertain where no
         friction enters.
     outcomes : callable
-        `outcomes(answer, problem)` returns what tables of many cases have beside them and no single answer: numbers
+        `outcomes(answer, problem)` returns columns of tables of many cases that no single answer has: numbers
         that friction changes in jumps, so that they have no slope, such as whether anything slipped.
     tree : callable
         `tree(answer, problem)` returns the JSON shape of the answer, without what all scenes share.
     contacts : callable
         `contacts(problem)` returns the conditions at which the friction is used, as a mapping from the regressor's
-        name to an array; for telling an extrapolation.
+        name to an array; to find extrapolations.
     answerable : callable
         `answerable(problem)` returns for which of many cases there is an answer, as far as that shows without
         solving them.
     failures : callable
-        `failures(answer, problem)` returns the ways in which the machine may not do what it is for.
+        `failures(answer, problem)` returns the possible failures of the machine.
     kept : callable
         `kept(problem)` returns which effects are never left out, and why: something beside the numbers depends on them.
     in_one_call : callable
         `in_one_call(problem)` returns whether a problem can be solved for many cases at once.
     keys : mapping of str to str
-        Keys of the scene behind names that an error of the system gives, beside what the keys become; "roller" stands
+        Keys of the scene behind names that an error of the system gives, beside what the keys become; "roller" is
         for "roller 2" and takes the 2 in its `{}`.
     sections : callable
         `sections(tree)` returns the answer in words and tables, from the whole JSON shape.
@@ -385,10 +385,10 @@ class Kind:
         Which parts of the tree the bound of a plan does not cover, in words: what they are is of the effects simulated.
         A number in a table of the tree is named with it: "creep.power_lost_W".
     undecided : callable
-        `undecided(answer, problem, error)` returns what an answer that errs by that share leaves open, in words, beside
-        the `failures`.
+        `undecided(answer, problem, error)` returns the questions that an answer with this error leaves open, beside the
+        `failures`.
     words : mapping of str to str
-        What the numbers of its answer are, with unit, where the glossary does not say it.
+        Meaning of the numbers of its answer, with unit, where the glossary has none.
     layout : callable
         `layout(problem)` returns the wheels, in the order in which a belt or rope runs over them, by its name.
 

@@ -14,15 +14,15 @@ from ropefric.systems.effect import Effect, Method, System, applicable, assemble
 _METHOD_SHARE = 0.1
 """What the method may err by at least, of the accuracy: no effects are left out for the sake of the last tenth."""
 _LEAST_SAVED_S = 2e-3
-"""An effect that takes less time than this in all is not worth asking whether it can go."""
+"""An effect that takes less time than this in all is never left out."""
 _DEAR_S = 1e-3
-"""An effect that takes more time than this in a case is not simulated to learn what leaving it out is worth."""
+"""An effect that takes more time than this in a case is not simulated only to find its influence."""
 
 Fate = Literal["simulated", "left out", "not applicable"]
 
 
 class Decision(NamedTuple):
-    """What became of one effect and why; what it turned out to be worth, and the time it takes, if measured."""
+    """The use of one effect and its reason; its influence and its time, if measured."""
 
     name: str
     fate: Fate
@@ -38,7 +38,7 @@ class Decision(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """What is simulated, how, and how far that can be from simulating everything."""
+    """Simulated effects, method, and error bound against simulating everything."""
 
     decisions: tuple[Decision, ...]
     method: Method
@@ -111,7 +111,7 @@ def _refuse_missing(system: System, problem: Any, names: Iterable[str]) -> None:
                 f"the effect {name} cannot be simulated without {lacking}",
                 code="RF502",
                 key="effects",
-                fix=f"add {lacking}, or take {name} off the list",
+                fix=f"add {lacking}, or remove {name} from the list",
             )
 
 
@@ -132,18 +132,18 @@ def _decided(  # noqa: PLR0917  (facts of one plan)
         "simulated": _why_simulated(one, bound, asked, kept),
     }[fate]
     if fate == "left out" and one.name in bounds:
-        why = f"worth at most {bound:.2g} of the answer; {why}"
+        why = f"influence at most {bound:.2g} of the answer; {why}"
     return Decision(one.name, fate, bound, why, missing, one.adds, one.instead)
 
 
 def _why_simulated(one: Effect, bound: float, asked: str | tuple[str, ...], kept: Mapping[str, str]) -> str:
     if asked != "auto":
-        return "all effects are asked for" if asked == "all" else "asked for by name"
+        return "the scene requires all effects" if asked == "all" else "named in the scene"
     if one.name in kept:
         return kept[one.name]
     if math.isnan(bound):
         return "the scene gives its data, and leaving it out would save no time"
-    return "no bound is known" if math.isinf(bound) else f"worth up to {bound:.2g} of the answer"
+    return "no bound is known" if math.isinf(bound) else f"influence up to {bound:.2g} of the answer"
 
 
 def _with_method(off: float, method: Method) -> float:
@@ -151,7 +151,7 @@ def _with_method(off: float, method: Method) -> float:
 
 
 def solve_planned(scene: Scene, problem: Any, effects: str | tuple[str, ...] = "") -> tuple[Plan, Any]:
-    """Return the plan of a scene for a problem of its kind, with effects as it asks for or others, and the answer."""
+    """Return the plan of a scene for a problem of its kind, with its effects or others, and the answer."""
     system, asked = scene.kind.system, effects or scene.effects
     plan, model = make_plan(
         system, problem, accuracy=scene.accuracy, effects=asked, kept=scene.kind.kept(problem)
@@ -172,9 +172,9 @@ def _off_by(system: System, problem: Any, plan: Plan, answer: Any) -> float:
 
 
 def nearly_whole(system: System, problem: Any, plan: Plan, answer: Any) -> tuple[Any, float]:
-    """Return the answer with all effects but those that are dear, and what |Δ ln| those are worth at most.
+    """Return the answer with all effects but the expensive ones, and the bound of |Δ ln| of those.
 
-    What a list leaves out is simulated for that; of what is dear a bound has to do.
+    Effects that a list leaves out are simulated for that; expensive ones are covered by their bound.
     """
     left_out = [system.effects[name] for name in plan.left_out]
     dear = [one for one in left_out if one.cost >= _DEAR_S]

@@ -30,7 +30,7 @@ BLOCK = 50_000
 _ONE_BY_ONE = 20
 """Points of a piece of work that are solved one after another."""
 _SEEN_S = 1.0
-"""What is solved in one call takes at most about this long."""
+"""Time of one call at most, about."""
 _LOOKED_AT = 61
 """Cases, evenly spaced among all, at which it is asked whether leaving effects out saves time."""
 
@@ -156,7 +156,7 @@ def solve_points(
 
 
 class Kept:
-    """What stays of the numbers: those of points spread evenly, and of all the range, mean and standard deviation."""
+    """The kept numbers: those of points spread evenly, and of all the range, mean and standard deviation."""
 
     def __init__(self, shape: tuple[int, ...], most: int, *, summed: bool = True) -> None:
         steps = np.ones(len(shape), dtype=np.int64)
@@ -211,7 +211,7 @@ def _joined(sums: tuple[int, float, float], values: FloatArray) -> tuple[int, fl
 
 
 class _Found(NamedTuple):
-    """What some points give, and what was simulated for them."""
+    """Answers to some points, and the effects simulated for them."""
 
     quantities: tuple[Quantity, ...]
     failures: tuple[Failure, ...]
@@ -232,10 +232,10 @@ Outcome = tuple[IntArray, _Found | RopefricError]
 
 
 class _Run:
-    """Many cases as they are solved: whether effects are worth leaving out is asked once, for some of them.
+    """Many cases as they are solved: whether leaving effects out saves time is decided once, on some of them.
 
-    They go wherever their bounds allow it. Where what is left then leaves a yes or no open, or a difference of two
-    numbers less accurate than is wanted, the points are solved again with everything.
+    They are left out where their bounds allow it. Points at which a yes or no is then open, or a difference of two
+    numbers is less accurate than wanted, are solved again with all effects.
     """
 
     def __init__(self, scene: Scene, points: Points) -> None:
@@ -382,7 +382,7 @@ class _Run:
     def _whole(self, places: IntArray, values: list[FloatArray], problem: Any = None) -> Iterator[Outcome]:
         """Yield what points give, solved in one call.
 
-        Those without an answer are set apart if the error says which they are, and else halved until one stands alone.
+        Those without an answer are set apart if the error says which they are, and else halved down to single ones.
         """
         while places.size:
             try:

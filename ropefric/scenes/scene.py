@@ -357,7 +357,7 @@ def leaves(tree: Any, prefix: str = "") -> list[tuple[str, Any]]:
 
 
 def value_at(tree: Any, key: str) -> Any:
-    """Return what stands at a key of a TOML tree or of the table made from it; None where nothing does."""
+    """Return the value at a key of a TOML tree or of the table made from it; None where there is none."""
     for name in key.split("."):
         if isinstance(tree, list):
             tree = tree[int(name)] if name.isdecimal() and int(name) < len(tree) else None

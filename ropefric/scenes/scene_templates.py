@@ -23,7 +23,7 @@ def bundled_scenes() -> dict[str, str]:
 
 
 def scene_text(name: str) -> str:
-    """Return a scene as `write_scenes` writes it: a fit that it names stands in `fits/` beside it."""
+    """Return a scene as `write_scenes` writes it, with its fit in `fits/` beside it."""
     known = bundled_scenes()
     if name not in known:
         raise UnknownNameError(f"unknown scene {name!r}", key="--scene", fix=did_you_mean(name, known))

@@ -117,7 +117,7 @@ class Solution(Shown):
         """Return what speaks against using the answer, or the machine."""
         source, plan = self.scene.source, self.plan
         found = [*self.failures, *(() if source is None else source.warnings)]
-        found += [f"left open by the effects left out: {words}" for words in self.undecided]
+        found += [f"not decided without the effects left out: {words}" for words in self.undecided]
         found += [f"extrapolated: {words}" for words in self.extrapolation]
         if not plan.keeps_accuracy:
             bound = "not known" if math.isinf(plan.error_bound) else f"up to {plan.error_bound:.2g}"
@@ -205,9 +205,9 @@ def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
 
 
 def _own_bounds(scene: Scene, plan: Plan, answer: Any, quantities: tuple[Quantity, ...]) -> dict[str, float]:
-    """Return how far what is left out may put off a number, in its unit: each one where a list of effects is asked for.
+    """Return the possible error of each number by effects left out, in its unit.
 
-    Of a list it is the difference to the answer with what it leaves out, and the bound of what is too dear for that.
+    For a list of effects it is the difference to the answer with all, plus the bound of the expensive ones.
     """
     if not plan.left_out:
         return {}

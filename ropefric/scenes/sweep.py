@@ -43,7 +43,7 @@ class Axis:
 
 
 def parse_axis(scene: Scene, text: str) -> Axis:
-    """Return the axis that "KEY=START:STOP:COUNT" or "KEY=A,B,C" asks for."""
+    """Return the axis of "KEY=START:STOP:COUNT" or "KEY=A,B,C"."""
     key, equals, asked = (part.strip() for part in text.partition("="))
     if not equals or not key or not asked:
         raise InputError(
@@ -129,22 +129,22 @@ class Sweep(Answers):
     failed : int
         How many points have no answer.
     first_failure : str
-        What the first of them says.
+        The message of the first of them.
     simulated : tuple of str
         Effects in the model, wherever on the grid.
     error_bound : float
         The largest of all points.
     accuracy : float
-        What was wanted.
+        The accuracy wanted.
     failures : mapping of str to int
-        At how many points the machine does not do what it is for, by what it does not do.
+        Number of points at which the machine fails, by the failure.
     left_out : mapping of str to int
-        At how many points an effect was left out.
+        Number of points at which an effect was left out.
     extrapolated_at : mapping of str to int
-        At how many points a regressor of the law is outside what was tested; where a fit says that, the column
+        Number of points at which a regressor of the law is outside the tested range; with a fit, the column
         `extrapolated` is 1 there and 0 elsewhere.
     steps : tuple of int
-        `columns` has every so many-th value of each axis; all where it is empty.
+        `columns` has values of each axis at these steps; all where it is empty.
     ranges : mapping of str to tuple of float
         The least and the largest of each number over all points.
     """
@@ -199,7 +199,7 @@ def sweep_scene(
         raise InputError(
             f"a grid of {' × '.join(map(str, grid.shape))} is {total} points; the limit is {MOST_POINTS}",
             key="--sweep",
-            fix="ask for fewer values of each key",
+            fix="use fewer values of each key",
         )
     found, _ = solve_points(scene, grid, progress=progress, write=write, keep=keep, executor=executor)
     found["failures"] = {words: n for words, n in found["failures"].items() if n}
@@ -281,6 +281,6 @@ def columns_text(columns: Mapping[str, FloatArray]) -> str:
 
 
 def _rows(row: str, values: FloatArray) -> str:
-    """Return rows of numbers, each by the same template; of what is no number an empty cell."""
+    """Return rows of numbers, each by the same template; an empty cell where there is no number."""
     text: str = f"{row}\n" * len(values) % tuple(values.ravel().tolist())
     return text.replace("nan", "") if np.isnan(values).any() else text

@@ -48,7 +48,7 @@ def in_scale(name: str, values: npt.ArrayLike, rule: Rule = "positive") -> Float
 def refuse(wrong: BoolArray, words: str, *, key: str, fix: str = "", code: str = "", **values: Any) -> None:
     """Refuse the first of many cases in which something is wrong.
 
-    In the words and the fix `{name}` stands for its value there and `{place}` for which case it is, if there are many.
+    In the words and the fix `{name}` is its value there and `{place}` the number of the case, if there are many.
     """
     if wrong.any():
         first = int(np.argmax(wrong))
@@ -94,7 +94,7 @@ class Cases:
 
 
 def lean(values: FloatArray) -> FloatArray:
-    """Return one value where an array has been spread from one: what is the same in all cases is reckoned once."""
+    """Return one value where an array has been spread from one, so that equal cases are computed once."""
     return values[:1] if values.strides == (0,) else values
 
 

@@ -1,4 +1,4 @@
-"""What an effect of a machine is: something its mechanics may be put together with or without."""
+"""Effects: parts of a machine's mechanics that can be included or left out."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -25,13 +25,13 @@ class Effect(NamedTuple):
     name : str
         Its name in scenes.
     adds : str
-        What it brings into the model, in words.
+        The part of the model that it adds, in words.
     instead : str
-        What stands in its place when it is left out.
+        Its replacement when it is left out.
     bound : callable or None
         `bound(problem, answer)` returns an upper bound of |ln(with it / without it)| of every number of each of n cases,
         shape (n,) or (1,), from the answer to them without it, in a part of the time of solving them; without an answer
-        what is known before, which is no more than that. An effect that has none is simulated wherever a scene gives
+        a smaller or equal value. An effect that has none is simulated wherever a scene gives
         its data: so are all but those of which leaving out saves time that a benchmark can see.
     cost : float
         Time that it adds to each case, roughly [s].
@@ -135,7 +135,7 @@ def closed_form_system(
 def law_effects(
     wheel: str, rope: str, needs: Callable[[Any], tuple[str, ...]], cost: float = 0.0
 ) -> tuple[Effect, ...]:
-    """Return the effects of what a law is told of a contact on a wheel, by the names of the wheel and of the rope."""
+    """Return the effects of a law's regressors on a wheel, by the names of the wheel and of the rope."""
     words = {
         "wrap-dependence": (
             "a coefficient that depends on wrap and tension",

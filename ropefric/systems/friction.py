@@ -1,4 +1,4 @@
-"""The friction of a machine: a law, the condition it falls back on, and what of a contact it is told."""
+"""The friction of a machine: a law, its reference condition, and the regressors that it gets from a contact."""
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
@@ -14,17 +14,17 @@ from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.law import FrictionLaw
 
 EVERYTHING = frozenset({"wrap", "end-tension", "size"})
-"""What of a contact a law may be told: how far the rope wraps, how tight it is, how large the wheel is."""
+"""Regressors of a law: wrap, end tension, size."""
 TOLD = {"wrap-dependence": frozenset({"wrap", "end-tension"}), "size": frozenset({"size"})}
-"""What of a contact each effect tells a law, where the tension goes with the wrap."""
+"""Regressors that each effect gives a law; the tension goes with the wrap."""
 
 
 _SEEN = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
-"""What of a contact a law looks at, by what it can describe."""
+"""Regressors that a law uses, by the effects it describes."""
 
 
 def told_by(effects: Collection[str]) -> frozenset[str]:
-    """Return what a law is told of a contact with these effects in."""
+    """Return the regressors that a law gets with these effects."""
     return frozenset().union(*(told for name, told in TOLD.items() if name in effects))
 
 

@@ -42,7 +42,7 @@ ADVICE: dict[Status, str] = {
         "did slip, name the place with pick_s or peak_N; if not, load it further or record for longer."
     ),
     Status.NO_PEAK: (
-        "The rope slides, but no static peak stands out of the sliding force. There may be none for this "
+        "The rope slides, but no static peak exceeds the sliding force. There may be none for this "
         "pair; or it lies in a gap, in a stretch in which the converter stuck, or between two samples: sample "
         "faster, or let the rope dwell before the pull."
     ),
@@ -101,7 +101,7 @@ class Breakaway(Shown):
     status : Status
         `ok` means `peak_N` may be used; every other status says why not.
     detail : str
-        What is particular to this recording, with numbers and units.
+        The finding in this recording, with numbers and units.
     peak_N : float
         Static peak F_A of the smoothed trace [N]; for a `held` recording the mean of the plateau.
     probability : float
@@ -138,11 +138,11 @@ class Breakaway(Shown):
     events : tuple of ForceEvent
         Partial slips, bumps and impacts before the break-away, and every stick-slip event.
     candidates : tuple of ForceEvent
-        What may be the break-away, best first, where the status is `doubtful`.
+        Possible break-aways, best first, where the status is `doubtful`.
     phases : tuple of Phase
-        What happened when.
+        The phases in time.
     notes : tuple of str
-        What was met on the way: spikes left out, gaps bridged.
+        Remarks: spikes left out, gaps bridged.
     trace : ForceTrace or None
         The recording, where one call found its break-away; a campaign does not keep recordings.
 

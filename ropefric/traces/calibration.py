@@ -67,7 +67,7 @@ class Line(NamedTuple):
 class Adc:
     """A unipolar or offset analogue-to-digital converter.
 
-    Count 0 stands for `low_V` and the largest count, 2^bits − 1, for `high_V`; one count is therefore
+    Count 0 is `low_V` and the largest count, 2^bits − 1, is `high_V`; one count is therefore
     (high − low)/(2^bits − 1), 1 kN/1023 = 0.978 N for a 10-bit converter behind a 1 kN cell.
     """
 
@@ -359,7 +359,7 @@ IN_NEWTONS = Calibration(cell=ForceCell(name="", full_scale_N=1.0, full_scale_V=
 def tare_from_interval(
     time_s: FloatArray, counts: Any, calibration: Calibration, start_s: float, end_s: float
 ) -> tuple[Calibration, tuple[Problem, ...]]:
-    """Return the calibration with the tare of an idle interval, and what is doubtful about it."""
+    """Return the calibration with the tare of an idle interval, and its warnings."""
     if not start_s < end_s:
         message = f"the tare interval from {start_s:g} s to {end_s:g} s is empty"
         raise InputError(message, code="RF212", key="tare", fix="write its start before its end")
@@ -379,7 +379,7 @@ def tare_from_interval(
 def _doubts_of_tare(
     present_N: FloatArray, saturation: Saturation, n_blocks: int, block_std_N: float, lsb_N: float
 ) -> Iterator[tuple[str, str]]:
-    """Yield what is doubtful about an idle interval, and what to do."""
+    """Yield the warnings about an idle interval, with their fixes."""
     # Differences of neighbours hold the noise and next to nothing of a drift.
     noise_N = float(np.sqrt(np.mean(np.diff(present_N) ** 2) / 2.0))
     if block_std_N > max(lsb_N, _RESTLESS * noise_N / math.sqrt(present_N.size / n_blocks)):
@@ -409,7 +409,7 @@ def chain_quantities(force_N: float, calibration: Calibration) -> tuple[Quantity
     """Return what a chain leaves uncertain of one of its forces, corrections of zero that are not made.
 
     Linearity, hysteresis, repeatability, transmitter: limits as fractions of full scale. Calibration line: the scatter
-    of three or more calibration points about it, n − 2 degrees of freedom; two points tell nothing of it.
+    of three or more calibration points about it, n − 2 degrees of freedom; two points give none.
     """
     cell, line = calibration.cell, calibration.cell.line
     found = []

@@ -33,7 +33,7 @@ def mend_clock(
 
     1. A row without any value is dropped and noted. A row with values but without a stamp is refused.
     2. A stamp earlier than the one before it is refused: whether the clock was reset or the rows are out of
-       order, nobody can tell where the samples belong.
+       order, the place of the samples is unknown.
     3. If every row that repeats a stamp repeats all values of the row before too, rows were written twice:
        the copies are dropped and noted.
     4. Repeated stamps with other values, up to 1 % of the samples: the first is kept, the others dropped and
@@ -130,7 +130,9 @@ def _spread(time_s: FloatArray, repeated: BoolArray, refuse: Callable[..., DataE
     mended_s = np.asarray(time_s + rank * np.repeat(lengths_s / sizes, sizes), dtype=np.float64)
     stuck = ~((np.diff(mended_s) > 0) & np.isfinite(mended_s[1:]))
     if stuck.any():
-        raise refuse(int(np.argmax(stuck)) + 1, "cannot be told from the one before it by its time stamp")
+        raise refuse(
+            int(np.argmax(stuck)) + 1, "cannot be distinguished from the one before it by its time stamp"
+        )
     return mended_s
 
 

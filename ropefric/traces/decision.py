@@ -1,9 +1,9 @@
 """One recording, one break-away: the trained picker names the place and its probability, the force is measured there.
 
 F_A is the largest force from the onset of macroscopic slip to its first fall. The picker looks twice: at the whole
-recording, and at a few climbs' time around every place it takes for possible. What the first look gives to a place the
-second one shares out, so that looks that disagree leave a doubt by themselves. What is physics stays so: a converter at
-its limit, a gap in the samples, how high the top is (`peak`) and where its zero lies (`zero`).
+recording, and at a few climbs' time around every place it takes for possible. The second look distributes the
+probability that the first gives to a place, so looks that disagree leave a doubt. Rules cover the physics: a converter
+at its limit, a gap in the samples, how high the top is (`peak`) and where its zero lies (`zero`).
 """
 
 from collections.abc import Iterator

@@ -60,7 +60,7 @@ def evaluate_derived(
 
 
 class _FormulaError(Exception):
-    """What is wrong with a formula."""
+    """The error of a formula."""
 
     def __init__(self, why: str, fix: str = "") -> None:
         super().__init__(why, fix)

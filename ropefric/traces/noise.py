@@ -1,4 +1,4 @@
-"""How much of a recording is noise, what is only a spike, where the converter stuck, and mains hum.
+"""Noise, spikes, stuck converters and mains hum of a recording.
 
 Hum is found where the force is smooth, and taken out as what it is, a steady oscillation: a moving average as long as a
 period would take it out as well, and round every peak. Frequency, amplitude and phase are fitted by least squares,
@@ -18,14 +18,14 @@ MAX_LAST_SAMPLES = 2
 CLIMBS = 0.25
 MAX_DROPOUT_SAMPLES = 40
 SPIKE_SIGMAS, STANDS_OUT = 8.0, 4.0
-"""A spike jumps by so many times the noise, and by so many times any step beside it."""
+"""Factors of the noise, and of any step beside it, by which a spike jumps."""
 CHANCE_SIGMAS = 5.0
 REJOINS = 0.4
 """A spike comes back to within this part of its height: it may fall into the very moment of a slip."""
 NEIGHBOURS = 5
 CUT_OFF = 0.75
 LONG_RUN = 8
-"""Where less than this part of a signal lies below its largest value, which lasts so long, it stands at a limit."""
+"""A signal is at a limit if less than this share of it lies below its largest value, which lasts this long."""
 
 # Of stretches in which the converter stuck:
 # As many as a dropout that is mended.
@@ -83,7 +83,7 @@ def noise_std(values: FloatArray, step: float | None = None) -> float:
     From the median of the absolute second differences, which straight lines do not touch and a few corners, slips
     and spikes do not move: σ = 1.4826 median|x_{i-1} − 2 x_i + x_{i+1}| / √6. A coarse converter hides noise
     smaller than its step (`resolution`, unless it is given), so the result is never below step/√12. Where much of
-    it is cut off, the rest tells.
+    it is cut off, the rest is used.
     """
     if values.size < 4:
         return 0.0
@@ -194,7 +194,7 @@ def _excursion_end(values: FloatArray, steps: FloatArray, start: int, noise: flo
 def find_stuck(values: FloatArray, step: float, noise: float) -> IntArray:
     """Return the stretches in which a live signal reads exactly the same: start and stop of each, shape (k, 2).
 
-    The recording itself says what is live. Where around the stretch a share p of the samples differs from the one
+    The recording shows which samples are live. If around the stretch a share p of the samples differs from the one
     before and the changes go to and fro, at rest if not on a ramp, the noise spans the converter's steps, and n equal
     samples have a probability below (1 − p²)ⁿ: p² and not p, for between two steps the noise changes less than on an
     edge.

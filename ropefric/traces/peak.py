@@ -25,19 +25,19 @@ LONGEST_WINDOW = 0.02
 SHORTEST_TOP, FEWEST_ON_A_LINE, FEWEST_BELOW_A_TOP, SPARSE = 8, 3, 5, 0.005
 """Between two samples of a sparse recording the force climbs by more than the last part of F_A."""
 TOP_SIGMAS = 10.0
-"""The slope at a top is read where the climb rises by so many standard deviations of the noise."""
+"""Rise of the climb, in standard deviations of the noise, over which the slope at a top is read."""
 
 JUMPED, JUMP = 3.0, 0.1
-"""What is so much steeper than the climb that leads to it, and this part of its upper half, is a load of its own."""
+"""A part that is this many times steeper than the climb before it, and this share of its upper half, is another load."""
 
 STEPS_LOOKED_AT = 500
 NOISE_ABOVE_MEAN = 4.0
 """The highest of a few noisy samples is seldom more standard deviations above their mean."""
 EARLY_SIGMAS, LONGEST_EARLY_S = 4.0, 0.1
-"""The highest sample lies before the top by no longer than the force climbs by so much noise, nor than this time [s]."""
+"""The highest sample precedes the top by at most the time of a climb by this much noise, and at most this time [s]."""
 FEWEST_WINDOWS, PUSHED = 8, 20.0
 ROUND = 0.2
-"""The slope at the very top may be so much smaller than that of the last stretch, if the climb does not bend."""
+"""Ratio by which the slope at the very top may be smaller than that of the last stretch, without a bend."""
 # The largest of values with noise 1 that lie on a slope of 10^x from one to the next: how far it lies above the top, and
 # its standard deviation, from the product of their distribution functions.
 _APART = (-2.0, -1.523, -1.0, -0.523, -0.222, 0.0, 0.176, 0.301, 0.477, 0.699)
@@ -197,7 +197,7 @@ def measure_peak(
 
 
 def _last_rise(force_N: FloatArray, rise_N: float) -> int:
-    """Return from where on a force rises by so much to its last sample, or the first one."""
+    """Return the index from which a force rises by this much to its last sample, or the first one."""
     below = np.flatnonzero(force_N < force_N[-1] - rise_N)
     return int(below[-1]) if below.size else 0
 

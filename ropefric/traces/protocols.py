@@ -5,7 +5,7 @@ A new one is a `pick` function and a line in `PROTOCOLS`; `pick_at` measures the
 Raised and lowered over one wheel: while a weight W is raised the sensor pulls T_raise = W e^(μφ); while it is lowered
 it holds back T_lower = W e^(-μφ): the capstan equation, with friction against the motion both times. Their ratio
 e^(2μφ) holds neither W nor the scale of the sensor, so μ = ln(T_raise/T_lower)/(2φ); their geometric mean is W. The
-trial that stands for the pair has F_A = T_raise and F_B = √(T_raise T_lower), for then ln(F_A/F_B) = μφ, and every law
+trial of the pair has F_A = T_raise and F_B = √(T_raise T_lower), for then ln(F_A/F_B) = μφ, and every law
 fits it. With relative uncertainties r and l of the two forces, u(ln(F_A/F_B)) = ½ √(r² + l²): F_A carries all of it.
 """
 
@@ -37,7 +37,7 @@ from ropefric.traces.trace import ForceTrace
 from ropefric.traces.zero import with_its_zero
 
 FEWEST_TEETH = 3
-"""So many slips are a train, wherever the recording begins."""
+"""Number of slips that are a train, wherever the recording begins."""
 
 LOADED = 0.5
 UNLOADED = 0.25
@@ -75,8 +75,8 @@ class Protocol:
 def pick_teeth(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, ...]:
     """Return every tooth of a recording of slow stick-slip, each a break-away of its own, the first one first.
 
-    A fall is a tooth if it stands out of the noise and is not small against the typical one, or if it is as large as the
-    user asks for. A recording may begin in the middle of a train.
+    A fall is a stick-slip event if it exceeds the noise and is not small against the typical one, or if it is as large
+    as the user requires. A recording may begin in the middle of a train.
     """
     prepared = usable(trace, settings)
     if isinstance(prepared, Breakaway):
@@ -192,7 +192,7 @@ TRIM = 0.15
 """Part of a steady stretch, at either end, that may still belong to the change of direction."""
 PIECES = 8
 PARTS = 400
-"""Means over so many parts of a recording tell what is steady."""
+"""Number of parts of a recording whose means show whether it is steady."""
 NOISE_SIGMAS = 6.0
 
 
@@ -220,9 +220,7 @@ def pick_two_way(trace: ForceTrace, settings: PickSettings) -> tuple[Breakaway, 
     raising, lowering = ((int(edges[first]), int(edges[stop])) for first, stop in pair)
     fewest = min(_inner(prepared.force_N, samples).size for samples in (raising, lowering))
     if fewest < 2 * PIECES:
-        detail = (
-            f"the steady forces of raising and lowering last {fewest} samples: too few to tell their scatter"
-        )
+        detail = f"the steady forces of raising and lowering last {fewest} samples: too few to determine their scatter"
         return (without_force(Status.TOO_SHORT, detail, prepared),)
     return (_result(prepared, raising, lowering),)
 
@@ -329,7 +327,7 @@ def _with_its_zero_as_read(
 ) -> Breakaway:
     """Return a peak that a person named with what its zero adds to its uncertainty, as the picker's own has it.
 
-    Where the zero leaves two forces open, the one that was read stands, and how far the other lies off is uncertain.
+    Where the zero allows two forces, the one that was read is used, and the distance to the other is its uncertainty.
     """
     zeroed = with_its_zero(trace, prepared, found, settings)
     if zeroed.status is Status.OK:

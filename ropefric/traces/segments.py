@@ -1,6 +1,6 @@
-"""What the force did: samples to pick from, their block means, and on these climbs, breaks, slips and sliding.
+"""Segments of a recording: samples, block means, and on these climbs, breaks, slips and sliding.
 
-Phases are told apart on means over 4 ms before the peak is measured finely. A *record* is a force never reached before;
+Phases are found on means over 4 ms before the peak is measured finely. A *record* is a force never reached before;
 a *break* is a record followed by a drop of more than the noise; a *slip* is a break as sudden as a rope slips.
 """
 
@@ -35,7 +35,7 @@ DROP_SIGMAS = 6.0
 """A drop of fewer noise standard deviations is noise."""
 SHORTEST_BLOCKS = 4
 SHORTEST_IDLE = 12
-"""Fewer blocks at rest do not show how much the force wanders."""
+"""Blocks at rest that the drift of the force needs to be measured."""
 AT_REST = 0.3
 """A recording that begins above this part of its range does not begin at rest."""
 FEW_PIECES, ROUGHER = 4, 3.0
@@ -45,7 +45,7 @@ PIECE_BLOCKS = 25
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Blocks:
-    """Block means of a recording, on which phases are told apart."""
+    """Block means of a recording, on which phases are distinguished."""
 
     force_N: FloatArray
     time_s: FloatArray
@@ -231,7 +231,7 @@ def _level_and_scatter(stretch: FloatArray) -> tuple[float, float]:
 
 
 def roughness_N(stretch: FloatArray, length: int = PIECE_BLOCKS) -> float:
-    """Return the standard deviation around a straight line within pieces of so many blocks [N].
+    """Return the standard deviation around a straight line within pieces of this many blocks [N].
 
     The median of the pieces counts, of four or fewer the quietest.
     """

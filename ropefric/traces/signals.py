@@ -27,7 +27,7 @@ _NO_RUN = 0.02
 """Part of the readings that may stand for less than half as long as they usually do: one is cut by a lost line."""
 _REGULAR = 0.9
 _FINE = 0.5
-"""Where more of the steps than this are the smallest that there is, the converter is too coarse to tell a hold."""
+"""Share of smallest steps above which the converter is too coarse to show a hold."""
 
 Refusal = Callable[..., DataError]
 
@@ -177,17 +177,17 @@ def _without_hold(name: str, signal: Signal) -> tuple[Signal, tuple[str, ...]]:
         return signal, ()
     time_s = signal.time_s[kept]
     said = (
-        f"{name}: each reading of the sensor stands {period:.3g} times; the first of each was kept, "
+        f"{name}: each reading of the sensor is repeated {period:.3g} times; the first of each was kept, "
         f"{1.0 / median(np.diff(time_s)):.4g} Hz"
     )
     return Signal(time_s, signal.values[kept], signal.unit), (said,)
 
 
 def held_readings(values: FloatArray) -> tuple[IntArray, float]:
-    """Return the first sample of each reading, and for how many samples a reading stands; nothing for no hold.
+    """Return the first sample of each reading, and over how many samples a reading is held; nothing for no hold.
 
-    A hold changes at steps of one length only, also where the signal falls fast. Of a coarse converter, whose steps are
-    mostly of one count, it cannot be told.
+    A hold changes at steps of one length only, also where the signal falls fast. A coarse converter, whose steps are
+    mostly of one count, does not show it.
     """
     nothing = np.empty(0, dtype=np.int64), 1.0
     changes = values[1:] != values[:-1]

@@ -24,7 +24,7 @@ class ForceTrace(Shown):
     force_N : ndarray, shape (n,)
         Force [N]; NaN where a sample is missing.
     name : str
-        What the recording is called in messages.
+        The name of the recording in messages.
     source : str
         The file it came from, as its owner wrote it.
     counts : ndarray of int64, shape (n,), optional
@@ -38,11 +38,11 @@ class ForceTrace(Shown):
     end_calibration : Calibration, optional
         How it was measured.
     tare_N : float
-        What was taken off the force [N]; NaN where it was too short to tell.
+        The tare subtracted from the force [N]; NaN where its interval was too short.
     notes : tuple of str
-        What was mended on the way in: repeated time stamps, gaps.
+        Corrections on reading: repeated time stamps, gaps.
     doubts : tuple of Problem
-        What is doubtful about the tares.
+        Warnings about the tares.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """The zero of a recording is constant, drifts or jumps; a level at rest is a zero error or a pretension.
 
-Lines through the rope at rest, before the climb and after the load was let down, are compared by how likely they are
-(BIC, with what is known of levels and slopes in place of one penalty for each): with a slope or without, each rest at a
+Lines through the rope at rest, before the climb and after the load was let down, are compared by their likelihood
+(BIC, with priors of levels and slopes in place of one penalty for each): with a slope or without, each rest at a
 level of its own (weights were hung) or at that of another. Noise is coloured: only as many blocks count as are
 independent. A jump is one step between two samples with one line on either side, more likely than any ramp.
 """

@@ -119,7 +119,7 @@ def examine_campaign(
 ) -> tuple[Campaign | None, tuple[Problem, ...]]:
     """Return a campaign as far as it can be read, and everything that is wrong or doubtful.
 
-    With an error in its list, trials of wrong rows are there too, to look at their recordings: NaN is what is not known.
+    With an error in its list, trials of wrong rows are included, to check their recordings; unknown values are NaN.
     """
     document, unread = _document(path)
     if document is None:
@@ -221,7 +221,7 @@ _PLACES = ("channels", "derived")
 
 
 def _check_document(document: TomlDocument) -> Iterator[Problem]:
-    """Yield what is wrong between the tables of a campaign file, whether or not each is right by itself."""
+    """Yield contradictions between the tables of a campaign file."""
     needed = [*_cells_needed(document).values()]
     for name in needed[:1]:
         key, what = ("import", "channels", name), "counts" if name in COUNTS else "volts"
@@ -244,7 +244,7 @@ def _check_document(document: TomlDocument) -> Iterator[Problem]:
 
 
 def _check_formulas(document: TomlDocument) -> Iterator[Problem]:
-    """Try every formula on recordings without a single value: what is left to fail is the formula itself."""
+    """Try every formula on recordings without a single value, so that only the formula itself can fail."""
     channels = document.table("import", "channels")
     if not channels:
         return  # the reader goes by the file's headers, which are not known here
@@ -262,7 +262,7 @@ def _check_formulas(document: TomlDocument) -> Iterator[Problem]:
 
 
 def _check_model(document: TomlDocument, model: CampaignFile) -> Iterator[Problem]:
-    """Yield what is wrong, idle or doubtful in a campaign file whose tables are right by themselves."""
+    """Yield errors and warnings of a campaign file whose tables are right by themselves."""
     warn = partial(document.problem, warning=True)
     profile_Hz, rate_Hz = model.profile.sampling_rate_Hz, model.sampling_rate_Hz
     if profile_Hz is not None and rate_Hz is not None and profile_Hz != rate_Hz:

@@ -172,7 +172,7 @@ class DesignWheel(StrictTable):
 
 
 class ReportWords(StrictTable):
-    """`[report]`: what a report's first page says beside the results; what is not given is left out."""
+    """`[report]`: text for the first page of a report; all keys are optional."""
 
     gone: ClassVar[Mapping[str, str]] = {
         "language": "leave it out: reports have decimal points; decimal commas in lists and recordings are still read"
@@ -377,7 +377,7 @@ class CampaignFile(StrictTable):
 
 
 class AboutTable(StrictTable):
-    """What is said beside a trial table: the wheel to predict, the words of its report; or how to read a recording."""
+    """Tables beside a trial table: the wheel to predict, the words of its report; or how to read a recording."""
 
     design: DesignWheel | None = None
     report: ReportWords = ReportWords()
@@ -386,7 +386,7 @@ class AboutTable(StrictTable):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrialRow:
-    """What the trial list says of a trial, in SI, and its result repeats."""
+    """The row of a trial in the trial list, in SI, which its result repeats."""
 
     trial: str
     file: str
@@ -443,7 +443,7 @@ class Campaign(CampaignFile, Shown):
     name, schema : str
         Title, and version of the file format.
     rope, wheels, cells, adc
-        What was measured with what; wheels and cells by name; `adc` is None without `[adc]`.
+        Rope, wheels, cells and converter; wheels and cells by name; `adc` is None without `[adc]`.
     protocol, smoothing
         How F_A is to be picked.
     profile : ImportProfile
@@ -461,13 +461,13 @@ class Campaign(CampaignFile, Shown):
     design : DesignWheel, optional
         The wheel to predict.
     report : ReportWords
-        What the first page of a report says beside the results.
+        Text for the first page of a report.
     trials : tuple of TrialSpec
         A row each, in the order of the table.
     limits : Limits
-        What reading one recording may take.
+        Limits of reading one recording.
     warnings : tuple of Problem
-        What is doubtful, but does not stop the work.
+        Warnings that do not stop the work.
     """
 
     _said: ClassVar = ("name", "trials", "rope.radius_m", "rejection", "protocol=protocol.name", "warnings")

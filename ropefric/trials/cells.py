@@ -42,7 +42,7 @@ _BLANK = ",;\t\r\v\f "
 _MARKS = {",": "comma", ";": "semicolon", "\t": "tab"}
 
 Quantity = tuple[str, str, float]
-"""What a column gives: field, SI unit of what is written, and the factor from there to the field."""
+"""A column: field, SI unit of the written number, and the factor from there to the field."""
 SETTINGS: Mapping[str, Quantity] = {
     "wheel_radius": ("wheel_radius_m", "m", 1.0),
     "wheel_diameter": ("wheel_radius_m", "m", 0.5),
@@ -99,7 +99,7 @@ class CellTable:
     def bind(
         self, quantities: Mapping[str, Quantity], texts: Collection[str]
     ) -> tuple[dict[str, "Column"], list[str], list[Problem]]:
-        """Return the columns that are known, by field, the names of the others, and what is wrong with the header.
+        """Return the columns that are known, by field, the names of the others, and the errors of the header.
 
         Columns whose name is empty or starts with "_" are neither.
         """
@@ -191,7 +191,7 @@ Numbers = dict[str, list[float]]
 
 
 def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, ...]]:
-    r"""Return the cells of a CSV or Parquet file or of a workbook's first sheet, and what is wrong with single rows.
+    r"""Return the cells of a CSV or Parquet file or of a workbook's first sheet, and the errors of single rows.
 
     Cells are separated by ";", a tab or ",", whichever the header has first in this order. A line is a row; empty lines
     are left out, and lines above the header that start with "#". Below it such a line is a row: names may begin so.
@@ -332,5 +332,5 @@ def _text_fix(cell: str, column: Column) -> str:
         return "write the number without marks between thousands"
     united = _WITH_UNIT.fullmatch(cell)
     if united:
-        return f"write {united[1]}; the unit stands in the header, '{column.header}'"
+        return f"write {united[1]}; the unit is in the header, '{column.header}'"
     return "write a plain number, or leave the cell empty if it is optional"

@@ -1,8 +1,8 @@
-"""What people decided about trials: decisions.csv beside the list of trials, which the tool writes.
+"""Decisions of people about trials: decisions.csv beside the list of trials, written by the tool.
 
-A line is a decision. Of a trial the last one holds, whole, in place of what the list itself says in its columns pick_s,
-peak_N, exclude, why and by; a line that decides nothing takes back what was decided. A decision is put at the end, in
-one piece: what stands in the file already, or is put there by others meanwhile, is never written anew.
+A line is a decision. The last one of a trial holds, and replaces all its columns in the list: pick_s,
+peak_N, exclude, why and by; a line without a decision takes back the one before. A decision is appended in
+one piece: lines in the file, also those that others append meanwhile, are never written again.
 """
 
 from math import isnan
@@ -22,9 +22,9 @@ _NEEDED = ("trial", "pick_s", "peak_N", "exclude", "why", "by", "when")
 
 
 class Decision(NamedTuple):
-    """What holds for a trial: F_A is reached at `pick_s`, or is `peak_N`, or the trial is excluded; or nothing of it.
+    """The decision on a trial: F_A is reached at `pick_s`, or is `peak_N`, or the trial is excluded; or none.
 
-    `file` is the recording it is about, "" for whichever the list names; `line` is where it stands.
+    `file` is the recording it is about, "" for the one that the list names; `line` is its line.
     """
 
     trial: str
@@ -44,12 +44,12 @@ class Decision(NamedTuple):
 
 
 def decision_of(spec: TrialSpec) -> Decision:
-    """Return what holds for a trial now, wherever that stands."""
+    """Return the current decision on a trial, from the list or from decisions.csv."""
     return Decision(*(getattr(spec, name) for name in Decision._fields[:-1]))
 
 
 def read_decisions(path: Path) -> tuple[dict[str, Decision], CellTable, tuple[Problem, ...]]:
-    """Return the decision that holds for each trial, their table, and what is wrong with it; of no file, none."""
+    """Return the decision that holds for each trial, their table, and its errors; none without a file."""
     if not kind_of_file(path):
         return {}, CellTable(path=path.as_posix(), header=Decision._fields[:-1]), ()
     try:

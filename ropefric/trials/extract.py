@@ -117,7 +117,7 @@ def in_list_order(campaign: Campaign, by_row: ByRow) -> list[tuple[TrialSpec, Tr
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Work:
-    """What every process is given once: the campaign without its rows, the files with theirs."""
+    """The data that every process gets once: the campaign without its rows, the files with theirs."""
 
     campaign: Campaign
     files: tuple[_Rows, ...]
@@ -253,7 +253,7 @@ STATED_SHARE = 0.01
 """Standard uncertainty of a force that a person states, as a fraction of it, where none is stated with it."""
 NO_END = "no end tension is known at the break-away; write it into the list of trials"
 SLACK_SAMPLES = 20
-"""Samples before the break-away, at least, that tell the slack tension at it."""
+"""Fewest samples before the break-away that give the slack tension at it."""
 
 
 def extract_recording(
@@ -389,7 +389,7 @@ def _given(spec: TrialSpec) -> Breakaway:
 
 
 def _beside(chosen: Breakaway, found: Breakaway) -> Breakaway:
-    """Return what a person decided, with what the picker would have said of it."""
+    """Return a person's decision, with the answer of the picker."""
     says = f"{found.peak_N:.6g} N at {found.peak_time_s:.6g} s" if found.status is Status.OK else found.detail
     return replace(chosen, notes=(*chosen.notes, f"without the decision: {found.status.value}, {says}"))
 
@@ -432,8 +432,8 @@ def _doubtful_forces(spec: TrialSpec, peak_N: float, end_N: float) -> Iterator[P
 def _kinetic_std_N(found: Breakaway, calibration: Calibration | None) -> float:
     """Return the standard uncertainty of the mean force while sliding.
 
-    Noise averages out; wander beyond it counts whole, for nobody knows how slow it is, but with every event of
-    stick-slip it begins anew.
+    Noise averages out. Drift beyond it counts fully, as its rate is unknown; each stick-slip event starts a new
+    independent part.
     """
     wander_N = math.sqrt(max(found.kinetic_std_N**2 - found.noise_std_N**2, 0.0))
     wander_N /= math.sqrt(max(found.n_slips - 1, 1))
@@ -502,9 +502,9 @@ def calibrations(campaign: Campaign, spec: TrialSpec) -> tuple[Calibration | Non
 def tared_trace(
     campaign: Campaign, spec: TrialSpec, raw: RawRecording
 ) -> tuple[ForceTrace, tuple[Problem, ...]]:
-    """Return a recording calibrated and tared as its campaign says, and what is doubtful about it.
+    """Return a recording, calibrated and tared as its campaign says, and its warnings.
 
-    A force that only goes down was recorded with its sign reversed; it is turned round, which is told.
+    A force that only goes down was recorded with its sign reversed; it is reversed, with a note.
     """
     of_pull, of_slack = calibrations(campaign, spec)
     trace = assemble_trace(

@@ -109,7 +109,7 @@ def _picked(name: str, held_as: str = "", **shown: Any) -> TrialColumn:
 
 
 def _also(name: str, taken: Callable[[Any], Any] | str) -> TrialColumn:
-    """Return a column that is held under another name, or made of what is held."""
+    """Return a column that is held under another name, or computed from held ones."""
     return TrialColumn(name=name, taken=attrgetter(taken) if isinstance(taken, str) else taken)
 
 

@@ -292,7 +292,7 @@ RULES: Registry[OutlierRule] = Registry(
 
 
 class Trimming(NamedTuple):
-    """What a rule does to clean normal series of n values."""
+    """The effect of a rule on clean normal series of n values."""
 
     ratio: float
     bias: float
@@ -372,10 +372,10 @@ def trimming_bias(n: int, rule: OutlierRule | str = "two-sigma") -> Trimming:
     """Return what a rule does to clean normal series: how low s reads, and how often a good value is lost.
 
     Interpolated in 1/n from the rule's table of simulated values, which holds 3 to 100 values; above 100 the last
-    entry stands.
+    entry is used.
     """
     if n < 2:
-        raise InputError(f"a series of {n} has no scatter", code="RF313", fix="ask for two values or more")
+        raise InputError(f"a series of {n} has no scatter", code="RF313", fix="use two values or more")
     if isinstance(rule, str):
         rule = RULES[rule]
     # E[s]/σ of untrimmed normal series (c4 of control charts): s itself reads low for few values.

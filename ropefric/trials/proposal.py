@@ -29,7 +29,7 @@ class Proposal(NamedTuple):
 
 
 def propose_campaign(recordings: str, pattern: str, folder: Path, limits: Limits | None = None) -> Proposal:
-    """Return what the files that a glob pattern, or a folder, names tell of a campaign; each of them is read.
+    """Return a proposed campaign from the files of a folder or glob pattern; each file is read.
 
     A row is one recording: a file with several has several rows. No file is left out of the list because it cannot be
     read; that is said.

@@ -1,4 +1,4 @@
-"""What an extraction hands on: trials, their conditions after a rule, problems; and the three CSV files of them."""
+"""The result of an extraction: trials, their conditions after a rule, problems; and their three CSV files."""
 
 import math
 import os
@@ -398,7 +398,7 @@ def alike(trials: Sequence[TrialResult]) -> list[list[TrialResult]]:
 
 
 def problems_by_code(extraction: Extraction, said_of: Iterable[TrialResult]) -> dict[str, list[Problem]]:
-    """Return what was wrong or doubtful by its code, beside what is said of these trials anyway."""
+    """Return errors and warnings by code, without those that are stated with the trials."""
     said = {problem for trial in said_of for problem in trial.problems}
     found: dict[str, list[Problem]] = {}
     for problem in extraction.problems:

@@ -40,7 +40,7 @@ FORCES = ("peak", "kinetic")
 """What a law can be fitted to: the break-away force, or the mean force while sliding."""
 _TEXTS = ("trial", "kept", "status")
 LABELS = ("rope_id", "wheel", "mounting", "operator", "day", "dwell", "order", "cell")
-"""Columns beside the numbers by which trials can be told into groups."""
+"""Columns beside the numbers that can group trials."""
 _QUANTITIES_BESIDE = {
     stem: (column.name, column.unit, 1.0) for column in numbers.COLUMNS for stem in column.read_as
 }
@@ -83,9 +83,9 @@ class TrialTable(Shown):
     kinetic_N, kinetic_mean_std_N : ndarray, shape (N,)
         Mean force while sliding, and its standard uncertainty [N]; NaN where unknown.
     end_tension_set_N : ndarray, shape (N,)
-        What F_B was set to where it was measured [N], the same for all repeats of a condition; NaN elsewhere.
+        Set value of F_B where it was measured [N], the same for all repeats of a condition; NaN elsewhere.
     force : {"peak", "kinetic"}
-        What stands in `peak_N`, see `of`.
+        The force in `peak_N`, see `of`.
     kept : ndarray of bool, shape (N,)
         False where a rule or the user set the trial aside.
     status : tuple of str
@@ -93,9 +93,9 @@ class TrialTable(Shown):
     source : str
         Where the table comes from, for messages and provenance.
     warnings : tuple of Problem
-        What is doubtful about it.
+        Its warnings.
     labels : mapping of str to tuple of str
-        What stands beside the trials in columns of `LABELS`: their rope, wheel, operator, dwell, order and force cell.
+        Columns of `LABELS` beside the trials: their rope, wheel, operator, dwell, order and force cell.
 
     Raises
     ------
@@ -165,7 +165,7 @@ class TrialTable(Shown):
         return np.asarray(self.kept & good & (self.peak_N > 0.0))
 
     def of(self, force: str) -> "TrialTable":
-        """Return the table with a force of `FORCES` as what is fitted; trials without it are not kept.
+        """Return the table with a force of `FORCES` to fit; trials without it are not kept.
 
         Raises
         ------
@@ -247,7 +247,7 @@ def read_trial_table(path: str | os.PathLike[str], columns: Mapping[str, str] | 
     The header names each column with its unit: `wheel_radius_mm`, `rope_diameter_mm`, `wrap_angle_deg`,
     `end_tension_N` (or `end_mass_kg`), `peak_N` (or `lift_force_kN`); optional `trial`, `kept`, `status`,
     `peak_std_N`, `end_tension_std_N`, `wrap_angle_std_deg`, `wheel_radius_std_mm`; `rope_id`, `wheel`, `operator`,
-    `dwell_s` and `order`, by which a diagnosis tells trials into groups. Other columns are passed over.
+    `dwell_s` and `order`, by which a diagnosis groups trials. Other columns are passed over.
     Separators ";", tab and "," and decimal commas are found out. `columns` gives headers new names.
     """
     if PurePath(path).suffix.lower() == ".toml":
@@ -310,7 +310,7 @@ def _filled(labels: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
 
 
 class _Rows:
-    """What the rows of a table say, and by row what is wrong in them."""
+    """The contents of the rows of a table, and by row their errors."""
 
     def __init__(self, table: cells.CellTable, columns: cells.Columns) -> None:
         self._table, self._columns = table, columns
@@ -378,7 +378,7 @@ def _table(table: cells.CellTable, problems: Sequence[Problem]) -> TrialTable:
 
 
 def _columns_of(table: cells.CellTable) -> tuple[cells.Columns, list[Problem]]:
-    """Return the columns that are known, and what is wrong with the header."""
+    """Return the known columns, and the errors of the header."""
     united = {cells.word_of(stem) for stem, unit in map(split_unit_suffix, table.header) if unit}
     beside = {stem: meant for stem, meant in _QUANTITIES_BESIDE.items() if stem in united}
     columns, others, found = table.bind({**QUANTITIES, **beside}, _TEXTS)
@@ -403,7 +403,7 @@ def _strange_columns(table: cells.CellTable, others: Sequence[str], there: set[s
         if name not in there:
             named = name.rsplit("_", 1)[0].replace("_", " ").replace("peak", "break-away force")
             message = f"there is no column for the {named}; every trial needs one"
-            fix = f"add a column {example} (any unit will do, it stands in the name)"
+            fix = f"add a column {example} (in any unit, as part of the name)"
             yield table.problem(table.header_line, "", "RF121", message, fix)
 
 
@@ -476,7 +476,7 @@ def _names_twice(table: cells.CellTable, names: Sequence[str]) -> Iterator[Probl
     first: dict[str, int] = {}
     for name, (line, _) in zip(names, table.rows, strict=True):
         if name in first:
-            message = f"the trial '{name}' stands in line {first[name]} already"
+            message = f"the trial '{name}' is in line {first[name]} already"
             fix = "remove one of the two rows, or give it a name of its own"
             yield table.problem(line, "trial", "RF122", message, fix)
         first.setdefault(name, line)

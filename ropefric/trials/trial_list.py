@@ -52,7 +52,7 @@ _MEANINGS = {
 
 
 class TrialContext(NamedTuple):
-    """What the campaign file says that rows depend on; as far as it could be read.
+    """The parts of the campaign file that rows depend on, as far as they could be read.
 
     `needed` are the columns that must be there beside file, wheel and wrap: a tension, and force cells.
     """
@@ -68,7 +68,7 @@ class TrialContext(NamedTuple):
 
 
 class _Row:
-    """One row of the trial list as far as it can be read, and what is wrong with it."""
+    """One row of the trial list as far as it can be read, and its errors."""
 
     def __init__(
         self, table: cells.CellTable, columns: cells.Columns, place: int, numbers: cells.Numbers
@@ -97,7 +97,7 @@ class _Row:
         self.decided = decision, of
 
     def doubt(self, name: str, code: str, message: str, fix: str) -> None:
-        """Take note of what is wrong with a decision, where it stands."""
+        """Record an error of a decision at its place."""
         if self.decided is not None:
             decision, table = self.decided
             self.problems.append(table.problem(decision.line, name, code, message, fix))
@@ -106,7 +106,7 @@ class _Row:
             self.problems.append(self.table.problem(self.line, key, code, message, fix))
 
     def say(self, name: str, code: str, message: str, fix: str, *, warning: bool = False) -> None:
-        """Take note of what is wrong in a column."""
+        """Record an error of a column."""
         key = self.columns[name].header
         self.problems.append(self.table.problem(self.line, key, code, message, fix, warning=warning))
 
@@ -162,7 +162,7 @@ def read_trials(path: str | os.PathLike[str], folder: Path, context: TrialContex
 
 
 def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:
-    """Carry out the decisions beside the list; yield what is wrong with them, and which are of no trial of the list."""
+    """Carry out the decisions beside the list; yield their errors, and those of no trial of the list."""
     made, table, problems = read_decisions(path)
     yield from problems
     named = {row.name: row for row in rows}
@@ -182,7 +182,7 @@ def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:
 def _named_rows(
     table: cells.CellTable, columns: cells.Columns, numbers: cells.Numbers, folder: Path | None
 ) -> list[_Row]:
-    """Return the rows, each with a name of its own, and what is wrong with them among each other."""
+    """Return the rows, each with a name of its own, and contradictions between them."""
     rows = [_Row(table, columns, place, numbers) for place in range(len(table.rows))]
     _refuse_twice(rows)
     if folder is not None:
@@ -194,7 +194,7 @@ def _named_rows(
 def _check_header(
     table: cells.CellTable, columns: cells.Columns, others: Sequence[str], context: TrialContext | None
 ) -> Iterator[Problem]:
-    """Yield what columns that are not known may mean, and which are missing, where a context says what is needed."""
+    """Yield likely meanings of unknown columns, and the missing ones, where a context states the needed ones."""
     # A mistyped header says more than the consequence that its column is missing.
     missing = list(_missing_columns(table, columns, others, context)) if context else []
     mistyped = {problem.key for problem in missing}
@@ -248,7 +248,7 @@ def _interval(row: _Row, context: TrialContext) -> tuple[float | None, float | N
 
 
 def _check(row: _Row, context: TrialContext, *, wrong_header: bool) -> None:
-    """Take note of what is missing, unknown or contradictory in a row."""
+    """Record missing, unknown or contradictory values of a row."""
     tensions = [name for name in context.needed if name.endswith("_N")]
     row.need("file", "wrap_angle_rad", *tensions)
     for name, known in (("wheel", context.wheels), ("cell", context.cells), ("end_cell", context.cells)):
@@ -283,7 +283,7 @@ def _check_wheel(row: _Row, context: TrialContext, *, wrong_header: bool) -> Non
 
 
 def _check_decision(row: _Row, *, alone: bool) -> None:
-    """Take note of what is missing or too much in a decision; whether one trial is `alone` in its recording."""
+    """Record missing or superfluous values of a decision; `alone`: the only trial of its recording."""
     given = [name for name in ("pick_s", "peak_N") if name in row.numbers]
     if not given:
         if "peak_std_N" in row.numbers:
@@ -431,7 +431,7 @@ def _doubts(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
 
 
 def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:
-    """Yield column, what is doubtful about it in a row, remedy."""
+    """Yield column, warning and fix of a row."""
     wheel_m, rope_m, degrees = trial.wheel_radius_m, trial.rope_radius_m, math.degrees(trial.wrap_angle_rad)
     if not trial.wheel and (said := radius_doubt(wheel_m)):
         yield "wheel_radius", said, "check the unit in the header"
@@ -450,7 +450,7 @@ def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:
         yield "exclude", said, "leave the cell empty to keep the trial"
     if rope_m >= wheel_m:
         said = f"the rope radius, {rope_m * 1e3:g} mm, is not below the wheel radius, {wheel_m * 1e3:g} mm"
-        yield "rope_diameter", said, "check both, and whether a diameter stands for a radius"
+        yield "rope_diameter", said, "check both, and whether a diameter was given as a radius"
 
 
 def _few_repeats(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
@@ -477,7 +477,7 @@ def _settings(trials: Sequence[TrialSpec]) -> tuple[FloatArray, ...]:
 
 
 def _nothing_hung(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
-    """Yield that repeats cannot be told where the end tension is measured and nobody says what hung there."""
+    """Warn that repeats cannot be recognised where the end tension is measured and the weight is not stated."""
     unsaid = [one for one in trials if one.end_tension_N is None and one.lift_force_N is None]
     if unsaid:
         said = "the end tension is measured, and the list does not say what was hung"
@@ -512,10 +512,10 @@ _SHOWN = 3
 
 
 def list_from_names(files: str, pattern: str, folder: Path) -> tuple[bytes, str]:
-    """Return a list of trials of the files that a glob pattern finds, and what to tell of names that do not match.
+    """Return a list of trials of the files that a glob pattern finds, and notes on names that do not match.
 
-    In the pattern of names, `{wrap_angle_deg}` stands for a number or, where a column of that name holds text, for
-    words; `*` stands for anything. A pattern with `(?P<name>...)` is a regular expression. Names of groups are headers
+    In the pattern of names, `{wrap_angle_deg}` matches a number or, where a column of that name holds text, for
+    words; `*` matches anything. A pattern with `(?P<name>...)` is a regular expression. Names of groups are headers
     of the list, with their units. Without "/" it is compared with the file's name, with or without its ending.
     """
     paths = glob.glob(files, recursive=True)  # noqa: PTH207  (whole paths too, which Path.glob refuses)
@@ -531,7 +531,7 @@ def list_from_names(files: str, pattern: str, folder: Path) -> tuple[bytes, str]
     ]
     if not rows:
         why = f"none of {counted(len(found), 'name')} matches the pattern {pattern!r}; the first is {found[0]!r}"
-        like = '"{wheel}_{wrap_angle_deg}deg_{repeat}"; * stands for anything'
+        like = '"{wheel}_{wrap_angle_deg}deg_{repeat}"; * matches anything'
         fix = f"write what changes from name to name as {{header}}, such as {like}"
         raise InputError(why, key="--pattern", fix=fix)
     missed = [path for path, named in parts.items() if named is None]
@@ -583,7 +583,7 @@ def _compiled(pattern: str) -> re.Pattern[str] | None:
     try:
         found = re.compile(text)
     except re.error as error:
-        fix = "each {name} is a word and stands once"
+        fix = "each {name} is a word and occurs once"
         raise InputError(f"{pattern!r} is no pattern: {error}", key="--pattern", fix=fix) from None
     if pattern and not found.groupindex:
         fix = 'write what changes as {header}, such as "{wheel}_{wrap_angle_deg}deg_{repeat}"'

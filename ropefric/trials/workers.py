@@ -47,7 +47,7 @@ _READY, _DONE, _RAISED, _NO_MEMORY = range(4)
 
 
 class Limits(NamedTuple):
-    """What one recording may take."""
+    """Limits of reading one recording."""
 
     memory_bytes: float = 2e9
     time_s: float = 120.0
@@ -239,7 +239,7 @@ def _nobody_is_main() -> Iterator[None]:
 def _serve(
     _carried: object, work: "_Work[Any]", connection: "Connection", limits: Limits, others: "list[Connection]"
 ) -> None:
-    """Do what is handed over until nobody is there any more to hand anything over."""
+    """Work on tasks until the other end is closed."""
     for other in others:  # else this process would keep the pipes of its sisters open
         other.close()
     become_expendable()

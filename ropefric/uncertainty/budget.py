@@ -1,4 +1,4 @@
-"""What goes into a budget, and from a measurement equation to the statement of its uncertainty.
+"""Input quantities, and from a measurement equation to the statement of its uncertainty.
 
 In go single quantities, and quantities known together with their covariance. A budget by the law of propagation of
 uncertainty (JCGM 100): one line a source, their sum, and the expanded uncertainty; its check by draws (JCGM 101); and
@@ -78,7 +78,7 @@ def joint_draws(
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """An input quantity, independent of all others; unless told otherwise normal, type B, a correction of zero."""
+    """An input quantity, independent of all others; by default normal, type B, a correction of zero."""
 
     name: str
     symbol: str
@@ -317,7 +317,7 @@ def linear_budget(model: MeasurementModel, *, level: float = 0.95) -> LinearBudg
 
 
 class DrawnAnswer(NamedTuple):
-    """What draws of the inputs say about the answer."""
+    """Statistics of the answer over random draws of the inputs."""
 
     draws: int
     seed: int
@@ -380,7 +380,7 @@ def propagate(
 
 
 class BudgetStatus(AdvisedStatus):
-    """What a budget is worth, from good to bad."""
+    """Status of a budget, from good to bad."""
 
     OK = "ok: The draws agree with the budget."
     DRAWS_DISAGREE = (
@@ -397,7 +397,7 @@ class BudgetStatus(AdvisedStatus):
 
 
 class Improvement(NamedTuple):
-    """What one change would do to the expanded uncertainty."""
+    """Effect of one change on the expanded uncertainty."""
 
     source: str
     action: str
@@ -418,11 +418,11 @@ class Statement(Shown):
     drawn : DrawnAnswer
         The check by draws.
     improvements : tuple of Improvement
-        What would help, most first.
+        Possible improvements, the largest first.
     status : BudgetStatus
         Whether to trust it.
     notes : tuple of str
-        What is not in the budget, and why.
+        Parts missing in the budget, and why.
     """
 
     _said = ("status", "budget.coverage_factor", "budget.level", "drawn.agrees", "notes")
@@ -441,7 +441,7 @@ class Statement(Shown):
 
     @property
     def trustworthy(self) -> bool:
-        """Return whether y ± U may be used as it stands."""
+        """Return whether y ± U may be used."""
         return self.status is BudgetStatus.OK
 
     def to_dict(self) -> dict[str, Any]:

@@ -93,6 +93,6 @@ def test_of_many_mistakes_alike_some_are_said_and_the_others_counted(call, tmp_p
     head = "trial,wheel_radius_mm,rope_diameter_mm,wrap_angle_deg,end_tension_N,peak_N"
     path.write_text("\n".join([head, *rows, ""]), encoding="utf-8")
     done = call("fit", path, "--law", "constant")
-    assert (done.code, done.err.count("stands in line")) == (3, 3)  # three names
+    assert (done.code, done.err.count("is in line")) == (3, 3)  # three names
     assert "(16 times: lines 5, 8, 11, …; --json lists all)" in done.err
     assert len(call("fit", path, "--law", "constant", "--json").json()["error"]["problems"]) == 47

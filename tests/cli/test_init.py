@@ -1,5 +1,7 @@
 """`init`: templates that `check` understands."""
 
+import re
+
 
 def test_templates_are_written_and_never_over_others_work(call, tmp_path):
     done = call("init", tmp_path / "mine")
@@ -41,6 +43,9 @@ def test_scenes_can_be_solved_at_once(call, tmp_path, monkeypatch):
 def test_single_scenes_are_asked_for_by_name(call, tmp_path):
     done = call("init", tmp_path, "--scene", "band-saw", "--scene", "many-turns", "--json")
     assert [path.rsplit("/", 1)[1] for path in done.json()["written"]] == ["band-saw.toml", "many-turns.toml"]
+    assert [*done.json()["keys"]] == ["bandsaw", "hoist"]
+    said = call("init", tmp_path, "--scene", "hoist").err
+    assert re.search(r"^  wheel\.radius +m +needed +\w.*\.$", said, re.MULTILINE)
     wrong = call("init", tmp_path, "--scene", "band-swa")
     assert wrong.code == 3
     assert "did you mean 'band-saw'" in wrong.err

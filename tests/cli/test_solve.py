@@ -320,7 +320,7 @@ def test_where_a_roller_slips_already_what_holds_it_is_told(call, scene):
     for words in ("rollers that slip already: 2 (utilisation 1.26)",
             "it stops where the preload of all tensioners rises to 1277 N",
             "no slower run of the belts holds it",
-            "it stops where all loads fall to what they are times 0.9047",
+            "it stops where all loads fall by the factor 0.9047",
             "it stops where the coefficient rises to 1.426"):  # fmt: skip
         assert words in said
     for wrong in ("falls to", "grow by"):

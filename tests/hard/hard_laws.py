@@ -194,7 +194,7 @@ def tensions_below_the_reference():
         assert 0.0 <= law.log_lift_gradient_conditions(theta, at_reference)[0, 2] < 1.0
         for tension in (1 - 2.0**-53, 0.5, 1e-300, 5e-324):
             call, said = (partial(lift, name, theta, 2.0, tension),
-                          "below F_0 = 1 N, so no wrap angle stands for it")  # fmt: skip
+                          "below F_0 = 1 N, so no wrap angle is equivalent to it")  # fmt: skip
             assert "without_end_tension" in refused(call, said).fix
             assert free.average_mu(theta, at(2.0, tension))[0] > 0.0
             yield call, said

@@ -118,7 +118,7 @@ def ropes_that_cannot_follow_or_never_touch():
             yield partial(lifted, stiff), said
         for less in (1e-12, 1e-3, 1.0 - 1e-12):
             off = rope(wrap=ARCS * (1.0 - less), stiffness_N=left * SHARE, moving=moving)
-            yield partial(lifted, off), f"is less than the {ARCS:.6g} rad by which this stiff rope stands off"
+            yield partial(lifted, off), f"is less than the {ARCS:.6g} rad by which this stiff rope lifts off"
 
 
 @fact
@@ -138,7 +138,7 @@ def the_first_of_several_arcs_is_taken_and_where_it_ends_none():
         wrap, top = float(needed(top)), float(top)
     assert 0.2 * top < first_arc(wrap * (1.0 - 1e-3)) < top
     assert first_arc(wrap * 1.01) > 2.0 * top
-    refused(lambda: first_arc(wrap * (1.0 + 1e-9)), "does not settle: the friction is too high")
+    refused(lambda: first_arc(wrap * (1.0 + 1e-9)), "has no solution: the friction is too high")
 
 
 EXTREMES = (5e-324, 1e-310, 1e-300, 1e-160, 1e-30, 1e-29, 1e-16, 0.04, 1.0, 20.0, 1e16, 1e29, 1e30, 1e160, 1e300,

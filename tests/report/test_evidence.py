@@ -114,7 +114,7 @@ def test_what_the_outlier_rule_costs_and_the_result_without_it(run, evidence):
     conditions, trials, answer = run.extraction.conditions, run.extraction.trials, run.answer
     sizes = [sum(trial.usable and trial.trial in item.trials for trial in trials) for item in conditions]
     lost = sum(RULES["two-sigma"].good_lost(n) for n in sizes)
-    told = f"takes {lost:.2g} good trials on average; here it took"
+    told = f"rejects {lost:.2g} good trials on average; here it rejected"
     assert f"{told} 0 of {sum(sizes)}" in evidence.rejection[0]
     taken = int(np.flatnonzero(answer.table.used)[3])
     marked = tuple(
@@ -128,5 +128,5 @@ def test_what_the_outlier_rule_costs_and_the_result_without_it(run, evidence):
     expected, without = rejection_words(changed)
     assert f"{told} 1 of {sum(sizes)}" in expected
     lifts_N = [predict(one, answer.prediction.conditions).lift_force_N[0] for one in (answer.fit, fit)]
-    assert f"lifts {lifts_N[0]:.5g} N in the design instead of {lifts_N[1]:.5g} N" in without
+    assert f"F_A of the design is {lifts_N[0]:.5g} N instead of {lifts_N[1]:.5g} N" in without
     assert f"{answer.fit.law} has " in without

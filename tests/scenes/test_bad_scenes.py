@@ -70,7 +70,7 @@ MISTAKES = {
         ("margin = 0.1", "margin = 2", "margin = 2", "excitation.margin", "not between 0 and 1"),
         ('"2500 N", "6', '"7500 N", "6', "7500 N", "excitation.preload_range", "the lower first"),
         ("[excitation]", '[[measured]]\nside = "rest"\nfrequency = "23.6 Hz"\n\n[excitation]',
-         "[[measured]]", "measured", "take it out; the frequencies of the answer are what is left"),
+         "[[measured]]", "measured", "remove it; compare the frequencies of the answer"),
         ("modes = 6", "modes = 0", "modes", "blade.modes", "from 1 to 40"),
         ('"travel"', '"bendin"', "bendin", "effects[2]", "did you mean 'bending'")
     ],

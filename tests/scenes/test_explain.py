@@ -47,7 +47,7 @@ def test_an_effect_is_worth_what_leaving_it_out_changes(loaded, scene_of):
     told = by_name(scene_of(**saw))["bending"]
     assert told["fate"] == "left out"
     assert 0.0 < told["worth"] <= told["bound"]
-    assert told["why"].startswith("worth at most ")
+    assert told["why"].startswith("influence at most ")
 
 
 def test_times_are_medians_of_runs_in_turn_and_what_is_less_than_their_spread_is_not_told(loaded):

@@ -23,7 +23,7 @@ MISTAKES = {
     "unknown wheel": ("W40", "W4O", "RF120", 2, "wheel", "unknown wheel 'W4O'", "did you mean 'W40'?"),
     "two radii": ("W40,,", "W40,60,", "RF111", 2, "wheel_radius_mm", "60 mm, but wheel 'W40' has 40 mm", "leave one"),
     "text": ("60.5", "abc", "RF102", 4, "end_tension_N", "cannot read 'abc' as a number", "plain number"),
-    "unit in the cell": ("60.5", "60.5 N", "RF102", 4, "end_tension_N", "cannot read '60.5 N'", "write 60.5; the unit stands in the header"),
+    "unit in the cell": ("60.5", "60.5 N", "RF102", 4, "end_tension_N", "cannot read '60.5 N'", "write 60.5; the unit is in the header"),
     "thousands": ("60.5", "1 060.5", "RF102", 4, "end_tension_N", "1 060.5", "between thousands"),
     "quoted thousands": ("60.5", '"1,060.5"', "RF102", 4, "end_tension_N", "1,060.5", "between thousands"),
     "quoted decimal comma": ("60.5", '"60,5"', "RF102", 4, "end_tension_N", "decimal comma", "write 60.5, or separate the columns by ';'"),

@@ -77,14 +77,14 @@ CELLS = [
     ("d,40,9.8,-540,80,300", "wrap_angle_deg", "-540 deg is no possible value", "correct"),
     ("d,40,9.8,,80,300", "wrap_angle_deg", "empty or NaN", "kept = false"),
     ("d,40,9.8,540,80,about 300", "peak_N", "cannot read 'about 300' as a number", "plain number"),
-    ("d,40,9.8,540,80 N,300", "end_tension_N", "cannot read '80 N'", "write 80; the unit stands in the header"),
+    ("d,40,9.8,540,80 N,300", "end_tension_N", "cannot read '80 N'", "write 80; the unit is in the header"),
     ("d,40,9.8,540,80,1'300", "peak_N", "cannot read", "without marks between thousands"),
     ('d,40,"9,8",540,80,300', "rope_diameter_mm", "decimal comma", "write 9.8"),
     ("d,0,9.8,540,80,300", "wheel_radius_mm", "must be above zero", "correct"),
     ("d,40,9.8,540,80,-300", "peak_N", "no possible value", "correct"),
     ("d,40,9.8,540,80,inf", "peak_N", "cannot read", ""),
     ("d,40,9.8,540,80,1e999", "peak_N", "finite", ""),
-    ("a,40,9.8,540,80,305", "trial", "'a' stands in line 2 already", "name of its own"),
+    ("a,40,9.8,540,80,305", "trial", "'a' is in line 2 already", "name of its own"),
 ]  # fmt: skip
 
 

@@ -73,7 +73,7 @@ def _derivative(size: int, times: int) -> FloatArray:
 
 
 def _raised(matrix: FloatArray, basis: int) -> FloatArray:
-    """Return an operator into C^(basis) as one into C^(4), where C^(0) stands for T."""
+    """Return an operator into C^(basis) as one into C^(4), with C^(0) = T."""
     size = matrix.shape[0]
     for k in range(basis, 4):
         j = np.arange(size)

@@ -1,4 +1,4 @@
-"""The wrap φ0 that an end tension stands for: the root of G(φ0) = ln(F_B/F_0), eqs. (11)-(13)."""
+"""The wrap φ0 that is equivalent to an end tension: the root of G(φ0) = ln(F_B/F_0), eqs. (11)-(13)."""
 
 from collections.abc import Callable
 from functools import partial
@@ -79,7 +79,7 @@ def _log_step(u: FloatArray, y: FloatArray, b: float) -> FloatArray:
 
 
 def _steps_to_stop(y: FloatArray, b: float) -> float:
-    """Return how many steps the library takes, which stops where none is longer than 1e-8 and does not tell."""
+    """Return how many steps the library takes, which stops where none is longer than 1e-8 and does not report it."""
     u, step, steps = _log_start(y, b), np.ones(1), 0
     while (step > 1e-8).any():
         step, steps = _log_step(u, y, b), steps + 1
@@ -164,7 +164,7 @@ def _exponential_settings() -> tuple[Setting, ...]:
 
 STUDY = Study(
     name="end-tension",
-    title="Wrap angle φ0 that an end tension stands for, the root of G(φ0) = ln(F_B/F_0)",
+    title="Wrap angle φ0 equivalent to an end tension, the root of G(φ0) = ln(F_B/F_0)",
     question="Which iteration finds φ0, also where it is smaller than any number a computer holds?",
     reference="root in 50-digit arithmetic (mpmath)",
     counted="evaluations of G and its slope, each for all loads at once",

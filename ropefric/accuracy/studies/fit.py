@@ -77,7 +77,7 @@ STUDY = Study(
         Case("wide", "wraps from 0.5 to 25 rad, which see all three parameters", partial(_settings, "wide")),
         Case(
             "narrow",
-            "wraps from 6 to 20 rad, along which the parameters are hard to tell apart",
+            "wraps from 6 to 20 rad, along which the parameters are strongly correlated",
             partial(_settings, "narrow"),
         ),
     ),

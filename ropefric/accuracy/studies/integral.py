@@ -221,7 +221,7 @@ def _case(name: str, title: str, *problem: Any, **more: int) -> Case:
 STUDY = Study(
     name="integral",
     title="Lift-force integral of the power law μ = 0.2 φ^b + 0.1 over the wrap",
-    question="Is the closed form worth its formulas, or would the paper's segments or a quadrature rule do?",
+    question="Is the closed form better than the paper's segments and than quadrature rules?",
     reference="closed form in 50-digit arithmetic (mpmath)",
     counted="evaluations of μ(φ)",
     used="closed form, in its stable form; a hoist's plan takes it at every accuracy",

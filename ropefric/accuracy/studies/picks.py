@@ -32,7 +32,7 @@ Picker = Callable[[ForceTrace], Picked]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Known:
-    """A recording with what is true of it: F_A, or NaN where there is none to be found; and of what kind it is."""
+    """A recording with its truth: F_A, or NaN where there is none; and its kind."""
 
     trace: ForceTrace
     peak_N: float

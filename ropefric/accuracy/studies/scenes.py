@@ -126,7 +126,7 @@ _QUICK = {0.1, 1e-2}
 _REFERENCE_BUDGET = 1e-14
 _NO_ERROR = 1e-15
 _A_SAVING = 0.25
-"""Of the time with all effects: a busy machine's clock cannot tell less."""
+"""Share of the time with all effects that a busy machine can resolve."""
 _PLAN, _ALL, _NONE = "plan and solve", "all effects", "no effects"
 
 
@@ -254,7 +254,7 @@ def _worth(case: str, points: tuple[Measured, ...]) -> str:
             if whole_s - point.seconds > _A_SAVING * whole_s:
                 found.append((wanted, whole_s / point.seconds, point.seconds, whole_s))
     if not found:
-        return f"{case}: leaving effects out saves no time that shows; what is solved is all of it."
+        return f"{case}: leaving effects out saves no measurable time; all effects are simulated."
     wanted, times, planned_s, whole_s = max(found, key=lambda one: one[1])
     where = ", ".join(f"{one[0]:g}" for one in found)
     return (

@@ -136,8 +136,8 @@ def diagnose(
 ) -> Answer:
     """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap.
 
-    Columns rope_id, wheel, mounting, operator, day, dwell and order of the table are looked at too. Of what is not
-    supported the largest effect is stated that the data leave room for.
+    Columns rope_id, wheel, mounting, operator, day, dwell and order of the table are tested too. For an effect
+    that is not supported, the largest size that the data allow is stated.
 
     Exits with 4 unless the best law is supported: when the data leave two laws undecided, or no choice at all.
     """
@@ -228,7 +228,7 @@ def design(
     *,
     fit: options.FitOption,
     lift: float = quantity("--lift", "N", 'The load, such as "900 N".', needed=True),
-    solve_for: str = Option("wrap", metavar="wrap|radius|end-tension", help="What is looked for."),
+    solve_for: str = Option("wrap", metavar="wrap|radius|end-tension", help="The quantity to find."),
     wheel_radius: Number = quantity("--wheel-radius", "m", "R_w, unless looked for."),
     wrap: Number = quantity("--wrap", "rad", "φ, unless looked for."),
     end_tension: Number = quantity("--end-tension", "N", "F_B, unless looked for."),
@@ -307,7 +307,7 @@ def plan_tests(
     wheel_radius: float = quantity("--wheel-radius", "m", "R_w of the wanted wheel.", needed=True),
     wrap: float = quantity("--wrap", "rad", "φ of the wanted wheel.", needed=True),
     end_tension: float = quantity("--end-tension", "N", "F_B of the wanted wheel.", needed=True),
-    fit: Path | None = Option(None, metavar="FIT.json", help="What is known already."),
+    fit: Path | None = Option(None, metavar="FIT.json", help="The quantities that are known."),
     law: str = Option("", help="Without a fit: the law."),
     guess: options.Words = listed("NAME=VALUE", "Its parameters, guessed"),
     hold: options.Words = listed("NAME", "A guessed parameter taken as known"),
@@ -327,9 +327,9 @@ def plan_tests(
 ) -> Answer:
     """Plan the conditions to test next, within what the rig can do, for one wanted lift force.
 
-    Starts from a stored fit, or from a law with guessed parameters, and shows the plan's worth beside that of an
-    equal number of tests that vary one factor at a time. The search knows which errors tests share (a cell, a wheel, a
-    weight), and says where more conditions help before repeats. Exits with 4 unless the fit supports its law.
+    Starts from a stored fit, or from a law with guessed parameters, and compares the plan with the same number of
+    tests that vary one factor at a time. The search includes the errors that tests share (a cell, a wheel, a weight),
+    and says where more conditions help more than repeats. Exits with 4 unless the fit supports its law.
     """
     if (fit is None) == (not law):
         raise BadParameter("give a fit, or a law with --guess, and not both", param_hint="--fit")
@@ -547,10 +547,10 @@ def export(
     file: Path | None = Option(None, "--out", "-o", metavar="TABLE.csv", help="Write the table there."),
     force: options.Force = False,
 ) -> Answer:
-    """Hand a fit on to a simulator: a table μ(φ, F_B, R_w), and the constant that stands for it best over that range.
+    """Export a fit to a simulator: a table μ(φ, F_B, R_w), and the constant that fits it best over that range.
 
-    Of settings that are not given the table covers what was tested. The constant is the one whose largest relative
-    error of the lift force over the table is smallest; that error is said. Exits with 4 when the law is not supported by
+    By default the table covers the tested range. The constant has the smallest largest relative error of the lift force
+    over the table; that error is printed. Exits with 4 when the law is not supported by
     its fit.
     """
     options.refuse_file(file, fit_file)

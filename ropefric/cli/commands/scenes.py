@@ -51,7 +51,7 @@ def solve(
     ),
     draws: int = option(
         "N",
-        "Solve for so many draws of what is uncertain: the parameters of a fit, and what [tolerances] states.",
+        "Solve for this many random draws of the fit's parameters and of the values with [tolerances].",
         default=0,
     ),
     seed: int = Option(0, min=0, help="Of the draws."),
@@ -80,7 +80,7 @@ def solve(
         fix = "add --sweep or --draws, or leave it out"
         raise InputError("one scene is no work to share", key="--cluster", fix=fix)
     if sweep and draws:
-        raise InputError("a sweep is not drawn", key="--draws", fix="ask for --sweep or for --draws")
+        raise InputError("a sweep is not drawn", key="--draws", fix="use either --sweep or --draws")
     loaded = scenes.load_scene(scene)
     family = "sweep" if sweep else "draws" if draws else "scene"
     fit = loaded.document.table("friction").get("fit")
@@ -205,7 +205,7 @@ def explain(
     scene: options.SceneArgument,
     *,
     measure_: bool = flag("--measure", "Also read the clock: what time each effect takes."),
-    folder: Path | None = out_folder("Write what is explained, and a picture of it, there."),
+    folder: Path | None = out_folder("Write the explanation and its figure into this folder."),
     force: Force = False,
 ) -> Answer:
     """Explain how a scene is solved: the effects that are simulated, those that are not, the method, and why."""
@@ -242,7 +242,7 @@ def cost(
 
     For every study it writes NAME.csv, NAME.png (time over error, the best settings marked), and for all of them
     cost.md and cost.html with the cheapest method for each accuracy from 1e-2 to 1e-12. After an interruption the same
-    command goes on with what is not measured yet.
+    command measures the rest.
     """
     chosen = [all_studies.STUDIES[name] for name in dict.fromkeys(studies or all_studies.STUDIES)]
     if campaign:

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from itertools import accumulate
@@ -28,6 +28,7 @@ with on_first_use():
     from ropefric.rig import bench as rig_bench
     from ropefric.rig import campaign as rigs
     from ropefric.rig import recording
+    from ropefric.scenes import keys as scene_keys
     from ropefric.scenes import scene as scenes
     from ropefric.scenes import scene_templates
     from ropefric.trials import campaign as campaigns
@@ -48,7 +49,7 @@ def init(
     scenes: bool = flag("--scenes", "Write all scenes instead of a campaign."),
     scene: Words = listed(
         "NAME",
-        "Write this scene: hoist, climbing-hoist, belt-press, band-saw, traction, belt-drive, …",
+        "Write this scene and print all keys of its system: hoist, belt-press, band-saw, traction, belt-drive, …",
         "--scene",
     ),
     recordings: str = option(
@@ -68,6 +69,9 @@ def init(
     """
     if scenes or scene:
         written = scene_templates.write_scenes(folder, () if scenes else scene or (), overwrite=force)
+        keys = {} if scenes else scene_keys.keys_of(scene or ())
+        for line in _key_lines(keys):
+            out.note(line)
         first = folder / "hoist.toml"
         out.note(f"next: ropefric solve {quote(str(first if first in written else written[0]))}")
     else:
@@ -80,9 +84,26 @@ def init(
         elif pattern:
             fix = "add --from 'daq/*.csv'"
             raise InputError("a pattern of names needs recordings", key="--pattern", fix=fix)
+        keys = {}
         written = campaigns.write_templates(folder, overwrite=force, **found)
         out.note(f"next: fill them in, then  ropefric check {quote(str(folder / 'campaign.toml'))}")
-    return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
+    data = {
+        "written": written,
+        **({"keys": {k: [one._asdict() for one in v] for k, v in keys.items()}} if keys else {}),
+    }
+    return Answer(data, "\n".join(f"wrote {path}" for path in written))
+
+
+def _key_lines(keys: dict[str, tuple["scene_keys.SceneKey", ...]]) -> Iterator[str]:
+    """Yield the table of all keys of some systems."""
+    for system, rows in keys.items():
+        yield f"all keys of a scene with system = {system!r}:"
+        table = [
+            ("key", "unit", "default", "meaning"),
+            *((r.name, r.unit, r.default, r.meaning) for r in rows),
+        ]
+        wide, unit, default = (max(len(row[column]) for row in table) for column in range(3))
+        yield from (f"  {a:{wide}}  {b:{unit}}  {c:{default}}  {d}" for a, b, c, d in table)
 
 
 _MARKS = {"\t": "tab", " ": "space", ",": "comma", ";": "semicolon", ".": "point", "|": "bar"}
@@ -94,7 +115,7 @@ def inspect(
     file: Path = Argument(..., metavar="FILE", help="A recording."),
     *,
     file_format: str = option(
-        "NAME", "How it is written, where its name does not tell: delimited, …", "--format", default="auto"
+        "NAME", "Format of the file, if its name does not show it: delimited, …", "--format", default="auto"
     ),
     write_profile: Path | None = option("PATH", "Write the suggested [import] section there."),
     force: bool = flag("--force", "Write over a file that is already there."),
@@ -142,7 +163,7 @@ def _inspect(file: Path, profile: "ImportProfile", everything: bool, _: int) -> 
 def _fix_of_folder(folder: Path) -> str:
     """Return what to name instead of a folder; a campaign's recordings are looked at by other commands."""
     if (folder / "campaign.toml").is_file():
-        return f"name one file of it; `ropefric check {folder}` looks at the campaign"
+        return f"name one file of it; `ropefric check {folder}` checks the campaign"
     names = sorted(path.name for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
     return f"name one file of it, such as {names[0]}" if names else "name a file; this folder holds none"
 
@@ -167,7 +188,7 @@ def _sections(found: "Inspection", profile: str) -> list["section.Section"]:
 
 
 def _columns(found: "Inspection") -> "section.Section":
-    """Return a row a column of the file, without what is empty for all of them."""
+    """Return a row for each column of the file, without fields that are empty for all."""
     table = [
         ("no.", "column ", "unit ", "from", "to", "missing", "holds "),
         *(_column_row(found, column) for column in found.columns),
@@ -229,10 +250,10 @@ def check(
         help="A campaign: its file or its folder. Or a scene; or a trial table, or a list of conditions.",
     ),
 ) -> Answer:
-    """List everything that is wrong or doubtful in a campaign, all at once, and tell what it holds.
+    """List all errors and warnings of a campaign at once, and summarise its contents.
 
     One recording of every kind is opened and read. A scene is checked too, and a trial table (CSV, Excel or Parquet).
-    Of a campaign and a table, with or without forces, it is said what laws and parameters the list can tell apart.
+    For a campaign or a table, with or without forces, it lists the laws and parameters that can be determined.
     Nothing is extracted, fitted, solved or written. Exit code 3 if there are errors; warnings alone leave it at 0.
     """
     file = options.campaign_file(campaign, or_table=True)
@@ -280,7 +301,7 @@ def _check_campaign(file: Path) -> _Checked:
 
 
 def _is_scene(path: Path) -> bool:
-    """Return whether a file is a scene; one that cannot be read is for the check of campaigns to tell of."""
+    """Return whether a file is a scene; a file that cannot be read is left to the check of campaigns."""
     try:
         return toml.is_scene(toml.read_toml(path).data)
     except DataError:
@@ -306,7 +327,7 @@ def _content(campaign: "campaign_model.Campaign") -> dict[str, Any]:
 
 
 def _content_lines(content: dict[str, Any]) -> list[str]:
-    """Return what a campaign or a table holds in the units people use at the rig, and what that can tell."""
+    """Return the contents of a campaign or table in practical units, and what they can determine."""
     fewest, most = content["repeats"]["fewest"], content["repeats"]["most"]
     rows = [
         ("conditions", f"{content['n_conditions']}"),
@@ -327,7 +348,7 @@ def _content_lines(content: dict[str, Any]) -> list[str]:
         scatter = f"{100.0 * resolution.TYPICAL_WITHIN:g} % between repeats, {usual}"
         if (within := content.get("scatter_within")) is not None:
             scatter = f"{usual}; between repeats, as here, {100.0 * within:.2g} %"
-        told.append(f"what this list can tell, if ropes scatter as usual ({scatter}):")
+        told.append(f"what this plan can distinguish at typical scatter ({scatter}):")
         told += [*(f"  {item['text']}" for item in content["tells"]), f"  ({resolution.SCALE})"]
     return told + [f"read {line}" for line in content.get("recordings", ())]
 
@@ -335,9 +356,9 @@ def _content_lines(content: dict[str, Any]) -> list[str]:
 def _rows_of_campaign(
     content: dict[str, Any], rows: list[tuple[str, str]], most: int
 ) -> list[tuple[str, str]]:
-    """Return the rows that tell of a campaign: its name and trials, its conditions, what is asked and how."""
+    """Return the rows of a campaign: name and trials, conditions, wanted lift force, outlier rule."""
     good_lost = outliers.RULES[content["rejection"]].good_lost(most)
-    lost = f", takes {good_lost:.2g} good trials of {most} on average" if good_lost > 0.0 else ""
+    lost = f", rejects {good_lost:.2g} of {most} good trials on average" if good_lost > 0.0 else ""
     excluded = f", {content['n_excluded']} of them excluded" if content["n_excluded"] else ""
     trials = f"{content['n_trials']} in {content['n_files']} files{excluded}"
     asked = _listed(content["lift_force_N"], 1.0, "N")
@@ -346,7 +367,7 @@ def _rows_of_campaign(
 
 
 def _content_of_table(table: "tables.TrialTable") -> dict[str, Any]:
-    """Return what a table holds that is used, or a list that has no forces yet, and what it can tell."""
+    """Return the used contents of a table, or of a list without forces, and what they can determine."""
     (settings, group), within = resolution.listed(table), resolution.scatter_of_repeats(table)
     repeats = Counter(group.tolist())
     return {
@@ -380,7 +401,7 @@ def simulate(
     law: str = Option("", help="The friction law that is true, instead of the bench's own."),
     parameter: Words = listed("NAME=VALUE", "A true parameter of the law", "--parameter", "-p"),
     repeats: int | None = Option(None, min=1, help="Recordings per condition."),
-    conditions: int | None = Option(None, min=1, help="Only the first so many conditions."),
+    conditions: int | None = Option(None, min=1, help="Only this many conditions, the first ones."),
     fault: Words = listed("NAME=RATE", "Only this fault, at this rate (0 to 1)"),
     no_faults: bool = flag("--no-faults", "Nothing goes wrong."),
     physics: str = Option(
@@ -468,6 +489,6 @@ def check_plugin(
         headings=("declares", "", "promise"), rows=rows, left=3,
     )  # fmt: skip
     lines = tuple(f"{one.member}: {one.broken}" for one in broken)
-    shown = [table, *([section.Section(title="What is broken", lines=lines)] if lines else [])]
+    shown = [table, *([section.Section(title="Broken promises", lines=lines)] if lines else [])]
     data = {"plugin": plugin.to_dict(), "ok": not broken, "promises": [one._asdict() for one in findings]}
     return Answer(data, shown, exit_code_of(not broken))

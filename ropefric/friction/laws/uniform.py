@@ -193,7 +193,7 @@ class ExponentialSize(Uniform):
 
 
 def size_candidates(conditions: Conditions) -> tuple[FloatArray, FloatArray]:
-    """Return values of a and b worth trying on these wheels."""
+    """Return start values of a and b for these wheels."""
     r = float(np.median(conditions.size_ratio))
     return np.array([-4.0, -1.5, -0.5, -0.15]) / r, np.array([-3.0, -1.0, -0.2])
 

@@ -96,7 +96,7 @@ class PowerWrap:
             y = conditions.log_end_tension
             yield law.below_reference(conditions)
             yield Refusal((m + d <= 0.0) & (y > 0.0), m + 0.0 * y,
-                         "μ is zero everywhere, so no wrap angle stands for the end tension",
+                         "μ is zero everywhere, so no wrap angle is equivalent to the end tension",
                          "give a positive coefficient")  # fmt: skip
 
     def _log_start(self, m: FloatArray, k: FloatArray, d: FloatArray, conditions: Conditions) -> FloatArray:
@@ -163,7 +163,7 @@ def power_by_hand(sheet: Sheet, m: str, k: str, d: str) -> float:
     start_rad = None
     if "end-tension" in sheet.effects and sheet["y"] != 0.0:
         start_rad = float(np.exp(power_log_start(sheet["y"], sheet[m], sheet[k], sheet[d])))
-        sheet.say("phi_0, the wrap that F_B stands for, solves m/s phi_0^s + d phi_0 = ln F_B:")
+        sheet.say("phi_0, the wrap equivalent to F_B, solves m/s phi_0^s + d phi_0 = ln F_B:")
     return integral_by_hand(sheet, f"{m}/s * {{0}}^s + {d} * {{0}}", start_rad)
 
 
@@ -292,7 +292,7 @@ def _exponential_by_hand(sheet: Sheet) -> float:
     start_rad = None
     if "end-tension" in sheet.effects and sheet["y"] > 0.0:
         start_rad = float(exponential_start_rad(sheet["y"], sheet["a"], sheet["b"], sheet["c"]))
-        sheet.say("phi_0, the wrap that F_B stands for, solves a/b (exp(b phi_0) - 1) + c phi_0 = ln F_B:")
+        sheet.say("phi_0, the wrap equivalent to F_B, solves a/b (exp(b phi_0) - 1) + c phi_0 = ln F_B:")
     if sheet["b"] == 0.0:
         if start_rad is not None:
             sheet.given("phi_0", start_rad, "phi_0 [rad]")

@@ -207,7 +207,7 @@ class SawScene(kind.SceneTable):
     excitation: ExcitationTable | None = None
     feed: FeedTable | None = None
     gone: ClassVar[Mapping[str, str]] = {
-        "measured": "take it out; the frequencies of the answer are what is left to hold beside measured ones"
+        "measured": "remove it; compare the frequencies of the answer with the measured ones"
     }
 
     def _check(self) -> None:

@@ -87,7 +87,7 @@ class BeltTable(kind.Table):
         if self.density is not None and (self.linear_density is not None or self.stress is None):
             reject(
                 "RF111",
-                "a density is for the width that a stress asks for, in place of a mass per length",
+                "a density is for the width that follows from a stress, in place of a mass per length",
                 fix="add stress and leave out linear_density, or leave out density",
                 key="density",
             )
@@ -161,7 +161,7 @@ class DriveScene(kind.SceneTable):
         if self.driven is not None and self.driven.wrap is None and not wrap < _TURN:
             reject(
                 "RF121",
-                "a belt that goes round more than once does not tell the driven pulley's wrap",
+                "the driven pulley's wrap does not follow from a belt that goes round more than once",
                 fix='add wrap = "180 deg" to [driven]',
                 key="driven.wrap",
             )
@@ -318,7 +318,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         lines.append(f"turning the other way, against the band: torque {work['reversed_torque_N_m']:.5g} N m")
     if tree.get("belts") is not None:
         belts = "belts" if tree["belts"] > 1 else "belt"
-        lines.append(f"the power takes {tree['belts']} {belts} tensioned like this")
+        lines.append(f"the power takes {tree['belts']} {belts} with this tension")
     if best is not None:
         lines.append(
             f"best speed: {best['speed_m_s']:.4g} m/s, {best['rotation_rad_s'] * _PER_MINUTE:.5g} rpm of the driving "

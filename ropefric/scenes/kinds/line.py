@@ -242,7 +242,7 @@ def _problem(table: LineScene, friction: WrapFriction | None) -> LineProblem:
 
 
 def _own_wheel(table: LineScene) -> tuple[float, float]:
-    """Return the first bend's radius and the rope's, for a law without reference; only a size effect looks at them."""
+    """Return the first bend's radius and the rope's, for a law without reference; only a size effect uses them."""
     radii = [one.radius for one in table.element if getattr(one, "radius", None)]
     thin_m = 0.5 * table.rope.diameter if table.rope.diameter else None
     return (radii[0] if radii else 10.0 * (thin_m or 0.01)), thin_m or 0.1 * (radii[0] if radii else 0.1)

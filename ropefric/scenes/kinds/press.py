@@ -47,7 +47,7 @@ class TensionerTable(kind.Table):
     Keys
     ----
     spring : Stiffness k_1 that presses the roller into the belt (zero or more).
-    travel : x, by how far its spring is pressed where it stands.
+    travel : x, compression of its spring in the given position.
     force : Its own preload F, in place of that of all.
     mass : Of the roller with what moves with it; for a start-up.
     damping : C_1 of its travel; for a start-up (zero or more).
@@ -137,7 +137,7 @@ class MachineTable(kind.Table):
     rotation : Of the first driver; or give the speed (zero or more).
     preload : F of all tensioners that have no force of their own.
     load_factor : Times which the torques of the sludge are taken (zero or more).
-    closure : What is said of the drivers where the balances leave open who pulls how much.
+    closure : Condition that divides the load between the drivers, where the balances leave it open.
     """
 
     speed: Annotated[float | None, kind.key("m/s", "0.92 m/s", "speed_m_s", above=None)] = None
@@ -429,7 +429,7 @@ def _failures(answer: PressAnswer, problem: PressProblem) -> tuple[kind.Failure,
         found, tension_N = [_pushes(answer.start_up)], answer.start_up.tension_N.max(axis=0)[np.newaxis]
     else:
         largest = answer.slip.utilisation.max(axis=-1)
-        words = "a roller slips, so the belts cannot be pulled like this"
+        words = "a roller slips, so a steady run is not possible"
         found = [kind.Failure(words, "largest utilisation", largest, largest > 1.0)]
     if all(belt.axial_stiffness_N is not None for belt in press.belts):
         stiffness_N = np.array([belt.axial_stiffness_N for belt in press.belts]) @ press.carried
@@ -519,7 +519,7 @@ _WAYS = {
     ("preload", "rises"): "the preload of all tensioners rises to",
     ("speed", "falls"): "the belts run no faster than",
     ("speed", "rises"): "the belts run as fast as",
-    ("load", "falls"): "all loads fall to what they are times",
+    ("load", "falls"): "all loads fall by the factor",
     ("load", "rises"): "all loads grow by the factor",
     ("friction", "falls"): "the coefficient falls to",
     ("friction", "rises"): "the coefficient rises to",
@@ -565,7 +565,7 @@ def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
             f"{name} ({'its belt lifts off, or has no friction' if use is None else f'utilisation {use:.3g}'})"
             for name, use in uses.items()
         )
-        lines = [f"rollers that slip already: {found}; their belts cannot be pulled like this"]
+        lines = [f"rollers that slip already: {found}; a steady run is not possible"]
     elif tree["first_to_slip"] is None:
         lines = ["no roller carries a torque"]
     else:

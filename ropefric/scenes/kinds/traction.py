@@ -145,7 +145,7 @@ def _failures(answer: TractionAnswer, problem: TractionProblem) -> tuple[kind.Fa
     for name, what, limit, way, factor, unit in limits:
         if (given := getattr(problem, name)) is not None:
             value, ends = factor * given, f"{'at most' if way > 0 else 'at least'} {limit:g} {unit}"
-            said, fails = f"outside EN 81-50, which asks for {ends}", way * (value - limit) > 1e-9 * limit
+            said, fails = f"outside EN 81-50, which requires {ends}", way * (value - limit) > 1e-9 * limit
             outside.append(kind.Failure(said, what, value, fails, limit))
     held = [f"the ropes slip in the load case {case}" for case in CASES[:-1]]
     words = (*held, "the ropes do not slip when the car is stalled")
@@ -190,10 +190,10 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
             wrap += f", or an undercut of at least {math.degrees(undercut):.1f} deg"
             if undercut > _LARGEST_UNDERCUT_RAD:
                 wrap += " (the standard ends at 106 deg)"
-        lines.append(f"what would hold, all else as it is: {wrap}")
+        lines.append(f"changes that would make it hold: {wrap}")
     if not cases["stalled"]["passes"]:
         limit = math.degrees(cases["stalled"]["wrap_limit_rad"] or 0.0)
-        lines.append(f"what would slip when stalled, all else as it is: a wrap of at most {limit:.1f} deg")
+        lines.append(f"change that would make it slip when stalled: a wrap of at most {limit:.1f} deg")
     more = {"lines": tuple(lines), "notes": (tree["note"],)}
     return (kind.by_rows("Traction", "load case", cases, columns, **more),)
 

@@ -271,7 +271,7 @@ def _limit_N(P: float, section: Section, ends: Ends, length_m: float, e: float) 
     raise SolverError(
         f"the limit under feed force does not settle; it is about {before:.4g} N",
         key="preload_N",
-        fix="a blade under so much tension has next to no stiffness of its own",
+        fix="a blade under this tension has almost no stiffness of its own",
     )
 
 

@@ -140,11 +140,11 @@ def order_for(beam: ScaledBeam, n_modes: int, accuracy: float) -> int:
         if order > wave and safety * (jv(order, wave) ** 2 + ive(order, layer) ** 2) <= accuracy:
             return order
     words = f"{n_modes} modes need an order above {MAX_ORDER}"
-    raise SolverError(words, key="n_modes", fix="ask for fewer modes")
+    raise SolverError(words, key="n_modes", fix="use fewer modes")
 
 
 class Matrices(NamedTuple):
-    """What a moving beam of length 1 is made of in some basis φ_1 … φ_k; each (k, k)."""
+    """Matrices of a moving beam of length 1 in a basis φ_1 … φ_k; each (k, k)."""
 
     mass: FloatArray
     travel: FloatArray
@@ -219,7 +219,7 @@ _NEAR_CRITICAL = 0.1
 
 
 class Modes(NamedTuple):
-    """The first modes in some space: scaled frequencies ω = 2π f l/c [-], and what a richer space takes off each."""
+    """The first modes in some space: scaled frequencies ω = 2π f l/c [-], and their decrease in a richer space."""
 
     frequencies: FloatArray
     errors: FloatArray
@@ -339,7 +339,7 @@ _ROUNDING = 1e-13
 
 
 class BeamModes(NamedTuple):
-    """Scaled frequencies with what they cost and what each is worth."""
+    """Scaled frequencies with their cost and their errors."""
 
     frequencies: FloatArray
     errors: FloatArray
@@ -368,7 +368,7 @@ def solve_beam(beam: ScaledBeam, n_modes: int = 6, *, accuracy: float = 1e-10) -
     raise SolverError(
         f"{n_modes} modes do not settle to {accuracy:g} up to order {MAX_ORDER}; mode {int(np.argmax(errors)) + 1} "
         f"is off by {errors.max():g}",
-        fix="ask for fewer modes or a larger accuracy",
+        fix="use fewer modes or a larger accuracy",
     )
 
 

@@ -21,9 +21,9 @@ def bending_bound(problem: SawProblem, _: SawAnswer | None = None) -> FloatArray
     """Return an upper bound of the change of any mode's ln f and of ln v_c by the stiffness, shape (n,).
 
     Held ends shorten the string by a layer of δ = e/√(1 − V²) at each end, e = √(EI/F l²) and V = v/c; for ends that
-    may turn δ = 0. Along what is left, mode n is the string's own e^(iκVx) sin κx, κ = nπ/(1 − 2δ), whose stiffness
+    may turn δ = 0. Along the rest, mode n is the string's own e^(iκVx) sin κx, κ = nπ/(1 − 2δ), whose stiffness
     raises its frequency by ½κ²e² (1 + 6V² + V⁴)/(1 − V²) of itself, to first order. A mode yields to more stiffness
-    by taking a softer shape, so a first order taken at the string's shape is too much: for mode 1 because it has
+    by taking a softer shape, so the first order at the string's shape is too large: for mode 1 because it has
     the least of Rayleigh's quotients, for the others by trial. Both terms are exact as e → 0. v_c² goes with
     F_0 ± ΔF/2 + β EI/l². The tensions are those of all sides with whatever other effects are simulated.
     """
@@ -63,7 +63,7 @@ EFFECTS: Registry[Effect] = Registry(
         Effect(
             name="travel",
             adds="the motion of the blade through its span, which its waves run with and against",
-            instead="a blade that stands still",
+            instead="a blade at rest",
             needs=missing(_SPEED),
         ),
         Effect(

@@ -150,8 +150,8 @@ def find_crossings(
 ) -> tuple[Crossing, ...]:
     """Return all crossings between the first and the last of some speeds, by speed.
 
-    A mode's frequency falls with the speed and an excitation's does not, so a pair crosses at most once and its ends
-    tell whether it does.
+    A mode's frequency falls with the speed and an excitation's does not, so a pair crosses at most once, and its ends
+    show whether it does.
     """
     ends = np.asarray(speeds_m_s, dtype=np.float64)[[0, -1]]
     of_modes, causes = frequencies_Hz(saw, side, n_modes, speed_m_s=ends), _harmonics(excitations)
@@ -216,11 +216,11 @@ def margins(
 
 
 _DRAWN = 1e-6
-"""Accuracy of what is drawn."""
+"""Accuracy of charts."""
 
 
 class SawChart(NamedTuple):
-    """What a Campbell chart shows."""
+    """The data of a Campbell chart."""
 
     saw: Saw
     speed_m_s: FloatArray
@@ -245,7 +245,7 @@ _SEARCHED, _HILLS, _ZOOM, _SETTLED = 257, 4, 33, 1e-10
 
 
 class StrainStatus(AdvisedStatus):
-    """What is to be done about the preload."""
+    """Recommendation for the preload."""
 
     KEEP = "keep: The present preload keeps every mode far enough from every excitation."
     CHANGE = "change: Set the recommended preload: the nearest that keeps the margin."
@@ -276,8 +276,8 @@ def recommend_preload(
     """Return the preload nearest to the present one at which all modes of both sides keep a margin.
 
     Every frequency rises with the preload, so a mode and an excitation forbid one interval of it, whose ends are
-    found by inversion; what none of the intervals covers is allowed. Where two ends are so near that the accuracy
-    cannot tell which comes first, they are found again to ten digits.
+    found by inversion; preloads outside all intervals are allowed. Two ends whose order the accuracy cannot decide
+    are found again to ten digits.
     """
     low_N, high_N = range_N
     excited_Hz = _excited_Hz(excitations, saw.speed_m_s)

@@ -85,7 +85,7 @@ class Side(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Saw:
-    """What is known of a saw."""
+    """The data of a saw."""
 
     free_span_m: float
     linear_density_kg_m: float
@@ -149,5 +149,5 @@ def roots_between(
     cases = np.arange(low.size)
     found = find_root(function, (low, high), args=(cases,), tolerances={"xatol": 0.0, "xrtol": 1e-11})
     if not found.success.all():
-        raise SolverError("the roots do not settle", fix="ask for less accuracy")
+        raise SolverError("the roots do not settle", fix="use a larger accuracy")
     return np.asarray(found.x, dtype=np.float64)

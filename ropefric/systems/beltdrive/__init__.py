@@ -3,7 +3,7 @@
 `drive` is the drive and its balance of tensions, `effects` what a scene may leave out. A single pulley is a drum, a
 capstan or a band brake. Tensions are per belt and count what keeps the belt on its circle, m v2, which presses nothing.
 
-What is given of the tensions closes the balance:
+The tensions that are given close the balance:
 
 - limit: the tight side pulls with the most a belt may bear, T1 = T.
 - tensioner: a weight or spring holds the slack side, T2 = T, at rest and at any speed.

@@ -81,7 +81,7 @@ class DriveProblem(Cases):
 
     @property
     def circling_N(self) -> FloatArray:
-        """Return m v2, what keeps the belt on its circle [N]; the band of a brake stands."""
+        """Return m v2, the centripetal part of the tension [N]; zero for the band of a brake."""
         if self.closure == "lever":
             return np.zeros(self.n)
         return self.product("linear_density_kg_m", "belt_speed_m_s", "belt_speed_m_s")
@@ -108,7 +108,7 @@ DriveModel = Model[DriveProblem]
 
 
 class DriveAnswer(NamedTuple):
-    """What a belt drive carries at most, and how it runs; arrays of shape (n,), forces per belt.
+    """Capacity and running state of a belt drive; arrays of shape (n,), forces per belt.
 
     Attributes
     ----------
@@ -220,7 +220,7 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
     if problem.power_W is not None:
         refuse(
             problem.belt_speed_m_s <= 0.0,
-            "a belt that stands carries no power",
+            "a belt at rest carries no power",
             key="speed_rad_s",
             fix="give a speed, or leave out the power",
         )
@@ -416,7 +416,7 @@ def _excess_N_m(
 def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:
     """Return the belt speed of the largest power, √(T/3m) [m/s], with the coefficient as it is; None without a mass.
 
-    The pull is proportional to T − m v2 of the tension that is given; not where a length is kept or a band stands.
+    The pull is proportional to T − m v2 of the tension that is given; not with a kept length or a band at rest.
     """
     kept = problem.closure == "lever" or (problem.closure == "fixed" and problem.span_m is not None)
     if kept or problem.linear_density_kg_m is None or not problem.linear_density_kg_m.all():

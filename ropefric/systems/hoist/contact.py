@@ -1,4 +1,4 @@
-"""What is known of a rope on a wheel, and its mechanics: one exponential, with what does not press set apart."""
+"""A rope on a wheel, and its mechanics: one exponential, with the tension that does not press taken apart."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ GRAVITY_M_S2 = 9.80665
 """Standard acceleration of gravity [m/s2]."""
 
 TOLD = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
-"""What of a contact each of the law's own effects tells it."""
+"""Regressors that each of the law's own effects gives it."""
 
 _LARGEST = float(np.log(np.finfo(np.float64).max))
 _MAX_STEPS = 400
@@ -71,7 +71,7 @@ class Arcs(NamedTuple):
 
 
 class Lift(NamedTuple):
-    """What a rope on a wheel lifts."""
+    """The lift force of a rope on a wheel."""
 
     model: HoistModel
     log_lift: FloatArray
@@ -223,7 +223,7 @@ def contact_arc_rad(
     contact = wrap_rad - 2.0 * slack
     refuse(
         contact < 0.0,
-        "a wrap of {wrap_rad:.6g} rad is less than the {lifted_rad:.6g} rad by which this stiff rope stands off the "
+        "a wrap of {wrap_rad:.6g} rad is less than the {lifted_rad:.6g} rad by which this stiff rope lifts off the "
         "wheel: it never touches",
         code="RF510",
         key="wrap_angle_rad",
@@ -239,7 +239,7 @@ def contact_arc_rad(
             return longer
         contact = longer
     raise SolverError(
-        "the arc over which this stiff rope stands off the wheel does not settle: the friction is too high for the "
+        "the arc over which this stiff rope lifts off the wheel has no solution: the friction is too high for the "
         "lifted arc to have one solution",
         code="RF500",
         fix="lower the coefficient or leave out bending-stiffness",

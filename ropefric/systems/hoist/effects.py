@@ -13,11 +13,11 @@ from ropefric.systems.hoist.contact import HoistProblem, Lift, solve_lift
 def stiffness_bound(problem: HoistProblem, answer: Lift | None = None) -> FloatArray:
     """Return an upper bound of what the stiffness changes in any number: no law is solved for it.
 
-    With E/P of what presses gone and the share s of the wrap, M of a law that weakens loses at most s M, as it is
-    concave, and gains ln(P/(P − E)) at most; so |Δ ln F_A| ≤ ln(P/(P − E)) + s M, and M over the contact grows by the
-    gain and 1/(1 − s). A law that is not told the wrap has the slope over P of another wrap, its reference. P is the
-    least that any other effects leave, and s = 2θ_B/φ. Of a law that looks at nothing none is given: it is solved as
-    quickly with the stiffness as without.
+    With the share E/P of the pressing tension gone and the share s of the wrap, M of a law that weakens loses at most s
+    M, as it is concave, and gains ln(P/(P − E)) at most; so |Δ ln F_A| ≤ ln(P/(P − E)) + s M, and M over the contact
+    grows by the gain and 1/(1 − s). A law without the wrap as regressor has the slope over P of another wrap, its
+    reference. P is the least that any other effects leave, and s = 2θ_B/φ. A law without regressors has no bound: it is
+    solved as quickly with the stiffness as without.
     """
     friction, stiff_N = problem.friction, lean(problem.bending_N)
     if not friction.law.effects:
@@ -43,7 +43,7 @@ def stiffness_bound(problem: HoistProblem, answer: Lift | None = None) -> FloatA
 
 
 def law_effect(name: str, what: str, instead: str, cost: float = 0.0) -> Effect:
-    """Return the effect of one thing that a law is told."""
+    """Return the effect of one regressor of a law."""
     return Effect(name, f"a coefficient that depends on {what}", instead, cost=cost)
 
 
@@ -70,7 +70,7 @@ EFFECTS: Registry[Effect] = Registry(
         ),
         law_effect(
             "end-tension",
-            "the end tension (the wrap it stands for)",
+            "the end tension (as equivalent wrap)",
             "the coefficient at the reference end tension",
             1e-7,
         ),
@@ -90,7 +90,7 @@ EFFECTS: Registry[Effect] = Registry(
         ),
         Effect(
             name="bending-stiffness",
-            adds="the tension EI/(2 R^2) that bends the rope, and the arcs at both ends where it stands off",
+            adds="the tension EI/(2 R^2) that bends the rope, and the arcs at both ends where it lifts off",
             instead="a limp rope",
             needs=_stiffness_needs,
             bound=stiffness_bound,

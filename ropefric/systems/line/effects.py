@@ -41,7 +41,7 @@ EFFECTS: Registry[Effect] = Registry(
         ),
         Effect(
             name="bending-stiffness",
-            adds="the tension EI/(2 R^2) that bends the rope, and the arcs at both ends where it stands off",
+            adds="the tension EI/(2 R^2) that bends the rope, and the arcs at both ends where it lifts off",
             instead="a limp rope",
             needs=_needs("bending-stiffness", "radius", bending_stiffness_N_m2="rope.bending_stiffness"),
         ),

@@ -1,4 +1,4 @@
-"""What an element of a line is, what it is told of the rope, and how a rope lies round one of them."""
+"""Elements of a line, the rope data that they get, and the contact of a rope with one of them."""
 
 import math
 from collections.abc import Callable
@@ -179,7 +179,7 @@ class Passage(NamedTuple):
         return self.model.part("weight", self.model.problem.weight_N_m)
 
     def coefficient(self, mu: float | None) -> FloatArray:
-        """Return the coefficient on what is straight: the element's own, or the law's at its reference."""
+        """Return the coefficient of a straight part: the element's own, or the law's at its reference."""
         friction = self.model.problem.friction
         if mu is not None or friction is None:
             return np.array(mu or 0.0)
@@ -263,7 +263,7 @@ class Passage(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """What a rope slides round: its wrap [rad], radius [m], and own coefficient."""
+    """A contact of the rope: wrap [rad], radius [m], and own coefficient."""
 
     wrap_rad: float
     radius_m: float | None = None

@@ -41,7 +41,7 @@ class LineAnswer(NamedTuple):
     other_end : ndarray, shape (k + 1, n), or None
         Tensions where the rope is pulled through the same elements from the other end, in that order.
     needed_end_N : ndarray or None
-        Least tension behind the last element that lets every drum pull what is given.
+        Least tension behind the last element with which every drum transmits its given pull.
     stressed, anchored : Stressed, tuple of Anchored
         Of a tendon: from both ends; after the slip at the anchorages, that of the start first where both are stressed.
     """
@@ -73,7 +73,7 @@ class LineAnswer(NamedTuple):
 
     @property
     def logs(self) -> FloatArray:
-        """Return the logarithms of all forces, shape (m, n); NaN of what is negative."""
+        """Return the logarithms of all forces, shape (m, n); NaN of negative ones."""
         found = [*self.tension_N, *(value for one in self.numbers for value in one.values())]
         found += [] if self.cycle is None else [self.cycle.pulled_N, self.cycle.paid_out_N]
         found += [] if self.other_end is None else [*self.other_end]

@@ -27,7 +27,7 @@ from ropefric.systems.press.transient.start_up import StartUp, start_up
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PressProblem(Cases):
-    """A press at n operating points; scalars are spread. A start-up is given by what `start_up` is to be told of it."""
+    """A press at n operating points; scalars are spread. `start_up` has the settings of a start-up."""
 
     press: Press
     closure: str
@@ -41,7 +41,7 @@ class PressProblem(Cases):
 def operated(
     press: Press, *, gravity: float = 1.0, squeeze: float = 1.0, preload_N: float | None = None
 ) -> Press:
-    """Return a press whose rollers feel so much of each load, and whose tensioners are preloaded by so much."""
+    """Return a press with scaled loads on its rollers and a scaled preload of its tensioners."""
     rollers = []
     for one in press.rollers:
         own: dict[str, Any] = {"gravity_torque_N_m": gravity * one.gravity_torque_N_m}
@@ -73,12 +73,12 @@ class PressModel(Model[PressProblem]):
 
     @property
     def told(self) -> frozenset[str]:
-        """Return what the law is told of a contact."""
+        """Return the regressors that the law gets from a contact."""
         return told_by(self.effects)
 
     @property
     def asked(self) -> dict[str, Any]:
-        """Return what a start-up is told of the effects and of friction."""
+        """Return the settings of a start-up: effects and friction."""
         asked = {"friction": self.problem.friction, "effects": self.effects, "told": self.told}
         return asked | {"follows": "transient-friction" in self.effects}
 

@@ -17,7 +17,7 @@ _UNIT = re.compile("_(?:N|m|kg|kg_m2)$")
 
 
 def _lacking(problem: PressProblem, *, masses: bool = False, part: str = "") -> tuple[str, ...]:
-    """Return what is missing for belts that stretch, and for what moves, as scenes call it: without the units."""
+    """Return the missing keys for belts that stretch and for moving parts, by their names in scenes, without units."""
     fields = problem.press.missing_elasticity + (problem.press.missing_masses if masses else [])
     return tuple(_UNIT.sub("", field) for field in fields if part in field)
 

@@ -234,11 +234,11 @@ def refuse_missing(what: str, keys: Sequence[str], *, fix: str) -> None:
 
 
 Said = Iterator[tuple[bool, str, str, str]]
-"""Whether something is wrong, the key it is said of, in which words, and what to do."""
+"""A check: whether it fails, its key, its message and its fix."""
 
 
 def _problems(press: Press) -> list[Problem]:
-    """Return everything that is wrong with a press; what is written on its graph only where its parts make one."""
+    """Return all errors of a press; those of its graph only where its parts make one."""
 
     def found(said: Said) -> list[Problem]:
         return [
@@ -356,7 +356,7 @@ def squeeze_torque_N_m(
     youngs_modulus_Pa: npt.ArrayLike,
     units: npt.ArrayLike = 1.0,
 ) -> FloatArray:
-    """Return M_F = b R Δh K_max of squeezing the cake so many times, K_max = (1 + μ_c) σ_c²/(3 E_c), eqs. (7)-(9)."""
+    """Return M_F = b R Δh K_max of squeezing the cake this many times, K_max = (1 + μ_c) σ_c²/(3 E_c), eqs. (7)-(9)."""
     stiffer = 1.0 + checked("poisson_ratio", poisson_ratio, "zero or more")
     limit_J_m3 = np.square(strength_Pa) * stiffer / np.multiply(3.0, youngs_modulus_Pa)
     return np.asarray(np.multiply(belt_width_m, radius_m) * np.multiply(compression_m, units) * limit_J_m3)

@@ -194,7 +194,7 @@ _NO_TORQUE = 1e-9
 
 
 class Critical(NamedTuple):
-    """What leads from today's state to the first slip, or where rollers slip already to the end of the last one.
+    """The change from the present state to the first slip or, if rollers slip already, to the end of the last one.
 
     `by_roller` has of each roller that holds where it slips on that way (on the usual one where others slip), of each
     that slips where it stops; None where it does neither.
@@ -260,7 +260,7 @@ def critical(
         return np.where(idle, np.inf, left_N)
 
     def crossing(way: str, margin: Callable[[FloatArray], FloatArray]) -> float | None:
-        """Return where a margin first changes its sign on a way, as what is changed."""
+        """Return where a margin first changes its sign on a path, as the changed value."""
         far = max(now, 1.0) * (_PLACES[:-1] / (1.0 - _PLACES[:-1]))
         places = now + (_PLACES * (ends[way] - now) if np.isfinite(ends[way]) else far)
         signs = margin(reserve_N(places)) >= 0.0

@@ -12,7 +12,7 @@ How belts share a pull that no balance divides is settled by a closure, a named 
 
 Steady creep: in a steady run as much belt passes every place, so its speed is v_b (1 + T/EA) with one v_b for each
 belt. It sticks to a roller where it arrives. So at a driver V = v_b (1 + T_in/EA), and where two belts meet on one
-roller the same V stands for both. With v_b and the speed of that roller eliminated, to first order in the strain,
+roller the same V holds for both. With v_b and the speed of that roller eliminated, to first order in the strain,
 
     (T_d − T_m)_1 / EA_1 − (T_d − T_m)_2 / EA_2 = (V_1 − V_2)/v
 
@@ -168,7 +168,7 @@ def _open(matrix: FloatArray, names: Sequence[str]) -> tuple[str, ...]:
 
 
 class Statics(NamedTuple):
-    """What sets the tensions of a press at rest, one share each.
+    """The parts of the tensions of a press at rest, one share each.
 
     At rest T = given + load_factor · by_load + by_preload @ F.
     """

@@ -2,8 +2,8 @@
 
 In: a file and an `ImportProfile` (profile.py). Out: `RawRecording`s, columns as they are in the file. A reader opens the
 file as tables (table.py says how their columns become channels): delimited.py, several.py (many recordings in a text),
-and texts that tell their layout, labview.py (.lvm) and headed.py (NI, Mitsubishi); vernier.py (.cmbl), excel.py,
-matlab.py, hdf5.py, tdms.py. inspection.py looks at an unknown file and suggests a profile.
+and texts that declare their layout, labview.py (.lvm) and headed.py (NI, Mitsubishi); vernier.py (.cmbl), excel.py,
+matlab.py, hdf5.py, tdms.py. inspection.py examines an unknown file and suggests a profile.
 """
 
 from pathlib import Path, PurePath

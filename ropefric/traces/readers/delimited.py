@@ -43,7 +43,7 @@ def without_footer(text: Text, dialect: Dialect) -> Text:
 def _cut_end(dialect: Dialect, data: bytes, is_ended: bool) -> bytes:  # noqa: FBT001
     """Return the end of a text without its footer, and without a last row that breaks off within a number.
 
-    Where no number of lines is told, a footer is lines of words, in another number of cells than the data have.
+    Without a stated number of lines, a footer is lines of words, in another number of cells than the data have.
     """
     layout, n_footer = dialect.layout, dialect.layout.skip_footer
     ends = [len(data)]  # of the last lines, backwards

@@ -1,4 +1,4 @@
-"""What an unknown file may mean: how its recordings stand, which column is the time and which the force."""
+"""The layout of an unknown file: arrangement of its recordings, column of the time, column of the force."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -19,9 +19,9 @@ from ropefric.traces.signals import si_scale, signal_unit
 
 _PULLS = ("force", "kraft", "load", "zug", "pull", "tension", "f_a", "fa")
 _SLACKS = ("slack", "end_tension", "gegen", "halte", "lose", "endkraft", "f_b", "fb")
-"""Parts of names that tell which side of the wheel a force was measured on, the slack one first."""
+"""Parts of names that show on which side of the wheel a force was measured, the slack one first."""
 _MOST_LABELS, _FEWEST_ROWS = 64, 10
-"""A column that says what a row belongs to has at most so many words, and each stands in at least so many rows."""
+"""A column that labels rows has at most this many words, and each occurs in at least this many rows."""
 _MOST_FOOTER = 20
 _LONGEST_S = 4 * 3600.0
 
@@ -159,7 +159,7 @@ def _are_labels(cells: Sequence[str]) -> bool:
 
 
 def _names_channels(of: NDArray[np.str_], clock: FloatArray) -> bool:
-    """Return whether labels tell channels: words that alternate, or name a side, over times that rise in each."""
+    """Return whether labels name channels: words that alternate, or name a side, over times that rise in each."""
     words = [str(word) for word in np.unique(of)]
     if any(map(is_value, words)):
         return False
@@ -186,7 +186,7 @@ def _footer_lines(text: Text, dialect: Dialect) -> int:
 
 
 class Guess(NamedTuple):
-    """The channels of a table as far as names, units and values tell them, its rate from its head, what was assumed."""
+    """The channels of a table as far as names, units and values show them, its rate from its head, what was assumed."""
 
     channels: dict[str, Channel]
     rate_Hz: float | None
@@ -276,7 +276,7 @@ def _rank_of_time(table: Table, index: int, array: FloatArray) -> int | None:
 
 
 def _side(name: str) -> str:
-    """Return "slack" or "pull" for a name that tells a side of the wheel, "" for any other."""
+    """Return "slack" or "pull" for a name that contains a side of the wheel, "" for any other."""
     stem = "_".join(split_unit_suffix(name.strip())[0].lower().split())
     for side, words in (("slack", _SLACKS), ("pull", _PULLS)):
         if any(stem == word or (len(word) > 2 and word in stem) for word in words):
@@ -345,18 +345,18 @@ def _are_one(values: Values, columns: Sequence[int], units: Mapping[int, str]) -
 
 
 def _with_unit(name: str, table: Table, values: Values, channel: Channel, doubts: list[str]) -> Channel:
-    """Return a channel with its unit, a likely one where the file tells none, and say what is to be added."""
+    """Return a channel with its unit, a likely one where the file has none, and say what to add."""
     unit, index = unit_of(table, channel), index_of(table, channel)
     array = None if index is None else values[index]
     if not unit and name == "time" and array is not None and np.isfinite(array).sum() > 2:
         unit, why = _likely_unit(array[np.isfinite(array)])
-        doubts.append(f"the unit of the time is not told; {unit} is taken, {why}; check")
+        doubts.append(f"the file does not state the unit of the time; {unit} is taken, {why}; check")
         return replace(channel, unit=unit)
     if not unit and name != "time" and is_of(name, table.facts.unit or "?"):
         doubts.append(f"the unit of the {name}, {table.facts.unit}, is what the head of the file says; check")
         return replace(channel, unit=table.facts.unit)
     if not unit:
-        doubts.append(f'the unit of the {name} is not told; add it, for example unit = "N"')
+        doubts.append(f'the unit of the {name} is not stated; add it, for example unit = "N"')
     elif signal_unit(name, unit) and not channel.sensitivity:
         how = f'sensitivity = "25 N/{unit}"' if "/" not in unit else 'rated_output = "2 mV/V" of its cell'
         doubts.append(f"the {name} is in {unit}; add what it means, {how}, or name a cell in the list")

@@ -23,16 +23,16 @@ from ropefric.traces.readers.table import (
 _DEEPEST = 20
 
 RATES = ("sampling_rate", "sample_rate", "sampling_rate_hz", "sample_rate_hz", "sampling_frequency", "fs")
-"""Attributes that tell samples per second, of a data set, its group or the file, whatever their case and blanks."""
+"""Attributes with samples per second, of a data set, its group or the file, whatever their case and blanks."""
 STEPS = ("dt", "dt_s", "wf_increment", "sampling_interval", "sample_interval", "time_step")
-"""Attributes that tell seconds from sample to sample."""
+"""Attributes with seconds from sample to sample."""
 STARTS = ("t0", "start", "start_s", "start_time", "wf_start_time", "wf_start_offset", "time_offset")
-"""Attributes that tell when the first sample was taken, in seconds or as a date with a time of day."""
+"""Attributes with the time of the first sample, in seconds or as a date with a time of day."""
 _UNITS = ("unit", "units", "unit_string")
 
 
 class _Column(NamedTuple):
-    """A column, its unit, its first sample [s] and its step of time [s], 0 where it is not told, and what to say."""
+    """A column, its unit, its first sample [s] and its step of time [s], 0 where it is unknown, and a note."""
 
     values: np.ndarray[Any, Any]
     unit: str
@@ -83,7 +83,7 @@ def _groups_alike(columns: Mapping[str, _Column]) -> dict[str, dict[str, _Column
 
 
 def _table(columns: Mapping[str, _Column], source: Source, said: str) -> Table:
-    """Return a table whose columns bring a clock with them where attributes tell one."""
+    """Return a table whose columns have a clock of their own where attributes define one."""
     chosen = list(columns.values())
     dates = iter(seconds_from_first([c.start for c in chosen if isinstance(c.start, np.datetime64)]))
     starts_s = [next(dates) if isinstance(c.start, np.datetime64) else c.start for c in chosen]
@@ -139,7 +139,7 @@ def _columns(item: Any, path: str) -> Iterator[tuple[str, np.ndarray[Any, Any]]]
 
 
 def _told(item: Any, file: Any) -> tuple[str, float | np.datetime64, float, str]:
-    """Return what attributes tell of a column, of the data set, its group or the file: see `_Column`."""
+    """Return the attributes of a column, of the data set, its group or the file: see `_Column`."""
     unit = next((value for key, value in item.attrs.items() if key.lower() in _UNITS), "")
     told = [pair for place in (item, item.parent, file) for pair in place.attrs.items()]
     start = next((found for key, value in told if (found := _start(_word(key), value)) is not None), 0.0)

@@ -1,7 +1,7 @@
-"""Texts that tell their own layout: CSV of National Instruments' loggers, traces of Mitsubishi's MR Configurator.
+"""Texts that declare their layout: CSV of National Instruments' loggers, traces of Mitsubishi's MR Configurator.
 
 NI begins every row of the head with its label, and every channel brings its own time. In one recording of Mitsubishi
-what each slot measured stands where units usually do.
+the measured quantity of each slot is in the place of its unit.
 """
 
 from collections.abc import Sequence
@@ -85,7 +85,7 @@ def _mitsubishi_tables(source: Source, profile: ImportProfile) -> tuple[Table, .
     title, *facts = (text.line(number) for number in (1, 2, 3))
     stated = ", ".join(" ".join(split_line(fact, dialect.separator)) for fact in facts)
     dialect.notes.append(
-        f"Mitsubishi MR Configurator, {title}: {stated}; of units it tells only that of the time"
+        f"Mitsubishi MR Configurator, {title}: {stated}; it has no unit but that of the time"
     )
     return (table,)
 

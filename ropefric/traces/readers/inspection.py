@@ -1,4 +1,4 @@
-"""Look at a recording file without knowing it: what is in it, and which import profile reads it, tried on the file."""
+"""Examine an unknown recording file: its contents, and the import profile that reads it, tried on the file."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -116,7 +116,7 @@ def inspect_file(
 
 
 def _inspect_ends(source: Source, profile: ImportProfile) -> Inspection:
-    """Return what the beginning and the end of a large text tell."""
+    """Return the findings from the beginning and the end of a large text."""
     size = PART_BYTES
     found = _inspect_text(replace(source, most_bytes=size), profile)
     while not found.n_rows and size < WHOLE_BYTES:  # pragma: no cover - a head of megabytes
@@ -306,7 +306,7 @@ def _column(table: Table, index: int, array: FloatArray | None) -> ColumnSummary
 def _clock(
     table: Table, values: Sequence[FloatArray | None], channels: Mapping[str, Channel]
 ) -> tuple[float | None, bool, tuple[str, ...]]:
-    """Return sampling rate, whether the steps are even, and what is wrong with the clock."""
+    """Return sampling rate, whether the steps are even, and the error of the clock."""
     try:
         time_s = _clock_s(table, channels)
         if "time" in channels:

@@ -40,7 +40,7 @@ def _without_special_blocks(data: bytes) -> bytes:
 
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
-    """Return the file's recordings; a block that goes on where the one before ended belongs to the same."""
+    """Return the file's recordings; a block that continues the one before belongs to the same recording."""
     text = load_text(source, profile.encoding).whole()
     data = _without_special_blocks(text.data)
     text = replace(text, data=data)
@@ -54,7 +54,7 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     separator, decimal = _first(general, "Separator", "Tab"), _first(general, "Decimal_Separator", ".")
     separator = _SEPARATORS.get(separator, separator)
     if len(separator) != 1 or decimal not in (".", ",") or separator == decimal:
-        why = f"its header tells the separator {separator!r} and the decimal mark {decimal!r}"
+        why = f"its header states the separator {separator!r} and the decimal mark {decimal!r}"
         raise source.error(why, code="RF103", line=1, fix=fix)
     layout = replace(profile, separator=separator, decimal=decimal)
     columns = _first(general, "X_Columns", "One").lower()

@@ -67,7 +67,7 @@ class RawRecording:
 
 
 def profile_to_toml(profile: ImportProfile) -> str:
-    r"""Return the `[import]` section that says what a profile says; what is left open is left out.
+    r"""Return the `[import]` section of a profile, without keys that are left open.
 
     Constants are written as bare SI numbers.
     """

@@ -1,7 +1,7 @@
 """Text with several recordings: side by side ("wide"), one below the other ("stacked"), or mixed in rows ("long").
 
-Each is told by what repeats: names of columns beside each other, the header below the data, the words of a column that
-says what a row belongs to.
+Each is recognised by its repetition: names of columns beside each other, the header below the data, the words of a
+column that labels rows.
 """
 
 import re
@@ -304,6 +304,6 @@ STACKED = Reader(
 LONG = Reader(
     name="long",
     suffixes=(),
-    description="text with many recordings or channels in rows, told apart by recording_column or channel_column",
+    description="text with many recordings or channels in rows, distinguished by recording_column or channel_column",
     tables=_long_tables,
 )

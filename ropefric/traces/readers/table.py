@@ -1,4 +1,4 @@
-"""What a reader gives: tables whose columns become the channels of recordings."""
+"""The tables of a reader, whose columns become the channels of recordings."""
 
 import re
 import warnings
@@ -233,7 +233,7 @@ def _pick_columns(table: Table, profile: ImportProfile, source: Source) -> dict[
                 'name the columns, for example time = { column = 1, unit = "s" } and force = { column = 2, unit = '
                 f'"N" }}; `ropefric inspect {source.shown}` suggests them'
             )
-            why = f"cannot tell which column is what; {table.listed}"
+            why = f"cannot determine the meaning of the columns; {table.listed}"
             raise source.error(why, code="RF105", key="[import.channels]", fix=fix)
     picks = {}
     for name, channel in channels.items():

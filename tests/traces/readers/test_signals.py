@@ -108,7 +108,7 @@ def test_what_is_only_coarse_or_smooth_is_no_hold(lsb_N, noise_N):
 def test_a_held_file_is_read_as_the_slow_one(real_data):
     folder = real_data / "field_inputs" / "held-slow-sensor"
     slow, held = (read(folder / name)[0] for name in ("slow_3.csv", "held_3.csv"))
-    assert any("each reading of the sensor stands 100 times" in note for note in held.notes)
+    assert any("each reading of the sensor is repeated 100 times" in note for note in held.notes)
     shared = np.intersect1d(np.round(slow.time_s, 3), np.round(held.time_s, 3))
     assert shared.size >= slow.time_s.size - 2
     at = np.isin(np.round(held.time_s, 3), shared)

@@ -32,7 +32,7 @@ from ropefric.systems.press.transient.motion import Mode, Motion, power_rows
 _UNITS = 2**42
 """Places of the grid in a step: so near that a moment is one of them."""
 _LEVELS = 6
-"""After a change the first step is so many halvings of the longest, or shorter."""
+"""Number of halvings of the longest step that gives the first step after a change."""
 _TURNED = 2.0
 """‖hG‖ of the shortest part at most, whose Taylor series needs no more terms than there are."""
 _LONGER = 2.0
@@ -168,7 +168,7 @@ class GridSolver(HybridSolver):
         return list(motions), np.array(states), np.array(works)
 
     def _settled(self, mode: Mode, y: FloatArray, piece: int, place: int) -> tuple[Mode, FloatArray]:
-        """Return mode and state after all changes of one moment: what is asked for is what holds then."""
+        """Return mode and state after all changes of one moment."""
         mode, y = self.settle(mode, y, piece, place * self._unit_s)
         if place % self._each == 0:
             self._kept[-1] = (self.motion(mode), y, self.works)

@@ -1,4 +1,4 @@
-"""What moves a press from outside: ways to bring it to its speed, and all inputs as polynomials on common pieces."""
+"""Drives of a press: ways to bring it to its speed, and all inputs as polynomials on common pieces."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ def final_value(function: PPoly) -> float:
 
 
 def _constant(*, speed_m_s: float) -> PPoly:
-    """Return full speed from the first moment, while the rest of the machine still stands."""
+    """Return full speed from the first moment, while the rest of the machine is still at rest."""
     return piecewise([0.0], [[float(checked("speed_m_s", speed_m_s))]])
 
 

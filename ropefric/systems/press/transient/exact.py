@@ -119,7 +119,7 @@ _SPEED_M_S = 1e-11
 
 
 class Guard(NamedTuple):
-    """What ends a mode: a row that stays above zero as long as a contact or span keeps its state."""
+    """The end of a mode: a row that stays above zero as long as a contact or span keeps its state."""
 
     row: FloatArray
     tolerance: float
@@ -281,7 +281,7 @@ _CUBIC_ERROR = 3e-3
 
 
 def near_zero(falling: FloatArray, rising: FloatArray) -> FloatArray:
-    """Return how far a cubic through values and slopes may be from what it stands for, by its slopes over a step."""
+    """Return the error of a cubic through values and slopes, from its slopes over a step."""
     return np.asarray(_CUBIC_ERROR * np.maximum(-falling, rising))
 
 
@@ -468,7 +468,7 @@ class HybridSolver:
 
     @cached_property
     def _unmoved(self) -> FloatArray:
-        """Return what takes off the ways that strain nothing: of rims that have turned and belts that have slipped.
+        """Return the projection that removes motions without strain: of turned rims and slipped belts.
 
         Squares of these times stiffnesses, which cancel, would drown the works in their rounding.
         """
@@ -508,6 +508,6 @@ class HybridSolver:
                 f"contacts and spans changed their state {_MAX_SWITCHES} times before t = {now:.6g} s",
                 code="RF524",
                 key="start_up.simulate",
-                fix="give the belts some damping, or ask for a shorter time",
+                fix="give the belts some damping, or use a shorter time",
             )
         return switched(phase.motion, guard, phase.read @ z)

@@ -37,7 +37,7 @@ from ropefric.systems.press.transient.drives import (
 )
 
 MOVING = frozenset({"belt-inertia", "belt-damping", "tensioner-damping", "arc-inertia"})
-"""What a start-up may contain beside elastic belts and turning rollers; what is left out is never computed."""
+"""Optional parts of a start-up beside elastic belts and turning rollers; a part left out is never computed."""
 
 
 class ElasticPress:
@@ -73,7 +73,7 @@ class ElasticPress:
 
 
 def standstill_tension_N(press: Press) -> FloatArray:
-    """Return the tensions of a press that stands still and unloaded, shape (n_spans,) [N].
+    """Return the tensions of a press at rest and unloaded, shape (n_spans,) [N].
 
     Without torques each belt has one tension all around, and the tensioners' balance k1 x + F = P T says which.
     """
@@ -98,7 +98,7 @@ def standstill_tension_N(press: Press) -> FloatArray:
 
 
 class FrictionLimit(NamedTuple):
-    """What gross slip on each roller is governed by: e^M, and κ, see above; each (n_rollers,).
+    """Parameters of gross slip on each roller: e^M, and κ, see above; each (n_rollers,).
 
     Where friction follows the tensions there are two rows, of slip forward and backward, e^M T' is a tangent,
     growth · T' + offset, and it holds while the slack side is within a factor e^±width of `slack_N`.
@@ -144,7 +144,7 @@ def friction_limit(
         weakest = int(np.argmin(grip))
         raise InputError(
             f"roller {contacts.roller[weakest]} holds the belt by e^(μφ) − 1 = {grip[weakest]:.3g} of its tension:"
-            f" a start-up with slip cannot tell less than {_LEAST_GRIP:g} from no friction at all",
+            f" a start-up with slip cannot resolve less than {_LEAST_GRIP:g} from no friction at all",
             code="RF523",
             key="friction",
             fix="give a larger coefficient or wrap angle, or write slip = false",

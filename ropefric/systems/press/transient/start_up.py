@@ -252,7 +252,7 @@ def _solved(solver: HybridSolver, times_s: FloatArray) -> Solved:
 ON_TENSION = {"wrap-dependence", "end-tension", "offset"}
 """Effects of a law whose coefficient depends on the slack side."""
 GRID_ERROR = 5e-3
-"""What changes of contacts that are caught on a grid may be worth."""
+"""Largest effect of contact changes that are caught on a grid."""
 
 
 def _rk4_steps(times_s: FloatArray, step_s: float | None) -> int:
@@ -274,7 +274,7 @@ def _even(times_s: FloatArray) -> bool:
 
 
 def largest_difference(found: StartUp, other: StartUp) -> float:
-    """Return the largest difference of anything that a summary tells; infinite where other rollers slip or stand.
+    """Return the largest difference between two summaries; infinite where other rollers slip or stop.
 
     Tensions are compared by the greatest of their span or where it settles, use of friction by 1 where it is less,
     times by the time simulated, works by the greatest of all.

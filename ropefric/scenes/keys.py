@@ -1,0 +1,96 @@
+"""Every key that a scene can hold, from the declarations of its schema: unit, example, default, range and meaning."""
+
+import inspect
+import json
+import re
+import tomllib
+import typing
+from collections.abc import Iterable, Iterator
+
+from pydantic import BaseModel, PlainValidator
+
+from ropefric.files.toml_model import StrictTable
+from ropefric.scenes.kind import Key
+from ropefric.scenes.kinds import KINDS
+from ropefric.scenes.scene_templates import scene_text
+
+
+class SceneKey(typing.NamedTuple):
+    """One key; in the table `[wheel]` its name is `wheel.radius`, and a `…` is a name that the user chooses."""
+
+    name: str
+    unit: str
+    example: str
+    default: str
+    allowed: str
+    meaning: str
+
+
+def keys_of(names: Iterable[str]) -> dict[str, tuple[SceneKey, ...]]:
+    """Return all keys of the systems of some bundled scenes, by system.
+
+    >>> for key in keys_of(["climbing-hoist"])["hoist"][3:5]:
+    ...     print(key.name, key.example, key.default)
+    wheel.radius "40 mm" needed
+    wheel.wrap "540 deg" needed
+    """
+    systems = dict.fromkeys(tomllib.loads(scene_text(name))["system"] for name in names)
+    return {system: tuple(scene_keys(KINDS[system].schema)) for system in systems}
+
+
+def scene_keys(schema: type[BaseModel], prefix: str = "") -> Iterator[SceneKey]:
+    """Yield each key of a schema, those of its tables included."""
+    meanings: dict[str, str] = {}
+    for one in reversed(schema.__mro__):
+        meanings |= re.findall(r"^(\w+) : (.+)$", inspect.getdoc(one) or "", re.MULTILINE)
+    for name, info in schema.model_fields.items():
+        tables = [one for one in _types(info.annotation) if issubclass(one, StrictTable)]
+        holder = typing.get_origin(info.annotation)
+        for table in tables:
+            yield from scene_keys(table, prefix + name + {dict: ".….", list: "[]."}.get(holder, "."))
+        if tables:
+            continue
+        declared = [*info.metadata, *_declared(info.annotation)]
+        key = next((one for one in declared if isinstance(one, Key)), Key(""))
+        default = "needed" if info.is_required() else ""
+        if isinstance(info.default, str | float | int | bool):
+            default = f"{info.default:g} {key.si_unit}" if key.like else json.dumps(info.default)
+        example = f'"{key.like}"' if key.like else ""
+        if key.like and key in _declared(info.annotation):
+            example = f"[{example}, …]"
+        unit = key.si_unit or ("-" if {float, int} & {*_types(info.annotation)} else "")
+        # The range of a number is not for its reader to know where the mechanics checks it.
+        meaning, mark, rest = meanings.get(name, "").partition(" (zero or more)")
+        allowed = "zero or more" if mark else _range(info.annotation, key, declared)
+        yield SceneKey(prefix + name, unit, example, default, allowed, meaning + rest)
+
+
+def _declared(annotation: typing.Any) -> list[typing.Any]:
+    """Return the declarations of a type, and of the types in it, such as the numbers of an optional list."""
+    inner = [one for part in typing.get_args(annotation) for one in _declared(part)]
+    return [*getattr(annotation, "__metadata__", ()), *inner]
+
+
+def _range(annotation: typing.Any, key: Key, declared: Iterable[typing.Any]) -> str:
+    """Return the range of a key, as its reader has it."""
+    if key.like:
+        return "any" if key.above is None else f"more than {key.above:g}"
+    for read in (one.func for one in declared if isinstance(one, PlainValidator)):
+        names = inspect.getclosurevars(read).nonlocals.get("names")
+        if names is not None:
+            return ", ".join(names())
+        if read.__doc__ and not read.__doc__.startswith("Return"):
+            return str(read.__doc__)
+    if typing.get_origin(annotation) is dict:
+        return "a table"
+    return {bool: "true or false", float: "any", str: "text"}[next(_types(annotation))]
+
+
+def _types(annotation: typing.Any) -> Iterator[type]:
+    """Yield the classes in an annotation, such as the table in `dict[str, Table]`."""
+    inner = typing.get_args(annotation)
+    for one in inner or (annotation,):
+        if inner:
+            yield from _types(one)
+        elif isinstance(one, type):
+            yield one

@@ -26,6 +26,10 @@ class SceneKey(typing.NamedTuple):
     meaning: str
 
 
+_INSIDE: dict[typing.Any, str] = {dict: ".….", list: "[]."}
+"""What stands between the name of tables by name, or of a list of them, and their keys."""
+
+
 def keys_of(names: Iterable[str]) -> dict[str, tuple[SceneKey, ...]]:
     """Return all keys of the systems of some bundled scenes, by system.
 
@@ -45,9 +49,9 @@ def scene_keys(schema: type[BaseModel], prefix: str = "") -> Iterator[SceneKey]:
         meanings |= re.findall(r"^(\w+) : (.+)$", inspect.getdoc(one) or "", re.MULTILINE)
     for name, info in schema.model_fields.items():
         tables = [one for one in _types(info.annotation) if issubclass(one, StrictTable)]
-        holder = typing.get_origin(info.annotation)
+        inside = _INSIDE.get(typing.get_origin(info.annotation), ".")
         for table in tables:
-            yield from scene_keys(table, prefix + name + {dict: ".….", list: "[]."}.get(holder, "."))
+            yield from scene_keys(table, prefix + name + inside)
         if tables:
             continue
         declared = [*info.metadata, *_declared(info.annotation)]

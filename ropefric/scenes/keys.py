@@ -47,7 +47,8 @@ def scene_keys(schema: type[BaseModel], prefix: str = "") -> Iterator[SceneKey]:
         tables = [one for one in _types(info.annotation) if issubclass(one, StrictTable)]
         holder = typing.get_origin(info.annotation)
         for table in tables:
-            yield from scene_keys(table, prefix + name + {dict: ".….", list: "[]."}.get(holder, "."))
+            between = ".…." if holder is dict else "[]." if holder is list else "."
+            yield from scene_keys(table, prefix + name + between)
         if tables:
             continue
         declared = [*info.metadata, *_declared(info.annotation)]

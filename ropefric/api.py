@@ -338,7 +338,7 @@ def extract(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     _ = simulate_campaign(folder, small, seed=1)
     ...     found = extract(Path(folder, "campaign.toml"))
-    >>> [(trial.trial, str(trial.status)) for trial in found.trials]
+    >>> [(trial.trial, str(trial.breakaway.status)) for trial in found.trials]
     [('c01-r01', 'ok'), ('c01-r02', 'ok')]
     """
     WHOLE_NUMBER.check(jobs=jobs)

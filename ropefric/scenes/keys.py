@@ -2,12 +2,12 @@
 
 import inspect
 import json
-import re
 import tomllib
 import typing
 from collections.abc import Iterable, Iterator
 
 from pydantic import BaseModel, PlainValidator
+from pydantic.fields import FieldInfo
 
 from ropefric.files.toml_model import StrictTable
 from ropefric.scenes.kind import Key
@@ -26,17 +26,12 @@ class SceneKey(typing.NamedTuple):
     meaning: str
 
 
-_INSIDE: dict[typing.Any, str] = {dict: ".….", list: "[]."}
-"""What stands between the name of tables by name, or of a list of them, and their keys."""
-
-
 def keys_of(names: Iterable[str]) -> dict[str, tuple[SceneKey, ...]]:
     """Return all keys of the systems of some bundled scenes, by system.
 
-    >>> for key in keys_of(["climbing-hoist"])["hoist"][3:5]:
-    ...     print(key.name, key.example, key.default)
-    wheel.radius "40 mm" needed
-    wheel.wrap "540 deg" needed
+    >>> keys = {key.name: key for key in keys_of(["climbing-hoist"])["hoist"]}
+    >>> keys["wheel.radius"].example, keys["wheel.radius"].default
+    ('"40 mm"', 'needed')
     """
     systems = dict.fromkeys(tomllib.loads(scene_text(name))["system"] for name in names)
     return {system: tuple(scene_keys(KINDS[system].schema)) for system in systems}
@@ -44,29 +39,42 @@ def keys_of(names: Iterable[str]) -> dict[str, tuple[SceneKey, ...]]:
 
 def scene_keys(schema: type[BaseModel], prefix: str = "") -> Iterator[SceneKey]:
     """Yield each key of a schema, those of its tables included."""
-    meanings: dict[str, str] = {}
-    for one in reversed(schema.__mro__):
-        meanings |= re.findall(r"^(\w+) : (.+)$", inspect.getdoc(one) or "", re.MULTILINE)
+    meanings = _meanings(schema)
     for name, info in schema.model_fields.items():
         tables = [one for one in _types(info.annotation) if issubclass(one, StrictTable)]
-        inside = _INSIDE.get(typing.get_origin(info.annotation), ".")
+        holder = typing.get_origin(info.annotation)
         for table in tables:
-            yield from scene_keys(table, prefix + name + inside)
-        if tables:
-            continue
-        declared = [*info.metadata, *_declared(info.annotation)]
-        key = next((one for one in declared if isinstance(one, Key)), Key(""))
-        default = "needed" if info.is_required() else ""
-        if isinstance(info.default, str | float | int | bool):
-            default = f"{info.default:g} {key.si_unit}" if key.like else json.dumps(info.default)
-        example = f'"{key.like}"' if key.like else ""
-        if key.like and key in _declared(info.annotation):
-            example = f"[{example}, …]"
-        unit = key.si_unit or ("-" if {float, int} & {*_types(info.annotation)} else "")
-        # The range of a number is not for its reader to know where the mechanics checks it.
-        meaning, mark, rest = meanings.get(name, "").partition(" (zero or more)")
-        allowed = "zero or more" if mark else _range(info.annotation, key, declared)
-        yield SceneKey(prefix + name, unit, example, default, allowed, meaning + rest)
+            between = ".…." if holder is dict else "[]." if holder is list else "."
+            yield from scene_keys(table, prefix + name + between)
+        if not tables:
+            yield _scene_key(prefix + name, info, meanings.get(name, ""))
+
+
+def _meanings(schema: type[BaseModel]) -> dict[str, str]:
+    """Return what the docstrings of a schema and its bases say of their keys, a line `name : meaning` each."""
+    lines = [
+        line.partition(" : ")
+        for one in reversed(schema.__mro__)
+        for line in (inspect.getdoc(one) or "").splitlines()
+    ]
+    return {name: meaning for name, mark, meaning in lines if mark and name.isidentifier()}
+
+
+def _scene_key(name: str, info: FieldInfo, text: str) -> SceneKey:
+    """Return the key of a field that is no table."""
+    declared = [*info.metadata, *_declared(info.annotation)]
+    key = next((one for one in declared if isinstance(one, Key)), Key(""))
+    default = "needed" if info.is_required() else ""
+    if isinstance(info.default, str | float | int | bool):
+        default = f"{info.default:g} {key.si_unit}" if key.like else json.dumps(info.default)
+    example = f'"{key.like}"' if key.like else ""
+    if key.like and key in _declared(info.annotation):
+        example = f"[{example}, …]"
+    unit = key.si_unit or ("-" if {float, int} & {*_types(info.annotation)} else "")
+    # The range of a number is not for its reader to know where the mechanics checks it.
+    meaning, mark, rest = text.partition(" (zero or more)")
+    allowed = "zero or more" if mark else _range(info.annotation, key, declared)
+    return SceneKey(name, unit, example, default, allowed, meaning + rest)
 
 
 def _declared(annotation: typing.Any) -> list[typing.Any]:

@@ -56,7 +56,7 @@ SIGNATURES = {
     "rope_radius_m=None, largest_force_N=inf, n_conditions=12, repeats=12, criterion='v', level=0.95, starts=10, "
     "seed=0)",
     "predict": f"(fit, wheels=None, *, {WHEEL}, level=0.95, method='auto', linear_density_kg_m=None, speed_m_s=None, "
-    "columns=None)",
+    "rope=None, columns=None)",
     "read_trace": "(path, profile=None, *, sample='', calibration=None)",
     "read_trial": "(campaign, trial)",
     "reject": "(values, rule='two-sigma')",

@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
-from math import inf, isfinite, nan, sqrt
+from math import inf, isfinite, log, nan, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.disk import hash_file, kind_of_file
 from ropefric.files.plain_text import GIVEN_DIGITS, STD_DIGITS, significant, to_share
+from ropefric.fitting import scatter
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import FitProblem, FitSettings
 from ropefric.fitting.result import (
@@ -28,7 +29,6 @@ from ropefric.fitting.result import (
     FitStatus,
     FittedParameter,
 )
-from ropefric.fitting.scatter import CONDITION, REPEAT, Layout, ScatterModel, estimated, nothing_known
 from ropefric.friction.condition import SETTINGS, distinct
 from ropefric.glossary import counted
 from ropefric.trials.table import TrialTable
@@ -77,23 +77,13 @@ class Found(NamedTuple):
     """What a search found: the problem of the trials, how they are put together, and the parameters."""
 
     problem: FitProblem
-    layout: Layout
+    layout: scatter.Layout
     theta: FloatArray
     at_bound: BoolArray
     converged: bool
     notes: tuple[str, ...]
     common: tuple[CommonError, ...]
     effects: FloatArray
-
-
-class _Errors(NamedTuple):
-    """What the scatter leaves open of the free parameters: weighed means, covariance (q, q), its model, and why."""
-
-    weighted: FitProblem
-    covariance: FloatArray
-    moved: FloatArray
-    model: ScatterModel
-    note: str
 
 
 def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResult:
@@ -115,7 +105,7 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
         # The data tell all parameters apart, those that lie on their bounds too.
         if values.max(initial=0.0) <= _HOPELESS_RATIO * values.min(initial=inf):
             free = found.problem.vary
-    errors = _errors(found, free)
+    errors, note = _errors(found, free)
     residuals, slopes = errors.weighted.residuals_and_jacobian(theta)
     svd = stats.decomposed(slopes[:, free])
     covariance = stats.rounded_covariance(errors.covariance, lost=int(svd.lost.sum()))
@@ -148,7 +138,7 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
         scatter=errors.model,
         status=findings[0][0] if findings else FitStatus.OK,
         advice=tuple(text for _, text in findings),
-        notes=(errors.note, *found.notes),
+        notes=(note, *found.notes),
         common_errors=tuple(
             item._replace(
                 change=tuple(significant(x, GIVEN_DIGITS, size=s) for x, s in zip(row, sizes, strict=True)),
@@ -166,10 +156,10 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     )
 
 
-def _errors(found: Found, free: BoolArray) -> _Errors:
+def _errors(found: Found, free: BoolArray) -> tuple[scatter.Estimate, str]:
     """Return what the scatter leaves open of the parameters; without an interval where nothing tells the scatter."""
     layout, q = found.layout, int(free.sum())
-    if (best := estimated(layout, found.theta, free, found.effects)) is not None:
+    if (best := scatter.estimated(layout, found.theta, free, found.effects)) is not None:
         note = _NOTES["clustered" if layout.spare else "scaled"]
         counts = zip(best.model.names, best.model.levels, strict=True)
         if named := ", ".join(f"{n} {name}s" for name, n in counts if name in best.model.groups):
@@ -177,15 +167,14 @@ def _errors(found: Found, free: BoolArray) -> _Errors:
         hidden = [name for name in layout.groups if name not in best.model.names]
         if hidden:
             note += f"; {' and '.join(hidden)} cannot be told from the law or from another group"
-        return _Errors(best.weighted, best.covariance, best.moved, best.model.rounded(), note)
+        return best._replace(model=best.model.rounded()), note
     # What repeats scatter by is all that is known, and nothing between conditions.
     rest = layout.problem.residuals(found.theta)
     size = np.nan_to_num(layout.within) or sqrt(float(rest @ rest) / rest.size)
     weighted = replace(layout.problem, std=max(size, stats.SMALLEST_SCATTER) / np.sqrt(layout.size))
-    slopes = weighted.jacobian(found.theta)[:, free]
-    note = _EXACT if rest.size > q else _NOTHING_LEFT
-    moved = np.zeros((q, found.effects.shape[1]))
-    return _Errors(weighted, stats.plain_covariance(slopes), moved, nothing_known(found.theta.size), note)
+    covariance = stats.plain_covariance(weighted.jacobian(found.theta)[:, free])
+    model, moved = scatter.nothing_known(found.theta.size), np.zeros((q, found.effects.shape[1]))
+    return scatter.Estimate(weighted, model, covariance, moved), _EXACT if rest.size > q else _NOTHING_LEFT
 
 
 def _trial_level(found: Found) -> FitProblem:
@@ -197,14 +186,29 @@ def _trial_level(found: Found) -> FitProblem:
 
 
 def _statistics(
-    found: Found, problem: FitProblem, model: ScatterModel, dof: float, trends: Sequence[stats.Trend]
+    found: Found, problem: FitProblem, model: scatter.ScatterModel, dof: float, trends: Sequence[stats.Trend]
 ) -> stats.FitStatistics:
-    layout, theta = found.layout, found.theta
-    within, between = layout.within, model.std(CONDITION)
-    if not layout.spare and not layout.nested and REPEAT in model.names:
-        within = model.std(REPEAT)
-    lack = min((trend.p_value for trend in trends), default=nan)
-    return stats.fit_statistics(problem, problem.residuals(theta), within, between, dof, lack)
+    layout, n, q = found.layout, problem.n_points, problem.n_varying
+    within = layout.within
+    if not layout.spare and not layout.nested and scatter.REPEAT in model.names:
+        within = model.std(scatter.REPEAT)
+    residuals = problem.residuals(found.theta)
+    chi2 = float(residuals @ residuals)
+    # −2 ln L of equal, unknown scatters, without the n (1 + ln 2π) that all laws share.
+    deviance = (n * log(chi2 / n) if chi2 > 0.0 else -inf) + 2.0 * float(np.log(problem.std).sum())
+    return stats.FitStatistics(
+        n=n,
+        n_conditions=problem.n_conditions,
+        dof=n - q,
+        chi2=significant(chi2),
+        chi2_reduced=significant(chi2 / (n - q)) if n > q else nan,
+        aicc=significant(stats.aicc(deviance, n, q + 1)),
+        bic=significant(stats.bic(deviance, n, q + 1)),
+        scatter_within=significant(within),
+        scatter_between=significant(model.std(scatter.CONDITION)),
+        interval_dof=dof,
+        lack_of_fit_p=significant(min((trend.p_value for trend in trends), default=nan)),
+    )
 
 
 def _of_rest(found: Found, trends: Iterable[stats.Trend]) -> Iterator[Finding]:
@@ -281,7 +285,7 @@ def _provenance(table: TrialTable, settings: FitSettings) -> dict[str, Any]:
 
 
 def _of_search(found: Found) -> Iterator[Finding]:
-    problem, scatter = found.problem, found.layout.within
+    problem, within = found.problem, found.layout.within
     law, n, q = problem.law, problem.n_conditions, problem.n_varying
     if not found.converged:
         yield FitStatus.NOT_CONVERGED, FitStatus.NOT_CONVERGED.advice
@@ -296,9 +300,9 @@ def _of_search(found: Found) -> Iterator[Finding]:
             "measure conditions that show it."
         )
         yield FitStatus.AT_BOUND, text
-    if scatter > _EXTREME_SCATTER:
+    if within > _EXTREME_SCATTER:
         kind = FitStatus.EXTREME_SCATTER
-        yield kind, f"Repeats scatter by {scatter:.0%} of the force. {kind.advice}"
+        yield kind, f"Repeats scatter by {within:.0%} of the force. {kind.advice}"
 
 
 def _of_design(found: Found, seen: stats.Identifiability, std: FloatArray) -> Iterator[Finding]:

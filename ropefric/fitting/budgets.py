@@ -367,8 +367,7 @@ def lift_model(
             text = f"the fit of {fit.law} knows no scatter, so nothing can be said of one pull"
             raise InputError(text, key="one_pull", fix="repeat conditions, or ask for the mean law")
         # What one pull brings beside the law: a new rope by its rise, a condition, a repeat.
-        single = float(fit.scatter.uneven.factor(np.array(math.log(F_A))))
-        own = np.array([[rise**2 if name in fit.scatter.groups else single for name in fit.scatter.names]])
+        own = fit.scatter.one_pull(np.array([math.log(F_A)]), np.array([rise]))
         dof = float(fit.scatter.dof(np.zeros((1, theta.size)), own * (fit.scatter.variance > 0.0))[0])
         quantities.append(Quantity("scatter of one new rope", "δ_rope", "-", new, dof=dof, type="A"))
     first = len(quantities)

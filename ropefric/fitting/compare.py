@@ -157,15 +157,8 @@ def compare_laws(
     for number, (name, law) in enumerate(chosen.items(), start=1):
         if progress is not None:
             progress(name, number, len(chosen))
-        try:
-            fits[name] = fit_law(table, law, shared=shared)
-            notes[name] = _why_not(fits[name])
-        except RopefricError as error:
-            if name == "constant":
-                raise
-            # The law itself knows best why it has no answer on these conditions.
-            reasons = law.validity([parameter.start for parameter in law.parameters], table.conditions())
-            notes[name] = reasons[0] if reasons else str(error)
+        fit, notes[name] = _fitted(table, law, shared)
+        fits |= {} if fit is None else {name: fit}
     data, slack = fits["constant"].data, table.measures_slack
     means = condition_means(data)
     wild = wild_trial(data, slack=slack)
@@ -189,6 +182,21 @@ def compare_laws(
         notes=_notes(ranking, tests, means, slack=slack),
         wild=() if wild is None else (np.array(table.trial)[table.used][wild].item(),),
     )
+
+
+def _fitted(
+    table: TrialTable, law: FrictionLaw, shared: Mapping[str, str] | None
+) -> tuple[FitResult | None, str]:
+    """Return the fit of a law, and why it is not ranked; None where the law has no answer."""
+    try:
+        fit = fit_law(table, law, shared=shared)
+    except RopefricError as error:
+        if law.name == "constant":
+            raise
+        # The law itself knows best why it has no answer on these conditions.
+        reasons = law.validity([parameter.start for parameter in law.parameters], table.conditions())
+        return None, reasons[0] if reasons else str(error)
+    return fit, _why_not(fit)
 
 
 def _ranking(
@@ -229,7 +237,7 @@ def _why_not(fit: FitResult) -> str:
         return fit.status.advice
     if fit.identifiability.unseen:
         named = ", ".join(fit.identifiability.unseen)
-        return f"the data do not show {named}, so the law is a simpler one here and is not counted twice"
+        return f"the data cannot determine {named}: the law reduces to a simpler one here"
     return ""
 
 
@@ -240,8 +248,7 @@ def _no_judge(fit: FitResult, stands: Standing, means: ConditionMeans, *, slack:
         return f"{few} cannot judge {stands.k} estimated quantities; {stands.k + 2} are needed"
     missed = stands.problem.law.log_lift(fit.theta, stands.problem.conditions) - means.log_lift
     if slack and scatter_fit(missed, means).deviance > stands.scatter.deviance + _STRAYED:
-        text = "its fit answers the lift that was set whatever the end tension"
-        return f"{text}, and so says nothing of what was measured"
+        return "its fit gives the lift that was set whatever the end tension, which was measured"
     return ""
 
 
@@ -256,7 +263,7 @@ def _twin(name: str, standings: Mapping[str, Standing], notes: Mapping[str, str]
         laws = ((ALL_LAWS[other], theirs), (ALL_LAWS[name], mine))
         lifts = [law.log_lift(stands.theta, stands.problem.conditions) for law, stands in laws]
         if float(np.abs(lifts[0] - lifts[1]).max()) <= _SAME:
-            return f"gives the same forces as {other} on these data, and is counted once"
+            return f"gives the same forces as {other} on these data"
     return ""
 
 
@@ -265,30 +272,26 @@ def _notes(
 ) -> tuple[str, ...]:
     """Return what to know before reading a ranking; first what an observation is."""
     in_all = counted(len(means), "condition")
-    notes = [f"AICc counts {in_all}, not repeats"]
-    if not means.repeated:
-        notes.append("no condition was repeated, so every trial is a condition of its own")
-    if slack:
-        notes.append("the load was set and the end tension measured, so the residuals are those of ln F_B")
     ranked = {entry.law: entry for entry in ranking if entry.counted}
-    if not ranked or math.isnan(ranking[0].weight):
-        text = "so weights would say nothing and no law is chosen: measure more conditions"
-        notes.append(f"{_ranked_on(ranked, in_all)}, {text}")
-        against = [test for test in tests if test.simpler in ranked and test.fuller not in ranked]
-        worst = min(against, key=lambda test: test.p_value, default=None)
-        if worst is not None and worst.p_value < CHANCE:
-            more = f"{worst.fuller}, which is not ranked, follows the trials better (p = {worst.p_value:.2g})"
-            notes.append(f"an F-test speaks against {worst.simpler}: {more}")
+    unweighed = not ranked or math.isnan(ranking[0].weight)
+    rejected = [
+        f"an F-test rejects {test.simpler}: {test.fuller}, which is not ranked, fits better (p = {test.p_value:.2g})"
+        for test in sorted(tests, key=lambda test: test.p_value)
+        if test.simpler in ranked and test.fuller not in ranked and test.p_value < CHANCE
+    ]
     rivals = [law for law, entry in ranked.items() if entry.delta_aicc <= RIVAL]
-    if len(rivals) > 1:
-        notes.append(f"within 2 of the best AICc, so not told apart: {', '.join(rivals)}")
     wraps = [law for law in rivals if "wrap-dependence" in ALL_LAWS[law].effects]
-    if wraps and "constant-offset" in rivals:
-        notes.append(
-            f"a constant μ with an offset looks like a wrap effect, and these data do not tell constant-offset from "
-            f"{', '.join(wraps)}: measure the offset at a wrap near zero"
-        )
-    return tuple(notes)
+    said = {
+        f"AICc counts {in_all}, not repeats": True,
+        "no condition was repeated, so every trial is a condition of its own": not means.repeated,
+        "the load was set and the end tension measured, so the residuals are those of ln F_B": slack,
+        f"{_ranked_on(ranked, in_all)}, so no law is weighed or chosen: measure more conditions": unweighed,
+        "".join(rejected[:1]): unweighed and rejected,
+        f"AICc within 2 of the best, so not distinguishable: {', '.join(rivals)}": len(rivals) > 1,
+        "a constant μ with an offset looks like a wrap effect, and these data cannot distinguish constant-offset from "
+        f"{', '.join(wraps)}: measure the offset at a wrap near zero": wraps and "constant-offset" in rivals,
+    }
+    return tuple(text for text, applies in said.items() if applies)
 
 
 # Their forces follow the data as well as those of others, whatever is known of their parameters.
@@ -348,8 +351,8 @@ class Choice:
     def how(self) -> str:
         """Return how the law came to be used, and the verdict."""
         chosen = self.entry.counted and not math.isnan(self.entry.weight)
-        place = "the best by AICc" if self.entry.delta_aicc <= 0.0 else "the best that may be used"
-        place = place if chosen else "shown, since none could be chosen"
+        place = "lowest AICc" if self.entry.delta_aicc <= 0.0 else "simplest law that no test rejects"
+        place = place if chosen else "no law could be chosen"
         return f"{'as asked for' if self.forced else place}; {self.verdict.word}"
 
     def to_dict(self) -> dict[str, Any]:
@@ -497,13 +500,13 @@ def _of_place(facts: _Facts) -> Iterator[Doubt]:
     if not (facts.comparison.conclusive and chosen.counted) or chosen is first or not lead > 0.0:
         return
     rivalry = rivalry_of(facts.comparison, chosen, first)
-    text = f"{first.law} stands {lead:.1f} in AICc before"
+    text = f"{first.law} fits better (AICc lower by {lead:.1f})"
     if facts.forced:
-        text = f"{chosen.law} was asked for; {text} it"
+        text = f"{chosen.law} was asked for; {text}"
     elif first.fit is not None and not first.fit.doubts_on(facts.wheel) and rivalry is not None:
         return  # no fact but AICc speaks for it, and that not by much
     else:
-        text = f"{text} {chosen.law}, but is not to be used as it stands: {first.status}"
+        text = f"{text} than {chosen.law}, but its own fit is doubtful ({first.status})"
     yield ("undecided" if lead > RIVAL else "supported"), text
 
 
@@ -518,7 +521,7 @@ def _of_open_rivalries(facts: _Facts) -> Iterator[Doubt]:
 
 def _of_wild_trials(facts: _Facts) -> Iterator[Doubt]:
     for name in facts.comparison.wild:
-        text = "lies far off what all the others agree on: look at it, and set it aside if it is bad"
+        text = "lies far off all the others: look at its recording, and set it aside if it is bad"
         yield "undecided", f"trial {name} {text}"
 
 
@@ -551,7 +554,7 @@ def _why_supported(facts: _Facts) -> str:
     place = "has the lowest AICc" if chosen.delta_aicc <= 0.0 else "needs fewest parameters"
     alike = f"; {names} answer{'s' * (len(facts.rivals) == 1)} alike" if facts.rivals else ""
     if facts.rivals and any(one.simpler == "constant" for one in facts.won):
-        alike += ": an effect is there, its form is not known"
+        alike += ": there is an effect, but its form cannot be determined"
     alike += "".join(f"; {text}" for _, text in facts.fit.untested())
     return f"{chosen.law} {place}{weight}, and its fit follows the data within their scatter{alike}"
 

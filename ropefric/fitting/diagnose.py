@@ -214,7 +214,7 @@ class _Trends:
         if X.shape[1] + 2 >= K or any(not _adds(np.delete(X, i, 1), X[:, i]) for i in range(1, X.shape[1])):
             return math.inf
         _, scatter = straight_fit(X, self.rise, self.means)
-        return stats.aicc(float(scatter.deviance), K, X.shape[1] + 1)
+        return stats.aicc(scatter.deviance, K, X.shape[1] + 1)
 
     def least(self, having: str = "", without: Sequence[str] = ()) -> float:
         """Return the lowest AICc of trends that have one, and have not others."""
@@ -379,7 +379,7 @@ def _with_pairs(cause: Cause, pairs: Sequence[tuple[Cause, Cause]]) -> Cause:
     own = [pair for pair in pairs if cause.cause in {one.cause for one in pair}]
     others = [one for pair in own for one in pair if one.cause != cause.cause]
     text = "".join(
-        f"; {cause.cause} or {x.cause}, one of them is there: {x.experiment}, would tell" for x in others
+        f"; one of {cause.cause} and {x.cause} is present: {x.experiment}, would decide" for x in others
     )
     return cause._replace(evidence=cause.evidence + text)
 
@@ -422,11 +422,14 @@ def _limits(title: str, line: _Line, trends: _Trends) -> tuple[dict[str, float],
     beside = f" beside {fit.law}" if fit is not None and fit.law != "constant" else ""
     if title == "offset":
         span = f"{_percent(low)} to {_percent(high)}"
-        return numbers, f"an offset may still change F_A by {span}{beside} (at 95 % each)"
+        return (
+            numbers,
+            f"an offset that changes F_A by {span}{beside} would not have been detected (95 % each)",
+        )
     ends = " to ".join(f"{significant(float(end) * factor, 4):g}" for end in levels)
-    room = [f"{way} by up to {_percent(size)}" for way, size in (("fall", -low), ("rise", high)) if size > 0]
     span = " ".join(filter(None, (name, ends, unit)))
-    return numbers, f"μ may still {' or '.join(room)} from {span}{beside} (at 95 % each)"
+    text = f"a change of μ by {_percent(low)} to {_percent(high)} from {span}{beside} would not have been detected"
+    return numbers, f"{text} (95 % each)"
 
 
 def _percent(share: float) -> str:
@@ -473,10 +476,14 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
     low, high = sorted(end / typical_mu(problem.conditions, problem.log_lift) for end in ends)
     open_ = p_value < _DOUBTED or not low <= 0.0 <= high
     supported: Supported = "yes" if p_value < _SIGNIFICANT else "cannot-tell" if open_ else "no"
-    may = "changes" if supported == "yes" else "may still change"
     what = "from its lowest value to its highest" if numeric else f"between {len(found)} groups"
     span = f"{_percent(low)} to {_percent(high)} {what}"
-    text = f"{where} conditions μ {may} by {span} (at 95 % each; p = {p_value:.2g})"
+    seen = (
+        f"μ changes by {span}"
+        if supported == "yes"
+        else f"a change of μ by {span} would not have been detected"
+    )
+    text = f"{where} conditions {seen} (95 % each; p = {p_value:.2g})"
     numbers = {"p_value": p_value, "bound_low": low, "bound_high": high}
     return Cause(title, supported, text, experiment, numbers)
 
@@ -518,8 +525,8 @@ def _explained(base: FloatArray, extra: FloatArray, rise: FloatArray, n: int) ->
 def _wild(names: Sequence[str]) -> Cause:
     title, experiment = "wild trials", "look at their recordings; set them aside with kept = false, and why"
     if not names:
-        return Cause(title, "no", "no single trial lies far off what all the others agree on", experiment)
-    text = f"trial {', '.join(names)} lies far off what all the others agree on, and was left out of this diagnosis"
+        return Cause(title, "no", "no single trial lies far off all the others", experiment)
+    text = f"trial {', '.join(names)} lies far off all the others, and was left out of this diagnosis"
     return Cause(title, "yes", text, experiment, {"trials": float(len(names))})
 
 
@@ -553,8 +560,9 @@ def _scatter(ranked: Comparison, means: stats.ConditionMeans) -> Cause:
     F = float((excess**2).sum()) / left
     p_value = float(fdtrc(left, repeats, F))
     text = (
-        f"condition means lie {math.sqrt(F):.2g} times as far off {best.law} as their repeats allow "
-        f"(p = {p_value:.2g}), by new ropes, settings, or an effect it misses; repeats scatter by "
+        f"conditions scatter about {best.law} {'more than' if p_value < _SIGNIFICANT else 'no more than'} their repeats "
+        f"explain (ratio {math.sqrt(F):.2g}, p = {p_value:.2g})"
+        f"{', by new ropes, settings, or an effect it misses' * (p_value < _SIGNIFICANT)}; repeats scatter by "
         f"{100 * means.scatter_within:.2g} %"
     )
     numbers = {"ratio": math.sqrt(F), "p_value": p_value, "scatter_within": means.scatter_within}

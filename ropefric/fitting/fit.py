@@ -3,8 +3,7 @@
 The search goes from several starts, with weights that follow the parameters; `result` makes of it what a fit hands on.
 """
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -15,14 +14,8 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import GIVEN_DIGITS, significant, to_share
 from ropefric.fitting.assembled import Found, assemble
-from ropefric.fitting.problem import (
-    FitProblem,
-    FitSettings,
-    batched_fit,
-    check_settings,
-    law_named,
-    reduced,
-)
+from ropefric.fitting.predict import REGRESSORS
+from ropefric.fitting.problem import FitProblem, FitSettings, batched_fit, check_settings, law_named, reduced
 from ropefric.fitting.result import CommonError, FitResult
 from ropefric.fitting.scatter import estimated, laid_out
 from ropefric.fitting.statistics import RANK_RATIO, decomposed
@@ -115,43 +108,20 @@ def _problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> F
 
 
 class Stated(NamedTuple):
-    """An uncertainty that can be stated: its column, the unit, what shares it in words, and its own level if unnamed."""
+    """An uncertainty that can be stated: its column and unit, what it is in words, and the setting that it is of."""
 
     column: str
     unit: str
     words: str
-    level: Callable[[Conditions], FloatArray]
-    factor: float = 1.0
-    of_level: str = "{:.4g}"
-    named: str = ""
+    setting: str = ""
 
 
 STATED = {
-    "cell": Stated(
-        "cell_std_N",
-        "-",
-        "calibration of the force cell",
-        lambda at: np.zeros(len(at)),
-        of_level="",
-        named="calibration of cell {}",
-    ),
-    "end_tension": Stated(
-        "end_tension_std_N", "-", "end tension", lambda at: at.end_tension_N, of_level="of {:.4g} N"
-    ),
-    "wheel_radius": Stated(
-        "wheel_radius_std_m", "m", "radius of the wheel", lambda at: at.wheel_radius_m, 1e3, "of {:.4g} mm"
-    ),
-    "wrap": Stated(
-        "wrap_std_rad",
-        "rad",
-        "setting of the wrap",
-        lambda at: at.wrap_angle_rad,
-        math.degrees(1.0),
-        "of {:.4g} deg",
-    ),
-    "rope_radius": Stated(
-        "rope_radius_std_m", "m", "radius of the rope", lambda at: at.rope_radius_m, 1e3, "of {:.4g} mm"
-    ),
+    "cell": Stated("cell_std_N", "-", "calibration of the force cell"),
+    "end_tension": Stated("end_tension_std_N", "-", "end tension", "end_tension_N"),
+    "wheel_radius": Stated("wheel_radius_std_m", "m", "radius of the wheel", "wheel_radius_m"),
+    "wrap": Stated("wrap_std_rad", "rad", "setting of the wrap", "wrap_angle_rad"),
+    "rope_radius": Stated("rope_radius_std_m", "m", "radius of the rope", "rope_radius_m"),
 }
 """What a table may state the uncertainty of, see `FitSettings.shared`."""
 
@@ -177,13 +147,11 @@ def stated_errors(
         if kind == "cell":
             std = std / (at.end_tension_N if table.measures_slack else np.exp(problem.log_lift))
         words = [*table.labels.get(by, ())]
-        named = np.array(words)[used] if words else None
-        if named is None:
-            level = at_level(kind, by, at)
-            names = [error_name(kind, by, value) for value in level.tolist()]
+        if not words:
+            names = [error_name(kind, by, value) for value in at_level(kind, by, at).tolist()]
         else:
-            how = one.named or f"{one.words}, {by.removesuffix('_id')} {{}}"
-            names = [how.format(word) for word in named.tolist()]
+            how = "calibration of cell" if kind == "cell" else f"{one.words}, {by.removesuffix('_id')}"
+            names = [f"{how} {word}" for word in np.array(words)[used].tolist()]
         for name in dict.fromkeys(names):
             here = (np.array(names) == name) & (std > 0.0)
             if here.any():
@@ -196,22 +164,29 @@ def stated_errors(
     return tuple(found), np.stack(effects, axis=-1) if effects else np.zeros((len(at), 0))
 
 
+_SETTING_OF = {
+    "rig": "",
+    "cell": "",
+    "wheel": "wheel_radius_m",
+    "rope": "rope_radius_m",
+    "rope_id": "rope_radius_m",
+}
+
+
 def at_level(kind: str, by: str, at: Conditions) -> FloatArray:
     """Return what tells errors of a kind apart by the settings alone: one rig, or wheels, ropes, settings."""
-    if by in {"rig", "cell"}:
-        return np.zeros(len(at))
-    name = {"wheel": "wheel_radius_m", "rope": "rope_radius_m", "rope_id": "rope_radius_m"}.get(by)
-    return STATED[kind].level(at) if name is None else np.asarray(getattr(at, name))
+    setting = _SETTING_OF.get(by, STATED[kind].setting)
+    return np.asarray(getattr(at, setting)) if setting else np.zeros(len(at))
 
 
 def error_name(kind: str, by: str, value: float) -> str:
     """Return the name of an error of a kind, by what shares it."""
-    one = STATED[kind]
-    if by in {"rig", "cell"}:
-        return one.words
-    if by == "setting":
-        return f"{one.words} {one.of_level.format(one.factor * value)}".strip()
-    return f"{one.words}, {by.removesuffix('_id')} of {1e3 * value:.4g} mm"
+    words, setting = STATED[kind].words, _SETTING_OF.get(by, STATED[kind].setting)
+    if not setting:
+        return words
+    _, unit, factor = REGRESSORS[setting]
+    sharer = "" if by == "setting" else f", {by.removesuffix('_id')}"
+    return f"{words}{sharer} of {factor * value:.4g} {unit}"
 
 
 def error_slopes(
@@ -276,18 +251,15 @@ def _search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Fo
 
 def _check_names(table: TrialTable, settings: FitSettings) -> None:
     """Refuse groups and sharers that the table does not know."""
-    for name in settings.groups or ():
-        if str(name) not in table.labels:
-            fix = did_you_mean(str(name), table.labels)
-            raise UnknownNameError(f"the table has no column {name!r}", key="groups", fix=fix)
-    for kind, by in settings.shared.items():
-        if kind not in STATED:
-            raise UnknownNameError(
-                f"no error is called {kind!r}", key="shared", fix=did_you_mean(str(kind), STATED)
-            )
-        if str(by) not in {*SHARERS, *table.labels}:
-            fix = did_you_mean(str(by), [*SHARERS, *table.labels])
-            raise UnknownNameError(f"nothing called {by!r} shares an error", key="shared", fix=fix)
+    kinds, sharers, columns = [*STATED], [*SHARERS, *table.labels], [*table.labels]
+    asked = [(name, columns, "groups", "the table has no column {!r}") for name in settings.groups or ()]
+    asked += [(kind, kinds, "shared", "no error is called {!r}") for kind in settings.shared]
+    asked += [
+        (by, sharers, "shared", "nothing called {!r} shares an error") for by in settings.shared.values()
+    ]
+    for name, known, key, text in asked:
+        if str(name) not in known:
+            raise UnknownNameError(text.format(name), key=key, fix=did_you_mean(str(name), known))
 
 
 def _as_before(one: FitProblem, other: FitProblem) -> bool:

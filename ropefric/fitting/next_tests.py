@@ -581,8 +581,8 @@ def plan_tests(
         wider, _ = best_plan(Exchange(candidates, known, along, criterion=criterion), more, starts=1)
         ratio = _ratio(outlook(grid.select(places[wider]), fewer), outlook(plan))
         if ratio < _NARROWER:
-            text = f"{more} conditions of {fewer} instead of {n_conditions} of {repeats} would make the interval "
-            text += f"{ratio:.2f} times as wide: repeats do not average out what new conditions scatter by"
+            text = f"{more} conditions of {fewer} pulls instead of {n_conditions} of {repeats} would make the interval "
+            text += f"{100.0 * (1.0 - ratio):.0f} % narrower: repeats do not average out the scatter between conditions"
             spread.append(text)
     # The usual plans: about the middle of the settings, and about the first wanted condition.
     spots = (
@@ -632,10 +632,8 @@ def _of_shared(found: Evidence, along: FloatArray) -> list[str]:
     if not part[worst] > _MOSTLY:
         return []
     name = [*found.shares][int(np.argmax(shared[worst] ** 2))]
-    text = (
-        f"{part[worst]:.0%} of the variance to expect is of errors that all tests share, above all the {name}"
-    )
-    return [f"{text}: more pulls hardly help, to know that better does"]
+    text = f"{part[worst]:.0%} of the expected variance comes from errors that tests share, mainly the {name}"
+    return [f"{text}: more pulls hardly help, a smaller error of that does"]
 
 
 def _told(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:

@@ -18,13 +18,15 @@ from scipy.optimize import brentq
 from scipy.special import ndtri, stdtrit
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError
+from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.intervals import is_curved, profile_lift
 from ropefric.fitting.problem import law_named
 from ropefric.fitting.result import FitResult, FitStatus, Verdict
+from ropefric.fitting.scatter import measured_level
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw, LiftModel
+from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.uncertainty.budget import check_level
 
@@ -80,6 +82,21 @@ def outside_words(validity: Validity, conditions: Conditions, index: int = 0) ->
     return tuple(words)
 
 
+class RopePrediction(NamedTuple):
+    """Lift forces with a rope that was measured, for n conditions: the law and what is known of that rope.
+
+    The force and its standard deviation (n,) [N], where the mean of the rope and where one pull with it lies (n, 2)
+    [N], and the degrees of freedom of the former (n,).
+    """
+
+    rope: str
+    lift_force_N: FloatArray
+    std_N: FloatArray
+    interval_N: FloatArray
+    prediction_interval_N: FloatArray
+    dof: FloatArray
+
+
 class Candidate(NamedTuple):
     """What one of several laws that are not told apart answers: lift force, its standard deviation and interval."""
 
@@ -127,6 +144,8 @@ class Prediction(Shown):
         What the laws answer that the data do not tell apart, the law used first; empty where there is one only.
     of : {"peak", "kinetic"}
         Which force was fitted, so that `lift_force_N` is what sets the rope in motion or what keeps it sliding.
+    this_rope : RopePrediction, optional
+        The same for a rope that was measured, if one was asked for.
     """
 
     _said = ("law", "lift_force_N ± std_N", *_ENDS_N, "level", "extrapolated", "verdict=judged.word")
@@ -150,6 +169,7 @@ class Prediction(Shown):
     judged: Verdict
     candidates: tuple[Candidate, ...] = ()
     of: str = "peak"
+    this_rope: RopePrediction | None = None
 
     def __len__(self) -> int:
         return len(self.conditions)
@@ -199,6 +219,10 @@ class Prediction(Shown):
             "verdict": self.verdict(i).to_dict(),
             "candidates": [item._asdict() for item in self.candidates],
         }
+        if (of := self.this_rope) is not None:
+            found["this_rope"] = {"rope": of.rope} | dict(
+                zip(of._fields[1:], (x[i] for x in of[1:]), strict=True)
+            )
         return {"law": self.law, **self.conditions.row(i), **rounded_tree(found)}
 
 
@@ -210,8 +234,9 @@ def predict(
     method: Method = "auto",
     linear_density_kg_m: float | None = None,
     speed_m_s: float | None = None,
+    rope: str | None = None,
 ) -> Prediction:
-    """Return the lift force of a fitted law for n conditions, with its intervals.
+    """Return the lift force of a fitted law for n conditions, with its intervals; also of a `rope` that was measured.
 
     Outside what was tested they hold those of the laws that a comparison does not tell from this one, `fit.rivals`.
     """
@@ -226,28 +251,27 @@ def predict(
         raise InputError(text, code="RF420", fix="use a smaller wrap; in Python, law.log_lift stays finite")
     spread, probability = _spread(fit, model, conditions), 0.5 + 0.5 * level
     half = _quantiles(probability, spread.dof) * np.sqrt(spread.law)
-    curved = has_interval(fit) and fit.weighted() is not None and is_curved(fit, model.pressing(conditions))
-    if method == "profile" and not has_interval(fit):
-        text = f"the fit of {fit.law} leaves nothing to estimate an interval from"
-        raise InputError(text, key="method", fix="measure more conditions")
-    by_profile = method == "profile" or (method == "auto" and curved and len(conditions) <= _PROFILED)
-    ends = np.stack([log_lift - half, log_lift + half], axis=1)
-    if by_profile and curved:
-        ends = _profiled(fit, model, conditions, half, log_lift)
+    signs, at = np.array([-1.0, 1.0]), log_lift[:, None]
+    by_profile = _takes_profile(fit, model.pressing(conditions), method)
+    ends = _profiled(fit, model, conditions, half, log_lift) if by_profile else at + signs * half[:, None]
     sides = np.abs(ends - log_lift[:, None])
-    pull, rope = (
+    groups = np.array([name in fit.scatter.groups for name in fit.scatter.names], np.bool_)
+    pull, new = (
         np.sqrt(np.maximum(_wide(fit, one, probability) ** 2 - half**2, 0.0)[:, None] + sides**2)
-        for one in (spread, spread._replace(own=spread.of_rope))
+        for one in (spread, spread._replace(own=spread.own * groups))
     )
     # One pull of few degrees of freedom may seem to be known better than the mean of its rope.
-    pull = np.fmax(pull, rope)
+    pull = np.fmax(pull, new)
     outside = outside_range(fit.validity, conditions)
     beyond = np.asarray(outside.any(axis=1))
-    signs, at = np.array([-1.0, 1.0]), log_lift[:, None]
-    every = [ends, at + signs * pull, at + signs * rope]
-    every = _with_rivals(fit, conditions, every, beyond, level)
+    every = [ends, at + signs * pull, at + signs * new]
+    this = None if rope is None else _of_rope(fit, spread, log_lift, rope, probability)
+    every += [] if this is None else [np.log(this.interval_N), np.log(this.prediction_interval_N)]
+    every = _with_rivals(fit, conditions, every, beyond, {"level": level, "rope": rope})
     with np.errstate(over="ignore"):
-        lift = np.exp(log_lift)
+        lift, ends_N = np.exp(log_lift), [np.exp(one) for one in every]
+        if this is not None:
+            this = this._replace(interval_N=ends_N[3], prediction_interval_N=ends_N[4])
         return Prediction(
             law=fit.law,
             conditions=conditions,
@@ -255,17 +279,58 @@ def predict(
             std_log=np.sqrt(spread.law),
             lift_force_N=lift,
             std_N=lift * np.sqrt(spread.law),
-            interval_N=np.exp(every[0]),
-            prediction_interval_N=np.exp(every[1]),
-            rope_interval_N=np.exp(every[2]) if fit.scatter.groups else None,
+            interval_N=ends_N[0],
+            prediction_interval_N=ends_N[1],
+            rope_interval_N=ends_N[2] if fit.scatter.groups else None,
             level=level,
             dof=spread.dof,
-            method="profile" if by_profile and curved else "linear",
+            method="profile" if by_profile else "linear",
             outside=outside,
             validity=fit.validity,
             judged=fit.verdict_on(conditions),
             of=fit.of,
+            this_rope=this,
         )
+
+
+def _takes_profile(fit: FitResult, conditions: Conditions, method: Method) -> bool:
+    """Return whether the uncertainty of the law at conditions is carried over along its profile."""
+    if method == "profile" and not has_interval(fit):
+        text = f"the fit of {fit.law} leaves nothing to estimate an interval from"
+        raise InputError(text, key="method", fix="measure more conditions")
+    asked = method == "profile" or (method == "auto" and len(conditions) <= _PROFILED)
+    return asked and has_interval(fit) and fit.weighted() is not None and is_curved(fit, conditions)
+
+
+def _of_rope(
+    fit: FitResult, spread: "Spread", log_lift: FloatArray, rope: str, probability: float
+) -> RopePrediction:
+    """Return the lift forces with a rope of the trials by its name."""
+    scatter, cells = fit.scatter, fit.cells()
+    names = scatter.labels.get("rope", ())
+    if not names or cells is None:
+        text = f"the fit of {fit.law} does not tell ropes apart"
+        fix = "fit trials with a column rope_id, in which each rope was pulled at several conditions"
+        raise InputError(text, key="rope", fix=fix)
+    if rope not in names:
+        text = f"no trial of the fit was made with the rope {rope!r}"
+        raise UnknownNameError(text, key="rope", fix=did_you_mean(rope, names))
+    of, none = ("rope", names.index(rope)), np.zeros_like(spread.rows)
+    layout, errors = cells
+    found = measured_level(layout, scatter, fit.theta, errors, of, spread.rows, spread.rise)
+    # One pull with this rope: what is not the rope's comes new.
+    new = spread.own * ((scatter.variance > 0.0) & (np.array(scatter.names) != "rope"))
+    stds, dofs = [], []
+    for own in (found.own, found.own + new):
+        variance = np.maximum(own @ scatter.variance + found.known, 0.0) + found.estimated
+        stds.append(np.sqrt(np.where(has_interval(fit), variance, np.nan)))
+        dofs.append(scatter.dof(none, own, found.known))
+    half, pull = (_quantiles(probability, dof) * std for std, dof in zip(stds, dofs, strict=True))
+    at, signs = (log_lift + found.shift)[:, None], np.array([-1.0, 1.0])
+    with np.errstate(over="ignore"):
+        force_N = np.exp(at[:, 0])
+        mean_N, pull_N = (np.exp(at + signs * x[:, None]) for x in (half, np.fmax(pull, half)))
+    return RopePrediction(rope, force_N, force_N * stds[0], mean_N, pull_N, dofs[0])
 
 
 def _profiled(
@@ -281,19 +346,25 @@ def _profiled(
 
 
 def _with_rivals(
-    fit: FitResult, conditions: Conditions, ends: list[FloatArray], outside: BoolArray, level: float
+    fit: FitResult,
+    conditions: Conditions,
+    ends: list[FloatArray],
+    outside: BoolArray,
+    asked: Mapping[str, Any],
 ) -> list[FloatArray]:
-    """Return ends of intervals of ln F_A which, outside what was tested, hold those of all rivals too."""
+    """Return ends of intervals of ln F_A which, outside what was tested, hold those of all rivals, asked the same."""
     if not outside.any():
         return ends
     places, wider = np.flatnonzero(outside), [one.copy() for one in ends]
     for rival in fit.rivals:
         try:
-            other = predict(rival, conditions.select(places), level=level)
+            rope = asked["rope"] if "rope" in rival.scatter.labels else None
+            other = predict(rival, conditions.select(places), **dict(asked) | {"rope": rope})
         except InputError:
             continue
-        theirs = (other.interval_N, other.prediction_interval_N, other.rope_interval_N)
-        for own, more_N in zip(wider, theirs, strict=True):
+        theirs = [other.interval_N, other.prediction_interval_N, other.rope_interval_N]
+        theirs += [] if other.this_rope is None else other.this_rope[3:5]
+        for own, more_N in zip(wider, theirs, strict=False):
             if more_N is not None:
                 more = np.log(more_N)
                 own[places, 0] = np.fmin(own[places, 0], more[:, 0])
@@ -310,7 +381,7 @@ def has_interval(fit: FitResult) -> bool:
 class Spread(NamedTuple):
     """What is open of ln F_A of n conditions: of the mean law, with degrees of freedom, and what one pull brings.
 
-    `own` and `of_rope` (n, m) say how much of each component of scatter one pull, or the mean of one rope, adds.
+    `own` (n, m) says how much of each component of scatter one pull adds, `rise` (n,) is ln(F_A/F_B).
     """
 
     law: FloatArray
@@ -318,7 +389,7 @@ class Spread(NamedTuple):
     rows: FloatArray
     known: FloatArray
     own: FloatArray
-    of_rope: FloatArray
+    rise: FloatArray
 
 
 def _spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> Spread:
@@ -330,11 +401,9 @@ def _spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> Spread:
     dof = scatter.dof(J, known=known) if scatter.names else np.zeros(len(J))
     if not has_interval(fit):
         variance, dof = np.full_like(variance, np.nan), np.zeros_like(dof)
-    rise = model.log_lift(fit.theta, conditions) - conditions.log_end_tension
-    of_rope = np.stack([rise**2 * (name in scatter.groups) for name in scatter.names] or [rise], axis=1)
-    single = np.array([float(name not in scatter.groups) for name in scatter.names] or [0.0])
-    own = of_rope + single * scatter.uneven.factor(rise + conditions.log_end_tension)[:, None]
-    return Spread(variance, dof, J, known, own, of_rope)
+    log_lift = model.log_lift(fit.theta, conditions)
+    rise = log_lift - conditions.log_end_tension
+    return Spread(variance, dof, J, known, scatter.one_pull(log_lift, rise), rise)
 
 
 def _wide(fit: FitResult, spread: Spread, probability: float) -> FloatArray:
@@ -346,14 +415,6 @@ def _wide(fit: FitResult, spread: Spread, probability: float) -> FloatArray:
     own = spread.own * (scatter.variance > 0.0)
     dof = scatter.dof(spread.rows, own, spread.known)
     return np.asarray(_quantiles(probability, dof) * np.sqrt(spread.law + own @ scatter.variance))
-
-
-def linear_std(
-    model: LiftModel, theta: FloatArray, covariance: FloatArray, conditions: Conditions
-) -> FloatArray:
-    """Return the standard deviation of ln F_A of the mean law, √(J C Jᵀ), shape (n,)."""
-    J = model.jacobian(theta, conditions)
-    return np.asarray(np.sqrt(np.maximum(((J @ covariance) * J).sum(axis=-1), 0.0)))
 
 
 def _quantiles(probability: float, dof: FloatArray) -> FloatArray:

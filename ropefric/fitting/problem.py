@@ -219,28 +219,6 @@ class Reduced(NamedTuple):
             downhill[at] = (weighted @ residual[:, :, np.newaxis])[..., 0]
         return chi2, normal, downhill
 
-    def evaluate_shared(self, theta: FloatArray, m: int) -> _Three | None:
-        """Return the same as `evaluate` for all m data sets at one parameter set of shape (p,), or None.
-
-        The law is evaluated once, so this costs next to nothing; None where it has no answer.
-        """
-        p = theta.size
-        try:
-            values, J = self.law.log_lift_and_jacobian(theta, self.conditions)
-        except InputError:
-            return None
-        J = J if self.root is None else self.root @ J
-        residual = self._turned(self.mean - values)
-        chi2 = (self.weight * residual**2).sum(axis=-1) + self.rest
-        products = (J[:, :, np.newaxis] * J[:, np.newaxis, :]).reshape(len(J), p * p)
-        normal = (self.weight @ products).reshape(-1, p, p)
-        downhill = (self.weight * residual) @ J
-        return (
-            np.broadcast_to(chi2, (m,)).copy(),
-            np.broadcast_to(normal, (m, p, p)).copy(),
-            np.broadcast_to(downhill, (m, p)).copy(),
-        )
-
     def _misfit(self, values: FloatArray, has_answer: BoolArray, rows: Rows) -> _Three:
         """Return the cost, the residuals and the weights of their squares."""
         residual, weight = self._turned(_row(self.mean, rows) - values), _row(self.weight, rows)
@@ -390,14 +368,12 @@ class BatchFit:
         """Evaluate the starts; where the law has no answer, try the problem's own start."""
         self.data, self.problem, self.theta, self.vary = data, problem, theta, vary
         m, nowhere = len(theta), np.full(len(theta), np.inf)
-        shared = data.evaluate_shared(theta[0], m) if (theta == theta[0]).all() else None
-        if shared is None:
-            shared = data.evaluate(theta, np.arange(m), nowhere)
-            lost = np.flatnonzero(~np.isfinite(shared[0]))
+        found = data.evaluate(theta, np.arange(m), nowhere)
+        if (lost := np.flatnonzero(~np.isfinite(found[0]))).size:
             theta[lost] = np.where(vary[lost], problem.start, theta[lost])
-            for whole, again in zip(shared, data.evaluate(theta[lost], lost, nowhere[lost]), strict=True):
+            for whole, again in zip(found, data.evaluate(theta[lost], lost, nowhere[lost]), strict=True):
                 whole[lost] = again
-        self.chi2, self.normal, self.downhill = shared
+        self.chi2, self.normal, self.downhill = found
         self.curvature, self.curved = np.zeros_like(self.normal), False
         self.damping, self.last_length2 = np.zeros(m), nowhere
         self.slow = np.zeros(m, dtype=np.bool_)

@@ -19,7 +19,7 @@ from ropefric.errors import InputError, raise_problems
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.problem import FitProblem, batched_fit
 from ropefric.fitting.result import SPARE
-from ropefric.fitting.statistics import decomposed, pooled_scatter
+from ropefric.fitting.statistics import decomposed, group_means
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import LAWS
@@ -39,11 +39,14 @@ MOST = 1000
 
 # Of all combinations, each weighed against the others.
 _MOST_CONDITIONS = 50_000
-# By the share of campaigns, in whole per cent, from which on laws are told apart so.
-_VERBS = {80: "is told", 50: "may be told", 20: "can hardly be told", 0: "cannot be told"}
-SCALE = "of campaigns: " + ", ".join(
-    f"{verb} in {share} % or more" for share, verb in _VERBS.items() if share
-)
+# By the share of campaigns, in whole per cent, in which a test tells two laws apart.
+_VERBS = {
+    80: "distinguishable",
+    50: "probably distinguishable",
+    20: "hardly distinguishable",
+    0: "not distinguishable",
+}
+SCALE = ", ".join(f"{words}: in {share} % of campaigns or more" for share, words in _VERBS.items() if share)
 """What the words of an outlook stand for."""
 # A parameter is told where its standard error is at most this part of it.
 _TOLD = 0.5
@@ -191,8 +194,8 @@ class LawOutlook(NamedTuple):
             verb = next(verb for least, verb in _VERBS.items() if share >= least)
             words.append(f"{verb} from {simpler} (in {share} % of campaigns)")
         if self.untold:
-            words.append(f"no {', '.join(self.untold)}")
-        return f"{self.law}: {'; '.join(words) or 'its parameters are told'}"
+            words.append(f"{', '.join(self.untold)} cannot be determined")
+        return f"{self.law}: {'; '.join(words) or 'all parameters can be determined'}"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON object; an infinite standard error is None."""
@@ -231,8 +234,12 @@ def listed(table: TrialTable) -> tuple[dict[str, FloatArray], IntArray]:
 
 def scatter_of_repeats(table: TrialTable) -> float:
     """Return the standard deviation of ln F_A between repeats; NaN where no condition has two forces."""
-    used = table.used
-    return pooled_scatter(np.log(table.peak_N[used] / table.end_tension_N[used]), table.group()).within
+    used, group = table.used, table.group()
+    rise = np.log(table.peak_N[used] / table.end_tension_N[used])
+    spare = rise.size - int(group.max(initial=-1)) - 1
+    return (
+        math.sqrt(float(((rise - group_means(rise, group)[group]) ** 2).sum()) / spare) if spare else math.nan
+    )
 
 
 def _outlooks(columns: Sequence[FloatArray], group: IntArray, within: float) -> tuple[LawOutlook, ...]:

@@ -40,12 +40,7 @@ from ropefric.errors import InputError
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.scatter import (
-    Layout,
-    ScatterModel,
-    nothing_known,
-    weighed,
-)
+from ropefric.fitting.scatter import ALL, Layout, ScatterModel, nothing_known, weighed
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import ALL_LAWS
@@ -278,8 +273,11 @@ class FitResult(Shown):
         changes = [item.change for item in self.common_errors]
         return np.array(changes, np.float64).reshape(-1, len(self.parameters)).T
 
-    def weighted(self) -> FitProblem | None:
-        """Return the means of the cells as they are weighed; None where nothing tells the scatter, or in an old fit."""
+    def cells(self) -> tuple[Layout, FloatArray] | None:
+        """Return how trials are put together, and how stated errors move the k means, shape (k, b).
+
+        None where nothing tells the scatter, or in an old fit.
+        """
         if "condition" not in self.trials or not self.scatter.names:
             return None
         columns = {name: np.array(values, np.float64) for name, values in self.trials.items()}
@@ -297,7 +295,12 @@ class FitResult(Shown):
             problem, problem.group, columns["n"], condition, 0.0, 0, groups, uneven=self.scatter.uneven
         )
         effects = np.array([item.effect for item in self.common_errors]).reshape(-1, k).T
-        return weighed(layout, self.scatter, self.theta, effects)
+        return layout, effects
+
+    def weighted(self) -> FitProblem | None:
+        """Return the means of the cells as they are weighed; None where there are no cells."""
+        found = self.cells()
+        return None if found is None else weighed(found[0], self.scatter, self.theta, found[1])
 
     @property
     def data(self) -> FitProblem:
@@ -473,18 +476,22 @@ def _model_of(tree: Mapping[str, Any]) -> ScatterModel:
     dof = _number(tree["statistics"]["interval_dof"], inf)
     if not dof:
         return nothing_known(p)
-    # One component that the whole covariance goes with, but for what is known for sure.
+    # One component that the whole covariance goes with, but for what is known for sure, and the scatter about the law.
     covariance = np.array([[_number(cell) for cell in row] for row in tree["covariance"]], np.float64)
     common = [[_number(x) for x in item["change"]] for item in tree.get("common_errors", ())]
     changes = np.array(common, np.float64).reshape(-1, p)
     covariance = covariance - changes.T @ changes
-    return ScatterModel(
-        names=("all",),
-        levels=(0,),
-        variance=np.ones(1),
-        covariance=np.array([[2.0 / dof]]),
-        slopes=covariance[None],
-    )
+    found = {
+        "condition": tree["statistics"]["scatter_between"],
+        "repeat": tree["statistics"]["scatter_within"],
+    }
+    stds = {ALL: 1.0} | {name: _number(std) for name, std in found.items() if std is not None}
+    variance = np.array([*stds.values()]) ** 2
+    slopes = np.zeros((variance.size, p, p))
+    slopes[0] = covariance
+    known = np.diag(2.0 * variance**2 / dof)
+    none = (0,) * variance.size
+    return ScatterModel(names=tuple(stds), levels=none, variance=variance, covariance=known, slopes=slopes)
 
 
 def _parameter(name: str, item: Mapping[str, Any]) -> FittedParameter:

@@ -10,7 +10,8 @@ three ropes count as three.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,16 +20,20 @@ from scipy.special import psi, zeta
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.files.plain_text import GIVEN_DIGITS, significant
+from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import FitProblem
-from ropefric.fitting.statistics import SMALLEST_SCATTER, condition_means, decomposed, rounded_covariance
-from ropefric.friction.condition import SETTINGS
+from ropefric.friction.condition import SETTINGS, Conditions
 
 CONDITION, REPEAT = "condition", "repeat"
+ALL = "all"
+"""A component that stands for all that the parameters' covariance holds, in fits from before there was a model."""
 
 # The variance of a mean stays above this part of what its repeats leave, however low the others happen to be.
 _LEAST = 0.05
 # Uneven scatter: standard errors of its exponent (p = 0.001), cells with repeats, and range of ln F_A to see it in.
 _BEYOND_CHANCE, _LEAST_CELLS, _SAME_FORCE = 3.29, 4, 0.1
+# A pull off its repeats: degrees of freedom of the others, what is rounding, and its p-value.
+_LEAST_DOF, _SAME, _TAIL_P = 5, 1e-6, 1e-3
 _ROUNDS, _HALVINGS = 100, 30
 _SETTLED, _CLOSE = 1e-9, 1e-10
 # Smallest eigenvalue of the correlations between what components do: below, one is another one in disguise.
@@ -70,6 +75,8 @@ class Layout(NamedTuple):
         The level of each cell in each group that the trials tell from all else.
     notes : tuple of str
         Which groups they do not tell, and why.
+    labels : mapping of str to tuple of str
+        What the levels of each group are called.
     """
 
     problem: FitProblem
@@ -81,6 +88,7 @@ class Layout(NamedTuple):
     groups: Mapping[str, IntArray]
     notes: tuple[str, ...] = ()
     uneven: "Uneven" = EVEN
+    labels: Mapping[str, tuple[str, ...]] = MappingProxyType({})
 
     @property
     def nested(self) -> bool:
@@ -93,25 +101,26 @@ class Layout(NamedTuple):
         if not self.spare:
             return float("nan")
         found = (self.squares / self.spare) ** 0.5
-        return float(found) if found > SMALLEST_SCATTER else 0.0
+        return float(found) if found > stats.SMALLEST_SCATTER else 0.0
 
 
 def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout:
     """Return the layout of trials; those of one cell agree in condition and in the levels of groups."""
     condition, notes, told, columns = problem.group, [], dict[str, IntArray](), [problem.group]
+    labels = dict[str, tuple[str, ...]]()
     for name, words in groups.items():
-        level = np.unique(np.array(words), return_inverse=True)[1]
+        names, level = np.unique(np.array(words), return_inverse=True)
         if why := _hidden(level, problem, told):
             notes.append(f"{name} {why}")
         elif level.max(initial=0):
-            told[name] = level
+            told[name], labels[name] = level, tuple(names.tolist())
             columns.append(level)
     first, cell = np.unique(np.stack(columns), axis=1, return_index=True, return_inverse=True)[1:]
     # In the order of the trials, so that conditions stay in theirs.
     order = np.argsort(np.argsort(first))
     cell, first = order[cell.ravel()], np.sort(first)
     by_cell = replace(problem, group=cell, std=np.ones(problem.n_points))
-    means = condition_means(by_cell)
+    means = stats.condition_means(by_cell)
     rise = problem.log_lift - problem.conditions.log_end_tension
     about = rise - (np.bincount(cell, rise) / means.size)[cell]
     k = len(means)
@@ -132,8 +141,12 @@ def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout
         notes.append(
             f"repeats scatter by about {low} at the lowest force and {high} at the highest, and are weighed so"
         )
+    even = about / np.sqrt(uneven.factor(means.log_lift))[cell]
+    notes += _of_tails(even, 1.0 - 1.0 / size[cell], cell.size - k - 1, problem.conditions)
     squares = float((of_cell / uneven.factor(means.log_lift)).sum())
-    return Layout(on_means, cell, size, condition[first], squares, cell.size - k, own, tuple(notes), uneven)
+    return Layout(
+        on_means, cell, size, condition[first], squares, cell.size - k, own, tuple(notes), uneven, labels
+    )
 
 
 def _unevenness(log_lift: FloatArray, size: FloatArray, squares: FloatArray) -> Uneven:
@@ -142,7 +155,7 @@ def _unevenness(log_lift: FloatArray, size: FloatArray, squares: FloatArray) -> 
     ln s² of ν degrees of freedom scatters by ψ'(ν/2) about ln σ² + ψ(ν/2) − ln(ν/2) (Bartlett & Kendall 1946), so that
     a straight line through them, weighed, has a known error.
     """
-    seen = (size > 1.0) & (squares > SMALLEST_SCATTER**2)
+    seen = (size > 1.0) & (squares > stats.SMALLEST_SCATTER**2)
     half, x = 0.5 * (size[seen] - 1.0), log_lift[seen]
     if half.size < _LEAST_CELLS or np.ptp(x) < _SAME_FORCE:
         return EVEN
@@ -154,6 +167,19 @@ def _unevenness(log_lift: FloatArray, size: FloatArray, squares: FloatArray) -> 
         return EVEN
     ends = significant(float(log_lift.min()), 6), significant(float(log_lift.max()), 6)
     return Uneven(significant(exponent, 6), significant(centre, 6), *ends)
+
+
+def _of_tails(about: FloatArray, own: FloatArray, dof: int, at: Conditions) -> list[str]:
+    """Return that a pull lies further off its repeats than normal scatter allows, in words."""
+    if dof < _LEAST_DOF or np.abs(about).max(initial=0.0) < _SAME:
+        return []
+    worst, off, p_value = stats.furthest(about, own, dof)
+    if p_value >= _TAIL_P:
+        return []
+    radius_mm, wrap_deg = 1e3 * at.wheel_radius_m[worst], np.degrees(at.wrap_angle_rad[worst])
+    where = f"R_w = {radius_mm:.4g} mm, wrap {wrap_deg:.4g} deg, F_B = {at.end_tension_N[worst]:.4g} N"
+    text = f"a pull at {where} lies {off:.1f} standard deviations off its repeats (p = {p_value:.1g}): tails are heavier"
+    return [f"{text} than normal. Look at its recording; the intervals count it as scatter"]
 
 
 def _hidden(level: IntArray, problem: FitProblem, told: Mapping[str, IntArray]) -> str:
@@ -199,6 +225,8 @@ class ScatterModel:
         Derivatives of the parameters' covariance by each variance.
     uneven : Uneven
         How the variances by condition and repeat, those at its centre, grow with the force.
+    labels : mapping of str to tuple of str
+        What the levels of each group are called.
     """
 
     names: tuple[str, ...] = ()
@@ -207,6 +235,7 @@ class ScatterModel:
     covariance: FloatArray
     slopes: FloatArray
     uneven: Uneven = EVEN
+    labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def std(self, name: str) -> float:
         """Return the standard deviation by a component, 0 where its variance is below zero; NaN if there is none."""
@@ -217,7 +246,13 @@ class ScatterModel:
     @property
     def groups(self) -> tuple[str, ...]:
         """Return the names of the groups."""
-        return tuple(name for name in self.names if name not in {CONDITION, REPEAT})
+        return tuple(name for name in self.names if name not in {ALL, CONDITION, REPEAT})
+
+    def one_pull(self, log_lift: FloatArray, rise: FloatArray) -> FloatArray:
+        """Return how much of each variance one pull with all groups new adds to that of ln F_A, shape (r, m)."""
+        single = self.uneven.factor(log_lift)
+        own = [rise**2 if name in self.groups else single * (name != ALL) for name in self.names]
+        return np.array(own).reshape(len(own), rise.size).T
 
     def dof(
         self, rows: FloatArray, own: FloatArray | None = None, known: FloatArray | float = 0.0
@@ -237,7 +272,7 @@ class ScatterModel:
     def rounded(self) -> "ScatterModel":
         """Return the model to the digits that mean something."""
         digits = np.vectorize(lambda value: significant(float(value), GIVEN_DIGITS), otypes=[np.float64])
-        slopes = np.array([rounded_covariance(one) for one in self.slopes]).reshape(self.slopes.shape)
+        slopes = np.array([stats.rounded_covariance(one) for one in self.slopes]).reshape(self.slopes.shape)
         return replace(
             self, variance=digits(self.variance), covariance=digits(self.covariance), slopes=slopes
         )
@@ -245,7 +280,8 @@ class ScatterModel:
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON tree."""
         names = ("names", "levels", "variance", "covariance", "slopes")
-        return {name: getattr(self, name) for name in names} | {"uneven": self.uneven._asdict()}
+        tree = {name: getattr(self, name) for name in names} | {"uneven": self.uneven._asdict()}
+        return tree | ({"labels": dict(self.labels)} if self.labels else {})
 
     @classmethod
     def from_dict(cls, tree: Mapping[str, Any], p: int) -> "ScatterModel":
@@ -254,7 +290,8 @@ class ScatterModel:
         shapes = {"variance": (m,), "covariance": (m, m), "slopes": (m, p, p)}
         arrays = {name: np.array(tree[name], np.float64).reshape(shape) for name, shape in shapes.items()}
         words, levels = tuple(map(str, tree["names"])), tuple(map(int, tree["levels"]))
-        return cls(names=words, levels=levels, uneven=Uneven(**tree["uneven"]), **arrays)
+        labels = {name: tuple(map(str, of)) for name, of in tree.get("labels", {}).items()}
+        return cls(names=words, levels=levels, uneven=Uneven(**tree["uneven"]), labels=labels, **arrays)
 
 
 def nothing_known(p: int) -> ScatterModel:
@@ -283,12 +320,12 @@ def estimated(
     problem, p = layout.problem, theta.size
     values, J = problem.law.log_lift_and_jacobian(theta, problem.conditions)
     X, r, Z = J[:, free], problem.log_lift - values, np.zeros((len(values), 0)) if errors is None else errors
-    seen = decomposed(X)
+    seen = stats.decomposed(X)
     left = seen.left[:, ~seen.lost]
     spare, rest = r.size - left.shape[1], r - left @ (left.T @ r)
     within = layout.within if layout.spare else 0.0
     size2 = float(rest @ rest) / max(spare, 1) + within**2
-    if spare < 1 or size2**0.5 < SMALLEST_SCATTER:
+    if spare < 1 or size2**0.5 < stats.SMALLEST_SCATTER:
         return None
     rise = values - problem.conditions.log_end_tension
     parts = {name: _part(name, layout, rise) for name in _told(layout, left, rise)}
@@ -306,6 +343,7 @@ def estimated(
     model = ScatterModel(
         names=tuple(parts), levels=tuple(count[name] for name in parts), variance=variance * size2,
         covariance=inverse * size2**2, slopes=slopes, uneven=layout.uneven,
+        labels={name: words for name, words in layout.labels.items() if name in parts},
     )  # fmt: skip
     whitening = at.whitening / size2**0.5
     weight = {"std": 1.0 / whitening} if whitening.ndim == 1 else {"root": whitening}
@@ -326,6 +364,64 @@ def weighed(layout: Layout, model: ScatterModel, theta: FloatArray, errors: Floa
     if V.ndim == 1:
         return replace(problem, std=np.sqrt(V))
     return replace(problem, root=np.linalg.inv(np.linalg.cholesky(V)))
+
+
+class MeasuredLevel(NamedTuple):
+    """What trials tell of one level of a group at c conditions, such as a rope that was pulled.
+
+    Beside the law, ln F_A of the level's mean (c,); of its error the part of each variance (c, m), what stated errors
+    bring (c,), and what the variances being estimated bring (c,).
+    """
+
+    shift: FloatArray
+    own: FloatArray
+    known: FloatArray
+    estimated: FloatArray
+
+
+def measured_level(  # noqa: PLR0917  (each is a part of the mixed model)
+    layout: Layout,
+    model: ScatterModel,
+    theta: FloatArray,
+    errors: FloatArray,
+    of: tuple[str, int],
+    slopes: FloatArray,
+    rise: FloatArray,
+) -> MeasuredLevel:
+    """Return the best linear unbiased prediction for a level, where ln F_A has some slopes (c, p) and rises (c,).
+
+    k is what the level shares with the means y of the cells, X their slopes, C = (Xᵀ V⁻¹ X)⁻¹. The prediction is λᵀ y,
+    λ = V⁻¹ k + V⁻¹ X C (j − Xᵀ V⁻¹ k) (Henderson 1975, Biometrics 31:423), and its variance changes with each σ_i² by
+    λᵀ A_i λ − 2 λᵀ ∂k/∂σ_i² + ∂σ²/∂σ_i² rise². Estimated variances add 2 Σ w_ij m_iᵀ P m_j, m_i = ∂k/∂σ_i² − A_i λ
+    (Kackar & Harville 1984, JASA 79:853), which for the law alone is what Kenward and Roger add.
+    """
+    name, level = of
+    weighted, place = weighed(layout, model, theta, errors), model.names.index(name)
+    values, J = weighted.law.log_lift_and_jacobian(theta, weighted.conditions)
+    X, slopes, there = (
+        J[:, weighted.vary],
+        slopes[:, weighted.vary],
+        values - weighted.conditions.log_end_tension,
+    )
+    shared = np.outer(rise, there * (layout.groups[name] == level)) * (model.variance[place] > 0.0)
+    size = max(float(model.variance[place]), 0.0)
+    half, left = stats.decomposed(weighted.whitened(X.T).T).root()
+    k = size * weighted.whitened(shared)
+    turned = k + (slopes @ half - k @ left) @ left.T
+    weights = turned / weighted.std if weighted.root is None else turned @ weighted.root
+    own, moved = [], []
+    for one in model.names:
+        part = _part(one, layout, there)
+        by = weights * part if part.ndim == 1 else weights @ part
+        own.append((weights * by).sum(axis=1))
+        if one == name:
+            by = by - shared
+            own[-1] += (shared.any(axis=1) * rise**2) - 2.0 * (weights * shared).sum(axis=1)
+        by = weighted.whitened(by)
+        moved.append(by - (by @ left) @ left.T)
+    more = 2.0 * np.einsum("ij,ick,jck->c", model.covariance, np.stack(moved), np.stack(moved))
+    known = ((weights @ errors) ** 2).sum(axis=1)
+    return MeasuredLevel(k @ weighted.whitened(weighted.log_lift - values), np.array(own).T, known, more)
 
 
 def _part(name: str, layout: Layout, rise: FloatArray) -> FloatArray:
@@ -473,7 +569,7 @@ class _Reml(NamedTuple):
         if (found := _whitening(V, V - floor)) is None:
             return None
         whitening, log_det = found
-        svd = decomposed(_times(whitening, self.X))
+        svd = stats.decomposed(_times(whitening, self.X))
         half, left = svd.root()
         log_det += 2.0 * float(np.log(svd.values[~svd.lost]).sum() + np.log(svd.length).sum())
         e = _times(whitening, self.r[:, None])[:, 0]

@@ -13,11 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import stdtr
 
 from ropefric.arrays import FloatArray
+from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import FitProblem, batched_fit
-from ropefric.fitting.statistics import ConditionMeans, ScatterFit, aicc, bic, decomposed, f_test, scatter_fit
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import Columns, Refusal
 
@@ -32,7 +31,7 @@ _STEP = 1e-6
 _FAR, _WILD = 8.0, 1e-4
 # From so many conditions on, leaving one out is one step of the fit.
 _MANY = 400
-_LEAST_DOF, _UNJUDGED, _EXACT = 5, 1e-3, 1e-6
+_LEAST_DOF, _EXACT = 5, 1e-6
 
 
 class FTest(NamedTuple):
@@ -50,7 +49,7 @@ class Standing(NamedTuple):
 
     problem: FitProblem
     theta: FloatArray
-    scatter: ScatterFit
+    scatter: stats.ScatterFit
     chi2: float
     k: int
     aicc: float
@@ -67,19 +66,14 @@ def wild_trial(problem: FitProblem, *, slack: bool) -> int | None:
     load = problem.log_lift if slack else at.log_end_tension
     levels = (np.exp(load - load.min()), at.size_ratio, np.maximum(wrap, 1e-9))
     trends = (np.log(level) * wrap for level in levels)
-    svd = decomposed(np.stack([wrap, np.ones_like(wrap), *trends], axis=-1))
+    svd = stats.decomposed(np.stack([wrap, np.ones_like(wrap), *trends], axis=-1))
     left = svd.left[:, ~svd.lost]
     residual, own = rise - left @ (left.T @ rise), 1.0 - (left**2).sum(axis=1)
     dof = rise.size - left.shape[1] - 1
     if dof < _LEAST_DOF or np.abs(residual).max() < _EXACT:
         return None
-    judged = own > _UNJUDGED
-    square = np.where(judged, residual**2 / np.maximum(own, _UNJUDGED), 0.0)
-    rest = np.maximum(float(residual @ residual) - square, 1e-300) / dof
-    t = np.sqrt(square / rest)
-    worst = int(np.argmax(t))
-    p_value = 2.0 * rise.size * float(stdtr(dof, -t[worst]))
-    return worst if t[worst] > _FAR and p_value < _WILD else None
+    worst, t, p_value = stats.furthest(residual, own, dof)
+    return worst if t > _FAR and p_value < _WILD else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -120,7 +114,7 @@ class _EndTension(NamedTuple):
 
 
 def standing(
-    problem: FitProblem, means: ConditionMeans, theta: npt.ArrayLike, *, slack: bool = False
+    problem: FitProblem, means: stats.ConditionMeans, theta: npt.ArrayLike, *, slack: bool = False
 ) -> Standing:
     """Return how the law of a problem stands on condition means, in the force that was measured."""
     starts, K = np.atleast_2d(np.asarray(theta, dtype=np.float64)), len(means)
@@ -139,14 +133,14 @@ def standing(
     for _ in range(_ROUNDS):
         at = refit(on_means, starts)
         residual = law.log_lift(at, conditions) - means.log_lift
-        scatter = scatter_fit(residual, means)
+        scatter = stats.scatter_fit(residual, means)
         on_means = replace(on_means, std=np.sqrt(scatter.variance))
         starts = np.vstack([at, starts[1:]])
         if not means.repeated or float(np.ptp(means.std)) <= 1e-9 * float(means.std[0]):
             break
-    k, deviance = problem.n_varying + 1, float(scatter.deviance)
+    k, deviance = problem.n_varying + 1, scatter.deviance
     chi2 = float((residual**2 / scatter.variance).sum())
-    return Standing(on_means, at, scatter, chi2, k, aicc(deviance, K, k), bic(deviance, K, k))
+    return Standing(on_means, at, scatter, chi2, k, stats.aicc(deviance, K, k), stats.bic(deviance, K, k))
 
 
 def refit(problem: FitProblem, starts: FloatArray) -> FloatArray:
@@ -166,7 +160,7 @@ def leave_one_out(law: Standing) -> float:
     problem, K = law.problem, law.problem.n_points
     if K > _MANY:
         inside = problem.vary & (law.theta > problem.lower) & (law.theta < problem.upper)
-        left = decomposed(problem.jacobian(law.theta)[:, inside]).root()[1]
+        left = stats.decomposed(problem.jacobian(law.theta)[:, inside]).root()[1]
         own = problem.law.log_lift(law.theta, problem.conditions) - problem.log_lift
         return float(np.sqrt(np.mean((own / (1.0 - (left**2).sum(axis=1))) ** 2)))
     found = batched_fit(problem, starts=law.theta, multiplicity=1.0 - np.eye(K))
@@ -176,12 +170,14 @@ def leave_one_out(law: Standing) -> float:
     return float(np.sqrt(np.mean(missed**2)))
 
 
-def straight_fit(X: FloatArray, rise: FloatArray, means: ConditionMeans) -> tuple[FloatArray, ScatterFit]:
+def straight_fit(
+    X: FloatArray, rise: FloatArray, means: stats.ConditionMeans
+) -> tuple[FloatArray, stats.ScatterFit]:
     """Return the coefficients of columns, and the scatter of the means about them that makes them likeliest."""
     root = means.std
     for _ in range(_ROUNDS):
         theta = np.asarray(np.linalg.lstsq(X / root[:, None], rise / root, rcond=None)[0])
-        scatter = scatter_fit(X @ theta - rise, means)
+        scatter = stats.scatter_fit(X @ theta - rise, means)
         before, root = root, np.sqrt(scatter.variance)
         if (root == before).all():
             break
@@ -198,5 +194,5 @@ def nested_test(simpler: Standing, fuller: Standing) -> FTest | None:
         return None
     weighted = replace(simpler.problem, std=fuller.problem.std)
     chi2 = float((weighted.residuals(refit(weighted, simpler.theta[np.newaxis])) ** 2).sum())
-    found = f_test(chi2, fuller.chi2, n=n, p_simpler=p_simpler, p_fuller=p_fuller)
+    found = stats.f_test(chi2, fuller.chi2, n=n, p_simpler=p_simpler, p_fuller=p_fuller)
     return FTest(simpler.problem.law.name, fuller.problem.law.name, *found)

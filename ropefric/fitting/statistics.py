@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import fdtrc
+from scipy.optimize import brentq
+from scipy.special import fdtrc, stdtr
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.files.plain_text import GIVEN_DIGITS, STD_DIGITS, significant
@@ -37,8 +38,10 @@ _SAME = 1e-9
 _ROUNDING = 1e-9
 # ln F of double precision is known no better than this.
 _RESOLVED = 1e-12
-# To the last bit of a variance that is no smaller than 1e-6 of the largest square.
-_HALVINGS = 72
+# Of a residual, what fitting leaves of its own variance; with less it tells nothing.
+_UNJUDGED = 1e-3
+# Of the largest square, how far a variance may be off.
+_EXACT = 1e-16
 # Of a smooth function: its modes, how far it carries in parts of a setting's span, and what it needs to be seen.
 _MODES, _SMOOTH_OVER, _SMOOTH_SPARE, _MOST_SMOOTH = 5, 0.5, 4, 400
 
@@ -46,33 +49,22 @@ _MODES, _SMOOTH_OVER, _SMOOTH_SPARE, _MOST_SMOOTH = 5, 0.5, 4, 400
 # ---- scatter of ln F_A about a law ----
 
 
-class Scatter(NamedTuple):
-    """How far repeats of one condition lie apart."""
+def furthest(residual: FloatArray, own: FloatArray, dof: int) -> tuple[int, float, float]:
+    """Return which residual lies furthest off the others, by how many of their scatters, and its p-value.
 
-    within: float
-    dof: int
-
-    @property
-    def known(self) -> bool:
-        """Return whether there are repeats that scatter."""
-        return self.dof > 0 and self.within > SMALLEST_SCATTER
+    By deleted residuals: `own` (n,) is the part of its own variance that is left in each, `dof` what the others leave.
+    """
+    judged = own > _UNJUDGED
+    square = np.where(judged, residual**2 / np.maximum(own, _UNJUDGED), 0.0)
+    rest = np.maximum(float(residual @ residual) - square, 1e-300) / dof
+    t = np.sqrt(square / rest)
+    worst = int(np.argmax(t))
+    return worst, float(t[worst]), min(1.0, 2.0 * residual.size * float(stdtr(dof, -t[worst])))
 
 
 def group_means(values: FloatArray, group: IntArray) -> FloatArray:
     """Return the mean of each condition, shape (k,)."""
     return np.bincount(group, weights=values) / np.bincount(group)
-
-
-def pooled_scatter(residuals: FloatArray, group: IntArray) -> Scatter:
-    """Return the scatter of residuals in ln F_A about the mean of their condition, pooled over conditions.
-
-    The scatter of a rope is a part of the force, so it is the same in ln F_A for all conditions.
-    """
-    dof = residuals.size - int(group.max(initial=-1)) - 1
-    if dof <= 0:
-        return Scatter(within=nan, dof=0)
-    about = residuals - group_means(residuals, group)[group]
-    return Scatter(within=sqrt(float(about @ about) / dof), dof=dof)
 
 
 # ---- what a Jacobian knows of its parameters ----
@@ -227,32 +219,6 @@ class FitStatistics:
     lack_of_fit_p: float = nan
 
 
-def fit_statistics(  # noqa: PLR0917  (each is a number of the result)
-    problem: FitProblem,
-    residuals: FloatArray,
-    within: float,
-    between: float,
-    interval_dof: float,
-    lack_of_fit_p: float,
-) -> FitStatistics:
-    """Return how well a law fits, from its residuals in standard deviations and the scatter at two levels."""
-    chi2, n, q = float(residuals @ residuals), problem.n_points, problem.n_varying
-    deviance = least_squares_deviance(chi2, n) + 2.0 * float(np.log(problem.std).sum())
-    return FitStatistics(
-        n=n,
-        n_conditions=problem.n_conditions,
-        dof=n - q,
-        chi2=significant(chi2),
-        chi2_reduced=significant(chi2 / (n - q)) if n > q else nan,
-        aicc=significant(aicc(deviance, n, q + 1)),
-        bic=significant(bic(deviance, n, q + 1)),
-        scatter_within=significant(within),
-        scatter_between=significant(between),
-        interval_dof=interval_dof,
-        lack_of_fit_p=significant(lack_of_fit_p),
-    )
-
-
 # ---- what a law leaves over ----
 
 
@@ -349,11 +315,6 @@ def _basis(columns: FloatArray, scale: float = 0.0) -> FloatArray:
 # ---- how good a law is for its number of parameters ----
 
 
-def least_squares_deviance(rss: float, n: int) -> float:
-    """Return n ln(RSS/n): −2 ln L of n equal, unknown scatters, without the n (1 + ln 2π) all laws share."""
-    return n * math.log(rss / n) if rss > 0.0 else -inf
-
-
 def aicc(deviance: float, n: int, k: int) -> float:
     """Return Akaike's criterion with the small-sample term, deviance + 2k + 2k(k + 1)/(n − k − 1)."""
     return inf if n <= k + 1 else deviance + 2.0 * k + 2.0 * k * (k + 1) / (n - k - 1)
@@ -435,46 +396,29 @@ def condition_means(problem: FitProblem) -> ConditionMeans:
 
 
 class ScatterFit(NamedTuple):
-    """The scatter of condition means about a law that makes them likeliest, of one data set or of m."""
+    """The scatter of condition means about a law that makes them likeliest: −2 ln L of it, and their variances."""
 
-    deviance: FloatArray
+    deviance: float
     variance: FloatArray
-    between: FloatArray
 
 
-def scatter_fit(residual: FloatArray, means: ConditionMeans, factor: npt.ArrayLike = 1.0) -> ScatterFit:
-    """Return the likeliest scatter for residuals of the means, shape (K,) or (m, K).
+def scatter_fit(residual: FloatArray, means: ConditionMeans) -> ScatterFit:
+    """Return the likeliest scatter for residuals of the means, shape (K,).
 
     With repeats the variance of a mean is τ² + s_i², with s_i known from the repeats and τ ≥ 0 estimated: a law
     earns nothing by following the means closer than their repeats allow. Without repeats it is a multiple of
-    s_i², estimated too; the deviance is then Σ ln s_i² + K ln(χ²/K). The s_i² of a data set may be a factor larger.
+    s_i², estimated too; the deviance is then Σ ln s_i² + K ln(χ²/K).
     """
-    K, known = len(means), means.std**2 * np.asarray(factor)[..., np.newaxis]
+    squared, known = residual**2, means.std**2
     if not means.repeated:
-        scale = (residual**2 / known).sum(axis=-1, keepdims=True) / K
-        variance = np.maximum(scale * known, _RESOLVED**2)
-        return ScatterFit(np.log(variance).sum(axis=-1), variance, np.sqrt(variance.mean(axis=-1)))
-    extra = _between_variance(residual**2, known)
-    variance = known + extra
-    deviance = (np.log(variance) + residual**2 / variance).sum(axis=-1) - K
-    return ScatterFit(deviance, variance, np.sqrt(extra[..., 0]))
+        variance = np.maximum(float((squared / known).mean()) * known, _RESOLVED**2)
+        return ScatterFit(float(np.log(variance).sum()), variance)
 
-
-def _between_variance(squared: FloatArray, known: FloatArray) -> FloatArray:
-    """Return the τ² ≥ 0 of greatest likelihood, shape (…, 1), by bisection of its score."""
-    low, high = np.zeros((*squared.shape[:-1], 1)), squared.max(axis=-1, keepdims=True)
-
-    def rising(extra: FloatArray) -> BoolArray:
+    def score(extra: float) -> float:
         variance = known + extra
-        return np.asarray(((squared - variance) / variance**2).sum(axis=-1, keepdims=True) > 0.0)
+        return float(((squared - variance) / variance**2).sum())
 
-    high = np.where(rising(low), high, 0.0)
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        above = rising(middle)
-        before = low, high
-        low, high = np.where(above, middle, low), np.where(above, high, middle)
-        # Nothing is left to halve, as from the first where the repeats explain all.
-        if (low == before[0]).all() and (high == before[1]).all():
-            break
-    return np.asarray(0.5 * (low + high))
+    most = float(squared.max())
+    extra = brentq(score, 0.0, most, xtol=_EXACT * most) if score(0.0) > 0.0 else 0.0
+    variance = known + extra
+    return ScatterFit(float((np.log(variance) + squared / variance).sum()) - len(means), variance)

@@ -246,10 +246,8 @@ def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
         yield not around, f"the interval of {name} from {low:g} to {high:g} is none of {value:g}"
     yield not np.isfinite(covariance).all(), "the covariance is not finite"
     yield bool((variance < 0.0).any()), "the covariance has a negative variance"
-    yield (
-        not np.allclose(covariance, covariance.T, rtol=_ROUNDING, atol=0.0),
-        "the covariance is not symmetric",
-    )
+    symmetric = np.allclose(covariance, covariance.T, rtol=_ROUNDING, atol=0.0)
+    yield not symmetric, "the covariance is not symmetric"
     beyond = np.abs(covariance) > np.outer(std, std) * (1.0 + _ROUNDING)
     yield bool(beyond.any()), "the covariance has a correlation above 1"
     for item, own in zip(fit.parameters, std, strict=True):
@@ -274,10 +272,7 @@ def _checks_of_common_errors(fit: FitResult, std: FloatArray) -> Iterator[tuple[
     for place, item in enumerate(fit.common_errors):
         name = f"common_errors[{place}]"
         yield not (type(item.name) is type(item.unit) is str), f"{name} has no name or unit"
-        yield (
-            not 0.0 < item.std < inf,
-            f"the std of {name} is {item.std!r:.40}",
-        )
+        yield not 0.0 < item.std < inf, f"the std of {name} is {item.std!r:.40}"
         wrong = len(item.change) != std.size or not np.isfinite(item.change).all()
         yield wrong, f"the change of {name} is not a number for each parameter"
     if fit.common_errors:

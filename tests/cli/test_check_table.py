@@ -56,8 +56,8 @@ def test_a_workbook_tells_the_same_as_text(call, tmp_path):
     texts = [call("check", path).out.partition("\n")[2]
         for path in (tmp_path / "list.xlsx", write(tmp_path / "list.csv", HEAD, rows()))]  # fmt: skip
     assert texts[0] == texts[1]
-    assert "constant-offset: is told from constant (in " in texts[0]
-    assert "may be told in 50 % or more" in texts[0]
+    assert "constant-offset: distinguishable from constant (in " in texts[0]
+    assert "probably distinguishable: in 50 % of campaigns or more" in texts[0]
 
 
 def test_a_plan_can_be_checked_as_it_was_written(call, tmp_path):

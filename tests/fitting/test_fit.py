@@ -14,7 +14,6 @@ from scipy import optimize
 from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting import problem as problems
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.statistics import pooled_scatter
 from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import LAWS
 
@@ -126,9 +125,6 @@ def test_constant_coefficient_does_not_depend_on_the_unit_of_force(mu, scale, se
 
 def test_scatter_between_conditions_is_found():
     rng = np.random.default_rng(1)
-    group = np.repeat(np.arange(200), 5)
-    pulls = 0.01 * rng.normal(size=1000)
-    assert pooled_scatter(pulls, group).within == pytest.approx(0.01, rel=0.06)
     table = table_of("constant", [0.2], radii=np.linspace(0.02, 0.08, 10), wraps=np.linspace(2, 12, 12),
         loads=(20,))  # fmt: skip
     new_rope = np.exp(0.03 * np.repeat(rng.normal(size=120), 3))

@@ -8,6 +8,7 @@ import pytest
 from pulled import grid, table_at
 from scipy import optimize, stats
 
+from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting.budgets import state_lift
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.intervals import is_straight, with_intervals
@@ -212,6 +213,56 @@ def test_the_mean_of_a_new_rope_lies_between_the_law_and_one_pull():
     )
 
 
+def test_a_measured_rope_is_predicted_as_theory_says_for_a_balanced_design():
+    """Each of n ropes over each wrap: the slope of a rope, shrunk to the mean by ρ, with an error in closed form."""
+    rng, n, S = np.random.default_rng(7), 3, float(WRAPS @ WRAPS)
+    ropes = np.tile([0, 1, 2], 6)
+    rise = np.repeat(WRAPS, 3) * 0.2 * (1 + 0.05 * rng.normal(size=3))[ropes]
+    rise += np.repeat(0.01 * rng.normal(size=6), 3) + 0.01 * rng.normal(size=18)
+    fit = fit_law(table(rise, 3, labels={"rope_id": tuple(f"r{r}" for r in ropes)}), "constant")
+    found = predict(fit, wheel(5.0), rope="r1").this_rope
+    slopes = np.array([WRAPS @ rise[ropes == r] / S for r in range(n)])
+    mu, of = slopes.mean(), dict(zip(fit.scatter.names, fit.scatter.variance, strict=True))
+    own, rest = mu**2 * of["rope"], of["repeat"] / S
+    rho = own / (own + rest)
+    assert math.log(found.lift_force_N[0] / 20.0) / 5.0 == pytest.approx(
+        mu + rho * (slopes[1] - mu), rel=1e-5
+    )
+    by = {"rope": mu**2 * rest, "condition": 0.0, "repeat": -own / S}
+    by = np.array([by[name] for name in fit.scatter.names]) / (own + rest) ** 2  # ∂ρ by the variances
+    more = 2.0 * (1 - 1 / n) * (own + rest) * by @ fit.scatter.covariance @ by
+    variance = of["condition"] / S + rest / n + (1 - 1 / n) * rho * rest + more
+    assert found.std_N[0] / found.lift_force_N[0] == pytest.approx(5.0 * math.sqrt(variance), rel=1e-3)
+
+
+def test_a_measured_rope_is_known_better_than_a_new_one_and_truly():
+    rng, held, pulls, n = np.random.default_rng(5), 0, 0, 30
+    for _ in range(n):
+        trials = roped(rng)
+        found = predict(fit_law(trials, "constant", n_starts=1), wheel(6.0), rope="r0")
+        this, end = found.this_rope, math.log(20.0)
+        # The rope's own μ, from its trials without noise as `roped` draws them.
+        of = np.array(trials.labels["rope_id"]) == "r0"
+        rise = np.log(trials.peak_N / trials.end_tension_N)[of]
+        truth = 6.0 * float(
+            rise @ trials.wrap_angle_rad[of] / (trials.wrap_angle_rad[of] @ trials.wrap_angle_rad[of])
+        )
+        low, high = np.log(this.interval_N[0]) - end
+        held += low <= truth <= high
+        low, high = np.log(this.prediction_interval_N[0]) - end
+        pulls += low <= truth + 0.01 * math.sqrt(2.0) * rng.normal() <= high
+        assert np.ptp(this.interval_N) < np.ptp(found.rope_interval_N)
+    assert min(held, pulls) > 24
+
+
+def test_a_rope_that_nobody_pulled_is_refused():
+    fit = fit_law(roped(np.random.default_rng(2)), "constant")
+    with pytest.raises(UnknownNameError, match="no trial of the fit was made with the rope 'r7'"):
+        predict(fit, wheel(), rope="r7")
+    with pytest.raises(InputError, match="does not tell ropes apart"):
+        predict(fit_law(roped(np.random.default_rng(2), named=False), "constant"), wheel(), rope="r1")
+
+
 def test_a_group_that_goes_with_something_else_is_said_and_not_counted():
     trials = roped(np.random.default_rng(2))
     each = {"rope_id": tuple(map(str, range(len(trials)))), "operator": tuple(map(str, trials.group())),
@@ -224,10 +275,19 @@ def test_a_group_that_goes_with_something_else_is_said_and_not_counted():
         assert said in text
 
 
+def test_a_pull_far_off_its_repeats_is_said():
+    rng = np.random.default_rng(3)
+    rise = 0.2 * np.repeat(WRAPS, 5) + 0.02 * rng.normal(size=30)
+    assert not any("off its repeats" in note for note in fit_law(table(rise, 5), "constant").notes)
+    rise[7] += 0.15
+    (note,) = (note for note in fit_law(table(rise, 5), "constant").notes if "off its repeats" in note)
+    assert f"wrap {np.degrees(WRAPS[1]):.4g} deg, F_B = 20 N" in note
+
+
 def test_a_fit_with_ropes_predicts_the_same_from_its_file():
     fit = fit_law(roped(np.random.default_rng(2)), "wrap-power")
     again = FitResult.from_dict(fit.to_dict())
-    assert predict(again, wheel()).to_dict() == predict(fit, wheel()).to_dict()
+    assert predict(again, wheel(), rope="r1").to_dict() == predict(fit, wheel(), rope="r1").to_dict()
 
 
 # --- stated errors --------------------------------------------------------------------------------------------------

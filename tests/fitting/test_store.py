@@ -241,4 +241,8 @@ def test_a_fit_of_version_0_1_0_loads_and_its_data_give_nearly_the_same(tmp_path
     old = load_fit(tmp_path / "coupled-0.1.0.json")
     assert repr(old["mu_inf"].value) == "0.4611695939390463"
     assert 0.0 < verify_fit(tmp_path / "coupled-0.1.0.json").difference < 0.5
-    assert predict(old, one_condition(0.04, 0.0049, 6.0, 40.0)).dof[0] > 0.0
+    found, size = predict(old, one_condition(0.04, 0.0049, 6.0, 40.0)), old.statistics
+    assert found.dof[0] > 0.0
+    # One pull: the scatter that was stored, with normal quantiles nearly, beside the law.
+    std = np.sqrt(found.std_log[0] ** 2 + size.scatter_within**2 + np.nan_to_num(size.scatter_between) ** 2)
+    assert np.ptp(np.log(found.prediction_interval_N[0])) == pytest.approx(4.0 * std, rel=0.15)

@@ -80,7 +80,7 @@ def test_a_law_that_cannot_be_trusted_does_not_win_and_one_without_an_answer_can
     winner = choose_law(replace(found, ranking=(spoilt, *found.ranking[1:])))
     assert winner.fit.law != best.law
     assert winner.fit.trustworthy
-    assert f"{best.law} stands" in winner.doubts[0]
+    assert f"{best.law} fits better" in winner.doubts[0]
     assert "at-bound" in winner.doubts[0]
     gone = replace(best, fit=None, counted=False, note="no answer here")
     with pytest.raises(FitError, match="no answer here"):

@@ -13,7 +13,7 @@ from scipy import optimize, stats
 
 from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.predict import linear_std, new_rope_std, predict
+from ropefric.fitting.predict import new_rope_std, predict
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
@@ -84,8 +84,9 @@ def test_gradient_of_a_running_rope(wrap_fit, speed):
         down[i] -= h
         slope = (model.log_lift(up, at) - model.log_lift(down, at)) / (2 * h)
         np.testing.assert_allclose(J[:, i], slope, rtol=2e-6)
-    C = wrap_fit.covariance
-    np.testing.assert_allclose(linear_std(model, theta, C, at), [math.sqrt(j @ C @ j) for j in J], rtol=1e-9)
+    running = {"linear_density_kg_m": 0.06, "speed_m_s": speed} if speed else {}
+    expected = [math.sqrt(j @ wrap_fit.covariance @ j) for j in J]
+    np.testing.assert_allclose(predict(wrap_fit, at, **running).std_log, expected, rtol=1e-9)
 
 
 def test_running_rope_lifts_by_the_centrifugal_formula(constant_fit):

@@ -34,21 +34,20 @@ def test_one_wheel_tells_no_size_effect():
     assert found.power["constant"] == pytest.approx(0.05, abs=1e-3)
     assert all(np.isinf(std) for std in found.expected_std.values())
     assert outlook("coupled", at).power["wrap-power"] == pytest.approx(0.05, abs=0.01)
-    assert "cannot be told from constant" in found.text
+    assert "not distinguishable from constant" in found.text
     two = outlook("size-exponential", grid([0.015, 0.03, 0.06], [20.0], (90, 360, 720)))
     assert two.power["constant"] > 0.99
 
 
 def test_the_words_go_with_the_number_beside_them():
-    for power, words in ((0.1949, "cannot be told from constant (in 19 %"),
-            (0.2, "can hardly be told from constant (in 20 %"), (0.79, "may be told from constant (in 79 %"),
-            (0.796, "is told from constant (in 80 %"), (1.0, "is told from constant (in 100 %")):  # fmt: skip
+    words = {0.1949: "not", 0.2: "hardly", 0.79: "probably", 0.796: "", 1.0: ""}
+    for power, how in words.items():
         found = LawOutlook(law="howell", expected_std={}, untold=(), power={"constant": power})
-        assert words in found.text
-        verb = words.partition(" from")[0]
-        parts = SCALE.split(": ")[1].split(", ")
-        least = [float(part.split()[-4]) for part in parts if part.startswith(f"{verb} in")]
-        assert least == [] or power * 100.0 >= least[0] - 0.5
+        text = f"howell: {how} distinguishable from constant (in {100 * power:.0f} % of campaigns)"
+        assert found.text == text.replace(":  ", ": ")
+        # The words begin at the share that the scale names.
+        limits = {part.partition(": in ")[0]: float(part.split()[-6]) for part in SCALE.split(", ")}
+        assert 100 * power >= limits.get(f"{how} distinguishable".strip(), 0.0) - 0.5
 
 
 def test_too_few_conditions_judge_nothing():
@@ -78,5 +77,5 @@ def test_a_plan_says_what_it_can_tell():
     limits = RigLimits(wheel_radius_m=(0.03,), wrap_angle_rad=(2.0, 4.0, 6.0, 8.0, 10.0),
         end_tension_N=(20.0, 40.0), rope_radius_m=0.005, largest_force_N=1000.0)  # fmt: skip
     plan = plan_tests(law, limits, one_condition(0.03, 0.005, 7.0, 20.0), n_conditions=6, repeats=5)
-    told = "with this plan: constant-offset: is told from constant"
+    told = "with this plan: constant-offset: distinguishable from constant"
     assert any(note.startswith(told) for note in plan.notes)

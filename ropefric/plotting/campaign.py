@@ -117,7 +117,7 @@ def _draw_band(axes: Axes, band: Sequence[tuple[str, ...]], width: int) -> None:
     axes.vlines(edges, -0.5, len(CHECKS) - 0.5, color="white", linewidth=0.5 if crowded else 1.5)
     axes.set(xlim=(0, width), ylim=(len(CHECKS) - 0.5, -0.5))
     places = range(0, len(names), 10 if crowded else 1)
-    words = [names[place][:20] for place in places]
+    words = [_short(names[place], 20) for place in places]
     axes.set_xticks([place + 0.5 for place in places], words, rotation=90, fontsize=7)
     axes.set_yticks(range(len(CHECKS)), list(CHECKS), fontsize=8)
     axes.tick_params(length=0)
@@ -188,7 +188,7 @@ def draw_condition(
     )
     colors = style.shades(len(trials))
     sides: dict[str, Any] = {"ncols": 2, "width_ratios": (3, 2)} if traces else {}
-    with drawing(10.0, 5.0, margins=_MARGINS, squeeze=False, **sides) as (figure, rows):
+    with drawing(10.0, 5.0 if traces else 4.0, margins=_MARGINS, squeeze=False, **sides) as (figure, rows):
         panels = rows[0]
         for axes, left in zip(panels, (-0.1, -0.16) if traces else (-0.065,), strict=True):
             # Where they have room in any case: to look for it, matplotlib sets the numbers at the axes thrice.
@@ -465,7 +465,7 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
             usable = fate != "without a force"
             head = f"{trial.measured_N:.4g} N" if usable else str(trial.breakaway.status)
             ink = _FATES[fate]["color"] if fate != "kept" else style.INK
-            axes.text(column, row + 0.13, trial.trial[:16], color=style.INK, fontsize=6.5)
+            axes.text(column, row + 0.13, _short(trial.trial, 18), color=style.INK, fontsize=6.5)
             axes.text(column + _WIDE, row + 0.27, head, color=ink, fontsize=6.5, ha="right", weight="bold")
             if trial.outline is None:
                 continue
@@ -489,6 +489,12 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
     first, last = (trials[0].trial, trials[-1].trial) if trials else ("", "")
     alt = f"{counted(len(trials), 'recording')}, {first} to {last}, each with its pick; {without} without a force."
     return FigureWithData(figure, (DataTable.of(trials, names),), alt)
+
+
+def _short(name: str, most: int) -> str:
+    """Return a name that is too long without its middle: names differ at their ends."""
+    half = (most - 1) // 2
+    return name if len(name) <= most else f"{name[: most - 1 - half]}…{name[-half:]}"
 
 
 def _in_cell(

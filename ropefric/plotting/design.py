@@ -15,6 +15,7 @@ from ropefric.fitting.predict import Prediction
 from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
+from ropefric.uncertainty.budget import Statement
 
 _LADDER = ("law", "k", "delta_aicc", "weight", "chi2", "loco_error", "status", "counted", "note")
 _EVEN = 2.0
@@ -93,10 +94,17 @@ def _ladder_in_words(comparison: Comparison, laws: str) -> str:
     return f"{text}."
 
 
+def draw_statement(stated: Statement, *, least_share: float = 0.0) -> FigureWithData:
+    """Return the contributions of a statement of uncertainty, those with more than `least_share` of the variance."""
+    model, budget = stated.model, stated.budget
+    rows = [(line.label, line.contribution) for line in budget.lines if line.share >= least_share]
+    return draw_budget(rows, unit=model.unit, title=model.name, combined=budget.combined)
+
+
 def draw_budget(
     rows: Sequence[tuple[str, float]], *, unit: str, title: str, combined: float
 ) -> FigureWithData:
-    """Return the contributions |c u| of a budget as bars, largest first, with their shares and the line of their sum."""
+    """Return the contributions |c u| of a budget as bars, largest first, with their shares."""
     # What is not known stands last.
     ranked = sorted(rows, key=lambda row: (math.isnan(row[1]), -abs(row[1])))
     names, values = [name for name, _ in ranked], np.abs([value for _, value in ranked])
@@ -125,21 +133,12 @@ def _draw_contributions(axes: Axes, names: Sequence[str], parts: FloatArray) -> 
     widths = np.nan_to_num(parts[0])
     places = range(len(names))
     axes.barh(places, widths, height=0.62, color=style.BLUE, alpha=0.75, edgecolor=style.INK, linewidth=0.6)
-    # Beside the axes, where the line of the sum cannot cross them.
     beside = axes.get_yaxis_transform()
     for place, value, share in zip(places, *parts[:2], strict=True):
         words = "unknown" if math.isnan(value) else f"{value:.3g}  ({100 * share:.3g} %)"
         axes.text(1.01, place, words, transform=beside, va="center", fontsize=9)
     _name_rows(axes, [style.typeset(name) for name in names])
     axes.set_xlim(0.0, 1.04 * max(widths))
-    above = axes.twiny()
-    n = int(np.isfinite(parts[2]).sum())
-    above.plot(100 * parts[2, :n], places[:n], "o--", color=style.ORANGE, markersize=4)
-    above.set_xlim(0.0, 104.0)
-    above.set_xticks([0, 20, 40, 60, 80, 100])
-    above.set_xlabel("Cumulative share of the variance [%] (dashed)")
-    above.spines["top"].set_visible(True)
-    above.grid(visible=False)
 
 
 def draw_tornado(rows: Sequence[tuple[str, float, float, float]]) -> FigureWithData:
@@ -199,7 +198,9 @@ def draw_design_chart(
         if required_N is not None:
             wraps_rad = [_smallest_wrap(chart, row, required_N) for row in range(n_wheels)]
             _draw_load(axes, wraps_rad, required_N)
-        style.hatch_untested(axes, np.degrees(chart.wrap_angle_rad), chart.extrapolated.all(axis=0))
+        style.hatch_untested(
+            axes, np.degrees(chart.wrap_angle_rad), np.asarray(chart.extrapolated.all(axis=0))
+        )
         if design is not None:
             _draw_design(axes, design)
         style.plain_log(axes, "y")

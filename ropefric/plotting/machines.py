@@ -25,7 +25,6 @@ from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.press.transient.start_up import StartUp
 
 _MOST_LINES = 6
-_DASHES = (*style.LINE_STYLES[:4], (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
 _DRAWN_POINTS, _DRAWN_CELLS = 2000, 250
 """Most points of a line, and of each side of a map, that a page can show; a finer sweep is thinned evenly."""
 
@@ -61,7 +60,10 @@ def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
             axes.set_ylabel(label)
         elif lines:
             for place, (values, row) in enumerate(_same_lines(map("{:.4g}".format, places[0]), grid).items()):
-                look: dict[str, Any] = {"linestyle": _DASHES[place], "color": str(0.65 * place / _MOST_LINES)}
+                look: dict[str, Any] = {
+                    "linestyle": style.LINE_STYLES[place],
+                    "color": str(0.65 * place / _MOST_LINES),
+                }
                 axes.plot(places[1], row, label=f"{outer[0].key} = {values} {outer[0].unit}".rstrip(), **look)
             axes.set_ylabel(label)
             style.legend_below(axes)
@@ -97,15 +99,9 @@ def _mark_outside(
             axes.contourf(places[1], places[0], outside.astype(float), **look)
         return
     masks = np.atleast_2d(outside)
-    everywhere = masks.all(axis=0)
+    everywhere = np.asarray(masks.all(axis=0))
     style.hatch_untested(axes, places[-1], everywhere)
-    pale: dict[str, Any] = {
-        "color": style.ORANGE,
-        "alpha": 0.4,
-        "linewidth": 6.0,
-        "marker": "o",
-        "markersize": 3.0,
-    }
+    pale: dict[str, Any] = {"color": (style.ORANGE, 0.4), "linewidth": 6.0, "marker": "o", "markersize": 3.0}
     for row, mask in zip(np.atleast_2d(grid), masks & ~everywhere, strict=True):
         if mask.any():
             shown = np.where(mask, row, np.nan)

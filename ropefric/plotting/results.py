@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
@@ -22,8 +21,8 @@ from ropefric.given import as_trace
 from ropefric.glossary import GLOSSARY, counted
 from ropefric.pipeline import CampaignRun
 from ropefric.plotting import style
-from ropefric.plotting.campaign import draw_overview
-from ropefric.plotting.design import draw_budget, draw_ladder
+from ropefric.plotting.campaign import draw_extraction
+from ropefric.plotting.design import draw_ladder, draw_statement
 from ropefric.plotting.figure import FigureWithData, drawing, on_axes, panels_of
 from ropefric.plotting.fits import draw_fit_band
 from ropefric.plotting.machines import draw_explanation, draw_layout, draw_sweep, scene_figures
@@ -47,15 +46,10 @@ _HOUSE: dict[type, Callable[..., FigureWithData]] = {
     FitResult: draw_fit_band,
     Sweep: draw_sweep,
     Comparison: draw_ladder,
-    Extraction: draw_overview,
-    CampaignRun: lambda run: draw_overview(run.extraction),
+    Extraction: draw_extraction,
+    CampaignRun: lambda run: draw_extraction(run.extraction),
     Explanation: draw_explanation,
-    Statement: lambda stated: draw_budget(
-        [(line.label, line.contribution) for line in stated.budget.lines],
-        unit=stated.model.unit,
-        title=stated.model.name,
-        combined=stated.budget.combined,
-    ),
+    Statement: draw_statement,
 }
 """Results that the house has a figure of."""
 
@@ -73,7 +67,7 @@ def draw(result: Any, *args: Any, ax: Axes | None = None, **options: Any) -> Axe
     return axes
 
 
-def _png(figure: Figure) -> bytes:
+def _png(figure: Any) -> bytes:
     stream = io.BytesIO()
     with style.house_style():
         figure.savefig(stream, format="png")

@@ -41,11 +41,8 @@ _CHAPTERS = {
     "next": "Recommended tests",
     "provenance": "Settings and provenance",
 }
-_WITHOUT = "without the decision"
-_OF_LAW = ("bands", "residuals", "ladder")
+_WITHOUT = "without the decision: "
 _NONE = (math.nan, math.nan, 0)
-_LEAST_SHARE = 0.001
-"""Of the variance: sources below are named, and have no line."""
 _WHERE = (
     "The plan uses the wheels of this campaign, and wraps and end tensions within the tested range. It makes the "
     "standard error of the lift force of the design as small as possible."
@@ -168,9 +165,7 @@ def _report(subject: Subject, pictures: Pictures) -> Report:
     of_trials.sort(key=lambda alert: alert.grade)
     if not pictures:
         of_trials.append(Alert("note", "No figures", "`ropefric report` adds the figures."))
-    by_hand = (
-        [Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))] if evidence.hand else []
-    )
+    hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
     front = page.front_blocks(subject, of_answer, of_trials, pictures.get("front", ()))
     blocks: dict[str, Iterable[Block]] = {"result": front}
     if not subject.wish.short:
@@ -180,35 +175,27 @@ def _report(subject: Subject, pictures: Pictures) -> Report:
             "recordings": pictures.get("recordings", ()),
             "friction": [*_causes(answer.diagnosis), *pictures.get("friction", ())],
             "law": [
-                *(drawn for key in _OF_LAW for drawn in pictures.get(key, ())),
+                *pictures.get("law", ()),
                 Fold("The laws compared", parts.comparison_section(answer.comparison)),
                 *parts.notes_sections(answer.fit),
             ],
             "uncertainty": _uncertainty(evidence, pictures),
-            "design": [
-                *pictures.get("design", ()),
-                *by_hand,
-            ],
+            "design": [*pictures.get("design", ()), *([hand] if evidence.hand else [])],
             "next": [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)] if evidence.plan else (),
             "provenance": _provenance(subject.provenance, 2 if run else 1),
         }
     chapters = (Chapter(key, _CHAPTERS[key], tuple(own)) for key, own in blocks.items())
-    shown = tuple(chapter for chapter in chapters if chapter.blocks)
-    return Report(subject.title, f"{subject.tally}.", shown)
+    return Report(subject.title, f"{subject.tally}.", tuple(one for one in chapters if one.blocks))
 
 
 def _uncertainty(evidence: Evidence, pictures: Pictures) -> Iterator[Block]:
-    typical = f"condition {evidence.typical_number}, a typical one"
     if evidence.lift is not None:
-        title = f"Budget of the {evidence.lift.model.name} of the design"
-        yield from parts.uncertainty_sections(evidence.lift, title, least_share=_LEAST_SHARE)
-    yield from (
-        drawn for key in ("budget_lift", "budget_force", "tornado") for drawn in pictures.get(key, ())
-    )
+        yield from parts.uncertainty_sections(evidence.lift, "The design", least_share=parts.LEAST_SHARE)
+    yield from pictures.get("uncertainty", ())
     if evidence.typical is not None:
-        title = f"Budget of the {evidence.typical.model.name} of {typical}"
-        found = parts.uncertainty_sections(evidence.typical, title, least_share=_LEAST_SHARE)
-        yield from found if evidence.lift is None else (Fold(found[0].title, found[0]),)
+        title = f"The {evidence.typical.model.name} of condition {evidence.typical_number}, a typical one"
+        found = parts.uncertainty_sections(evidence.typical, title, least_share=parts.LEAST_SHARE)
+        yield from found if evidence.lift is None else (Fold(title, found[0]),)
 
 
 def _causes(diagnosis: Diagnosis) -> Iterator[Section | Fold]:
@@ -217,12 +204,11 @@ def _causes(diagnosis: Diagnosis) -> Iterator[Section | Fold]:
     for one in diagnosis.causes:
         yes, decide = one.supported == "yes", one.supported == "cannot-tell"
         found[yes].append((one.cause, WORDS[one.supported], one.experiment if decide else one.evidence))
-    headings = ("cause ", "verdict ", "evidence ")
-    yield Section("", (diagnosis.summary,), headings if found[True] else (), found[True], 2)
+    headings = ("cause ", "verdict ", "evidence, or the test that would decide ")
+    yield Section("", (diagnosis.summary,), headings if found[True] else (), found[True])
     if rest := found[False]:
         names = ", ".join(row[0] for row in rest)
-        of_rest = ("cause ", "verdict ", "evidence, or the test that would decide ")
-        yield Fold(f"Not supported, or not tested: {names}", Section("", (), of_rest, rest, 2))
+        yield Fold(f"Not supported, or not tested: {names}", Section("", (), headings, rest))
 
 
 def _alerts_of_answer(answer: CampaignAnswer, evidence: Evidence, *, asked: bool) -> Iterator[Alert]:
@@ -362,13 +348,9 @@ def _decided_section(extraction: result.Extraction) -> Iterator[Section]:
     for trial in extraction.trials:
         if trial.decision or (trial.excluded and trial.by):
             what = trial.decision or f"excluded: {trial.excluded}"
-            without = [note for note in trial.breakaway.notes if note.startswith(_WITHOUT)]
-            own = (
-                trial.by,
-                trial.why,
-                "; ".join(note.removeprefix(_WITHOUT).lstrip(" :,") for note in without),
-            )
-            rows.append((trial.trial, what, plain(trial.measured_N), *own))
+            notes = (note.partition(_WITHOUT) for note in trial.breakaway.notes)
+            without = "; ".join(says for before, found, says in notes if found and not before)
+            rows.append((trial.trial, what, plain(trial.measured_N), trial.by, trial.why, without))
     if rows:
         headings = ("trial", "decision ", "force [N]", "by ", "reason ", "without the decision ")
         yield Section("Decisions of people", headings=headings, rows=rows, left=1)

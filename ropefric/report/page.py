@@ -186,18 +186,19 @@ def front_blocks(
         doubts.append(
             Alert("doubt", "The measurements", f"{'; '.join(doubtful)}. The annex says what to do.")
         )
-    if doubts or not grave:
-        yield Section("Remarks")
-        yield doubts or [Alert("note", "All checks passed", "")]
-    trials = subject.run.extraction.trials if subject.run else ()
-    decided = [one for one in trials if one.decision or (one.excluded and one.by)]
-    who = ", ".join(sorted({one.by for one in decided if one.by})) or "a person who is not named"
-    by_people = [f"{counted(len(decided), 'trial')} decided by {who}."] if decided else []
-    tested = (
-        f"Tested: {', '.join(parts.tested_ranges(answer.fit))}. Beyond this range the law is extrapolated."
-    )
-    yield Section("Limits and assumptions", notes=(tested, *words.assumptions, *by_people))
+    yield Section("Remarks")
+    yield doubts or [Alert("note", "See the first line" if grave else "All checks passed", "")]
+    tested = f"Tested: {', '.join(parts.tested_ranges(answer.fit))}. The law is extrapolated beyond."
+    yield Section("Limits and assumptions", notes=(tested, *words.assumptions, *_decided(subject.run)))
     yield {name: value for name, value in subject.measured.items() if value}
+
+
+def _decided(run: CampaignRun | None) -> Iterator[str]:
+    """Say how many trials people decided about, and who."""
+    trials = run.extraction.trials if run else ()
+    if decided := [one for one in trials if one.decision or (one.excluded and one.by)]:
+        who = ", ".join(sorted({one.by for one in decided if one.by})) or "a person who is not named"
+        yield f"{counted(len(decided), 'trial')} decided by {who}."
 
 
 def measured_rows(run: CampaignRun) -> dict[str, str]:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from ropefric.scenes.solve import Solution, Uncertain
     from ropefric.scenes.sweep import Sweep
 
+LEAST_SHARE = 0.001
+"""Of the variance: in a report, sources below are named and have no line."""
 _GOALS = {"v": "the wanted prediction", "d": "the parameters"}
 
 
@@ -57,16 +59,15 @@ def fit_section(fit: FitResult, title: str = "", *, short: bool = False) -> Sect
         unit = "" if declared.unit == "-" else f" [{declared.unit}]"
         value, known = plain(item.value, ".5g"), found.interval_dof != 0.0
         if item.vary and not item.at_bound:
+            std = span = "not known"
             if known:
-                value, std = to_error(item.value, item.std), to_error(item.std, item.std)
-            else:
-                std = "not known"
-            span = ends(item.ci95, item.std) if known else "not known"
+                value, _, std = plus_minus(item.value, item.std).partition(" ± ")
+                span = ends(item.ci95, item.std)
             in_short = shorthand(item.value, item.std) if known else value
         else:
             std, span = ("at its bound" if item.vary else "fixed"), "–"
             in_short = f"{value} at its bound" if item.at_bound else value
-        values = (in_short,) if short else (value, std)
+        values = (in_short,) if short else (value, std or "–")
         rows.append((f"{item.name}{unit}", *values, span, declared.meaning))
     told = ("value(standard error)",) if short else ("value", "standard error")
     headings = ("parameter", *told, "95 % interval", "meaning ")
@@ -204,18 +205,12 @@ def plan_sections(plan: LabPlan) -> tuple[Section, ...]:
     lines = (
         f"{law.name}; scatter {scattered}, measuring chain {plain(scatter.instrument_N, '.2g')} N",
         f"expected: {expected_values}",
-        f"chosen from {plan.n_candidates} conditions; {_agreeing(plan)}",
+        f"chosen from {plan.n_candidates} conditions; {plan.agreeing_starts} of {plan.starts} optimiser starts agree",
     )
     title = f"{conditions} to test, {pulls}, the best for {_GOALS[plan.criterion]}"
     headings = ("no.", "R_w [mm]", "wrap [deg]", "F_B [N]", "repeats", "expected F_A [N]", "of the cell")
     what = Section(title, lines, headings, rows, notes=plan.notes)
     return what, *(_worth_section(plan, i) for i in range(len(plan.wanted)))
-
-
-def _agreeing(plan: LabPlan) -> str:
-    if plan.agreeing_starts == plan.starts:
-        return f"all {plan.starts} optimiser starts agree"
-    return f"{plan.agreeing_starts} of {plan.starts} optimiser starts agree"
 
 
 def _worth_section(plan: LabPlan, i: int) -> Section:
@@ -228,12 +223,11 @@ def _worth_section(plan: LabPlan, i: int) -> Section:
         ("one factor at a time about the wanted condition", plan.one_factor_at_target),
     ):
         half, std_N = float(outlook.half_width_log[i]), lift_N * float(outlook.std_log[i])
-        known, both = half < 50.0, (lift_N * math.exp(-half), lift_N * math.exp(half)) if half < 50.0 else ()
-        span = ends(both, std_N) if known else "not determined"
+        both = (lift_N * math.exp(side * half) for side in (-1.0, 1.0))
+        span = ends(both, std_N) if half < 50.0 else "not determined"
         rows.append((name, plain(std_N, ".2g"), span, str(outlook.dof)))
     headings = ("tests", "standard error [N]", f"{100 * plan.level:g} % interval of the mean [N]", "dof")
-    narrower = (f"{100.0 * (1.0 - 1.0 / one):.0f} %" for one in (plan.gain, plan.gain_at_target))
-    middle, at_target = narrower
+    middle, at_target = (f"{100.0 * (1.0 - 1.0 / one):.0f} %" for one in (plan.gain, plan.gain_at_target))
     notes = (
         f"intervals {middle} narrower than one factor at a time about the middle, {at_target} about the design",
         "These numbers hold for the parameters and the scatter known today. Plan again after the first tests.",
@@ -265,15 +259,15 @@ def uncertainty_sections(stated: Statement, title: str, *, least_share: float = 
     )
     small = [line for line in found.lines if line.share < least_share]
     below = [f"below {percent(least_share)} of the variance: {', '.join(line.label for line in small)}"]
-    notes = (*(below if small else ()), *_draws_notes(stated, unit), *stated.notes)
+    notes = (*below[: len(small)], *_draws_notes(stated, unit), *stated.notes)
     rows = [_budget_row(line) for line in found.lines if line not in small]
     smaller = [
         (item.action, plain(item.expanded, ".3g"), f"{100 * item.saving:.0f} %")
         for item in stated.improvements
     ]
-    headings = ("measure ", f"U{f' [{stated.model.unit}]' if unit else ''}", "smaller by")
+    headings = ("measure ", f"U [{stated.model.unit}]", "smaller by")
     reduce = Section("How to reduce the uncertainty", (), headings, smaller)
-    return (Section(title, lines, _BUDGET, rows, 2, notes), *([reduce] if smaller else []))
+    return (Section(title, lines, _BUDGET, rows, 2, notes), reduce)[: 2 if smaller else 1]
 
 
 def budgets_section(stated: Sequence[tuple[int, str, Statement]], title: str) -> Section:
@@ -307,15 +301,15 @@ def _draws_notes(stated: Statement, unit: str) -> Iterator[str]:
     drawn, found = stated.drawn, stated.budget
     yield f"{stated.status}: {stated.status.advice}"
     gap, word = max(drawn.gaps), "agree" if drawn.agrees else "do not agree"
-    both = (ends(x, found.combined) for x in (drawn.symmetric_interval, drawn.shortest_interval))
-    symmetric, shortest = both
+    both = drawn.symmetric_interval, drawn.shortest_interval
+    symmetric, shortest = (ends(x, found.combined) for x in both)
     yield (
         f"{drawn.draws} draws (seed {drawn.seed}) {word} with y ± U = {ends(found.interval, found.combined)}{unit}: "
         f"symmetric {symmetric}{unit}, shortest {shortest}{unit}. The ends differ by up to "
         f"{float(f'{100 * gap / found.expanded:.2g}'):g} % of U; {100 * DISAGREEMENT:g} % are allowed."
     )
-    digits = {0: "is not passed", 1: "holds to one digit", 2: "holds to two digits"}
-    yield f"The test of JCGM 101 §8.1 {digits[min(drawn.validated_digits, 2)]}."
+    digits = ("is not passed", "holds to one digit", "holds to two digits")[min(drawn.validated_digits, 2)]
+    yield f"The test of JCGM 101 §8.1 {digits}."
     if drawn.unanswered:
         yield f"{drawn.unanswered} draws have no answer."
 

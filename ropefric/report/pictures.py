@@ -9,16 +9,15 @@ from ropefric.fitting.predict import REGRESSORS
 from ropefric.pipeline import CampaignAnswer, Evidence
 from ropefric.plotting import campaign as of_trials
 from ropefric.plotting import fits as of_laws
-from ropefric.plotting.design import draw_budget, draw_design_chart, draw_ladder, draw_tornado
+from ropefric.plotting.design import draw_design_chart, draw_ladder, draw_statement, draw_tornado
 from ropefric.plotting.figure import Draw, Progress, start_drawing
 from ropefric.report.page import Picture, Subject
-from ropefric.trials.result import Extraction, TrialResult
+from ropefric.report.parts import LEAST_SHARE
+from ropefric.trials.result import Extraction
 
 FOLDER = "figures"
 """Where the numbers of the figures are written, beside the page."""
 
-_LEAST_SHARE = 0.001
-"""Of the variance: a bar of a smaller share cannot be seen."""
 _SWEPT = ("wrap_angle_rad", "end_tension_N", "wheel_radius_m")
 
 Drawings = Iterator[tuple[str, str, str, Draw]]
@@ -46,15 +45,15 @@ def draw_pictures(
     for chapter, stem, caption, _ in drawings:
         svg, own = made[stem]
         files = tuple(f"{FOLDER}/{path.name}" for path in own)
-        found.setdefault(chapter, []).append(
-            Picture(stem, svg, caption, files, narrow=chapter in {"front", "bands"})
-        )
+        narrow = chapter == "front" or stem.startswith("fit_over")
+        found.setdefault(chapter, []).append(Picture(stem, svg, caption, files, narrow))
     return found
 
 
 def _of_front(answer: CampaignAnswer, extraction: Extraction | None, evidence: Evidence) -> Drawings:
     """Give a typical recording, where there are any, and the law with its data."""
-    if extraction is not None and (trial := typical_trial(extraction, evidence.typical_number)) is not None:
+    trial = of_trials.typical_trial(extraction, evidence.typical_number) if extraction else None
+    if trial is not None:
         caption = f"A typical recording, {trial.trial}, with the force picked from it."
         yield "front", "typical_recording", caption, partial(of_trials.draw_recording, trial)
     caption = (
@@ -65,20 +64,6 @@ def _of_front(answer: CampaignAnswer, extraction: Extraction | None, evidence: E
     yield "front", "law", caption, partial(of_laws.draw_fit_band, answer.fit, over=over)
 
 
-def typical_trial(extraction: Extraction, number: int) -> TrialResult | None:
-    """Return the kept trial of a condition, or of the first that has one, whose force is closest to their mean.
-
-    One with bumps, spikes or hum is typical only where all have them.
-    """
-    by_name = {trial.trial: trial for trial in extraction.trials}
-    for item in (*extraction.conditions[max(number - 1, 0) : number], *extraction.conditions):
-        kept = [by_name[name] for name in item.trials if by_name[name].kept and by_name[name].outline]
-        if kept:
-            more = {t.trial: bool(t.breakaway.events or t.breakaway.notes) for t in kept}
-            return min(kept, key=lambda t: (more[t.trial], abs(t.measured_N - item.mean_kept_N)))
-    return None
-
-
 def _swept(answer: CampaignAnswer) -> list[str]:
     """Return the regressors that the trials change."""
     validity = answer.fit.validity
@@ -87,12 +72,8 @@ def _swept(answer: CampaignAnswer) -> list[str]:
 
 def _of_trials(extraction: Extraction) -> Drawings:
     """Give the recordings not kept or with a remark, a typical one of each condition, and the worst condition."""
-    typical = (typical_trial(extraction, i) for i in range(1, len(extraction.conditions) + 1))
-    shown = {one.trial for one in typical if one} | {
-        t.trial for t in extraction.trials if not t.kept or t.problems
-    }
-    trials = [trial for trial in extraction.trials if trial.trial in shown]
-    pages = [*of_trials.pages_of_recordings(trials)]
+    trials = of_trials.worth_a_look(extraction)
+    pages = of_trials.pages_of_recordings(trials)
     for place, page in enumerate(pages, start=1):
         caption = (
             f"Recordings {page[0].trial} to {page[-1].trial}: those that are not kept or have a remark, and a typical "
@@ -100,9 +81,9 @@ def _of_trials(extraction: Extraction) -> Drawings:
             "highest force, and its length."
         )
         yield "recordings", f"recordings_{place}", caption, partial(of_trials.draw_recordings, page)
-    if (place := worst_condition(extraction)) is not None:
-        stem, item = [*of_trials.conditions_of(extraction).items()][place]
-        caption = f"Repeatability of condition {place + 1}, which has the most trials not kept."
+    if (worst := worst_condition(extraction)) is not None:
+        stem, item = [*of_trials.conditions_of(extraction).items()][worst]
+        caption = f"Repeatability of condition {worst + 1}, which has the most trials not kept."
         yield "trials", stem, caption, partial(of_trials.draw_condition, *item, traces=False)
 
 
@@ -129,36 +110,30 @@ def _of_laws(answer: CampaignAnswer) -> Drawings:
         title = REGRESSORS[name][0]
         caption = f"The law and the measured conditions over the {title}."
         stem = f"fit_over_{title.replace(' ', '_')}"
-        yield "bands", stem, caption, partial(of_laws.draw_fit_band, fit, over=name)
+        yield "law", stem, caption, partial(of_laws.draw_fit_band, fit, over=name)
     caption = (
         "Standardised residuals. Residuals of a good fit have no trend, one in twenty lies beyond ±2, and they follow "
         "the line of the normal quantiles."
     )
-    yield "residuals", "residuals", caption, partial(of_laws.draw_residuals, fit)
+    yield "law", "residuals", caption, partial(of_laws.draw_residuals, fit)
     if answer.comparison.conclusive:
         caption = "Laws ranked by AICc, with their weight and their error at conditions left out of the fit."
-        yield "ladder", "ladder", caption, partial(draw_ladder, answer.comparison)
+        yield "law", "ladder", caption, partial(draw_ladder, answer.comparison)
 
 
 def _of_design(answer: CampaignAnswer, evidence: Evidence) -> Drawings:
     """Give the budget, the sensitivities of the design, and its neighbours, as far as there are any."""
-    typical = f"the measured force of condition {evidence.typical_number}"
-    for stated, stem, what in (
-        (evidence.lift, "budget_lift", "the lift force of the design"),
-        (evidence.typical, "budget_force", typical),
-    ):
-        if stated is not None:
-            model, budget = stated.model, stated.budget
-            rows = [(line.label, line.contribution) for line in budget.lines if line.share > _LEAST_SHARE]
-            draw = partial(draw_budget, rows, unit=model.unit, title=model.symbol, combined=budget.combined)
-            yield stem, stem, f"Contributions to the standard uncertainty of {what}, largest first.", draw
-            break  # one picture; of the other the table says the same
+    typical = "budget_force", f"the measured force of condition {evidence.typical_number}"
+    stem, what = ("budget_lift", "the lift force of the design") if evidence.lift else typical
+    if (stated := evidence.lift or evidence.typical) is not None:
+        caption = f"Contributions to the standard uncertainty of {what}, largest first."
+        yield "uncertainty", stem, caption, partial(draw_statement, stated, least_share=LEAST_SHARE)
     if evidence.swings:
         caption = (
             "Change of the lift force when one input changes: each setting by 5 %, the law and the rope from end to end "
             "of their intervals."
         )
-        yield "tornado", "tornado", caption, partial(draw_tornado, evidence.swings)
+        yield "uncertainty", "tornado", caption, partial(draw_tornado, evidence.swings)
     if (chart := evidence.chart) is not None:
         caption = (
             f"Lift force over the wrap at F_B = {chart.end_tension_N:.4g} N. Lines: mean law; bands: down to the force "

@@ -10,11 +10,11 @@ import pandas as pd
 import pytest
 
 from ropefric.cli.app import main
+from ropefric.plotting.campaign import typical_trial
 from ropefric.report import page as pages
 from ropefric.report.campaign import write_report
 from ropefric.report.page import Wish
 from ropefric.report.parts import plus_minus
-from ropefric.report.pictures import typical_trial
 from ropefric.trials.campaign_model import ReportWords
 
 WORDS = ('\n[report]\nlab = "Friction & rope laboratory"\ncustomer = "Hoists Ltd."\nnumber = "2026-014"\n'

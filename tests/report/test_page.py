@@ -11,8 +11,8 @@ from html.parser import HTMLParser
 import pytest
 
 from ropefric.fitting.store import load_fit
+from ropefric.plotting.campaign import typical_trial
 from ropefric.report.parts import plus_minus
-from ropefric.report.pictures import typical_trial
 
 LARGEST_BYTES = 3_000_000
 VOID = {"meta", "br", "hr", "img", "input", "link"}

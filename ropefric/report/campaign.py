@@ -171,7 +171,7 @@ def _report(subject: Subject, pictures: Pictures) -> Report:
     if not subject.wish.short:
         blocks |= {
             "warnings": [of_trials] if of_trials else [],
-            "trials": [*(_trial_sections(run, evidence) if run else ()), *pictures.get("trials", ())],
+            "trials": _trial_sections(run, evidence) if run else (),
             "recordings": pictures.get("recordings", ()),
             "friction": [*_causes(answer.diagnosis), *pictures.get("friction", ())],
             "law": [

@@ -71,7 +71,7 @@ def _swept(answer: CampaignAnswer) -> list[str]:
 
 
 def _of_trials(extraction: Extraction) -> Drawings:
-    """Give the recordings not kept or with a remark, a typical one of each condition, and the worst condition."""
+    """Give the recordings not kept or with a remark, and a typical one of each condition."""
     trials = of_trials.worth_a_look(extraction)
     pages = of_trials.pages_of_recordings(trials)
     for place, page in enumerate(pages, start=1):
@@ -81,16 +81,6 @@ def _of_trials(extraction: Extraction) -> Drawings:
             "highest force, and its length."
         )
         yield "recordings", f"recordings_{place}", caption, partial(of_trials.draw_recordings, page)
-    if (worst := worst_condition(extraction)) is not None:
-        stem, item = [*of_trials.conditions_of(extraction).items()][worst]
-        caption = f"Repeatability of condition {worst + 1}, which has the most trials not kept."
-        yield "trials", stem, caption, partial(of_trials.draw_condition, *item, traces=False)
-
-
-def worst_condition(extraction: Extraction) -> int | None:
-    """Return the place from 0 of the condition with the most trials that are not kept; None where all are kept."""
-    gone = [item.n_recorded - item.n_kept for item in extraction.conditions]
-    return gone.index(max(gone)) if any(gone) else None
 
 
 def _of_laws(answer: CampaignAnswer) -> Drawings:

@@ -76,7 +76,11 @@ class Shown:
         return pd.DataFrame(columns)
 
     def plot(self, *args: Any, **options: Any) -> Any:
-        """Return a matplotlib figure of the result; a break-away takes its trace, a fit `over`, a sweep `quantity`."""
+        """Return the matplotlib axes the result is drawn on: the figure of the report.
+
+        `ax` names axes to draw on; without it a figure is made, `axes.figure`. A break-away takes its trace, a fit
+        `over`, a sweep `quantity`.
+        """
         return from_above("plot")(self, *args, **options)
 
 

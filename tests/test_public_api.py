@@ -387,7 +387,7 @@ def test_a_breakaway_is_a_dictionary_and_draws_itself_with_its_recording():
     assert json.loads(json.dumps(told)) == told
     assert (told["status"], told["peak_N"], told["recurrence_s"]) == ("ok", found.peak_N, None)
     assert told["phases"][0] == {"name": "idle", "start_s": 0.0, "end_s": pytest.approx(0.3, abs=0.05)}
-    axes = found.plot().axes[0]
+    axes = found.plot()
     assert axes.lines[0].get_ydata().size == PULL_N.size
     with pytest.raises(InputError, match=r"found\.plot\(trace\)"):
         replace(found, trace=None).plot()

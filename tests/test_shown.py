@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import ropefric as rf
@@ -66,13 +67,25 @@ def test_a_result_shows_itself_in_every_form(name):
     frame = result.to_frame()
     assert isinstance(frame, pd.DataFrame)
     assert len(frame) >= 1
-    assert isinstance(result.plot(), Figure)
+    drawn = result.plot()
+    assert isinstance(drawn, Axes)
+    assert drawn._repr_png_().startswith(b"\x89PNG")
+    page = Figure(layout="constrained")
+    left, right = page.subplots(ncols=2)
+    right.set_title("$x$")
+    given = result.plot(ax=left)
+    several = {"explanation"}  # has two panels, which take the place of the axes
+    assert (given is left) == (name not in several)
+    assert given.figure.figure is page
+    assert given.has_data()
+    assert right.get_title() == "$x$"
+    assert not right.has_data()
 
 
 def test_a_campaign_is_drawn_as_its_design():
     campaign = rf.load_campaign(ROOT / "data" / "prth-bench" / "campaign.toml")
     few = tuple(one for one in campaign.trials if one.trial != "c04-r01")
-    (drawn,) = campaign.model_copy(update={"trials": few}).plot().axes[0].collections
+    (drawn,) = campaign.model_copy(update={"trials": few}).plot().collections
     settings = {(one.wheel_radius_m, one.wrap_angle_rad, one.end_tension_N): 0 for one in few}
     assert len(drawn.get_offsets()) == len(settings) == 36
     assert sorted(drawn.get_array()) == sorted(force_N for _, _, force_N in settings)
@@ -149,8 +162,8 @@ def test_the_numbers_carry_unit_and_uncertainty():
 
 def test_a_break_away_is_drawn_on_its_recording():
     found = rf.find_breakaway(time_s, force_N)
-    assert found.plot().axes[0].lines[0].get_ydata().size == force_N.size
-    axes = found.plot({"time_s": time_s, "force_N": force_N}).axes[0]
+    assert found.plot().lines[0].get_ydata().size == force_N.size
+    axes = found.plot({"time_s": time_s, "force_N": force_N})
     assert axes.get_ylabel() == "Force [N]"
     assert "status" in found.to_frame().columns
     assert found.to_frame()["peak_N"].tolist() == [found.peak_N]

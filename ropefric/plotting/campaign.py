@@ -1,12 +1,10 @@
-"""A campaign in figures: trials against checks, conditions with their repeatability, one recording and all of them."""
+"""A campaign in figures: conditions with their repeatability, one recording, and those worth a look."""
 
 import math
 import os
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from functools import partial
-from itertools import groupby
 from pathlib import Path
 from textwrap import shorten
 from typing import Any
@@ -22,109 +20,9 @@ from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, Progress, drawing, start_drawing
 from ropefric.traces.breakaway import Status
-from ropefric.trials import numbers, result
+from ropefric.trials import numbers
 from ropefric.trials.outliers import RULES
 from ropefric.trials.result import ConditionSummary, Extraction, Outline, TrialResult
-
-OK, NOT_JUDGED, FLAG, FAIL = "ok", "not judged", "flag", "fail"
-"""What a check says of a trial."""
-# Four steps of lightness, and a hatch for the flag: the levels hold on grey paper.
-_LOOKS: dict[str, Any] = {
-    OK: {"facecolor": "#B9D7EA"},
-    NOT_JUDGED: {"facecolor": "#F3F3F3"},
-    FLAG: {"facecolor": "#E69F00", "hatch": "////", "edgecolor": "#5A3E00"},
-    FAIL: {"facecolor": "#4A0A12"},
-}
-_ONE_BAND, _BAND, _MANY = 40, 100, 600
-
-
-def _status(failing: Status) -> Callable[[TrialResult], str]:
-    return lambda trial: FAIL if trial.breakaway.status is failing else OK
-
-
-def _saturation(trial: TrialResult) -> str:
-    if trial.breakaway.status is Status.SATURATED:
-        return FAIL
-    return FLAG if trial.saturated_samples > 0 else OK
-
-
-CHECKS: dict[str, tuple[str, Callable[[TrialResult], str]]] = {
-    "file could be read": ("unreadable", _status(Status.UNREADABLE)),
-    "long enough": ("too short", _status(Status.TOO_SHORT)),
-    "below the converter's ceiling": ("at the converter's ceiling", _saturation),
-    "rope slipped": ("without a slip", _status(Status.NO_BREAKAWAY)),
-    "static peak found": ("without a static peak", _status(Status.NO_PEAK)),
-    "one force stands out": ("doubtful", _status(Status.DOUBTFUL)),
-    "no warning": ("with a warning", lambda trial: FLAG if _is_usable(trial) and trial.problems else OK),
-    "not excluded by the user": ("excluded by the user", lambda trial: FLAG if trial.excluded else OK),
-    "not rejected by the rule": ("rejected by the rule", lambda trial: FLAG if trial.rejected_by else OK),
-}
-"""What is looked at, in the order in which a recording goes through it; its opposite, and what it says of a trial."""
-
-
-def check_trial(trial: TrialResult) -> tuple[str, ...]:
-    """Return what each of `CHECKS` says of a trial; after a failure nothing more is judged."""
-    said: list[str] = []
-    for _, check in CHECKS.values():
-        said.append(NOT_JUDGED if FAIL in said else check(trial))
-    return tuple(said)
-
-
-def draw_overview(extraction: Extraction) -> FigureWithData:
-    """Return the matrix of all trials of a campaign against the checks: ok, flag or fail.
-
-    Up to 40 trials stand in one band, each with its name; more are broken into bands of about 100, in the order of
-    the trial list, with every tenth name.
-    """
-    rows = tuple((trial.trial, *check_trial(trial)) for trial in extraction.trials)
-    n = len(rows)
-    widest = n if n <= _ONE_BAND else _BAND if n <= _MANY else 2 * _BAND
-    width = math.ceil(n / math.ceil(n / widest)) if n else 1
-    bands = [rows[start : start + width] for start in range(0, n, width)] or [()]
-    longest = max((len(name) for name, *_ in rows), default=0)
-    counts = f"{counted(n, 'trial')}: {result.outcome_words(result.count_trials(extraction))}"
-    band_inch = 0.19 * len(CHECKS) + 0.25 + 0.065 * min(longest, 20)
-    with drawing(10.0, 1.1 + band_inch * len(bands), nrows=len(bands), squeeze=False) as (figure, panels):
-        if not rows:
-            style.say_instead(panels[0, 0], "there is no trial")
-        for axes, band in zip(panels[:, 0], bands if rows else (), strict=False):
-            _draw_band(axes, band, width)
-        figure.suptitle(f"{extraction.name}, {counts}")
-        style.legend_of_figure(figure)
-    alt = f"Campaign {extraction.name}" + (f", {counts}." if rows else ": there is no trial.")
-    told = Counter(
-        check for _, *said in rows for check, one in zip(CHECKS, said, strict=True) if one in {FLAG, FAIL}
-    )
-    if told:
-        marked = (f"{told[check]} {opposite}" for check, (opposite, _) in CHECKS.items() if told[check])
-        alt += f" By check: {', '.join(marked)}."
-    return FigureWithData(figure, (DataTable.of_rows(("trial", *CHECKS), rows),), alt)
-
-
-def _draw_band(axes: Axes, band: Sequence[tuple[str, ...]], width: int) -> None:
-    names, *columns = zip(*band, strict=True)
-    crowded = width > _ONE_BAND
-    for row, column in enumerate(columns):
-        for said, look in _LOOKS.items():
-            spans, place = [], 0
-            for found, run in groupby(column):
-                length = len(list(run))
-                spans += [(float(place), float(length))] if found == said else []
-                place += length
-            if spans:
-                axes.broken_barh(spans, (row - 0.42, 0.84), linewidth=0, label=said, **look)
-    edges = range(1, len(names))
-    axes.vlines(edges, -0.5, len(CHECKS) - 0.5, color="white", linewidth=0.5 if crowded else 1.5)
-    axes.set(xlim=(0, width), ylim=(len(CHECKS) - 0.5, -0.5))
-    places = range(0, len(names), 10 if crowded else 1)
-    words = [names[place][:20] for place in places]
-    axes.set_xticks([place + 0.5 for place in places], words, rotation=90, fontsize=7)
-    axes.set_yticks(range(len(CHECKS)), list(CHECKS), fontsize=8)
-    axes.tick_params(length=0)
-    axes.grid(visible=False)
-    for spine in axes.spines.values():
-        spine.set_visible(False)
-
 
 # Room for six-digit forces on the left and for three rows of legend below.
 _MARGINS = {"left": 0.09, "right": 0.985, "top": 0.86, "bottom": 0.27, "wspace": 0.24}
@@ -188,7 +86,7 @@ def draw_condition(
     )
     colors = style.shades(len(trials))
     sides: dict[str, Any] = {"ncols": 2, "width_ratios": (3, 2)} if traces else {}
-    with drawing(10.0, 5.0, margins=_MARGINS, squeeze=False, **sides) as (figure, rows):
+    with drawing(10.0, 5.0 if traces else 4.0, margins=_MARGINS, squeeze=False, **sides) as (figure, rows):
         panels = rows[0]
         for axes, left in zip(panels, (-0.1, -0.16) if traces else (-0.065,), strict=True):
             # Where they have room in any case: to look for it, matplotlib sets the numbers at the axes thrice.
@@ -432,6 +330,32 @@ def draw_recording(trial: TrialResult) -> FigureWithData:
     return FigureWithData(figure, (DataTable(columns),), alt)
 
 
+def typical_trial(extraction: Extraction, number: int) -> TrialResult | None:
+    """Return the kept trial of a condition, or of the first that has one, whose force is closest to their mean.
+
+    One with bumps, spikes or hum is typical only where all have them.
+    """
+    by_name = {trial.trial: trial for trial in extraction.trials}
+    for item in (*extraction.conditions[max(number - 1, 0) : number], *extraction.conditions):
+        kept = [by_name[name] for name in item.trials if by_name[name].kept and by_name[name].outline]
+        if kept:
+            more = {t.trial: bool(t.breakaway.events or t.breakaway.notes) for t in kept}
+            return min(kept, key=lambda t: (more[t.trial], abs(t.measured_N - item.mean_kept_N)))
+    return None
+
+
+def worth_a_look(extraction: Extraction) -> tuple[TrialResult, ...]:
+    """Return the trials that are not kept or have a remark, and a typical one of each condition, in their order."""
+    found = (typical_trial(extraction, number + 1) for number in range(len(extraction.conditions)))
+    typical = {one.trial for one in found if one is not None}
+    return tuple(t for t in extraction.trials if t.trial in typical or not t.kept or t.problems)
+
+
+def draw_extraction(extraction: Extraction) -> FigureWithData:
+    """Return the first page of the recordings of a campaign that are worth a look."""
+    return draw_recordings(next(pages_of_recordings(worth_a_look(extraction)), ()))
+
+
 def pages_of_recordings(trials: Sequence[TrialResult]) -> Iterator[tuple[TrialResult, ...]]:
     """Give the trials that are drawn, in their order, as many at once as one figure shows.
 
@@ -465,7 +389,7 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
             usable = fate != "without a force"
             head = f"{trial.measured_N:.4g} N" if usable else str(trial.breakaway.status)
             ink = _FATES[fate]["color"] if fate != "kept" else style.INK
-            axes.text(column, row + 0.13, trial.trial[:16], color=style.INK, fontsize=6.5)
+            axes.text(column, row + 0.13, _short(trial.trial, 18), color=style.INK, fontsize=6.5)
             axes.text(column + _WIDE, row + 0.27, head, color=ink, fontsize=6.5, ha="right", weight="bold")
             if trial.outline is None:
                 continue
@@ -489,6 +413,12 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
     first, last = (trials[0].trial, trials[-1].trial) if trials else ("", "")
     alt = f"{counted(len(trials), 'recording')}, {first} to {last}, each with its pick; {without} without a force."
     return FigureWithData(figure, (DataTable.of(trials, names),), alt)
+
+
+def _short(name: str, most: int) -> str:
+    """Return a name that is too long without its middle: names differ at their ends."""
+    half = (most - 1) // 2
+    return name if len(name) <= most else f"{name[: most - 1 - half]}…{name[-half:]}"
 
 
 def _in_cell(

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,11 @@ from matplotlib.axes import Axes
 from ropefric.arrays import FloatArray
 from ropefric.fitting.compare import Comparison, ComparisonEntry
 from ropefric.fitting.design import DesignChart
+from ropefric.fitting.predict import Prediction
 from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
+from ropefric.uncertainty.budget import Statement
 
 _LADDER = ("law", "k", "delta_aicc", "weight", "chi2", "loco_error", "status", "counted", "note")
 _EVEN = 2.0
@@ -28,7 +31,7 @@ def draw_ladder(comparison: Comparison) -> FigureWithData:
     entries = comparison.ranking
     conditions = counted(comparison.n, comparison.unit.removesuffix("s"))
     laws = f"{counted(len(entries), 'law')} on {counted(comparison.n_trials, 'trial')}"
-    with drawing(10.0, 1.7 + 0.36 * max(len(entries), 2)) as (figure, axes):
+    with drawing(10.0, 1.5 + 0.29 * max(len(entries), 2)) as (figure, axes):
         axes.axvspan(-0.4, _EVEN, color=style.BLUE, alpha=0.12, linewidth=0)
         axes.axvline(_CLEAR, color=style.GREY, linewidth=1.0, linestyle=":")
         largest = max([entry.delta_aicc for entry in entries if _is_ranked(entry)], default=_CLEAR)
@@ -41,9 +44,7 @@ def draw_ladder(comparison: Comparison) -> FigureWithData:
         for row, entry in enumerate(entries):
             _draw_entry(axes, row, entry)
         _name_rows(axes, [entry.law for entry in entries])
-        axes.set_xlabel(
-            "ΔAICc [-];  shaded: as good as the best;  beyond the dotted line: hardly any support"
-        )
+        axes.set_xlabel("ΔAICc [-];  shaded: as good as the best;  right of the dotted line: no support")
         axes.set_title(f"{laws}, {conditions}", loc="left")
         for x, text in ((1.02, "weight"), (1.12, "error,\nunseen")):
             axes.text(x, 1.0, text, transform=axes.transAxes, fontsize=9, va="bottom")
@@ -65,8 +66,9 @@ def _draw_entry(axes: Axes, row: int, entry: ComparisonEntry) -> None:
     beside = axes.get_yaxis_transform()
     if not _is_ranked(entry):
         axes.plot([0.0], [row], "x", color=style.GREY, markersize=7, markeredgewidth=1.6)
-        note = entry.note or "not counted"
-        axes.text(0.04, row, f"  {note[:95]}", transform=beside, va="center", fontsize=8, color=style.GREY)
+        # Whole, in as many lines as it needs.
+        note = "\n".join(wrap(entry.note or "not ranked", 105))
+        axes.text(0.05, row, note, transform=beside, va="center", fontsize=7, color=style.GREY)
         return
     best = entry.delta_aicc == 0.0
     color = style.law_look(entry.law)["color"]
@@ -92,10 +94,17 @@ def _ladder_in_words(comparison: Comparison, laws: str) -> str:
     return f"{text}."
 
 
+def draw_statement(stated: Statement, *, least_share: float = 0.0) -> FigureWithData:
+    """Return the contributions of a statement of uncertainty, those with more than `least_share` of the variance."""
+    model, budget = stated.model, stated.budget
+    rows = [(line.label, line.contribution) for line in budget.lines if line.share >= least_share]
+    return draw_budget(rows, unit=model.unit, title=model.name, combined=budget.combined)
+
+
 def draw_budget(
     rows: Sequence[tuple[str, float]], *, unit: str, title: str, combined: float
 ) -> FigureWithData:
-    """Return the contributions |c u| of a budget as bars, largest first, with their shares and the line of their sum."""
+    """Return the contributions |c u| of a budget as bars, largest first, with their shares."""
     # What is not known stands last.
     ranked = sorted(rows, key=lambda row: (math.isnan(row[1]), -abs(row[1])))
     names, values = [name for name, _ in ranked], np.abs([value for _, value in ranked])
@@ -103,7 +112,7 @@ def draw_budget(
     shares = values**2 / (total or math.nan)
     parts = np.stack([values, shares, np.cumsum(shares)])
     columns = dict(zip(("contribution", "share", "cumulative_share"), parts, strict=True))
-    with drawing(10.0, 1.9 + 0.38 * max(len(names), 2)) as (figure, axes):
+    with drawing(10.0, 1.8 + 0.3 * max(len(names), 2)) as (figure, axes):
         axes.set_xlabel(f"Contribution to the standard uncertainty [{unit or '-'}]")
         if total > 0.0:
             _draw_contributions(axes, names, parts)
@@ -124,21 +133,12 @@ def _draw_contributions(axes: Axes, names: Sequence[str], parts: FloatArray) -> 
     widths = np.nan_to_num(parts[0])
     places = range(len(names))
     axes.barh(places, widths, height=0.62, color=style.BLUE, alpha=0.75, edgecolor=style.INK, linewidth=0.6)
-    # Beside the axes, where the line of the sum cannot cross them.
     beside = axes.get_yaxis_transform()
     for place, value, share in zip(places, *parts[:2], strict=True):
         words = "unknown" if math.isnan(value) else f"{value:.3g}  ({100 * share:.3g} %)"
         axes.text(1.01, place, words, transform=beside, va="center", fontsize=9)
     _name_rows(axes, [style.typeset(name) for name in names])
     axes.set_xlim(0.0, 1.04 * max(widths))
-    above = axes.twiny()
-    n = int(np.isfinite(parts[2]).sum())
-    above.plot(100 * parts[2, :n], places[:n], "o--", color=style.ORANGE, markersize=4)
-    above.set_xlim(0.0, 104.0)
-    above.set_xticks([0, 20, 40, 60, 80, 100])
-    above.set_xlabel("Cumulative share of the variance [%] (dashed)")
-    above.spines["top"].set_visible(True)
-    above.grid(visible=False)
 
 
 def draw_tornado(rows: Sequence[tuple[str, float, float, float]]) -> FigureWithData:
@@ -146,7 +146,7 @@ def draw_tornado(rows: Sequence[tuple[str, float, float, float]]) -> FigureWithD
     swings = ((*row, float(np.nanmax(row[1:]) - np.nanmin(row[1:]))) for row in rows)
     ranked = sorted(swings, key=lambda row: -row[4])
     base_N = rows[0][3]
-    with drawing(10.0, 1.7 + 0.42 * max(len(ranked), 2)) as (figure, axes):
+    with drawing(10.0, 1.5 + 0.34 * max(len(ranked), 2)) as (figure, axes):
         axes.set_xlabel(style.figure_label("lift_force_N"))
         _draw_swings(axes, ranked, base_N)
         style.legend_of_figure(figure)
@@ -180,32 +180,38 @@ def _draw_swings(axes: Axes, ranked: Sequence[tuple[str, float, float, float, fl
 _MARKERS_A_LINE = 8
 
 
-def draw_design_chart(chart: DesignChart, *, required_N: float | None = None) -> FigureWithData:
+def draw_design_chart(
+    chart: DesignChart, *, required_N: float | None = None, design: Prediction | None = None
+) -> FigureWithData:
     """Return the chart of a design: F_A over the wrap for each wheel, on a logarithmic force axis.
 
-    Solid lines are the mean law, dashed ones what a pull with a new rope exceeds with the chart's probability; where
-    the line is pale, the wheel or wrap lies outside what was tested. A triangle marks the smallest wrap whose dashed
-    line reaches the required load.
+    Solid lines are the mean law; the band below reaches down to what a pull with a new rope exceeds with the chart's
+    probability. Lines are pale where wheel or wrap were not tested, and wraps tested for no wheel are hatched. A star
+    marks the design with the interval of one pull, a triangle the smallest wrap whose band lies above the load.
     """
     n_wheels, n_wraps = chart.wheel_radius_m.size, chart.wrap_angle_rad.size
     radii_mm = [f"{1e3 * radius_m:.4g} mm" for radius_m in chart.wheel_radius_m.tolist()]
     wraps_rad: list[float] = []
-    with drawing(9.0, 6.0) as (figure, axes):
+    with drawing(10.0, 5.0) as (figure, axes):
         for row, color in enumerate(style.shades(n_wheels)):
             _draw_wheel(axes, chart, row, color, style.typeset(f"R_w = {radii_mm[row]}"))
         if required_N is not None:
             wraps_rad = [_smallest_wrap(chart, row, required_N) for row in range(n_wheels)]
             _draw_load(axes, wraps_rad, required_N)
-        axes.set_yscale("log")
-        axes.yaxis.set_major_formatter("{x:g}")
+        style.hatch_untested(
+            axes, np.degrees(chart.wrap_angle_rad), np.asarray(chart.extrapolated.all(axis=0))
+        )
+        if design is not None:
+            _draw_design(axes, design)
+        style.plain_log(axes, "y")
         axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.figure_label("lift_force_N"))
         turns = axes.secondary_xaxis(
             "top", functions=(lambda deg: np.divide(deg, 360.0), lambda turn: np.multiply(turn, 360.0))
         )
         turns.set_xlabel("Wrap [turns]")
         axes.set_title(
-            style.typeset(f"Lift force at F_B = {chart.end_tension_N:.4g} N; dashed: exceeded by ")
-            + f"{100 * chart.probability:g} % of pulls with a new rope; pale: not tested"
+            style.typeset(f"Lift force at F_B = {chart.end_tension_N:.4g} N; band: down to the force that ")
+            + f"{100 * chart.probability:g} % of pulls exceed"
         )
         style.legend_below(axes, columns=4)
     forces_N = {name: getattr(chart, name).ravel() for name in ("lift_force_N", "lower_bound_N")}
@@ -260,8 +266,21 @@ def _draw_wheel(axes: Axes, chart: DesignChart, row: int, color: object, label: 
     wrap_deg = np.degrees(chart.wrap_angle_rad)
     marker, every = style.MARKERS[row % len(style.MARKERS)], max(1, wrap_deg.size // _MARKERS_A_LINE)
     marked: dict[str, Any] = {"marker": marker, "markevery": every, "markersize": 4.5, "label": label}
-    for found_N, dashes, look in ((chart.lift_force_N, "-", marked), (chart.lower_bound_N, "--", {})):
-        force_N = np.where(np.isfinite(found_N[row]), found_N[row], np.nan)
-        tested_N = np.where(chart.extrapolated[row], np.nan, force_N)
-        axes.plot(wrap_deg, force_N, dashes, color=color, alpha=0.3, linewidth=1.0)
-        axes.plot(wrap_deg, tested_N, dashes, color=color, linewidth=1.5, **look)
+    mean_N, low_N = (
+        np.where(np.isfinite(one), one, np.nan) for one in (chart.lift_force_N[row], chart.lower_bound_N[row])
+    )
+    axes.fill_between(wrap_deg, low_N, mean_N, color=color, alpha=0.2, linewidth=0)
+    axes.plot(wrap_deg, mean_N, color=color, alpha=0.3, linewidth=1.0)
+    axes.plot(
+        wrap_deg, np.where(chart.extrapolated[row], np.nan, mean_N), color=color, linewidth=1.5, **marked
+    )
+
+
+def _draw_design(axes: Axes, design: Prediction) -> None:
+    """Mark the first wheel of a prediction, with the interval of one pull, or of the mean law where there is none."""
+    lift_N, one_N = float(design.lift_force_N[0]), design.prediction_interval_N[0]
+    ends_N = one_N if np.isfinite(one_N).all() else design.interval_N[0]
+    look: dict[str, Any] = {"fmt": "*", "color": style.ORANGE, "markersize": 13, "capsize": 4, "zorder": 6}
+    look |= {"markeredgecolor": style.INK, "label": f"design: {lift_N:.4g} N"}
+    bars = np.abs(ends_N - lift_N).reshape(2, 1) if np.isfinite(ends_N).all() else None
+    axes.errorbar(math.degrees(design.conditions.wrap_angle_rad[0]), lift_N, bars, **look)

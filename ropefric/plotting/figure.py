@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
@@ -21,12 +22,14 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib import font_manager
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
+from ropefric.errors import InputError
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import csv_cell, csv_text, visible
 from ropefric.glossary import counted
@@ -105,26 +108,34 @@ def _listed(column: Iterable[object]) -> list[object]:
 
 
 class FigureWithData:
-    """A figure, the tables of what it shows, and its words, made of the labels of its axes where there are none."""
+    """A figure, the tables of what it shows, and its words, made of the labels of its axes where there are none.
 
-    def __init__(self, figure: Figure, tables: tuple[DataTable, ...], alt: str = "") -> None:
+    Where it was drawn on given axes, `figure` is these, or the part of the figure that took their place.
+    """
+
+    def __init__(self, figure: Any, tables: tuple[DataTable, ...], alt: str = "") -> None:
         # Names of trials and machine parts are anybody's: the one place that keeps them from being taken for TeX.
         rewrite_words(figure, figure_text)
         if not alt.strip():
-            pairs = [(axes.get_ylabel(), axes.get_xlabel()) for axes in figure.axes]
+            pairs = [(axes.get_ylabel(), axes.get_xlabel()) for axes in panels_of(figure)]
             named = [" over ".join(word for word in pair if word) for pair in pairs]
             panels = plain_text("; ".join(words for words in named if words)) or "Figure"
             alt = f"{panels} ({counted(len(tables[0].rows) if tables else 0, 'row')} of data)."
         self.figure, self.tables, self.alt = figure, tables, alt
 
 
-def rewrite_words(figure: Figure, rewrite: Callable[[str], str]) -> None:
-    """Rewrite every text of a figure, the words at its ticks too."""
+def panels_of(figure: Any) -> list[Axes]:
+    """Return the axes of a figure or a part of one; of axes, these alone."""
+    return figure.axes if isinstance(figure.axes, list) else [figure]
+
+
+def rewrite_words(figure: Any, rewrite: Callable[[str], str]) -> None:
+    """Rewrite every text of a figure or of axes, the words at the ticks too."""
     for text in _texts(figure):
         shown = text.get_text()
         if shown and (new := rewrite(shown)) != shown:
             text.set_text(new)
-    for axes in figure.axes:
+    for axes in panels_of(figure):
         for axis in (axes.xaxis, axes.yaxis):
             # Ticks with words of their own: matplotlib asks for these again at each drawing.
             for named in getattr(getattr(axis.get_major_formatter(), "func", None), "args", ()):
@@ -163,14 +174,42 @@ def new_figure(
     return figure
 
 
+_GIVEN: ContextVar[Axes | None] = ContextVar("given", default=None)
+
+
+@contextmanager
+def on_axes(axes: Axes | None) -> Iterator[None]:
+    """Let the next figure be drawn on these axes instead of a page of its own; several panels take their place."""
+    token = _GIVEN.set(axes)
+    try:
+        yield
+    finally:
+        _GIVEN.reset(token)
+
+
 @contextmanager
 def drawing(
     width_inch: float, height_inch: float, *, margins: Mapping[str, float] | None = None, **panels: Any
-) -> Iterator[tuple[Figure, Any]]:
+) -> Iterator[tuple[Any, Any]]:
     """Give an empty figure to draw on, in the house's style, and its axes, an array of them where they are several."""
+    given = _GIVEN.get()
     with house_style():
-        figure = new_figure(width_inch, height_inch, margins=margins)
-        yield figure, figure.subplots(**panels)
+        if given is None:
+            figure = new_figure(width_inch, height_inch, margins=margins)
+            yield figure, figure.subplots(**panels)
+        elif panels:
+            yield (part := _in_place_of(given)), part.subplots(**panels)
+        else:
+            yield given, given
+
+
+def _in_place_of(axes: Axes) -> SubFigure:
+    """Return a part of the figure that takes the place of axes of a grid."""
+    place, figure = axes.get_subplotspec(), axes.figure
+    if place is None:
+        raise InputError("these axes belong to no grid", key="ax", fix="make them by figure.subplots()")
+    axes.remove()
+    return figure.add_subfigure(place)
 
 
 def draw_chart(chart: Chart) -> FigureWithData:

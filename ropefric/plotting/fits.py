@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
-from matplotlib.ticker import LogFormatter
 from scipy.special import ndtri
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
@@ -120,14 +119,8 @@ def _first(fits: Sequence[FitResult]) -> tuple[FitResult, ConditionPoints, str]:
     return fits[0], points, f"{counted(int(points.n.sum()), 'trial')}, {counted(points.n.size, 'condition')}"
 
 
-def _plain_log(axes: Axes, axis: str) -> None:
-    """Make an axis logarithmic, with plain numbers at its ticks."""
-    axes.set(**{f"{axis}scale": "log"})
-    getattr(axes, f"{axis}axis").set_major_formatter("{x:g}")
-
-
 def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
-    """Return three facets: μ̄ of every condition against F_B, φ and R_w, with the lines of the fitted laws.
+    """Return μ̄ of every condition against those of F_B, φ and R_w that were varied, with the lines of fitted laws.
 
     In each facet the filled points are the largest set of conditions that differ in its quantity alone, and the laws
     are drawn for the settings they share; the other conditions are small and hollow. Bars are ±2 standard
@@ -141,13 +134,16 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
             np.where(wrap_rad > 0.0, y / wrap_rad, np.nan) for y in (points.log_rise, points.std_log)
         )
     rows: list[tuple[object, ...]] = []
-    with drawing(10.0, 4.6, ncols=3, sharey=True) as (figure, panels):
-        for axes, over in zip(panels, FACETS, strict=True):
+    # Over what was not varied there is nothing to see.
+    varied = [name for name in FACETS if first.validity[name][1] > first.validity[name][0]] or [*FACETS]
+    with drawing(10.0, 4.0, ncols=len(varied), sharey=True, squeeze=False) as (figure, grid):
+        panels = grid[0]
+        for axes, over in zip(panels, varied, strict=True):
             settings, chosen = _settings_of(first, points, over)
             axes.set_xlabel(style.regressor_label(over))
             axes.set_title(_held(settings, FACETS), fontsize=9)
             if over == "end_tension_N":
-                _plain_log(axes, "x")
+                style.plain_log(axes, "x")
             factor = REGRESSORS[over][2]
             for fit in fits:
                 x, values = _average_mu(fit, settings, over)
@@ -215,7 +211,7 @@ def draw_capstan(fits: Sequence[FitResult]) -> FigureWithData:
             curves[fit.law] = lift[0] - along.log_end_tension
     laws = ", ".join(fit.law for fit in fits)
     alt = f"ln(F_A/F_B) against the wrap angle by the laws {laws}; no trials are stored with the fit."
-    with drawing(10.0, 5.6) as (figure, axes):
+    with drawing(10.0, 4.4) as (figure, axes):
         for law, curve in curves.items():
             straight = law == "straight line"
             look = style.law_look("constant" if straight else law) | {"linewidth": 1.2 if straight else 1.8}
@@ -254,67 +250,45 @@ def _draw_wheels(axes: Axes, points: ConditionPoints) -> None:
         _draw_means(axes, x[mask], points.log_rise[mask], 2.0 * np.nan_to_num(points.std_log[mask]), **look)
 
 
-def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad", narrow: bool = False) -> FigureWithData:
+def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad") -> FigureWithData:
     """Return F_A of a fitted law over one quantity with confidence and prediction band, extrapolation hatched.
 
-    The upper panel has the forces on a logarithmic axis, the lower one the same off the mean law, in per cent. The
-    inner band holds the mean law, the outer one a single pull with a new rope. Points are the means of the measured
-    conditions that have the settings drawn, crosses their trials where the fit still has them. Where it is to be
-    `narrow`, the upper panel stands alone.
+    The force axis is logarithmic. The inner band holds the mean law, the outer one a single pull with a new rope.
+    Points are the means of the measured conditions that have the settings drawn, crosses their trials where the fit
+    still has them.
     """
     points, (low, high) = condition_points(fit), fit.validity[over]
     settings, chosen = _settings_of(fit, points, over)
     x, columns = _band(fit, settings, over)
     means, mean_N = points.conditions.select(chosen), np.exp(points.log_lift[chosen])
-    # The end of a bar, the mean, and the other end.
-    bars_N = mean_N * np.exp(np.outer((-1.0, 0.0, 1.0), 2.0 * np.nan_to_num(points.std_log[chosen])))
-    measured = [(means, bars_N)]
-    if fit.problem is not None:
-        mine = chosen[fit.problem.group]
-        measured.append((fit.problem.conditions.select(mine), np.exp(fit.problem.log_lift[mine])))
     n = int(points.n[chosen].sum())
     title, unit, factor = REGRESSORS[over]
-    look: dict[str, Any] = {"nrows": 1} if narrow else {"nrows": 2, "height_ratios": (3, 2)}
-    size = (5.2, 4.3) if narrow else (10.0, 7.0)
-    with drawing(*size, sharex=True, squeeze=False, **look) as (figure, panels):
-        axes, last = panels[0, 0], panels[-1, 0]
-        hatch: dict[str, Any] = {"hatch": "///", "facecolor": "none", "edgecolor": "#9A9A9A", "linewidth": 0}
-        for panel in panels[:, 0]:
-            off = panel is not axes
-            _draw_band(panel, factor * x, 100.0 * (columns / columns[0] - 1.0) if off else columns, fit.law)
-            for start, stop in ((x[0], low), (high, x[-1])):
-                if stop > start:
-                    ends, label = (factor * start, factor * stop), "not tested: extrapolated"
-                    panel.axvspan(*ends, **hatch, zorder=0.5, label=label)
-            shown = [
-                (factor * getattr(at, over), _off_law(fit, at, force_N) if off else force_N)
-                for at, force_N in measured
-            ]
-            for at, force in shown[1:]:
-                panel.plot(at, force, "x", color=style.GREY, markersize=4, label="one trial")
-            at, (below, middle, above) = shown[0]
-            bars = np.stack([middle - below, above - middle])
-            label = "mean of a condition, ±2 u (k = 2)"
-            _draw_means(panel, at, middle, bars, label=label, zorder=5, **_CHOSEN)
-        axes.set_ylabel(style.figure_label("lift_force_N"))
-        _plain_log(axes, "y")
-        # A span of less than a decade has one number or none at the decades.
-        axes.yaxis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2.0, 0.6)))
-        last.set_xlabel(style.regressor_label(over))
-        if over == "end_tension_N":
-            _plain_log(last, "x")
-        axes.set_xlim(factor * x[0], factor * x[-1])
-        if narrow:
-            axes.set_title(_held(settings), fontsize=9)
-        else:
-            last.set_ylabel("Off the mean law [%]")
-            shown_trials = f"{counted(n, 'trial')} shown of {fit.statistics.n} fitted"
-            axes.set_title(f"Law {style.typeset(fit.law)} at {_held(settings)};  {shown_trials}")
-        style.legend_of_figure(figure, columns=2 if narrow else 5)
     outside = (x < low * (1 - 1e-9)) | (x > high * (1 + 1e-9))
+    with drawing(5.2, 4.3) as (figure, axes):
+        _draw_band(axes, factor * x, columns, fit.law)
+        style.hatch_untested(axes, factor * x, outside)
+        if fit.problem is not None:
+            mine = chosen[fit.problem.group]
+            at, force_N = fit.problem.conditions.select(mine), np.exp(fit.problem.log_lift[mine])
+            axes.plot(
+                factor * getattr(at, over), force_N, "x", color=style.GREY, markersize=4, label="one trial"
+            )
+        # The ends of a bar of ±2 u in ln F_A.
+        below, above = np.abs(np.expm1(np.outer((-1.0, 1.0), 2.0 * np.nan_to_num(points.std_log[chosen]))))
+        label = "mean of a condition, ±2 u (k = 2)"
+        bars_N = np.stack([below, above]) * mean_N
+        _draw_means(axes, factor * getattr(means, over), mean_N, bars_N, label=label, zorder=5, **_CHOSEN)
+        axes.set(xlabel=style.regressor_label(over), ylabel=style.figure_label("lift_force_N"))
+        style.plain_log(axes, "y")
+        if over == "end_tension_N":
+            style.plain_log(axes, "x")
+        axes.set_xlim(factor * x[0], factor * x[-1])
+        shown_trials = f"{counted(n, 'trial')} shown of {fit.statistics.n} fitted"
+        axes.set_title(f"Law {style.typeset(fit.law)} at {_held(settings)}\n{shown_trials}", fontsize=9)
+        style.legend_below(axes)
     law = {over: x} | dict(zip(_BAND, columns, strict=True)) | {"extrapolated": outside}
-    told = {over: getattr(means, over), "lift_force_N": mean_N}
-    told |= {"n": points.n[chosen], "std_log": points.std_log[chosen]}
+    measured = {over: getattr(means, over), "lift_force_N": mean_N}
+    measured |= {"n": points.n[chosen], "std_log": points.std_log[chosen]}
     at_end = zip(columns[:, int(np.searchsorted(x, high))].tolist(), ("N", "", "N", "", "N"), strict=True)
     lift, low_N, high_N, wide_low_N, wide_high_N = (style.shown(force, of) for force, of in at_end)
     there = f"{factor * high:.4g} {unit}"
@@ -323,14 +297,7 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad", narrow: bool 
         f"{counted(n, 'trial')}. At {there} it is {lift}, 95 % confidence {low_N} to "
         f"{high_N}, new pulls {wide_low_N} to {wide_high_N}."
     )
-    return FigureWithData(figure, (DataTable(law), DataTable(told, "measured")), alt)
-
-
-def _off_law(fit: FitResult, conditions: Conditions, force_N: FloatArray) -> FloatArray:
-    """Return how far off the law measured forces lie [%]."""
-    if not force_N.size:
-        return force_N
-    return 100.0 * (force_N / np.exp(fit.friction_law.log_lift(fit.theta, conditions)) - 1.0)
+    return FigureWithData(figure, (DataTable(law), DataTable(measured, "measured")), alt)
 
 
 def _band(fit: FitResult, settings: dict[str, Any], over: str) -> tuple[FloatArray, FloatArray]:
@@ -376,14 +343,14 @@ def draw_residuals(fit: FitResult) -> FigureWithData:
         **({"Trial, in the order of the table": order} if by_trial else {}),
         "Normal quantile [-]": quantile,
     }
-    with drawing(10.0, 4.2, ncols=len(drawn), sharey=True) as (figure, panels):
+    with drawing(10.0, 3.6, ncols=len(drawn), sharey=True) as (figure, panels):
         for axes, (label, x) in zip(panels, drawn.items(), strict=True):
             axes.set_xlabel(label)
             if x is quantile:
                 ends = float(np.abs(quantile).max(initial=1.0)) * np.array([-1.0, 1.0])
                 axes.plot(ends, ends, "--", color=style.INK, linewidth=1.0, label="normal law")
             _scatter(axes, x, z, fit.law)
-        _plain_log(panels[0], "x")
+        style.plain_log(panels[0], "x")
         panels[0].set_ylabel("Residual of ln F, standardised [-]")
         share = f"{beyond} of {z.size} beyond ±2" if z.size else _NO_TRIALS
         figure.suptitle(f"Law {fit.law}: {what}, {share}")

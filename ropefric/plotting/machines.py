@@ -25,7 +25,6 @@ from ropefric.systems.bandsaw.saw import Side
 from ropefric.systems.press.transient.start_up import StartUp
 
 _MOST_LINES = 6
-_DASHES = (*style.LINE_STYLES[:4], (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
 _DRAWN_POINTS, _DRAWN_CELLS = 2000, 250
 """Most points of a line, and of each side of a map, that a page can show; a finer sweep is thinned evenly."""
 
@@ -60,10 +59,12 @@ def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
             axes.plot(places[0], grid, color="black")
             axes.set_ylabel(label)
         elif lines:
-            for place, (value, row) in enumerate(zip(places[0], grid, strict=True)):
-                look: dict[str, Any] = {"linestyle": _DASHES[place], "color": str(0.65 * place / _MOST_LINES)}
-                words = f"{outer[0].key} = {value:.4g} {outer[0].unit}".rstrip()
-                axes.plot(places[1], row, label=words, **look)
+            for place, (values, row) in enumerate(_same_lines(map("{:.4g}".format, places[0]), grid).items()):
+                look: dict[str, Any] = {
+                    "linestyle": style.LINE_STYLES[place],
+                    "color": str(0.65 * place / _MOST_LINES),
+                }
+                axes.plot(places[1], row, label=f"{outer[0].key} = {values} {outer[0].unit}".rstrip(), **look)
             axes.set_ylabel(label)
             style.legend_below(axes)
         else:
@@ -89,7 +90,7 @@ def _thinned(sweep: Sweep, name: str, steps: Sequence[int]) -> FloatArray:
 def _mark_outside(
     axes: Axes, places: Sequence[FloatArray], grid: FloatArray, outside: BoolArray, *, as_lines: bool
 ) -> None:
-    """Mark where the law is used outside what it was tested for: a pale band under lines, hatches on a map."""
+    """Hatch where the law is used outside what it was tested for; a line that is so alone has a pale band."""
     if not outside.any():
         return
     if not as_lines:
@@ -97,22 +98,19 @@ def _mark_outside(
         if min(grid.shape) > 1:
             axes.contourf(places[1], places[0], outside.astype(float), **look)
         return
-    for row, mask in zip(np.atleast_2d(grid), np.atleast_2d(outside), strict=True):
-        pale: dict[str, Any] = {
-            "color": style.ORANGE,
-            "alpha": 0.4,
-            "linewidth": 6.0,
-            "marker": "o",
-            "markersize": 3.0,
-        }
-        axes.plot(
-            places[-1], np.where(mask, row, np.nan), zorder=0.5, label="not tested: extrapolated", **pale
-        )
+    masks = np.atleast_2d(outside)
+    everywhere = np.asarray(masks.all(axis=0))
+    style.hatch_untested(axes, places[-1], everywhere)
+    pale: dict[str, Any] = {"color": (style.ORANGE, 0.4), "linewidth": 6.0, "marker": "o", "markersize": 3.0}
+    for row, mask in zip(np.atleast_2d(grid), masks & ~everywhere, strict=True):
+        if mask.any():
+            shown = np.where(mask, row, np.nan)
+            axes.plot(places[-1], shown, zorder=0.5, label="this line not tested", **pale)
     style.legend_below(axes)
 
 
 def draw_explanation(told: Explanation) -> FigureWithData:
-    """Return what every effect of a scene is worth, against the accuracy wanted, and beside it the time it takes."""
+    """Return the influence of every effect of a scene, against the accuracy wanted, and beside it its computing time."""
     shown = [one for one in told.plan.decisions if one.fate != "not applicable"]
     rows, inside = np.arange(len(shown)), np.array([one.fate == "simulated" for one in shown])
     columns = {name: np.array([getattr(one, name) for one in shown]) for name in ("bound", "worth", "time_s")}
@@ -129,16 +127,16 @@ def draw_explanation(told: Explanation) -> FigureWithData:
         if np.isfinite(bounds).any():
             worth.plot(np.maximum(bounds, least), rows, "|", color=style.INK, markersize=14, label="bound")
         worth.axvline(told.plan.accuracy, color=style.ORANGE, linestyle="--", label="accuracy wanted")
-        worth.set(xscale="log", xlim=(least, most), xlabel="Worth, of the answer [-]")
+        worth.set(xscale="log", xlim=(least, most), xlabel="Largest influence on the answer [-]")
         worth.set_yticks(rows, [one.name for one in shown])
         worth.invert_yaxis()
-        takes.set_xlabel("Takes [ms]" if told.is_measured else "Time: --measure")
-        figure.suptitle(f"What the effects of this {told.system} scene are worth, and what they take")
+        takes.set_xlabel("Time [ms]" if told.is_measured else "Time: not measured")
+        figure.suptitle(f"Effects of this {told.system} scene: influence and computing time")
         style.legend_of_figure(figure, columns=4)
     alt = ", ".join(f"{one.name} {one.worth:.2g} ({one.fate})" for one in shown)
     named: dict[str, Any] = {"effect": [one.name for one in shown], "fate": [one.fate for one in shown]}
     table = DataTable({**named, **columns})
-    return FigureWithData(figure, (table,), f"What effects are worth: {alt}.")
+    return FigureWithData(figure, (table,), f"Largest influence of each effect: {alt}.")
 
 
 _ROLES = {"driver": style.BLUE, "driven": style.GREY, "tensioner": style.ORANGE}
@@ -217,14 +215,16 @@ _LEFT_BEHIND = 0.02
 _FLOOR = 1e-16
 
 
-def _same_tensions(names: Iterable[str], lines: FloatArray) -> dict[str, FloatArray]:
-    """Return each different line once, under all its names."""
+def _same_lines(names: Iterable[str], lines: FloatArray) -> dict[str, FloatArray]:
+    """Return each different line once, under all its names: none is drawn on another."""
     groups: list[tuple[list[str], FloatArray]] = []
-    for name, line in zip(names, lines.T, strict=True):
-        alike = (members for members, other in groups if np.allclose(line, other, rtol=1e-9, atol=1e-12))
+    for name, line in zip(names, lines, strict=True):
+        alike = (
+            members for members, other in groups if np.allclose(line, other, 1e-9, 1e-12, equal_nan=True)
+        )
         if (members := next(alike, None)) is None:
             groups.append((members := [], line))
-        members.append(f"T_{name}")
+        members.append(name)
     return {", ".join(members): line for members, line in groups}
 
 
@@ -257,7 +257,7 @@ def draw_press_start_up(found: StartUp) -> FigureWithData:
     with drawing(9.0, 11.0, margins=margins, **rows) as (figure, (tension, speed, slip, energy)):
         tension.set_xlim(found.time_s[0], found.time_s[-1])
         tension.set(title="Start-up: tension of every span, all its belts together", ylabel="Tension T [N]")
-        lines = _same_tensions(spans, found.tension_N)
+        lines = _same_lines((f"T_{name}" for name in spans), found.tension_N.T)
         for i, (line, color) in enumerate(zip(lines.values(), style.shades(len(lines)), strict=True)):
             tension.plot(found.time_s, line, color=color, linestyle=style.LINE_STYLES[i % 4], linewidth=1.3)
         tension.set_ylim(bottom=0.0)

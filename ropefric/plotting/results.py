@@ -1,13 +1,13 @@
 """The figure behind `plot()` of every result: which of the house's figures it is, and the plain ones of its own."""
 
+import io
 from collections import Counter
 from collections.abc import Callable, Sequence
-from functools import singledispatch
+from functools import partial, singledispatch
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
@@ -21,9 +21,9 @@ from ropefric.given import as_trace
 from ropefric.glossary import GLOSSARY, counted
 from ropefric.pipeline import CampaignRun
 from ropefric.plotting import style
-from ropefric.plotting.campaign import draw_overview
-from ropefric.plotting.design import draw_budget, draw_ladder
-from ropefric.plotting.figure import FigureWithData, drawing, rewrite_words
+from ropefric.plotting.campaign import draw_extraction
+from ropefric.plotting.design import draw_ladder, draw_statement
+from ropefric.plotting.figure import FigureWithData, drawing, on_axes, panels_of
 from ropefric.plotting.fits import draw_fit_band
 from ropefric.plotting.machines import draw_explanation, draw_layout, draw_sweep, scene_figures
 from ropefric.scenes.draws import Draws
@@ -46,32 +46,45 @@ _HOUSE: dict[type, Callable[..., FigureWithData]] = {
     FitResult: draw_fit_band,
     Sweep: draw_sweep,
     Comparison: draw_ladder,
-    Extraction: draw_overview,
-    CampaignRun: lambda run: draw_overview(run.extraction),
+    Extraction: draw_extraction,
+    CampaignRun: lambda run: draw_extraction(run.extraction),
     Explanation: draw_explanation,
-    Statement: lambda stated: draw_budget(
-        [(line.label, line.contribution) for line in stated.budget.lines],
-        unit=stated.model.unit,
-        title=stated.model.name,
-        combined=stated.budget.combined,
-    ),
+    Statement: draw_statement,
 }
 """Results that the house has a figure of."""
 
 
-def draw(result: Any, *args: Any, **options: Any) -> Figure:
-    """Return the figure of a result; a fit takes `over`, a sweep or draws `quantity`, a break-away its trace."""
+def draw(result: Any, *args: Any, ax: Axes | None = None, **options: Any) -> Axes:
+    """Return the axes a result is drawn on: `ax`, where they are given, else the first of a figure of its own.
+
+    A fit takes `over`, a sweep or draws `quantity`, a break-away its trace.
+    """
+    with on_axes(ax):
+        axes = panels_of(_figure_of(result, *args, **options).figure)[0]
+    if ax is None:
+        # By this a notebook shows the figure, whatever backend it has: nothing is kept in a global list of figures.
+        axes._repr_png_ = partial(_png, axes.figure)  # type: ignore[attr-defined]
+    return axes
+
+
+def _png(figure: Any) -> bytes:
+    stream = io.BytesIO()
+    with style.house_style():
+        figure.savefig(stream, format="png")
+    return stream.getvalue()
+
+
+def _figure_of(result: Any, *args: Any, **options: Any) -> FigureWithData:
     if type(result) in _HOUSE:
-        return _HOUSE[type(result)](result, *args, **options).figure
+        return _HOUSE[type(result)](result, *args, **options)
     if isinstance(result, Solution):
         for _, made in scene_figures(result):
-            return made.figure
+            return made
     with drawing(8.0, 4.5) as (figure, axes):
         paint(result, axes, *args, **options)
         if axes.get_legend() is None and axes.get_legend_handles_labels()[0]:
             axes.legend()
-        rewrite_words(figure, style.figure_text)
-    return figure
+    return FigureWithData(figure, ())
 
 
 @singledispatch
@@ -85,7 +98,8 @@ def _name_rows(axes: Axes, names: Sequence[str]) -> None:
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     figure: Any = axes.figure
-    figure.set_figheight(1.6 + 0.4 * len(names))
+    if len(figure.axes) == 1:  # not one of the user's with other axes
+        figure.set_figheight(1.6 + 0.4 * len(names))
 
 
 @paint.register

@@ -9,11 +9,15 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib.style
+import numpy as np
 from matplotlib import colormaps, rc_params_from_file
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.ticker import LogFormatter
+from matplotlib.transforms import ScaledTranslation
 
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.files.plain_text import visible
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.friction.laws import ALL_LAWS
@@ -125,14 +129,35 @@ def note_at(
     axes.annotate(text, point, xytext=(right, up), textcoords="offset points", **shown)
 
 
+def plain_log(axes: Axes, axis: str) -> None:
+    """Make an axis logarithmic, with plain numbers at its ticks, also where it is shorter than a decade."""
+    axes.set(**{f"{axis}scale": "log"})
+    ticks = getattr(axes, f"{axis}axis")
+    ticks.set_major_formatter("{x:g}")
+    ticks.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2.0, 0.6)))
+
+
+def hatch_untested(axes: Axes, x: FloatArray, outside: BoolArray) -> None:
+    """Hatch the parts of the x axis that lie outside the tested range; `outside` says it of each of the sorted `x`."""
+    look: dict[str, Any] = {"hatch": "///", "facecolor": "none", "edgecolor": "#9A9A9A", "linewidth": 0}
+    ends = np.flatnonzero(np.diff(np.r_[False, outside, False].astype(int)))
+    for first, stop in ends.reshape(-1, 2):
+        # A stretch reaches to the last tested point beside it.
+        span = x[max(first - 1, 0)], x[min(stop, x.size - 1)]
+        axes.axvspan(*span, **look, zorder=0.5, label="not tested: extrapolated")
+
+
 def legend_below(axes: Axes, *, columns: int = 2) -> None:
     """Put a legend under the axes with one entry for each label; none where nothing is labelled."""
     if entries := _entries([axes]):
         labels, handles = list(entries), list(entries.values())
-        axes.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=columns)
+        # Below numbers and label of the axis, however high the axes are.
+        below = axes.transAxes + ScaledTranslation(0.0, -0.45, axes.figure.dpi_scale_trans)
+        place: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": below}
+        axes.legend(handles, labels, ncols=columns, **place)
 
 
-def legend_of_figure(figure: Figure, *, columns: int = 5) -> None:
+def legend_of_figure(figure: Figure | SubFigure, *, columns: int = 5) -> None:
     """Put one legend under all axes of a figure, one entry for each label.
 
     A figure with constrained layout makes room for it; one with margins of its own needs to have it.

@@ -10,11 +10,12 @@ from typing import Any
 from ropefric import pipeline
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import json_document
+from ropefric.fitting.diagnose import WORDS, Diagnosis
 from ropefric.glossary import counted
 from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
 from ropefric.report import page, parts
 from ropefric.report.page import USUAL, Alert, Block, Chapter, Fold, Picture, Report, Subject, Wish
-from ropefric.section import Section, as_text, percent, plain
+from ropefric.section import Section, as_text, percent, plain, to_error
 from ropefric.traces.breakaway import ADVICE, Status
 from ropefric.trials import numbers, result
 from ropefric.trials.campaign_model import ReportWords
@@ -30,21 +31,21 @@ _SAID = 3
 """Problems of one kind that are said in full."""
 _CHAPTERS = {
     "result": "The result",
-    "warnings": "What to know of the measurements",
-    "trials": "What was measured",
-    "recordings": "Every recording and its pick",
-    "friction": "Does it obey the capstan equation?",
-    "law": "How good the law is",
-    "uncertainty": "What makes up the uncertainty",
+    "warnings": "Remarks on the measurements",
+    "trials": "Measured forces",
+    "recordings": "Recordings",
+    "friction": "Does the rope obey the capstan equation?",
+    "law": "Fit of the law",
+    "uncertainty": "Uncertainty budget",
     "design": "The design and its neighbours",
-    "next": "What to measure next",
+    "next": "Recommended tests",
     "provenance": "Settings and provenance",
 }
-_OF_LAW = ("ladder", "bands", "residuals")
+_WITHOUT = "without the decision: "
 _NONE = (math.nan, math.nan, 0)
 _WHERE = (
-    "Chosen among the wheels that were used, and wraps and end tensions between the smallest and the largest that "
-    "were, so that the lift force of the design becomes as certain as it can."
+    "The plan uses the wheels of this campaign, and wraps and end tensions within the tested range. It makes the "
+    "standard error of the lift force of the design as small as possible."
 )
 
 
@@ -123,7 +124,7 @@ def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
     counts = result.count_trials(run.extraction)
     lines = [f"{run.campaign.name}: {_tally(run.extraction)}"]
     if counts["n_rejected"]:
-        lines.append(f"rejected by the rule {run.campaign.rejection}; look for a physical reason")
+        lines.append(f"rejected by the rule {run.campaign.rejection}: look for a physical reason")
     if statuses := ", ".join(f"{n} {status}" for status, n in counts["status"].items() if status != "ok"):
         lines.append(f"recordings without a usable force: {statuses}")
     for name, cell in run.campaign.cells.items():
@@ -142,7 +143,7 @@ def answer_sections(answer: CampaignAnswer) -> tuple[Section, ...]:
         parts.fit_section(answer.fit, f"The law: {answer.fit.law}, {answer.winner.how}"),
         parts.comparison_section(answer.comparison),
         parts.diagnosis_section(answer.diagnosis),
-        Section("Doubts", notes=answer.doubts or ("nothing was found",)),
+        Section("Doubts", notes=answer.doubts or ("all checks passed",)),
     )
     lift = answer.prediction
     return sections if lift is None else (*sections, parts.prediction_section(lift))
@@ -155,63 +156,63 @@ def _tally(extraction: result.Extraction) -> str:
 
 
 def _report(subject: Subject, pictures: Pictures) -> Report:
-    """Return a report: the result on the first pages, then what to know, the evidence, settings and provenance."""
+    """Return a report: the result on the first pages, then the annex; of a short one the first pages alone."""
     answer, evidence, run = subject.answer, subject.evidence, subject.run
-    by_hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
-    open_causes = [one for one in answer.diagnosis.causes if one.supported == "cannot-tell"]
-    undecided = [f"{cause.cause}: {cause.experiment}" for cause in open_causes]
     of_answer = [*_alerts_of_answer(answer, evidence, asked=run is None or run.campaign.design is not None)]
     of_trials = [alert for alert in of_answer if alert.grade == "note"]
     if run is not None:
         of_trials += [*_alerts_of_trials(run.extraction), *_alerts_of_problems(run.extraction)]
     of_trials.sort(key=lambda alert: alert.grade)
     if not pictures:
-        text = "This report was made without figures; `ropefric report` adds them."
-        of_trials.append(Alert("note", "No figures", text))
-    blocks: dict[str, Iterable[Block]] = {
-        "result": page.front_blocks(subject, of_answer, len(of_trials), pictures.get("front", ())),
-        "warnings": [of_trials] if of_trials else [],
-        "trials": [*(_trial_sections(run, evidence) if run else ()), *pictures.get("trials", ())],
-        "recordings": pictures.get("recordings", ()),
-        "friction": [
-            parts.diagnosis_section(answer.diagnosis)._replace(title=""),
-            *pictures.get("friction", ()),
-            *([Section("What would decide it", notes=undecided)] if undecided else []),
-        ],
-        "law": [
-            parts.comparison_section(answer.comparison),
-            *(drawn for key in _OF_LAW for drawn in pictures.get(key, ())),
-            *parts.notes_sections(answer.fit),
-        ],
-        "uncertainty": _uncertainty(evidence, pictures),
-        "design": [*pictures.get("design", ()), *([by_hand] if evidence.hand else [])],
-        "next": [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)] if evidence.plan else (),
-        "provenance": _provenance(subject.provenance, 2 if run else 1),
-    }
+        of_trials.append(Alert("note", "No figures", "`ropefric report` adds the figures."))
+    hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
+    front = page.front_blocks(subject, of_answer, of_trials, pictures.get("front", ()))
+    blocks: dict[str, Iterable[Block]] = {"result": front}
+    if not subject.wish.short:
+        blocks |= {
+            "warnings": [of_trials] if of_trials else [],
+            "trials": _trial_sections(run, evidence) if run else (),
+            "recordings": pictures.get("recordings", ()),
+            "friction": [*_causes(answer.diagnosis), *pictures.get("friction", ())],
+            "law": [
+                *pictures.get("law", ()),
+                Fold("The laws compared", parts.comparison_section(answer.comparison)),
+                *parts.notes_sections(answer.fit),
+            ],
+            "uncertainty": _uncertainty(evidence, pictures),
+            "design": [*pictures.get("design", ()), *([hand] if evidence.hand else [])],
+            "next": [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)] if evidence.plan else (),
+            "provenance": _provenance(subject.provenance, 2 if run else 1),
+        }
     chapters = (Chapter(key, _CHAPTERS[key], tuple(own)) for key, own in blocks.items())
-    lead = f"{subject.tally}; the friction law they ask for, how good it is, and the lift force it gives."
-    shown = tuple(chapter for chapter in chapters if chapter.blocks)
-    return Report(subject.title, lead, shown)
+    return Report(subject.title, f"{subject.tally}.", tuple(one for one in chapters if one.blocks))
 
 
 def _uncertainty(evidence: Evidence, pictures: Pictures) -> Iterator[Block]:
-    typical = f"condition {evidence.typical_number}, a typical one"
-    for stated, key, of_what in (
-        (evidence.lift, "budget_lift", "the design"),
-        (evidence.typical, "budget_force", typical),
-    ):
-        if stated is not None:
-            budget, *rest = parts.uncertainty_sections(
-                stated, f"Budget of the {stated.model.name} of {of_what}"
-            )
-            yield budget
-            yield from pictures.get(key, ())
-            yield from (part for part in rest if part.lines or part.notes)
-            yield from pictures.get("tornado", ()) if stated is evidence.lift else ()
+    if evidence.lift is not None:
+        yield from parts.uncertainty_sections(evidence.lift, "The design", least_share=parts.LEAST_SHARE)
+    yield from pictures.get("uncertainty", ())
+    if evidence.typical is not None:
+        title = f"The {evidence.typical.model.name} of condition {evidence.typical_number}, a typical one"
+        found = parts.uncertainty_sections(evidence.typical, title, least_share=parts.LEAST_SHARE)
+        yield from found if evidence.lift is None else (Fold(title, found[0]),)
+
+
+def _causes(diagnosis: Diagnosis) -> Iterator[Section | Fold]:
+    """Yield the causes the data support as a table; folded away those they do not, with what would decide them."""
+    found: dict[bool, list[tuple[str, ...]]] = {True: [], False: []}
+    for one in diagnosis.causes:
+        yes, decide = one.supported == "yes", one.supported == "cannot-tell"
+        found[yes].append((one.cause, WORDS[one.supported], one.experiment if decide else one.evidence))
+    headings = ("cause ", "verdict ", "evidence, or the test that would decide ")
+    yield Section("", (diagnosis.summary,), headings if found[True] else (), found[True])
+    if rest := found[False]:
+        names = ", ".join(row[0] for row in rest)
+        yield Fold(f"Not supported, or not tested: {names}", Section("", (), headings, rest))
 
 
 def _alerts_of_answer(answer: CampaignAnswer, evidence: Evidence, *, asked: bool) -> Iterator[Alert]:
-    """Give what stands against a law and its lift force, or ought to be kept in mind; whether one was `asked` for."""
+    """Give the doubts about a law and its lift force, and remarks on them; `asked` tells whether a wheel was given."""
     verdict, prediction = answer.verdict, answer.prediction
     if not verdict.supported:
         of_lift = answer.winner.verdict.supported
@@ -219,17 +220,17 @@ def _alerts_of_answer(answer: CampaignAnswer, evidence: Evidence, *, asked: bool
         yield Alert("stop", f"{what} is {verdict.word}", verdict.reason)
     for doubt in answer.doubts:
         if doubt not in verdict.reasons:
-            yield Alert("doubt", "About the law", doubt)
+            yield Alert("doubt", "The law", doubt)
     if prediction is not None:
-        outside = Alert("doubt", "The design lies outside what was tested", "")
-        about = outside if prediction.extrapolated[0] else Alert("note", "About the lift force", "")
+        outside = Alert("doubt", "The design lies outside the tested range", "")
+        about = outside if prediction.extrapolated[0] else Alert("note", "The lift force", "")
         yield from (about._replace(text=note) for note in prediction.notes())
     elif not asked:
         keys = "wheel_radius, wrap_angle and end_tension"
-        yield Alert("note", "No lift force", f"The campaign names no wheel: add [design] with {keys} to it.")
+        yield Alert("note", "No lift force", f"The campaign names no wheel. Add [design] with {keys}.")
     for stated, what in ((evidence.lift, "the lift force"), (evidence.typical, "a typical measured force")):
         if stated is not None and not stated.trustworthy:
-            yield Alert("doubt", f"About the uncertainty of {what}: {stated.status}", stated.status.advice)
+            yield Alert("doubt", f"Uncertainty of {what}: {stated.status}", stated.status.advice)
     yield from (Alert("note", "Left out of this report", text) for text in evidence.missing)
 
 
@@ -248,7 +249,7 @@ def _alerts_of_trials(extraction: result.Extraction) -> Iterator[Alert]:
         if grave == 0:
             yield Alert("doubt", f"{what}: {why}", f"{names}. {_advice(Status(why), alike)}")
         elif grave == 1:
-            text = f"{names}. They take no part in the law; look for a physical reason."
+            text = f"{names}. They are not fitted. Look for a physical reason."
             yield Alert("note", f"{what} by the rule {why} ({RULES[why].label})", text)
         else:
             yield Alert("note", f"{what}: {why}", f"{names}.")
@@ -269,17 +270,17 @@ def _alerts_of_problems(extraction: result.Extraction) -> Iterator[Alert]:
     for code, alike in result.problems_by_code(extraction, said_of=flagged).items():
         messages = [problem.message for problem in alike[:_SAID]]
         if len(alike) > _SAID:
-            messages.append(f"{len(alike) - _SAID} more like these, listed in problems.csv")
+            messages.append(f"problems.csv lists {len(alike) - _SAID} more")
         fixes = dict.fromkeys(problem.fix for problem in alike[:_SAID] if problem.fix)
         text = "; ".join(messages) + "." + (f" To do: {'; '.join(fixes)}." if fixes else "")
         grave = any(problem.severity == "error" for problem in alike)
-        yield Alert("doubt" if grave else "note", f"About the recordings ({code})", text)
+        yield Alert("doubt" if grave else "note", f"Recordings ({code})", text)
 
 
-def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section]:
-    """Give all trials that do not count, with what became of them and why; all conditions, and what people decided.
+def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section | Fold]:
+    """Give all trials that are not kept, with the reason; the decisions of people; all conditions.
 
-    Of a condition: how many trials, their mean force, scatter and uncertainty, and which do not count.
+    A condition has its number of trials, their mean force, scatter and uncertainty, and the trials not kept.
     """
     extraction = run.extraction
     slack = any(trial.measures_slack for trial in extraction.trials)
@@ -297,8 +298,9 @@ def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section]:
         rows.append((trial.trial, fate, *cells, plain(trial.measured_N), why))
     headings: tuple[str, ...]
     headings = ("trial", "verdict", "R_w [mm]", "φ [deg]", f"{known} [N]", f"{measured} [N]", "why ")
-    lines = () if gone else ("Every trial gave a force and counts.",)
-    yield Section(title, lines, headings if gone else (), rows, 2, evidence.rejection)
+    if gone or evidence.rejection:
+        yield Section(title, (), headings if gone else (), rows, 2, evidence.rejection)
+    yield from _decided_section(extraction)
     budgets = {condition.number: budget for condition, budget in evidence.measured}
     rows = []
     for number, item in enumerate(extraction.conditions, start=1):
@@ -306,7 +308,7 @@ def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section]:
         if (stated := budgets.get(number)) is not None:
             largest = stated.lines[0]
             part = f"{largest.label} ({percent(largest.share, '.0f')})"
-            uncertainty = (plain(stated.combined, ".2g"), percent(stated.relative), part)
+            uncertainty = (to_error(stated.combined, stated.combined), percent(stated.relative), part)
         cells, forces = parts.condition_cells(item, slack=slack)
         not_kept = ", ".join(name for name in item.trials if name in gone)
         kept = f"{item.n_kept} of {item.n_recorded}"
@@ -316,16 +318,15 @@ def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section]:
         *("u_c [N]", "u_c/mean", "largest part of u_c ", "not kept "),
     )
     note = (
-        f"mean {measured} and s: of the trials kept; u_c: standard uncertainty of that mean, repeats and measuring "
-        "chain; every trial stands in trials.csv"
+        f"Mean {measured} and standard deviation s are of the trials kept. u_c is the standard uncertainty of the "
+        "mean: repeats and measuring chain. trials.csv lists every trial."
     )
     yield Section("Conditions", headings=headings, rows=rows, left=0, notes=(note,))
-    yield from _decided_section(extraction)
     yield from _sliding_section(extraction)
 
 
-def _sliding_section(extraction: result.Extraction) -> Iterator[Section]:
-    """Yield what was measured beside the break-away force, by condition: mean ± s of the kept trials."""
+def _sliding_section(extraction: result.Extraction) -> Iterator[Fold]:
+    """Yield the other quantities of each condition: mean ± s of the kept trials."""
     conditions = extraction.conditions
     named = {one.name: one.heading(one.words) for one in numbers.summarised()}
     shown = [name for name in named if any(item.of_kept.get(name, _NONE)[2] for item in conditions)]
@@ -334,25 +335,25 @@ def _sliding_section(extraction: result.Extraction) -> Iterator[Section]:
     rows = []
     for number, item in enumerate(conditions, start=1):
         found = [item.of_kept.get(name, _NONE) for name in shown]
-        cells = (f"{plain(mean)} ± {plain(std, '.2g')}" if n > 1 else plain(mean) for mean, std, n in found)
+        cells = (parts.plus_minus(mean, std) if n > 1 else plain(mean) for mean, std, n in found)
         rows.append((str(number), str(max(n for *_, n in found)), *cells))
     headings = ("no.", "n", *(named[name] for name in shown))
-    note = "mean ± s of the kept trials, n of them at most; every trial stands in trials.csv"
-    yield Section("Beside the break-away force", headings=headings, rows=rows, left=0, notes=(note,))
+    note = "Mean ± standard deviation of the n trials kept. trials.csv lists every trial."
+    yield Fold("Other quantities of each condition", Section("", (), headings, rows, 0, (note,)))
 
 
 def _decided_section(extraction: result.Extraction) -> Iterator[Section]:
-    """Yield what people decided about single trials, where they did: what, who and why."""
+    """Yield the decisions of people about single trials, where there are any: what, who and why."""
     rows = []
     for trial in extraction.trials:
         if trial.decision or (trial.excluded and trial.by):
             what = trial.decision or f"excluded: {trial.excluded}"
-            without = [note for note in trial.breakaway.notes if note.startswith("without the decision")]
-            own = trial.by, trial.why, "; ".join(without)
-            rows.append((trial.trial, what, plain(trial.measured_N), *own))
+            notes = (note.partition(_WITHOUT) for note in trial.breakaway.notes)
+            without = "; ".join(says for before, found, says in notes if found and not before)
+            rows.append((trial.trial, what, plain(trial.measured_N), trial.by, trial.why, without))
     if rows:
-        headings = ("trial", "decision ", "F_A [N]", "by ", "why ", "and else ")
-        yield Section("Decided by people", headings=headings, rows=rows, left=1)
+        headings = ("trial", "decision ", "force [N]", "by ", "reason ", "without the decision ")
+        yield Section("Decisions of people", headings=headings, rows=rows, left=1)
 
 
 def _why(trial: result.TrialResult, summary: result.ConditionSummary | None) -> str:
@@ -375,10 +376,10 @@ def _provenance(provenance: Mapping[str, Any], n_lists: int) -> tuple[Block, ...
     lists, recordings = provenance["inputs"][:n_lists], provenance["inputs"][n_lists:]
     of_recordings = Fold(f"SHA-256 of the {counted(len(recordings), 'recording')}", _hashes(recordings))
     return (
-        Section("How to make it again", ("in the folder of the inputs:",), notes=notes),
+        Section("Command that makes this report", ("Run it in the folder of the inputs.",), notes=notes),
         _hashes(lists, "Inputs"),
         *([of_recordings] if recordings else []),
-        Fold("All settings, defaults filled in, in SI", settings),
+        Fold("All settings in SI units, with defaults", settings),
     )
 
 

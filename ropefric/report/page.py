@@ -25,7 +25,7 @@ from ropefric.friction.law import FrictionLaw
 from ropefric.glossary import counted
 from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
 from ropefric.report import parts
-from ropefric.section import Section, interval, percent, plain
+from ropefric.section import Section, percent, plain
 from ropefric.trials.campaign_model import ReportWords
 
 _INDEXED = re.compile(r"\b([RFuUkνμδ]|mu)_(w|r|A|B|R|c|eff|tr|lin|hys|sm|q|inf|rope)\b")
@@ -132,11 +132,12 @@ _LIMITS = ("linearity", "hysteresis", "repeatability", "transmitter")
 
 
 class Wish(NamedTuple):
-    """How a report is wanted: as PDF too, with figures, and these as which files."""
+    """How a report is wanted: as PDF too, with figures, these as which files, and its first pages alone."""
 
     pdf: bool = False
     figures: bool = True
     formats: tuple[str, ...] = ()
+    short: bool = False
 
 
 USUAL = Wish()
@@ -160,36 +161,48 @@ class Subject(NamedTuple):
 
 
 def front_blocks(
-    subject: Subject, alerts: Sequence[Alert], n_remarks: int, pictures: Sequence[Picture]
+    subject: Subject, alerts: Sequence[Alert], remarks: Sequence[Alert], pictures: Sequence[Picture]
 ) -> Iterator[Block]:
-    """Give the blocks of the first two pages: what is grave, who and what, the answer, law, pictures, and limits.
+    """Give the blocks of the first two pages: grave doubts, question, answer, pictures, law, remarks, limits.
 
-    `alerts` are of the answer; so many remarks on the measurements stand in the annex.
+    `alerts` are of the answer, `remarks` of the measurements, which the annex holds in full.
     """
     answer, words = subject.answer, subject.words
     if grave := [alert for alert in alerts if alert.grade == "stop"]:
         yield grave
-    given = {label: str(getattr(words, name)) for name, label in _GIVEN.items()}
-    particulars = given | dict(subject.measured) | {"Question": words.question}
-    yield {name: value for name, value in particulars.items() if value}
+    given = {"Question": words.question} | {
+        label: str(getattr(words, name)) for name, label in _GIVEN.items()
+    }
+    if given := {name: value for name, value in given.items() if value}:
+        yield given
     yield [*_facts(answer, subject.evidence)]
+    yield from pictures
     law = parts.fit_section(answer.fit, f"The law: {answer.fit.law}, {answer.winner.how}")
     yield Section(law.title)
     yield Formula(formulas(answer.fit.friction_law))
     yield law._replace(title="", lines=law.lines[1:])
-    if pictures:
-        yield Section("In pictures")
-        yield from pictures
-    tested = f"tested: {', '.join(parts.tested_ranges(answer.fit))}; beyond it the law is extrapolated"
-    annex = [f"{counted(n_remarks, 'remark')} on the measurements: see the annex"] if n_remarks else []
-    yield Section("Limits and assumptions", notes=(tested, *words.assumptions, *annex))
     doubts = [alert for alert in alerts if alert.grade == "doubt"]
-    if doubts or not grave:
-        yield doubts or [Alert("note", "Nothing was found", "No check stands against the result.")]
+    if doubtful := [one.title for one in remarks if one.grade == "doubt"]:
+        doubts.append(
+            Alert("doubt", "The measurements", f"{'; '.join(doubtful)}. The annex says what to do.")
+        )
+    yield Section("Remarks")
+    yield doubts or [Alert("note", "See the first line" if grave else "All checks passed", "")]
+    tested = f"Tested: {', '.join(parts.tested_ranges(answer.fit))}. The law is extrapolated beyond."
+    yield Section("Limits and assumptions", notes=(tested, *words.assumptions, *_decided(subject.run)))
+    yield {name: value for name, value in subject.measured.items() if value}
+
+
+def _decided(run: CampaignRun | None) -> Iterator[str]:
+    """Say how many trials people decided about, and who."""
+    trials = run.extraction.trials if run else ()
+    if decided := [one for one in trials if one.decision or (one.excluded and one.by)]:
+        who = ", ".join(sorted({one.by for one in decided if one.by})) or "a person who is not named"
+        yield f"{counted(len(decided), 'trial')} decided by {who}."
 
 
 def measured_rows(run: CampaignRun) -> dict[str, str]:
-    """Return rope, wheels, force cells with their calibration, and the way of measuring, as far as they are given."""
+    """Return rope, wheels, force cells with their calibration, and the method, as far as they are given."""
     campaign, rope = run.campaign, run.campaign.rope
     density = rope.linear_density_kg_m
     weight = "" if density is None else f"{plain(1e3 * density)} g/m"
@@ -227,31 +240,26 @@ def _facts(answer: CampaignAnswer, evidence: Evidence) -> Iterator[Fact]:
     """Give the numbers a reader looks for first."""
     fit, found = answer.fit, answer.prediction
     if found is not None:
-        at = found.conditions
+        at, std_N = found.conditions, float(found.std_N[0])
         cells = parts.setting_cells(at.wheel_radius_m[0], at.wrap_angle_rad[0], at.end_tension_N[0])
         (wheel, wrap, tension), rope = cells, plain(2e3 * at.rope_radius_m[0])
-        where = f"on average, for R_w = {wheel} mm, φ = {wrap} deg, F_B = {tension} N, rope of {rope} mm"
-        yield Fact("Lift force of the design", f"{plain(found.lift_force_N[0], '.5g')} N", where)
-        level, one = f"{100 * found.level:g} %", found.prediction_interval_N[0]
-        mean = f"where the average of many ropes lies; standard error {plain(found.std_N[0], '.2g')} N"
-        yield Fact(f"{level} confidence interval", f"{interval(found.interval_N[0])} N", mean)
-        if not math.isnan(float(one[0])):
-            pull = "where one pull with a new rope lies"
-            yield Fact(f"{level} prediction interval", f"{interval(one)} N", pull)
+        where = f"mean ± standard error for R_w = {wheel} mm, φ = {wrap} deg, F_B = {tension} N, rope of {rope} mm"
+        yield Fact("Lift force of the design", f"{parts.plus_minus(found.lift_force_N[0], std_N)} N", where)
+        level = f"{100 * found.level:g} %"
+        mean = "of the mean law: the average of many new ropes"
+        yield Fact(f"{level} confidence interval", f"{parts.ends(found.interval_N[0], std_N)} N", mean)
+        if not math.isnan(float(found.prediction_interval_N[0][0])):
+            one = parts.ends(found.prediction_interval_N[0], std_N)
+            largest = evidence.lift and evidence.lift.budget.lines[0]
+            most = f"; {percent(largest.share, '.0f')} of its variance: {largest.label}" if largest else ""
+            yield Fact(f"{level} prediction interval", f"{one} N", f"of one pull with a new rope{most}")
     yield Fact("Law and verdict", f"{fit.law}, {answer.verdict.word}", answer.verdict.reason)
     unseen, scatter = answer.winner.entry.loco_error, fit.statistics.scatter_within
     if math.isfinite(unseen):
-        remark = "root mean square over conditions left out one by one"
+        remark = "root mean square, each condition left out once"
         yield Fact("Error at unseen conditions", percent(unseen), remark)
     if math.isfinite(scatter):
-        yield Fact("Scatter between repeats", percent(scatter), "standard deviation of one pull")
-    if evidence.lift is not None:
-        first, name = evidence.lift.budget.lines[0], f"What dominates the {evidence.lift.model.name}"
-        yield Fact(name, first.label, f"{percent(first.share, '.0f')} of its variance")
-    if (plan := evidence.plan) is not None:
-        value = f"{counted(len(plan), 'condition')}, {counted(len(plan) * plan.repeats, 'pull')}"
-        better = f"for a mean law {plain(plan.improvement, '.2g')} times as certain"
-        yield Fact("What to measure next", value, better)
+        yield Fact("Repeatability", percent(scatter), "standard deviation of one pull")
 
 
 _TOKEN = re.compile(r"\d+(?:\.\d+)?|[A-Za-z]\w*\(?|\S")

@@ -16,7 +16,7 @@ from ropefric.friction.condition import Conditions
 from ropefric.glossary import GLOSSARY, counted
 from ropefric.section import Section, interval, percent, plain, shorthand, to_error
 from ropefric.trials.result import ConditionSummary
-from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Quantity, Statement, numerical_tolerance
+from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Quantity, Statement
 
 if TYPE_CHECKING:
     from ropefric.scenes.draws import Draws
@@ -25,7 +25,21 @@ if TYPE_CHECKING:
     from ropefric.scenes.solve import Solution, Uncertain
     from ropefric.scenes.sweep import Sweep
 
+LEAST_SHARE = 0.001
+"""Of the variance: in a report, sources below are named and have no line."""
 _GOALS = {"v": "the wanted prediction", "d": "the parameters"}
+
+
+def plus_minus(value: float, std: float) -> str:
+    """Return a value and its standard deviation, both to the second digit of the latter: 1101 ± 110."""
+    if not math.isfinite(std) or std <= 0.0:
+        return plain(value, ".5g")
+    return f"{to_error(value, std)} ± {to_error(std, std)}"
+
+
+def ends(of: Iterable[float], std: float) -> str:
+    """Return an interval whose ends have as many digits as the value with this standard deviation."""
+    return " … ".join(to_error(float(end), std) for end in of)
 
 
 def fit_section(fit: FitResult, title: str = "", *, short: bool = False) -> Section:
@@ -45,23 +59,26 @@ def fit_section(fit: FitResult, title: str = "", *, short: bool = False) -> Sect
         unit = "" if declared.unit == "-" else f" [{declared.unit}]"
         value, known = plain(item.value, ".5g"), found.interval_dof != 0.0
         if item.vary and not item.at_bound:
-            std, span = (plain(item.std, ".2g"), interval(item.ci95)) if known else ("not known", "not known")
+            std = span = "not known"
+            if known:
+                value, _, std = plus_minus(item.value, item.std).partition(" ± ")
+                span = ends(item.ci95, item.std)
             in_short = shorthand(item.value, item.std) if known else value
         else:
             std, span = ("at its bound" if item.vary else "fixed"), "–"
             in_short = f"{value} at its bound" if item.at_bound else value
-        values = (in_short,) if short else (value, std)
+        values = (in_short,) if short else (value, std or "–")
         rows.append((f"{item.name}{unit}", *values, span, declared.meaning))
     told = ("value(standard error)",) if short else ("value", "standard error")
     headings = ("parameter", *told, "95 % interval", "meaning ")
     return Section(title or f"The law: {law.name}", lines, headings, rows)
 
 
-def notes_sections(fit: FitResult) -> tuple[Section, Section]:
-    """Return what is doubtful about a fit, and how it was made."""
+def notes_sections(fit: FitResult) -> tuple[Section, ...]:
+    """Return the doubts about a fit, and how it was made, as far as there are notes."""
     doubts = tuple(dict.fromkeys((*(text for _, text in fit.doubts or fit.untested()), *fit.advice)))
-    doubtful = Section("Doubts", notes=doubts or ("nothing was found",))
-    return doubtful, Section("How it was made", notes=fit.notes)
+    both = Section("Doubts", notes=doubts), Section("How the law was fitted", notes=fit.notes)
+    return tuple(one for one in both if one.notes)
 
 
 def origin_section(fit: FitResult) -> Section:
@@ -69,7 +86,7 @@ def origin_section(fit: FitResult) -> Section:
     source, versions = fit.provenance.get("input", {}), fit.provenance.get("versions", {})
     made = ", ".join(f"{name} {number}" for name, number in sorted(versions.items()))
     lines = (f"from {source.get('path') or 'no file'}, with {made or 'unknown versions'}", "tested:")
-    return Section("Where it comes from, and where it holds", lines, notes=tested_ranges(fit))
+    return Section("Origin and tested range", lines, notes=tested_ranges(fit))
 
 
 def verdict_section(verdict: Verdict, title: str) -> Section:
@@ -89,7 +106,7 @@ def comparison_section(comparison: Comparison) -> Section:
         if entry.note:
             left_out.setdefault(entry.note, []).append(entry.law)
     headings = ("law", "ΔAICc", "weight", "error at unseen conditions", "status ")
-    why = [f"{', '.join(laws)}: not counted: {note}" for note, laws in left_out.items()]
+    why = [f"{', '.join(laws)} not ranked: {note}" for note, laws in left_out.items()]
     return Section("Comparison", headings=headings, rows=rows, notes=(*comparison.notes, *why))
 
 
@@ -125,7 +142,7 @@ def prediction_section(prediction: Prediction) -> Section:
     notes = [note for note in prediction.notes() if note not in verdict.reasons]
     if not verdict.supported and prediction.spread_N is not None:
         low, high = prediction.spread_N
-        lines.append(f"laws that the data do not tell apart answer {plain(low)} … {plain(high)} N:")
+        lines.append(f"the laws that the data cannot distinguish predict {plain(low)} … {plain(high)} N:")
         for one in reversed(prediction.candidates):
             error = f"standard error {_newtons(one.std_N)}, interval {_span(one.interval_N)}"
             notes.insert(0, f"{one.law}: {plain(one.lift_force_N, '.5g')} N, {error}")
@@ -183,13 +200,12 @@ def plan_sections(plan: LabPlan) -> tuple[Section, ...]:
     values = law.as_mapping(plan.planned.theta)
     within, between = 100 * scatter.within, 100 * scatter.between
     scattered = f"between repeats {within:.2g} %, between conditions {between:.2g} %"
-    agreeing = f"{plan.agreeing_starts} of {plan.starts} starts"
     stds = plan.expected_parameter_std().items()
-    told = ", ".join(f"{name} = {plain(values[name], '.3g')} ± {plain(std, '.1g')}" for name, std in stds)
+    expected_values = ", ".join(f"{name} = {plus_minus(values[name], std)}" for name, std in stds)
     lines = (
         f"{law.name}; scatter {scattered}, measuring chain {plain(scatter.instrument_N, '.2g')} N",
-        f"standard errors to expect: {told}",
-        f"the best of {plan.n_candidates} possible conditions; {agreeing} of the search came out as good",
+        f"expected: {expected_values}",
+        f"chosen from {plan.n_candidates} conditions; {plan.agreeing_starts} of {plan.starts} optimiser starts agree",
     )
     title = f"{conditions} to test, {pulls}, the best for {_GOALS[plan.criterion]}"
     headings = ("no.", "R_w [mm]", "wrap [deg]", "F_B [N]", "repeats", "expected F_A [N]", "of the cell")
@@ -206,48 +222,52 @@ def _worth_section(plan: LabPlan, i: int) -> Section:
         ("one factor at a time about the middle", plan.one_factor),
         ("one factor at a time about the wanted condition", plan.one_factor_at_target),
     ):
-        half, std = float(outlook.half_width_log[i]), plain(lift_N * float(outlook.std_log[i]), ".2g")
-        told = half < 50.0
-        span = interval((lift_N * math.exp(-half), lift_N * math.exp(half))) if told else "cannot be told"
-        rows.append((name, std, span, str(outlook.dof)))
+        half, std_N = float(outlook.half_width_log[i]), lift_N * float(outlook.std_log[i])
+        both = (lift_N * math.exp(side * half) for side in (-1.0, 1.0))
+        span = ends(both, std_N) if half < 50.0 else "not determined"
+        rows.append((name, plain(std_N, ".2g"), span, str(outlook.dof)))
     headings = ("tests", "standard error [N]", f"{100 * plan.level:g} % interval of the mean [N]", "dof")
-    gain, at_target = (f"{plain(one, '.3g')} times as" for one in (plan.gain, plan.gain_at_target))
+    middle, at_target = (f"{100.0 * (1.0 - 1.0 / one):.0f} %" for one in (plan.gain, plan.gain_at_target))
     notes = (
-        f"intervals {gain} narrow as one factor at a time about the middle, {at_target} about the wanted condition",
-        "expected for these parameters and this scatter; plan again when the first tests have told them better",
+        f"intervals {middle} narrower than one factor at a time about the middle, {at_target} about the design",
+        "These numbers hold for the parameters and the scatter known today. Plan again after the first tests.",
     )
-    title = f"Worth of the plan: F_A = {plain(lift_N)} N"
+    title = f"Effect of the plan on F_A = {plain(lift_N)} N"
     return Section(title, (_where(plan.wanted, i),), headings, rows, notes=notes)
 
 
 _BUDGET = (
-    *("source", "symbol", "estimate", "stated", "divisor", "u(x)", "unit ", "type ", "distribution "),
+    *("source", "symbol", "estimate", "stated", "divisor", "u(x)", "unit ", "type, distribution "),
     *("sensitivity", "|c| u", "share", "dof"),
 )
 _DIVISORS = {math.sqrt(3.0): "√3", math.sqrt(12.0): "√12", 1.0: "1"}
 
 
-def uncertainty_sections(stated: Statement, title: str) -> tuple[Section, ...]:
-    """Return a statement of uncertainty as sections: budget, check by draws, what would make it smaller."""
+def uncertainty_sections(stated: Statement, title: str, *, least_share: float = 0.0) -> tuple[Section, ...]:
+    """Return a statement of uncertainty as sections: budget with the check by draws, and what would reduce it.
+
+    Sources with less than `least_share` of the variance are named in a note, and have no line.
+    """
     found = stated.budget
     unit = "" if stated.model.unit == "-" else f" {stated.model.unit}"
-    y, U = f"{plain(found.estimate, '.5g')}{unit}", f"{plain(found.expanded, '.2g')}{unit}"
+    y, U = to_error(found.estimate, found.expanded), to_error(found.expanded, found.expanded)
     factors = f"ν_eff = {plain(found.effective_dof, '.3g')}, k = {plain(found.coverage_factor, '.3g')}"
     combined = f"u_c = {plain(found.combined, '.3g')}{unit}"
     lines = (
-        f"{stated.model.symbol} = {y} ± {U} ({100 * found.level:g} %)",
+        f"{stated.model.symbol} = {y} ± {U}{unit} ({100 * found.level:g} %)",
         f"{combined}, {factors}: U = {plain(found.expanded, '.3g')}{unit}",
     )
-    notes = (f"{stated.status}: {stated.status.advice}", *stated.notes)
+    small = [line for line in found.lines if line.share < least_share]
+    below = [f"below {percent(least_share)} of the variance: {', '.join(line.label for line in small)}"]
+    notes = (*below[: len(small)], *_draws_notes(stated, unit), *stated.notes)
+    rows = [_budget_row(line) for line in found.lines if line not in small]
     smaller = [
-        f"{item.action}: U = {plain(item.expanded, '.3g')}{unit}, {100 * item.saving:.0f} % smaller"
+        (item.action, plain(item.expanded, ".3g"), f"{100 * item.saving:.0f} %")
         for item in stated.improvements
     ]
-    return (
-        Section(title, lines, _BUDGET, [_budget_row(line) for line in found.lines], 2, notes),
-        _draws_section(stated, unit),
-        Section("What would make it smaller", notes=smaller),
-    )
+    headings = ("measure ", f"U [{stated.model.unit}]", "smaller by")
+    reduce = Section("How to reduce the uncertainty", (), headings, smaller)
+    return (Section(title, lines, _BUDGET, rows, 2, notes), reduce)[: 2 if smaller else 1]
 
 
 def budgets_section(stated: Sequence[tuple[int, str, Statement]], title: str) -> Section:
@@ -268,42 +288,36 @@ def budgets_section(stated: Sequence[tuple[int, str, Statement]], title: str) ->
 def _budget_row(line: BudgetLine) -> tuple[str, ...]:
     of_answer = plain(line.contribution, ".2g"), f"{100 * line.share:.1f} %", plain(line.source.dof, ".3g")
     if not isinstance(item := line.source, Quantity):
-        return (line.name, "θ", *["–"] * 4, "", line.source.type, "joint, with covariance", "–", *of_answer)
+        return (line.name, "θ", *["–"] * 4, "", f"{line.source.type}, joint with covariance", "–", *of_answer)
     divisor = next((text for value, text in _DIVISORS.items() if math.isclose(value, item.divisor)), "")
     divisor = divisor or (f"√{item.repeats}" if item.repeats else plain(item.divisor, ".3g"))
     numbers = plain(item.estimate, ".5g"), plain(item.stated, ".2g"), divisor, plain(item.std, ".2g")
-    words = item.unit, item.type, item.distribution
+    words = item.unit, f"{item.type}, {item.distribution}"
     return (line.label, item.symbol, *numbers, *words, plain(line.sensitivity, ".3g"), *of_answer)
 
 
-def _draws_section(stated: Statement, unit: str) -> Section:
-    """Return how far the ends of y ± U are from those of the draws, and to how many digits the stricter test holds."""
+def _draws_notes(stated: Statement, unit: str) -> Iterator[str]:
+    """Yield the verdict, and how far the ends of y ± U are from those of the draws."""
     drawn, found = stated.drawn, stated.budget
-    gap, u_c = max(drawn.gaps), found.combined
-    word = "agrees" if drawn.agrees else "does not agree"
-    left_out = f"; {drawn.unanswered} draws have no answer" if drawn.unanswered else ""
-    allowed = f"{plain(numerical_tolerance(u_c, max(drawn.validated_digits, 1)), '.2g')}{unit}"
-    count = {1: "one digit", 2: "two digits"}.get(drawn.validated_digits)
-    strict = f"is not passed: to one digit of u_c {allowed} are allowed"
-    if count:
-        strict = f"holds to {count} of u_c, for which {allowed} are allowed"
-    symmetric, shortest = (interval(x, ".5g") for x in (drawn.symmetric_interval, drawn.shortest_interval))
-    lines = (
-        f"y ± U: {interval(found.interval, '.5g')}{unit}",
-        f"symmetric: {symmetric}{unit}; shortest: {shortest}{unit}",
-        f"half the central 68.27 %: {plain(drawn.half_68, '.3g')}{unit} against u_c = {plain(u_c, '.3g')}{unit}",
-        (
-            f"the budget {word} with the draws: the ends differ by up to {plain(gap, '.2g')}{unit}, "
-            f"{100 * gap / found.expanded:.2g} % of U ({100 * DISAGREEMENT:g} % count as agreement){left_out}"
-        ),
-        f"the stricter test of JCGM 101 §8.1, {strict}",
+    yield f"{stated.status}: {stated.status.advice}"
+    gap, word = max(drawn.gaps), "agree" if drawn.agrees else "do not agree"
+    both = drawn.symmetric_interval, drawn.shortest_interval
+    symmetric, shortest = (ends(x, found.combined) for x in both)
+    yield (
+        f"{drawn.draws} draws (seed {drawn.seed}) {word} with y ± U = {ends(found.interval, found.combined)}{unit}: "
+        f"symmetric {symmetric}{unit}, shortest {shortest}{unit}. The ends differ by up to "
+        f"{float(f'{100 * gap / found.expanded:.2g}'):g} % of U; {100 * DISAGREEMENT:g} % are allowed."
     )
-    return Section(f"Check by {drawn.draws} draws (seed {drawn.seed})", lines)
+    digits = ("is not passed", "holds to one digit", "holds to two digits")[min(drawn.validated_digits, 2)]
+    yield f"The test of JCGM 101 §8.1 {digits}."
+    if drawn.unanswered:
+        yield f"{drawn.unanswered} draws have no answer."
 
 
 _NAMED = 4
 _SHOWN_POINTS = 20
 _ROOM = 200
+_FATES = {"simulated": "yes", "left out": "no"}
 _SHOWN = {"rad]": ("deg]", math.degrees(1.0)), "m]": ("mm]", 1e3)}
 
 
@@ -321,13 +335,13 @@ def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Sec
         f"effects: {', '.join(plan.simulated) or 'none'}",
         f"left out: {', '.join(plan.left_out) or 'none'}",
         f"method: {_method(plan)}",
-        f"relative difference to simulating everything: {bound} (wanted: {plan.accuracy:g})",
+        f"relative difference to the full simulation: {bound} (wanted: {plan.accuracy:g})",
         *(
             f"bound of {name}: {to_error(one, 0.0)}"
             for name, one in solution.own_bounds.items()
             if "." not in name
         ),
-        *([f"not bounded, but of the effects simulated: {beyond}"] if beyond else []),
+        *([f"without a bound, by the effects simulated: {beyond}"] if beyond else []),
     ]
     whole_machine = Section(title, lines, headings, rows, notes=solution.warnings)
     return [whole_machine, *scene.kind.sections(tree), Section("Simulated", simulated)]
@@ -380,22 +394,22 @@ def _method(plan: "Plan") -> str:
 def explanation_sections(told: "Explanation") -> list[Section]:
     """Return the table of effects and the method, with what was measured if anything was."""
     plan = told.plan
-    rows = [[one.name, one.fate, _worth(one)] for one in plan.decisions]
+    rows = [[one.name, _FATES.get(one.fate, one.fate), _worth(one)] for one in plan.decisions]
     bound = _bound(plan.error_bound)
     lines = [
-        f"accuracy wanted {plan.accuracy:g}; difference to simulating everything at most {bound}",
+        f"accuracy wanted {plan.accuracy:g}; relative difference to the full simulation at most {bound}",
         f"method: {_method(plan)}: {plan.method.why}",
     ]
     if told.is_measured:
         for row, one in zip(rows, plan.decisions, strict=True):
             row += [_takes(one), "–" if math.isnan(one.time_share) else f"{100 * one.time_share:.0f} %"]
-        saved = f"a difference below {_time(told.spread_s)} cannot be told here"
+        saved = f"the difference is below what the clock resolves here, {_time(told.spread_s)}"
         if abs(told.saved_s) > told.spread_s:
             what = "saves" if told.saved_s > 0.0 else "costs"
             saved = f"which {what} {_time(abs(told.saved_s))} (± {_time(0.5 * told.spread_s)})"
         times = f"{_time(told.planned_s)} as planned, {_time(told.all_s)} with everything"
         lines.append(f"measured: difference {told.difference:.2g}; {times}; {saved}")
-    headings = ("effect", "fate ", "worth", "takes", "share of time")
+    headings = ("effect", "used ", "largest influence", "time", "share of time")
     reasons: dict[str, list[str]] = {}
     for one in plan.decisions:
         reasons.setdefault(_why(one), []).append(one.name)
@@ -445,13 +459,15 @@ def _time(seconds: float) -> str:
 
 def _simulated(found: "Draws | Sweep") -> str:
     bound = f"at most {found.error_bound:.2g} (wanted: {found.accuracy:g})"
-    return f"effects: {', '.join(found.simulated) or 'none'}; relative difference to everything {bound}"
+    return (
+        f"effects: {', '.join(found.simulated) or 'none'}; relative difference to the full simulation {bound}"
+    )
 
 
 def draws_sections(drawn: "Draws", words: Mapping[str, str]) -> list[Section]:
     """Return what draws of a scene's uncertain quantities lead to: mean, standard deviation and quantiles."""
     lines = [
-        f"drawn: {', '.join(drawn.inputs)}",
+        f"uncertain inputs: {', '.join(drawn.inputs)}",
         _simulated(drawn),
         *(f"{name} left out in {count} draws" for name, count in drawn.left_out.items()),
         *(f"in {100.0 * share:.3g} % of the draws {what}" for what, share in drawn.shares.items()),
@@ -490,7 +506,7 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
     n = max(sum(reach <= _ROOM for reach in accumulate(widths)), len(sweep.axes) + 1)
     if n < len(columns):
         more = counted(len(columns) - n, "column")
-        lines.append(f"{more} more with what changes: --out FOLDER writes all to sweep.csv")
+        lines.append(f"{more} more: --out FOLDER writes all to sweep.csv")
     labels, cells = zip(*columns[:n], strict=True)
     return [Section(title, lines, labels, [*zip(*cells, strict=True)], left=0, notes=sweep.warnings)]
 

@@ -110,18 +110,21 @@ def test_bands_are_those_of_the_prediction(fitted, assert_readable):
         )
         assert [patch for patch in made.figure.axes[0].patches if patch.get_hatch()]
         assert "95 % confidence" in made.alt
-    labels = [axes.get_ylabel() for axes in made.figure.axes]
-    assert labels == ["Lift force $F_{\\mathrm{A}}$ [N]", "Off the mean law [%]"]
+    (axes,) = made.figure.axes
+    assert axes.get_ylabel() == "Lift force $F_{\\mathrm{A}}$ [N]"
     assert_readable(draw_fit_band(fit, over="wrap_angle_rad"))
 
 
-def test_the_lower_panel_shows_the_trials_off_the_law(pulls, fitted):
+def test_the_trials_are_drawn_at_their_forces_and_the_means_with_two_standard_uncertainties(pulls, fitted):
     fit = fitted["constant"]
     made = draw_fit_band(fit)
-    crosses = next(line for line in made.figure.axes[1].lines if line.get_marker() == "x")
+    crosses = next(line for line in made.figure.axes[0].lines if line.get_marker() == "x")
     chosen = (pulls.wheel_radius_m == 0.04) & (pulls.end_tension_N == 20.0)
-    law_N = 20.0 * np.exp(fit["mu"].value * pulls.wrap_angle_rad[chosen])
-    np.testing.assert_allclose(crosses.get_ydata(), 100.0 * (pulls.peak_N[chosen] / law_N - 1.0), atol=1e-9)
+    np.testing.assert_allclose(crosses.get_ydata(), pulls.peak_N[chosen])
+    bars = made.figure.axes[0].containers[0].lines[2][0].get_segments()
+    rows = made.tables[1].rows
+    wanted = [[row[1] * math.exp(side * 2.0 * row[3]) for side in (-1, 1)] for row in rows]
+    np.testing.assert_allclose([bar[:, 1] for bar in bars], wanted)
     assert "12 trials shown of 28 fitted" in made.figure.axes[0].get_title()
 
 

@@ -182,11 +182,29 @@ def test_lines_are_the_predictions_and_pale_outside_the_tested_range(told):
     shown = np.isfinite(tested.get_ydata())
     np.testing.assert_array_equal(shown, ~made.extrapolated[0])
     assert 0 < shown.sum() < shown.size
-    assert (axes.lines[-1].get_ydata()[0], len(legend(axes))) == (900.0, 3)
-    assert "required: 900 N" in legend(axes)
-    assert (whole.get_linestyle(), axes.lines[2].get_linestyle()) == ("-", "--")
-    assert axes.lines[1].get_marker() != axes.lines[5].get_marker()
+    assert axes.lines[-1].get_ydata()[0] == 900.0
+    assert legend(axes)[2:] == ["required: 900 N", "not tested: extrapolated"]
+    assert axes.lines[1].get_marker() != axes.lines[3].get_marker()
+    ends_N = axes.collections[0].get_paths()[0].vertices[:, 1]
+    assert {made.lower_bound_N[0, 0], made.lift_force_N[0, 0]} <= {*ends_N.tolist()}
+    hatched = [patch for patch in axes.patches if patch.get_hatch()]
+    nowhere = np.degrees(made.wrap_angle_rad[made.extrapolated.all(axis=0)])
+    for wrap_deg in nowhere:
+        assert any(patch.get_x() <= wrap_deg <= patch.get_x() + patch.get_width() for patch in hatched)
+    tested_deg = np.degrees(made.wrap_angle_rad[~made.extrapolated.all(axis=0)])
+    for wrap_deg in tested_deg:
+        assert not any(patch.get_x() < wrap_deg < patch.get_x() + patch.get_width() for patch in hatched)
     assert (axes.child_axes[0].get_xlabel(), len(drawn.tables[0].rows)) == ("Wrap [turns]", 26)
+
+
+def test_the_design_is_marked_with_its_interval():
+    at = Conditions(wheel_radius_m=0.05, rope_radius_m=0.0049, wrap_angle_rad=7.0, end_tension_N=60.0)
+    found = predict(load_fit(FIT), at)
+    (axes,) = draw_design_chart(chart(), design=found).figure.axes
+    (mark,) = axes.containers
+    assert (mark[0].get_xdata()[0], mark[0].get_ydata()[0]) == (np.degrees(7.0), found.lift_force_N[0])
+    np.testing.assert_allclose(mark.lines[2][0].get_segments()[0][:, 1], found.prediction_interval_N[0])
+    assert f"design: {found.lift_force_N[0]:.4g} N" in legend(axes)
 
 
 def test_design_draws_it_if_asked(tmp_path, capsys):
@@ -271,13 +289,24 @@ def test_points_outside_of_what_was_tested_are_marked(shape):
     assert [row[-1] for row in figure.tables[0].rows] == outside.tolist()
     axes = figure.figure.axes[0]
     if shape[0] < 10:
-        legend = [text.get_text() for text in axes.get_legend().get_texts()]
-        assert "not tested: extrapolated" in legend
-        pale = [line for line in axes.get_lines() if line.get_label() == "not tested: extrapolated"]
-        known = np.isfinite(np.concatenate([line.get_ydata() for line in pale]))
-        assert known.sum() == (outside.astype(bool) & np.isfinite(sweep.columns["lift_force_N"])).sum()
+        masks = outside.reshape(-1, shape[-1]) > 0.0
+        hatched = [patch for patch in axes.patches if patch.get_hatch()]
+        assert len(hatched) == masks.all(axis=0).sum() == (1 if shape == (5,) else 0)
+        if hatched:
+            assert (hatched[0].get_x(), hatched[0].get_x() + hatched[0].get_width()) == (2.0, 4.0)
+        pale = [line for line in axes.get_lines() if line.get_label() == "this line not tested"]
+        known = sum(int(np.isfinite(line.get_ydata()).sum()) for line in pale)
+        alone = (masks & ~masks.all(axis=0)).ravel()
+        assert known == (alone & np.isfinite(sweep.columns["lift_force_N"])).sum()
+        assert {*legend(axes)} & {"not tested: extrapolated", "this line not tested"}
     else:
         assert any(hatch for one in axes.collections for hatch in getattr(one, "hatches", []))
+
+
+def test_lines_that_are_the_same_are_drawn_once_under_all_their_values():
+    (axes,) = draw_sweep(swept(3, 4), quantity="mu_average").figure.axes
+    # The first has a gap.
+    assert [line.get_label() for line in axes.get_lines()] == ["wheel.wrap = 1 deg", "wheel.wrap = 2, 3 deg"]
 
 
 def test_another_number_is_drawn_on_demand_and_an_unknown_one_is_not():

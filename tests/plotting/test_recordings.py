@@ -116,8 +116,8 @@ def numbers(axis):
 
 
 def test_every_axis_has_numbers_however_short_it_is(comparison):
-    for over, narrow in (("wheel_radius_m", False), ("wrap_angle_rad", True)):
-        figure = draw_fit_band(comparison.ranking[0].fit, over=over, narrow=narrow).figure
+    for over in ("wheel_radius_m", "wrap_angle_rad"):
+        figure = draw_fit_band(comparison.ranking[0].fit, over=over).figure
         figure.canvas.draw()
         panels = figure.axes
         for axis in (*(axes.yaxis for axes in panels), panels[-1].xaxis):

@@ -82,7 +82,7 @@ def test_doubts_about_the_lift_force_alone_are_not_about_the_law(run, without_fi
     assert f"The lift force by {run.answer.fit.law} is undecided" in first
     far = predict(run.answer.fit, one_condition(0.09, 0.0049, 5.0, 60.0))
     page = without_figures(with_prediction(run, far))
-    assert "The design lies outside what was tested" in page
+    assert "The design lies outside the tested range" in page
     assert "wheel radius 90 mm is outside the tested 15–60 mm" in page
 
 

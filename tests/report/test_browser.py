@@ -93,7 +93,7 @@ def test_it_is_drawn_without_complaint_and_nothing_runs_off_the_screen(driver, s
     assert found["page"] == found["width"] == width
     assert found["out"] == []
     figures = ask(FIGURES)
-    assert len(figures) > 10
+    assert len(figures) > 9
     for figure in figures:
         assert figure["seen"], figure["name"]
         assert (figure["width"] >= 300, figure["height"] >= 100, figure["marks"] > 5) == (True,) * 3, figure[
@@ -190,4 +190,4 @@ def test_no_figure_is_cut_on_paper(driver, show):
     assert len(boxes) == 1
     *_, wide_pt, tall_pt = boxes.pop()
     assert (wide_pt, tall_pt) == (pytest.approx(595.3, abs=1), pytest.approx(841.9, abs=1))
-    assert 5 < len(re.findall(rb"/Type /Page\b", printed)) < 30
+    assert 3 < len(re.findall(rb"/Type /Page\b", printed)) < 11

@@ -10,8 +10,11 @@ import pandas as pd
 import pytest
 
 from ropefric.cli.app import main
-from ropefric.report import page
-from ropefric.report.pictures import typical_trial
+from ropefric.plotting.campaign import typical_trial
+from ropefric.report import page as pages
+from ropefric.report.campaign import write_report
+from ropefric.report.page import Wish
+from ropefric.report.parts import plus_minus
 from ropefric.trials.campaign_model import ReportWords
 
 WORDS = ('\n[report]\nlab = "Friction & rope laboratory"\ncustomer = "Hoists Ltd."\nnumber = "2026-014"\n'
@@ -43,7 +46,7 @@ def test_what_is_given_is_said_and_nothing_is_made_up(run, without_figures):
     handed = without_figures(told)
     lift_N = run.answer.prediction.lift_force_N[0]
     for said in ("<dt>Customer</dt><dd>Hoists &amp; Ropes</dd>", "<dt>Date</dt><dd>2026-01-20</dd>",
-        f'<dd class="value">{lift_N:.5g} N</dd>'):  # fmt: skip
+        f'<dd class="value">{plus_minus(lift_N, run.answer.prediction.std_N[0])} N</dd>'):  # fmt: skip
         assert said in handed
     for label in ("Laboratory", "Operator", "Question"):
         assert f"<dt>{label}</dt>" not in handed
@@ -69,31 +72,53 @@ def test_it_is_printed_short_with_page_numbers_alike_each_time(five, handed):
     assert not {"law.png", "law.pdf"} & written
     assert "<code>figures/law.svg</code>" in handed
     try:
-        page.find_browser()
-    except page.RopefricError:
+        pages.find_browser()
+    except pages.RopefricError:
         pytest.skip("no browser on this machine: apt-get install chromium")
-    printed = page.pdf_of(handed)
+    printed = pages.pdf_of(handed)
     assert printed.startswith(b"%PDF")
-    assert len(re.findall(rb"/Type /Page\b", printed)) <= 2 + 6
-    assert page.pdf_of(handed) == printed
+    assert len(re.findall(rb"/Type /Page\b", printed)) <= 6
+    assert pages.pdf_of(handed) == printed
 
 
 def test_without_a_browser_it_is_said_what_to_do(run, results, monkeypatch, capfd):
     monkeypatch.setenv("PATH", "")
-    monkeypatch.setattr(page, "_PLACES", ())
+    monkeypatch.setattr(pages, "_PLACES", ())
     assert main(["report", str(results), "--pdf"]) == 3
     said = " ".join(capfd.readouterr().err.split())
     assert "no Chromium, Chrome or Edge was found" in said
-    assert page.BROWSER in said
-    monkeypatch.setenv(page.BROWSER, "/nowhere/chrome")
+    assert pages.BROWSER in said
+    monkeypatch.setenv(pages.BROWSER, "/nowhere/chrome")
     assert main(["report", str(results), "--pdf"]) == 3
     assert "'/nowhere/chrome', which is no program" in capfd.readouterr().err
 
 
 def test_a_browser_that_prints_nothing_is_said(monkeypatch):
-    monkeypatch.setenv(page.BROWSER, shutil.which("true"))
-    with pytest.raises(page.RopefricError, match=r"printed no PDF: it said nothing"):
-        page.pdf_of("<p>page</p>")
+    monkeypatch.setenv(pages.BROWSER, shutil.which("true"))
+    with pytest.raises(pages.RopefricError, match=r"printed no PDF: it said nothing"):
+        pages.pdf_of("<p>page</p>")
+
+
+def test_a_short_report_is_the_first_pages_alone(run, results, page, tmp_path):
+    write_report(run, tmp_path, Wish(short=True))
+    short = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert re.findall(r'<section id="(\w+)"', short) == ["result"]
+    assert re.findall(r'<figure id="fig-(\w+)"', short) == ["typical_recording", "law"]
+    assert "<nav" not in short
+    first, second = (re.sub(r" fig-\w+|Figure \d+", "", one) for one in (short, page))
+    start = first.index('<section id="result"')
+    assert first[start:].partition("</section>")[0] in second
+
+
+def test_decisions_of_people_stand_on_the_first_page_and_in_the_annex(run, without_figures):
+    trials = list(run.extraction.trials)
+    taken = {"decision": "peak_N = 90 N", "by": "A. Smith", "why": "the cell slipped"}
+    trials[3] = replace(trials[3], **taken)
+    changed = without_figures(replace(run, extraction=replace(run.extraction, trials=tuple(trials))))
+    assert "<li>1 trial decided by A. Smith.</li>" in changed
+    table = changed[changed.index("<h3>Decisions of people") : changed.index("<h3>Conditions")]
+    for word in (trials[3].trial, *taken.values()):
+        assert f">{word}</t" in table
 
 
 def test_a_sheet_of_forces_has_a_law_and_a_first_page(tmp_path):

@@ -31,8 +31,8 @@ def test_a_number_that_is_added_to_the_declaration_is_everywhere(lab, monkeypatc
     for path, name, value in ((trials, "half_N", halves_N[0]), (conditions, "mean_half_N", mean_N)):
         with path.open(encoding="utf-8", newline="") as stream:
             assert float(next(csv.DictReader(stream))[name]) == pytest.approx(value, rel=1e-8)
-    (section,) = report._sliding_section(extraction)
-    assert "half the force [N]" in section.headings
+    (fold,) = report._sliding_section(extraction)
+    assert "half the force [N]" in fold.section.headings
     assert facts_of(campaign.trials[0], extraction.trials[0])["numbers"][-1] == [
         *("half", pytest.approx(halves_N[0] / 1e3, rel=1e-5), None, "kN", 4)
     ]

@@ -286,6 +286,9 @@ def report(
     *,
     folder: Path | None = out_folder("Of a campaign or a table: where its results are to be [out]."),
     law: str = Option("", help="Use this law, whichever wins; by default as in the run before."),
+    short: bool = flag(
+        "--short", "The first two pages alone: answer, law, a typical recording, remarks, limits."
+    ),
     pdf: bool = flag("--pdf", "Print it as report.pdf too; needs Chromium, Chrome or Edge."),
     figure_files: Words = listed("svg|pdf|png", "Write the report's figures as such files too"),
     about: Path | None = Option(
@@ -305,7 +308,7 @@ def report(
         raise BadParameter(
             f"{unknown[0]!r} is none of {', '.join(_FIGURE_FILES)}", param_hint="--figure-files"
         )
-    wish = page.Wish(pdf, figures, formats)
+    wish = page.Wish(pdf, figures, formats, short)
     if pdf:
         page.find_browser()  # before the work
     if source.suffix.lower() in options.TABLES and not source.is_dir():

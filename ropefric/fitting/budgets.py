@@ -7,15 +7,16 @@ and the parameters of a fitted law with their covariance, leave open of the lift
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.fit import rope_slopes
 from ropefric.fitting.predict import has_interval, new_rope_std, outside_words
+from ropefric.fitting.problem import law_named
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.glossary import GLOSSARY
@@ -345,6 +346,40 @@ def _mean(values: Iterable[float]) -> float:
 # ---- of a predicted lift force ----
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _LiftForce:
+    """F_A of draws of all quantities, a class because figures of a budget are drawn in other processes.
+
+    Columns: the four settings, scatter up to `first`, the c errors in common, which move all parameters by `common`
+    (p, c), then the free parameters.
+    """
+
+    law: str
+    theta: FloatArray
+    free: BoolArray
+    first: int
+    common: FloatArray
+
+    def __call__(self, inputs: FloatArray) -> FloatArray:
+        """Return F_A [N], shape (n,); NaN where a setting is no setting."""
+        law, k = law_named(self.law), self.first + self.common.shape[1]
+        answered = (inputs[:, :4] > 0.0).all(axis=1)
+        found = np.full(len(inputs), np.nan)
+        if answered.any():
+            rows = inputs[answered]
+            sets = np.tile(self.theta, (len(rows), 1))
+            sets[:, self.free] = rows[:, k:]
+            sets += rows[:, self.first : k] @ self.common.T
+            # As in every prediction: a draw beyond a bound of the law counts as on it.
+            sets = np.clip(sets, np.minimum(law.lower, self.theta), np.maximum(law.upper, self.theta))
+            at = Conditions(**dict(zip(_SETTINGS, rows.T[:4], strict=True)))
+            with np.errstate(over="ignore"):
+                found[answered] = np.exp(
+                    law.log_lift_of_pairs(sets, at) + rows[:, 4 : self.first].sum(axis=1)
+                )
+        return found
+
+
 def lift_model(
     fit: FitResult, wheel: Conditions, wheel_std: Mapping[str, float], *, one_pull: bool = False
 ) -> MeasurementModel:
@@ -373,7 +408,7 @@ def lift_model(
     first = len(quantities)
     # Known by their own uncertainty, and a line each: what many conditions have in common.
     quantities += [Quantity(item.name, "δ", item.unit, item.std) for item in fit.common_errors]
-    k, common = len(quantities), fit.common_changes / [item.std for item in fit.common_errors]
+    common = fit.common_changes / [item.std for item in fit.common_errors]
     covariance = fit.covariance - fit.common_changes @ fit.common_changes.T
     block = Block(
         name=f"parameters of {law.name}",
@@ -383,21 +418,7 @@ def lift_model(
         dof=float(fit.scatter.dof(law.jacobian(theta, wheel))[0]) if has_interval(fit) else 1.0,
     )
 
-    def evaluate(inputs: FloatArray) -> FloatArray:
-        answered = (inputs[:, :4] > 0.0).all(axis=1)
-        found = np.full(len(inputs), np.nan)
-        if answered.any():
-            rows = inputs[answered]
-            sets = np.tile(theta, (len(rows), 1))
-            sets[:, free] = rows[:, k:]
-            sets += rows[:, first:k] @ common.T
-            # As in every prediction: a draw beyond a bound of the law counts as on it.
-            sets = np.clip(sets, np.minimum(law.lower, theta), np.maximum(law.upper, theta))
-            at = Conditions(**dict(zip(_SETTINGS, rows.T[:4], strict=True)))
-            with np.errstate(over="ignore"):
-                found[answered] = np.exp(law.log_lift_of_pairs(sets, at) + rows[:, 4:first].sum(axis=1))
-        return found
-
+    evaluate = _LiftForce(fit.law, theta, free, first, common)
     by_radius, by_wrap, by_log_tension = law.log_lift_gradient_conditions(theta, wheel)[0]
     by_rope = float(rope_slopes(law, theta, wheel)[0])
     slopes = [by_radius, by_rope, by_wrap, by_log_tension / wheel.end_tension_N[0]]

@@ -59,7 +59,7 @@ def test_times_are_medians_of_runs_in_turn_and_what_is_less_than_their_spread_is
     assert all(math.isnan(one.time_s) for one in told.plan.decisions), (
         "no effect takes any time by this clock"
     )
-    assert "a difference below 0 µs cannot be told here" in " ".join(
+    assert "the difference is below what the clock resolves here, 0 µs" in " ".join(
         as_text(explanation_sections(told)).split()
     )
 

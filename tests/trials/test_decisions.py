@@ -159,5 +159,5 @@ def test_commands_and_report_say_who_decided_and_why(decided, capsys, monkeypatc
     assert told == ["pick_s = 0.8 s", *SAID.values()]
     main(["run", ".", "--out", "all", "--no-figures", "--quiet"])
     page = (lab.folder / "all" / "report.html").read_text(encoding="utf-8")
-    assert "Decided by people" in page
+    assert "Decisions of people" in page
     assert all(word in page for word in ("pick_s = 0.8 s", *SAID.values()))

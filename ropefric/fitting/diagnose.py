@@ -496,10 +496,18 @@ def _group_tests(x: FloatArray, problem: FitProblem, trends: _Trends) -> dict[st
     weight = (trends.means.std.mean() / trends.means.std)[:, None]
     full = trends.matrix(trends.columns) * weight
     tests = {
-        "within": _explained(np.zeros((rise.size, 0)), x - mean[group], about, rise.size - len(mean)),
+        "within": _explained(
+            np.zeros((rise.size, 0)), _beyond_rounding(x - mean[group], x), about, rise.size - len(mean)
+        ),
         "between": _explained(full, mean * weight, trends.rise * weight[:, 0], len(mean)),
     }
     return {where: test for where, test in tests.items() if test is not None}
+
+
+def _beyond_rounding(columns: FloatArray, whole: FloatArray) -> FloatArray:
+    """Return columns, zero where they are what rounding leaves of the whole."""
+    is_rounding = np.linalg.norm(columns, axis=0) <= 1e-9 * np.linalg.norm(whole, axis=0)
+    return np.where(is_rounding, 0.0, columns)
 
 
 def _explained(base: FloatArray, extra: FloatArray, rise: FloatArray, n: int) -> tuple[float, ...] | None:

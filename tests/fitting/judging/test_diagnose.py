@@ -228,6 +228,10 @@ def test_groups_of_trials(campaign):
     found = found_in(each, ["constant"])
     assert found["rope"].supported == "cannot-tell"
     assert found["operator"].evidence == "the table has no column operator"
+    # A group that no condition holds two of differs within conditions by rounding alone: means of eleven are not exact.
+    plain = campaign("constant", [0.2], repeats=11)
+    wheels = replace(plain, labels={"wheel": tuple(f"w{one:.4f}" for one in plain.wheel_radius_m)})
+    assert found_in(wheels, ["constant"])["wheel"].supported == "cannot-tell"
 
 
 def test_labels_are_read_from_a_table(tmp_path):

@@ -6,7 +6,6 @@ Nothing of this is kept in the repository, so that no figure and no option on th
 import asyncio
 import base64
 import inspect
-import json
 import logging
 import os
 import re
@@ -15,13 +14,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
 from pathlib import Path
 
-from pydantic import BaseModel, PlainValidator
+from pydantic import BaseModel
 
 import ropefric as rf
 from ropefric.accuracy.studies import STUDIES
 from ropefric.cli.app import build_app, find_commands
 from ropefric.errors import RopefricError
-from ropefric.files.toml_model import StrictTable
 from ropefric.friction.laws import LAWS
 from ropefric.plotting import style
 from ropefric.plotting.campaign import conditions_of, draw_condition
@@ -30,7 +28,8 @@ from ropefric.plotting.fits import draw_capstan, draw_fit_band, draw_mu_facets
 from ropefric.plotting.machines import draw_sweep, scene_figures
 from ropefric.rig.recording import FAULTS
 from ropefric.rig.strangers import FAMILIES
-from ropefric.scenes.kind import Key, Kind
+from ropefric.scenes.declared import declared_keys
+from ropefric.scenes.kind import Kind
 from ropefric.scenes.kinds import KINDS
 from ropefric.traces.breakaway import ADVICE
 from ropefric.traces.protocols import PROTOCOLS
@@ -339,61 +338,16 @@ def scene_keys_page() -> str:
     return "\n".join(parts)
 
 
-def scene_keys(schema: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, ...]]:
+def scene_keys(schema: type[BaseModel]) -> Iterator[tuple[str, ...]]:
     """Yield name, unit, example, default, range and meaning of each key of a schema, those of its tables included."""
-    meanings: dict[str, str] = {}
-    for one in reversed(schema.__mro__):
-        meanings |= re.findall(r"^(\w+) : (.+)$", inspect.getdoc(one) or "", re.MULTILINE)
-    for name, info in schema.model_fields.items():
-        tables = [one for one in _types(info.annotation) if issubclass(one, StrictTable)]
-        holder = typing.get_origin(info.annotation)
-        for table in tables:
-            yield from scene_keys(table, prefix + name + {dict: ".….", list: "[]."}.get(holder, "."))
-        if tables:
-            continue
-        said = [*info.metadata, *_said_of(info.annotation)]
-        key = next((one for one in said if isinstance(one, Key)), Key(""))
-        default = "needed" if info.is_required() else ""
-        if isinstance(info.default, str | float | int | bool):
-            default = f"{info.default:g} {key.si_unit}" if key.like else f"`{json.dumps(info.default)}`"
-        like = f'["{key.like}", …]' if key in _said_of(info.annotation) else f'"{key.like}"'
-        unit = key.si_unit or ("-" if {float, int} & {*_types(info.annotation)} else "")
-        shown = f"`{like}`" if key.like else ""
-        # What a number may be is not the reader's to say where the mechanics says it.
-        meaning, mark, rest = meanings.get(name, "").partition(" (zero or more)")
-        allowed = "zero or more" if mark else _range(info.annotation, key, said)
-        yield f"`{prefix}{name}`", unit, shown, default, allowed, _escaped(meaning + rest)
-
-
-def _said_of(annotation: typing.Any) -> list[typing.Any]:
-    """Return what is said of a type, such as of the numbers in an optional list."""
-    inner = [said for one in typing.get_args(annotation) for said in _said_of(one)]
-    return [*getattr(annotation, "__metadata__", ()), *inner]
-
-
-def _range(annotation: typing.Any, key: Key, said: Iterable[typing.Any]) -> str:
-    """Return what the value of a key may be, as its reader has it."""
-    if key.like:
-        return "any" if key.above is None else f"more than {key.above:g}"
-    for read in (one.func for one in said if isinstance(one, PlainValidator)):
-        names = inspect.getclosurevars(read).nonlocals.get("names")
-        if names is not None:
-            return ", ".join(f"`{name}`" for name in names())
-        if read.__doc__ and not read.__doc__.startswith("Return"):
-            return str(read.__doc__)
-    if typing.get_origin(annotation) is dict:
-        return "a table"
-    return {bool: "`true` or `false`", float: "any", str: "text"}[next(_types(annotation))]
-
-
-def _types(annotation: typing.Any) -> Iterator[type]:
-    """Yield the classes in an annotation, such as the table in `dict[str, Table]`."""
-    inner = typing.get_args(annotation)
-    for one in inner or (annotation,):
-        if inner:
-            yield from _types(one)
-        elif isinstance(one, type):
-            yield one
+    for one in declared_keys(schema):
+        default = "needed" if one.is_needed else one.default
+        # A bare value is code, a quantity words.
+        default = f"`{default}`" if one.default and not one.like else default
+        allowed = ", ".join(f"`{word}`" for word in one.choices) or one.allowed
+        allowed = "`true` or `false`" if allowed == "true or false" else allowed
+        shown = f"`{one.like}`" if one.like else ""
+        yield f"`{one.name}`", one.unit, shown, default, allowed, _escaped(one.meaning)
 
 
 def _described(title: str, registry: Mapping[str, typing.Any]) -> str:

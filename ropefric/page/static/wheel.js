@@ -25,6 +25,7 @@ async function load() {
     const range = make("input"), number = make("input");
     Object.assign(range, { type: "range", min: 0.5 * low, max: 1.5 * high, step: (high + low) / 2000, id: `w-${name}-range` });
     Object.assign(number, { type: "number", step: "any", min: 0, id: `w-${name}` });
+    number.setAttribute("aria-label", `${words} [${own}]`);
     range.setAttribute("aria-label", `${words} [${own}], tested from ${plain(low)} to ${plain(high)}`);
     range.value = number.value = plain(W.at[name] / factor, 5);
     const move = (event) => {

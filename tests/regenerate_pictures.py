@@ -1,7 +1,6 @@
 """Make the pictures of docs/app.md again: each step of the page, light and dark, wide and narrow.
 
-`python tests/regenerate_pictures.py [FOLDER]` walks the whole road in a Chromium and takes a picture of every step; the
-docs show the wide ones in the light, the others go to the folder to be looked at.
+`python tests/regenerate_pictures.py [FOLDER]` walks the whole road in a Chromium and takes four pictures of every step.
 """
 
 import base64
@@ -20,7 +19,6 @@ from road import Road
 from ropefric.page.desk import Desk
 from ropefric.page.server import PageServer
 
-ROOT = Path(__file__).parents[1]
 ARGUMENTS = "--headless=new --no-sandbox --disable-dev-shm-usage --disable-gpu --window-size=1280,900"
 SIZES = {"wide": (1280, 900), "narrow": (390, 844)}
 
@@ -54,9 +52,8 @@ def take(driver, step, folder):
                 if (width, scheme) == ("wide", "light")
                 else f"app-{step}-{width}-{scheme}.png"
             )
-            target = ROOT / "docs" / "pictures" if (width, scheme) == ("wide", "light") else folder
             picture = Image.open(io.BytesIO(base64.b64decode(shot["data"]))).convert("RGB")
-            picture.quantize(128).save(target / name, optimize=True)
+            picture.quantize(128).save(folder / name, optimize=True)
     driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
@@ -77,4 +74,4 @@ def main(folder):
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else "pictures"))
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "docs" / "pictures")

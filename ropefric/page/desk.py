@@ -2,9 +2,10 @@
 
 import threading
 from collections.abc import Callable, Mapping
+from io import BufferedIOBase
 from math import nan
 from pathlib import Path, PurePath
-from typing import IO, Any
+from typing import Any
 
 from ropefric import pipeline
 from ropefric.errors import DataError, InputError, RopefricError
@@ -210,7 +211,7 @@ class Desk:
 
     # --- the recordings ---
 
-    def upload(self, name: str, content: IO[bytes], size: int) -> dict[str, Any]:
+    def upload(self, name: str, content: BufferedIOBase, size: int) -> dict[str, Any]:
         """Write a file that was dropped on the page beside the others; none is ever replaced."""
         plain = PurePath(name.replace("\\", "/")).name
         if not plain or plain.startswith(".") or plain != name or not plain.isprintable():

@@ -28,7 +28,7 @@ function show() {
   const series = $("l-series"), chosen = series.value;
   series.replaceChildren(new Option("all wheels and loads", ""), ...told.series.map((one, place) => new Option(one.name, place)));
   series.value = told.series[chosen] ? chosen : "";
-  fill($("l-laws"), ["law", "verdict", "Δ AICc", "weight", "parameters", "error at unseen conditions", "note"], told.ranking.map((one) => {
+  fill($("l-laws"), ["law", "verdict", "Δ AICc", "weight", "k", "error at unseen conditions", "note"], told.ranking.map((one) => {
     const button = make("button", one.law), cell = make("td");
     button.onclick = () => useLaw(one.law === told.asked ? "" : one.law);
     button.setAttribute("aria-pressed", String(one.law === told.law));

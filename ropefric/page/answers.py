@@ -2,7 +2,6 @@
 
 import itertools
 import json
-import re
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -199,12 +198,9 @@ class Machines:
         """Return the keys of a template, each with its value and what is declared of it, then the others."""
         document = read_toml(self._file(name))
         declared = [*declared_keys(KINDS[document.data["system"]].schema)]
-        pattern = {
-            one: re.escape(one.name).replace("…", "[^.]+").replace(r"\[\]", r"\.\d+") for one in declared
-        }
         rows, seen = list[dict[str, Any]](), set[str]()
         for key, value in leaves(dict(document.data)):
-            one = next((one for one in declared if re.fullmatch(pattern[one], key)), None)
+            one = next((one for one in declared if _fits(one.name, key)), None)
             text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
             rows.append({"key": key, "value": text, **(one._asdict() if one else {})})
             seen.add(key)
@@ -226,6 +222,15 @@ class Machines:
         tree, told = solution.to_dict(), explain_scene(scene)
         text = as_text(parts.solution_sections(solution, tree))
         return dict(_plain({"answer": tree, "text": text, "effects": told.to_dict()["effects"]}))
+
+
+def _fits(name: str, key: str) -> bool:
+    """Return whether a declared name, with its places for names and numbers of the user's, is that of a key."""
+    parts, own = name.replace("[]", ".[]").split("."), key.split(".")
+    pairs = zip(parts, own, strict=False)
+    return len(parts) == len(own) and all(
+        part in (one, "…") or (part == "[]" and one.isdecimal()) for part, one in pairs
+    )
 
 
 def _value(text: str) -> Any:

@@ -13,6 +13,8 @@ from pydantic.fields import FieldInfo
 from ropefric.files.toml_model import StrictTable
 from ropefric.scenes.kind import Key
 
+_MEANING = re.compile(r"^(\w++) : (.++)$", re.MULTILINE)
+
 
 class DeclaredKey(NamedTuple):
     """A key of a scene; texts are empty where nothing is declared.
@@ -34,7 +36,7 @@ def declared_keys(schema: type[BaseModel], prefix: str = "") -> Iterator[Declare
     """Yield every key of a schema, those of its tables included."""
     meanings: dict[str, str] = {}
     for one in reversed(schema.__mro__):
-        meanings |= re.findall(r"^(\w+) : (.+)$", inspect.getdoc(one) or "", re.MULTILINE)
+        meanings |= _MEANING.findall(inspect.getdoc(one) or "")
     for name, info in schema.model_fields.items():
         tables = [one for one in _types(info.annotation) if issubclass(one, StrictTable)]
         holder = typing.get_origin(info.annotation)

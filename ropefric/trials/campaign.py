@@ -30,6 +30,7 @@ TEMPLATES = ("campaign.toml", "trials.csv")
 """The files of a new campaign."""
 
 _NAME = re.compile(r"\w+")
+_LINE = re.compile(r'^(?:# )?(([a-z_]++) *+= *+)(?:"[^"\n]*+"|\[[^]\n]*+\])', re.MULTILINE)
 _SET_BY_TRIAL = {
     "end_tension": "end_tension_N",
     "lift_force": "lift_force_N",
@@ -80,7 +81,7 @@ def _with_keys(text: str, table: str, keys: Mapping[str, str]) -> str:
     end = after.find("\n\n" if table else "\n[") + 1 or len(after)
     block, after = after[:end], after[end:]
     for key, value in keys.items():
-        waits = re.search(rf"^(?:# )?({key} *= *)(?:\"[^\"]*\"|\[[^]]*\])", block, re.MULTILINE)
+        waits = next((found for found in _LINE.finditer(block) if found[2] == key), None)
         at, said = (waits.span(), waits[1]) if waits else ((0, 0), f"{key} = ")
         block = block[: at[0]] + said + value + ("" if waits else "\n") + block[at[1] :]
     return before + head + block + after

@@ -12,7 +12,7 @@ EVERYTHING = ("tests", "ropefric")
 LAWS = ("tests/friction", "tests/hard", "tests/fitting", "tests/uncertainty")
 MACHINES = ("tests/systems", "tests/scenes", "tests/hard", "tests/accuracy")
 RECORDINGS = ("tests/traces", "tests/trials", "tests/rig", "tests/fuzz", "tests/accuracy")
-PAGES = ("tests/plotting", "tests/report", "tests/review")
+PAGES = ("tests/plotting", "tests/report", "tests/page")
 
 STUDIES: dict[str, tuple[str, ...]] = {
     "ropefric/friction": (*LAWS, *MACHINES),
@@ -28,7 +28,7 @@ STUDIES: dict[str, tuple[str, ...]] = {
     "ropefric/accuracy": ("tests/accuracy",),
     "ropefric/plotting": PAGES,
     "ropefric/report": PAGES,
-    "ropefric/review": PAGES,
+    "ropefric/page": PAGES,
     "ropefric/cli": ("tests/cli", "tests/docs"),
     "data": ("tests/trials", "tests/pipeline", "tests/scenes"),
     "fits": ("tests/fitting", "tests/pipeline"),

@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "ropefric"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
-MOST_LINES, MOST_OF_A_MODULE = 38_750, 500
+MOST_LINES, MOST_OF_A_MODULE = 39_400, 500
 """Lines of code, in all and of a module: those that are not blank, comment or part of a docstring."""
 MOST_COMPLEX = 20
 """Branches of a function."""
@@ -26,7 +26,7 @@ LEVELS = {
     "pipeline": 6, "accuracy": 6, "testing": 6, "training": 6,
     "plotting": 7,
     "report": 8,
-    "review": 9,
+    "page": 9,
     "cli": 10, "api": 10,
 }  # fmt: skip
 # The package's own face and its `python -m` door stand outside the house: they may look at everything.

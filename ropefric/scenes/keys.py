@@ -16,7 +16,10 @@ from ropefric.scenes.scene_templates import scene_text
 
 
 class SceneKey(typing.NamedTuple):
-    """One key; in the table `[wheel]` its name is `wheel.radius`, and a `…` is a name that the user chooses."""
+    """One key; in the table `[wheel]` its name is `wheel.radius`, and a `…` is a name that the user chooses.
+
+    A `[]` is the place in a list; `choices` are the words that the key may be, where it is one of some.
+    """
 
     name: str
     unit: str
@@ -24,6 +27,7 @@ class SceneKey(typing.NamedTuple):
     default: str
     allowed: str
     meaning: str
+    choices: tuple[str, ...] = ()
 
 
 def keys_of(names: Iterable[str]) -> dict[str, tuple[SceneKey, ...]]:
@@ -73,8 +77,9 @@ def _scene_key(name: str, info: FieldInfo, text: str) -> SceneKey:
     unit = key.si_unit or ("-" if {float, int} & {*_types(info.annotation)} else "")
     # The range of a number is not for its reader to know where the mechanics checks it.
     meaning, mark, rest = text.partition(" (zero or more)")
-    allowed = "zero or more" if mark else _range(info.annotation, key, declared)
-    return SceneKey(name, unit, example, default, allowed, meaning + rest)
+    choices = _choices(declared)
+    allowed = "zero or more" if mark else ", ".join(choices) or _range(info.annotation, key, declared)
+    return SceneKey(name, unit, example, default, allowed, meaning + rest, choices)
 
 
 def _declared(annotation: typing.Any) -> list[typing.Any]:
@@ -83,14 +88,21 @@ def _declared(annotation: typing.Any) -> list[typing.Any]:
     return [*getattr(annotation, "__metadata__", ()), *inner]
 
 
+def _readers(declared: Iterable[typing.Any]) -> Iterator[typing.Any]:
+    return (one.func for one in declared if isinstance(one, PlainValidator))
+
+
+def _choices(declared: Iterable[typing.Any]) -> tuple[str, ...]:
+    """Return the words that a key may be."""
+    found = (inspect.getclosurevars(read).nonlocals.get("names") for read in _readers(declared))
+    return next((tuple(names()) for names in found if names is not None), ())
+
+
 def _range(annotation: typing.Any, key: Key, declared: Iterable[typing.Any]) -> str:
     """Return the range of a key, as its reader has it."""
     if key.like:
         return "any" if key.above is None else f"more than {key.above:g}"
-    for read in (one.func for one in declared if isinstance(one, PlainValidator)):
-        names = inspect.getclosurevars(read).nonlocals.get("names")
-        if names is not None:
-            return ", ".join(names())
+    for read in _readers(declared):
         if read.__doc__ and not read.__doc__.startswith("Return"):
             return str(read.__doc__)
     if typing.get_origin(annotation) is dict:

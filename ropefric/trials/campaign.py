@@ -3,7 +3,7 @@
 import math
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from importlib.resources import files
@@ -24,11 +24,13 @@ from ropefric.traces.signals import COUNTS, signal_unit
 from ropefric.trials.campaign_model import AboutTable, Campaign, CampaignFile, Protocol, protocol_names
 from ropefric.trials.trial_list import MISSING_RECORDING, TrialContext, advise, radius_doubt, read_trials
 
+_HOW_TO_READ = "# How to read the recordings"
 MISSING_WAYS = ("error", "flag")
 TEMPLATES = ("campaign.toml", "trials.csv")
 """The files of a new campaign."""
 
 _NAME = re.compile(r"\w+")
+_LINE = re.compile(r'^(?:# )?(([a-z_]++) *+= *+)(?:"[^"\n]*+"|\[[^]\n]*+\])', re.MULTILINE)
 _SET_BY_TRIAL = {
     "end_tension": "end_tension_N",
     "lift_force": "lift_force_N",
@@ -44,16 +46,45 @@ def write_templates(
 
     A section takes the place of the template's own on how to read recordings.
     """
-    source = files("ropefric.trials") / "templates"
-    contents = {name: (source / name).read_bytes() for name in TEMPLATES}
-    if section:
-        text = contents[TEMPLATES[0]].decode()
-        contents[TEMPLATES[0]] = (text[: text.index("# How to read the recordings")] + section).encode()
+    contents = template_texts(section)
     if trials is not None:
         contents[TEMPLATES[1]] = trials
         if (Path(folder) / TEMPLATES[0]).exists():
             del contents[TEMPLATES[0]]
     return write_files(folder, contents, overwrite=overwrite)
+
+
+def template_texts(
+    section: str = "", settings: Mapping[str, Mapping[str, str]] | None = None
+) -> dict[str, bytes]:
+    """Return the commented files of a new campaign by name.
+
+    `settings` are keys by table, as TOML writes their values: a line that waits for one, perhaps as a comment, gets it.
+    """
+    source = files("ropefric.trials") / "templates"
+    contents = {name: (source / name).read_bytes() for name in TEMPLATES}
+    text, mark, own = contents[TEMPLATES[0]].decode().partition(_HOW_TO_READ)
+    for table, keys in (settings or {}).items():
+        text = _with_keys(text, table, keys)
+    contents[TEMPLATES[0]] = (text + (section or mark + own)).encode()
+    return contents
+
+
+def _with_keys(text: str, table: str, keys: Mapping[str, str]) -> str:
+    """Return a TOML text in which a table, "" for what stands before all, says some keys."""
+    head = f"[{table}]\n" if table else ""
+    before, found, after = ("", "", text) if not table else text.partition(f"# {head}")
+    if table and not found:
+        before, found, after = text.partition(head)
+    if table and not found:
+        return text + head + "".join(f"{key} = {value}\n" for key, value in keys.items()) + "\n"
+    end = after.find("\n\n" if table else "\n[") + 1 or len(after)
+    block, after = after[:end], after[end:]
+    for key, value in keys.items():
+        waits = next((found for found in _LINE.finditer(block) if found[2] == key), None)
+        at, said = (waits.span(), waits[1]) if waits else ((0, 0), f"{key} = ")
+        block = block[: at[0]] + said + value + ("" if waits else "\n") + block[at[1] :]
+    return before + head + block + after
 
 
 def load_campaign(

@@ -3,7 +3,7 @@
 import csv
 import os
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -17,37 +17,50 @@ from ropefric.traces.readers.profile import ImportProfile, profile_to_toml
 from ropefric.trials.trial_list import list_from_names
 from ropefric.trials.workers import Limits, Lost, guarded
 
+Progress = Callable[[int, int, str], None]
 _SHOWN = 3
+_OPEN = ImportProfile()
 
 
 class Proposal(NamedTuple):
-    """A list of trials, the section that reads their recordings, "" where none was found, and what was assumed."""
+    """A list of trials, the section that reads their recordings, "" where none was found, and what was assumed.
+
+    `found` is what was seen in one of the files, None where none opens.
+    """
 
     trials: bytes
     section: str
     said: tuple[str, ...]
+    found: Inspection | None = None
 
 
-def propose_campaign(recordings: str, pattern: str, folder: Path, limits: Limits | None = None) -> Proposal:
+def propose_campaign(
+    recordings: str,
+    pattern: str,
+    folder: Path,
+    limits: Limits | None = None,
+    *,
+    known: ImportProfile = _OPEN,
+    progress: Progress | None = None,
+) -> Proposal:
     """Return a proposed campaign from the files of a folder or glob pattern; each file is read.
 
-    A row is one recording: a file with several has several rows. No file is left out of the list because it cannot be
-    read; that is said.
+    What the profile that is known leaves open is found out. A row is one recording: a file with several has several
+    rows. No file is left out of the list because it cannot be read; that is said.
     """
-    files = f"{recordings.rstrip('/')}/*" if Path(recordings).is_dir() else recordings
-    trials, told = list_from_names(files, pattern, folder)
+    trials, told = list_from_names(files_of(recordings), pattern, folder)
     header, *rows = csv.reader(trials.decode().splitlines())
     # The folder need not be there yet.
     paths = [Path(os.path.normpath(folder / row[header.index("file")])) for row in rows]
     usual = Counter(path.suffix.lower() for path in paths).most_common(1)[0][0]
     alike = [path for path in paths if path.suffix.lower() == usual]
-    found = _inspected(alike, limits or Limits())
+    found = _inspected(alike, known, limits or Limits())
     said = [told] if told else []
     if isinstance(found, str):
         return Proposal(trials, "", (*said, f"{alike[0].name} cannot be read: {found}"))
     said.append(f"read {found.read}, from {found.file}" if found.read else f"{found.file}: {found.stopped}")
     said += (f"assumed: {doubt}" for doubt in found.doubts)
-    samples, unread = _samples_of(paths, found.profile, limits or Limits())
+    samples, unread = _samples_of(paths, found.profile, limits or Limits(), progress)
     said += unread
     if any(len(names) > 1 for names in samples):
         place = header.index("file") + 1
@@ -58,16 +71,24 @@ def propose_campaign(recordings: str, pattern: str, folder: Path, limits: Limits
         trials = csv_text([[*header[:place], "sample", *header[place:]], *table]).encode()
     comments = [f"# {line}" for line in (said[1:] if told else said)]
     section = "\n".join(["# How to read the recordings, found out from them:", *comments, ""])
-    return Proposal(trials, section + profile_to_toml(found.profile), tuple(said))
+    return Proposal(trials, section + profile_to_toml(found.profile), tuple(said), found)
+
+
+def files_of(recordings: str) -> str:
+    """Return the glob pattern of a folder's files, or the one that is given."""
+    return f"{recordings.rstrip('/')}/*" if Path(recordings).is_dir() else recordings
 
 
 def _samples_of(
-    paths: Sequence[Path], profile: ImportProfile, limits: Limits
+    paths: Sequence[Path], profile: ImportProfile, limits: Limits, progress: Progress | None
 ) -> tuple[list[tuple[str, ...]], list[str]]:
     """Return the names of the recordings of each file, and what to say of those that are not read."""
     samples: list[tuple[str, ...]] = [("",)] * len(paths)
     wrong: dict[str, list[str]] = {}
-    for number, read in guarded(partial(_samples, paths, profile), len(paths), limits=limits):
+    running = guarded(partial(_samples, paths, profile), len(paths), limits=limits)
+    for done, (number, read) in enumerate(running, start=1):
+        if progress is not None:
+            progress(done, len(paths), paths[number].name)
         if isinstance(read, str | Lost):
             wrong.setdefault(read.reason if isinstance(read, Lost) else read, []).append(paths[number].name)
         else:
@@ -81,12 +102,12 @@ def _samples_of(
     ]
 
 
-def _inspected(paths: Sequence[Path], limits: Limits) -> Inspection | str:
+def _inspected(paths: Sequence[Path], known: ImportProfile, limits: Limits) -> Inspection | str:
     """Return the first of some files whose own proposal reads it, else the first that opens, or why none does."""
     some = list(dict.fromkeys((paths[0], paths[len(paths) // 2], paths[-1])))
     opened: list[Inspection] = []
     why: list[str] = []
-    for _, found in guarded(partial(_inspect, some), len(some), limits=limits):
+    for _, found in guarded(partial(_inspect, some, known), len(some), limits=limits):
         if isinstance(found, Inspection):
             opened.insert(0 if found.read else len(opened), found)
         else:
@@ -94,9 +115,9 @@ def _inspected(paths: Sequence[Path], limits: Limits) -> Inspection | str:
     return opened[0] if opened else why[0]
 
 
-def _inspect(paths: Sequence[Path], number: int) -> Inspection | str:
+def _inspect(paths: Sequence[Path], known: ImportProfile, number: int) -> Inspection | str:
     try:
-        return inspect_file(paths[number], shown_as=paths[number].name)
+        return inspect_file(paths[number], known, shown_as=paths[number].name)
     except RopefricError as error:
         return error.problem.message
 

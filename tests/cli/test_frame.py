@@ -174,7 +174,7 @@ def test_commands_stand_in_the_order_of_work_each_at_a_place_of_its_own():
     commands = find_commands()
     orders = [command.order for command in commands.values()]
     assert len(set(orders)) == len(orders)
-    assert list(commands) == [*("init", "inspect", "check", "simulate", "extract", "run", "review", "report"),
+    assert list(commands) == [*("app", "init", "inspect", "check", "simulate", "extract", "run", "review", "report"),
         *("fit", "show", "compare", "diagnose", "predict", "budget", "design", "plan-tests", "export"),
         *("solve", "explain", "cost", "verify", "check-plugin")]  # fmt: skip
 

@@ -24,8 +24,8 @@ ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *(page for page in sorted(ROOT.glob("docs/**/*.md"))
     if page.parent.name != "generated")]  # fmt: skip
 LEFT_OUT = "…"
-WAITS = "ropefric review "
-"""A command that serves until somebody ends it is not run, and what a page says of it stays."""
+WAITS = ("ropefric app ", "ropefric review ")
+"""Commands that serve until somebody ends them are not run, and what a page says of them stays."""
 _FILE = re.compile(r"^```\w+\n# file: (\S+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _BLOCK = re.compile(r"^```(console|pycon)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 

@@ -6,9 +6,9 @@ import json
 import pytest
 
 from ropefric.cli.app import main
+from ropefric.page.review import facts_of
 from ropefric.plotting.campaign import draw_recording
 from ropefric.report import campaign as report
-from ropefric.review.session import facts_of
 from ropefric.trials import numbers
 from ropefric.trials.numbers import COLUMNS, OnPage, TrialColumn
 from ropefric.trials.result import write_tables

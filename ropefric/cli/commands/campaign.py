@@ -1,25 +1,19 @@
-"""The commands of a campaign: its break-away forces, its whole way to a lift force, its report; a look at its picks."""
+"""The commands of a campaign: its break-away forces, its whole way to a lift force, its report."""
 
-import getpass
-import html
 import logging
 import math
-import os
-import sys
-import webbrowser
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from itertools import chain
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, cast
 
 from typer import Argument, BadParameter, Option
 
 from ropefric.cli import on_first_use, options
-from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, option, out_folder
+from ropefric.cli.options import Answer, Force, Words, command, exit_code_of, flag, listed, out_folder
 from ropefric.cli.output import Output, Progress
-from ropefric.errors import DataError, InputError, RopefricError, raise_problems
+from ropefric.errors import RopefricError, raise_problems
 from ropefric.glossary import counted
 
 with on_first_use():
@@ -28,7 +22,6 @@ with on_first_use():
     from ropefric.friction import laws
     from ropefric.report import campaign as pages
     from ropefric.report import page, parts
-    from ropefric.review import server, session
     from ropefric.traces import breakaway
     from ropefric.trials import campaign as campaigns
     from ropefric.trials import campaign_model, numbers, result, workers
@@ -356,88 +349,3 @@ def _report_table(
     said = options.written_to(target.path, "report.html, fits/, comparison.csv, …")
     data = answer.to_dict() | {"written": [*written]}
     return Answer(data, [*pages.answer_sections(answer), said], exit_code_of(answer.verdict))
-
-
-@command("ropefric review out", order=65)
-def review(
-    out: Output,
-    folder: Path = Argument(..., metavar="OUT_DIR", help="A folder that `run` or `extract` wrote."),
-    *,
-    campaign: Path | None = option(
-        "CAMPAIGN.toml", "The campaign; by default the one that `run` made the folder from."
-    ),
-    by: str = option("NAME", "Who decides, as the list will say; by default the login name.", default=""),
-    port: int = Option(0, min=0, max=65535, help="Of the page; 0: any that is free."),
-    open_page: bool = Option(True, "--open/--no-open", help="Open the page in the browser."),
-    jobs: options.Jobs = "auto",
-) -> Answer:
-    """Look at the picks of a campaign in the browser, and decide: accept, move, exclude, comment, undo.
-
-    Decisions go into decisions.csv beside the campaign's list of trials, which itself is never written; what they change
-    in the condition, the law and the lift force is shown. The page is served on this machine
-    alone, to whoever has the address that is printed. Ctrl-C ends it. The folder of results is brought up to date by
-    `ropefric report OUT_DIR`, or `extract`.
-    """
-    if not folder.is_dir():
-        raise DataError("there is no such folder", path=folder, fix="give a folder that `ropefric run` wrote")
-    if campaign is None and not (folder / pipeline.MANIFEST).is_file():
-        why, fix = "the folder does not say which campaign it is of: only `run` writes that down", ""
-        if (folder / "campaign.toml").is_file():
-            why, fix = (
-                "this is a campaign, and its picks stand in a folder of results",
-                "name that folder, or ",
-            )
-        raise DataError(why, path=folder, fix=f"{fix}name the campaign: --campaign CAMPAIGN.toml")
-    path, law = (campaign, "") if campaign is not None else pipeline.recorded_run(folder)
-    path = options.campaign_file(path)
-    n_jobs = options.parse_jobs(jobs, len(campaigns.load_campaign(path, missing_recordings="flag").trials))
-    with Progress(out, "extract") as progress:
-        how: dict[str, Any] = {"law": law, "jobs": n_jobs}
-        by = by.strip() or _login_name()
-        reviewed = session.Review(path, by=by, progress=progress.update, **how)
-    with server.ReviewServer(reviewed, port) as serving:
-        # Not a note: without it nobody finds the page.
-        sys.stderr.write(f"{serving.address}\n")
-        sys.stderr.flush()
-        out.note(f"decisions go into {reviewed.decisions}; Ctrl-C ends the review")
-        try:
-            with _door_to(serving.address) as door:
-                if open_page and _has_screen():
-                    webbrowser.open(door)
-                serving.serve_forever()
-        except KeyboardInterrupt as interrupt:
-            reviewed.close()
-            if interrupt.args:  # not Ctrl-C: the system wants an end
-                raise
-    written = counted(reviewed.n_written, "decision")
-    more = f"; `ropefric report {folder}` brings the results up to date" if reviewed.n_written else ""
-    data = {"trial_list": reviewed.trial_list, "decisions": reviewed.decisions, "by": reviewed.by}
-    data |= {"n_decisions": reviewed.n_written}
-    said = f"{written} written to {reviewed.decisions}{more}"
-    return Answer(data, [section.Section(title="", lines=(said,), verbatim=True)])
-
-
-@contextmanager
-def _door_to(address: str) -> Iterator[str]:
-    """Yield a page, which only this user can read, that leads to an address: all can read a browser's command line."""
-    with TemporaryDirectory(prefix="ropefric-") as folder:
-        door, shown = Path(folder, "review.html"), html.escape(address)
-        door.write_text(
-            f'<!doctype html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
-            f'<meta http-equiv="refresh" content="0; url={shown}"><a href="{shown}">Review of picks</a>\n',
-            encoding="utf-8",
-        )
-        yield door.as_uri()
-
-
-def _login_name() -> str:
-    try:
-        return getpass.getuser()
-    except (OSError, KeyError, ImportError):  # a machine that knows no names
-        raise InputError("who decides?", code="RF121", key="--by", fix="give your name with --by") from None
-
-
-def _has_screen() -> bool:
-    """Return whether a browser could show itself; one for terminals would take this one."""
-    names = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
-    return sys.platform != "linux" or any(os.environ.get(name) for name in names)

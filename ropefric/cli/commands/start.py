@@ -77,9 +77,9 @@ def init(
     else:
         found: dict[str, Any] = {}
         if recordings:
-            trials, section_toml, said = proposal.propose_campaign(recordings, pattern, folder)
-            found = {"trials": trials, "section": section_toml}
-            for line in said:
+            proposed = proposal.propose_campaign(recordings, pattern, folder)
+            found = {"trials": proposed.trials, "section": proposed.section}
+            for line in proposed.said:
                 out.note(line)
         elif pattern:
             fix = "add --from 'daq/*.csv'"

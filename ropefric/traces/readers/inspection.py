@@ -20,7 +20,7 @@ from ropefric.traces.noise import runs_of
 from ropefric.traces.readers import READERS, TEXT_FORMATS, find_reader
 from ropefric.traces.readers.delimited import open_text
 from ropefric.traces.readers.guesses import guess_meaning, index_of, layouts, unit_of
-from ropefric.traces.readers.profile import Channel, ImportProfile, profile_to_toml
+from ropefric.traces.readers.profile import Channel, ImportProfile, RawRecording, profile_to_toml
 from ropefric.traces.readers.table import Table
 from ropefric.traces.signals import FORCES, si_scale, signal_unit
 from ropefric.traces.trace import ForceTrace
@@ -202,19 +202,10 @@ def _tried(found: Inspection, source: Source) -> Inspection:
     """Return an inspection with what its own profile reads of the file, or what stops it; not tried on a part of one."""
     if source.most_bytes:
         return found
-    signals = {
-        name: unit for name, one in found.profile.channels.items() if (unit := _open_signal(name, one))
-    }
-    channels = {
-        name: replace(one, sensitivity=f"1 N/{signals[name]}") if name in signals else one
-        for name, one in found.profile.channels.items()
-    }
-    profile = replace(found.profile, channels=channels)
+    profile, signals = as_signals(found.profile)
     try:
         raws = find_reader(source.path, profile, source=source).read(source, profile)
-        traces = [
-            assemble_trace(raw, profile, calibration=_AS_COUNTS, end_calibration=_AS_COUNTS) for raw in raws
-        ]
+        traces = [trace_as_it_is(raw, profile) for raw in raws]
     except DataError as error:
         fix = f" ({error.fix})" if error.fix else ""
         return replace(found, stopped=f"{error.problem.message}{fix}")
@@ -222,6 +213,21 @@ def _tried(found: Inspection, source: Source) -> Inspection:
     said += f"; how much force that is, nothing says yet ({', '.join(signals)})" if signals else ""
     told = (note for trace in traces for note in trace.notes)
     return replace(found, read=said, notes=tuple(dict.fromkeys((*found.notes, *told))))
+
+
+def as_signals(profile: ImportProfile) -> tuple[ImportProfile, dict[str, str]]:
+    """Return a profile that reads forces of an unknown meaning in their own unit, and that unit by channel."""
+    signals = {name: unit for name, one in profile.channels.items() if (unit := _open_signal(name, one))}
+    channels = {
+        name: replace(one, sensitivity=f"1 N/{signals[name]}") if name in signals else one
+        for name, one in profile.channels.items()
+    }
+    return replace(profile, channels=channels), signals
+
+
+def trace_as_it_is(raw: RawRecording, profile: ImportProfile) -> ForceTrace:
+    """Return the trace of a recording that is only looked at: nothing is tared, a count is a newton."""
+    return assemble_trace(raw, profile, calibration=_AS_COUNTS, end_calibration=_AS_COUNTS)
 
 
 def _summary_of(traces: Sequence[ForceTrace], unit: str) -> str:

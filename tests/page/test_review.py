@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from ropefric.cli.app import main
 from ropefric.errors import DataError, InputError
 from ropefric.fitting import compare
-from ropefric.review import session
-from ropefric.review.session import decimated
+from ropefric.page import review as session
+from ropefric.page.review import decimated
 
 DOUBTFUL = ("c28-r03", "c35-r02")
 

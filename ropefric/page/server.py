@@ -8,41 +8,51 @@ from functools import cache
 from hmac import compare_digest
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
-from math import nan
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
 from ropefric.errors import InputError, RopefricError
 from ropefric.files.plain_text import visible
-from ropefric.review.session import Review
+from ropefric.page.desk import Desk
 
 HOST = "127.0.0.1"
 TOKEN_HEADER = "X-Ropefric-Token"  # noqa: S105  (its name)
 MOST_BYTES = 65536
-"""Of a decision."""
+"""Of what a person says."""
+MOST_OF_A_FILE = 256 * 2**20
+"""Bytes of a recording that is dropped on the page."""
 
 _HEADERS = {
     "Cache-Control": "no-store",
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
-    "Referrer-Policy": "no-referrer",  # the address holds the token
+    "Referrer-Policy": "no-referrer",  # the address may hold the token
     "X-Content-Type-Options": "nosniff",
-    "X-Frame-Options": "DENY",
 }
+_NOTHING = "default-src 'none'; frame-ancestors 'none'"
 _POLICY = (
-    "default-src 'none'; script-src 'nonce-{0}'; style-src 'nonce-{0}'; connect-src 'self'; img-src data:; "
+    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src data:; frame-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
+# A report has no script; its own styles and pictures stand in it, and only our page may frame it.
+_REPORT = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; sandbox; frame-ancestors 'self'"
+_KINDS = {
+    "html": "text/html; charset=utf-8",
+    "js": "text/javascript; charset=utf-8",
+    "css": "text/css; charset=utf-8",
+    "txt": "text/plain; charset=utf-8",
+    "pdf": "application/pdf",
+}
 
 
-class ReviewServer(ThreadingHTTPServer):
-    """A review on a port of the loopback address; 0 takes any that is free."""
+class PageServer(ThreadingHTTPServer):
+    """What a person works on, on a port of the loopback address; 0 takes any that is free."""
 
     daemon_threads = True
     allow_reuse_address = False
 
-    def __init__(self, review: Review, port: int = 0) -> None:
-        self.review = review
+    def __init__(self, desk: Desk, port: int = 0) -> None:
+        self.desk = desk
         self.token = secrets.token_urlsafe(24)
         try:
             super().__init__((HOST, port), _Handler)
@@ -65,6 +75,14 @@ class ReviewServer(ThreadingHTTPServer):
         """Say nothing of a browser that went away in the middle of an answer."""
 
 
+class _Sent(NamedTuple):
+    """A body, how its name ends, and what the browser may do with it."""
+
+    body: bytes
+    ending: str
+    policy: str = _NOTHING
+
+
 class _Refused(Exception):  # noqa: N818  (an answer, not an error)
     """An answer of another kind than what was asked for: status, and why."""
 
@@ -74,7 +92,7 @@ class _Refused(Exception):  # noqa: N818  (an answer, not an error)
 
 
 class _Handler(BaseHTTPRequestHandler):
-    server: ReviewServer
+    server: PageServer
     server_version, sys_version = "ropefric", ""
     timeout = 30.0
 
@@ -93,12 +111,7 @@ class _Handler(BaseHTTPRequestHandler):
         asked, status = urlsplit(self.path), 200
         query = {name: values[-1] for name, values in parse_qs(asked.query).items()}
         try:
-            self._refuse_others(query)
-            if asked.path == "/" and self.command == "GET":
-                nonce = secrets.token_urlsafe(16)
-                page = _page().replace("{{nonce}}", nonce).encode()
-                self._send(200, page, "text/html; charset=utf-8", _POLICY.format(nonce))
-                return
+            self._refuse_others(asked.path, query)
             tree = make(asked.path, query)
         except _Refused as refused:
             status, tree = refused.status, {"error": {"code": "RF110", "message": str(refused)}}
@@ -109,64 +122,80 @@ class _Handler(BaseHTTPRequestHandler):
         except Exception as error:  # noqa: BLE001  (the boundary: the page gets words, never a traceback)
             words = f"internal fault, {type(error).__name__}: {error}"
             status, tree = 500, {"error": {"code": "RF000", "message": words, "fix": "please report it"}}
-        self._send(status, json.dumps(tree).encode(), "application/json", "default-src 'none'")
+        self._send(status, tree)
 
-    def _send(self, status: int, body: bytes, kind: str, policy: str) -> None:
+    def _send(self, status: int, tree: Any) -> None:
+        sent = tree if isinstance(tree, _Sent) else _Sent(json.dumps(tree).encode(), "json")
         self.send_response(status)
-        own = {"Content-Type": kind, "Content-Length": str(len(body)), "Content-Security-Policy": policy}
-        for name, value in {**_HEADERS, **own}.items():
+        frames = {} if "frame-ancestors 'self'" in sent.policy else {"X-Frame-Options": "DENY"}
+        own = {
+            "Content-Type": _KINDS.get(sent.ending, "application/json"),
+            "Content-Length": str(len(sent.body)),
+        }
+        own["Content-Security-Policy"] = sent.policy
+        for name, value in {**_HEADERS, **frames, **own}.items():
             self.send_header(name, value)
         self.end_headers()
-        self.wfile.write(body)
+        self.wfile.write(sent.body)
 
-    def _refuse_others(self, query: Mapping[str, str]) -> None:
-        """Refuse whoever does not know the token, and names that lead here from other sites."""
+    def _refuse_others(self, path: str, query: Mapping[str, str]) -> None:
+        """Refuse names that lead here from other sites, and whoever does not know the token.
+
+        The page itself, which holds nothing of anybody's, is everybody's: it asks for the token where it has none.
+        """
         names = {f"{name}:{self.server.server_port}" for name in (HOST, "localhost")}
         host = self.headers.get("Host", "")
         if host not in names:
             raise _Refused(403, "this address is not known here")
         given = self.headers.get(TOKEN_HEADER, query.get("token", ""))
-        if not compare_digest(given.encode(), self.server.token.encode()):
+        if path.startswith(("/api/", "/results/")) and not compare_digest(
+            given.encode(), self.server.token.encode()
+        ):
             raise _Refused(
-                403, "the token is missing or wrong: open the address that `ropefric review` printed"
+                403, "the token is missing or wrong: it stands in the address that ropefric printed"
             )
         origin = self.headers.get("Origin")
         if origin != f"http://{host}" and (origin is not None or self.command != "GET"):
             raise _Refused(403, "another page may not ask for this")
 
     def _get(self, path: str, query: Mapping[str, str]) -> Any:
-        review = self.server.review
-        if path in {"/api/overview", "/api/answer"}:
-            return getattr(review, path.removeprefix("/api/"))()
-        if path == "/api/trial":
-            return review.trial(query["trial"])
-        if path == "/api/preview":
-            return review.preview(query["trial"], float(query["pick_s"]))
-        if path == "/api/curve":
-            start_s, stop_s = (float(query.get(name) or nan) for name in ("start_s", "stop_s"))
-            return review.curve(query["trial"], start_s, stop_s, int(query["columns"]))
+        if path == "/":
+            return _Sent(_page()["page.html"], "html", _POLICY)
+        place, _, name = path.removeprefix("/").partition("/")
+        if place == "static" and name in _page():
+            return _Sent(_page()[name], name.rpartition(".")[2])
+        if place == "results":
+            policy = (
+                _NOTHING if name.endswith(".pdf") else _REPORT
+            )  # browsers show no PDF where nothing may run
+            return _Sent(self.server.desk.result(name), name.rpartition(".")[2], policy)
+        if place == "api" and (read := self.server.desk.reads.get(name)) is not None:
+            return read(query)
         raise _Refused(404, "there is no such page")
 
-    def _post(self, path: str, _: Mapping[str, str]) -> Any:
+    def _post(self, path: str, query: Mapping[str, str]) -> Any:
+        size = int(self.headers["Content-Length"])
+        if path == "/api/upload":
+            if self.headers.get_content_type() != "application/octet-stream":
+                raise _Refused(415, "this is no file")
+            if not 0 <= size <= MOST_OF_A_FILE:
+                raise _Refused(
+                    413, f"a file of more than {MOST_OF_A_FILE // 2**20} MB is not taken: name its folder"
+                )
+            return self.server.desk.upload(query["name"], self.rfile, size)
         if self.headers.get_content_type() != "application/json":
             raise _Refused(415, "this is not JSON")
-        size = int(self.headers["Content-Length"])
         if not 0 <= size <= MOST_BYTES:
-            raise _Refused(413, "this is too long for a decision")
-        asked = dict(json.loads(self.rfile.read(size)))
-        review = self.server.review
-        if path == "/api/decide":
-            pick_s, text = asked.get("pick_s"), str(asked.get("text", ""))
-            pick_s = None if pick_s is None else float(pick_s)
-            return review.decide(asked["trial"], asked["action"], pick_s=pick_s, text=text)
-        if path in {"/api/undo", "/api/reload"}:
-            return getattr(review, path.removeprefix("/api/"))()
-        raise _Refused(404, "there is no such page")
+            raise _Refused(413, "this is too long")
+        write = self.server.desk.writes.get(path.removeprefix("/api/"))
+        if write is None or not path.startswith("/api/"):
+            raise _Refused(404, "there is no such page")
+        return write(dict(json.loads(self.rfile.read(size))))
 
 
 @cache
-def _page() -> str:
-    return (files("ropefric.review") / "page.html").read_text(encoding="utf-8")
+def _page() -> dict[str, bytes]:
+    return {one.name: one.read_bytes() for one in (files("ropefric.page") / "static").iterdir()}
 
 
 def _all_of(error: RopefricError) -> str:

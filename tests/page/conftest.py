@@ -8,9 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from ropefric.review import session
-from ropefric.review.server import ReviewServer
-from ropefric.review.session import Review
+from ropefric.errors import DataError
+from ropefric.page import review as session
+from ropefric.page.desk import Desk
+from ropefric.page.review import Review
+from ropefric.page.server import PageServer
 from ropefric.traces.breakaway import Status
 from ropefric.traces.decision import Candidate, Judgement
 
@@ -41,7 +43,7 @@ def campaign(extracted, tmp_path):
 
 def not_fitted(*_):
     """Say nothing of all trials: to compare laws takes longer than all else."""
-    return {"error": {"message": "not fitted"}}
+    raise DataError("not fitted")
 
 
 @pytest.fixture
@@ -51,7 +53,7 @@ def begin(campaign, monkeypatch):
 
     def begin(*, fits=False):
         if not fits:
-            monkeypatch.setattr(session, "_said", not_fitted)
+            monkeypatch.setattr(session, "_answered", not_fitted)
         now = datetime(2026, 11, 22, 14, 30, tzinfo=UTC)
         begun.append(Review(campaign / "campaign.toml", by="A. Meier", now=lambda: now))
         return begun[-1]
@@ -81,15 +83,16 @@ def served(extracted, tmp_path_factory):
     folder = tmp_path_factory.mktemp("served") / "campaign"
     shutil.copytree(extracted, folder)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(session, "_said", not_fitted)
+        patch.setattr(session, "_answered", not_fitted)
         review = Review(folder / "campaign.toml", by="A. Meier")
-        with ReviewServer(review) as server:
+        desk = Desk(folder / "campaign.toml", by="A. Meier", review=review)
+        with PageServer(desk) as server:
             thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
             thread.start()
             yield server
             server.shutdown()
             thread.join()
-        review.close()
+        desk.close()
 
 
 @pytest.fixture

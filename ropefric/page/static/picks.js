@@ -1,206 +1,18 @@
-<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Review of picks</title>
-<link rel="icon" href="data:,">
-<style nonce="{{nonce}}">
-:root { color-scheme: light dark; --ink: #1d2433; --soft: #4a5468; --line: #c9d0dc; --pale: #f1f4f9; --ground: #ffffff;
-  --accent: #0b5394; --on-accent: #ffffff; --chosen: #dbe9f8; --alarm: #a4001c; --alarm-ground: #fdeeee; --focus: #b45309;
-  --trace: #6f8fae; --smooth: #0b3d6b; --pick: #b93a00; --draft: #8b2fa0; --candidate: #8a5a00; --event: #3d6b4f;
-  --idle: #eef0f3; --loading: #e2eefa; --break-away: #fde6d6; --sliding: #e5f3e8; --held: #efe6f7; --unloading: #eef0f3; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e6e9f0; --soft: #a9b3c6; --line: #3b4558; --pale: #1c2230;
-  --ground: #12161f; --accent: #7db7f0; --on-accent: #0b1420; --chosen: #22364f; --alarm: #ff9aa5; --alarm-ground: #3a1a20;
-  --focus: #f0a94a; --trace: #6d8fb3; --smooth: #cfe3f8; --pick: #ff9a5c; --draft: #dd9bf0; --candidate: #f0c060;
-  --event: #8fd0a8; --idle: #1a1f2a; --loading: #16263a; --break-away: #3a2417; --sliding: #172b1f; --held: #281e36;
-  --unloading: #1a1f2a; } }
-*, *::before, *::after { box-sizing: border-box; }
-html, body { height: 100%; }
-body { margin: 0; font: 0.95rem/1.45 system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif;
-  color: var(--ink); background: var(--ground); display: grid; grid: "top top" auto "list main" minmax(0, 1fr) "help help" auto / 20rem minmax(0, 1fr); }
-:focus-visible { outline: 3px solid var(--focus); outline-offset: 1px; }
-header { grid-area: top; display: flex; flex-wrap: wrap; gap: 0.1rem 1.2rem; align-items: baseline;
-  padding: 0.5rem 1rem; border-bottom: 1px solid var(--line); }
-h1 { font-size: 1.15rem; margin: 0; font-weight: 600; }
-header p { margin: 0; color: var(--soft); font-size: 0.875rem; }
-aside { grid-area: list; display: flex; flex-direction: column; min-height: 0; border-right: 1px solid var(--line); }
-.filters { display: grid; gap: 0.4rem; padding: 0.6rem; }
-.filters label { display: grid; grid-template-columns: 5.2rem minmax(0, 1fr); align-items: center; gap: 0.4rem;
-  font-size: 0.875rem; color: var(--soft); }
-select, input { font: inherit; color: var(--ink); background: var(--ground); border: 1px solid var(--line);
-  border-radius: 4px; padding: 0.25rem 0.4rem; width: 100%; min-width: 0; }
-#n-shown { margin: 0; padding: 0 0.6rem 0.4rem; font-size: 0.8rem; color: var(--soft); }
-#list { flex: 1; overflow-y: auto; position: relative; border-top: 1px solid var(--line); min-height: 9rem; }
-#space { position: relative; }
-.row { position: absolute; left: 0; right: 0; top: 0; height: 46px; padding: 0.25rem 0.6rem; display: grid;
-  grid-template-columns: 1.5rem minmax(0, 1fr) auto; gap: 0 0.3rem; align-content: center; cursor: pointer;
-  border-bottom: 1px solid var(--line); line-height: 1.25; }
-.row > * { overflow: hidden; text-overflow: ellipsis; white-space: nowrap; }
-.row .sign { grid-row: span 2; align-self: center; font-weight: 700; text-align: center; }
-.row .name { font-weight: 600; }
-.row .force { font-variant-numeric: tabular-nums; }
-.row .where { grid-column: 2; }
-.row .sure { text-align: right; font-variant-numeric: tabular-nums; }
-.row .where, .row .sure { font-size: 0.8rem; color: var(--soft); }
-.row[aria-selected="true"] { background: var(--chosen); }
-.row.ask .sign, .row.ask .force { color: var(--pick); }
-.row.out .name, .row.out .force { text-decoration: line-through; color: var(--soft); }
-main { grid-area: main; overflow: auto; padding: 0.7rem 1rem 1.5rem; min-width: 0; }
-.title { display: flex; flex-wrap: wrap; gap: 0.1rem 0.8rem; align-items: baseline; }
-h2 { font-size: 1.25rem; margin: 0; font-weight: 600; overflow-wrap: anywhere; }
-h3 { font-size: 1rem; margin: 0 0 0.3rem; font-weight: 600; }
-.badge { font-size: 0.8rem; font-weight: 600; padding: 0.05rem 0.5rem; border: 1px solid currentColor; border-radius: 1rem; }
-.badge.ask { color: var(--pick); }
-.soft { color: var(--soft); font-size: 0.875rem; }
-#detail { margin: 0.2rem 0 0.4rem; max-width: 60rem; }
-#places { margin: 0.3rem 0 0; max-width: 60rem; }
-#figure { position: relative; height: clamp(15rem, 42vh, 34rem); border: 1px solid var(--line); border-radius: 4px; }
-#plot { position: absolute; inset: 0; width: 100%; height: 100%; touch-action: pan-y; cursor: crosshair; }
-.legend { display: flex; flex-wrap: wrap; gap: 0.1rem 1rem; margin: 0.3rem 0; font-size: 0.8rem; color: var(--soft); }
-.legend span::before { content: attr(data-sign); margin-right: 0.3rem; font-weight: 700; }
-.legend .trace::before { color: var(--trace); } .legend .smooth::before { color: var(--smooth); }
-.legend .pick::before { color: var(--pick); } .legend .draft::before { color: var(--draft); }
-.legend .candidate::before { color: var(--candidate); } .legend .event::before { color: var(--event); }
-.tools { display: flex; flex-wrap: wrap; gap: 0.35rem; margin: 0.4rem 0; font-size: 0.9rem; }
-button { font: inherit; color: var(--ink); background: var(--pale); border: 1px solid var(--line); border-radius: 4px;
-  padding: 0.25rem 0.5rem; cursor: pointer; }
-button:hover:not(:disabled) { border-color: var(--accent); }
-button:disabled { opacity: 0.5; cursor: default; }
-button.main { background: var(--accent); color: var(--on-accent); border-color: var(--accent); }
-kbd { font: 0.75rem ui-monospace, "DejaVu Sans Mono", monospace; border: 1px solid currentColor; border-radius: 3px;
-  padding: 0 0.25rem; margin-left: 0.3rem; opacity: 0.85; }
-#said { min-height: 1.45em; margin: 0; }
-#error { margin: 0.4rem 0; padding: 0.5rem 0.8rem; border-left: 5px solid var(--alarm); background: var(--alarm-ground);
-  overflow-wrap: anywhere; }
-#error p { margin: 0 0 0.2rem; }
-.panels { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); gap: 1rem; margin-top: 0.6rem; }
-.panel { border: 1px solid var(--line); border-radius: 4px; padding: 0.6rem 0.9rem; min-width: 0; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; font-size: 0.875rem; font-variant-numeric: tabular-nums; width: 100%; }
-th, td { text-align: left; padding: 0.15rem 0.8rem 0.15rem 0; vertical-align: top; font-weight: 400; }
-thead th { color: var(--soft); border-bottom: 1px solid var(--line); }
-tr.moved td:last-child { font-weight: 700; }
-td.force { white-space: nowrap; }
-dl { display: grid; grid-template-columns: auto 1fr; gap: 0.1rem 0.9rem; margin: 0; font-size: 0.875rem;
-  font-variant-numeric: tabular-nums; }
-dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
-footer { grid-area: help; padding: 0.2rem 1rem; border-top: 1px solid var(--line); font-size: 0.78rem; color: var(--soft); }
-footer kbd { margin: 0 0.1rem; font-size: 0.7rem; }
-dialog { border: 1px solid var(--line); border-radius: 6px; padding: 1rem; width: min(30rem, 92vw); color: var(--ink);
-  background: var(--ground); }
-dialog::backdrop { background: rgb(0 0 0 / 45%); }
-dialog .tools { margin: 0.8rem 0 0; justify-content: flex-end; }
-dialog label { display: block; margin-bottom: 0.3rem; }
-[hidden] { display: none !important; }
-@media (pointer: fine) { .touch { display: none; } }
-@media (pointer: coarse) { button kbd { display: none; } }
-@media (max-width: 56rem) {
-  html, body { height: auto; }
-  body { display: block; }
-  aside { border-right: 0; border-bottom: 1px solid var(--line); }
-  #list { flex: none; height: 184px; }
-  main { overflow: visible; padding: 0.6rem; }
-  header { padding: 0.5rem 0.6rem; }
-  button { padding: 0.45rem 0.7rem; }
-}
-</style>
-</head>
-<body>
-<header>
-  <h1 id="campaign">Review of picks</h1>
-  <p id="counts"></p>
-  <p id="target"></p>
-</header>
-<aside aria-label="Trials">
-  <div class="filters">
-    <label>Status <select id="by-status"></select></label>
-    <label>Condition <select id="by-condition"></select></label>
-    <label>Order <select id="by-order"><option value="list">doubtful first</option>
-      <option value="sure">least sure first</option></select></label>
-    <label>File, trial <input id="by-text" type="search" autocomplete="off" spellcheck="false"></label>
-  </div>
-  <p id="n-shown" role="status"></p>
-  <div id="list" role="listbox" tabindex="0" aria-label="Trials, doubtful first"><div id="space" role="presentation"></div></div>
-</aside>
-<main>
-  <div class="title"><h2 id="trial">…</h2><span id="status" class="badge"></span><span id="where" class="soft"></span></div>
-  <p id="detail"></p>
-  <div id="figure"><canvas id="plot" role="img" aria-label="The recording" aria-describedby="places"></canvas></div>
-  <p id="places" class="soft"></p>
-  <div class="legend" aria-hidden="true">
-    <span class="trace" data-sign="▮">samples, lowest to highest</span><span class="smooth" data-sign="━">smoothed</span>
-    <span class="pick" data-sign="◆">pick with u</span><span class="candidate" data-sign="①">candidate</span>
-    <span class="event" data-sign="▼">event</span><span class="draft" data-sign="┆">moved, not yet accepted</span>
-  </div>
-  <div class="tools" role="toolbar" aria-label="What to do">
-    <button id="do-accept" class="main" aria-keyshortcuts="a">Accept<kbd>a</kbd></button>
-    <button id="do-exclude" aria-keyshortcuts="x">Exclude…<kbd>x</kbd></button>
-    <button id="do-comment" aria-keyshortcuts="c">Comment…<kbd>c</kbd></button>
-    <button id="do-clear" aria-keyshortcuts="r">Take back<kbd>r</kbd></button>
-    <button id="do-undo" aria-keyshortcuts="u">Undo<kbd>u</kbd></button>
-    <button id="do-previous" aria-keyshortcuts="k">Previous<kbd>k</kbd></button>
-    <button id="do-next" aria-keyshortcuts="j">Next<kbd>j</kbd></button>
-    <button id="do-zoom" aria-keyshortcuts="z">Zoom<kbd>z</kbd></button>
-    <button id="do-whole" aria-keyshortcuts="w">Whole<kbd>w</kbd></button>
-    <button id="do-left" class="touch" aria-label="Move the pick to the left">◀</button>
-    <button id="do-right" class="touch" aria-label="Move the pick to the right">▶</button>
-  </div>
-  <p id="said" role="status"></p>
-  <div id="error" role="alert" hidden><p id="why"></p><p id="fix" class="soft"></p>
-    <button id="do-reload">Read the list again</button> <button id="do-hide">Close</button></div>
-  <div class="panels">
-    <section class="panel" aria-labelledby="h-change"><h3 id="h-change">What it changes</h3>
-      <div class="scroll"><table id="change"><thead></thead><tbody></tbody></table></div>
-      <p id="computing" class="soft" role="status"></p><p id="since" class="soft"></p></section>
-    <section class="panel" id="candidates" aria-labelledby="h-candidates"><h3 id="h-candidates">Candidates</h3>
-      <div class="scroll"><table><thead></thead><tbody></tbody></table></div></section>
-    <section class="panel" aria-labelledby="h-facts"><h3 id="h-facts">This recording</h3><dl id="facts"></dl></section>
-    <section class="panel" id="events" aria-labelledby="h-events"><h3 id="h-events">Events</h3>
-      <div class="scroll"><table><thead></thead><tbody></tbody></table></div></section>
-  </div>
-</main>
-<footer>Keys: <kbd>j</kbd><kbd>↓</kbd> next, <kbd>k</kbd><kbd>↑</kbd> previous, <kbd>a</kbd> accept, <kbd>Enter</kbd> accept and go on,
-  <kbd>1</kbd>…<kbd>9</kbd> choose a candidate, click or <kbd>←</kbd><kbd>→</kbd> move the pick (<kbd>Shift</kbd>: ten times as far),
-  <kbd>Esc</kbd> leave it, <kbd>x</kbd> exclude, <kbd>c</kbd> comment, <kbd>r</kbd> take back, <kbd>u</kbd> undo, <kbd>z</kbd> zoom at
-  the peak, <kbd>w</kbd> whole, wheel <kbd>+</kbd><kbd>-</kbd> zoom, drag to shift, <kbd>/</kbd> filter</footer>
-<dialog id="ask" aria-labelledby="ask-what">
-  <label id="ask-what" for="ask-text"></label><input id="ask-text" autocomplete="off">
-  <div class="tools"><button id="ask-no">Cancel</button><button id="ask-yes" class="main">Write</button></div>
-</dialog>
-<script nonce="{{nonce}}">
-"use strict";
-const $ = (id) => document.getElementById(id);
-const ROW = 46, BEYOND = 6, TOKEN = new URLSearchParams(location.search).get("token") || "";
+// Step 2: recordings one by one, the pick of each, and what a person decides about it.
+import { $, call, calm, fail as failed, known, make, plain, shown, step as declare, tableRow, unit, withEnds, withStd } from "./frame.js";
+import { EDGE, penOf, ticks } from "./canvas.js";
+
+const ROW = 46, BEYOND = 6;
 const SIGNS = { ask: "?", "without a force": "–", rejected: "r", excluded: "✕", kept: "✓" };
-const S = { rows: new Map(), order: [], shown: [], trial: "", info: null, curve: null, view: null, draft: null, preview: null,
+export const S = { rows: new Map(), order: [], shown: [], trial: "", info: null, curve: null, view: null, draft: null, preview: null,
   slack: false, undo: 0, answer: {} };
-
-// --- what goes over the line ---
-
-async function call(path, query, body) {
-  const options = { headers: { "X-Ropefric-Token": TOKEN } };
-  if (body) {
-    options.method = "POST";
-    options.body = JSON.stringify(body);
-    options.headers["Content-Type"] = "application/json";
-  }
-  let tree;
-  try {
-    tree = await (await fetch(`/api/${path}?${new URLSearchParams(query)}`, options)).json();
-  } catch {
-    throw { message: "ropefric does not answer: has the review ended?", fix: "what was written stands in decisions.csv; start `ropefric review` again" };
-  }
-  if (tree.error) throw tree.error;
-  return tree;
-}
 
 let queue = Promise.resolve();  // one decision after the other, none left out
 function write(path, body, words) {
   queue = queue.then(async () => {
     try {
       const found = await call(path, {}, body);
-      $("error").hidden = true;
+      calm();
       say(words);
       if (found.order) take(found);
       for (const [name, row] of Object.entries(found.rows)) S.rows.set(name, row);
@@ -216,35 +28,11 @@ function write(path, body, words) {
 
 const say = (words) => { $("said").textContent = words; };
 function fail(error) {
-  $("why").textContent = `${error.code ? `${error.code}: ` : ""}${error.message || error}`;
-  $("fix").textContent = error.fix ? `Remedy: ${error.fix}` : "";
-  $("do-reload").hidden = error.code !== "RF153";
-  $("error").hidden = false;
+  failed(error);
   say("");
 }
 
-// --- numbers ---
-
-const known = (x) => x !== null && x !== undefined;
-const plain = (x, digits = 4) => known(x) ? String(+x.toPrecision(digits)) : "–";
-const unit = (x, name, digits = 4) => known(x) ? `${plain(x, digits)} ${name}` : "–";
-const places = (std) => Math.min(9, Math.max(0, 1 - Math.floor(Math.log10(std))));
-function withStd(x, std) {
-  return known(x) && std ? `${x.toFixed(places(std))} ± ${std.toFixed(places(std))} N` : unit(x, "N", 5);
-}
 const symbol = () => S.slack ? "F_B" : "F_A";
-function make(tag, text = "", kind = "") {
-  const made = document.createElement(tag);
-  made.textContent = text;
-  if (kind) made.className = kind;
-  return made;
-}
-function tableRow(cells, tag = "td") {
-  const made = make("tr");
-  made.append(...cells.map((cell) => cell instanceof Node ? cell : make(tag, cell)));
-  return made;
-}
-
 // --- the list ---
 
 const kindOf = (row) => row.status === "doubtful" && row.outcome === "without a force" ? "ask" : row.outcome;
@@ -268,13 +56,11 @@ function arrange() {
     .sort((a, b) => a[0] - b[0] || a[1] - b[1] || a[2] - b[2]).map((e) => e[3]);
 }
 
-function take(tree) {
+export function take(tree) {
   S.slack = tree.slack;
   S.rows = new Map(tree.order.map((name) => [name, tree.rows[name]]));
   arrange();
-  $("campaign").textContent = tree.campaign;
-  $("target").textContent = `decisions of ${tree.by} go into ${tree.list}`;
-  document.title = `Review: ${tree.campaign}`;
+  $("where-to").textContent = `decisions of ${tree.by} go into ${tree.list}`;
   S.undo = tree.undo;
   count(tree.counts);
   const chosen = $("by-condition").value;
@@ -431,8 +217,7 @@ function showAnswer(found) {
   const { change, before, now, first } = found, rows = [];
   const law = (one) => !one ? "…" : one.error ? "none" : `${one.law} (${one.verdict})`;
   const lift = (one) => !one ? "…" : one.error ? one.error.message : one.lift
-    ? ((at) => `${one.lift.force_N.toFixed(at)} N [${one.lift.low_N?.toFixed(at) ?? "–"}, ${one.lift.high_N?.toFixed(at) ?? "–"}]`)(
-      known(one.lift.high_N) ? places((one.lift.high_N - one.lift.low_N) / 4) : 2)
+    ? withEnds(one.lift.force_N, [one.lift.low_N, one.lift.high_N])
     : one.parameters.map(([name, value, std]) => `${name} = ${plain(value)} ± ${plain(std, 2)}`).join(", ");
   const some = now || before || first, last = some && !some.error && !some.lift ? "Parameters" : "Lift force";
   const level = some && some.lift ? `, ${plain(100 * some.lift.level, 3)} % interval` : "";
@@ -482,8 +267,8 @@ async function loadCurve() {
   if (wanted) { wanted = false; loadCurve(); }
 }
 
-const EDGE = { left: 54, right: 8, top: 20, bottom: 34 }, STRIP = { title: 20, height: 30, narrowest: 2 };
-function scales() {
+const STRIP = { title: 20, height: 30, narrowest: 2 };
+export function scales() {
   const [start, stop] = S.view, curve = S.curve, strip = curve.places.length || curve.reasons.length ? STRIP.title + STRIP.height : 0;
   const plot = $("plot"), width = plot.clientWidth - EDGE.left - EDGE.right;
   const height = plot.clientHeight - EDGE.top - EDGE.bottom - strip;
@@ -497,27 +282,14 @@ function scales() {
   return { x: (t) => EDGE.left + (t - start) / (stop - start) * width, y: (f) => EDGE.top + (high - f) / (high - low) * height,
     time: (x) => start + (x - EDGE.left) / width * (stop - start), width, height, low, high, strip };
 }
-function ticks(low, high, most) {
-  const rough = (high - low) / Math.max(1, most), power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= rough), found = [];
-  for (let n = Math.ceil(low / step); n * step <= high && found.length < 50; n++) found.push(+(n * step).toPrecision(12));
-  return found;
-}
-
 function draw() {
-  const plot = $("plot"), ratio = devicePixelRatio || 1, pen = plot.getContext("2d");
-  plot.width = Math.round(plot.clientWidth * ratio);
-  plot.height = Math.round(plot.clientHeight * ratio);
-  pen.scale(ratio, ratio);
-  const style = getComputedStyle(document.documentElement), color = (name) => style.getPropertyValue(`--${name}`).trim();
-  pen.font = "12px system-ui, sans-serif";
+  const plot = $("plot"), { pen, color, line } = penOf(plot);
   if (!S.curve || !S.info || !S.view) {
     pen.fillStyle = color("soft");
     return pen.fillText("no recording to draw", EDGE.left, 60);
   }
   const { x, y, width, height, low, high, strip } = scales(), right = EDGE.left + width, bottom = EDGE.top + height, info = S.info;
   const axis = bottom + strip;
-  const line = (x0, y0, x1, y1) => { pen.beginPath(); pen.moveTo(x0, y0); pen.lineTo(x1, y1); pen.stroke(); };
   const label = (text, at, top, kind) => {
     const half = pen.measureText(text).width / 2 + 3, left = Math.min(Math.max(at, EDGE.left + half), right - half);
     pen.globalAlpha = 0.85; pen.fillStyle = color("ground"); pen.fillRect(left - half, top - 11, 2 * half, 15); pen.globalAlpha = 1;
@@ -604,7 +376,7 @@ function draw() {
 
 // --- zoom, and moving the pick ---
 
-function show(start, stop) {
+export function show(start, stop) {
   const { begin_s, end_s } = S.curve, least = (end_s - begin_s) * 1e-5;
   let span = Math.min(Math.max(stop - start, least), end_s - begin_s);
   start = Math.min(Math.max(start, begin_s), end_s - span);
@@ -705,7 +477,7 @@ const KEYS = { j: () => step(1), n: () => step(1), ArrowDown: () => step(1), k: 
   ArrowLeft: (event) => nudge(event.shiftKey ? -10 : -1), ArrowRight: (event) => nudge(event.shiftKey ? 10 : 1) };
 addEventListener("keydown", (event) => {
   const on = event.target;
-  if (event.ctrlKey || event.altKey || event.metaKey || $("ask").open) return;
+  if (event.ctrlKey || event.altKey || event.metaKey || $("ask").open || shown() !== "picks") return;
   if (on.matches("input, select")) { if (event.key === "Escape") $("list").focus(); return; }
   if (on.matches("button") && ["Enter", " "].includes(event.key)) return;
   const chosen = /^[1-9]$/.test(event.key) && S.info ? S.info.candidates[event.key - 1] : null;
@@ -715,7 +487,7 @@ addEventListener("keydown", (event) => {
   act(event);
 });
 for (const [id, act] of Object.entries({ accept, exclude, comment, clear, undo, reload, zoom: zoomAtPeak, whole, previous: () => step(-1),
-  next: () => step(1), left: () => nudge(-1), right: () => nudge(1), hide: () => { $("error").hidden = true; } }))
+  next: () => step(1), left: () => nudge(-1), right: () => nudge(1) }))
   $(`do-${id}`).onclick = () => act();
 $("ask-yes").onclick = answerAsked;
 $("ask-no").onclick = () => $("ask").close();
@@ -745,17 +517,14 @@ plot.addEventListener("wheel", (event) => {
   event.preventDefault();
   if (S.curve) zoom(1.25 ** Math.sign(event.deltaY), scales().time(event.offsetX));
 }, { passive: false });
-new ResizeObserver(() => { draw(); drawList(); if (S.curve) loadCurve(); }).observe($("figure"));
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+new ResizeObserver(() => { if (shown() !== "picks") return; draw(); drawList(); if (S.curve) loadCurve(); }).observe($("figure"));
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (shown() === "picks") draw(); });
 
-(async () => {
-  try {
-    const tree = await call("overview", {});
-    take(tree);
-    showAnswer(tree);
-    if (S.shown.length) await choose(S.shown[0]);
-  } catch (error) { fail(error); }
-})();
-</script>
-</body>
-</html>
+declare("picks", async () => {
+  const tree = await call("overview");
+  take(tree);
+  showAnswer(tree);
+  const name = S.shown.includes(S.trial) ? S.trial : S.shown[0];
+  if (name) await choose(name);
+  $("list").focus({ preventScroll: true });
+});

@@ -8,13 +8,14 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.resources import files
 from pathlib import Path
-from urllib.parse import quote
+from urllib.parse import urlencode
 
 import pytest
 
 from ropefric.cli.app import main
-from ropefric.review.server import MOST_BYTES, ReviewServer
+from ropefric.page.server import MOST_BYTES, MOST_OF_A_FILE, PageServer
 
 
 @pytest.fixture
@@ -42,33 +43,47 @@ def ask(served):
     return ask
 
 
-def test_the_page_asks_for_nothing_from_elsewhere(ask, served):
-    status, page, headers = ask(f"/?token={quote(served.token)}", token=None)
-    assert status == 200
-    assert not re.findall(r"""(?:https?:)?//[a-z]|\bimport\b|\bsrc=|url\(|@import""", page)
+STATIC = sorted((files("ropefric.page") / "static").iterdir(), key=lambda one: one.name)
+
+
+def test_the_page_asks_for_nothing_from_elsewhere(ask):
+    status, page, headers = ask("/", token=None)
+    assert (status, headers["Referrer-Policy"]) == (200, "no-referrer")
     policy = headers["Content-Security-Policy"]
     assert "default-src 'none'" in policy
     assert "unsafe" not in policy
-    nonce = re.search(r"'nonce-([^']+)'", policy)[1]
-    assert (page.count(f'nonce="{nonce}"'), headers["Referrer-Policy"]) == (2, "no-referrer")
-    # The next page has another one.
-    assert nonce not in ask("/")[1]
+    # Nothing stands in the page that its policy refuses.
+    assert not re.findall(r"<style|<script(?! type=\"module\" src=)|\son\w+=|\sstyle=", page)
+    for one in STATIC:
+        status, text, headers = ask(f"/static/{one.name}", token=None)
+        assert (status, text) == (200, one.read_text(encoding="utf-8"))
+        assert not re.findall(r"(?:https?:)?//[a-z]|url\(|@import|\beval\b|innerHTML", text), one.name
+        wanted = re.findall(r'(?:from|import|src=|href=) ?"([\w./-]+)"', text)
+        assert all(name.rpartition("/")[2] in {each.name for each in STATIC} for name in wanted)
 
 
 def test_whoever_lacks_the_token_or_names_this_address_otherwise_gets_nothing(ask, served):
     for given in (None, "", "x", "\xfc"):
-        for path in ("/", "/api/overview", "/api/answer"):
+        for path in ("/api/overview", "/api/answer", "/api/state", "/results/report.html"):
             status, tree, _ = ask(path, token=given)
             assert (status, list(tree)) == (403, ["error"])
         assert ask("/api/undo", {}, token=given)[0] == 403
+        assert (
+            ask("/api/upload?name=a.csv", raw="x", token=given, Content_Type="application/octet-stream")[0]
+            == 403
+        )
     for host in ("evil.example", f"evil.example:{served.server_port}", "127.0.0.1", "localhost:1"):
-        assert ask("/api/overview", host=host)[0] == 403
+        for path in ("/api/overview", "/", "/static/frame.js"):
+            assert ask(path, host=host)[0] == 403
     assert ask(f"/api/overview?token={served.token}", token=None)[0] == 200
     assert ask("/api/overview", host=f"localhost:{served.server_port}")[0] == 200
 
 
 def test_another_page_cannot_write(ask, served):
-    path, body = served.review.trial_list.parent, {"trial": "c35-r01", "action": "exclude", "text": "torn"}
+    path, body = (
+        served.desk.review.trial_list.parent,
+        {"trial": "c35-r01", "action": "exclude", "text": "torn"},
+    )
     before = sorted(one.name for one in path.iterdir())
     for origin in ("http://evil.example", "null", None, "http://127.0.0.1:1"):
         assert ask("/api/decide", body, Origin=origin)[0] == 403
@@ -78,14 +93,22 @@ def test_another_page_cannot_write(ask, served):
     assert sorted(one.name for one in path.iterdir()) == before
     done, tree, _ = ask("/api/decide", body)
     assert ((done, tree["rows"]["c35-r01"]["excluded"]), ask("/api/undo", {})[0]) == ((200, "torn"), 200)
-    assert len(served.review.decisions.read_text().splitlines()) == 3
+    assert len(served.desk.review.decisions.read_text().splitlines()) == 3
 
 
 def test_requests_that_make_no_sense_are_answered_in_words(ask):
     for path in ("/api/trial", "/api/curve?trial=c35-r01&columns=x",
         "/api/preview?trial=c35-r01&pick_s=soon"):  # fmt: skip
         assert ask(path)[0] == 400
-    for path in ("/x", "/api/", "/api/../page.html", "/page.html"):
+    for path in (
+        "/x",
+        "/api/",
+        "/api/../page.html",
+        "/page.html",
+        "/static/../server.py",
+        "/static/x.js",
+        "/static/",
+    ):
         assert ask(path)[0] == 404
     for raw in ("", "{", "[]", "7", '{"trial": "c35-r01"}', '{"trial": [], "action": "clear"}'):
         status, tree, _ = ask("/api/decide", {}, raw=raw)
@@ -100,8 +123,45 @@ def test_requests_that_make_no_sense_are_answered_in_words(ask):
     assert tree["error"]["fix"]
 
 
+def test_of_results_only_the_reports_are_shown(ask, served):
+    out = served.desk.out
+    (out / "report.html").write_text("<p>done</p>", encoding="utf-8")
+    try:
+        status, page, headers = ask("/results/report.html")
+        assert (status, page, headers["X-Frame-Options"]) == (200, "<p>done</p>", None)
+        policy = headers["Content-Security-Policy"]
+        assert all(said in policy for said in ("default-src 'none'", "sandbox", "frame-ancestors 'self'"))
+        assert "script-src" not in policy
+        assert ask("/api/state")[1]["reports"] == ["report.html"]
+        for name in ("trials.csv", "../campaign.toml", "..%2Fcampaign.toml", "manifest.json"):
+            assert ask(f"/results/{name}")[0] == 409
+    finally:
+        (out / "report.html").unlink()
+
+
+def test_what_is_dropped_is_bounded_stays_in_its_folder_and_replaces_nothing(ask, served):
+    folder = served.desk.draft.home / "recordings"
+
+    def drop(name, content, **headers):
+        given = {
+            "Origin": f"http://127.0.0.1:{served.server_port}",
+            "Content_Type": "application/octet-stream",
+        } | headers
+        return ask(f"/api/upload?{urlencode({'name': name})}", raw=content, **given)
+
+    assert drop("pull 1.csv", "time_s,force_N\n")[:2] == (200, {"recordings": str(folder)})
+    assert (folder / "pull 1.csv").read_text() == "time_s,force_N\n"
+    status, tree, _ = drop("pull 1.csv", "other")
+    assert (status, tree["error"]["code"]) == (409, "RF150")
+    for name in ("../campaign.toml", "a/b.csv", "..", ".hidden", "a\\b.csv", "a\nb.csv", ""):
+        assert drop(name, "x")[0] in {400, 409}, name
+    assert drop("large.csv", "x", Content_Length=str(MOST_OF_A_FILE + 1))[0] == 413
+    assert drop("plain.csv", "x", Content_Type="text/csv")[0] == 415
+    assert [one.name for one in folder.iterdir()] == ["pull 1.csv"]
+
+
 def test_a_fault_of_ours_is_told_in_words(ask, served, monkeypatch):
-    monkeypatch.setattr(served.review, "overview", lambda: 1 / 0)
+    monkeypatch.setattr(served.desk.review, "overview", lambda: 1 / 0)
     status, tree, _ = ask("/api/overview")
     assert (status, tree["error"]["code"]) == (500, "RF000")
 
@@ -116,7 +176,7 @@ def test_data_come_as_json_and_are_kept_nowhere(ask):
 
 def test_a_port_that_is_taken_is_told(served):
     with pytest.raises(ValueError, match=f"port {served.server_port} cannot be used"):
-        ReviewServer(served.review, served.server_port)
+        PageServer(served.desk, served.server_port)
 
 
 def test_the_command_serves_until_it_is_interrupted(campaign):
@@ -171,6 +231,8 @@ def test_the_command_serves_until_it_is_interrupted(campaign):
 
 
 def test_a_folder_that_knows_no_campaign_needs_its_name(campaign, capfd):
+    assert main(["review", str(campaign), "--no-open"]) == 3
+    assert "name campaign.toml itself" in capfd.readouterr().err
     assert main(["review", str(campaign / "out"), "--no-open"]) == 3
     assert "--campaign CAMPAIGN.toml" in capfd.readouterr().err
     assert main(["review", str(campaign / "nowhere"), "--no-open"]) == 3

@@ -16,7 +16,8 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, RopefricError
 from ropefric.files.disk import read_file, take_back
 from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree
-from ropefric.pipeline import answer_trials
+from ropefric.friction.laws import ALL_LAWS
+from ropefric.pipeline import CampaignAnswer, CampaignRun, answer_trials
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.decision import judge
 from ropefric.traces.readers import read_recordings
@@ -233,12 +234,23 @@ class Review:
         self._first: dict[str, Any] | None = None
         self._before: dict[str, Any] | None = None
         self._answer: dict[str, Any] | None = None
+        self._found: CampaignAnswer | None = None
         self._recompute()
 
     @property
     def trial_list(self) -> Path:
         """Return the list of trials, which is only read."""
         return self._state.campaign.trial_list
+
+    @property
+    def campaign_file(self) -> Path:
+        """Return the campaign file."""
+        return self._path
+
+    @property
+    def name(self) -> str:
+        """Return the campaign's name."""
+        return self._state.campaign.name
 
     @property
     def decisions(self) -> Path:
@@ -289,7 +301,7 @@ class Review:
         ----------
         trial : str
             Its name.
-        action : {"pick", "exclude", "comment", "clear"}
+        action : {"pick", "exclude", "include", "comment", "clear"}
             `pick` sets the time of the break-away; `clear` takes back whatever a person decided.
         pick_s : float, optional
             When F_A was reached [s].
@@ -315,6 +327,8 @@ class Review:
                     raise InputError(otherwise, code="RF121", fix="say in a few words what was seen")
                 said: dict[str, Any] = {column: text.strip()}
                 now = was._replace(**said)
+            elif action == "include":
+                now = was._replace(exclude="")
             elif action == "clear":
                 now = Decision(was.trial, file=was.file)
             else:
@@ -325,6 +339,47 @@ class Review:
             self._undo.append(was)
             self.n_written += 1
             return self._changed_since(state, trial)
+
+    def switch(self, trial: str, text: str) -> dict[str, Any]:
+        """Exclude all trials of a trial's condition for a reason; or, without one, take such a reason back."""
+        with self.lock:
+            self._spec(trial)
+            conditions = self._state.extraction.conditions
+            (one,) = (each for each in conditions if trial in each.trials)
+            excluded = {name: self._spec(name).exclude for name in one.trials}
+            action, reason = ("exclude", "") if text else ("include", excluded[trial])
+            for name, why in excluded.items():
+                if why == reason:
+                    self.decide(name, action, text=text)
+            return self.overview()
+
+    def use_law(self, law: str) -> None:
+        """Use a law, "" for the best."""
+        if law:
+            ALL_LAWS[law]
+        with self.lock:
+            self._law = law
+            self._recompute()
+
+    @property
+    def law(self) -> str:
+        """Return the law that was asked for, "" for the best."""
+        return self._law
+
+    def run(self) -> CampaignRun | None:
+        """Return what all trials say, with all behind it; None while it is computed, and where they say nothing."""
+        with self.lock:
+            ready, found, state = self._computed == self._number, self._found, self._state
+        if not ready or found is None:
+            return None
+        return CampaignRun(campaign=state.campaign, extraction=state.extraction, answer=found, written=())
+
+    def settings_of(self, one: results.ConditionSummary) -> dict[str, Any]:
+        """Return a condition in words, one of its trials, and why all of them are excluded, "" where they are not."""
+        with self.lock:
+            why = {self._spec(name).exclude for name in one.trials}
+            words = self._state.rows[one.trials[0]]["condition"]
+        return {"words": words, "trial": one.trials[0], "off": why.pop() if len(why) == 1 else ""}
 
     def _picked(self, trial: str, pick_s: float | None, text: str) -> Decision:
         if pick_s is None or not isfinite(pick_s):
@@ -407,8 +462,10 @@ class Review:
                 if number != self._number:
                     raise _OutdatedError
 
+            found: CampaignAnswer | None = None
             try:
-                said = _said(state, self._law, stop_if_outdated)
+                found = _answered(state, self._law, stop_if_outdated)
+                said = _said_of(found)
             except _OutdatedError:
                 continue
             except RopefricError as error:
@@ -418,7 +475,7 @@ class Review:
                 said = {"error": {"code": "RF000", "message": words}}
             with self.lock:
                 if number == self._number:
-                    self._answer, self._computed = said, number
+                    self._answer, self._found, self._computed = said, found, number
                     self._first = self._first or said
 
     def close(self) -> None:
@@ -501,13 +558,18 @@ class Review:
             raise DataError(result.breakaway.detail, path=result.file, fix=fix)
 
 
-def _said(state: _State, law: str, progress: Callable[[str, int, int], None]) -> dict[str, Any]:
-    """Return what all trials say, as few numbers as tell one answer from another."""
+def _answered(state: _State, law: str, progress: Callable[[str, int, int], None]) -> CampaignAnswer:
+    """Return what all trials say, as `ropefric run` finds it."""
     campaign = state.campaign
     if (without := results.no_force(state.extraction, campaign.path)) is not None:
         raise without
-    rope_m, table = campaign.rope.radius_m, table_of_extraction(state.extraction)
-    answer = answer_trials(table, design=campaign.design, rope_radius_m=rope_m, law=law, progress=progress)
+    asked: dict[str, Any] = {"design": campaign.design, "rope_radius_m": campaign.rope.radius_m}
+    asked["shared"] = {"cell": "cell"} | campaign.uncertainty
+    return answer_trials(table_of_extraction(state.extraction), law=law, progress=progress, **asked)
+
+
+def _said_of(answer: CampaignAnswer) -> dict[str, Any]:
+    """Return an answer in as few numbers as tell it from another one."""
     parameters = [[one.name, one.value, one.std] for one in answer.fit.parameters if one.vary]
     lift, found = None, answer.prediction
     if found is not None:

@@ -1,0 +1,242 @@
+"""What the page shows of a law, of wheels that it answers for, and of machines: the numbers of the commands."""
+
+import itertools
+import json
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from functools import partial
+from math import degrees
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ropefric.arrays import FloatArray
+from ropefric.errors import RopefricError
+from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree
+from ropefric.files.toml import read_toml
+from ropefric.fitting.compare import choose_law
+from ropefric.fitting.design import QUANTITIES, design
+from ropefric.fitting.diagnose import WORDS
+from ropefric.fitting.predict import predict
+from ropefric.fitting.result import FitResult
+from ropefric.fitting.statistics import condition_means
+from ropefric.fitting.store import save_fit
+from ropefric.friction.condition import Conditions, one_condition
+from ropefric.page.review import Review
+from ropefric.pipeline import CampaignAnswer, CampaignRun, plan_for_design
+from ropefric.report import parts
+from ropefric.scenes.explain import explain_scene
+from ropefric.scenes.keys import scene_keys
+from ropefric.scenes.kinds import KINDS
+from ropefric.scenes.scene import leaves, load_scene
+from ropefric.scenes.scene_templates import bundled_scenes, write_scenes
+from ropefric.scenes.solve import solve_scene
+from ropefric.section import as_text
+
+_plain = partial(rounded_tree, digits=GIVEN_DIGITS)
+_POINTS, _WIDER = 60, 1.25
+"""Of a curve over the wrap, and how far beyond what was tested it goes."""
+_APART = 0.03
+"""Of ln F_B: settings that are closer have one curve in the picture."""
+
+
+def law_of(review: Review, run: CampaignRun) -> dict[str, Any]:
+    """Return the laws with their verdicts, the one that is used with data and intervals, and what is undecided."""
+    answer, fit = run.answer, run.answer.fit
+    ranking = [
+        {**entry.to_dict(), "verdict": _verdict(answer, entry.law) if entry.fit is not None else "–"}
+        for entry in answer.comparison.ranking
+    ]
+    conditions = [
+        {
+            **review.settings_of(one),
+            "n": one.n_recorded,
+            "n_kept": one.n_kept,
+            "mean_N": one.mean_kept_N,
+            "std_N": one.std_kept_N,
+        }
+        for one in run.extraction.conditions
+    ]
+    causes = [
+        {**one._asdict(), "supported": WORDS[one.supported], "numbers": dict(one.numbers)}
+        for one in answer.diagnosis.causes
+    ]
+    tree = {
+        "law": fit.law, "asked": review.law, "how": answer.winner.how, "equation": fit.friction_law.equation,
+        "verdict": answer.verdict.to_dict(), "parameters": fit.to_dict()["parameters"],
+        "ranking": ranking, "doubts": list(answer.doubts), "conditions": conditions,
+        "summary": answer.diagnosis.summary, "causes": causes, "series": [*_series(fit)],
+        "has_design": answer.prediction is not None,
+    }  # fmt: skip
+    return dict(_plain(tree))
+
+
+def _verdict(answer: CampaignAnswer, law: str) -> str:
+    """Return what is to be thought of a law, were it asked for."""
+    try:
+        return choose_law(answer.comparison, law).verdict.word
+    except RopefricError:
+        return "–"
+
+
+def _series(fit: FitResult) -> Iterator[dict[str, Any]]:
+    """Yield for each wheel and end tension the means over the wrap, the law with its interval, and the residuals."""
+    means = condition_means(fit.data)
+    at = means.conditions
+    tension_N = _levels(at.end_tension_N)
+    names = [
+        f"R {1e3 * radius_m:.4g} mm, F_B {level_N:.3g} N"
+        for radius_m, level_N in zip(at.wheel_radius_m, tension_N, strict=True)
+    ]
+    law = predict(fit, at)
+    for name in dict.fromkeys(names):
+        here = np.flatnonzero([one == name for one in names])
+        here = here[np.argsort(at.wrap_angle_rad[here])]
+        wraps = at.wrap_angle_rad[here]
+        middle = {key: float(np.mean(getattr(at, key)[here])) for key in ("wheel_radius_m", "rope_radius_m")}
+        line = _over_wrap(
+            fit, wraps[0], wraps[-1], middle | {"end_tension_N": float(np.mean(at.end_tension_N[here]))}
+        )
+        log_N, std = means.log_lift[here], means.std[here]
+        points = np.exp(np.stack([log_N, log_N - std, log_N + std]))
+        off = 100.0 * np.expm1(log_N - law.log_lift[here])
+        yield {
+            "name": name,
+            **line,
+            "points": np.column_stack([np.degrees(wraps), points.T]).tolist(),
+            "residuals": np.column_stack(
+                [np.degrees(wraps), off, off - 100.0 * std, off + 100.0 * std]
+            ).tolist(),
+        }
+
+
+def _levels(values: FloatArray) -> FloatArray:
+    """Return for each value the mean of those that were meant to be the same: measured, they differ a little."""
+    found, order = np.empty_like(values), np.argsort(values)
+    starts = [0, *(np.flatnonzero(np.diff(np.log(values[order])) > _APART) + 1), values.size]
+    for start, stop in itertools.pairwise(starts):
+        found[order[start:stop]] = values[order[start:stop]].mean()
+    return found
+
+
+def _over_wrap(
+    fit: FitResult, low_rad: float, high_rad: float, others: Mapping[str, float]
+) -> dict[str, Any]:
+    wraps: FloatArray = np.linspace(low_rad, high_rad, _POINTS if high_rad > low_rad else 1)
+    found = predict(
+        fit, Conditions(wrap_angle_rad=wraps, **{key: np.array(value) for key, value in others.items()})
+    )
+    wraps_deg, ends_N = np.degrees(wraps), found.interval_N
+    return {
+        "line": np.column_stack([wraps_deg, found.lift_force_N]).tolist(),
+        "band": np.column_stack([wraps_deg, ends_N]).tolist(),
+    }
+
+
+def plan_of(run: CampaignRun) -> dict[str, Any]:
+    """Return the pulls that would make the lift force of the design most certain, as `run` writes them."""
+    assert run.answer.prediction is not None  # noqa: S101  (the page offers it for a design only)
+    plan = plan_for_design(run.answer, run, run.answer.prediction.conditions)
+    return {"text": as_text(parts.plan_sections(plan)), "conditions": _plain(plan.rows())}
+
+
+def wheel_of(run: CampaignRun) -> dict[str, Any]:
+    """Return between which settings the law was tested, and the wheel to begin with."""
+    tested, wished = run.answer.fit.validity, run.campaign.design
+    middle = {name: 0.5 * (low + high) for name, (low, high) in tested.items()}
+    names = ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")
+    own = {name: getattr(wished, name) for name in names} if wished is not None else {}
+    tree = {"tested": dict(tested), "at": middle | own | {"rope_radius_m": run.campaign.rope.radius_m}}
+    return dict(_plain(tree)) | {"law": run.answer.fit.law}
+
+
+def lift_of(run: CampaignRun, settings: Mapping[str, float]) -> dict[str, Any]:
+    """Return the lift force of a wheel with its intervals, as `ropefric predict` does, and its curve over the wrap."""
+    answer, fit = run.answer, run.answer.fit
+    found = answer.winner.of(predict(fit, one_condition(**settings)))
+    low_rad, high_rad = fit.validity["wrap_angle_rad"]
+    others = {name: value for name, value in settings.items() if name != "wrap_angle_rad"}
+    most_rad = _WIDER * max(high_rad, settings["wrap_angle_rad"])
+    curve = _over_wrap(fit, min(low_rad, settings["wrap_angle_rad"]) / _WIDER, most_rad, others)
+    return {**found.to_dict(), **_plain(curve), "tested_deg": [degrees(low_rad), degrees(high_rad)]}
+
+
+def inverse_of(
+    run: CampaignRun, lift_N: float, solve_for: str, probability: float | None, settings: Mapping[str, float]
+) -> dict[str, Any]:
+    """Return the smallest wrap, wheel or end tension that lifts a load, as `ropefric design` does."""
+    given = {name: value for name, value in settings.items() if name != QUANTITIES[solve_for][0]}
+    asked: dict[str, Any] = {"solve_for": solve_for, "probability": probability, **given}
+    return design(run.answer.fit, lift_N=[lift_N], **asked).to_dict()
+
+
+class Machines:
+    """The templates of all machines in a folder of their own, to be filled in and solved."""
+
+    def __init__(self) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix="ropefric-")
+        self._path = Path(self._folder.name)
+        write_scenes(self._path)
+
+    def close(self) -> None:
+        """Remove the folder."""
+        self._folder.cleanup()
+
+    def names(self) -> list[dict[str, str]]:
+        """Return the templates with the kind of machine that they are of."""
+        return [
+            {"name": name, "system": read_toml(self._file(name)).data["system"]} for name in bundled_scenes()
+        ]
+
+    def _file(self, name: str) -> Path:
+        bundled_scenes()[name]  # no other file
+        return self._path / f"{name}.toml"
+
+    def form(self, name: str) -> list[dict[str, Any]]:
+        """Return the keys of a template, each with its value and what is declared of it, then the others."""
+        document = read_toml(self._file(name))
+        declared = [*scene_keys(KINDS[document.data["system"]].schema)]
+        rows, seen = list[dict[str, Any]](), set[str]()
+        for key, value in leaves(dict(document.data)):
+            one = next((one for one in declared if _fits(one.name, key)), None)
+            text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+            rows.append({"key": key, "value": text, **(one._asdict() if one else {})})
+            seen.add(key)
+        whole = (one for one in declared if not {"…", "["} & {*one.name})
+        rows += [{"key": one.name, "value": "", **one._asdict()} for one in whole if one.name not in seen]
+        return rows
+
+    def solve(self, name: str, values: Mapping[str, str], own: FitResult | None) -> dict[str, Any]:
+        """Return the answer of a template with some of its keys changed, and what was left out and why.
+
+        `values` are as a person writes them, "" for a key that is left out; `own` is a law in place of its friction.
+        """
+        changes = {key: _value(text) for key, text in values.items()}
+        if own is not None:
+            save_fit(own, self._path / "fits" / "own.json", overwrite=True)
+            changes |= {"friction": {"fit": "fits/own.json"}}
+        scene = load_scene(self._file(name), changes)
+        solution = solve_scene(scene)
+        tree, told = solution.to_dict(), explain_scene(scene)
+        text = as_text(parts.solution_sections(solution, tree))
+        return dict(_plain({"answer": tree, "text": text, "effects": told.to_dict()["effects"]}))
+
+
+def _fits(name: str, key: str) -> bool:
+    """Return whether a declared name, with its places for names and numbers of the user's, is that of a key."""
+    parts, own = name.replace("[]", ".[]").split("."), key.split(".")
+    pairs = zip(parts, own, strict=False)
+    return len(parts) == len(own) and all(
+        part in (one, "…") or (part == "[]" and one.isdecimal()) for part, one in pairs
+    )
+
+
+def _value(text: str) -> Any:
+    """Return what stands in a field as TOML would have it; None where nothing does."""
+    if not text.strip():
+        return None
+    with suppress(ValueError):
+        return json.loads(text)
+    return text.strip()

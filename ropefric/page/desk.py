@@ -1,0 +1,334 @@
+"""What one person works on: a folder, its campaign, the review, one long work at a time; and what an address does."""
+
+import threading
+from collections.abc import Callable, Mapping
+from io import BufferedIOBase
+from math import nan
+from pathlib import Path, PurePath
+from typing import Any
+
+from ropefric import pipeline
+from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.files.disk import read_file, replacing
+from ropefric.page import answers
+from ropefric.page.recordings import HEADERS, Draft, wish_of
+from ropefric.page.review import Review
+from ropefric.report import campaign as reports
+from ropefric.report.page import Wish
+from ropefric.trials.campaign import load_campaign
+
+DROPPED = "recordings"
+"""The folder beside the campaign that files dropped on the page go to."""
+MOST_FILES, MOST_BYTES = 10_000, 8 * 2**30
+"""That are dropped, in all."""
+_BLOCK = 2**20
+_SETTINGS = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
+_SHOWN = ("report.html", "report.pdf", "summary.txt")
+
+Progress = Callable[[int, int, str], None]
+
+
+class _StoppedError(Exception):
+    """The person wants no more of the work in progress."""
+
+
+class Work:
+    """One long work at a time, in a thread of its own, which says how far it is and can be stopped."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._thread: threading.Thread | None = None
+        self._stop = False
+        self._told: dict[str, Any] = {"name": "", "running": False, "done": 0, "total": 0, "item": ""}
+
+    def begin(self, name: str, do: Callable[["Work"], Any]) -> dict[str, Any]:
+        """Begin a work, which calls `say` or `step` now and then, and return how it stands."""
+        with self._lock:
+            if self._told["running"]:
+                raise InputError(f"{self._told['name']} is still going on", fix="wait for it, or stop it")
+            self._stop = False
+            self._told = {"name": name, "running": True, "done": 0, "total": 0, "item": ""}
+            self._thread = threading.Thread(target=self._run, args=(do,), name=name, daemon=True)
+            self._thread.start()
+        return self.told()
+
+    def _run(self, do: Callable[["Work"], Any]) -> None:
+        ended: dict[str, Any]
+        try:
+            ended = {"result": do(self)}
+        except _StoppedError:
+            ended = {
+                "error": {"code": "", "message": f"{self._told['name']} was stopped; nothing of it is lost"}
+            }
+        except RopefricError as error:
+            ended = {"error": error.problem.to_dict()}
+        except Exception as error:  # noqa: BLE001  (the boundary: the page gets words)
+            words = f"internal fault, {type(error).__name__}: {error}"
+            ended = {"error": {"code": "RF000", "message": words, "fix": "please report it"}}
+        with self._lock:
+            self._told |= {"running": False, **ended}
+
+    def step(self, done: int, total: int, item: str) -> None:
+        """Take note of how far the work is; end it where that is wanted."""
+        if self._stop:
+            raise _StoppedError
+        with self._lock:
+            self._told |= {"done": done, "total": total, "item": item}
+
+    def named(self, item: str, done: int, total: int) -> None:
+        """Take note as `step` does, told of the item first."""
+        self.step(done, total, item)
+
+    def told(self) -> dict[str, Any]:
+        """Return how the work stands."""
+        with self._lock:
+            return dict(self._told)
+
+    def stop(self) -> dict[str, Any]:
+        """Let the work end at its next step."""
+        self._stop = True
+        return self.told()
+
+    def close(self) -> None:
+        """End the work, and wait a moment for it."""
+        self._stop = True
+        if self._thread is not None:
+            self._thread.join(5.0)
+
+
+class Desk:
+    """What one person works on.
+
+    Parameters
+    ----------
+    place : Path
+        A campaign file; or a folder: of a campaign, of results, or of recordings.
+    by : str
+        Who decides.
+    out : Path, optional
+        Where results go; by default `out` beside the campaign.
+    review : Review, optional
+        Of the campaign, where it is open already.
+    jobs : int
+        Processes that read the recordings.
+    """
+
+    def __init__(
+        self, place: Path, *, by: str, out: Path | None = None, review: Review | None = None, jobs: int = 1
+    ) -> None:
+        self.by, self.jobs, self.review = by, jobs, review
+        self.campaign, law = _campaign_at(place)
+        self.law = review.law if review is not None else law
+        if out is None and place.is_dir() and (place / pipeline.MANIFEST).is_file():
+            out = place
+        self._out, self._recordings = out, ""
+        home = place if self.campaign is None else self.campaign.parent
+        if self.campaign is None and any(one.is_file() for one in place.iterdir()):
+            self._recordings, home = (
+                str(place),
+                place.absolute().parent,
+            )  # a campaign stands beside its recordings
+        self.draft = Draft(home)
+        self.work, self._lock = Work(), threading.Lock()
+        self._machines: answers.Machines | None = None
+        self._n_files = self._n_bytes = 0
+        self.reads: dict[str, Callable[[Mapping[str, str]], Any]] = {
+            "state": lambda _: self.state(),
+            "work": lambda _: self.work.told(),
+            "names": lambda q: self.draft.names(q["recordings"], q["pattern"]),
+            "trace": lambda q: self.draft.trace(int(q["number"]), nan, nan, int(q["columns"])),
+            "overview": lambda _: self.opened.overview(),
+            "answer": lambda _: self.opened.answer(),
+            "trial": lambda q: self.opened.trial(q["trial"]),
+            "preview": lambda q: self.opened.preview(q["trial"], float(q["pick_s"])),
+            "curve": self._curve,
+            "law": lambda _: self._of_run(lambda run: answers.law_of(self.opened, run)),
+            "wheel": lambda _: self._of_run(answers.wheel_of),
+            "lift": lambda q: self._of_run(lambda run: answers.lift_of(run, _settings(q))),
+            "inverse": self._inverse,
+            "machines": lambda _: self.machines.names(),
+            "machine": lambda q: self.machines.form(q["name"]),
+        }
+        self.writes: dict[str, Callable[[dict[str, Any]], Any]] = {
+            "propose": self._propose,
+            "write": self._write,
+            "open": lambda _: self._begin("reading the recordings", self._open),
+            "stop": lambda _: self.work.stop(),
+            "decide": self._decide,
+            "undo": lambda _: self.opened.undo(),
+            "reload": lambda _: self.opened.reload(),
+            "switch": lambda asked: self.opened.switch(asked["trial"], str(asked["text"]).strip()),
+            "use-law": self._use_law,
+            "plan": lambda _: self._begin("planning tests", lambda _: self._of_run(answers.plan_of)),
+            "solve": self._solve,
+            "report": self._report,
+        }
+
+    @property
+    def out(self) -> Path:
+        """Return the folder of results."""
+        return self._out or self.draft.home / "out"
+
+    @property
+    def opened(self) -> Review:
+        """Return the review of the campaign that is open."""
+        if self.review is None:
+            raise InputError("no campaign is open", fix="begin with the recordings")
+        return self.review
+
+    @property
+    def machines(self) -> answers.Machines:
+        """Return the templates of machines, written when they are first asked for."""
+        with self._lock:
+            self._machines = self._machines or answers.Machines()
+            return self._machines
+
+    def close(self) -> None:
+        """End what goes on, and remove what was only for the page."""
+        self.work.close()
+        if self.review is not None:
+            self.review.close()
+        if self._machines is not None:
+            self._machines.close()
+
+    def state(self) -> dict[str, Any]:
+        """Return where the work stands: which folders, which campaign, whether it is open, which reports are there."""
+        return {
+            "home": str(self.draft.home),
+            "recordings": self._recordings,
+            "campaign": "" if self.campaign is None else str(self.campaign),
+            "name": "" if self.review is None else self.review.name,
+            "ready": self.review is not None,
+            "by": self.by,
+            "out": str(self.out),
+            "reports": [name for name in _SHOWN if (self.out / name).is_file()],
+            "headers": list(HEADERS),
+            "dropped": str(self.draft.home / DROPPED),
+        }
+
+    def _begin(self, name: str, do: Callable[[Work], Any]) -> dict[str, Any]:
+        return {"work": self.work.begin(name, do)}
+
+    # --- the recordings ---
+
+    def upload(self, name: str, content: BufferedIOBase, size: int) -> dict[str, Any]:
+        """Write a file that was dropped on the page beside the others; none is ever replaced."""
+        plain = PurePath(name.replace("\\", "/")).name
+        if not plain or plain.startswith(".") or plain != name or not plain.isprintable():
+            raise InputError(f"{name!r} is no name of a recording", key="name", fix="rename the file")
+        with self._lock:
+            self._n_files, self._n_bytes = self._n_files + 1, self._n_bytes + size
+            if self._n_files > MOST_FILES or self._n_bytes > MOST_BYTES:
+                raise InputError("too much was dropped", fix="name the folder of the recordings instead")
+        folder = self.draft.home / DROPPED
+        folder.mkdir(exist_ok=True)
+        if (folder / plain).exists():
+            content.read(size)
+            raise InputError("the file is there already", code="RF150", path=folder / plain, fix="rename it")
+        with replacing(folder / plain) as file:
+            while size and (block := content.read(min(size, _BLOCK))):
+                file.write(block)
+                size -= len(block)
+            if size:
+                raise DataError("the file broke off on its way", path=folder / plain, fix="drop it again")
+        self._recordings = str(folder)
+        return {"recordings": self._recordings}
+
+    def _propose(self, asked: dict[str, Any]) -> dict[str, Any]:
+        wish = wish_of(asked)
+        if asked.get("home"):
+            self.draft.home = Path(asked["home"])
+        self._recordings = wish.recordings
+        return self._begin("looking at the recordings", lambda work: self.draft.propose(wish, work.step))
+
+    def _write(self, asked: dict[str, Any]) -> dict[str, Any]:
+        self.campaign = self.draft.write(overwrite=bool(asked.get("overwrite")))
+        if self.review is not None:
+            self.review.close()
+        self.review, self.law, self._out = None, "", None
+        return self.state()
+
+    def _open(self, work: Work) -> dict[str, Any]:
+        if self.campaign is None:
+            raise InputError("there is no campaign here yet", fix="begin with the recordings")
+        how: dict[str, Any] = {"law": self.law, "jobs": self.jobs, "progress": work.step}
+        self.review = Review(self.campaign, by=self.by, **how)
+        return self.state()
+
+    # --- the picks ---
+
+    def _curve(self, query: Mapping[str, str]) -> dict[str, Any]:
+        start_s, stop_s = (float(query.get(name) or nan) for name in ("start_s", "stop_s"))
+        return self.opened.curve(query["trial"], start_s, stop_s, int(query["columns"]))
+
+    def _decide(self, asked: dict[str, Any]) -> dict[str, Any]:
+        pick_s, text = asked.get("pick_s"), str(asked.get("text", ""))
+        pick_s = None if pick_s is None else float(pick_s)
+        return self.opened.decide(asked["trial"], asked["action"], pick_s=pick_s, text=text)
+
+    # --- the law, wheels and machines ---
+
+    def _of_run(self, make: Callable[[pipeline.CampaignRun], dict[str, Any]]) -> dict[str, Any]:
+        """Return what is made of the answer to all trials, or that it is being computed, or why there is none."""
+        told = self.opened.answer()
+        if told["computing"]:
+            return {"computing": told["computing"]}
+        run = self.opened.run()
+        if run is None:
+            error = (told["now"] or {}).get("error") or {}
+            raise DataError(
+                error.get("message", "no answer"), code=error.get("code", ""), fix=error.get("fix", "")
+            )
+        return make(run)
+
+    def _use_law(self, asked: dict[str, Any]) -> dict[str, Any]:
+        self.law = str(asked["law"])
+        self.opened.use_law(self.law)
+        return {"law": self.law}
+
+    def _inverse(self, query: Mapping[str, str]) -> dict[str, Any]:
+        probability = float(query["probability"]) if query.get("probability") else None
+        asked = (float(query["lift_N"]), query["solve_for"], probability, _settings(query))
+        return self._of_run(lambda run: answers.inverse_of(run, *asked))
+
+    def _solve(self, asked: dict[str, Any]) -> dict[str, Any]:
+        values = {str(key): str(text) for key, text in dict(asked["values"]).items()}
+        if not asked.get("own"):
+            return self.machines.solve(asked["name"], values, None)
+        return self._of_run(lambda run: self.machines.solve(asked["name"], values, run.answer.fit))
+
+    # --- the report ---
+
+    def _report(self, asked: dict[str, Any]) -> dict[str, Any]:
+        """Begin what `ropefric report CAMPAIGN.toml --out FOLDER` does."""
+        campaign, wish = self.opened.campaign_file, Wish(pdf=bool(asked.get("pdf")))
+
+        def report(work: Work) -> dict[str, Any]:
+            loaded = load_campaign(campaign)
+            with pipeline.campaign_folder(loaded, self.out) as target:
+                how: dict[str, Any] = {"extract_progress": work.step, "fit_progress": work.named}
+                done = pipeline.run_campaign(loaded, target, law=self.law, jobs=self.jobs, **how)
+                reports.write_report(done, target, wish, progress=work.step)
+                target.publish("answer")
+            return self.state()
+
+        return self._begin("making the report", report)
+
+    def result(self, name: str) -> bytes:
+        """Return a file of the folder of results that the page shows."""
+        if name not in _SHOWN:
+            raise DataError("the page does not show this file", path=name)
+        return read_file(self.out / name)
+
+
+def _campaign_at(place: Path) -> tuple[Path | None, str]:
+    """Return the campaign file that a place is, holds, or was made from, None where there is none; the law asked for."""
+    if not place.is_dir():
+        return place, ""
+    if (place / "campaign.toml").is_file():
+        return place / "campaign.toml", ""
+    return pipeline.recorded_run(place) if (place / pipeline.MANIFEST).is_file() else (None, "")
+
+
+def _settings(query: Mapping[str, str]) -> dict[str, float]:
+    return {name: float(query[name]) for name in _SETTINGS}

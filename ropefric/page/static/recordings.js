@@ -1,0 +1,253 @@
+// Step 1: a folder of recordings becomes a campaign, seen and corrected before it is written.
+import { $, call, calm, fail, fill, go, listed, make, plain, refresh, shown, state, step, work } from "./frame.js";
+import { chart } from "./canvas.js";
+
+const ROLES = { time: "time", force: "force", end_tension: "end tension", counts: "counts", end_tension_counts: "counts of the end tension" };
+const R = { told: null, scales: null, marked: null };
+const text = (id) => $(id).value.trim();
+
+// --- what a person says ---
+
+function wish() {
+  const channels = {}, settings = { "": { name: text("r-name") }, rope: { diameter: text("r-rope") } };
+  for (const row of $("r-channels").tBodies[0].rows) {
+    const [column, unit, sensitivity] = [...row.querySelectorAll("select, input")].map((one) => one.value.trim());
+    if (column) channels[row.dataset.role] = { column, unit, sensitivity };
+  }
+  for (const field of $("r-wheels").querySelectorAll("input")) settings[`wheels.${field.dataset.wheel}`] = { radius: field.value.trim() };
+  if (text("r-from") && text("r-until")) settings.tare = { interval: [text("r-from"), text("r-until")] };
+  const design = { wheel_radius: text("r-design-radius"), wrap_angle: text("r-design-wrap"), end_tension: text("r-design-tension") };
+  if (Object.values(design).some(Boolean)) settings.design = design;
+  return { recordings: text("r-folder"), home: text("r-home"), pattern: isPattern() ? text("r-pattern") : "", channels, settings,
+    format: text("r-format"), recording_column: text("r-recording_column"), sampling_rate: text("r-rate") };
+}
+const isPattern = () => /[{(]/.test($("r-pattern").value);
+
+let looking = null, again = false;
+export function look() {  // one look after the other; only what is asked for last is shown
+  if (looking) again = true;
+  looking ??= (async () => {
+    do {
+      again = false;
+      R.told = null;
+      const told = await work("propose", wish());
+      if (!again) { R.told = told; show(); }
+    } while (again);
+    await refresh();
+  })().catch(fail).finally(() => { looking = null; });
+  return looking;
+}
+
+// --- what is found ---
+
+function show() {
+  const told = R.told, found = told.found, here = document.activeElement?.id;
+  $("r-more").hidden = false;
+  if (!isPattern() && told.rows.length) {
+    $("r-pattern").value = told.rows[0][told.header.indexOf("file")].split("/").pop().replace(/\.gz$/, "").replace(/\.[^.]*$/, "");
+    $("r-name").placeholder = "My campaign";
+  }
+  showRows(told);
+  $("r-read").textContent = found ? [found.file, found.read || found.stopped].filter(Boolean).join(": ") : told.said.join("; ");
+  listed($("r-doubts"), found ? [...found.doubts, ...found.notes] : []);
+  const columns = found ? found.columns.map((one) => {
+    const unique = one.name && found.columns.filter((other) => other.name === one.name).length === 1;
+    return [unique ? one.name : `#${one.number}`, one.name || `column ${one.number}`];
+  }) : [];
+  const select = (chosen) => {
+    const made = make("select"), has = columns.some(([value]) => value === chosen);
+    made.append(new Option("–", ""), ...columns.map(([value, words]) => new Option(words, value)), ...(chosen && !has ? [new Option(chosen, chosen)] : []));
+    made.value = chosen;
+    return made;
+  };
+  const rows = Object.entries(ROLES).map(([role, words]) => {
+    const one = told.channels[role] ?? { column: "", unit: "", sensitivity: "" }, made = make("tr"), fields = [select(one.column), make("input"), make("input")];
+    fields[1].value = one.unit;
+    fields[2].value = one.sensitivity;
+    fields[2].placeholder = role === "time" ? "" : "25 N/mV";
+    ["column", "unit", "sensitivity"].forEach((name, place) => {
+      fields[place].setAttribute("aria-label", `${name} of the ${words}`);
+      fields[place].id = `r-${role}-${name}`;
+      fields[place].onchange = look;
+    });
+    made.dataset.role = role;
+    made.append(...[make("th", words), ...fields].map((node) => { const cell = make("td"); cell.append(node); return cell; }));
+    return made;
+  });
+  fill($("r-channels"), ["", "column", "unit", "sensitivity"], rows);
+  const recording = $("r-recording_column"), chosen = recording.value;
+  recording.replaceChildren(new Option("none", ""), ...columns.map(([value, words]) => new Option(words, value)));
+  recording.value = chosen;
+  if (found) fill($("r-first"), found.columns.map((one) => one.name || `(${one.number})`), found.first_rows);
+  const which = $("r-which"), at = which.value || "0", names = told.rows.map((row) => row[told.header.indexOf("file")].split("/").pop());
+  which.replaceChildren(...names.map((name, place) => new Option(name, place)));
+  which.value = names[at] ? at : "0";
+  showWheels(told.wheels);
+  showProblems(told.problems);
+  $("r-where").textContent = told.there.length ? `${told.there.join(" and ")} stand in ${text("r-home")} already: you will be asked before they are replaced.`
+    : `campaign.toml and trials.csv will be written into ${text("r-home")}.`;
+  if (here) $(here)?.focus({ preventScroll: true });  // a field that was made anew
+  drawTrace();
+}
+
+function showRows(told) {
+  fill($("r-rows"), told.header, told.rows.slice(0, 200));
+  $("r-told").textContent = [`${told.n_rows} trials${told.n_rows > 200 ? ", the first 200 are shown" : ""}`, told.told].filter(Boolean).join("; ");
+}
+
+function showWheels(wheels) {
+  const fields = $("r-wheels"), before = Object.fromEntries([...fields.querySelectorAll("input")].map((one) => [one.dataset.wheel, one.value]));
+  fields.replaceChildren(...wheels.map((name) => {
+    const label = make("label", `Radius of wheel ${name} `), field = make("input");
+    field.dataset.wheel = name;
+    field.id = `r-wheel-${name}`;
+    field.placeholder = "40 mm";
+    field.value = before[name] ?? "";
+    field.onchange = look;
+    label.append(field);
+    return label;
+  }));
+}
+
+// What a problem is about stands in its key: the field that would mend it is marked.
+function fieldOf({ key, fix }) {
+  const [, wheel] = /\[wheels\.([^\]]+)\]/.exec(fix) ?? [];
+  if (wheel && $(`r-wheel-${wheel}`)) return $(`r-wheel-${wheel}`);
+  const [, table, name] = /^(?:import\.)?(channels|rope|tare|design|wheels)\.?([\w-]*)/.exec(key) ?? [];
+  if (table === "channels") return $(`r-${name}-sensitivity`);
+  if (table === "wheels") return $(`r-wheel-${name}`);
+  return { rope: $("r-rope"), tare: $("r-from"), design: $("r-design-radius") }[table] ?? (/wrap|tension|repeat|wheel/.test(key) ? $("r-pattern") : null);
+}
+function showProblems(problems) {
+  for (const one of document.querySelectorAll("#r-more .missing")) { one.classList.remove("missing"); one.removeAttribute("aria-invalid"); }
+  const seen = new Map();
+  for (const one of problems) seen.set(`${one.severity} ${one.message}`, [one, (seen.get(`${one.severity} ${one.message}`)?.[1] ?? 0) + 1]);
+  $("r-problems").replaceChildren(...[...seen.values()].slice(0, 60).map(([one, times]) => {
+    const field = fieldOf(one);
+    if (field && one.severity === "error") { field.classList.add("missing"); field.setAttribute("aria-invalid", "true"); }
+    return make("li", `${one.severity}: ${one.key ? `${one.key}: ` : ""}${one.message}${times > 1 ? ` (${times} times)` : ""}${one.fix ? ` – ${one.fix}` : ""}`, one.severity);
+  }));
+  if (!problems.length) $("r-problems").replaceChildren(make("li", "nothing"));
+  $("r-write").disabled = problems.some((one) => one.severity === "error");
+}
+
+// --- the names ---
+
+let settling = 0;
+$("r-pattern").oninput = () => {
+  clearTimeout(settling);
+  if (!isPattern()) return;
+  settling = setTimeout(async () => {
+    try {
+      showRows(await call("names", { recordings: text("r-folder"), pattern: text("r-pattern") }));
+      calm();
+    } catch (error) { $("r-told").textContent = error.message; }
+  }, 150);
+};
+$("r-pattern").onchange = () => { if (isPattern()) look(); };
+function mark(header) {
+  const field = $("r-pattern"), [from, to] = [field.selectionStart, field.selectionEnd];
+  field.setRangeText(header === "*" ? "*" : `{${header}}`, from, to, "end");
+  field.focus();
+  field.oninput();
+}
+
+// --- one recording, and the stretch of it that is unloaded ---
+
+async function drawTrace() {
+  const canvas = $("r-plot");
+  try {
+    R.trace = await call("trace", { number: text("r-which") || 0, columns: Math.max(50, canvas.clientWidth - 62) });
+    redraw();
+  } catch (error) {
+    R.trace = R.scales = null;
+    $("r-legend").textContent = `${error.message}${error.fix ? ` – ${error.fix}` : ""}`;
+    canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
+  }
+}
+const seconds = (id) => { const found = /^([\d.eE+-]+)\s*(ms|s)?$/.exec(text(id)); return found ? found[1] * (found[2] === "ms" ? 1e-3 : 1) : NaN; };
+function redraw() {
+  if (!R.trace) return;
+  const colors = ["s0", "s1"], { curves, units } = R.trace, shade = [seconds("r-from"), seconds("r-until")];
+  const series = Object.entries(curves).map(([name, one], place) => ({ name, color: colors[place], thin: true,
+    line: one.time_s.flatMap((t, i) => one.low_N[i] === one.high_N[i] ? [[t, one.low_N[i]]] : [[t, one.low_N[i]], [t, one.high_N[i]]]) }));
+  R.scales = chart($("r-plot"), { series, x: "time [s]", y: `[${[...new Set(Object.values(units))].join(", ")}]`,
+    shade: shade.every(Number.isFinite) ? shade : null });
+  $("r-legend").replaceChildren(...Object.keys(curves).map((name, place) => {
+    const said = make("span", `${ROLES[name]} [${units[name]}]`, `c${place}`);
+    said.dataset.sign = "━";
+    return said;
+  }));
+  $("r-plot").setAttribute("aria-label", `${R.trace.file}: ${Object.keys(curves).map((name) => ROLES[name]).join(" and ")} over time`);
+}
+let from = null;
+const plot = $("r-plot");
+plot.onpointerdown = (event) => { if (R.scales) { from = R.scales.at(event.offsetX); plot.setPointerCapture(event.pointerId); } };
+plot.onpointermove = (event) => {
+  if (from === null) return;
+  const ends = [from, R.scales.at(event.offsetX)].map((t) => Math.min(Math.max(t, R.scales.begin), R.scales.end)).sort((a, b) => a - b);
+  if (ends[1] === ends[0]) return;
+  [$("r-from").value, $("r-until").value] = ends.map((t) => `${plain(t, 3)} s`);
+  redraw();
+};
+plot.onpointerup = () => { if (from !== null && text("r-until")) look(); from = null; };
+$("r-which").onchange = drawTrace;
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+new ResizeObserver(() => { if (shown() === "recordings") redraw(); }).observe(plot);
+
+// --- files that are dropped ---
+
+export async function upload(files) {
+  let done = 0;
+  try {
+    for (const file of files) {
+      $("r-dropped").textContent = `${done} of ${files.length} files, ${file.name}`;
+      $("r-folder").value = (await call("upload", { name: file.name }, file)).recordings;
+      done += 1;
+    }
+    $("r-dropped").textContent = `${done} files stand in ${text("r-folder")}`;
+    await look();
+  } catch (error) { fail(error); }
+}
+$("r-files").onchange = () => upload([...$("r-files").files]);
+const drop = $("r-drop");
+drop.ondragover = (event) => { event.preventDefault(); drop.classList.add("over"); };
+drop.ondragleave = () => drop.classList.remove("over");
+drop.ondrop = (event) => { event.preventDefault(); drop.classList.remove("over"); upload([...event.dataTransfer.files]); };
+addEventListener("dragover", (event) => event.preventDefault());
+addEventListener("drop", (event) => event.preventDefault());  // a file that misses its place does not take the page's
+
+// --- writing ---
+
+async function write() {
+  try {
+    await look();
+    if (!R.told || R.told.problems.some((one) => one.severity === "error")) return;
+    const there = R.told.there;
+    if (there.length && !confirm(`Replace ${there.join(" and ")} in ${text("r-home")}?`)) return;
+    await call("write", {}, { overwrite: there.length > 0 });
+    await work("open", {});
+    await refresh();
+    go("picks");
+  } catch (error) { fail(error); }
+}
+$("r-write").onclick = write;
+$("r-check").onclick = look;
+$("r-form").onsubmit = (event) => { event.preventDefault(); look(); };
+for (const id of ["r-format", "r-recording_column", "r-rate", "r-name", "r-rope", "r-from", "r-until", "r-design-radius", "r-design-wrap", "r-design-tension"])
+  $(id).onchange = look;
+
+step("recordings", () => {
+  if (!$("r-headers").children.length) {
+    $("r-headers").append(...state.headers.map((name) => {
+      const button = make("button", name === "*" ? "anything" : name.replaceAll("_", " "));
+      button.type = "button";
+      button.onmousedown = (event) => event.preventDefault();  // the mark in the pattern stays
+      button.onclick = () => mark(name);
+      return button;
+    }));
+  }
+  $("r-home").value ||= state.home;
+  $("r-folder").value ||= state.recordings;
+  if (state.recordings && !R.told && !state.campaign) look(); else if (R.told) redraw();
+});

@@ -1,0 +1,67 @@
+"""One long work at a time, which says how far it is, can be stopped, and ends in words."""
+
+import threading
+import time
+
+import pytest
+
+from ropefric.errors import DataError, InputError
+from ropefric.page.desk import Work
+
+
+def ended(work):
+    while work.told()["running"]:
+        time.sleep(0.005)
+    return work.told()
+
+
+def test_it_tells_how_far_it_is_and_what_came_of_it():
+    work, go = Work(), threading.Event()
+
+    def do(work):
+        work.step(1, 3, "first")
+        go.wait(20)
+        return {"done": True}
+
+    assert work.begin("reading", do)["running"]
+    while work.told()["done"] < 1:
+        time.sleep(0.005)
+    with pytest.raises(InputError, match="reading is still going on"):
+        work.begin("other", do)
+    told = work.told()
+    assert (told["done"], told["total"], told["item"]) == (1, 3, "first")
+    go.set()
+    assert ended(work)["result"] == {"done": True}
+
+
+def test_it_is_stopped_at_its_next_step_and_another_may_begin():
+    work, steps = Work(), []
+
+    def endless(work):
+        while True:
+            work.step(len(steps), 0, "again")
+            steps.append(1)
+            time.sleep(0.001)
+
+    work.begin("endless", endless)
+    work.stop()
+    assert "endless was stopped" in ended(work)["error"]["message"]
+    work.begin("other", lambda _: 7)
+    assert ended(work)["result"] == 7
+
+
+def test_what_goes_wrong_is_told_in_words():
+    work = Work()
+
+    def refuse(_):
+        raise DataError("no file matches", code="RF101", fix="name another folder")
+
+    work.begin("looking", refuse)
+    error = ended(work)["error"]
+    assert (error["code"], error["message"], error["fix"]) == (
+        "RF101",
+        "no file matches",
+        "name another folder",
+    )
+    work.begin("looking", lambda _: 1 / 0)
+    assert ended(work)["error"]["code"] == "RF000"

@@ -35,7 +35,7 @@ SILENT_S = 8.0
 """After so long without a result it is asked whether a cluster has workers; so long it may have none."""
 
 CARRIED: list[Callable[[], Any]] = []
-"""What give something that every worker must have before its work: to unpickle it is to have it."""
+"""Executors that give something that every worker must have before its work: to unpickle it is to have it."""
 
 _MADE_BY = ("numpy", "scipy", "pandas")
 _ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL")}

@@ -35,7 +35,7 @@ SLOTS = {
     "KIND": ("ropefric.scenes.kinds", "KINDS"),
     "STUDY": ("ropefric.accuracy.studies", "STUDIES"),
 }
-"""What a file may declare, and the registry that takes it in. Named, not imported: the registries stand above this
+"""Objects that a file may declare, and their registries. Named, not imported: the registries stand above this
 room, and each is loaded when a plugin declares something for it."""
 
 _SAFE = re.compile(r"[a-z0-9][a-z0-9_.-]{0,60}")

@@ -47,7 +47,7 @@ BATCH, RATE, DECAY = 64, 3e-3, 1e-3
 BLUR_BINS, SMOOTHING = 0.8, 0.03
 """A label is spread over so many bins (standard deviation), and a part of it over all answers alike."""
 STATES = 0.3
-"""What the states of the bins count against the break-away."""
+"""Weight of the states of the bins against the break-away."""
 ELSEWHERE = 0.35
 """How often the closer look is somewhere else than at the break-away."""
 PART_OF_RIG = 10
@@ -61,7 +61,7 @@ RIGHT = 0.02
 
 
 class Lesson(NamedTuple):
-    """What the network sees, the bin of the break-away or BINS + the number of the reason, the state of every bin."""
+    """The input of the network, the bin of the break-away or BINS + the number of the reason, the state of every bin."""
 
     channels: FloatArray
     answer: float

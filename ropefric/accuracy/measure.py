@@ -71,7 +71,7 @@ class Effort(NamedTuple):
 
 
 FULL = Effort(batch_s=5e-3, budget_s=0.15, fewest=5, most=15)
-"""What an honest comparison takes."""
+"""Requirements of an honest comparison."""
 
 QUICK = Effort(batch_s=5e-4, budget_s=0.01, fewest=3, most=9)
 """A short look: medians good to some ten per cent on a quiet machine."""

@@ -408,7 +408,7 @@ def _no_data(rows: Sequence[Sequence[str]], layout: TableLayout, source: Source)
 
 
 ORDERS = {"ymd": "year, month, day", "dmy": "day, month, year", "mdy": "month, day, year"}
-"""What the numbers of a date mean, by the key `date_order`."""
+"""Meaning of the numbers of a date, by the key `date_order`."""
 
 _SEPARATORS = re.compile(r"[-/.]")
 _STAMP = re.compile(

@@ -74,7 +74,7 @@ Finding = tuple[FitStatus, str]
 
 
 class Found(NamedTuple):
-    """What a search found: the problem of the trials, how they are put together, and the parameters."""
+    """Result of a search: the problem of the trials, how they are put together, and the parameters."""
 
     problem: FitProblem
     layout: scatter.Layout

@@ -1,4 +1,4 @@
-"""What a measured force, a coefficient, or a predicted lift force is worth: their uncertainty after the GUM.
+"""Uncertainty budgets after the GUM: of a measured force, a coefficient, a predicted lift force.
 
 Of a condition: of an extraction, the measuring chain taken apart, or of a trial table. A force is the mean of its
 trials with what they share; the other side hangs from dead weights. Of a wheel known only so well: what its settings,

@@ -397,7 +397,7 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
 
 
 class _Facts(NamedTuple):
-    """What there is to know about the law used: its place, its fit, and the laws that the data do not tell from it."""
+    """Everything known about the law used: its place, its fit, and the laws that the data do not tell from it."""
 
     comparison: Comparison
     entry: ComparisonEntry

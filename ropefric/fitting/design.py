@@ -47,7 +47,7 @@ Rising = Callable[[FloatArray, Rows], FloatArray]
 
 
 class DesignStatus(IntEnum):
-    """What became of a design."""
+    """Outcome of a design."""
 
     OK = 0
     LOWER_LIMIT = 1

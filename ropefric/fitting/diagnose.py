@@ -262,7 +262,7 @@ def _beside(columns: FloatArray, values: FloatArray) -> FloatArray:
 
 
 class _Evidence(NamedTuple):
-    """What there is to know about an effect of the settings.
+    """Everything known about an effect of the settings.
 
     The AICc of the constant law, of the best description with it and of the best without; which law is the best of each;
     whether its trend is clear, and whether a description without what the best one has would do with it instead.

@@ -49,6 +49,8 @@ _FREE = 1e-6
 _FLAT = 1e-3
 _FLAT_RANK = 1e-6
 _STEP = 1e-5
+# Parameters that start smaller than this are moved as if they were as large.
+_LEAST_SIZE = 1e-3
 GROUPS = {"rope_id": "rope", "wheel": "wheel", "mounting": "mounting", "operator": "operator", "day": "day"}
 """Columns of a table whose levels may differ in μ, and the name of what differs."""
 
@@ -123,11 +125,11 @@ STATED = {
     "wrap": Stated("wrap_std_rad", "rad", "setting of the wrap", "wrap_angle_rad"),
     "rope_radius": Stated("rope_radius_std_m", "m", "radius of the rope", "rope_radius_m"),
 }
-"""What a table may state the uncertainty of, see `FitSettings.shared`."""
+"""Quantities of which a table may state the uncertainty, see `FitSettings.shared`."""
 
 
 SHARERS = ("cell", "rig", "wheel", "rope", "setting")
-"""What may share an error beside the columns of a table: one rig, wheels and ropes by their size, equal settings."""
+"""Sharers of an error, beside the columns of a table: one rig, wheels and ropes by their size, equal settings."""
 
 
 def stated_errors(
@@ -241,7 +243,7 @@ def _search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Fo
             break
         theta, converged, _same = _minimum(weighted, theta)
     at_bound = problem.vary & ((theta <= problem.lower) | (theta >= problem.upper))
-    theta = _rounded(weighted, theta, at_bound)
+    theta = _rounded(weighted, _nearest_start(weighted, theta, problem.vary & ~at_bound), at_bound)
     common, effects = errors(theta)
     return Found(
         problem=problem, layout=layout, theta=theta, at_bound=at_bound, converged=converged,
@@ -307,6 +309,25 @@ def _minimum(problem: FitProblem, starts: FloatArray) -> tuple[FloatArray, bool,
         notes = (f"another minimum is as good (χ² larger by {larger:.2g}): {values}",)
     theta = _onto_bounds(problem, theta)
     return theta, bool(ends.converged[best]) or _is_flat(problem, theta), notes
+
+
+def _nearest_start(problem: FitProblem, theta: FloatArray, free: BoolArray) -> FloatArray:
+    """Return the place nearest to the start of those that fit as well, where parameters can be traded without any trace.
+
+    Where in such a valley a search ends hangs on the last bits. A curved valley stays as it is found.
+    """
+    size = np.maximum(np.abs(problem.start), _LEAST_SIZE)[free]
+    _, values, rows = np.linalg.svd(problem.jacobian(theta)[:, free] * size)
+    lost = rows[int((values > values.max(initial=0.0) / RANK_RATIO).sum()) :]
+    if not lost.size:
+        return theta
+    moved, before = theta.copy(), float((problem.residuals(theta) ** 2).sum())
+    moved[free] -= size * (lost.T @ (lost @ ((theta - problem.start)[free] / size)))
+    moved = np.clip(moved, problem.lower, problem.upper)
+    if not problem.law.admissible(moved, problem.conditions):
+        return theta
+    after = float((problem.residuals(moved) ** 2).sum())
+    return moved if after <= before + _SAME_COST * (1.0 + before) else theta
 
 
 def _is_flat(problem: FitProblem, theta: FloatArray) -> bool:

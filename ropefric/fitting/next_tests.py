@@ -144,7 +144,7 @@ class PlannedLaw:
 
 
 class Evidence(NamedTuple):
-    """What the means of conditions tell of the free parameters.
+    """Information of the means of conditions about the free parameters.
 
     Gradients over the standard deviation that a mean is weighed by (n, q), and of that standard deviation the part that
     is a mean's own scatter (n,) and those of errors that conditions share, by name (n,).

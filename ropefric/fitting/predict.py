@@ -98,7 +98,7 @@ class RopePrediction(NamedTuple):
 
 
 class Candidate(NamedTuple):
-    """What one of several laws that are not told apart answers: lift force, its standard deviation and interval."""
+    """One of several laws that the data do not distinguish: lift force, its standard deviation and interval."""
 
     law: str
     lift_force_N: float
@@ -379,7 +379,7 @@ def has_interval(fit: FitResult) -> bool:
 
 
 class Spread(NamedTuple):
-    """What is open of ln F_A of n conditions: of the mean law, with degrees of freedom, and what one pull brings.
+    """Variances of ln F_A of n conditions: of the mean law, with degrees of freedom, and what one pull brings.
 
     `own` (n, m) says how much of each component of scatter one pull adds, `rise` (n,) is ln(F_A/F_B).
     """

@@ -1,4 +1,4 @@
-"""What a rig can set, and what a list of conditions can tell before anything is measured.
+"""Settings of a rig, and the information of a list of conditions before anything is measured.
 
 Of laws, of their parameters, and of laws from simpler ones.
 """
@@ -32,7 +32,7 @@ TYPICAL_WITHIN, TYPICAL_BETWEEN = 0.015, 0.01
 """Scatter of ln F_A between repeats and between conditions where none is known [-]."""
 
 FACTORS = ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")
-"""What a plan may vary; the rope is the same throughout."""
+"""Settings that a plan may vary; the rope is the same throughout."""
 
 MOST = 1000
 """Settings of one factor, conditions, repeats and starts of a plan."""
@@ -47,7 +47,7 @@ _VERBS = {
     0: "not distinguishable",
 }
 SCALE = ", ".join(f"{words}: in {share} % of campaigns or more" for share, words in _VERBS.items() if share)
-"""What the words of an outlook stand for."""
+"""Meaning of the words of an outlook."""
 # A parameter is told where its standard error is at most this part of it.
 _TOLD = 0.5
 _TYPICAL_MU = 0.2
@@ -161,7 +161,7 @@ def one_factor_plan(allowed: BoolArray, centre: tuple[int, ...], n: int) -> IntA
 
 
 class LawOutlook(NamedTuple):
-    """What conditions can tell of a law, if it is true with typical parameters.
+    """Information of conditions about a law, if it is true with typical parameters.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a fit hands on: parameters with their uncertainty, how they were got, and whether to trust them.
+"""The result of a fit: parameters with their uncertainty, how they were got, and whether to trust them.
 
 `assembled` makes it of the minimum a search found.
 
@@ -50,7 +50,7 @@ from ropefric.shown import Shown, from_above, in_words
 
 
 class FitStatus(AdvisedStatus):
-    """What became of a fit, from good to bad."""
+    """Status of a fit, from good to bad."""
 
     OK = "ok: The parameters are determined by the data within their intervals."
     EXTREME_SCATTER = (
@@ -117,7 +117,7 @@ EXPERIMENTS = {
 
 
 class Verdict(NamedTuple):
-    """What is to be thought of a law, or of a lift force."""
+    """Verdict on a law, or on a lift force."""
 
     word: Word
     reasons: tuple[str, ...]

@@ -367,7 +367,7 @@ def weighed(layout: Layout, model: ScatterModel, theta: FloatArray, errors: Floa
 
 
 class MeasuredLevel(NamedTuple):
-    """What trials tell of one level of a group at c conditions, such as a rope that was pulled.
+    """Information of the trials about one level of a group at c conditions, such as a rope that was pulled.
 
     Beside the law, ln F_A of the level's mean (c,); of its error the part of each variance (c, m), what stated errors
     bring (c,), and what the variances being estimated bring (c,).

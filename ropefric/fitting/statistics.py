@@ -1,4 +1,4 @@
-"""What data say of fitted parameters: scatter, covariance, identifiability, trends, likelihood and criteria.
+"""Statistics of fitted parameters: scatter, covariance, identifiability, trends, likelihood and criteria.
 
 Everything about a Jacobian comes from one decomposition, `decomposed`.
 """

@@ -296,7 +296,7 @@ def _checks_of_words(fit: FitResult) -> Iterator[tuple[bool, str]]:
 
 
 class Verification(NamedTuple):
-    """What became of one stored fit."""
+    """Outcome for one stored fit."""
 
     path: str
     law: str

@@ -1,4 +1,4 @@
-"""What the page shows of a law, of wheels that it answers for, and of machines: the numbers of the commands."""
+"""Laws, wheels and machines as the page shows them: the numbers of the commands."""
 
 import itertools
 import json

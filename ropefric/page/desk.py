@@ -1,4 +1,4 @@
-"""What one person works on: a folder, its campaign, the review, one long work at a time; and what an address does."""
+"""The work of one person: a folder, its campaign, the review, one long task at a time; the answer to each address."""
 
 import threading
 from collections.abc import Callable, Mapping
@@ -97,7 +97,7 @@ class Work:
 
 
 class Desk:
-    """What one person works on.
+    """The work of one person.
 
     Parameters
     ----------

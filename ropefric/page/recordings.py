@@ -36,14 +36,14 @@ HEADERS = (
     "repeat",
     "*",
 )
-"""What names of files mostly speak of, as headers of a list of trials have it; \"*\" stands for anything else."""
+"""Quantities that file names often contain, as headers of a list of trials have it; \"*\" stands for anything else."""
 _TOLD = ("severity", "code", "key", "message", "fix")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 _TABLE_KEYS = ("format", "recording_column", "channel_column", "value_column")
 
 
 class Wish(NamedTuple):
-    """What a person says of recordings: where they are, what their names say, how they are read, what no file tells."""
+    """Statements of a person about recordings: folder, file names, columns, and what no file contains."""
 
     recordings: str
     pattern: str

@@ -38,7 +38,7 @@ Curves = tuple[FloatArray, FloatArray, FloatArray | None]
 
 
 class Drawn(NamedTuple):
-    """What is drawn of a recording: its curves, and where the picker sees the break-away."""
+    """The curves of a recording, and where the picker sees the break-away."""
 
     curves: Curves
     likely: dict[str, Any]
@@ -154,7 +154,7 @@ HELD_CURVES = 3
 
 
 class _OutdatedError(Exception):
-    """What is being computed is of a state that is no more."""
+    """The result being computed belongs to a state that has changed."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -46,7 +46,7 @@ _KINDS = {
 
 
 class PageServer(ThreadingHTTPServer):
-    """What a person works on, on a port of the loopback address; 0 takes any that is free."""
+    """A desk on a port of the loopback address; 0 takes any that is free."""
 
     daemon_threads = True
     allow_reuse_address = False

@@ -1,4 +1,4 @@
-"""What a law and its design rest on: laws by AICc, budgets, sensitivities, and lift force over the wrap."""
+"""The basis of a law and its design: laws by AICc, budgets, sensitivities, and lift force over the wrap."""
 
 import math
 from collections.abc import Sequence

@@ -50,7 +50,7 @@ Progress = Callable[[int, int, str], None]
 
 # Without date and matplotlib's version, which would change an unchanged figure.
 FORMATS = {"png": ("Software",), "svg": ("Date", "Creator"), "pdf": ("CreationDate", "Creator", "Producer")}
-"""What a figure can be written as, and what is not to be said in it."""
+"""File formats of a figure, and the metadata left out of each."""
 
 _PARSERS: dict[str, Any] = {}
 

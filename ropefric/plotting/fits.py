@@ -20,7 +20,7 @@ from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
 
 FACETS = ("end_tension_N", "wrap_angle_rad", "wheel_radius_m")
-"""What the average coefficient is drawn against."""
+"""Quantities against which the average coefficient is drawn."""
 
 _FACET_STEPS, _CAPSTAN_STEPS, _BAND_STEPS = 61, 81, 121
 _BEYOND = 0.25

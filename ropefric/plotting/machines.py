@@ -423,4 +423,4 @@ def _draw_crossings(axes: Axes, chart: SawChart, top_Hz: float, written: list[tu
 _DRAWN: dict[str, Callable[[Any], FigureWithData]] = {
     draw.__name__: draw for draw in (draw_chart, draw_press_start_up, draw_saw_chart)
 }
-"""What a kind of scene may name to draw its figures."""
+"""Functions that a kind of scene may name to draw its figures."""

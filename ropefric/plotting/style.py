@@ -33,7 +33,7 @@ _COLORS = (BLUE, ORANGE, INK, "#009E73", "#AA4499")
 _LAW_COLORS = (INK, ORANGE, "#009E73", "#AA4499", "#8A6D00", "#3D8FC4", BLUE)
 LINE_STYLES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (8, 3)))
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
-"""What tells lines and points apart where colour does not: on grey paper and for colour-blind eyes."""
+"""Line styles and markers that differ without colour: on grey paper and for colour-blind eyes."""
 
 _HOUSE: Any = rc_params_from_file(Path(__file__).with_name("house.mplstyle"), use_default_template=False)
 _ONE_AT_A_TIME = threading.RLock()

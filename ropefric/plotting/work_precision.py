@@ -1,4 +1,4 @@
-"""What accuracy costs in time: one panel a case, a line a method, and the settings that no other beats."""
+"""The cost of accuracy in time: one panel a case, a line a method, and the settings that no other beats."""
 
 import math
 import re

@@ -1,4 +1,4 @@
-"""What accuracy costs, on one page: a figure, the cheapest method for each accuracy, and what was found."""
+"""The cost of accuracy on one page: a figure, the cheapest method for each accuracy, and the findings."""
 
 import math
 import os

@@ -144,7 +144,7 @@ USUAL = Wish()
 
 
 class Subject(NamedTuple):
-    """What a report is of: an answer, what stands behind it, and what is said beside it.
+    """The content of a report: an answer, its evidence, and the remarks beside it.
 
     `measured` are particulars of what was measured with what; `run` is None where there is a trial table alone.
     """

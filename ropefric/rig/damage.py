@@ -99,7 +99,7 @@ DAMAGES: Registry[Damage] = Registry("kind of damage", [
     Damage("block-twice", _block_twice, is_exact=True),
     Damage("interleaved", _interleaved, is_exact=True),
 ])  # fmt: skip
-"""What may happen to the lines of a file, by name."""
+"""Kinds of damage to the lines of a file, by name."""
 
 
 def damaged(

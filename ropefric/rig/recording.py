@@ -27,7 +27,7 @@ _SEVERITY = tuple(map(Status, ("unreadable", "too-short", "saturated", "no-break
 Rng = np.random.Generator
 Pull = BreakawayPull | SliderPull
 Samples = tuple[FloatArray, FloatArray]
-"""What the logger wrote: times [s] and counts."""
+"""Output of the logger: times [s] and counts."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -531,7 +531,7 @@ KINDS: Registry[Kind] = Registry("kind of drawn recording", [
     Kind("late-start", 0.03, _slides_already),
     Kind("idle", 0.01, _rests_on),
 ])  # fmt: skip
-"""What may happen to a rope, by name."""
+"""Stories of a rope, by name."""
 
 
 def _told(rng: Rng, kind: Kind) -> tuple[_Story, Status]:

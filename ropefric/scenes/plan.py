@@ -12,7 +12,7 @@ from ropefric.scenes.scene import Scene
 from ropefric.systems.effect import Effect, Method, System, applicable, assemble
 
 _METHOD_SHARE = 0.1
-"""What the method may err by at least, of the accuracy: no effects are left out for the sake of the last tenth."""
+"""Smallest error that the method may have, a fraction of the accuracy: no effects are left out for the last tenth."""
 _LEAST_SAVED_S = 2e-3
 """An effect that takes less time than this in all is never left out."""
 _DEAR_S = 1e-3

@@ -43,11 +43,11 @@ class Points(Protocol):
     """Which cases of a scene are solved: values of its keys, and perhaps parameters of its friction behind them."""
 
     option: str
-    """What asked for them: --sweep."""
+    """The option that asked for them: --sweep."""
     what: str
     """One of them in words."""
     fix: str
-    """What to do where none of them has an answer."""
+    """Advice if none of them has an answer."""
 
     summed: bool = False
     """Whether means and standard deviations are asked for."""

@@ -20,7 +20,7 @@ FUNCTIONS: dict[str, Any] = {
         "cumsum", "gradient", "mean", "median", "min", "max",
     )
 }  # fmt: skip
-"""What a formula may call: numpy's functions of these names."""
+"""Functions that a formula may call: numpy's of these names."""
 
 _CONSTANTS = {"pi": math.pi}
 _GRAMMAR = (

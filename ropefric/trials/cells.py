@@ -38,7 +38,7 @@ POSITIVE = {
     "lift_force_N": "a lift force",
 }
 _BLANK = ",;\t\r\v\f "
-"""What empty cells are made of: a spreadsheet writes empty rows as ";;;;"."""
+"""Characters of empty cells: a spreadsheet writes empty rows as ";;;;"."""
 _MARKS = {",": "comma", ";": "semicolon", "\t": "tab"}
 
 Quantity = tuple[str, str, float]

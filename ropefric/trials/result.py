@@ -25,7 +25,7 @@ from ropefric.trials.cells import QUANTITIES, stem_of
 from ropefric.trials.outliers import scaled, summarise
 
 OUTCOMES = ("kept", "rejected", "excluded", "without a force")
-"""What becomes of a trial, each of one of these: it counts; the rule rejected it; it was excluded, by hand or because
+"""Fates of a trial, each has one of these: it counts; the rule rejected it; it was excluded, by hand or because
 its F_A is not above its F_B; or its recording gave no usable force."""
 
 
@@ -434,7 +434,7 @@ def _finite_or_none(value: Any) -> Any:
 _PROBLEM_COLUMNS = ("severity", "code", "path", "line", "key", "message", "fix")
 _NAME_SEPARATOR = "; "
 _RESIDUE = 1e-12
-"""What a number in newtons or seconds is that should be zero."""
+"""Size of a number in newtons or seconds that should be zero."""
 
 
 def write_tables(

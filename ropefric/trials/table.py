@@ -37,7 +37,7 @@ _UNKNOWN = ("peak_std_N", "cell_std_N")
 _BESIDE = tuple(column.name for column in numbers.COLUMNS if column.read_as)
 """Numbers that a fit of F_A does not need, and that are passed over where they cannot be."""
 FORCES = ("peak", "kinetic")
-"""What a law can be fitted to: the break-away force, or the mean force while sliding."""
+"""Forces to which a law can be fitted: the break-away force, or the mean force while sliding."""
 _TEXTS = ("trial", "kept", "status")
 LABELS = ("rope_id", "wheel", "mounting", "operator", "day", "dwell", "order", "cell")
 """Columns beside the numbers that can group trials."""

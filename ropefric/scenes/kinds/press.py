@@ -530,7 +530,7 @@ _NEVER = {
     "load": "no smaller loads hold",
     "friction": "no coefficient holds",
 }
-"""What leads to the first slip or ends the last one, and what to say where nothing of the kind does."""
+"""Changes that lead to the first slip or end the last one, and the words if none does."""
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:

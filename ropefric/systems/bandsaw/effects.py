@@ -90,12 +90,12 @@ EFFECTS: Registry[Effect] = Registry(
 """In the order in which they are applied."""
 _CLOSED_FORM = Method(name="closed form", error=1e-13, why="a string's travelling waves have one")
 _FINEST = 1e-12
-"""What rounding leaves is a few units of 1e-14."""
+"""Rounding leaves a few units of 1e-14."""
 _COARSEST = 1e-3
 """A beam to a thousandth takes at most two orders more than to a hundredth: both need their boundary layers."""
 
 _MARGIN = 0.25
-"""What a mode's own error may be, of the error allowed: it is an estimate and no bound."""
+"""Largest own error of a mode, as a fraction of the error allowed: it is an estimate, not a bound."""
 
 
 def _method(model: SawModel, budget: float) -> Method:

@@ -22,7 +22,7 @@ _MAX_STEPS = 200
 _SETTLED = 1e-15
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 _BEND_M = frozenset({"wrap-dependence", "end-tension", "offset"})
-"""What a law can describe that makes M not proportional to the wrap."""
+"""Effects of a law that make M not proportional to the wrap."""
 # A coefficient that depends on the wrap may be infinite at the slack end: nodes that crowd there see that.
 _SHARES, _PARTS = (0.5 * (1.0 + _NODES)) ** 3, 1.5 * (0.5 * (1.0 + _NODES)) ** 2 * _WEIGHTS
 

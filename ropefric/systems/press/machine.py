@@ -43,7 +43,7 @@ Role = Literal["driver", "driven", "tensioner"]
 Positive = Annotated[float, "positive"]
 NotNegative = Annotated[float, "zero or more"]
 Finite = Annotated[float, "any"]
-"""What the numbers of a part may be; finite they are all."""
+"""Ranges of the numbers of a part; all are finite."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -94,7 +94,7 @@ MEASURES = {
     "as_printed": "eq. (38): T'_up / (T'_down (e^M - 1)); not 1 at gross slip, and not 0 without torque",
     "as_plotted": "the inverted ratio T'_down / (T'_up (e^M - 1)), which the paper's own statements fit",
 }
-"""What each measure of slip says."""
+"""Meaning of each measure of slip."""
 
 
 class SlipTable:
@@ -181,7 +181,7 @@ CHANGES = {
     "load": "all load torques rise together [factor]",
     "friction": "average coefficient over the roller's wrap falls [-]",
 }
-"""What may be changed until a roller slips."""
+"""Settings that may be changed until a roller slips."""
 
 _USUAL = {"preload": "falls", "speed": "rises", "load": "rises", "friction": "falls"}
 """The way in which slip is looked for first."""

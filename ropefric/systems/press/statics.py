@@ -123,7 +123,7 @@ CLOSURES: dict[str, Callable[[Press], list[Statement]]] = {
     "equal-torque": _equal_torque,
     "speed-ratio": _speed_ratio,
 }
-"""What each closure states; the first is the default."""
+"""Statement of each closure; the first is the default."""
 
 # The entries are cosines and ones, so singular values are of order one or zero by rounding.
 _TINY = 1e-9
@@ -224,7 +224,7 @@ def solve_statics(press: Press, *, closure: str = "share") -> Statics:
 
 
 TakeUp: TypeAlias = Literal["locked", "elastic", "floating"]
-"""What tensioners do when the belts run: keep their place, so that T stays and T' = T − ρAv² (eq. (39)), whether or
+"""Tensioners when the belts run: they keep their place, so that T stays and T' = T − ρAv² (eq. (39)), whether or
 not the belts stretch; give way on their springs as the belts stretch; or keep T', since the belts have no mass or do
 not stretch, which leaves tensioners on springs where they are."""
 

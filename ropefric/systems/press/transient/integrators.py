@@ -155,8 +155,8 @@ def _rk4(
 
 _RATES_A_STEP = 12
 _SHARES = {"DOP853": 0.01, "Radau": 0.1, "LSODA": 0.1}
-"""What a step may err by, of the tensions: steps add up, and explicit ones on a stiff belt dance on the border of
-their stability, where each keeps what the one before erred by."""
+"""Largest error of a step, as a fraction of the tensions: steps add up, and explicit ones on a stiff belt are at the
+limit of their stability, where each keeps the error of the one before."""
 
 
 def _adaptive(

@@ -141,8 +141,9 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
         notes=(note, *found.notes),
         common_errors=tuple(
             item._replace(
+                std=significant(item.std, GIVEN_DIGITS),
                 change=tuple(significant(x, GIVEN_DIGITS, size=s) for x, s in zip(row, sizes, strict=True)),
-                effect=tuple(effect),
+                effect=tuple(significant(x, GIVEN_DIGITS) for x in effect),
             )
             for item, row, effect in zip(
                 found.common, common.T.tolist(), found.effects.T.tolist(), strict=True

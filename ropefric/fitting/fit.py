@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
-from ropefric.files.plain_text import GIVEN_DIGITS, significant, to_share
+from ropefric.files.plain_text import significant, to_share
 from ropefric.fitting.assembled import Found, assemble
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.fitting.problem import FitProblem, FitSettings, batched_fit, check_settings, law_named, reduced
@@ -157,11 +157,7 @@ def stated_errors(
         for name in dict.fromkeys(names):
             here = (np.array(names) == name) & (std > 0.0)
             if here.any():
-                found.append(
-                    CommonError(
-                        name, one.unit, significant(float(std[here].max()), GIVEN_DIGITS), (), kind, by
-                    )
-                )
+                found.append(CommonError(name, one.unit, float(std[here].max()), (), kind, by))
                 effects.append(np.where(here, std * slope, 0.0))
     return tuple(found), np.stack(effects, axis=-1) if effects else np.zeros((len(at), 0))
 

@@ -709,13 +709,13 @@ def run(
     >>> import tempfile
     >>> from ropefric.rig.campaign import prth_bench_plan, simulate_campaign
     >>> bench = prth_bench_plan()
-    >>> small = replace(bench, conditions=bench.conditions[:5], repeats=2, faults={})
+    >>> small = replace(bench, conditions=bench.conditions[:4], repeats=1, faults={})
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     _ = simulate_campaign(folder, small, seed=1)
     ...     found = run(Path(folder, "campaign.toml"), Path(folder, "out"))
     ...     names = {path.name for path in Path(folder, "out").iterdir()}
     >>> "trials.csv" in names, len(found.extraction.trials)
-    (True, 10)
+    (True, 4)
     """
     PATH.check(folder=folder)
     WHOLE_NUMBER.check(jobs=jobs)

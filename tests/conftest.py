@@ -62,6 +62,17 @@ def real_data():
     return REAL_DATA
 
 
+@pytest.fixture
+def few_laws(monkeypatch):
+    """Let a run compare three laws instead of all: for tests that ask for something else."""
+    from ropefric import pipeline
+
+    def compare_few(table, laws, compare=pipeline.compare_laws, **more):
+        return compare(table, laws or ("constant", "size-exponential", "coupled"), **more)
+
+    monkeypatch.setattr(pipeline, "compare_laws", compare_few)
+
+
 def is_long(config):
     return config.option.markexpr.startswith("slow")
 

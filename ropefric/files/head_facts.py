@@ -40,21 +40,28 @@ def is_fact(row: Sequence[str]) -> bool:
 
 
 def facts_of(lines: Sequence[str], separator: str) -> Facts:
-    """Return what the lines above a table say of sampling rate and unit."""
-    rate_Hz, perhaps_Hz, unit = None, None, ""
+    """Return what the lines above a table say of sampling rate and unit; the first line of each kind holds."""
+    sure_Hz, perhaps_Hz, unit = None, None, ""
     for key, value in _facts(lines, separator):
         stem, of_key = split_unit_suffix(key)
         word, number = "".join(filter(str.isalpha, stem.lower())), _VALUE.fullmatch(value)
         if word in _UNITS:
             unit = unit or spelled_unit(value)
-        elif number and word in _RATES:
-            rate_Hz = rate_Hz or _in_si(number, of_key or "Hz", "Hz")
-        elif number and word in _INTERVALS and (of_key or number[2].strip()):
-            step_s = _in_si(number, of_key, "s")
-            rate_Hz = rate_Hz or (1.0 / step_s if step_s else None)
         elif number and word in _BARE_RATES:
             perhaps_Hz = perhaps_Hz or _in_si(number, of_key or "Hz", "Hz")
-    return Facts(rate_Hz or perhaps_Hz, unit, rate_Hz is not None or perhaps_Hz is None)
+        elif number:
+            sure_Hz = sure_Hz or _stated_rate_Hz(word, number, of_key)
+    return Facts(sure_Hz or perhaps_Hz, unit, sure_Hz is not None or perhaps_Hz is None)
+
+
+def _stated_rate_Hz(word: str, number: re.Match[str], of_key: str) -> float | None:
+    """Return the sampling rate that a word states, or implies by an interval with its unit; None for another word."""
+    if word in _RATES:
+        return _in_si(number, of_key or "Hz", "Hz")
+    if word in _INTERVALS and (of_key or number[2].strip()):
+        step_s = _in_si(number, of_key, "s")
+        return 1.0 / step_s if step_s else None
+    return None
 
 
 def _facts(lines: Sequence[str], separator: str) -> Iterator[tuple[str, str]]:
@@ -70,9 +77,9 @@ def _facts(lines: Sequence[str], separator: str) -> Iterator[tuple[str, str]]:
 
 def _in_si(number: re.Match[str], unit: str, si_unit: str) -> float | None:
     """Return a number by the unit behind it, or that of its key; None where it is of another kind or not positive."""
-    told = number[2].strip().strip("[]()") or unit
+    unit = number[2].strip().strip("[]()") or unit
     try:
-        factor = 1.0 if told in _PER_SECOND else unit_factor(spelled_unit(told), si_unit)
+        factor = 1.0 if unit in _PER_SECOND else unit_factor(spelled_unit(unit), si_unit)
     except InputError:
         return None
     value = float(number[1].replace(",", ".")) * factor

@@ -259,20 +259,16 @@ def load_text(source: Source, encoding: str = "") -> Text:
     Without an encoding a byte-order mark decides, else UTF-8, else cp1252, which is what Windows loggers
     write. Old Macintosh and Windows line ends become `\n`.
     """
-    raw, size = [], 0
-    for block in source.unpacked():
-        raw.append(block)
-        size += len(block)
-        if size > WHOLE_BYTES:
-            break
-    is_whole = size <= WHOLE_BYTES
-    start = b"".join(raw)
-    del raw
+    start, is_whole = _first_bytes(source)
+
+    def blocks() -> Iterator[bytes]:
+        return iter([start]) if is_whole else source.unpacked()
+
     found = encoding or next((name for mark, name in _MARKS if start.startswith(mark)), "")
     if not found:
-        found = "utf-8" if _is_utf8([start] if is_whole else source.unpacked(), source) else "cp1252"
+        found = "utf-8" if _is_utf8(blocks(), source) else "cp1252"
     data = b""
-    for block in _clean_blocks([start] if is_whole else source.unpacked(), found, source):
+    for block in _clean_blocks(blocks(), found, source):
         data += block
         if not is_whole and len(data) >= HEAD_BYTES and data.count(b"\n") >= HEAD_LINES:
             break
@@ -281,6 +277,17 @@ def load_text(source: Source, encoding: str = "") -> Text:
     is_ended = data.endswith(b"\n")
     data = data if is_ended else data + b"\n"
     return Text(source=source, data=data, encoding=found, is_whole=is_whole, is_ended=is_ended)
+
+
+def _first_bytes(source: Source) -> tuple[bytes, bool]:
+    """Return the content of a file, or a little more than `WHOLE_BYTES` of it, and whether it is the whole."""
+    raw, size = list[bytes](), 0
+    for block in source.unpacked():
+        raw.append(block)
+        size += len(block)
+        if size > WHOLE_BYTES:
+            break
+    return b"".join(raw), size <= WHOLE_BYTES
 
 
 def _is_utf8(blocks: Iterable[bytes], source: Source) -> bool:

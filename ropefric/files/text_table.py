@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, date, datetime, timedelta
 from functools import lru_cache
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import NamedTuple
 from zoneinfo import ZoneInfo
 
 import numpy as np
@@ -178,12 +178,19 @@ def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Di
         for row in rows[:2]
     )
     decimal, thousands = _find_marks(head, rows.data_row, separator, layout, text.source)
-    cells: dict[str, Any] = {"header": header, "units": units, "decimal": decimal, "thousands": thousands}
-    cells["facts"] = facts_of(lines[: max(rows.data_row - 1, 0)], separator)
-    if thousands and not layout.thousands:
-        cells["notes"] = [f"{thousands!r} groups thousands, {decimal!r} is the decimal mark"]
-    cells["first_row"] = split_line(lines[rows.data_row - 1], separator)
-    return Dialect(separator=separator, rows=rows, layout=layout, **cells)
+    note = f"{thousands!r} groups thousands, {decimal!r} is the decimal mark"
+    return Dialect(
+        separator=separator,
+        decimal=decimal,
+        thousands=thousands,
+        rows=rows,
+        header=header,
+        units=units,
+        first_row=split_line(lines[rows.data_row - 1], separator),
+        layout=layout,
+        facts=facts_of(lines[: max(rows.data_row - 1, 0)], separator),
+        notes=[note] if thousands and not layout.thousands else [],
+    )
 
 
 def _check(layout: TableLayout) -> None:
@@ -350,25 +357,33 @@ def _search(
 def _first_data_row(
     rows: Sequence[Sequence[str]], below: Sequence[int], typical: Sequence[str], layout: TableLayout
 ) -> int:
-    """Return the first row that holds numbers wherever a typical row does, or nothing but numbers."""
+    """Return the first row that holds numbers wherever a typical row does, or nothing but numbers.
+
+    A row above a line of words, or above `key=value`, is no data: the table begins further down.
+    """
     no_value, is_numeric = layout.no_value, [is_value(cell) for cell in typical]
     for place, number in enumerate(below):
-        row = rows[number - 1]
-        hits = [is_value(cell) for cell in row]
-        fits = [hit or cell in no_value for hit, cell in zip(hits, row, strict=True)]
+        row, after = rows[number - 1], rows[below[place + 1] - 1] if place + 1 < len(below) else ()
+        fits = [is_value(cell) or cell in no_value for cell in row]
         is_typical = len(row) == len(typical) and all(
             fit or not numeric for fit, numeric in zip(fits, is_numeric, strict=True)
         )
-        after = rows[below[place + 1] - 1] if place + 1 < len(below) else ()
-        is_head = is_fact(after) or (after and not is_typical and not any(map(is_value, after)))
-        if any(hits) and (all(fits) or is_typical) and not is_head:
-            # Half-numeric rows right above are damaged data that must be told.
-            for above in reversed(below[:place]):
-                if len(rows[above - 1]) != len(row) or not any(map(looks_numeric, rows[above - 1])):
-                    break
-                number = above  # noqa: PLW2901
-            return number
+        if not any(map(is_value, row)) or not (all(fits) or is_typical) or is_fact(after):
+            continue
+        if is_typical or not after or any(map(is_value, after)):
+            return _with_damaged(rows, below[: place + 1])
     return 0
+
+
+def _with_damaged(rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> int:
+    """Return the first of the half-numeric rows right above the last of some rows: damaged data are not passed over."""
+    *above, first = numbers
+    for number in reversed(above):
+        row = rows[number - 1]
+        if len(row) != len(rows[first - 1]) or not any(map(looks_numeric, row)):
+            break
+        first = number
+    return first
 
 
 def _words_above(

@@ -285,56 +285,53 @@ def summarise_conditions(
         (one.wheel_radius_m, one.rope_radius_m, one.wrap_angle_rad, np.nan_to_num(one.known_N).item())
         for one in trials
     ]
-    numbers = condition_groups(*zip(*keys, strict=True)) if keys else ()
     groups: dict[int, list[int]] = {}
-    for index, number in enumerate(numbers):
-        groups.setdefault(int(number), []).append(index)
-    marked = list(trials)
-    conditions, problems = [], []
-    for members in sorted(groups.values(), key=lambda members: keys[members[0]]):
-        summary, rejected, warnings = _summarise([trials[i] for i in members], rule)
-        conditions.append(summary)
-        problems.extend(warnings)
-        for place in rejected:
-            index = members[place]
-            marked[index] = replace(trials[index], kept=False, rejected_by=rule)
-    return tuple(marked), tuple(conditions), tuple(problems)
+    for place, group in enumerate(condition_groups(*zip(*keys, strict=True)).tolist() if keys else ()):
+        groups.setdefault(group, []).append(place)
+    in_order = sorted(groups.values(), key=lambda places: keys[places[0]])
+    found = [_summarise([trials[place] for place in places], rule) for places in in_order]
+    rejected = {name for summary, _ in found for name in summary.rejected}
+    marked = (
+        replace(one, kept=False, rejected_by=rule) if one.trial in rejected else one for one in trials
+    )
+    doubts = (problem for _, problems in found for problem in problems)
+    return tuple(marked), tuple(summary for summary, _ in found), tuple(doubts)
 
 
 def _summarise(
     trials: Sequence[TrialResult], rule: str
-) -> tuple[ConditionSummary, tuple[int, ...], list[Problem]]:
-    first = trials[0]
-    measured = [one for one in trials if one.usable and not math.isnan(one.end_tension_set_N)]
-    usable = [place for place, trial in enumerate(trials) if trial.usable]
-    series = summarise([trials[place].breakaway.peak_N for place in usable], rule)
-    rejected = tuple(usable[place] for place in series.rejected)
-    known_N = first.known_N
-    end_N, lift_N = (series.mean_kept, known_N) if first.measures_slack else (known_N, series.mean_kept)
-    where = (
-        f"R_w = {1000 * first.wheel_radius_m:.4g} mm, wrap {np.degrees(first.wrap_angle_rad):.4g} deg, "
-        f"{'F_A' if first.measures_slack else 'F_B'} = {known_N:.4g} N"
-    )
-    problems = [
-        replace(p, message=f"{where}: {p.message}") for p in (*series.problems, *_not_as_hung(measured))
-    ]
+) -> tuple[ConditionSummary, Iterator[Problem]]:
+    """Return the summary of the trials of one condition, and warnings."""
+    first, usable = trials[0], [trial for trial in trials if trial.usable]
+    series = summarise([trial.breakaway.peak_N for trial in usable], rule)
+    rejected = tuple(usable[place].trial for place in series.rejected)
+    measured = [one for one in usable if not math.isnan(one.end_tension_set_N)]
+    known_N, mean_N = first.known_N, series.mean_kept
     summary = ConditionSummary(
         **{name: getattr(first, name) for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")},
         **{f"{name}_N": getattr(series, name) for name in ("mean_all", "std_all", "mean_kept", "std_kept")},
-        end_tension_N=end_N,
-        lift_force_N=lift_N,
+        end_tension_N=mean_N if first.measures_slack else known_N,
+        lift_force_N=known_N if first.measures_slack else mean_N,
         end_tension_measured_N=_mean([one.end_tension_N for one in measured]),
         wheel=_NAME_SEPARATOR.join(dict.fromkeys(one.wheel for one in trials if one.wheel)),
         n_recorded=len(trials),
         n=series.n,
         n_kept=series.n_kept,
-        rejected=tuple(trials[place].trial for place in rejected),
+        rejected=rejected,
         rule=rule,
         notes=(*series.warnings, *series.notes),
         trials=tuple(trial.trial for trial in trials),
-        of_kept=_of_kept([trials[place] for place in usable if place not in rejected]),
+        of_kept=_of_kept([trial for trial in usable if trial.trial not in rejected]),
     )
-    return summary, rejected, problems
+    problems = (*series.problems, *_not_as_hung(measured))
+    return summary, (replace(one, message=f"{_settings_of(first)}: {one.message}") for one in problems)
+
+
+def _settings_of(trial: TrialResult) -> str:
+    """Return the condition of a trial in words."""
+    force = "F_A" if trial.measures_slack else "F_B"
+    size, wrap_deg = f"R_w = {1000 * trial.wheel_radius_m:.4g} mm", np.degrees(trial.wrap_angle_rad)
+    return f"{size}, wrap {wrap_deg:.4g} deg, {force} = {trial.known_N:.4g} N"
 
 
 UNSTATED = 0.02

@@ -7,7 +7,7 @@ import pytest
 from newcomer import PATTERN, write_daq
 
 
-def test_the_newcomers_campaign_comes_in_right_with_one_edit(call, tmp_path, monkeypatch):
+def test_the_newcomers_campaign_comes_in_right_with_one_edit(call, tmp_path, monkeypatch, few_laws):
     monkeypatch.chdir(tmp_path)
     truth = write_daq(tmp_path / "daq")
     begun = call("init", "mine", "--from", "daq", "--pattern", PATTERN)

@@ -194,7 +194,7 @@ def test_results_of_an_earlier_version_are_taken_over_only_when_asked(call, benc
     assert tree(out) == before
 
 
-def test_from_python_too(campaign, tmp_path):
+def test_from_python_too(campaign, tmp_path, few_laws):
     import ropefric as rf
     from ropefric.errors import DataError
 

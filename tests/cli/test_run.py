@@ -17,7 +17,7 @@ def files(folder):
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in found}
 
 
-def test_everything_is_written_and_told(call, tmp_path):
+def test_everything_is_written_and_told(call, tmp_path, few_laws):
     """Six conditions that obey the capstan equation; their figures are looked at where names are hostile."""
     out = tmp_path / "out"
     words = ["--law", "constant", "-p", "mu=0.15", "--conditions", "6", "--repeats", "2", "--no-faults", "-q",
@@ -34,7 +34,7 @@ def test_everything_is_written_and_told(call, tmp_path):
     assert done.out.startswith((out / "summary.txt").read_text(encoding="utf-8"))
 
 
-def test_json_alone_on_stdout_and_the_same_bytes_however_it_is_worked_through(call, bench, tmp_path):
+def test_json_alone_on_stdout_and_the_same_bytes_however_it_is_worked_through(call, bench, tmp_path, few_laws):
     done = call("run", bench / "campaign.toml", "--out", tmp_path / "a", "--json", "-q", "--no-figures",
         "--jobs", "2")  # fmt: skip
     tree = done.json()
@@ -76,7 +76,7 @@ def test_what_cannot_be_worked_through_is_3_and_told(call, bench, tmp_path):
         assert "`ropefric report` answers a table of forces" in done.err
 
 
-def test_one_count_is_said_everywhere_and_adds_up(call, bench, tmp_path):
+def test_one_count_is_said_everywhere_and_adds_up(call, bench, tmp_path, few_laws):
     """Kept, rejected, excluded and without a force: each trial is one of these; and the page escapes what it shows."""
     folder = tmp_path / "campaign"
     shutil.copytree(bench, folder)

@@ -1,28 +1,34 @@
-"""Break lines of the physics, the fitting and the trials at random: does the suite notice?
+"""Break lines of physics, fitting, trials and picking at random: does the suite notice?
 
-`python tests/mutation/mutants.py [--count 40] [--seed 0] [--jobs 2]` copies the project, breaks one line in the copy,
-and runs the tests of that room until one fails. Where none does, `probe.py` asks the commands for their numbers: a break
-that changes none of them has changed no result and is not counted. All others have the rest of the suite to notice them.
+`python tests/mutation/mutants.py [--count 60] [--seed 2026]` copies the project and breaks one line at a time in the
+copy. The tests run in one process until one fails: those that import the broken module first, then all others, the
+nearest by imports first. A break that no test notices is a gap of the suite, or it changes nothing: `EQUIVALENT` names
+those, with the reason.
 """
 
 import argparse
 import ast
+import hashlib
 import os
-import random
 import shutil
 import subprocess
 import sys
 import tempfile
+from collections import deque
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-ROOMS = ("friction", "systems", "trials", "uncertainty", "fitting")
-SOONEST = ("hard", "literature", "pipeline", "friction", "systems", "fitting", "scenes", "trials", "cli")
-LONGEST_S = 1500.0
-"""A suite that takes longer hangs: that is noticed too."""
+ROOMS = ("friction", "systems", "traces", "trials", "uncertainty", "fitting")
+LONGEST_S = 1200.0
+"""A run of tests that takes longer hangs: the break is noticed."""
+
+EQUIVALENT: dict[str, str] = {}
+"""Breaks that change no result, as `str(mutant)` without its line number, and why."""
+
+_LEFT_OUT = {"mutation", "benchmarks", "test_architecture.py", "test_gate.py"}
+"""Tests of speed, of the size of the code (a broken module is written without comments) and of this study."""
 
 _OTHER = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Pow: ast.Mult, ast.MatMult: ast.Add,
@@ -44,6 +50,10 @@ class Mutant:
     after: str
     text: str
     """The whole broken module."""
+
+    @property
+    def key(self) -> str:
+        return f"{self.path.as_posix()}: {self.before}  ->  {self.after}"
 
     def __str__(self) -> str:
         return f"{self.path.as_posix()}:{self.line}: {self.before}  ->  {self.after}"
@@ -93,21 +103,30 @@ def _places(tree: ast.Module) -> dict[int, list[ast.AST]]:
     return found
 
 
+def _number(*words: object) -> int:
+    """Return a number drawn by the words alone."""
+    return int.from_bytes(hashlib.sha256("\0".join(map(str, words)).encode()).digest()[:8], "big")
+
+
 def draw(count: int, seed: int, root: Path = ROOT) -> list[Mutant]:
-    """Return mutants of so many lines, each line as likely as every other."""
+    """Return mutants of `count` lines, each line as likely as every other.
+
+    A line is drawn by its own text: a change elsewhere leaves the draw as it is.
+    """
     lines = []
-    for room in ROOMS:
-        place = root / "ropefric" / room
-        for path in sorted(place.rglob("*.py")) or [place]:
-            found = _places(ast.parse(path.read_text(encoding="utf-8")))
-            lines += [(path, line) for line in sorted(found)]
-    chosen = random.Random(seed)
-    return [_mutant(path, line, chosen, root) for path, line in chosen.sample(lines, count)]
+    for path in (path for room in ROOMS for path in sorted((root / "ropefric" / room).rglob("*.py"))):
+        text = path.read_text(encoding="utf-8")
+        written, name = text.splitlines(), path.relative_to(root).as_posix()
+        lines += [
+            (_number(seed, name, written[line - 1].strip()), path, line) for line in _places(ast.parse(text))
+        ]
+    return [_mutant(path, line, number, root) for number, path, line in sorted(lines)[:count]]
 
 
-def _mutant(path: Path, line: int, chosen: random.Random, root: Path) -> Mutant:
+def _mutant(path: Path, line: int, number: int, root: Path) -> Mutant:
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    node = chosen.choice(_places(tree)[line])
+    nodes = _places(tree)[line]
+    node = nodes[number % len(nodes)]
     before = ast.unparse(getattr(node, "test", node))
     wrong = _break_of(node)
     assert wrong is not None
@@ -117,16 +136,54 @@ def _mutant(path: Path, line: int, chosen: random.Random, root: Path) -> Mutant:
     )
 
 
-def _run(folder: Path, *words: str) -> tuple[int, str]:
-    environment = {
-        **os.environ,
-        "PYTHONPATH": str(folder),
-        "PYTHONDONTWRITEBYTECODE": "1",
-        "OMP_NUM_THREADS": "1",
-    }
+def tests_by_distance(changed: Path, root: Path = ROOT) -> list[tuple[int, Path]]:
+    """Return all test files with the number of imports between them and a module, nearest and smallest first."""
+    importers: dict[str, set[Path]] = {}
+    tests = [path for path in sorted((root / "tests").rglob("*.py")) if not _LEFT_OUT & set(path.parts)]
+    for path in (*sorted((root / "ropefric").rglob("*.py")), *tests):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom) and node.module:
+                names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+            for name in names:
+                importers.setdefault(name, set()).add(path)
+    distance, waiting = {root / changed: 0}, deque([root / changed])
+    while waiting:
+        path = waiting.popleft()
+        parts = path.relative_to(root).with_suffix("").parts
+        name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts).removeprefix("tests.")
+        # Folders of tests share modules by their bare name.
+        near = importers.get(name, set()) | (importers.get(parts[-1], set()) if parts[0] == "tests" else set())
+        for other in near - distance.keys():
+            distance[other] = distance[path] + 1
+            waiting.append(other)
+    chosen = [path for path in tests if path.name.startswith("test_")]
+    far = max(distance.values()) + 1
+    return sorted(
+        ((distance.get(path, far), path) for path in chosen),
+        key=lambda one: (one[0], one[1].stat().st_size, one[1]),
+    )
+
+
+def _copy(place: Path) -> Path:
+    """Return a copy of the project as it is now, with the real recordings beside it where there are any."""
+    folder = place / "project"
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
+    for name in listed.stdout.splitlines():
+        if (ROOT / name).is_file():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, folder / name)
+    (place / "shared").symlink_to(ROOT.parent / "shared")
+    return folder
+
+
+def _failed(folder: Path, tests: list[Path]) -> str:
+    """Return the first of these tests that fails; "" if none does."""
+    words = ("-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-p", "no:randomly", "--tb=no")
+    environment = {**os.environ, "PYTHONPATH": str(folder), "OMP_NUM_THREADS": "1"}
     try:
         done = subprocess.run(
-            [sys.executable, *words],
+            [sys.executable, *words, *map(str, tests)],
             cwd=folder,
             env=environment,
             capture_output=True,
@@ -135,82 +192,64 @@ def _run(folder: Path, *words: str) -> tuple[int, str]:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return 1, "hangs"
-    return done.returncode, done.stdout
-
-
-def _copy(place: Path) -> Path:
-    """Return a copy of the project as it stands now, with the real recordings beside it where there are any."""
-    folder = place / "project"
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
-    for name in listed.stdout.splitlines():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(ROOT / name, folder / name)
-    (place / "shared").symlink_to(ROOT.parent / "shared")
-    return folder
-
-
-def _noticed(folder: Path, room: str, *, its_own: bool) -> str:
-    """Return the first test that fails, of a room or of all others; "" if none does.
-
-    The tests of the code's size and of this study are left out, and those of speed.
-    """
-    out = {"mutation", "benchmarks", "__pycache__", "test_architecture.py"}
-    tests = [
-        path
-        for path in (folder / "tests").iterdir()
-        if (path.is_dir() or path.name.startswith("test_")) and path.name not in out
+        return "a test that hangs"
+    if done.returncode in {0, 5}:  # 5: all of these tests are long ones
+        return ""
+    failed = [
+        line.split()[1] for line in done.stdout.splitlines() if line.startswith(("FAILED ", "ERROR "))
     ]
-    # What shows most of what may be wrong comes first.
-    tests.sort(key=lambda path: (SOONEST.index(path.name) if path.name in SOONEST else len(SOONEST), path))
-    chosen = [path.as_posix() for path in tests if (path.name == room) == its_own]
-    whole = ("-n", "2", "--dist", "loadfile") if not room else ("-p", "no:xdist")
-    quiet = ("-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *whole, "--tb=no")
-    code, said = _run(folder, *quiet, *chosen, str(folder / "ropefric" / room))
-    failed = [line.split()[1] for line in said.splitlines() if line.startswith(("FAILED", "ERROR"))]
-    return "" if not code else failed[0] if failed else said.strip()[-80:]
+    return failed[0] if failed else (done.stdout + done.stderr).strip()[-80:]
 
 
-def _probed(folder: Path) -> tuple[int, str]:
-    return _run(folder, str(Path(__file__).with_name("probe.py")), str(folder))
+def noticed_by(mutant: Mutant, folder: Path, *, near: bool) -> str:
+    """Return the first test that notices a mutant, of those that import its module or of all others; "" if none does."""
+    module = folder / mutant.path
+    tests = [path for distance, path in tests_by_distance(mutant.path, folder) if (distance == 1) == near]
+    whole = module.read_text(encoding="utf-8")
+    try:
+        _write(module, mutant.text)
+        return _failed(folder, [module, *tests] if near else [*tests, folder / "ropefric"])
+    finally:
+        _write(module, whole)
 
 
-def fate(mutant: Mutant, expected: str) -> str:
-    """Return what became of a mutant: the test that noticed it, "no result changed", or "MISSED"."""
+def _write(module: Path, text: str) -> None:
+    """Write a module and remove what was compiled of it, which its time and size may not tell apart."""
+    module.write_text(text, encoding="utf-8")
+    for compiled in (module.parent / "__pycache__").glob(f"{module.stem}.*.pyc"):
+        compiled.unlink()
+
+
+def study(count: int, seed: int, say: Callable[[str], object] = print) -> tuple[int, int]:
+    """Return how many of the mutants that change a result were noticed, and how many there were.
+
+    The nearest tests see all mutants before the whole suite sees those that are left.
+    """
     with tempfile.TemporaryDirectory() as name:
         folder = _copy(Path(name))
-        (folder / mutant.path).write_text(mutant.text, encoding="utf-8")
-        room = mutant.path.parts[1]
-        noticed = _noticed(folder, room, its_own=True)
-        if not noticed and _probed(folder)[1] == expected:
-            return "no result changed"
-        noticed = noticed or _noticed(folder, room, its_own=False)
-        return f"noticed by {noticed}" if noticed else "MISSED"
-
-
-def study(count: int, seed: int, jobs: int = 2, tell: Callable[[str], object] = print) -> tuple[int, int]:
-    """Return how many of the mutants that change a result were noticed, and how many there were."""
-    mutants = draw(count, seed)
-    with tempfile.TemporaryDirectory() as name:
-        folder = _copy(Path(name))
-        code, expected = _probed(folder)
-        failed = "the probe" if code else _noticed(folder, "", its_own=False)
-        if failed:
+        whole = [path for _, path in tests_by_distance(Path("ropefric/errors.py"), folder)]
+        if failed := _failed(folder, whole):
             raise RuntimeError(f"{failed} fails on the unbroken project")
-    noticed = counted = 0
-    with ThreadPoolExecutor(jobs) as pool:
-        for mutant, found in zip(mutants, pool.map(lambda one: fate(one, expected), mutants), strict=True):
-            tell(f"{mutant}\n    {found}")
-            counted += found != "no result changed"
-            noticed += found.startswith("noticed")
-    tell(f"{noticed} of {counted} that change a result were noticed; {count - counted} change none")
-    return noticed, counted
+        drawn = draw(count, seed, folder)
+        left = [mutant for mutant in drawn if mutant.key not in EQUIVALENT]
+        for mutant in drawn:
+            if mutant not in left:
+                say(f"{mutant}\n    changes no result: {EQUIVALENT[mutant.key]}")
+        counted = len(left)
+        for near in (True, False):
+            missed = []
+            for mutant in left:
+                test = noticed_by(mutant, folder, near=near)
+                say(f"{mutant}\n    {f'noticed by {test}' if test else 'left to the others' if near else 'MISSED'}")
+                missed += [] if test else [mutant]
+            left = missed
+    say(f"{counted - len(left)} of {counted} that change a result were noticed; {count - counted} change none")
+    return counted - len(left), counted
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=40)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--count", type=int, default=60)
+    parser.add_argument("--seed", type=int, default=2026)
     given = parser.parse_args()
-    study(given.count, given.seed, given.jobs, lambda line: print(line, flush=True))
+    study(given.count, given.seed, lambda line: print(line, flush=True))

@@ -147,7 +147,7 @@ def lab(tmp_path):
     return load
 
 
-def test_a_pull_below_its_end_tension_is_set_aside_and_ends_nothing(lab, tmp_path):
+def test_a_pull_below_its_end_tension_is_set_aside_and_ends_nothing(lab, tmp_path, few_laws):
     campaign = lab(lambda rows: [row.replace("p5,p5.csv,40,360,20", "p5,p5.csv,40,360,2000") for row in rows])
     run = run_campaign(campaign, tmp_path / "out")
     (odd,) = [trial for trial in run.extraction.trials if trial.trial == "p5"]

@@ -68,7 +68,7 @@ def few_laws(monkeypatch):
     from ropefric import pipeline
 
     def compare_few(table, laws, compare=pipeline.compare_laws, **more):
-        return compare(table, laws or ("constant", "size-exponential", "coupled"), **more)
+        return compare(table, laws or ("constant", "size-exponential", "howell"), **more)
 
     monkeypatch.setattr(pipeline, "compare_laws", compare_few)
 

@@ -21,8 +21,22 @@ from ropefric.registry import did_you_mean
 from ropefric.traces.breakaway import SIDES
 from ropefric.traces.formulas import evaluate_derived
 from ropefric.traces.signals import COUNTS, signal_unit
-from ropefric.trials.campaign_model import AboutTable, Campaign, CampaignFile, Protocol, protocol_names
-from ropefric.trials.trial_list import MISSING_RECORDING, TrialContext, advise, radius_doubt, read_trials
+from ropefric.trials.campaign_model import (
+    AboutTable,
+    Campaign,
+    CampaignFile,
+    Protocol,
+    TrialSpec,
+    protocol_names,
+)
+from ropefric.trials.trial_list import (
+    MISSING_RECORDING,
+    ReadList,
+    TrialContext,
+    advise,
+    radius_doubt,
+    read_trials,
+)
 
 _HOW_TO_READ = "# How to read the recordings"
 MISSING_WAYS = ("error", "flag")
@@ -163,29 +177,31 @@ def examine_campaign(
         return None, settings
     data = document.data.get("data", ".")
     folder = parent / (data if isinstance(data, str) else ".")
-    listed = read_trials(parent / trials_path, folder, _context(document, model, folder))
+    trial_list = parent / trials_path
+    listed = read_trials(trial_list, folder, _context(document, model, folder))
     problems = settings + tuple(_flagged(listed.problems) if flag_missing else listed.problems)
     if model is None or _has_error(settings):
         return None, problems
-    trials = listed.trials
     if _has_error(problems):
-        gone = {problem.line for problem in listed.problems if problem.code == MISSING_RECORDING}
-        there = (trial for trial in (*trials, *listed.wrong) if trial.line not in gone)
-        trials = tuple(sorted(there, key=lambda trial: trial.line))
+        trials = _with_recordings(listed)
     else:
-        shown, one_trial_each = (
-            (parent / trials_path).as_posix(),
-            model.protocol.name in {"breakaway", "two-way"},
-        )
-        problems += advise(trials, shown, rule=model.rejection, one_trial_each=one_trial_each)
+        trials, alone = listed.trials, model.protocol.name in {"breakaway", "two-way"}
+        problems += advise(trials, trial_list.as_posix(), rule=model.rejection, one_trial_each=alone)
     rate_Hz = model.profile.sampling_rate_Hz or model.sampling_rate_Hz
     more: dict[str, Any] = {
         "sampling_rate_Hz": rate_Hz,
         "profile": replace(model.profile, sampling_rate_Hz=rate_Hz),
     }
-    more |= {"path": Path(path), "folder": folder, "trial_list": parent / trials_path, "trials": trials}
+    more |= {"path": Path(path), "folder": folder, "trial_list": trial_list, "trials": trials}
     warnings = tuple(problem for problem in problems if problem.severity == "warning")
     return Campaign.model_construct(**dict(model) | more, warnings=warnings), problems
+
+
+def _with_recordings(listed: ReadList) -> tuple[TrialSpec, ...]:
+    """Return the rows of a list, wrong ones too, whose recordings are there."""
+    gone = {problem.line for problem in listed.problems if problem.code == MISSING_RECORDING}
+    there = (trial for trial in (*listed.trials, *listed.wrong) if trial.line not in gone)
+    return tuple(sorted(there, key=lambda trial: trial.line))
 
 
 def _has_error(problems: Iterable[Problem]) -> bool:
@@ -212,26 +228,34 @@ def _document(path: str | os.PathLike[str]) -> tuple[TomlDocument | None, tuple[
 
 def _context(document: TomlDocument, model: CampaignFile | None, folder: Path) -> TrialContext:
     """Return what rows depend on, from the checked file or, where that has errors, from what can be made out."""
+    needing, protocol = _cells_needed(document).items(), model.protocol if model else Protocol()
     sizes = {name: wheel.radius_m for name, wheel in model.wheels.items()} if model else {}
-    protocol, channels = document.table("protocol"), document.table("import", "channels")
-    name, side = protocol.get("name", "breakaway"), protocol.get("side", "slack")
-    measures_end = "end_tension" in "\n".join((*channels, *document.table("import", "derived")))
-    tension, needing = tuple[str, ...](), _cells_needed(document).items()
-    if isinstance(name, str) and name in protocol_names() and side in SIDES:
-        if Protocol(name=name, side=side).needs_lift_force:
-            tension = ("lift_force_N",)
-        elif name != "two-way" and not measures_end:
-            tension = ("end_tension_N",)
     return TrialContext(
         folder=folder if kind_of_file(folder) == "folder" else None,
-        needed=(*tension, *(column for column, name in needing if name in COUNTS or document.table("cells"))),
+        needed=(
+            *_tension_needed(document),
+            *(column for column, name in needing if name in COUNTS or document.table("cells")),
+        ),
         wheels={name: sizes.get(name) for name in document.table("wheels")},
         cells=tuple(document.table("cells")),
         rope_radius_m=model.rope.radius_m if model else None,
-        start_s=model.protocol.start_s if model else None,
-        stop_s=model.protocol.stop_s if model else None,
-        protocol=model.protocol.name if model else "breakaway",
+        start_s=protocol.start_s,
+        stop_s=protocol.stop_s,
+        protocol=protocol.name,
     )
+
+
+def _tension_needed(document: TomlDocument) -> tuple[str, ...]:
+    """Return the column of the list with the tension that is known of each trial, as far as the protocol is known."""
+    protocol = document.table("protocol")
+    name, side = protocol.get("name", "breakaway"), protocol.get("side", "slack")
+    if not (isinstance(name, str) and name in protocol_names() and side in SIDES):
+        return ()
+    if Protocol(name=name, side=side).needs_lift_force:
+        return ("lift_force_N",)
+    measured = (*document.table("import", "channels"), *document.table("import", "derived"))
+    is_measured = any("end_tension" in channel for channel in measured)
+    return () if name == "two-way" or is_measured else ("end_tension_N",)
 
 
 def _cells_needed(document: TomlDocument) -> dict[str, str]:

@@ -48,30 +48,36 @@ def propose_campaign(
     What the profile that is known leaves open is found out. A row is one recording: a file with several has several
     rows. No file is left out of the list because it cannot be read; that is said.
     """
-    trials, told = list_from_names(files_of(recordings), pattern, folder)
+    trials, missed = list_from_names(files_of(recordings), pattern, folder)
     header, *rows = csv.reader(trials.decode().splitlines())
     # The folder need not be there yet.
     paths = [Path(os.path.normpath(folder / row[header.index("file")])) for row in rows]
     usual = Counter(path.suffix.lower() for path in paths).most_common(1)[0][0]
     alike = [path for path in paths if path.suffix.lower() == usual]
     found = _inspected(alike, known, limits or Limits())
-    said = [told] if told else []
+    of_names = (missed,) if missed else ()
     if isinstance(found, str):
-        return Proposal(trials, "", (*said, f"{alike[0].name} cannot be read: {found}"))
-    said.append(f"read {found.read}, from {found.file}" if found.read else f"{found.file}: {found.stopped}")
-    said += (f"assumed: {doubt}" for doubt in found.doubts)
+        return Proposal(trials, "", (*of_names, f"{alike[0].name} cannot be read: {found}"))
     samples, unread = _samples_of(paths, found.profile, limits or Limits(), progress)
-    said += unread
-    if any(len(names) > 1 for names in samples):
-        place = header.index("file") + 1
-        named = [
-            (row, to_spreadsheet(name)) for row, names in zip(rows, samples, strict=True) for name in names
-        ]
-        table = [[*row[:place], name, *row[place:]] for row, name in named]
-        trials = csv_text([[*header[:place], "sample", *header[place:]], *table]).encode()
-    comments = [f"# {line}" for line in (said[1:] if told else said)]
+    read = f"read {found.read}, from {found.file}" if found.read else f"{found.file}: {found.stopped}"
+    said = (read, *(f"assumed: {doubt}" for doubt in found.doubts), *unread)
+    comments = [f"# {line}" for line in said]
     section = "\n".join(["# How to read the recordings, found out from them:", *comments, ""])
-    return Proposal(trials, section + profile_to_toml(found.profile), tuple(said), found)
+    section += profile_to_toml(found.profile)
+    return Proposal(_with_samples(header, rows, samples) or trials, section, of_names + said, found)
+
+
+def _with_samples(
+    header: Sequence[str], rows: Sequence[Sequence[str]], samples: Sequence[Sequence[str]]
+) -> bytes:
+    """Return a list with a row for each recording of a file; nothing where no file has several."""
+    if not any(len(names) > 1 for names in samples):
+        return b""
+    place = header.index("file") + 1
+    table = [[*header[:place], "sample", *header[place:]]]
+    for row, names in zip(rows, samples, strict=True):
+        table += [[*row[:place], to_spreadsheet(name), *row[place:]] for name in names]
+    return csv_text(table).encode()
 
 
 def files_of(recordings: str) -> str:

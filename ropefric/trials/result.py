@@ -291,16 +291,12 @@ def summarise_conditions(
     in_order = sorted(groups.values(), key=lambda places: keys[places[0]])
     found = [_summarise([trials[place] for place in places], rule) for places in in_order]
     rejected = {name for summary, _ in found for name in summary.rejected}
-    marked = (
-        replace(one, kept=False, rejected_by=rule) if one.trial in rejected else one for one in trials
-    )
+    marked = (replace(one, kept=False, rejected_by=rule) if one.trial in rejected else one for one in trials)
     doubts = (problem for _, problems in found for problem in problems)
     return tuple(marked), tuple(summary for summary, _ in found), tuple(doubts)
 
 
-def _summarise(
-    trials: Sequence[TrialResult], rule: str
-) -> tuple[ConditionSummary, Iterator[Problem]]:
+def _summarise(trials: Sequence[TrialResult], rule: str) -> tuple[ConditionSummary, Iterator[Problem]]:
     """Return the summary of the trials of one condition, and warnings."""
     first, usable = trials[0], [trial for trial in trials if trial.usable]
     series = summarise([trial.breakaway.peak_N for trial in usable], rule)

@@ -96,6 +96,11 @@ class _Row:
             self.texts["by"] = self.texts["when"] = ""
         self.decided = decision, of
 
+    @property
+    def is_there(self) -> bool:
+        """Return whether the recording was found."""
+        return all(one.code != MISSING_RECORDING for one in self.problems)
+
     def doubt(self, name: str, code: str, message: str, fix: str) -> None:
         """Record an error of a decision at its place."""
         if self.decided is not None:
@@ -134,31 +139,31 @@ def read_trials(path: str | os.PathLike[str], folder: Path, context: TrialContex
     except DataError as error:
         # A trial list is named by the campaign file, and looked for where that is.
         fix = "check the path, relative to the campaign file"
-        told = (replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
-        return ReadList(problems=tuple(told))
+        gone = (replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
+        return ReadList(problems=tuple(gone))
     decided = DECIDED if {"why", "by"} <= {cells.word_of(name) for name in table.header} else {}
     columns, others, refused = table.bind({**QUANTITIES, **decided}, TEXTS)
-    found = [*torn, *refused, *_check_header(table, columns, others, None if refused else context)]
+    problems = [*torn, *refused, *_check_header(table, columns, others, None if refused else context)]
     if not table.rows and not torn:
         message, fix = "the table has a header, but no trials", "add a row for every recording"
-        found.append(table.problem(table.header_line, "", "RF101", message, fix))
+        problems.append(table.problem(table.header_line, "", "RF101", message, fix))
     numbers, wrong = table.numbers(columns)
     rows = _named_rows(table, columns, numbers, context.folder)
     if Path(path).name != DECISIONS:
-        found += _decide(rows, Path(path).with_name(DECISIONS))
+        problems += _decide(rows, Path(path).with_name(DECISIONS))
     # The user's own columns are kept, but not used.
     own = {name: table.header.index(name) for name in others}
     trials, bad = list[TrialSpec](), list[TrialSpec]()
     for place, row in enumerate(rows):
-        before, is_there = len(row.problems), all(one.code != MISSING_RECORDING for one in row.problems)
+        of_file = len(row.problems)
         row.problems += wrong[place]
         _check(row, context, wrong_header=bool(refused))
-        whole = len(row.problems) == before
-        spec = _trial(row, own, folder, context, whole=whole)
-        if spec is not None and (whole or (is_there and row.file)):
-            (trials if whole else bad).append(spec)
-        found += row.problems
-    return ReadList(tuple(trials), tuple(bad), tuple(sorted(found, key=lambda p: p.line or math.inf)))
+        problems += row.problems
+        if len(row.problems) == of_file:
+            trials += _trial(row, own, folder, context, whole=True)
+        elif row.is_there:
+            bad += _trial(row, own, folder, context, whole=False)
+    return ReadList(tuple(trials), tuple(bad), tuple(sorted(problems, key=lambda p: p.line or math.inf)))
 
 
 def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:
@@ -306,27 +311,25 @@ def _check_decision(row: _Row, *, alone: bool) -> None:
 
 def _trial(
     row: _Row, own: Mapping[str, int], folder: Path, context: TrialContext, *, whole: bool
-) -> TrialSpec | None:
-    """Return a row in SI; of one that is not `whole` what its recording is looked at with, else NaN.
-
-    None where the campaign file leaves something open.
-    """
+) -> Iterator[TrialSpec]:
+    """Yield a row in SI, with NaN for what one that is not `whole` lacks; nothing where the campaign file lacks it."""
     wheel_m = row.numbers.get("wheel_radius_m", context.wheels.get(row.texts.get("wheel", "")))
-    rope_m = row.numbers.get("rope_radius_m", context.rope_radius_m)
-    start_s, stop_s = _interval(row, context)
-    settings = {"wheel_radius_m": wheel_m, "rope_radius_m": rope_m}
-    settings["wrap_angle_rad"] = row.numbers.get("wrap_angle_rad")
+    settings = {
+        "wheel_radius_m": wheel_m,
+        "rope_radius_m": row.numbers.get("rope_radius_m", context.rope_radius_m),
+        "wrap_angle_rad": row.numbers.get("wrap_angle_rad"),
+    }
     texts = row.texts
     if not whole:
         settings = {name: math.nan if value is None else value for name, value in settings.items()}
         known = {**dict.fromkeys(("cell", "end_cell"), context.cells), "wheel": context.wheels}
         texts = {name: text for name, text in texts.items() if name not in known or text in known[name]}
-    if None in settings.values() or not row.file:
-        return None
-    of_row: dict[str, Any] = {**texts, **row.numbers, "start_s": start_s, "stop_s": stop_s}
-    of_row |= {"trial": row.name, **settings}
-    kept = tuple((name, row.cells[index]) for name, index in own.items())
-    return TrialSpec(**of_row, path=folder / row.file, line=row.line, own=kept)
+    if None not in settings.values() and row.file:
+        start_s, stop_s = _interval(row, context)
+        of_row: dict[str, Any] = {**texts, **row.numbers, "start_s": start_s, "stop_s": stop_s}
+        of_row |= {"trial": row.name, **settings}
+        kept = tuple((name, row.cells[index]) for name, index in own.items())
+        yield TrialSpec(**of_row, path=folder / row.file, line=row.line, own=kept)
 
 
 # --- recordings and names ---

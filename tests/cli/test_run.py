@@ -91,9 +91,9 @@ def test_one_count_is_said_everywhere_and_adds_up(call, bench, tmp_path, few_law
             for n, row in enumerate(rows))  # fmt: skip
     text = (folder / "campaign.toml").read_text(encoding="utf-8").replace("two-sigma", "mad")
     (folder / "campaign.toml").write_text(text.replace('name = "', 'name = "<b>&', 1), encoding="utf-8")
-    done = call("run", folder, "--out", tmp_path / "out", "--no-figures", "--law", "coupled")
+    done = call("run", folder, "--out", tmp_path / "out", "--no-figures", "--law", "howell")
     assert done.code == NOT_TRUSTED
-    assert "The law: coupled, as asked for; not judged" in done.out
+    assert "The law: howell, as asked for; not judged" in done.out
     tree = call("extract", folder, "--out", tmp_path / "out", "--no-figures", "--json").json()
     counts = tree["counts"]
     parts = [counts[f"n_{name}"] for name in ("kept", "rejected", "excluded", "without_force")]

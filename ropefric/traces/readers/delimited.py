@@ -45,34 +45,50 @@ def _cut_end(dialect: Dialect, data: bytes, is_ended: bool) -> bytes:  # noqa: F
 
     Without a stated number of lines, a footer is lines of words, in another number of cells than the data have.
     """
-    layout, n_footer = dialect.layout, dialect.layout.skip_footer
+    n_most = max(dialect.layout.skip_footer, _MOST_FOOTER)
     ends = [len(data)]  # of the last lines, backwards
-    while ends[-1] and len(ends) <= max(n_footer, _MOST_FOOTER) + 2:
+    while ends[-1] and len(ends) <= n_most + 2:
         ends.append(data.rfind(b"\n", 0, ends[-1] - 1) + 1)
     lines = [data[start:stop].decode(errors="replace").strip() for stop, start in pairwise(ends)]
     rows = [split_line(line, dialect.separator) for line in lines]
-    first = "".join(dialect.first_row[:1])
-    may_be = not first or is_value(first)  # where rows begin with words, one that is cut looks like a footer
+    footer = _footer(lines, rows, dialect)
+    if 0 < len(footer) <= n_most:
+        text = "; ".join(lines[place] for place in reversed(footer))
+        dialect.notes.append(f"{counted(len(footer), 'line')} without data left out at the end: {text[:100]}")
+        return data[: ends[footer[-1] + 1]]
+    return data if is_ended or not _breaks_off(rows) else data[: ends[1]]
+
+
+def _footer(lines: Sequence[str], rows: Sequence[Sequence[str]], dialect: Dialect) -> list[int]:
+    """Return the places of the footer's lines among the last lines of a text, the last line first."""
+    n_footer, no_value, first = dialect.layout.skip_footer, dialect.layout.no_value, dialect.first_row[:1]
+    # Where rows begin with words, one that is cut looks like a footer.
+    may_be = not any(first) or is_value(first[0])
 
     def is_footer(cells: Sequence[str]) -> bool:
         word = "".join(cells[:1])
-        is_word = any(c.isalpha() for c in word) and not word[0].isdigit() and word not in layout.no_value
+        is_word = any(c.isalpha() for c in word) and not word[0].isdigit() and word not in no_value
         return may_be and is_word and len(cells) != dialect.n_cells
 
     footer: list[int] = []
     for place, cells in enumerate(rows[:-1]):
-        if lines[place] and (len(footer) == n_footer if n_footer else not is_footer(cells)):
+        if not lines[place]:
+            continue
+        if len(footer) == n_footer if n_footer else not is_footer(cells):
             break
-        footer += [place] if lines[place] else []
-    if 0 < len(footer) <= max(n_footer, _MOST_FOOTER):
-        said = "; ".join(lines[place] for place in reversed(footer))
-        dialect.notes.append(f"{counted(len(footer), 'line')} without data left out at the end: {said[:100]}")
-        return data[: ends[footer[-1] + 1]]
-    if is_ended or len(rows) < 2 or not rows[0] or len(rows[0]) != len(rows[1]):
-        return data
-    # 13 of 137 is no number. Loggers that never end their last line lose a sample by it where that is shorter than the
-    # one before, which costs nothing. A row cut to fewer cells is refused later.
-    return data[: ends[1]] if 0 < len(rows[0][-1]) < len(rows[1][-1]) else data
+        footer.append(place)
+    return footer
+
+
+def _breaks_off(rows: Sequence[Sequence[str]]) -> bool:
+    """Return whether the last row, the first of these, breaks off within a number: 13 of 137 is no number.
+
+    Loggers that never end their last line lose a sample by it where that is shorter than the one before, which costs
+    nothing. A row cut to fewer cells is refused later.
+    """
+    if len(rows) < 2 or not rows[0] or len(rows[0]) != len(rows[1]):
+        return False
+    return 0 < len(rows[0][-1]) < len(rows[1][-1])
 
 
 def _delimited_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
@@ -258,24 +274,29 @@ def _parse_columns(
     wanted, place = sorted(set(indices)), 0
     columns = {index: np.empty(n_rows) for index in wanted}
     for block in text.blocks(dialect.rows.data_row):
-        # Quotes are tokenised here and by pandas by slightly different rules; one rule is safer than two.
-        tries = () if b'"' in block or dialect.thousands else (False, True)
-        fast = (_parse_fast(block, dialect, len(names), wanted, tolerant=tolerant) for tolerant in tries)
-        arrays = next((found for found in fast if found is not None), None)
-        if arrays is None:
-            arrays = _parse_rows(block, dialect, names, wanted, text.source)
-        size = len(arrays[0]) if arrays else 0
-        if text.is_whole and size == n_rows:  # the only block
-            columns = dict(zip(wanted, arrays, strict=True))
-        elif place + size > n_rows:
+        arrays = _parse_block(block, dialect, names, wanted, text.source)
+        stop = place + (len(arrays[0]) if arrays else 0)
+        if stop > n_rows:
             raise FileChangedError("the file changed while it was read", path=text.source.shown)
-        else:
-            for index, array in zip(wanted, arrays, strict=True):
-                columns[index][place : place + size] = array
-        place += size
+        for index, array in zip(wanted, arrays, strict=True):
+            columns[index][place:stop] = array
+        place = stop
     if none := dialect.layout.no_value_numbers(dialect.decimal):
         columns = {i: np.where(np.isin(array, none), np.nan, array) for i, array in columns.items()}
     return [columns[index][:place] for index in indices]
+
+
+def _parse_block(
+    block: Block, dialect: Dialect, names: Sequence[str], indices: Sequence[int], source: Source
+) -> list[FloatArray]:
+    """Return columns of a piece of a text, the fast way where it finds numbers in all cells."""
+    # Quotes are tokenised here and by pandas by slightly different rules; one rule is safer than two.
+    if b'"' not in block and not dialect.thousands:
+        for tolerant in (False, True):
+            arrays = _parse_fast(block, dialect, len(names), indices, tolerant=tolerant)
+            if arrays is not None:
+                return arrays
+    return _parse_rows(block, dialect, names, indices, source)
 
 
 def _parse_fast(

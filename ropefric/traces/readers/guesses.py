@@ -67,19 +67,17 @@ def _side_by_side(text: Text, dialect: Dialect, profile: ImportProfile) -> Impor
     n, rows, header = dialect.n_cells, dialect.rows, dialect.header[: dialect.n_cells]
     lines = {line: split_line(text.line(line), dialect.separator)[:n] for line in range(1, rows.data_row)}
     head = {line: cells for line, cells in lines.items() if any(cells)}
+    step_of = {line: step for line, cells in head.items() if (step := _steps(cells, n))}
     if width := _width_by_names(header, n):
-        names_row = next(
-            (line for line in head if _steps(head[line], n) == width and line < rows.header_row), 0
-        )
-        return replace(profile, block_columns=width, block_names_row=names_row, **rows._asdict())
-    if n < 4 or (len(header) == n and all(header)):
+        names_rows = (line for line, step in step_of.items() if step == width and line < rows.header_row)
+        found: dict[str, Any] = {"block_names_row": next(names_rows, 0), **rows._asdict()}
+    elif n < 4 or (len(header) == n and all(header)):
         return None
-    names_row = next((line for line, cells in head.items() if _steps(cells, n)), 0)
-    width = _steps(head[names_row], n) if names_row else _width_written_once(head.values(), n)
-    if not width:
-        return None
-    found = _head_of_first({line: head[line] for line in head if line != names_row}, width)
-    return replace(profile, block_columns=width, block_names_row=names_row, data_row=rows.data_row, **found)
+    else:
+        names_row, width = next(iter(step_of.items()), (0, _width_written_once(head.values(), n)))
+        of_first = _head_of_first({line: head[line] for line in head if line != names_row}, width)
+        found = {"block_names_row": names_row, "data_row": rows.data_row, **of_first}
+    return replace(profile, block_columns=width, **found) if width else None
 
 
 def _head_of_first(head: Mapping[int, Sequence[str]], width: int) -> dict[str, Any]:
@@ -242,7 +240,7 @@ def _with_time(
         return {"time": _by_name(table, index), **channels}, None
     if table.facts.rate_Hz:
         doubts.append(
-            f"the sampling rate, {table.facts.rate_Hz:g} Hz, is what the head of the file says; check"
+            f"the sampling rate, {table.facts.rate_Hz:g} Hz, is that of the head of the file; check"
         )
         return channels, table.facts.rate_Hz
     doubts.append('no column looks like the time; set [import] sampling_rate, for example "3 kHz"')
@@ -290,8 +288,7 @@ def _forces(
     """Return the channels force and end tension, where they are not known and one column each may be it."""
     taken = {index_of(table, channel) for channel in channels.values()}
     free = [i for i, array in enumerate(values) if array is not None and i not in taken]
-    units = {i: table.unit(i) or table.facts.unit for i in free}
-    units = {i: unit for i, unit in units.items() if is_of("force", unit)}
+    units = {i: unit for i in free if is_of("force", unit := table.unit(i) or table.facts.unit)}
     found: dict[str, Channel] = {}
     if not {"force", "counts"} & (channels.keys() | known.derived.keys()):
         force, why = _force_column(table, values, free, units)
@@ -300,8 +297,8 @@ def _forces(
             return found
         found["force"] = _by_name(table, force)
         doubts.append(f"column {force + 1} is taken as the force because it {why}; check")
-        free = [i for i in free if i != force]
-    slack = [i for i in free if i in units and _side(table.names[i]) == "slack"]
+        units.pop(force, None)
+    slack = [i for i in units if _side(table.names[i]) == "slack"]
     if len(slack) == 1 and "end_tension" not in channels and not known.channels:
         found["end_tension"] = _by_name(table, slack[0])
         doubts.append(
@@ -318,22 +315,18 @@ def _force_column(
 
     Columns in newtons go before those in volts, and these before columns without a unit.
     """
-    kinds = {
-        i: signal_unit("force", units[i]) or "N" if i in units else table.unit(i) and "other" for i in free
-    }
-    best = next((kind for kind in ("N", "V", "V/V", "") if kind in kinds.values()), "other")
-    some = [i for i in free if kinds[i] == best != "other"]
+    kinds = {i: signal_unit("force", unit) or "N" for i, unit in units.items()}
+    kinds |= {i: "" for i in free if i not in units and not table.unit(i)}
+    best = next((kind for kind in ("N", "V", "V/V", "") if kind in kinds.values()), None)
+    some = [i for i in free if kinds.get(i) == best is not None]
     called = [i for i in some if _side(table.names[i]) == "pull"]
-    rules = (
-        ([] if best == "" and len(free) > 1 else some, "alone is {}"),
-        (called, "is called so"),
-        (
-            some[:1] if best and _are_one(values, some, units) else [],
-            "is the first of those that differ by their zero",
-        ),
-    )
-    force, why = next(((hits[0], why) for hits, why in rules if len(hits) == 1), (-1, ""))
-    return force, why.format(f"in {units[force]}" if force in units else "left")
+    if len(some) == 1 and (best or len(free) == 1):
+        return some[0], f"alone is {f'in {units[some[0]]}' if best else 'left'}"
+    if len(called) == 1:
+        return called[0], "is called so"
+    if best and _are_one(values, some, units):
+        return some[0], "is the first of those that differ by their zero"
+    return -1, ""
 
 
 def _are_one(values: Values, columns: Sequence[int], units: Mapping[int, str]) -> bool:
@@ -353,7 +346,7 @@ def _with_unit(name: str, table: Table, values: Values, channel: Channel, doubts
         doubts.append(f"the file does not state the unit of the time; {unit} is taken, {why}; check")
         return replace(channel, unit=unit)
     if not unit and name != "time" and is_of(name, table.facts.unit or "?"):
-        doubts.append(f"the unit of the {name}, {table.facts.unit}, is what the head of the file says; check")
+        doubts.append(f"the unit of the {name}, {table.facts.unit}, is that of the head of the file; check")
         return replace(channel, unit=table.facts.unit)
     if not unit:
         doubts.append(f'the unit of the {name} is not stated; add it, for example unit = "N"')

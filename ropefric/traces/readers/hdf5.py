@@ -50,15 +50,10 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     named = {channel.column for channel in profile.channels.values()}
     raw, fix = source.raw_bytes(), "copy it again, or name its format in [import] format"
     with foreign(source, "this is not a readable HDF5 file", fix), h5py.File(io.BytesIO(raw)) as file:
-        sets = dict(_sets(file, "", h5py))
-        group = profile.table.strip("/")
-        groups = {path[:end] for path in sets for end, mark in enumerate(path) if mark == "/"}
-        check_choice(group, {*sets, *groups}, "group", source)
-        under = f"{group}/" if group else ""
-        own = {path.removeprefix(under): it for path, it in sets.items() if f"{path}/".startswith(under)}
+        sets = _sets_of_group(dict(_sets(file, "", h5py)), profile.table.strip("/"), source)
         columns = {
-            name: _Column(values, *_told(item, file))
-            for path, item in _once(own, named, h5py).items()
+            name: _Column(values, *_attributes(item, file))
+            for path, item in _once(sets, named, h5py).items()
             for name, values in _columns(item, path)
         }
     if not columns:
@@ -70,6 +65,14 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     sizes = {name: max(column.values.size for column in group.values()) for name, group in alike.items()}
     tables = {name: _table(group, source, said) for name, group in alike.items()}
     return recordings_among(tables, sizes, profile, "groups")
+
+
+def _sets_of_group(sets: Mapping[str, Any], group: str, source: Source) -> dict[str, Any]:
+    """Return the data sets of a group, under their paths within it; of all groups where none is named."""
+    groups = {path[:end] for path in sets for end, mark in enumerate(path) if mark == "/"}
+    check_choice(group, {*sets, *groups}, "group", source)
+    under = f"{group}/" if group else ""
+    return {path.removeprefix(under): item for path, item in sets.items() if f"{path}/".startswith(under)}
 
 
 def _groups_alike(columns: Mapping[str, _Column]) -> dict[str, dict[str, _Column]]:
@@ -138,17 +141,16 @@ def _columns(item: Any, path: str) -> Iterator[tuple[str, np.ndarray[Any, Any]]]
         yield from ((f"{path}/{number}", row) for number, row in enumerate(rows, start=1))
 
 
-def _told(item: Any, file: Any) -> tuple[str, float | np.datetime64, float, str]:
-    """Return the attributes of a column, of the data set, its group or the file: see `_Column`."""
+def _attributes(item: Any, file: Any) -> tuple[str, float | np.datetime64, float, str]:
+    """Return unit, start, step and note of a data set by attributes, its own, its group's or the file's: see `_Column`."""
     unit = next((value for key, value in item.attrs.items() if key.lower() in _UNITS), "")
-    told = [pair for place in (item, item.parent, file) for pair in place.attrs.items()]
-    start = next((found for key, value in told if (found := _start(_word(key), value)) is not None), 0.0)
-    for key, value in told:
+    stated = [pair for place in (item, item.parent, file) for pair in place.attrs.items()]
+    start = next((found for key, value in stated if (found := _start(_word(key), value)) is not None), 0.0)
+    for key, value in stated:
         word, number = _word(key), np.ravel(value)
         if word in (*RATES, *STEPS) and _is_plain(number) and 0 < number[0] < np.inf:
             step_s = float(number[0]) if word in STEPS else 1.0 / float(number[0])
-            said = f"{step_s:g} s from sample to sample, by the attribute {key!r}"
-            return _text(unit), start, step_s, said
+            return _text(unit), start, step_s, f"{step_s:g} s from sample to sample, by the attribute {key!r}"
     return _text(unit), start, 0.0, ""
 
 

@@ -128,24 +128,25 @@ class Reader:
 
 
 def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecording:
-    picks = _pick_columns(table, profile, source)
+    picks, channels = _pick_columns(table, profile, source), profile.channels
     own_time = {
-        name: table.find(profile.channels[name].time, source, f"[import.channels] {name}.time")
+        name: table.find(channels[name].time, source, f"[import.channels] {name}.time")
         for name in picks
-        if name in profile.channels and profile.channels[name].time
+        if name in channels and channels[name].time
     }
     wanted = [*(index for index, _ in picks.values()), *dict.fromkeys(own_time.values())]
     arrays = table.values(wanted)
-    columns = dict(zip(picks, arrays, strict=False))
-    times = dict(zip(wanted[len(picks) :], arrays[len(picks) :], strict=True))
-    seconds = {index: _in_seconds(index, times[index], table, picks, source) for index in times}
-    clocks = {name: seconds[index] for name, index in own_time.items()}
-    if table.clock is not None and "time" not in columns and profile.sampling_rate_Hz is None:
-        clocks = _own_clocks(table, picks) | clocks
+    columns, of_time = dict(zip(picks, arrays, strict=False)), slice(len(picks), None)
+    seconds = {
+        index: _in_seconds(index, values, table, picks, source)
+        for index, values in zip(wanted[of_time], arrays[of_time], strict=True)
+    }
+    has_time = "time" in columns or profile.sampling_rate_Hz is not None
+    clocks = {} if has_time else _own_clocks(table, picks)
+    clocks |= {name: seconds[index] for name, index in own_time.items()}
     _check_lengths(table, picks, columns, clocks, source)
     name, rate_Hz = PurePath(source.shown).name, table.facts.rate_Hz if table.facts.is_sure else None
-    by_head = rate_Hz and "time" not in columns and not clocks and profile.sampling_rate_Hz is None
-    said = [f"the sampling rate, {rate_Hz:g} Hz, is what the head of the file says"] if by_head else []
+    by_head = f"the sampling rate, {rate_Hz:g} Hz, is that of the head of the file" if rate_Hz else ""
     return RawRecording(
         name=f"{name}#{table.sample}" if table.sample else name,
         source=source.shown,
@@ -153,7 +154,7 @@ def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecor
         columns=columns,
         units={channel: unit for channel, (_, unit) in picks.items()},
         first_line=table.first_line,
-        notes=tuple(dict.fromkeys((*table.notes, *said))),
+        notes=tuple(dict.fromkeys(table.notes + [by_head] * (not has_time and not clocks and bool(rate_Hz)))),
         clocks=clocks,
         rate_Hz=rate_Hz,
     )
@@ -192,10 +193,9 @@ def _in_seconds(
 
 def _own_clocks(table: Table, picks: Mapping[str, tuple[int, str]]) -> dict[str, FloatArray]:
     """Return the times [s] that the columns of channels bring with them, one array where they are one time."""
-    assert table.clock is not None  # noqa: S101  (whoever asks has looked)
     clocks: dict[str, FloatArray] = {}
     for name, (index, _) in picks.items():
-        time_s = table.clock(index)
+        time_s = table.clock(index) if table.clock else None
         if time_s is not None:
             alike = (one for one in clocks.values() if np.array_equal(one, time_s, equal_nan=True))
             clocks[name] = next(alike, time_s)
@@ -341,14 +341,13 @@ def recordings_among(
     fitting = [name for name, table in tables.items() if wanted <= {*table.names}] or [*tables]
     largest = tables[max(fitting, key=lambda name: sizes[name])]
     found = [name for name in fitting if tables[name].names == largest.names and sizes[name]]
-    others = [name for name in tables if name not in found]
-    alike = f"those with the columns {', '.join(largest.names)[:200]}: {len(found)}"
-    said = f"of the {kind} {', '.join(map(repr, tables))[:200]} "
-    said += alike if len(found) > 1 else repr(found[0])
-    notes = [said] if others or len(found) > 1 else []
-    for name in found:
-        tables[name].notes[:0] = notes
-    return tuple(replace(tables[name], sample=name if len(found) > 1 else "") for name in found)
+    several = len(found) > 1
+    if len(tables) > 1:
+        alike = f"those with the columns {', '.join(largest.names)[:200]}: {len(found)}"
+        note = f"of the {kind} {', '.join(map(repr, tables))[:200]} {alike if several else repr(found[0])}"
+        for name in found:
+            tables[name].notes.insert(0, note)
+    return tuple(replace(tables[name], sample=name if several else "") for name in found)
 
 
 def seconds_from_first(stamps: Sequence[Any]) -> list[float]:

@@ -29,7 +29,7 @@ with on_first_use():
 INTERNAL, USAGE, INTERRUPTED = 1, 2, 130
 EXIT_CODES = (
     "Exit codes: 0 done, 1 fault in ropefric, 2 wrong usage, 3 bad data or configuration, "
-    "4 result that does not stand, 130 interrupted (129, 143: by SIGHUP, SIGTERM)."
+    "4 result that is not supported, 130 interrupted (129, 143: by SIGHUP, SIGTERM)."
 )
 _JSON = Annotated[bool, typer.Option("--json", help="Print the result as JSON, alone on stdout.")]
 _QUIET = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, notes or warnings.")]

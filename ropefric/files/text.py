@@ -249,7 +249,7 @@ def first_lines(source: Source) -> list[str]:
     if head.startswith(GZIP_MAGIC):
         with suppress(zlib.error):  # which is told when the file is read
             head = zlib.decompressobj(_GZIP).decompress(head, HEAD_BYTES // 8)
-    encoding = next((name for mark, name in _MARKS if head.startswith(mark)), "utf-8")
+    encoding = _marked_encoding(head) or "utf-8"
     return head[: HEAD_BYTES // 8].decode(encoding, errors="replace").split("\n", _SEEN)[:_SEEN]
 
 
@@ -264,9 +264,7 @@ def load_text(source: Source, encoding: str = "") -> Text:
     def blocks() -> Iterator[bytes]:
         return iter([start]) if is_whole else source.unpacked()
 
-    found = encoding or next((name for mark, name in _MARKS if start.startswith(mark)), "")
-    if not found:
-        found = "utf-8" if _is_utf8(blocks(), source) else "cp1252"
+    found = encoding or _marked_encoding(start) or ("utf-8" if _is_utf8(blocks(), source) else "cp1252")
     data = b""
     for block in _clean_blocks(blocks(), found, source):
         data += block
@@ -277,6 +275,11 @@ def load_text(source: Source, encoding: str = "") -> Text:
     is_ended = data.endswith(b"\n")
     data = data if is_ended else data + b"\n"
     return Text(source=source, data=data, encoding=found, is_whole=is_whole, is_ended=is_ended)
+
+
+def _marked_encoding(start: bytes) -> str:
+    """Return the encoding that a byte-order mark states, "" where there is none."""
+    return next((name for mark, name in _MARKS if start.startswith(mark)), "")
 
 
 def _first_bytes(source: Source) -> tuple[bytes, bool]:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, date, datetime, timedelta
 from functools import lru_cache
-from itertools import islice
+from itertools import islice, repeat
 from typing import NamedTuple
 from zoneinfo import ZoneInfo
 
@@ -361,18 +361,21 @@ def _first_data_row(
 
     A row above a line of words, or above `key=value`, is no data: the table begins further down.
     """
-    no_value, is_numeric = layout.no_value, [is_value(cell) for cell in typical]
+    is_numeric = [is_value(cell) for cell in typical]
     for place, number in enumerate(below):
         row, after = rows[number - 1], rows[below[place + 1] - 1] if place + 1 < len(below) else ()
-        fits = [is_value(cell) or cell in no_value for cell in row]
-        is_typical = len(row) == len(typical) and all(
-            fit or not numeric for fit, numeric in zip(fits, is_numeric, strict=True)
-        )
-        if not any(map(is_value, row)) or not (all(fits) or is_typical) or is_fact(after):
+        is_typical = len(row) == len(typical) and _holds_numbers(row, is_numeric, layout.no_value)
+        if is_fact(after) or not (is_typical or _holds_numbers(row, repeat(True), layout.no_value)):
             continue
         if is_typical or not after or any(map(is_value, after)):
             return _with_damaged(rows, below[: place + 1])
     return 0
+
+
+def _holds_numbers(row: Sequence[str], where: Iterable[bool], no_value: frozenset[str]) -> bool:
+    """Return whether a row has any number, and numbers or nothing in all columns that `where` is true for."""
+    asked = (cell for cell, is_asked in zip(row, where, strict=False) if is_asked)
+    return any(map(is_value, row)) and all(is_value(cell) or cell in no_value for cell in asked)
 
 
 def _with_damaged(rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> int:

@@ -85,7 +85,7 @@ def template_texts(
 
 
 def _with_keys(text: str, table: str, keys: Mapping[str, str]) -> str:
-    """Return a TOML text in which a table, "" for what stands before all, says some keys."""
+    """Return a TOML text in which a table has some keys; "" is the part before all tables."""
     head = f"[{table}]\n" if table else ""
     before, found, after = ("", "", text) if not table else text.partition(f"# {head}")
     if table and not found:

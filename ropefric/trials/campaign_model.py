@@ -216,7 +216,7 @@ def _sensitivity(value: dict[str, object]) -> str:
             scaled_by(_unit(value.get("unit", "")), sensitivity)
         except InputError as error:
             what = error.problem.message.partition(": ")[2] or error.problem.message
-            fix = 'write the signal and what it means, such as unit = "mV", sensitivity = "25 N/mV"'
+            fix = 'write the unit of the signal and newtons per unit, such as unit = "mV", sensitivity = "25 N/mV"'
             reject(error.code, what, fix=fix, key="sensitivity")
     return sensitivity
 

@@ -303,17 +303,23 @@ def _summarise(trials: Sequence[TrialResult], rule: str) -> tuple[ConditionSumma
     rejected = tuple(usable[place].trial for place in series.rejected)
     measured = [one for one in usable if not math.isnan(one.end_tension_set_N)]
     known_N, mean_N = first.known_N, series.mean_kept
+    end_N, lift_N = (mean_N, known_N) if first.measures_slack else (known_N, mean_N)
     summary = ConditionSummary(
-        **{name: getattr(first, name) for name in ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")},
-        **{f"{name}_N": getattr(series, name) for name in ("mean_all", "std_all", "mean_kept", "std_kept")},
-        end_tension_N=mean_N if first.measures_slack else known_N,
-        lift_force_N=known_N if first.measures_slack else mean_N,
+        wheel_radius_m=first.wheel_radius_m,
+        rope_radius_m=first.rope_radius_m,
+        wrap_angle_rad=first.wrap_angle_rad,
+        end_tension_N=end_N,
+        lift_force_N=lift_N,
         end_tension_measured_N=_mean([one.end_tension_N for one in measured]),
         wheel=_NAME_SEPARATOR.join(dict.fromkeys(one.wheel for one in trials if one.wheel)),
         n_recorded=len(trials),
         n=series.n,
         n_kept=series.n_kept,
         rejected=rejected,
+        mean_all_N=series.mean_all,
+        std_all_N=series.std_all,
+        mean_kept_N=mean_N,
+        std_kept_N=series.std_kept,
         rule=rule,
         notes=(*series.warnings, *series.notes),
         trials=tuple(trial.trial for trial in trials),

@@ -136,7 +136,7 @@ def _mutant(path: Path, line: int, number: int, root: Path) -> Mutant:
     )
 
 
-def tests_by_distance(changed: Path, root: Path = ROOT) -> list[tuple[int, Path]]:
+def tests_by_distance(changed: Path, root: Path) -> list[tuple[int, Path]]:
     """Return all test files with the number of imports between them and a module, nearest and smallest first."""
     importers: dict[str, set[Path]] = {}
     tests = [path for path in sorted((root / "tests").rglob("*.py")) if not _LEFT_OUT & set(path.parts)]
@@ -153,7 +153,9 @@ def tests_by_distance(changed: Path, root: Path = ROOT) -> list[tuple[int, Path]
         parts = path.relative_to(root).with_suffix("").parts
         name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts).removeprefix("tests.")
         # Folders of tests share modules by their bare name.
-        near = importers.get(name, set()) | (importers.get(parts[-1], set()) if parts[0] == "tests" else set())
+        near = importers.get(name, set()) | (
+            importers.get(parts[-1], set()) if parts[0] == "tests" else set()
+        )
         for other in near - distance.keys():
             distance[other] = distance[path] + 1
             waiting.append(other)
@@ -195,9 +197,7 @@ def _failed(folder: Path, tests: list[Path]) -> str:
         return "a test that hangs"
     if done.returncode in {0, 5}:  # 5: all of these tests are long ones
         return ""
-    failed = [
-        line.split()[1] for line in done.stdout.splitlines() if line.startswith(("FAILED ", "ERROR "))
-    ]
+    failed = [line.split()[1] for line in done.stdout.splitlines() if line.startswith(("FAILED ", "ERROR "))]
     return failed[0] if failed else (done.stdout + done.stderr).strip()[-80:]
 
 
@@ -240,10 +240,14 @@ def study(count: int, seed: int, say: Callable[[str], object] = print) -> tuple[
             missed = []
             for mutant in left:
                 test = noticed_by(mutant, folder, near=near)
-                say(f"{mutant}\n    {f'noticed by {test}' if test else 'left to the others' if near else 'MISSED'}")
+                say(
+                    f"{mutant}\n    {f'noticed by {test}' if test else 'left to the others' if near else 'MISSED'}"
+                )
                 missed += [] if test else [mutant]
             left = missed
-    say(f"{counted - len(left)} of {counted} that change a result were noticed; {count - counted} change none")
+    say(
+        f"{counted - len(left)} of {counted} that change a result were noticed; {count - counted} change none"
+    )
     return counted - len(left), counted
 
 

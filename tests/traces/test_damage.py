@@ -120,7 +120,8 @@ def silent(made, seed, every=1):
             if spoilt is None or (number + kind) % every:
                 continue
             trace = ForceTrace(
-                time_s=np.arange(spoilt.force_N.size) * float(np.median(np.diff(time_s))), force_N=spoilt.force_N
+                time_s=np.arange(spoilt.force_N.size) * float(np.median(np.diff(time_s))),
+                force_N=spoilt.force_N,
             )
             found = pick_breakaway(trace, PickSettings())[0]
             counts[name][0] += 1

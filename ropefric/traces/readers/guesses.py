@@ -67,17 +67,16 @@ def _side_by_side(text: Text, dialect: Dialect, profile: ImportProfile) -> Impor
     n, rows, header = dialect.n_cells, dialect.rows, dialect.header[: dialect.n_cells]
     lines = {line: split_line(text.line(line), dialect.separator)[:n] for line in range(1, rows.data_row)}
     head = {line: cells for line, cells in lines.items() if any(cells)}
-    step_of = {line: step for line, cells in head.items() if (step := _steps(cells, n))}
+    names_rows = {line: step for line, cells in head.items() if (step := _steps(cells, n))}
     if width := _width_by_names(header, n):
-        names_rows = (line for line, step in step_of.items() if step == width and line < rows.header_row)
-        found: dict[str, Any] = {"block_names_row": next(names_rows, 0), **rows._asdict()}
-    elif n < 4 or (len(header) == n and all(header)):
+        above = (line for line, step in names_rows.items() if step == width and line < rows.header_row)
+        return replace(profile, block_columns=width, block_names_row=next(above, 0), **rows._asdict())
+    if n < 4 or (len(header) == n and all(header)):
         return None
-    else:
-        names_row, width = next(iter(step_of.items()), (0, _width_written_once(head.values(), n)))
-        of_first = _head_of_first({line: head[line] for line in head if line != names_row}, width)
-        found = {"block_names_row": names_row, "data_row": rows.data_row, **of_first}
-    return replace(profile, block_columns=width, **found) if width else None
+    names_row, width = next(iter(names_rows.items()), (0, _width_written_once(head.values(), n)))
+    head.pop(names_row, None)
+    at = {"block_names_row": names_row, "data_row": rows.data_row}
+    return replace(profile, block_columns=width, **at, **_head_of_first(head, width)) if width else None
 
 
 def _head_of_first(head: Mapping[int, Sequence[str]], width: int) -> dict[str, Any]:
@@ -236,12 +235,10 @@ def _with_time(
     )
     if ranked:
         rank, index = ranked[0]
-        doubts.append(f"column {index + 1} is taken as the time because it {_REASONS[rank]}; check")
+        doubts.append(f"column {index + 1} is taken as the time because it {_REASONS[rank]}")
         return {"time": _by_name(table, index), **channels}, None
     if table.facts.rate_Hz:
-        doubts.append(
-            f"the sampling rate, {table.facts.rate_Hz:g} Hz, is that of the head of the file; check"
-        )
+        doubts.append(f"the sampling rate, {table.facts.rate_Hz:g} Hz, is that of the head of the file")
         return channels, table.facts.rate_Hz
     doubts.append('no column looks like the time; set [import] sampling_rate, for example "3 kHz"')
     return channels, None
@@ -296,16 +293,23 @@ def _forces(
             doubts.append("which column is the force (or the ADC counts)? Name it in [import.channels]")
             return found
         found["force"] = _by_name(table, force)
-        doubts.append(f"column {force + 1} is taken as the force because it {why}; check")
+        doubts.append(f"column {force + 1} is taken as the force because it {why}")
         units.pop(force, None)
-    slack = [i for i in units if _side(table.names[i]) == "slack"]
-    if len(slack) == 1 and "end_tension" not in channels and not known.channels:
-        found["end_tension"] = _by_name(table, slack[0])
-        doubts.append(
-            f"column {slack[0] + 1} looks like a measured end tension and is taken as it; "
-            "leave it out to use that of the trial list"
-        )
+    if "end_tension" not in channels and not known.channels:
+        found |= _end_tension(table, units, doubts)
     return found
+
+
+def _end_tension(table: Table, units: Iterable[int], doubts: list[str]) -> dict[str, Channel]:
+    """Return the end tension where the name of just one of some columns shows it."""
+    slack = [i for i in units if _side(table.names[i]) == "slack"]
+    if len(slack) != 1:
+        return {}
+    doubts.append(
+        f"column {slack[0] + 1} looks like a measured end tension and is taken as it; "
+        "leave it out to use that of the trial list"
+    )
+    return {"end_tension": _by_name(table, slack[0])}
 
 
 def _force_column(
@@ -315,18 +319,23 @@ def _force_column(
 
     Columns in newtons go before those in volts, and these before columns without a unit.
     """
-    kinds = {i: signal_unit("force", unit) or "N" for i, unit in units.items()}
-    kinds |= {i: "" for i in free if i not in units and not table.unit(i)}
-    best = next((kind for kind in ("N", "V", "V/V", "") if kind in kinds.values()), None)
-    some = [i for i in free if kinds.get(i) == best is not None]
+    kind, some = _likeliest(table, free, units)
     called = [i for i in some if _side(table.names[i]) == "pull"]
-    if len(some) == 1 and (best or len(free) == 1):
-        return some[0], f"alone is {f'in {units[some[0]]}' if best else 'left'}"
+    if len(some) == 1 and (kind or len(free) == 1):
+        return some[0], f"alone is {f'in {units[some[0]]}' if kind else 'left'}"
     if len(called) == 1:
         return called[0], "is called so"
-    if best and _are_one(values, some, units):
+    if kind and _are_one(values, some, units):
         return some[0], "is the first of those that differ by their zero"
     return -1, ""
+
+
+def _likeliest(table: Table, free: Sequence[int], units: Mapping[int, str]) -> tuple[str, list[int]]:
+    """Return the likeliest kind of unit of a force that free columns have, and those columns."""
+    kinds = {i: signal_unit("force", unit) or "N" for i, unit in units.items()}
+    kinds |= {i: "" for i in free if i not in units and not table.unit(i)}
+    found = ((kind, [i for i in free if kinds.get(i) == kind]) for kind in ("N", "V", "V/V", ""))
+    return next((one for one in found if one[1]), ("", []))
 
 
 def _are_one(values: Values, columns: Sequence[int], units: Mapping[int, str]) -> bool:
@@ -343,16 +352,16 @@ def _with_unit(name: str, table: Table, values: Values, channel: Channel, doubts
     array = None if index is None else values[index]
     if not unit and name == "time" and array is not None and np.isfinite(array).sum() > 2:
         unit, why = _likely_unit(array[np.isfinite(array)])
-        doubts.append(f"the file does not state the unit of the time; {unit} is taken, {why}; check")
+        doubts.append(f"the file does not state the unit of the time; {unit} is taken, {why}")
         return replace(channel, unit=unit)
     if not unit and name != "time" and is_of(name, table.facts.unit or "?"):
-        doubts.append(f"the unit of the {name}, {table.facts.unit}, is that of the head of the file; check")
+        doubts.append(f"the unit of the {name}, {table.facts.unit}, is that of the head of the file")
         return replace(channel, unit=table.facts.unit)
     if not unit:
         doubts.append(f'the unit of the {name} is not stated; add it, for example unit = "N"')
     elif signal_unit(name, unit) and not channel.sensitivity:
         how = f'sensitivity = "25 N/{unit}"' if "/" not in unit else 'rated_output = "2 mV/V" of its cell'
-        doubts.append(f"the {name} is in {unit}; add what it means, {how}, or name a cell in the list")
+        doubts.append(f"the {name} is in {unit}; add {how}, or name a cell in the list")
         return replace(channel, unit=unit)
     elif not is_of(name, unit):
         doubts.append(f"the {name} is in {unit}, which is no unit of it; derive it in [import.derived]")

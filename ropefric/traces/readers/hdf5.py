@@ -142,7 +142,7 @@ def _columns(item: Any, path: str) -> Iterator[tuple[str, np.ndarray[Any, Any]]]
 
 
 def _attributes(item: Any, file: Any) -> tuple[str, float | np.datetime64, float, str]:
-    """Return unit, start, step and note of a data set by attributes, its own, its group's or the file's: see `_Column`."""
+    """Return unit, start, step and note by the attributes of a data set, its group or the file: see `_Column`."""
     unit = next((value for key, value in item.attrs.items() if key.lower() in _UNITS), "")
     stated = [pair for place in (item, item.parent, file) for pair in place.attrs.items()]
     start = next((found for key, value in stated if (found := _start(_word(key), value)) is not None), 0.0)

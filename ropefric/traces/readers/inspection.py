@@ -210,7 +210,7 @@ def _tried(found: Inspection, source: Source) -> Inspection:
         fix = f" ({error.fix})" if error.fix else ""
         return replace(found, stopped=f"{error.problem.message}{fix}")
     said = _summary_of(traces, signals.get("force", "N"))
-    said += f"; how much force that is, nothing says yet ({', '.join(signals)})" if signals else ""
+    said += f"; not yet in newtons: {', '.join(signals)}" if signals else ""
     told = (note for trace in traces for note in trace.notes)
     return replace(found, read=said, notes=tuple(dict.fromkeys((*found.notes, *told))))
 

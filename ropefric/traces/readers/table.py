@@ -128,12 +128,8 @@ class Reader:
 
 
 def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecording:
-    picks, channels = _pick_columns(table, profile, source), profile.channels
-    own_time = {
-        name: table.find(channels[name].time, source, f"[import.channels] {name}.time")
-        for name in picks
-        if name in channels and channels[name].time
-    }
+    picks = _pick_columns(table, profile, source)
+    own_time = _own_times(table, picks, profile.channels, source)
     wanted = [*(index for index, _ in picks.values()), *dict.fromkeys(own_time.values())]
     arrays = table.values(wanted)
     columns, of_time = dict(zip(picks, arrays, strict=False)), slice(len(picks), None)
@@ -146,7 +142,9 @@ def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecor
     clocks |= {name: seconds[index] for name, index in own_time.items()}
     _check_lengths(table, picks, columns, clocks, source)
     name, rate_Hz = PurePath(source.shown).name, table.facts.rate_Hz if table.facts.is_sure else None
-    by_head = f"the sampling rate, {rate_Hz:g} Hz, is that of the head of the file" if rate_Hz else ""
+    notes = dict.fromkeys(table.notes)
+    if rate_Hz and not has_time and not clocks:
+        notes[f"the sampling rate, {rate_Hz:g} Hz, is that of the head of the file"] = None
     return RawRecording(
         name=f"{name}#{table.sample}" if table.sample else name,
         source=source.shown,
@@ -154,10 +152,21 @@ def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecor
         columns=columns,
         units={channel: unit for channel, (_, unit) in picks.items()},
         first_line=table.first_line,
-        notes=tuple(dict.fromkeys(table.notes + [by_head] * (not has_time and not clocks and bool(rate_Hz)))),
+        notes=tuple(notes),
         clocks=clocks,
         rate_Hz=rate_Hz,
     )
+
+
+def _own_times(
+    table: Table, picks: Iterable[str], channels: Mapping[str, Channel], source: Source
+) -> dict[str, int]:
+    """Return the columns of the times that the profile names for single channels."""
+    return {
+        name: table.find(channels[name].time, source, f"[import.channels] {name}.time")
+        for name in picks
+        if name in channels and channels[name].time
+    }
 
 
 def _check_lengths(

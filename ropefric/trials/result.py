@@ -301,7 +301,7 @@ def _summarise(trials: Sequence[TrialResult], rule: str) -> tuple[ConditionSumma
     first, usable = trials[0], [trial for trial in trials if trial.usable]
     series = summarise([trial.breakaway.peak_N for trial in usable], rule)
     rejected = tuple(usable[place].trial for place in series.rejected)
-    measured = [one for one in usable if not math.isnan(one.end_tension_set_N)]
+    measured = _of_measured_tension(usable)
     known_N, mean_N = first.known_N, series.mean_kept
     end_N, lift_N = (mean_N, known_N) if first.measures_slack else (known_N, mean_N)
     summary = ConditionSummary(
@@ -311,7 +311,7 @@ def _summarise(trials: Sequence[TrialResult], rule: str) -> tuple[ConditionSumma
         end_tension_N=end_N,
         lift_force_N=lift_N,
         end_tension_measured_N=_mean([one.end_tension_N for one in measured]),
-        wheel=_NAME_SEPARATOR.join(dict.fromkeys(one.wheel for one in trials if one.wheel)),
+        wheel=_NAME_SEPARATOR.join(filter(None, dict.fromkeys(one.wheel for one in trials))),
         n_recorded=len(trials),
         n=series.n,
         n_kept=series.n_kept,
@@ -327,6 +327,11 @@ def _summarise(trials: Sequence[TrialResult], rule: str) -> tuple[ConditionSumma
     )
     problems = (*series.problems, *_not_as_hung(measured))
     return summary, (replace(one, message=f"{_settings_of(first)}: {one.message}") for one in problems)
+
+
+def _of_measured_tension(trials: Sequence[TrialResult]) -> list[TrialResult]:
+    """Return the trials whose end tension was measured, beside what was hung."""
+    return [one for one in trials if not math.isnan(one.end_tension_set_N)]
 
 
 def _settings_of(trial: TrialResult) -> str:

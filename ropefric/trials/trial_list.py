@@ -151,18 +151,12 @@ def read_trials(path: str | os.PathLike[str], folder: Path, context: TrialContex
     rows = _named_rows(table, columns, numbers, context.folder)
     if Path(path).name != DECISIONS:
         problems += _decide(rows, Path(path).with_name(DECISIONS))
-    # The user's own columns are kept, but not used.
-    own = {name: table.header.index(name) for name in others}
     trials, bad = list[TrialSpec](), list[TrialSpec]()
     for place, row in enumerate(rows):
-        of_file = len(row.problems)
-        row.problems += wrong[place]
-        _check(row, context, wrong_header=bool(refused))
+        whole = _check(row, wrong[place], context, wrong_header=bool(refused))
         problems += row.problems
-        if len(row.problems) == of_file:
-            trials += _trial(row, own, folder, context, whole=True)
-        elif row.is_there:
-            bad += _trial(row, own, folder, context, whole=False)
+        if whole or row.is_there:
+            (trials if whole else bad).extend(_trial(row, others, folder, context, whole=whole))
     return ReadList(tuple(trials), tuple(bad), tuple(sorted(problems, key=lambda p: p.line or math.inf)))
 
 
@@ -252,8 +246,10 @@ def _interval(row: _Row, context: TrialContext) -> tuple[float | None, float | N
     return row.numbers.get("start_s", context.start_s), row.numbers.get("stop_s", context.stop_s)
 
 
-def _check(row: _Row, context: TrialContext, *, wrong_header: bool) -> None:
-    """Record missing, unknown or contradictory values of a row."""
+def _check(row: _Row, wrong: Sequence[Problem], context: TrialContext, *, wrong_header: bool) -> bool:
+    """Record wrong, missing, unknown or contradictory values of a row; return whether there are none."""
+    before = len(row.problems)
+    row.problems += wrong
     tensions = [name for name in context.needed if name.endswith("_N")]
     row.need("file", "wrap_angle_rad", *tensions)
     for name, known in (("wheel", context.wheels), ("cell", context.cells), ("end_cell", context.cells)):
@@ -265,6 +261,7 @@ def _check(row: _Row, context: TrialContext, *, wrong_header: bool) -> None:
     row.need(*(name for name in context.needed if name not in tensions))
     _check_interval(row, context)
     _check_decision(row, alone=context.protocol == "breakaway" and row.sample != "*")
+    return len(row.problems) == before
 
 
 def _check_interval(row: _Row, context: TrialContext) -> None:
@@ -310,9 +307,12 @@ def _check_decision(row: _Row, *, alone: bool) -> None:
 
 
 def _trial(
-    row: _Row, own: Mapping[str, int], folder: Path, context: TrialContext, *, whole: bool
+    row: _Row, own: Sequence[str], folder: Path, context: TrialContext, *, whole: bool
 ) -> Iterator[TrialSpec]:
-    """Yield a row in SI, with NaN for what one that is not `whole` lacks; nothing where the campaign file lacks it."""
+    """Yield a row in SI, with NaN for what one that is not `whole` lacks; nothing where the campaign file lacks it.
+
+    The user's `own` columns are kept, but not used.
+    """
     wheel_m = row.numbers.get("wheel_radius_m", context.wheels.get(row.texts.get("wheel", "")))
     settings = {
         "wheel_radius_m": wheel_m,
@@ -328,7 +328,7 @@ def _trial(
         start_s, stop_s = _interval(row, context)
         of_row: dict[str, Any] = {**texts, **row.numbers, "start_s": start_s, "stop_s": stop_s}
         of_row |= {"trial": row.name, **settings}
-        kept = tuple((name, row.cells[index]) for name, index in own.items())
+        kept = tuple((name, row.cells[row.table.header.index(name)]) for name in own)
         yield TrialSpec(**of_row, path=folder / row.file, line=row.line, own=kept)
 
 

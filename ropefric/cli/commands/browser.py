@@ -60,7 +60,7 @@ def app(
     desk = desks.Desk(place, by=by.strip() or _login_name(), jobs=n_jobs)
     _serve(out, desk, port, "Ctrl-C ends the page", open_page=open_page)
     data = {"campaign": desk.campaign, "out": desk.out, "n_decisions": _n_decisions(desk)}
-    said = f"the campaign stands in {desk.campaign}" if desk.campaign else "no campaign was written"
+    said = f"the campaign is in {desk.campaign}" if desk.campaign else "no campaign was written"
     return Answer(data, [section.Section(title="", lines=(said,), verbatim=True)])
 
 

@@ -44,20 +44,24 @@ def find_reader(
     if profile.format != "auto":
         reader = READERS[profile.format]
     else:
-        name = PurePath(path).name.lower()
-        fitting = [reader for reader in READERS.values() if name.endswith(reader.suffixes)]
-        if not fitting:
-            endings = ", ".join(suffix for reader in READERS.values() for suffix in reader.suffixes)
-            why = f"no reader is known for files that end in {PurePath(path).suffix or 'nothing'!r}"
-            fix = f'name the format, for example format = "delimited"; known: {", ".join(READERS)}'
-            shown = shown_as or str(path)
-            raise DataError(f"{why}; known endings: {endings}", path=shown, key="[import] format", fix=fix)
-        reader = fitting[0]
+        reader = _by_ending(path, shown_as or str(path))
         if reader is DELIMITED and source is not None:
             head = first_lines(source)
             knowing = (other for other in READERS.values() if other.recognises and other.recognises(head))
             reader = next(knowing, reader)
     return several.WIDE if reader is DELIMITED and profile.block_columns > 0 else reader
+
+
+def _by_ending(path: str | PurePath, shown: str) -> Reader:
+    """Return the first reader that knows the end of a file's name."""
+    name = PurePath(path).name.lower()
+    for reader in READERS.values():
+        if name.endswith(reader.suffixes):
+            return reader
+    endings = ", ".join(suffix for reader in READERS.values() for suffix in reader.suffixes)
+    why = f"no reader is known for files that end in {PurePath(path).suffix or 'nothing'!r}"
+    fix = f'name the format, for example format = "delimited"; known: {", ".join(READERS)}'
+    raise DataError(f"{why}; known endings: {endings}", path=shown, key="[import] format", fix=fix)
 
 
 def read_recordings(

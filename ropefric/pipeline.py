@@ -50,7 +50,7 @@ _EXTRACTED = (
 )
 _FIGURES = (
     *("overview", "mu_facets", "capstan", "fit_over_", "residuals", "ladder"),
-    *("tornado", "design_chart", "budget_", "typical_recording", "law", "recordings_", "paper_"),
+    *("tornado", "design_chart", "budget_", "typical_recording", "law", "recordings_"),
 )
 _ANSWERED = (
     *("comparison.csv", "prediction.json", "uncertainty.json", "next_tests.csv", "manifest.json"),

@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from ropefric.errors import PATH, DataError, Problem, RopefricError, data_error
+from ropefric.errors import PATH, DataError, Problem, RopefricError
 from ropefric.executors import CARRIED
 from ropefric.files.disk import read_file
 from ropefric.files.toml import TomlDocument
@@ -241,7 +241,5 @@ def _declared(names: dict[str, Any], text: str, shown: str) -> Iterator[str]:
             try:
                 registry.add(member)
             except RopefricError as error:
-                raise data_error(
-                    [Problem(code=error.code, message=error.problem.message, fix=error.fix, **where)]
-                ) from None
+                raise DataError(error.problem.message, code=error.code, fix=error.fix, **where) from None
             yield f"{slot} {member.name}"

@@ -5,7 +5,7 @@ import re
 import tomllib
 from collections import deque
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -49,8 +49,8 @@ class TomlDocument:
     ) -> Problem:
         """Return a problem that points at a key of this file."""
         place, line = key_text(key), self.line_of(key)
-        doubtful: dict[str, Any] = {"severity": "warning"} if warning else {}
-        return Problem(code=code, message=message, path=self.path, line=line, key=place, fix=fix, **doubtful)
+        problem = Problem(code=code, message=message, path=self.path, line=line, key=place, fix=fix)
+        return replace(problem, severity="warning") if warning else problem
 
 
 def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocument:

@@ -5,14 +5,13 @@ import os
 import re
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from difflib import get_close_matches
 from functools import lru_cache
 from itertools import dropwhile
 from math import nan
 from pathlib import Path
-from typing import Any
 
 from ropefric.errors import DataError, InputError, Problem
 from ropefric.files.disk import use_file
@@ -88,8 +87,8 @@ class CellTable:
         self, line: int | None, key: str, code: str, message: str, fix: str, *, warning: bool = False
     ) -> Problem:
         """Return a problem of this table."""
-        doubtful: dict[str, Any] = {"severity": "warning"} if warning else {}
-        return Problem(code=code, message=message, path=self.path, line=line, key=key, fix=fix, **doubtful)
+        problem = Problem(code=code, message=message, path=self.path, line=line, key=key, fix=fix)
+        return replace(problem, severity="warning") if warning else problem
 
     def refusal(self, line: int | None, key: str, error: InputError) -> Problem:
         """Return a refused name or number as a problem of this table."""

@@ -75,7 +75,7 @@ def _side_by_side(text: Text, dialect: Dialect, profile: ImportProfile) -> Impor
         return None
     names_row, width = next(iter(names_rows.items()), (0, _width_written_once(head.values(), n)))
     head.pop(names_row, None)
-    at = {"block_names_row": names_row, "data_row": rows.data_row}
+    at: dict[str, Any] = {"block_names_row": names_row, "data_row": rows.data_row}
     return replace(profile, block_columns=width, **at, **_head_of_first(head, width)) if width else None
 
 

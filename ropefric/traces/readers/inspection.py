@@ -259,11 +259,7 @@ def _summarise(
     guess = guess_meaning(table, values, found.profile)
     rate_Hz, is_uniform, clock_doubts = _clock(table, values, guess.channels)
     samples = tuple(table.sample for table in tables if table.sample)
-    several = (
-        ["name one recording in the column 'sample' of the list of trials, or write '*' for all"]
-        if samples
-        else []
-    )
+    several = "name one recording in the column 'sample' of the list of trials, or write '*' for all"
     hints = [hint for column, array in zip(columns, whole, strict=True) for hint in _at_limits(column, array)]
     return replace(
         found,
@@ -275,7 +271,7 @@ def _summarise(
         saturation=tuple(hints),
         notes=tuple(dict.fromkeys(table.notes)),
         profile=replace(found.profile, channels=guess.channels, sampling_rate_Hz=guess.rate_Hz),
-        doubts=(*found.doubts, *wrong_stamps, *guess.doubts, *clock_doubts, *several),
+        doubts=(*found.doubts, *wrong_stamps, *guess.doubts, *clock_doubts, *([several] if samples else [])),
     )
 
 

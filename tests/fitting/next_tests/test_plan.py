@@ -192,6 +192,14 @@ def test_tests_that_add_to_a_fit_know_what_it_knows(bench, root):
     assert not settings(planned.tested) & settings(found.conditions)
 
 
+def test_only_a_parameter_at_its_bound_is_held_and_named(root):
+    fit = load_fit(root / "fits" / "prth-coupled.json")
+    assert not any("bound" in note for note in planned_fit(fit).notes)
+    parameters = [dataclasses.replace(one, at_bound=one.name == "d") for one in fit.parameters]
+    walled = planned_fit(dataclasses.replace(fit, parameters=tuple(parameters)))
+    assert "d lies on a bound in the fit and is held there" in walled.notes
+
+
 def test_the_error_before_is_about_that_of_the_fit(root):
     table = read_trial_table(root / "fits" / "prth-trials.csv")
     fit = fit_law(table, "coupled")

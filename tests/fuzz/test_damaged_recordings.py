@@ -22,7 +22,8 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-from fuzz_kit import HOSTILE, answered, limit
+from fuzz_kit import HOSTILE, answered, fuzzed, limit
+from hypothesis import strategies as st
 
 from ropefric.cli.commands.laws import read_levels
 from ropefric.cli.options import parse_assignments
@@ -302,6 +303,35 @@ def test_packed_recordings_in_a_process_of_their_own():
     told = done.stdout.splitlines()
     assert [line for line in told if not line.endswith("{}")] == []
     assert (done.returncode, len(told)) == (0, N_INPUTS - N_TEXTS), done.stderr[-300:]
+
+
+def check_anything(data, suffix):
+    """Random bytes and random tables give no force."""
+    judge(data, suffix, lost=True)
+
+
+test_anything, test_anything_long = fuzzed(check_anything, short=30, share=0.01,
+    data=st.binary(max_size=400) | st.text('0123456789.,;\t\n -+eEnaNif"_Ntime', max_size=400).map(str.encode)
+    | st.text('0123456789.,;\t\n -+eEnaNif"_', max_size=400).map(lambda rows: f"{HEAD}\n{rows}".encode()),
+    suffix=st.sampled_from(["csv", "csv", "csv", "csv.gz", "txt", "mat", "xlsx", "tdms"]))  # fmt: skip
+
+
+def check_any_scale(scale, offset, stretch):
+    """Units nobody thought of: a force that comes out is the scaled one."""
+    path, campaign = lab("csv")
+    factor, slower = 10.0**scale, 10.0**stretch
+    cells = (line.split(",") for line in recording()[0])
+    path.write_text(text(f"{float(t) * slower!r},{float(f) * factor + offset!r}" for t, f in cells))
+    ((result,),) = extract_recording(campaign, list(campaign.trials))
+    if str(result.breakaway.status) == "ok":
+        # A level below zero is none of a rope's, and is taken off and said.
+        below = offset < 0.0 and "less than nothing: taken off" in " ".join(result.breakaway.notes)
+        wanted_N = TRUE_N * factor + (0.0 if below else offset)
+        assert result.peak_N == pytest.approx(wanted_N, abs=2.0 * factor)
+
+
+test_any_scale, test_any_scale_long = fuzzed(check_any_scale, short=15, share=0.005,
+    scale=st.floats(-300, 300), offset=st.floats(-1e6, 1e6), stretch=st.floats(-12, 12))  # fmt: skip
 
 
 def test_hostile_words_for_options():

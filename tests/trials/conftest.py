@@ -77,12 +77,6 @@ def lab(tmp_path):
     return Lab(tmp_path)
 
 
-@pytest.fixture(scope="session")
-def new_lab():
-    """Make a laboratory in a folder of one's own."""
-    return Lab
-
-
 def one_by_one(work, n, *, backwards=False, **_limits):
     """Do the work in this process, in its order or backwards."""
     yield from ((place, work(place)) for place in sorted(range(n), reverse=backwards))

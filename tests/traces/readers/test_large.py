@@ -11,7 +11,7 @@ from thinned import thinned
 
 from ropefric.errors import DataError
 from ropefric.files import disk, text
-from ropefric.traces.readers import read_recordings
+from ropefric.traces.readers import inspection, read_recordings
 from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile
 
@@ -135,16 +135,19 @@ def test_no_more_is_held_of_a_large_file_than_twice_its_columns(tmp_path):
 # --- looked at from both ends --------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def large(tmp_path_factory):
-    """Ten megabytes whose middle holds the greatest force and whose end holds the least."""
-    n = 800_000
+@pytest.fixture
+def large(write, monkeypatch):
+    """A file that is large by smaller limits, whose middle holds the greatest force and whose end holds the least."""
+    monkeypatch.setattr(text, "WHOLE_BYTES", 2**18)
+    monkeypatch.setattr(inspection, "WHOLE_BYTES", 2**18)
+    monkeypatch.setattr(inspection, "PART_BYTES", 2**15)
+    n = 25_000
     force = ["12.5"] * n
     force[n // 2], force[-1] = "99.0", "-7.0"
-    path = tmp_path_factory.mktemp("large") / "large.csv"
-    lines = "\n".join(f"{i / 1000:.3f},{f}" for i, f in enumerate(force))
-    path.write_text(f"time_s,force_N\n{lines}\n", encoding="utf-8")
-    assert path.stat().st_size < 2 * text.WHOLE_BYTES
+    path = write(
+        "time_s,force_N\n" + "".join(f"{i / 1000:.3f},{f}\n" for i, f in enumerate(force)), "large.csv"
+    )
+    assert 2**18 < path.stat().st_size < 2**19
     return path, n
 
 

@@ -13,7 +13,7 @@ import platform
 import shlex
 import stat
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, suppress
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -197,21 +197,18 @@ class OutputFolder(Folder):
 
     def _existing(self) -> list[str]:
         """Return the names the command may write that are taken."""
+        patterns: dict[str, list[str]] = {}
+        for path in map(PurePosixPath, self._names):
+            patterns.setdefault(path.parent.as_posix(), []).append(path.name)
+        disk.refuse_link(self.path / CACHE)
         found: list[str] = []
-        for parent in sorted({PurePosixPath(name).parent.as_posix() for name in self._names} | {CACHE}):
+        for parent, of_parent in sorted(patterns.items()):
             folder = self.path / parent
             if parent != ".":
                 disk.refuse_link(folder)
-            if not os.path.lexists(folder) or parent == CACHE:
-                continue
-            paths = map(PurePosixPath, self._names)
-            patterns = [path.name for path in paths if path.parent.as_posix() == parent]
-            reason = errno.EACCES if folder.is_dir() else errno.ENOTDIR
-            if reason == errno.ENOTDIR or not os.access(folder, os.W_OK | os.X_OK):
-                raise disk.cannot_write(OSError(reason, os.strerror(reason)), folder)
-            names = sorted(path.name for path in folder.iterdir())
-            taken = [name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns)]
-            found += [name if parent == "." else f"{parent}/{name}" for name in taken]
+            if os.path.lexists(folder):
+                taken = _names_like(of_parent, folder)
+                found += [(PurePosixPath(parent) / name).as_posix() for name in taken]
         return found
 
     def _refuse_others(self, names: Iterable[str]) -> None:
@@ -359,6 +356,15 @@ class OutputFolder(Folder):
                 break
         with suppress(OSError, ValueError):
             self._own.rmdir()
+
+
+def _names_like(patterns: Sequence[str], folder: Path) -> list[str]:
+    """Return the names of files that patterns allow in a folder, which must be one that takes files."""
+    reason = errno.EACCES if folder.is_dir() else errno.ENOTDIR
+    if reason == errno.ENOTDIR or not os.access(folder, os.W_OK | os.X_OK):
+        raise disk.cannot_write(OSError(reason, os.strerror(reason)), folder)
+    names = sorted(path.name for path in folder.iterdir())
+    return [name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns)]
 
 
 def _busy(holder: Mapping[str, Any], folder: Path) -> DataError:

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import accumulate
@@ -68,29 +68,31 @@ def init(
     found out, and what was assumed is said.
     """
     if scenes or scene:
-        written = scene_templates.write_scenes(folder, () if scenes else scene or (), overwrite=force)
-        keys = {} if scenes else scene_keys.keys_of(scene or ())
-        for line in _key_lines(keys):
+        return _write_scenes(out, folder, () if scenes else scene or (), overwrite=force)
+    found: dict[str, Any] = {}
+    if recordings:
+        proposed = proposal.propose_campaign(recordings, pattern, folder)
+        found = {"trials": proposed.trials, "section": proposed.section}
+        for line in proposed.said:
             out.note(line)
-        first = folder / "hoist.toml"
-        out.note(f"next: ropefric solve {quote(str(first if first in written else written[0]))}")
-    else:
-        found: dict[str, Any] = {}
-        if recordings:
-            proposed = proposal.propose_campaign(recordings, pattern, folder)
-            found = {"trials": proposed.trials, "section": proposed.section}
-            for line in proposed.said:
-                out.note(line)
-        elif pattern:
-            fix = "add --from 'daq/*.csv'"
-            raise InputError("a pattern of names needs recordings", key="--pattern", fix=fix)
-        keys = {}
-        written = campaigns.write_templates(folder, overwrite=force, **found)
-        out.note(f"next: fill them in, then  ropefric check {quote(str(folder / 'campaign.toml'))}")
-    data = {
-        "written": written,
-        **({"keys": {k: [one._asdict() for one in v] for k, v in keys.items()}} if keys else {}),
-    }
+    elif pattern:
+        fix = "add --from 'daq/*.csv'"
+        raise InputError("a pattern of names needs recordings", key="--pattern", fix=fix)
+    written = campaigns.write_templates(folder, overwrite=force, **found)
+    out.note(f"next: fill them in, then  ropefric check {quote(str(folder / 'campaign.toml'))}")
+    return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
+
+
+def _write_scenes(out: Output, folder: Path, names: Sequence[str], *, overwrite: bool) -> Answer:
+    """Write scenes, all where none is named, and print the keys of those that are named."""
+    written = scene_templates.write_scenes(folder, names, overwrite=overwrite)
+    keys = scene_keys.keys_of(names) if names else {}
+    for line in _key_lines(keys):
+        out.note(line)
+    first = folder / "hoist.toml"
+    out.note(f"next: ropefric solve {quote(str(first if first in written else written[0]))}")
+    trees = {system: [row._asdict() for row in rows] for system, rows in keys.items()}
+    data = {"written": written, **({"keys": trees} if trees else {})}
     return Answer(data, "\n".join(f"wrote {path}" for path in written))
 
 

@@ -49,24 +49,35 @@ def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     if len(ends) < 2:
         why = "this LabVIEW file has no second ***End_of_Header***, so no header of its channels"
         raise source.error(why, code="RF103", fix=f"write it with headers, or {fix}")
-    generals = [_tags(data[: ends[0]], mark) for mark in "\t,;"]
-    general = next((tags for tags in generals if "Separator" in tags), generals[0])
+    general = _tags_of_any_mark(data[: ends[0]])
+    layout = _layout(general, profile, source, fix)
+    columns = _first(general, "X_Columns", "One").lower()
+    notes = [f"LabVIEW measurement of {counted(len(ends) - 1, 'header block')}, X columns: {columns}"]
+    starts = [ends[0], *(_start_of_header(data, *part) for part in pairwise(ends[1:])), len(data)]
+    blocks = []
+    for start, end, stop in zip(starts, ends[1:], starts[1:], strict=False):
+        tags = _tags(data[start:end], layout.separator)
+        block = _block(text.part(end, stop), tags, columns, layout, notes)
+        blocks += [(block, tags)] if block is not None else []
+    if not blocks:
+        raise source.error("no block has data rows", fix="record it again")
+    return _recordings(blocks, notes)
+
+
+def _tags_of_any_mark(header: bytes) -> _Tags:
+    """Return the tags of the first header, which itself says what separates them."""
+    every = [_tags(header, mark) for mark in "\t,;"]
+    return next((tags for tags in every if "Separator" in tags), every[0])
+
+
+def _layout(general: _Tags, profile: ImportProfile, source: Source, fix: str) -> ImportProfile:
+    """Return the profile with the separator and the decimal mark that a header states."""
     separator, decimal = _first(general, "Separator", "Tab"), _first(general, "Decimal_Separator", ".")
     separator = _SEPARATORS.get(separator, separator)
     if len(separator) != 1 or decimal not in (".", ",") or separator == decimal:
         why = f"its header states the separator {separator!r} and the decimal mark {decimal!r}"
         raise source.error(why, code="RF103", line=1, fix=fix)
-    layout = replace(profile, separator=separator, decimal=decimal)
-    columns = _first(general, "X_Columns", "One").lower()
-    notes = [f"LabVIEW measurement of {counted(len(ends) - 1, 'header block')}, X columns: {columns}"]
-    starts = [ends[0], *(_start_of_header(data, *part) for part in pairwise(ends[1:])), len(data)]
-    headers = [_tags(data[start:end], separator) for start, end in zip(starts, ends[1:], strict=False)]
-    parts = [text.part(end, stop) for end, stop in zip(ends[1:], starts[1:], strict=True)]
-    found = [_block(part, tags, columns, layout, notes) for part, tags in zip(parts, headers, strict=True)]
-    blocks = [(block, tags) for block, tags in zip(found, headers, strict=True) if block is not None]
-    if not blocks:
-        raise source.error("no block has data rows", fix="record it again")
-    return _recordings(blocks, notes)
+    return replace(profile, separator=separator, decimal=decimal)
 
 
 def _first(tags: _Tags, tag: str, usual: str = "") -> str:

@@ -111,7 +111,10 @@ def _as_one(alike: Sequence[Problem], rest: str) -> Problem:
     elif len({one.path for one in shown}) == len(shown):
         places = ", ".join(one.path for one in shown)
     else:
-        places = "; ".join(["this", *(one.message for one in shown[1:])])
+        # "R_w = 40 mm: n = 3, …": what they have in common is said once.
+        heads, _, tails = zip(*(one.message.partition(": ") for one in shown), strict=True)
+        others = heads[1:] if all(tails) and len(set(tails)) == 1 else [one.message for one in shown[1:]]
+        places = "; ".join(["this", *others])
     times = "times" if len({one.message for one in alike}) == 1 else "such"
     return replace(first, message=f"{first.message} ({n} {times}: {places}{more})")
 

@@ -462,9 +462,8 @@ def _few_repeats(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]:
     few, least = int(np.count_nonzero(counts < FEWEST_REPEATS)), int(counts.min())
     if few:
         message = (
-            f"{few} of {counted(counts.size, 'condition')} have fewer than {FEWEST_REPEATS} repeats, the smallest "
-            f"{counted(least, 'repeat')}; the ±2s rule cannot reject anything for n <= 5 "
-            "(largest possible |z| = (n-1)/sqrt(n))"
+            f"{few} of {counted(counts.size, 'condition')} have fewer than {FEWEST_REPEATS} repeats (fewest: {least}); "
+            "the ±2s rule cannot reject anything for n <= 5 (largest possible |z| = (n-1)/sqrt(n))"
         )
         fix = f'plan {FEWEST_REPEATS} repeats or more, or choose [rejection] rule = "none" on purpose'
         line = trials[int(np.argmax(counts[group] == least))].line

@@ -31,6 +31,9 @@ def test_everything_is_written_and_told(call, tmp_path, few_laws):
             "95 % confidence interval"), *("95 % prediction interval", f"written to {out}")):  # fmt: skip
         assert said in done.out
     assert "extract 12/12" in done.err
+    # Of alike warnings, what they have in common is said once.
+    (line,) = (line for line in done.err.splitlines() if "(6 such: this; R_w = " in line)
+    assert line.count("the ±2s rule cannot reject anything") == 1
     assert done.out.startswith((out / "summary.txt").read_text(encoding="utf-8"))
 
 

@@ -1,7 +1,7 @@
 """How every fuzz target is run: short by default, long with `-m slow`, both the same on every machine.
 
 ROPEFRIC_FUZZ_EXAMPLES is the number of examples of the whole long run (15 000 if not set); every target has its
-share of it. Ten seconds an example are a hang.
+share of it. Ten seconds of processor time an example are a hang.
 """
 
 import atexit
@@ -34,7 +34,10 @@ HANG_S = 10
 
 @contextmanager
 def limit(seconds=HANG_S):
-    """Fail where the work takes longer than this; only the main thread of a Unix can be interrupted."""
+    """Fail where the work takes more processor time than this; only the main thread of a Unix can be interrupted.
+
+    A clock on the wall would fail a busy machine.
+    """
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -42,13 +45,13 @@ def limit(seconds=HANG_S):
     def stop(*_):
         raise AssertionError(f"hangs: more than {seconds} s")
 
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
 
 
 def usable(error):

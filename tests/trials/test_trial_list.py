@@ -200,4 +200,4 @@ def test_excluded_trials_do_not_count_as_repeats(bench, listed):
     told = listed([(40, 180, 80), (50, 360, 120)], 6, excluded).warnings()
     (found,) = [p for p in told if p.code == "RF310"]
     assert "1 of 2 conditions" in found.message
-    assert "the smallest 5 repeats" in found.message
+    assert "(fewest: 5)" in found.message

@@ -136,7 +136,7 @@ def _mutant(path: Path, line: int, number: int, root: Path) -> Mutant:
     )
 
 
-def tests_by_distance(changed: Path, root: Path) -> list[tuple[int, Path]]:
+def ranked_tests(changed: Path, root: Path) -> list[tuple[int, Path]]:
     """Return all test files with the number of imports between them and a module, nearest and smallest first."""
     importers: dict[str, set[Path]] = {}
     tests = [path for path in sorted((root / "tests").rglob("*.py")) if not _LEFT_OUT & set(path.parts)]
@@ -202,9 +202,13 @@ def _failed(folder: Path, tests: list[Path]) -> str:
 
 
 def noticed_by(mutant: Mutant, folder: Path, *, near: bool) -> str:
-    """Return the first test that notices a mutant, of those that import its module or of all others; "" if none does."""
-    module = folder / mutant.path
-    tests = [path for distance, path in tests_by_distance(mutant.path, folder) if (distance == 1) == near]
+    """Return the first test that notices a mutant; "" if none does.
+
+    The near ones are those that import its module; of all others those of the same room come first.
+    """
+    module, room = folder / mutant.path, folder / "tests" / mutant.path.parts[1]
+    tests = [path for distance, path in ranked_tests(mutant.path, folder) if (distance == 1) == near]
+    tests.sort(key=lambda path: not path.is_relative_to(room))
     whole = module.read_text(encoding="utf-8")
     try:
         _write(module, mutant.text)
@@ -227,7 +231,7 @@ def study(count: int, seed: int, say: Callable[[str], object] = print) -> tuple[
     """
     with tempfile.TemporaryDirectory() as name:
         folder = _copy(Path(name))
-        whole = [path for _, path in tests_by_distance(Path("ropefric/errors.py"), folder)]
+        whole = [path for _, path in ranked_tests(Path("ropefric/errors.py"), folder)]
         if failed := _failed(folder, whole):
             raise RuntimeError(f"{failed} fails on the unbroken project")
         drawn = draw(count, seed, folder)

@@ -24,7 +24,12 @@ ROOMS = ("friction", "systems", "traces", "trials", "uncertainty", "fitting")
 LONGEST_S = 1200.0
 """A run of tests that takes longer hangs: the break is noticed."""
 
-EQUIVALENT: dict[str, str] = {}
+EQUIVALENT = {
+    "ropefric/traces/picker.py: 20.0  ->  22.0": "no channel comes to the limit: it would be a ratio of 2e8",
+    "ropefric/uncertainty/budget.py: 1.0  ->  1.1": "it is divided into a row of zeros",
+    "ropefric/systems/press/transient/exact.py: 3.0  ->  3.3000000000000003": "a longer step of a search whose answer "
+    "keeps its tolerance",
+}
 """Breaks that change no result, as `str(mutant)` without its line number, and why."""
 
 _LEFT_OUT = {"mutation", "benchmarks", "test_architecture.py", "test_gate.py"}

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-from mutants import EQUIVALENT, ROOMS, ROOT, draw, study, ranked_tests
+from mutants import EQUIVALENT, ROOMS, ROOT, draw, ranked_tests, study
 
 
 @pytest.mark.slow

@@ -161,7 +161,7 @@ def test_loads_from_the_start_begin_in_balance_with_them(kit):
 
 
 @pytest.mark.parametrize(("arguments", "said"),
-                         [({"time_s": [1.0, 0.5]}, "rise"), ({"time_s": [-1.0, 0.5]}, "rise"),
+                         [({"time_s": [0.5, 1.0, 0.7]}, "rise"), ({"time_s": [-1.0, 0.5]}, "rise"),
                           ({"time_s": []}, "finite times"),
                           ({"friction": 0.3, "effects": MOVING - {"arc-inertia"}}, "own mass"),
                           ({"friction": -0.3}, "positive")])  # fmt: skip

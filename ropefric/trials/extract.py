@@ -24,13 +24,7 @@ from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings, Status
-from ropefric.traces.calibration import (
-    OVERLOAD,
-    Calibration,
-    cell_std_N,
-    end_tension_std_N,
-    force_std_N,
-)
+from ropefric.traces.calibration import OVERLOAD, Calibration, cell_std_N, end_tension_std_N, force_std_N
 from ropefric.traces.noise import MAX_SPIKE_SAMPLES, runs_of
 from ropefric.traces.protocols import PROTOCOLS, pick_at
 from ropefric.traces.readers import READERS, TEXT_FORMATS, find_reader, read_recordings
@@ -508,11 +502,7 @@ def tared_trace(
     """
     of_pull, of_slack = calibrations(campaign, spec)
     trace = assemble_trace(
-        raw,
-        campaign.profile,
-        calibration=of_pull,
-        end_calibration=of_slack,
-        tare_s=campaign.tare_interval_s,
+        raw, campaign.profile, calibration=of_pull, end_calibration=of_slack, tare_s=campaign.tare_interval_s
     )
     too_large = np.abs(trace.force_N) > LARGEST_N
     if too_large.any():

@@ -67,10 +67,7 @@ def test_a_channel_may_have_its_own_tare_or_none(lab):
     newtons = channels('column = "pull", unit = "N"', 'column = "slack", unit = "N", tare = "none"')
     two_channels(lab, TARE + newtons, pull=(1, 3), end=(1, 2))
     peaks_N, ends_N = forces(lab)
-    assert (peaks_N, ends_N) == (
-        pytest.approx([PULL] * 2, rel=5e-3),
-        pytest.approx([END + 2] * 2, abs=0.1),
-    )
+    assert (peaks_N, ends_N) == (pytest.approx([PULL] * 2, rel=5e-3), pytest.approx([END + 2] * 2, abs=0.1))
     own = newtons.replace('"none"', '["0.05 s", "0.2 s"]')
     two_channels(lab, own, pull=(1, 3), end=(1, 2))
     assert forces(lab)[1] == pytest.approx([END] * 2, abs=0.1)

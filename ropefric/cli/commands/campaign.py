@@ -103,10 +103,7 @@ def drawing_pool(extraction: "result.Extraction", n_jobs: int, stack: ExitStack)
 
 
 def start_figures(
-    extraction: "result.Extraction",
-    folder: "folders.Folder",
-    out: Output,
-    executor: "Executor | None",
+    extraction: "result.Extraction", folder: "folders.Folder", out: Output, executor: "Executor | None"
 ) -> Callable[[], None]:
     """Begin to draw one figure per condition; return what waits for them, writes and publishes them."""
     from ropefric.plotting.campaign import start_condition_figures  # noqa: PLC0415  (its package loads matplotlib)

@@ -130,10 +130,7 @@ def compare(
 
 
 @command("ropefric diagnose fits/prth-trials.csv", order=110)
-def diagnose(
-    out: Output,
-    trials: options.TableArgument,
-) -> Answer:
+def diagnose(out: Output, trials: options.TableArgument) -> Answer:
     """Say why trials do not obey the capstan equation, with the evidence: offset, load, size, wrap.
 
     Columns rope_id, wheel, mounting, operator, day, dwell and order of the table are tested too. For an effect

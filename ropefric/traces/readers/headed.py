@@ -45,9 +45,7 @@ def _ni_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     text, dialect = open_text(source, layout)
     header = [cell for name in names for cell in (f"time of {name}", name)]
     dialect = replace(
-        dialect,
-        header=tuple(header),
-        units=tuple(cell for unit in units for cell in ("s", unit)),
+        dialect, header=tuple(header), units=tuple(cell for unit in units for cell in ("s", unit))
     )
     dialect.notes.append(f"NI export: {', '.join(names)}, each with a time of its own")
     others = [(label, said) for label, (_, said) in labels.items() if label not in (_NAMES, _UNITS)]

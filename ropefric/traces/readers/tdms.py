@@ -80,8 +80,5 @@ def _waveform_times(properties: list[Mapping[str, Any]], sizes: list[int]) -> li
 
 
 READER = Reader(
-    name="tdms",
-    suffixes=(".tdms",),
-    description="National Instruments TDMS (extra lab)",
-    tables=_tables,
+    name="tdms", suffixes=(".tdms",), description="National Instruments TDMS (extra lab)", tables=_tables
 )

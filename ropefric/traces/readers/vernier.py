@@ -81,8 +81,5 @@ def _numbers(cells: str, name: str, source: Source) -> Iterator[float]:
 
 
 READER = Reader(
-    name="vernier",
-    suffixes=(".cmbl",),
-    description="Vernier Logger Pro: a recording a run",
-    tables=_tables,
+    name="vernier", suffixes=(".cmbl",), description="Vernier Logger Pro: a recording a run", tables=_tables
 )

@@ -138,12 +138,7 @@ ROWS = [list(row) for row in zip(T.tolist(), F.tolist(), strict=True)]
 
 
 @pytest.mark.parametrize(
-    "head",
-    [
-        [["t", "F"]],
-        [["Test of March"], [], ["t", "F"]],
-        [["t", "F"], ["ms", "kN"]],
-    ],
+    "head", [[["t", "F"]], [["Test of March"], [], ["t", "F"]], [["t", "F"], ["ms", "kN"]]]
 )
 @pytest.mark.parametrize("package", ["python_calamine", "openpyxl"])
 def test_sheets(tmp_path, head, package, monkeypatch):

@@ -150,9 +150,7 @@ def _factor_by_pint(unit: str, si_unit: str) -> float | Literal["dimension", "te
         magnitude = float(registry.Quantity(1.0, unit or "").to(si_unit or "").magnitude)
     except pint.DimensionalityError:
         return "dimension"
-    except Exception as error:  # pint raises its own, tokenize's and assertion errors for unreadable text
-        if isinstance(error, KeyboardInterrupt | SystemExit):
-            raise
+    except Exception:  # noqa: BLE001  (pint raises its own, tokenize's and assertion errors for unreadable text)
         return "unknown"
     if not in_range(magnitude) or magnitude == 0.0:
         return "unknown"
@@ -173,9 +171,12 @@ def si_unit_of(unit: str) -> str:
         try:
             unit_factor(unit, si_unit)
         except InputError as error:
-            # Only "of another dimension" is worth another try; unknown and mistyped units stay so.
-            if error.fix.startswith("write '") or "is not a unit of" not in error.problem.message:
+            if error.fix.startswith("write '"):
                 raise
+            # Only a unit of another dimension needs another try; one that is not known stays so.
+            if "is not a unit of" not in error.problem.message:
+                fix = "use a unit such as 'N', 'kN', 's' or 'mm'"
+                raise InputError(error.problem.message, code="RF130", fix=fix) from None
         else:
             return si_unit
     fix = "write the number in SI, without a unit"
@@ -201,6 +202,12 @@ def scaled_by(unit: str, sensitivity: str) -> tuple[float, str]:
     value, per = parse_any_quantity(sensitivity), _split(sensitivity, "", "sensitivity")[1]
     if not value:
         raise _unreadable("sensitivity", f"{_shown(sensitivity)} is zero", 'write it like "25 N/mV"')
+    if "/" not in per:
+        raise _unreadable(
+            "sensitivity", f"{_shown(sensitivity)} is not per signal", 'write it like "25 N/mV"'
+        )
+    if not unit:
+        raise _unreadable("signal", "it has no unit", 'write unit = "mV"')
     if si_unit_of(per) == "V/N":
         return unit_factor(unit, "V", name="signal") / value, "N"
     si_unit = si_unit_of(f"{unit}*{per}")

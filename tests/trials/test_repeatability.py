@@ -119,13 +119,6 @@ def test_the_tables_are_what_a_simulation_finds_and_between_their_entries_good_t
     assert [RULES[name].flag(row).tolist() for row in x] == (~keep(x, name)).tolist()
 
 
-def test_finding_6_of_the_conventions():
-    """Clean series: 24 % lose a point at n = 10, 63 % at 20, 82 % at 30; s biased −7 %, −10 %, −10.5 %."""
-    for n, share, bias in ((10, 0.24, -0.07), (20, 0.63, -0.10), (30, 0.82, -0.105)):
-        assert trimming_bias(n).share == pytest.approx(share, abs=0.01)
-        assert trimming_bias(n).bias == pytest.approx(bias, abs=0.011)
-
-
 def test_the_limit_of_long_series_is_the_normal_distribution_cut_at_two():
     cut = math.sqrt(1 - 4 * NormalDist().pdf(2) / (2 * NormalDist().cdf(2) - 1))
     assert trimming_bias(100_000).ratio == pytest.approx(cut, abs=0.003)

@@ -147,6 +147,21 @@ def test_a_long_table_of_channels_has_a_clock_for_each(write, order):
     np.testing.assert_allclose(trace.end_tension_N[there], 20 + trace.time_s[there], atol=0.006)
 
 
+def test_a_layout_that_a_text_does_not_have_is_refused(write):
+    long = write("specimen,t,F\na,0,1\nb,1,2\n")
+    names = {"recording_column": "specimen", "format": "long"}
+    channel = {"channel_column": "specimen", "value_column": "F", "format": "long"}
+    for more, code, words in (
+        ({"format": "stacked", "header_row": 0}, "RF103", "no header that comes again"),
+        ({"format": "long"}, "RF105", "needs a column that names recordings"),
+        (names | {"channel_column": "F"}, "RF105", "and one of their values"),
+        (channel, "RF105", "no column is the time, with its unit"),
+    ):
+        error = refused(long, **more)
+        assert error.code == code
+        assert words in str(error)
+
+
 def test_an_event_column_makes_no_recordings(write):
     time_s, force_N = PULLS[0]
     rows = [f"{t:.2f},{'rest' if t < 1 else 'run'},{f:.3f}" for t, f in zip(time_s, force_N, strict=True)]

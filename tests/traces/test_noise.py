@@ -40,6 +40,10 @@ def test_noise_below_a_count_is_never_called_zero():
     assert noise_std(np.full(100, 3.0)) == 0.0
 
 
+def test_rounding_of_large_numbers_is_no_count():
+    assert resolution(np.array([0.0, 100.0, 100.0 + 1e-8, 50.0])) == pytest.approx(50.0)
+
+
 def test_spikes_of_one_or_two_samples_are_replaced():
     force_N = ramp_and_teeth(np.random.default_rng(4), 0.5)
     for height, length in product((-250.0, 40.0, 700.0), (1, 2)):

@@ -6,7 +6,7 @@ from drawn import PULL, TIME_S, drawn, hung, line, picked
 from scipy.signal import lfilter
 
 from ropefric.traces.breakaway import PickSettings, Status
-from ropefric.traces.zero import _alike
+from ropefric.traces.zero import _alike, _parted
 
 LONG, BRIEF = 1.0, 0.3
 """How long a rope rests before the climb [s]."""
@@ -91,6 +91,12 @@ def test_so_many_neighbours_of_slow_noise_count_as_one():
     for lasts_s, least, most in ((0.0, 1.0, 3.0), (0.02, 10.0, 120.0)):
         alike = np.median([_alike(noise(seed, lasts_s=lasts_s)) for seed in range(9)])
         assert least <= alike <= most  # of a first-order filter: twice its time constant in samples
+
+
+@pytest.mark.parametrize("at", [60, 137, 331])
+def test_a_jump_is_found_to_the_sample(at):
+    force_N = 5.0 * (np.arange(400) >= at) + 0.02 * np.random.default_rng(at).standard_normal(400)
+    assert _parted(force_N, 0, 400) == [(0, at), (at, 400)]
 
 
 @pytest.mark.parametrize("jump_N", [5.0, -5.0])

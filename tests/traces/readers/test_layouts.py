@@ -11,6 +11,7 @@ from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile
+from ropefric.traces.readers.several import blocks_of_header
 
 PEAKS = (115.0, 118.0, 121.0)
 
@@ -208,7 +209,19 @@ def test_groups_are_recordings_where_they_are_alike(tmp_path):
     )
 
 
+def test_recordings_without_a_name_are_numbered_from_one():
+    assert [block.sample for block in blocks_of_header(["t_s", "F_N"] * 3)] == ["1", "2", "3"]
+
+
 # --- what inspect proposes ---
+
+
+@pytest.mark.parametrize("n", [2, 300])
+def test_of_columns_that_differ_by_their_zero_the_first_is_the_force(write, n):
+    rows = "".join(f"{i},{3 * i},{3 * i + 5}\n" for i in range(n))
+    found = inspect_file(write(f"time_s,a [N],b [N]\n{rows}"))
+    assert found.profile.channels["force"].column == "a [N]"
+    assert any("the first of those that differ by their zero" in doubt for doubt in found.doubts)
 
 
 def test_two_signals_of_a_german_logger_are_proposed_with_what_is_missing(write):

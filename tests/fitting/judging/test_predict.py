@@ -6,6 +6,7 @@ import math
 import operator
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +14,8 @@ from scipy import optimize, stats
 
 from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.predict import new_rope_std, predict
+from ropefric.fitting.predict import half_width, new_rope_std, predict
+from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
 from ropefric.friction.laws import ALL_LAWS
@@ -22,6 +24,24 @@ from ropefric.friction.laws import ALL_LAWS
 def pulls(wrap=(3.0, 9.0), load=20.0, wheel=0.03):
     return Conditions(wheel_radius_m=wheel, rope_radius_m=0.005, wrap_angle_rad=np.array(wrap),
         end_tension_N=load)  # fmt: skip
+
+
+def test_outside_what_was_tested_a_rival_law_lowers_the_bound_of_one_pull():
+    """To its own lower bound, if that is lower; within the tested range the law alone counts."""
+    stored = Path(__file__).parents[3] / "fits"
+    fit, rival = (load_fit(stored / f"prth-{name}.json") for name in ("coupled", "constant"))
+    law, other = (LiftModel(law=one.friction_law) for one in (fit, rival))
+    lower = []
+    for wheel_m in (0.04, 0.3):
+        at = replace(pulls((6.0, 9.0), load=60.0, wheel=wheel_m), rope_radius_m=0.0049)
+        own = law.log_lift(fit.theta, at) - half_width(fit, law, at, 0.95)
+        with_rival = law.log_lift(fit.theta, at) - half_width(replace(fit, rivals=(rival,)), law, at, 0.95)
+        of_rival = other.log_lift(rival.theta, at) - half_width(rival, other, at, 0.95)
+        lower.append((own, with_rival, np.minimum(own, of_rival)))
+    (own, with_rival, _), (alone, outside, both) = lower
+    np.testing.assert_array_equal(own, with_rival)
+    np.testing.assert_allclose(outside, both, rtol=1e-12)
+    assert (outside < alone).all()
 
 
 def test_constant_law_by_hand(constant_fit):

@@ -209,8 +209,10 @@ def test_groups_are_recordings_where_they_are_alike(tmp_path):
     )
 
 
-def test_recordings_without_a_name_are_numbered_from_one():
+def test_recordings_are_called_what_their_columns_share_or_numbered_from_one():
     assert [block.sample for block in blocks_of_header(["t_s", "F_N"] * 3)] == ["1", "2", "3"]
+    header = [f"Run {number}: {name}" for number in (1, 2) for name in ("Time (s)", "Force (N)")]
+    assert blocks_of_header(header) == [(f"Run {number}", ("Time (s)", "Force (N)")) for number in (1, 2)]
 
 
 # --- what inspect proposes ---

@@ -29,6 +29,9 @@ EQUIVALENT = {
     "ropefric/uncertainty/budget.py: 1.0  ->  1.1": "it is divided into a row of zeros",
     "ropefric/systems/press/transient/exact.py: 3.0  ->  3.3000000000000003": "a longer step of a search whose answer "
     "keeps its tolerance",
+    "ropefric/fitting/standing.py: 1  ->  2": "a spare start less, in rounds that begin at the minimum",
+    "ropefric/fitting/assembled.py: 1e-14  ->  1.1e-14": "a limit of rounding",
+    "ropefric/fitting/fit.py: 6  ->  7": "a rounding that decides between parameters that are equally well known",
 }
 """Breaks that change no result, as `str(mutant)` without its line number, and why."""
 

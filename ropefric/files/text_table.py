@@ -172,11 +172,8 @@ def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Di
         lines = [line for _, line in islice(text.lines_from(1), skip + _MOST_LINES)]
     separator = layout.separator or _find_separator(lines, skip, layout, text.source, last_column)
     rows = _find_rows(lines, separator, layout, text.source)
-    # numpy.savetxt and gnuplot put the header into a comment.
-    header, units = (
-        tuple(split_line(lines[row - 1].lstrip("#").lstrip(" "), separator)) if row else ()
-        for row in rows[:2]
-    )
+    first_row = split_line(lines[rows.data_row - 1], separator)
+    header, units = (_words(lines[row - 1], separator, len(first_row)) if row else () for row in rows[:2])
     decimal, thousands = _find_marks(head, rows.data_row, separator, layout, text.source)
     note = f"{thousands!r} groups thousands, {decimal!r} is the decimal mark"
     return Dialect(
@@ -186,11 +183,26 @@ def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Di
         rows=rows,
         header=header,
         units=units,
-        first_row=split_line(lines[rows.data_row - 1], separator),
+        first_row=first_row,
         layout=layout,
         facts=facts_of(lines[: max(rows.data_row - 1, 0)], separator),
         notes=[note] if thousands and not layout.thousands else [],
     )
+
+
+def _words(line: str, separator: str, n_cells: int) -> tuple[str, ...]:
+    """Return the cells of a header; names of several words between blanks are told by two blanks or by their brackets.
+
+    numpy.savetxt, gnuplot and Matlab put the header into a comment.
+    """
+    line = line.lstrip("#%").lstrip(" ")
+    ways = [split_line(line, separator)]
+    if separator == " ":
+        ways += [
+            re.split(r"\s{2,}+|\t", line.rstrip()),
+            split_line(re.sub(r"\s++(?=[\[(])", "", line), separator),
+        ]
+    return tuple(next((cells for cells in ways if len(cells) == n_cells), ways[0]))
 
 
 def _check(layout: TableLayout) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 
 from ropefric.errors import DataError
 from ropefric.files.disk import InputFile, use_file
-from ropefric.files.text import Source, first_lines
+from ropefric.files.text import Source, first_lines, is_text
 from ropefric.registry import Registry
 from ropefric.traces.readers import excel, hdf5, headed, labview, matlab, several, tdms, vernier
 from ropefric.traces.readers.delimited import DELIMITED
@@ -46,6 +46,8 @@ def find_reader(
     else:
         name = PurePath(path).name.lower()
         fitting = [reader for reader in READERS.values() if name.endswith(reader.suffixes)]
+        if not fitting and source is not None and is_text(source):
+            fitting = [DELIMITED]
         if not fitting:
             endings = ", ".join(suffix for reader in READERS.values() for suffix in reader.suffixes)
             why = f"no reader is known for files that end in {PurePath(path).suffix or 'nothing'!r}"

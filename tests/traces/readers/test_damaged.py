@@ -199,7 +199,7 @@ def test_files_that_are_not_there_or_not_theirs(tmp_path, write):
     assert "no such file" in str(refused(tmp_path / "none.csv"))
     assert "folder" in str(refused(tmp_path, ImportProfile(format="delimited")))
     assert "not gzip" in str(refused(write(GOOD, "run.csv.gz")))
-    assert "no reader is known" in str(refused(write(GOOD, "run.xyz")))
+    assert "no reader is known" in str(refused(write("MZ\0\1\2", "run.xyz")))
     assert columns(write(GOOD, "run.xyz"), ImportProfile(format="delimited"))
     error = refused("a\x00b.csv")
     assert error.code == "RF101"

@@ -52,6 +52,7 @@ _UNITS = {
     *("-", "1", "sec", "msec", "count", "counts", "%", "°", "°C", "C", "K", "l/min", "rpm", "mm/s", "mm/min"),
     *("µm", "µs", "Nm", "mbar", "N/mm", "N/mm^2", "daN"),
 }  # fmt: skip
+_WIDE_BLANK, _BEFORE_BRACKET = re.compile(r" {2,}+|\t"), re.compile(r" ++(?=[\[(])")
 _NO_SEPARATOR = frozenset("0123456789+-.eE\"'\r\n\0")
 _MOST_LINES = 400
 _N_SAMPLE = 20
@@ -198,10 +199,7 @@ def _words(line: str, separator: str, n_cells: int) -> tuple[str, ...]:
     line = line.lstrip("#%").lstrip(" ")
     ways = [split_line(line, separator)]
     if separator == " ":
-        ways += [
-            re.split(r"\s{2,}+|\t", line.rstrip()),
-            split_line(re.sub(r"\s++(?=[\[(])", "", line), separator),
-        ]
+        ways += [_WIDE_BLANK.split(line.rstrip()), split_line(_BEFORE_BRACKET.sub("", line), separator)]
     return tuple(next((cells for cells in ways if len(cells) == n_cells), ways[0]))
 
 

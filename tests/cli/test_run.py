@@ -34,7 +34,9 @@ def test_everything_is_written_and_told(call, tmp_path, few_laws):
     assert done.out.startswith((out / "summary.txt").read_text(encoding="utf-8"))
 
 
-def test_json_alone_on_stdout_and_the_same_bytes_however_it_is_worked_through(call, bench, tmp_path, few_laws):
+def test_json_alone_on_stdout_and_the_same_bytes_however_it_is_worked_through(
+    call, bench, tmp_path, few_laws
+):
     done = call("run", bench / "campaign.toml", "--out", tmp_path / "a", "--json", "-q", "--no-figures",
         "--jobs", "2")  # fmt: skip
     tree = done.json()

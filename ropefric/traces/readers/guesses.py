@@ -301,7 +301,8 @@ def _forces(
     if not {"force", "counts"} & (channels.keys() | known.derived.keys()):
         force, why = _force_column(table, values, free, units)
         if force < 0:
-            doubts.append("which column is the force (or the ADC counts)? Name it in [import.channels]")
+            shown = ", ".join(table.names[i].strip() or f"column {i + 1}" for i in (units or free))
+            doubts.append(f"which column is the force ({shown})? Name it in [import.channels]")
             return found
         found["force"] = _by_name(table, force)
         doubts.append(f"column {force + 1} is taken as the force because it {why}")

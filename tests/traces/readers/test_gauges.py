@@ -25,6 +25,9 @@ FILES = {
     "path-beside-a-rate.csv": ("Unit,N\nRecording Rate,100Hz\n\nNo,Force,Displacement\n",
                                lambda i, t, f: f"{i},{f:.3f},{0.3 * t:.3f}", "N"),
     "blanks-in-names.dat": ("%   t [s]      F [kN]\n", lambda i, t, f: f"{t:9.3e}  {f / 1000:12.5e}", ""),
+    "axes.csv": ("t/s;F/kN\n", lambda i, t, f: f"{t:.2f};{f / 1000:.7f}", ""),
+    "in-words.csv": ("Zeit in s;Kraft in N\n", lambda i, t, f: f"{t:.2f};{f:.4f}", ""),
+    "only-units.csv": ("Seconds;Newton\n", lambda i, t, f: f"{t:.2f};{f:.4f}", ""),
     "mass.csv": ("Time (s),Load (kg)\n", lambda i, t, f: f"{t:.2f},{f / KGF_N:.5f}", "kgf"),
     "other-ending.tra": ('"Time";"Standard force"\n"s";"N"\n', lambda i, t, f: f"{t:.2f};{f:.4f}".replace(".", ","), ""),
 }  # fmt: skip

@@ -197,7 +197,7 @@ def guess_meaning(table: Table, values: Values, known: ImportProfile) -> Guess:
     """Return what the columns of a table mean, what the profile says first."""
     channels, rate_Hz, doubts = dict(known.channels), known.sampling_rate_Hz, list[str]()
     if not channels:
-        named = guess_channels(table, needs_time=False)
+        named = guess_channels(table, needs_time=False, by_unit=False)
         channels = {name: _by_name(table, int(one.column) - 1) for name, one in named.items()}
     if "time" not in channels and rate_Hz is None and table.clock is None:
         channels, rate_Hz = _with_time(table, values, channels, doubts)

@@ -82,6 +82,10 @@ _LARGE_POWER = re.compile(r"[\d⁰¹²³⁴⁵⁶⁷⁸⁹]{3}")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][+-]?[0-9]++)?")
 _NOT_ZERO = re.compile(r"[1-9]")
 _UNIT_INSIDE = re.compile(r"([^()\[\]]+)[(\[]([^()\[\]]{1,10})[)\]]([^()\[\]]+)")
+_OF_UNIT = re.compile(r"([^\s/,](?:[^/,]*[^\s/,])?)(?:\s*+[/,]\s*+|\s++in\s++)([^\s/,]{1,12})")
+"""A quantity by its unit, t/s as DIN 461 writes at an axis, or its unit behind a comma."""
+_LONGEST_SYMBOL = 4
+"""A name of more letters may be the word for a unit."""
 _FULL_SCALE = re.compile(r"%\s*+(?:of\s++)?(?:FS|F\.S\.|full scale)")
 
 
@@ -95,7 +99,7 @@ def _registry() -> "pint.UnitRegistry[Any]":
 def split_unit_suffix(name: str) -> tuple[str, str]:
     """Return a name without its unit suffix, and the unit, empty where there is none.
 
-    Recognises `wrap_angle_deg`, `Force (kN)`, `Force [kN]`, `Time.(s)`.
+    Recognises `wrap_angle_deg`, `Force (kN)`, `Force [kN]`, `Time.(s)`, `F/N`, `Force, N`, `Kraft in N`, `Newtons`.
     """
     text = name.strip()
     if text.endswith((")", "]")):
@@ -112,7 +116,11 @@ def split_unit_suffix(name: str) -> tuple[str, str]:
         stem = name.removesuffix(f"_{suffix}")
         if stem and stem != name:
             return stem, SUFFIX_UNITS[suffix]
-    return name, ""
+    of_unit = _OF_UNIT.fullmatch(text)
+    if of_unit and (unit := spelled_unit(of_unit[2])) in SUFFIX_UNITS.values():
+        is_compound = "/" in text and of_unit[1] in SUFFIX_UNITS.values()  # mm/s
+        return (name, "") if is_compound else (of_unit[1], unit)
+    return name, _SPELT.get(text.lower(), "") if len(text) > _LONGEST_SYMBOL else ""
 
 
 def unit_factor(unit: str, si_unit: str, *, name: str = "quantity") -> float:

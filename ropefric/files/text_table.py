@@ -52,6 +52,7 @@ _UNITS = {
     *("-", "1", "sec", "msec", "count", "counts", "%", "°", "°C", "C", "K", "l/min", "rpm", "mm/s", "mm/min"),
     *("µm", "µs", "Nm", "mbar", "N/mm", "N/mm^2", "daN"),
 }  # fmt: skip
+_WIDE_BLANK, _BEFORE_BRACKET = re.compile(r" {2,}+|\t"), re.compile(r" ++(?=[\[(])")
 _NO_SEPARATOR = frozenset("0123456789+-.eE\"'\r\n\0")
 _MOST_LINES = 400
 _N_SAMPLE = 20
@@ -172,11 +173,8 @@ def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Di
         lines = [line for _, line in islice(text.lines_from(1), skip + _MOST_LINES)]
     separator = layout.separator or _find_separator(lines, skip, layout, text.source, last_column)
     rows = _find_rows(lines, separator, layout, text.source)
-    # numpy.savetxt and gnuplot put the header into a comment.
-    header, units = (
-        tuple(split_line(lines[row - 1].lstrip("#").lstrip(" "), separator)) if row else ()
-        for row in rows[:2]
-    )
+    first_row = split_line(lines[rows.data_row - 1], separator)
+    header, units = (_words(lines[row - 1], separator, len(first_row)) if row else () for row in rows[:2])
     decimal, thousands = _find_marks(head, rows.data_row, separator, layout, text.source)
     note = f"{thousands!r} groups thousands, {decimal!r} is the decimal mark"
     return Dialect(
@@ -186,11 +184,23 @@ def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Di
         rows=rows,
         header=header,
         units=units,
-        first_row=split_line(lines[rows.data_row - 1], separator),
+        first_row=first_row,
         layout=layout,
         facts=facts_of(lines[: max(rows.data_row - 1, 0)], separator),
         notes=[note] if thousands and not layout.thousands else [],
     )
+
+
+def _words(line: str, separator: str, n_cells: int) -> tuple[str, ...]:
+    """Return the cells of a header; names of several words between blanks are told by two blanks or by their brackets.
+
+    numpy.savetxt, gnuplot and Matlab put the header into a comment.
+    """
+    line = line.lstrip("#%").lstrip(" ")
+    ways = [split_line(line, separator)]
+    if separator == " ":
+        ways += [_WIDE_BLANK.split(line.rstrip()), split_line(_BEFORE_BRACKET.sub("", line), separator)]
+    return tuple(next((cells for cells in ways if len(cells) == n_cells), ways[0]))
 
 
 def _check(layout: TableLayout) -> None:

@@ -107,8 +107,10 @@ def _with_derived(
         found = evaluate_derived(profile.derived, aligned, profile.constants, path=raw.source)
         signals = signals | {name: Signal(time_s, found[name], "N") for name in profile.derived}
     if not {_PULL.newtons, _PULL.counts} & signals.keys():
-        message = f"{raw.name} has no channel 'force' or 'counts', only {', '.join(signals) or 'none'}"
-        fix = f"name its column or derive it; {did_you_mean('force', signals)}"
+        others = f"; its channels are {', '.join(signals)}" if signals else ""
+        message = f"no column of {raw.name} is named as the channel 'force' or 'counts'{others}"
+        hint = f"; {did_you_mean('force', signals)}" if signals else ""
+        fix = f"name its column in [import.channels], or derive it{hint}"
         raise refuse(message, "RF105", "[import.channels] force", fix)
     return signals
 

@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 
 from ropefric.errors import DataError
 from ropefric.files.disk import InputFile, use_file
-from ropefric.files.text import Source, first_lines
+from ropefric.files.text import Source, first_lines, is_text
 from ropefric.registry import Registry
 from ropefric.traces.readers import excel, hdf5, headed, labview, matlab, several, tdms, vernier
 from ropefric.traces.readers.delimited import DELIMITED
@@ -44,7 +44,7 @@ def find_reader(
     if profile.format != "auto":
         reader = READERS[profile.format]
     else:
-        reader = _by_ending(path, shown_as or str(path))
+        reader = _by_ending(path, shown_as or str(path), is_plain=source is not None and is_text(source))
         if reader is DELIMITED and source is not None:
             head = first_lines(source)
             knowing = (other for other in READERS.values() if other.recognises and other.recognises(head))
@@ -52,12 +52,14 @@ def find_reader(
     return several.WIDE if reader is DELIMITED and profile.block_columns > 0 else reader
 
 
-def _by_ending(path: str | PurePath, shown: str) -> Reader:
-    """Return the first reader that knows the end of a file's name."""
+def _by_ending(path: str | PurePath, shown: str, *, is_plain: bool) -> Reader:
+    """Return the first reader that knows the end of a file's name; of any other text, the one of plain tables."""
     name = PurePath(path).name.lower()
     for reader in READERS.values():
         if name.endswith(reader.suffixes):
             return reader
+    if is_plain:
+        return DELIMITED
     endings = ", ".join(suffix for reader in READERS.values() for suffix in reader.suffixes)
     why = f"no reader is known for files that end in {PurePath(path).suffix or 'nothing'!r}"
     fix = f'name the format, for example format = "delimited"; known: {", ".join(READERS)}'

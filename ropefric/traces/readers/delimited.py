@@ -15,8 +15,9 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.files.disk import FileChangedError
+from ropefric.files.head_facts import UNIT_WORDS
 from ropefric.files.text import Block, Source, Text, is_blank_line, load_text, split_line
-from ropefric.files.text_table import Dialect, find_dialect, is_value, number_of
+from ropefric.files.text_table import Dialect, find_dialect, is_unit, is_value, number_of
 from ropefric.glossary import counted
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.table import Reader, Table, bad_cell, stamp_column
@@ -113,6 +114,7 @@ def text_table(
     units, stamps = (*dialect.units, *[""] * len(names))[: len(names)], dialect.stamps
     if len(names) == 1 and not any(units):
         units = (dialect.facts.unit,)
+    units = _with_unit_columns(text, dialect, names, units)
 
     def values(indices: Sequence[int]) -> list[FloatArray]:
         numbers = iter(_parse_columns(text, dialect, names, [i for i in indices if i not in stamps], n_rows))
@@ -132,6 +134,20 @@ def text_table(
         facts=dialect.facts,
         notes=dialect.notes,
     )
+
+
+def _with_unit_columns(
+    text: Text, dialect: Dialect, names: Sequence[str], units: Sequence[str]
+) -> tuple[str, ...]:
+    """Return the units of columns, of which one may be written beside every value in a column of its own."""
+    found = [*units]
+    for at, (value, unit) in enumerate(pairwise(dialect.first_row[: len(names)])):
+        may_be = not any(names) or "".join(filter(str.isalpha, names[at + 1].lower())) in UNIT_WORDS
+        if may_be and not found[at] and is_value(value) and is_unit(unit):
+            rows = text.rows_from(dialect.rows.data_row, dialect.separator)
+            if all(row[at + 1 : at + 2] == [unit] for _, row in rows):
+                found[at] = unit
+    return tuple(found)
 
 
 def _column_names(text: Text, dialect: Dialect) -> tuple[tuple[str, ...], str, int]:

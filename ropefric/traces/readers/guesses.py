@@ -25,6 +25,9 @@ _MOST_LABELS, _FEWEST_ROWS = 64, 10
 _MOST_FOOTER = 20
 _LONGEST_S = 4 * 3600.0
 
+_WEIGHTS = {"lb": "lbf", "kg": "kgf", "g": "gf"}
+"""Units of mass that gauges write for the weight of it."""
+
 Values = Sequence[FloatArray | None]
 
 
@@ -194,7 +197,7 @@ def guess_meaning(table: Table, values: Values, known: ImportProfile) -> Guess:
     """Return what the columns of a table mean, what the profile says first."""
     channels, rate_Hz, doubts = dict(known.channels), known.sampling_rate_Hz, list[str]()
     if not channels:
-        named = guess_channels(table, needs_time=False)
+        named = guess_channels(table, needs_time=False, by_unit=False)
         channels = {name: _by_name(table, int(one.column) - 1) for name, one in named.items()}
     if "time" not in channels and rate_Hz is None and table.clock is None:
         channels, rate_Hz = _with_time(table, values, channels, doubts)
@@ -248,6 +251,7 @@ _REASONS = (
     "holds time stamps",
     "is called so, and in a unit of time",
     "is in a unit of time",
+    "holds time stamps, though some stand again",
     "is called so",
     "only rises",
 )
@@ -259,7 +263,7 @@ def _rank_of_time(table: Table, index: int, array: FloatArray) -> int | None:
     if present.size < 3 or (np.diff(present) < 0).any() or present[-1] <= present[0]:
         return None
     if index in table.stamps:
-        return 0
+        return 0 if (np.diff(present) > 0).all() else 3
     unit, is_named = table.unit(index), is_time(table.names[index])
     if unit and not is_of("time", unit):
         return None
@@ -267,7 +271,10 @@ def _rank_of_time(table: Table, index: int, array: FloatArray) -> int | None:
         return 1 if is_named else 2
     steps = np.diff(present)
     is_counter = (present == np.floor(present)).all() and steps.min() == steps.max()
-    return 3 if is_named else None if is_counter else 4
+    if is_named:
+        return 4
+    # Where the head states the rate, what rises may be a path.
+    return None if is_counter or table.facts.rate_Hz else 5
 
 
 def _side(name: str) -> str:
@@ -284,13 +291,18 @@ def _forces(
 ) -> dict[str, Channel]:
     """Return the channels force and end tension, where they are not known and one column each may be it."""
     taken = {index_of(table, channel) for channel in channels.values()}
-    free = [i for i, array in enumerate(values) if array is not None and i not in taken]
-    units = {i: unit for i in free if is_of("force", unit := table.unit(i) or table.facts.unit)}
+    columns = [(i, array) for i, array in enumerate(values) if array is not None and i not in taken]
+    # A gauge writes its peak and its limits beside every reading.
+    free = [i for i, array in columns if np.nanmax(array, initial=-np.inf) > np.nanmin(array, initial=np.inf)]
+    free = free or [i for i, _ in columns]
+    stated = {i: table.unit(i) or table.facts.unit for i in free}
+    units = {i: unit for i in free if is_of("force", unit := _WEIGHTS.get(stated[i], stated[i]))}
     found: dict[str, Channel] = {}
     if not {"force", "counts"} & (channels.keys() | known.derived.keys()):
         force, why = _force_column(table, values, free, units)
         if force < 0:
-            doubts.append("which column is the force (or the ADC counts)? Name it in [import.channels]")
+            shown = ", ".join(table.names[i].strip() or f"column {i + 1}" for i in (units or free))
+            doubts.append(f"which column is the force ({shown})? Name it in [import.channels]")
             return found
         found["force"] = _by_name(table, force)
         doubts.append(f"column {force + 1} is taken as the force because it {why}")
@@ -354,9 +366,16 @@ def _with_unit(name: str, table: Table, values: Values, channel: Channel, doubts
         unit, why = _likely_unit(array[np.isfinite(array)])
         doubts.append(f"the file does not state the unit of the time; {unit} is taken, {why}")
         return replace(channel, unit=unit)
-    if not unit and name != "time" and is_of(name, table.facts.unit or "?"):
+    if (
+        not unit
+        and name != "time"
+        and is_of(name, of_head := _WEIGHTS.get(table.facts.unit, table.facts.unit))
+    ):
         doubts.append(f"the unit of the {name}, {table.facts.unit}, is that of the head of the file")
-        return replace(channel, unit=table.facts.unit)
+        unit, channel = table.facts.unit, replace(channel, unit=of_head)
+    if name != "time" and unit in _WEIGHTS:
+        doubts.append(f"the {name} is in {unit}, a mass; its weight, in {_WEIGHTS[unit]}, is taken")
+        return replace(channel, unit=_WEIGHTS[unit])
     if not unit:
         doubts.append(f'the unit of the {name} is not stated; add it, for example unit = "N"')
     elif signal_unit(name, unit) and not channel.sensitivity:

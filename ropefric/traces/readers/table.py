@@ -3,7 +3,7 @@
 import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import PurePath
 from typing import Any
@@ -211,10 +211,11 @@ def _own_clocks(table: Table, picks: Mapping[str, tuple[int, str]]) -> dict[str,
     return clocks
 
 
-def guess_channels(table: Table, *, needs_time: bool = True) -> dict[str, Channel]:
+def guess_channels(table: Table, *, needs_time: bool = True, by_unit: bool = True) -> dict[str, Channel]:
     """Return the channels whose headers can mean nothing else, or an empty dict where that is not enough.
 
-    A single column of text time stamps is the time, whatever it is called.
+    A single column of text time stamps is the time, whatever it is called. So is the only column in a unit of time, and
+    the only one in a unit of force is the force, where `by_unit`.
     """
     bare = [split_unit_suffix(name.strip())[0].lower() for name in table.names]
     found = {
@@ -223,10 +224,24 @@ def guess_channels(table: Table, *, needs_time: bool = True) -> dict[str, Channe
     }
     if not found["time"] and len(table.stamps) == 1:
         found["time"] = [index + 1 for index in table.stamps]
+    units = [table.unit(index) for index in range(len(table.names))]
+    has_none = {"time": needs_time and not found["time"], "force": not found["force"] + found["counts"]}
+    for channel, unit in (("time", "s"), ("force", "N")) if by_unit else ():
+        if has_none[channel]:
+            found[channel] = [
+                number for number, one in enumerate(units, start=1) if one and _is_in(one, unit)
+            ]
     n_time, n_signal = len(found["time"]), len(found["force"]) + len(found["counts"])
     if n_signal != 1 or n_time > 1 or (needs_time and n_time == 0):
         return {}
     return {channel: Channel(column=numbers[0]) for channel, numbers in found.items() if numbers}
+
+
+def _is_in(unit: str, si_unit: str) -> bool:
+    """Return whether a unit is one of a quantity."""
+    with suppress(InputError):
+        return bool(unit_factor(unit, si_unit))
+    return False
 
 
 def _pick_columns(table: Table, profile: ImportProfile, source: Source) -> dict[str, tuple[int, str]]:

@@ -59,7 +59,7 @@ CORPUS = {
     "grouped both ways": ("time_s;force_N\n0;1.234,5\n1;2,345.5\n", "RF104", 3, "mixes marks", "decimal"),
     "grouped oddly": ("time_s;force_N\n0;1,23.5\n", "RF104", 2, "mixes marks", "thousands"),
     "one or two columns": ("12,47\n13,01\n", "RF104", None, "two whole numbers", "separator"),
-    "unknown columns": ("zeit_s,kraft_N\n0,1\n", "RF105", None, "zeit_s, kraft_N", "ropefric inspect"),
+    "unknown columns": ("zeit_s,weg_mm\n0,1\n", "RF105", None, "zeit_s, weg_mm", "ropefric inspect"),
     "two forces": ("time_s,force_N,Force (V)\n0,1,2\n", "RF105", None, "meaning of the columns", ""),
     "no header": ("0,1.5\n1,2.5\n", "RF105", None, "without names", "column = 1"),
 }  # fmt: skip
@@ -199,7 +199,7 @@ def test_files_that_are_not_there_or_not_theirs(tmp_path, write):
     assert "no such file" in str(refused(tmp_path / "none.csv"))
     assert "folder" in str(refused(tmp_path, ImportProfile(format="delimited")))
     assert "not gzip" in str(refused(write(GOOD, "run.csv.gz")))
-    assert "no reader is known" in str(refused(write(GOOD, "run.xyz")))
+    assert "no reader is known" in str(refused(write("MZ\0\1\2", "run.xyz")))
     assert columns(write(GOOD, "run.xyz"), ImportProfile(format="delimited"))
     error = refused("a\x00b.csv")
     assert error.code == "RF101"

@@ -45,13 +45,13 @@ from ropefric.traces.trace import ForceTrace
 
 BATCH, RATE, DECAY = 64, 3e-3, 1e-3
 BLUR_BINS, SMOOTHING = 0.8, 0.03
-"""A label is spread over so many bins (standard deviation), and a part of it over all answers alike."""
+"""Standard deviation in bins over which a label is spread; fraction of it that all answers share."""
 STATES = 0.3
 """Weight of the states of the bins against the break-away."""
 ELSEWHERE = 0.35
 """How often the closer look is somewhere else than at the break-away."""
 PART_OF_RIG = 10
-"""Of so many drawn recordings one more is of the first rig."""
+"""One recording of the first rig per this number of drawn ones."""
 PIECE, UNKNOWN = 500, 255
 """Recordings drawn at a time; the state of bins of which none is known."""
 LEFT_OUT = 777
@@ -132,7 +132,7 @@ def _piece(task: tuple[int, int, bool]) -> tuple[Any, Any, Any]:
 
 
 def draw_lessons(seed: int, recordings: int, jobs: int = 1, *, of_rig: bool = False) -> tuple[Any, Any, Any]:
-    """Return channels, answers and states of the lessons of so many recordings; the same ones however many jobs."""
+    """Return channels, answers and states of the lessons of a number of recordings; `jobs` does not change them."""
     tasks = [(seed, number, of_rig) for number in range(-(-recordings // PIECE))]
     with ProcessPoolExecutor(jobs) as pool:
         pieces = list(pool.map(_piece, tasks))
@@ -163,7 +163,7 @@ def rig_recording(rng: np.random.Generator) -> tuple[ForceTrace, RecordingTruth]
 
 
 def labelled(trace: ForceTrace, truth: RecordingTruth) -> LabelledRecording:
-    """Return a recording of the first rig with what is true of it; its phases serve for states."""
+    """Return a recording of the first rig with its truth; its phases serve for states."""
     time_s, force_N = trace.time_s[here := np.isfinite(trace.force_N)], trace.force_N[here]
     names = {"idle": State.REST, "loading": State.LOADING, "sliding": State.SLIDING, "held": State.HELD}
     ends_s, states = [phase.end_s for phase in truth.phases], [*truth.phases, *truth.phases[-1:]]
@@ -284,7 +284,7 @@ def train(
 
 
 class Known(NamedTuple):
-    """A recording that is not trained on, and what is true of it."""
+    """A recording that is not trained on, and its truth."""
 
     kind: str
     trace: ForceTrace
@@ -420,7 +420,7 @@ def main() -> None:
 def write(folder: Path, weights: dict[str, Any], say: Callable[[str], object]) -> None:
     """Set the temperature of trained weights on the second rig; write them, and how they do, into a folder."""
     stored: dict[str, Any] = {name: np.asarray(values, dtype=np.float16) for name, values in weights.items()}
-    other, path = list(of_the_second_rig(6, LEFT_OUT + 1)), folder / "picker.npz"
+    other, path = list(of_the_second_rig(18, LEFT_OUT + 1)), folder / "picker.npz"
     gaps = {}
     for one in TEMPERATURES:
         stated, right = stated_and_right(other, picker.multiplied({**stored, "temperature": one}))

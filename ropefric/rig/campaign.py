@@ -330,7 +330,7 @@ def _trials_text(plan: CampaignPlan, trials: tuple[PlannedTrial, ...], truths: l
 def _truth_lines(
     plan: CampaignPlan, trials: tuple[PlannedTrial, ...], truths: list[RecordingTruth], seed: int
 ) -> Iterator[str]:
-    yield "# What is true of this simulated campaign. An analysis must not read it; a test of one may."
+    yield "# The truth of this simulated campaign. An analysis must not read it; a test of one may."
     yield from _keys(schema=TRUTH_SCHEMA, simulated=True, seed=seed)
     yield from () if plan.physics == "coulomb" else _keys(physics=plan.physics)
     parameters = {name: float(value) for name, value in plan.parameters.items()}

@@ -41,6 +41,8 @@ SAME = 0.01
 """Candidates whose forces agree within this fraction count as one force."""
 LOOKS = 3
 """Number of places that get a second look."""
+CLOSER = 0.5
+"""Largest part of the recording's time that a second look covers: a longer one would see the same again."""
 FAINT, APART = 1e-3, 2
 """Smallest probability of a bin that counts as a place; largest distance of two bins of one place."""
 FALL = 0.005
@@ -216,16 +218,18 @@ def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
     """Return the candidates and reasons with their probabilities: one look at the whole, one around each place."""
     time_s, force_N = prepared.time_s, prepared.force_N
     whole = look(time_s, force_N, weights)
-    reasons = dict(whole.reasons)
+    places, reasons = _answers(whole)
     tops: dict[int, Candidate] = {}
-    states = whole.states.argmax(axis=1)
-    for number, (middle, first_s, last_s, probability) in enumerate(_places(whole)):
-        part = slice(*np.searchsorted(time_s, closer(middle, states, whole.edges_s)))
+    states, lasting_s = whole.states.argmax(axis=1), float(time_s[-1] - time_s[0])
+    for number, (middle, first_s, last_s, probability) in enumerate(places):
+        from_s, until_s = closer(middle, states, whole.edges_s)
+        part = slice(*np.searchsorted(time_s, (from_s, until_s)))
         near = [(0, first_s, last_s, 1.0)]
-        if number < LOOKS and probability >= SEEN and part.stop - part.start >= MIN_SAMPLES:
-            second = look(time_s[part], force_N[part], weights)
-            near = _places(second)
-            for reason, one in second.reasons.items():
+        is_likely = number < LOOKS and probability >= SEEN
+        is_closer = until_s - from_s <= CLOSER * lasting_s and part.stop - part.start >= MIN_SAMPLES
+        if is_likely and is_closer:
+            near, none = _answers(look(time_s[part], force_N[part], weights))
+            for reason, one in none.items():
                 reasons[reason] += probability * one
         for _, begin_s, end_s, one in near:
             found = _candidate(prepared, begin_s, end_s, probability * one)
@@ -259,19 +263,22 @@ def _both(one: Candidate, other: Candidate) -> Candidate:
     return one._replace(probability=one.probability + other.probability, first_s=first_s, last_s=last_s)
 
 
-def _places(seen: Look) -> list[tuple[int, float, float, float]]:
-    """Return the places of a look: most probable bin, first and last time, probability; most probable place first."""
+def _answers(seen: Look) -> tuple[list[tuple[int, float, float, float]], dict[Status, float]]:
+    """Return the places of a look (most probable bin, first and last time, probability), and the reasons for none.
+
+    Together they have all the probability: bins below FAINT belong to no answer.
+    """
     bins = np.flatnonzero(seen.place >= FAINT)
-    if not bins.size:
-        return []
+    whole = float(seen.place[bins].sum()) + sum(seen.reasons.values())
     found = []
-    for group in np.split(bins, np.flatnonzero(np.diff(bins) > APART) + 1):
-        share = seen.place[group]
+    for group in np.split(bins, np.flatnonzero(np.diff(bins) > APART) + 1) if bins.size else ():
+        share = seen.place[group] / whole
         likely = group[share >= 0.1 * share.max()]
         middle = int(group[int(np.argmax(share))])
         ends_s = float(seen.edges_s[likely[0]]), float(seen.edges_s[likely[-1] + 1])
         found.append((middle, *ends_s, float(share.sum())))
-    return sorted(found, key=lambda place: (-round(place[3], 3), place[0]))
+    found.sort(key=lambda place: (-round(place[3], 3), place[0]))
+    return found, {reason: share / whole for reason, share in seen.reasons.items()}
 
 
 def _candidate(prepared: Prepared, first_s: float, last_s: float, probability: float) -> Candidate:

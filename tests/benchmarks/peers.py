@@ -4,9 +4,13 @@
 their times are compared, and nothing asserts on them.
 """
 
+import subprocess
+import sys
 import tempfile
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
+from textwrap import indent
 from time import perf_counter
 from typing import NamedTuple
 
@@ -30,6 +34,10 @@ from ropefric.systems.press.transient.motion import ElasticPress
 
 ROUNDS = 9
 REFITS, LOOPED = 2000, 40
+RECORDINGS, OF_ROUND = 20_000, 400
+"""Recordings of the large campaign, and samples of each."""
+SHARE = 100
+"""A quick run has this fraction of the recordings, samples and points."""
 
 
 class Pair(NamedTuple):
@@ -132,10 +140,51 @@ def fitting():
     yield Pair(
         task + ", least squares alone", lambda: batched_fit(problem, tolerance=1e-3), "lmfit", by_lmfit, "–"
     )
+    yield from fitted_elsewhere(task, problem, log_lift, exact)
     yield Pair(task + ", as `rf.fit` does", lambda: rf.fit(frame, "coupled"), "lmfit", by_lmfit,
                "starts from several places, components of scatter, small-sample errors, intervals, doubts")  # fmt: skip
     yield Pair(f"fit it {REFITS} times", lambda: batched_fit(problem, every, exact), f"lmfit, {LOOPED} times", looped,
                "–", REFITS, LOOPED)  # fmt: skip
+
+
+def fitted_elsewhere(task, problem, log_lift, exact):
+    """The same least squares by iminuit and kafe2, where they are installed."""
+
+    def predicted(*theta):
+        return problem.law.log_lift(np.array(theta), problem.conditions)
+
+    def by_iminuit():
+        import iminuit
+
+        names, limits = problem.law.parameter_names, list(zip(problem.lower, problem.upper, strict=True))
+        cost = lambda *theta: float((((predicted(*theta) - log_lift) / STD) ** 2).sum())  # noqa: E731
+        minimum = iminuit.Minuit(cost, *problem.start, name=names)
+        minimum.errordef, minimum.limits = iminuit.Minuit.LEAST_SQUARES, limits
+        return np.array(minimum.migrad().values)
+
+    def by_kafe2():
+        import kafe2
+
+        def model(mu_inf=0.3, a=-0.3, b=-0.5, c=-0.3, d=0.08):
+            return predicted(mu_inf, a, b, c, d)
+
+        fit = kafe2.IndexedFit(log_lift, model)
+        fit.add_error(STD)
+        for name, low, high in zip(("mu_inf", "a", "b", "c", "d"), problem.lower, problem.upper, strict=True):
+            fit.limit_parameter(name, *(None if np.isinf(end) else float(end) for end in (low, high)))
+        fit.do_fit()
+        return fit.parameter_values
+
+    for name, theirs in (("iminuit", by_iminuit), ("kafe2", by_kafe2)):
+        if find_spec(name):
+            assert np.allclose(predicted(*theirs()), predicted(*exact), atol=1e-4)
+            yield Pair(
+                task + ", least squares alone",
+                lambda: batched_fit(problem, tolerance=1e-3),
+                name,
+                theirs,
+                "–",
+            )
 
 
 def forces():
@@ -182,6 +231,108 @@ def blade():
                f"finite elements ({elements}) and `eig`", lambda: hermite(elements), "–")  # fmt: skip
 
 
+CAMPAIGN = """schema = "ropefric.campaign/1"
+name = "many"
+trials = "trials.csv"
+[rope]
+diameter = "9.8 mm"
+[wheels.W]
+radius = "40 mm"
+"""
+LOOP = """
+import pathlib
+import pandas as pd
+for path in sorted(pathlib.Path(sys.argv[1]).glob("r*.csv")):
+    pd.read_csv(path)["force_N"].rolling(15, center=True).mean().max()
+"""
+EXTRACT = """
+import ropefric as rf
+executor = None
+if sys.argv[2] == "cluster":
+    from distributed import Client
+    executor = Client(n_workers=2, threads_per_worker=1, dashboard_address=None)
+rf.extract(sys.argv[1] + "/campaign.toml", jobs=2 if sys.argv[2] == "2" else 1, executor=executor)
+"""
+READ = """
+import pandas as pd
+pd.read_csv(sys.argv[1])["force_N"].rolling(15, center=True).mean().max()
+"""
+ONE = """
+import ropefric as rf
+rf.find_breakaway(sys.argv[1], rest="pretension")
+"""
+SWEEP = """
+import ropefric as rf
+rf.sweep(sys.argv[1], "wheel.wrap=90deg:1440deg:1000", f"wheel.radius=20mm:80mm:{sys.argv[2]}")
+"""
+MEASURED = """
+taken_s = time.perf_counter() - begin
+status = open("/proc/self/status").read()
+print(taken_s, int(status.split("VmHWM:")[1].split()[0]) / 1024.0)
+"""
+
+
+def measured(folder, body, *arguments):
+    """Return the seconds and the largest memory of one process [MB], imports included, of code run by itself."""
+    path = Path(folder) / "timed.py"
+    lines = indent("begin = time.perf_counter()" + body + MEASURED, "    ")
+    path.write_text(f'import sys, time\nif __name__ == "__main__":\n{lines}', encoding="utf-8")
+    command = [sys.executable, str(path), *map(str, arguments)]
+    said = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
+    taken_s, most_MB = map(float, said.splitlines()[-1].split())
+    return taken_s, most_MB
+
+
+def large(share=1):
+    """Yield the lines on what is large: many recordings, a long recording, a fine sweep; once each."""
+    with tempfile.TemporaryDirectory() as folder:
+        count = RECORDINGS // share
+        campaign_of(Path(folder), count)
+        ways = (
+            ("pandas, highest 15-point mean", LOOP, ()),
+            ("`rf.extract`", EXTRACT, ("1",)),
+            ("`rf.extract`, two processes", EXTRACT, ("2",)),
+            ("`rf.extract`, local cluster of two", EXTRACT, ("cluster",)),
+        )
+        for way, script, more in ways:
+            yield f"{count} recordings of {OF_ROUND} samples", way, *measured(folder, script, folder, *more)
+    with tempfile.TemporaryDirectory() as folder:
+        path, n = Path(folder) / "long.csv", 25_000_000 // share
+        time_s, force_N = (
+            np.linspace(0.0, 20.0, n),
+            np.interp(np.linspace(0.0, 20.0, n), [2, 12, 12.1, 20], [0, 80, 60, 60]),
+        )
+        force_N += 0.1 * np.random.default_rng(1).standard_normal(n)
+        with path.open("w", encoding="utf-8") as file:
+            file.write("time_s,force_N\n")
+            for part in np.array_split(np.arange(n), max(1, n // 1_000_000)):
+                np.savetxt(file, np.column_stack([time_s[part], force_N[part]]), "%.8f,%.6f")
+        size = f"a recording of {n:.3g} samples, {path.stat().st_size / 1e6:.0f} MB"
+        yield size, "pandas, highest 15-point mean", *measured(folder, READ, path)
+        yield size, "`rf.find_breakaway`", *measured(folder, ONE, path)
+    with tempfile.TemporaryDirectory() as folder:
+        scene = Path(__file__).parents[2] / "data" / "scenes" / "hoist.toml"
+        yield (
+            f"a sweep of {1_000_000 // share:.3g} points",
+            "`rf.sweep`, hoist",
+            *measured(folder, SWEEP, scene, 1000 // share),
+        )
+
+
+def campaign_of(folder, count):
+    """Write a campaign of short recordings: one text under many names."""
+    time_s = np.linspace(0.0, 4.0, OF_ROUND)
+    noise = 0.1 * np.random.default_rng(3).standard_normal(OF_ROUND)
+    force_N = np.interp(time_s, [1, 3, 3.05, 4], [0, 80, 60, 60]) + noise
+    text = pd.DataFrame({"time_s": time_s, "force_N": force_N.round(3)}).to_csv(index=False)
+    lines = ["trial,file,wheel,wrap_angle_deg,end_tension_N"]
+    for number in range(count):
+        (folder / f"r{number:05d}.csv").write_text(text, encoding="utf-8")
+        lines.append(f"r{number:05d},r{number:05d}.csv,W,540,20")
+    (folder / "trials.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (folder / "campaign.toml").write_text(CAMPAIGN, encoding="utf-8")
+
+
 def peers_block(machine_line, rounds=ROUNDS):
     """Return the table, and the machine it was measured on."""
     lines = ["| task | ropefric | instead | takes | ratio of the times (quartiles) | what ropefric does besides |",
@@ -189,4 +340,7 @@ def peers_block(machine_line, rounds=ROUNDS):
     with tempfile.TemporaryDirectory() as folder:
         for pairs in (picking(folder), fitting(), forces(), start_up(), blade()):
             lines += [row(pair, rounds) for pair in pairs]
+    lines += ["", "| what is large | by | time | memory |", "|---|---|---|---|"]
+    lines += [f"| {what} | {way} | {span(taken_s)} | {most_MB:.0f}\N{NO-BREAK SPACE}MB |"
+              for what, way, taken_s, most_MB in large(1 if rounds > 1 else SHARE)]  # fmt: skip
     return "\n".join([*lines, "", f"Measured on: {machine_line}.", ""])

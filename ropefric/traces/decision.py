@@ -42,7 +42,8 @@ SAME = 0.01
 LOOKS = 3
 """Number of places that get a second look."""
 CLOSER = 0.5
-"""Largest part of the recording's time that a second look covers: a longer one would see the same again."""
+"""Largest part of the recording's time that a second look covers: a longer one would see the same again. Where a sudden
+step may be damage, its other bins are a second opinion."""
 FAINT, APART = 1e-3, 2
 """Smallest probability of a bin that counts as a place; largest distance of two bins of one place."""
 FALL = 0.005
@@ -220,13 +221,14 @@ def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
     whole = look(time_s, force_N, weights)
     places, reasons = _answers(whole)
     tops: dict[int, Candidate] = {}
-    states, lasting_s = whole.states.argmax(axis=1), float(time_s[-1] - time_s[0])
+    states, sudden = whole.states.argmax(axis=1), _sudden(prepared)
+    longest_s = (CLOSER if not sudden.size else 1.0) * float(time_s[-1] - time_s[0])
     for number, (middle, first_s, last_s, probability) in enumerate(places):
         from_s, until_s = closer(middle, states, whole.edges_s)
         part = slice(*np.searchsorted(time_s, (from_s, until_s)))
         near = [(0, first_s, last_s, 1.0)]
         is_likely = number < LOOKS and probability >= SEEN
-        is_closer = until_s - from_s <= CLOSER * lasting_s and part.stop - part.start >= MIN_SAMPLES
+        is_closer = until_s - from_s <= longest_s and part.stop - part.start >= MIN_SAMPLES
         if is_likely and is_closer:
             near, none = _answers(look(time_s[part], force_N[part], weights))
             for reason, one in none.items():
@@ -236,7 +238,7 @@ def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
             before = tops.get(found.block)
             tops[found.block] = found if before is None else _both(before, found)
     left = 1.0 - reasons[Status.DOUBTFUL]
-    if SEEN < left < 1.0 and not _sudden(prepared).size:  # no damage is without a step
+    if SEEN < left < 1.0 and not sudden.size:  # no damage is without a step
         reasons = {reason: one / left for reason, one in reasons.items()} | {Status.DOUBTFUL: 0.0}
         tops = {block: one._replace(probability=one.probability / left) for block, one in tops.items()}
     rounded = [one._replace(probability=round(one.probability, 2)) for one in tops.values()]

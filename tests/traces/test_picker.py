@@ -100,8 +100,8 @@ def test_two_looks_that_disagree_are_a_doubt(monkeypatch):
         for at_s, one in share.items():
             place[np.searchsorted(edges, at_s) - 1] = one
         states = np.zeros((picker.BINS, len(State)))
-        states[:, State.LOADING] = edges[:-1] > 1.0
-        states[:, State.REST] = edges[:-1] <= 1.0
+        states[:, State.LOADING] = edges[:-1] > 2.6
+        states[:, State.REST] = edges[:-1] <= 2.6
         return Look(edges, place, dict.fromkeys(picker.REASONS, 0.02 / 3.0), states)
 
     monkeypatch.setattr(decision, "look", look)

@@ -12,13 +12,14 @@ from ropefric.errors import InputError
 from ropefric.systems.checks import Cases, ZeroOrMore
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction, told_by
+from ropefric.systems.press.creep import rim_speed_ratios
+from ropefric.systems.press.critical import CHANGES, critical
 from ropefric.systems.press.machine import Press
-from ropefric.systems.press.slip import CHANGES, SlipTable, critical
+from ropefric.systems.press.slip import SlipTable
 from ropefric.systems.press.statics import (
     Statics,
     SteadyState,
     TakeUp,
-    rim_speed_ratios,
     solve_statics,
     steady_state,
 )
@@ -47,7 +48,7 @@ def operated(
         own: dict[str, Any] = {"gravity_torque_N_m": gravity * one.gravity_torque_N_m}
         own["squeeze_torque_N_m"] = squeeze * one.squeeze_torque_N_m
         carrier = one.tensioner
-        if carrier is not None and preload_N is not None:
+        if carrier is not None and carrier.is_shared and preload_N is not None:
             carrier = replace(carrier, force_N=preload_N)
         rollers.append(replace(one, tensioner=carrier, **own))
     return replace(press, rollers=tuple(rollers))
@@ -138,6 +139,7 @@ def solve_press(model: PressModel) -> PressAnswer:
     at: dict[str, Any] = {"preload_N": problem.preload_N, "load_factor": problem.load_factor}
     # Where the steady run has a slack span the start-up still has an answer, with belts that lift off.
     at |= {"tensioner": take_up(model.effects), "on_slack": "refuse" if task is None else "flag"}
+    at |= {"friction": problem.friction, "told": model.told}
     state, still = (steady_state(statics, speed_m_s=way * problem.speed_m_s, **at) for way in (1.0, 0.0))
     moved = None
     if task is not None:

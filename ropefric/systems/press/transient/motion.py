@@ -75,16 +75,19 @@ class ElasticPress:
 def standstill_tension_N(press: Press) -> FloatArray:
     """Return the tensions of a press at rest and unloaded, shape (n_spans,) [N].
 
-    Without torques each belt has one tension all around, and the tensioners' balance k1 x + F = P T says which.
+    Without torques each belt has one tension all around: its pretension between fixed centres, else that of the
+    tensioners' balance k1 x + F = P T.
     """
-    by_belt = press.pull @ press.carried.T
-    force_N = np.array([one.spring_N_m * one.travel_m + one.force_N for one in press.tensioners.values()])
+    fixed = [belt.pretension_N is not None for belt in press.belts]
+    by_belt = np.vstack([press.pull @ press.carried.T, np.eye(len(fixed))[fixed]])
+    springs_N = [one.spring_N_m * one.travel_m for one in press.tensioners.values()]
+    force_N = press.preload_N + np.pad(springs_N, (0, sum(fixed)))
     if np.linalg.matrix_rank(by_belt) < len(press.belts) or len(force_N) > len(press.belts):
         raise InputError(
-            f"{len(force_N)} tensioners do not settle the standstill tensions of {len(press.belts)} belts",
+            f"{len(force_N)} tensioners and pretensions do not settle the standstill tensions of {len(fixed)} belts",
             code="RF521",
             key="preload_N",
-            fix="give each belt one tensioner",
+            fix="give each belt one tensioner or one pretension",
         )
     level_N = np.linalg.solve(by_belt, force_N)
     if not (level_N > 0.0).all():
@@ -434,7 +437,8 @@ PowerRows: TypeAlias = tuple[FloatArray, FloatArray, list[int]]
 
 def power_rows(motion: Motion) -> PowerRows:
     """Return the rows over w of all forces and speeds that have a power."""
-    pairs = power_pairs(motion)
+    none = np.zeros((1, motion.inputs.shape[1]))  # without tensioners
+    pairs = [(force, speed) if len(force) else (none, none) for force, speed in power_pairs(motion)]
     starts = np.cumsum([0, *(len(force) for force, _ in pairs[:-1])]).tolist()
     forces, speeds = (np.vstack(rows) for rows in zip(*pairs, strict=True))
     return forces, speeds, starts

@@ -1,0 +1,126 @@
+"""The level of the tensions of a press's belts between fixed centres, that keeps their unstretched length."""
+
+from contextlib import suppress
+from typing import NamedTuple
+
+import numpy as np
+
+from ropefric.arrays import FloatArray
+from ropefric.errors import SolverError
+from ropefric.systems.fixed_centres import excess_of_length
+from ropefric.systems.friction import EVERYTHING, WrapFriction
+from ropefric.systems.press.creep import own_tensions_N
+from ropefric.systems.press.machine import Belt, Press
+from ropefric.systems.press.slip import contacts_of
+
+_MAX_STEPS = 50
+_SMALL = 1e-5
+"""Share of the lowest tension by which levels are raised to find the slopes."""
+_SETTLED = 1e-13
+"""Of the largest tension, beside what rounding leaves of EA times a strain."""
+
+
+class _Way(NamedTuple):
+    """A fixed belt on its way round: its spans with their lengths, and the rollers and arcs that they run onto."""
+
+    belt: Belt
+    place: int
+    spans: list[int]
+    span_m: FloatArray
+    rollers: list[int]
+    arc_m: FloatArray
+
+
+def _ways(press: Press) -> list[_Way]:
+    place = {(span.start, span.end): i for i, span in enumerate(press.spans)}
+    names, found = [roller.name for roller in press.rollers], []
+    arcs_m = press.radius_m * np.array([roller.wrap_angle_rad for roller in press.rollers])
+    for belt in press.fixed_belts:
+        spans, rollers = [place[step] for step in belt.steps], [names.index(end) for _, end in belt.steps]
+        span_m = np.array(belt.span_lengths_m)
+        found.append(_Way(belt, press.belts.index(belt), spans, span_m, rollers, arcs_m[rollers]))
+    return found
+
+
+def level_rows(press: Press) -> FloatArray:
+    """Return the mean tension of each fixed belt along its length as rows over the spans, shape (n_fixed, n_spans).
+
+    Where belts run together each has its share of EA. This is the level at which a belt that adheres everywhere, and
+    that is much stiffer than it is tight, keeps its length.
+    """
+    rows = np.zeros((len(press.fixed_belts), len(press.spans)))
+    together_N = np.array([belt.axial_stiffness_N or 0.0 for belt in press.belts]) @ press.carried
+    for row, way in zip(rows, _ways(press), strict=True):
+        length_m = way.span_m + way.arc_m
+        row[way.spans] = length_m / length_m.sum() * way.belt.axial_stiffness_N / together_N[way.spans]
+    return rows
+
+
+def at_kept_lengths_N(
+    press: Press,
+    by_level: FloatArray,
+    effective_tension_N: FloatArray,
+    *,
+    pretension_N: FloatArray,
+    circling_N: FloatArray,
+    friction: float | WrapFriction,
+    told: frozenset[str] = EVERYTHING,
+    grip: FloatArray | float = 1.0,
+) -> FloatArray:
+    """Return T' at which all fixed belts have their unstretched length, shape (..., n_spans) as the T' to begin with.
+
+    `by_level` has what a newton of each one's level adds, `circling_N` ρAv² of every span, `grip` a factor on all
+    coefficients. Newton's method, with slopes from small differences of the levels.
+    """
+    ways, n_fixed = _ways(press), by_level.shape[1]
+
+    def excess_N(tension_N: FloatArray) -> FloatArray:
+        """Return the mean excess of each belt's tension along its length, shape (..., n_fixed)."""
+        contacts = contacts_of(press, tension_N)
+        exponent = contacts.exponent(friction, told) * grip
+        least_N = np.finfo(float).eps * np.abs(tension_N).max(axis=-1, keepdims=True)
+        after, before = (np.maximum(one, least_N) for one in (contacts.downstream_N, contacts.upstream_N))
+        growth, own_N = np.log(after / before), own_tensions_N(press, tension_N + circling_N)
+        found = []
+        for i, way in enumerate(ways):
+            arriving_N = own_N[..., way.place, way.spans]
+            excess_N_m = excess_of_length(
+                pretension_N[..., i],
+                way.belt.axial_stiffness_N or np.inf,
+                span_m=way.span_m,
+                arc_m=way.arc_m,
+                arriving_N=arriving_N,
+                leaving_N=np.roll(arriving_N, -1, axis=-1),
+                growth=growth[..., way.rollers],
+                exponent=exponent[..., way.rollers],
+            )
+            found.append(excess_N_m / (way.span_m + way.arc_m).sum())
+        return np.stack(found, axis=-1)
+
+    tension_N = effective_tension_N
+    # One case as it is, and one with each level raised, side by side.
+    raised = np.vstack([np.zeros(len(by_level)), by_level.T])
+    raised = raised.reshape(n_fixed + 1, *(1,) * (tension_N.ndim - 1), -1)
+    rounding_N = 4.0 * np.finfo(float).eps * max(way.belt.axial_stiffness_N or 0.0 for way in ways)
+    with suppress(np.linalg.LinAlgError):  # where a belt is strained without bound
+        for _ in range(_MAX_STEPS):
+            sizes_N = np.abs(tension_N)
+            lowest_N, largest_N = (one(sizes_N, axis=-1, keepdims=True) for one in (np.min, np.max))
+            small_N = _SMALL * np.maximum(lowest_N, _SMALL * largest_N)
+            here, *more = excess_N(tension_N + raised * small_N)
+            slopes = np.stack([one - here for one in more], axis=-1) / small_N[..., np.newaxis]
+            step_N = -np.linalg.solve(slopes, here[..., np.newaxis])[..., 0]
+            by_N = step_N @ by_level.T
+            # The slip arcs grow with the logarithm of T': a span loses nine tenths of it at most, until it pushes.
+            bound = (tension_N > np.finfo(float).eps * largest_N) & (tension_N + by_N < 0.1 * tension_N)
+            shares = np.divide(-0.9 * tension_N, by_N, out=np.ones_like(by_N), where=bound)
+            share = shares.min(axis=-1, keepdims=True)
+            tension_N, step_N = tension_N + share * by_N, share * step_N
+            if (np.abs(step_N) <= _SETTLED * largest_N + rounding_N).all():
+                return np.asarray(tension_N)
+    raise SolverError(
+        "no tensions keep the lengths of the belts between fixed centres",
+        code="RF500",
+        key=f"belts.{press.fixed_belts[0].name}.pretension_N",
+        fix="check EA, pretension and loads: a belt that is strained by tens of per cent is no elastic one",
+    )

@@ -325,7 +325,6 @@ def _parts(press: Press) -> Said:
 
 def _graph(press: Press) -> Said:
     seen: dict[tuple[str, str], tuple[str, float]] = {}
-    drivers = {roller.name for roller in press.drivers}
     for belt in press.belts:
         for step, length in zip(belt.steps, belt.span_lengths_m or (), strict=False):
             other, its = seen.setdefault(step, (belt.name, length))
@@ -335,22 +334,8 @@ def _graph(press: Press) -> Said:
             )
             wrong = not math.isclose(its, length, rel_tol=1e-9)
             yield wrong, f"belts.{belt.name}.span_lengths_m", message, ""
-        others = {name for other in press.belts if other is not belt for name in other.loop}
-        carriers = [name for name in belt.loop if name in press.tensioners and len(press.belts_on(name)) == 1]
-        message = (
-            f"belt '{belt.name}' has a pretension, but tensioner '{carriers[0]}' sets its tension"
-            if carriers
-            else ""
-        )
-        fix = "leave out the pretension, or let the roller be driven"
-        yield (
-            bool(carriers) and belt.pretension_N is not None,
-            f"belts.{belt.name}.pretension_N",
-            message,
-            fix,
-        )
-        message = f"nothing drives belt '{belt.name}': its loop has no driver"
-        yield not (drivers | others) & set(belt.loop), f"belts.{belt.name}.loop", message, ""
+    for belt in press.belts:
+        yield from _held(press, belt)
     for place, roller in enumerate(press.rollers):
         where, name, touching = f"rollers.{roller.name}", roller.name, press.belts_on(roller.name)
         yield not touching, where, f"no belt runs over roller '{name}'", "name it in the loop of a belt"
@@ -363,6 +348,20 @@ def _graph(press: Press) -> Said:
         most = int(max(one[place].sum() for one in (press.into, press.out_of)))
         message = f"{most} spans meet tensioner '{name}' on one side; it has one angle"
         yield roller.role == "tensioner" and most > 1, where, message, ""
+
+
+def _held(press: Press, belt: Belt) -> Said:
+    """Yield what a belt lacks that is driven and has one tension."""
+    where, drivers = f"belts.{belt.name}", {roller.name for roller in press.drivers}
+    others = {name for other in press.belts if other is not belt for name in other.loop}
+    message = f"nothing drives belt '{belt.name}': its loop has no driver"
+    yield not (drivers | others) & set(belt.loop), f"{where}.loop", message, ""
+    if belt.pretension_N is not None:
+        carriers = (press.tensioners.keys() & set(belt.loop)) - others
+        names = " and ".join(f"'{name}'" for name in sorted(carriers))
+        message = f"belt '{belt.name}' has a pretension, but tensioner {names} sets its tension"
+        fix = "leave out the pretension, or let the roller be driven"
+        yield bool(carriers), f"{where}.pretension_N", message, fix
 
 
 GRAVITY_M_S2 = 9.81

@@ -168,17 +168,8 @@ def solve_statics(press: Press, *, closure: str = "share") -> Statics:
     balances = np.vstack([press.incidence[press.is_driven], press.pull, level_rows(press)])
     rank, loads_N = _rank(balances), press.rim_load_N[press.is_driven]
     if rank < len(balances):
-        said = [f"torque of roller {roller.name}" for roller in press.rollers if roller.role != "driver"]
-        said += [f"travel of tensioner {name}" for name in carriers]
-        said += [f"level of belt {belt.name}" for belt in press.fixed_belts]
-        weights = np.abs(_free_motions(balances.T)).max(axis=0)
-        tied = [one for one, weight in zip(said, weights, strict=True) if weight > 0.0]
-        raise InputError(
-            f"these balances repeat each other, so that their loads would have to agree by chance: {', '.join(tied)}",
-            code="RF522",
-            fix="keep one tensioner a belt (let the other roller be driven), and give every machine a driver",
-        )
-    # What stands against the balances, a column each: springs, loads, one newton of each preload.
+        _refuse_repeated(press, balances)
+    # The right-hand sides of the balances, a column each: springs, loads, one newton of each preload.
     n, n_preloads = len(loads_N), len(press.preload_N)
     right = np.zeros((rank, 2 + n_preloads))
     right[n : n + len(carriers), 0] = [part.spring_N_m * part.travel_m for part in carriers.values()]
@@ -186,22 +177,44 @@ def solve_statics(press: Press, *, closure: str = "share") -> Statics:
     right[n:, 2:] = np.eye(n_preloads)
     undetermined = _open(balances, names)
     if undetermined:
-        statements, which, problem = CLOSURES[closure](press), f"the closure '{closure}' ", ""
+        statements = CLOSURES[closure](press)
         balances = np.vstack([balances, *(row for row, _ in statements)])
+        _refuse_unsettled(balances, names, undetermined, closure, len(statements))
         right = np.pad(right, ((0, len(statements)), (0, 0)))
         right[rank:, 0] = [value_N for _, value_N in statements]
-        if _rank(balances) < len(names):
-            problem = f"the balances leave {len(undetermined)} thing(s) open and {which}does not settle: "
-            problem += "; ".join(_open(balances, names))
-        elif len(statements) > len(undetermined):
-            problem = f"{which}makes {len(statements)} statements where {len(undetermined)} are open: "
-            problem += "; ".join(undetermined)
-        if problem:
-            fix = "give every belt a tensioner, or choose another closure"
-            raise InputError(problem, code="RF522", fix=fix)
     shares: FloatArray = np.asarray(np.linalg.solve(balances, right), dtype=np.float64)
     known = (press, closure if undetermined else "", rank, undetermined)
     return Statics(*known, shares[:, 0], shares[:, 1], shares[:, 2:])
+
+
+def _refuse_repeated(press: Press, balances: FloatArray) -> None:
+    said = [f"torque of roller {roller.name}" for roller in press.rollers if roller.role != "driver"]
+    said += [f"travel of tensioner {name}" for name in press.tensioners]
+    said += [f"level of belt {belt.name}" for belt in press.fixed_belts]
+    weights = np.abs(_free_motions(balances.T)).max(axis=0)
+    tied = [one for one, weight in zip(said, weights, strict=True) if weight > 0.0]
+    raise InputError(
+        f"these balances repeat each other, so that their loads would have to agree by chance: {', '.join(tied)}",
+        code="RF522",
+        fix="keep one tensioner a belt (let the other roller be driven), and give every machine a driver",
+    )
+
+
+def _refuse_unsettled(
+    balances: FloatArray, names: Sequence[str], undetermined: Sequence[str], closure: str, n_statements: int
+) -> None:
+    """Refuse a closure that, beside the balances, makes too few or too many statements."""
+    if _rank(balances) < len(names):
+        problem = f"the balances leave {len(undetermined)} thing(s) open and the closure '{closure}' does not settle: "
+        problem += "; ".join(_open(balances, names))
+    elif n_statements > len(undetermined):
+        problem = (
+            f"the closure '{closure}' makes {n_statements} statements where {len(undetermined)} are open: "
+        )
+        problem += "; ".join(undetermined)
+    else:
+        return
+    raise InputError(problem, code="RF522", fix="give every belt a tensioner, or choose another closure")
 
 
 TakeUp: TypeAlias = Literal["locked", "elastic", "floating"]

@@ -191,32 +191,65 @@ def start_up(
 
     following = _following(model, friction, told) if follows else None
     exponents, follow = following or (None, None)
+    how: dict[str, Any] = {"limit": limit if slips else None, "follow": follow, **settings}
+    *attempts, last = (
+        _ways(model, inputs, times, integrator, in_grid=not exact_switching, **how)
+        if slips or integrator == "exact"
+        else [(partial(_stepped, model, inputs, times, integrator, **settings), _LINEAR_CLOSES)]
+    )
 
-    def made(solution: Solved, share: float) -> StartUp:
-        found = _histories(model, inputs, limit, times, solution, exponents=exponents)
+    def made(solve: Callable[[], Solved], share: float) -> StartUp:
+        found = _histories(model, inputs, limit, times, solve(), exponents=exponents)
         found.energy.check(times, share, loads_take=bool((press.rim_load_N[model.driven] >= 0.0).all()))
         return found
 
-    if not slips and integrator != "exact":
-        problem = LinearStartUp(model=model, inputs=inputs)
-        states, works = np.split(
-            INTEGRATORS[integrator](problem, times, **settings), [problem.n_state], axis=1
-        )
-        return made(([problem.motion] * len(times), states, works, []), _LINEAR_CLOSES)
-    if slips and integrator == "rk4":
+    for solve, share in attempts:
+        with suppress(SolverError):
+            return made(solve, share)
+    return made(*last)
+
+
+_Way: TypeAlias = tuple[Callable[[], "Solved"], float]
+"""A way of solving a start-up, and the share of the energy that may be missing from what it finds."""
+
+
+def _ways(
+    model: ElasticPress,
+    inputs: Inputs,
+    times_s: FloatArray,
+    integrator: str,
+    *,
+    in_grid: bool,
+    limit: FrictionLimit | None,
+    follow: Callable[[FloatArray], FrictionLimit] | None,
+    **settings: float | None,
+) -> list[_Way]:
+    """Return the ways of solving a start-up, the quickest first; the last one settles it."""
+    if integrator == "rk4":
         stepped = RK4Solver(model, inputs, limit, follow=follow)
-        stepped.steps = _rk4_steps(times, settings.get("step_s"))
-        return made(_solved(stepped, times), GRID_ERROR)
-    if slips and not exact_switching and _even(times):
-        # Where no grid is fine enough, or what it finds does not add up, the exact moments are searched for.
-        with suppress(SolverError):
-            return made(_solved(GridSolver(model, inputs, limit, follow=follow), times), GRID_ERROR)
-    if not slips:
+        stepped.steps = _rk4_steps(times_s, settings.get("step_s"))
+        return [(partial(_solved, stepped, times_s), GRID_ERROR)]
+    found: list[_Way] = []
+    if limit is None:
         # The linear model, as long as no load drives it.
-        with suppress(SolverError):
-            return made(_solved(HybridSolver(model, inputs, None, drags=False), times), _LINEAR_CLOSES)
-    solver = HybridSolver(model, inputs, limit if slips else None, follow=follow)
-    return made(_solved(solver, times), _CLOSES)
+        linear = HybridSolver(model, inputs, None, drags=False)
+        found.append((partial(_solved, linear, times_s), _LINEAR_CLOSES))
+    elif in_grid and _even(times_s):
+        # Where no grid is fine enough, or what it finds does not add up, the exact moments are searched for.
+        grid = GridSolver(model, inputs, limit, follow=follow)
+        found.append((partial(_solved, grid, times_s), GRID_ERROR))
+    exact = HybridSolver(model, inputs, limit, follow=follow)
+    return [*found, (partial(_solved, exact, times_s), _CLOSES)]
+
+
+def _stepped(
+    model: ElasticPress, inputs: Inputs, times_s: FloatArray, integrator: str, **settings: float | None
+) -> "Solved":
+    """Return the motion of the linear model by an integrator that knows no changes of contact."""
+    problem = LinearStartUp(model=model, inputs=inputs)
+    found = INTEGRATORS[integrator](problem, times_s, **settings)
+    states, works = np.split(found, [problem.n_state], axis=1)
+    return [problem.motion] * len(times_s), states, works, []
 
 
 def _following(

@@ -408,15 +408,15 @@ def _outcomes(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ...]
     """Return what a start-up amounts to: the extremes, whether and how long anything slipped, and the works."""
     if answer.start_up is None:
         return ()
-    told = answer.start_up.summary()
+    summary = answer.start_up.summary()
     found = {
-        "peak_tension_N": max(told["peak_tension_N"].values()),
-        "lowest_tension_N": min(told["lowest_tension_N"].values()),
-        "peak_utilisation": max(told["peak_utilisation"].values(), default=math.nan),
-        "slips": float(bool(told["slipping_s"])),
-        "slipping_s": sum(told["slipping_s"].values()),
-        "drive_work_J": told["drive_work_J"],
-        "slip_loss_J": told["slip_loss_J"],
+        "peak_tension_N": max(summary["peak_tension_N"].values()),
+        "lowest_tension_N": min(summary["lowest_tension_N"].values()),
+        "peak_utilisation": max(summary["peak_utilisation"].values(), default=math.nan),
+        "slips": float(bool(summary["slipping_s"])),
+        "slipping_s": sum(summary["slipping_s"].values()),
+        "drive_work_J": summary["drive_work_J"],
+        "slip_loss_J": summary["slip_loss_J"],
     }
     return tuple(kind.Quantity(f"start_up.{name}", np.array([value])) for name, value in found.items())
 

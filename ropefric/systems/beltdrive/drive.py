@@ -11,7 +11,7 @@ from ropefric.errors import SolverError
 from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
 from ropefric.systems.fixed_centres import excess_of_length
-from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
+from ropefric.systems.friction import WrapFriction, refuse_no_ratio, regressors_of
 
 CLOSURES = ("limit", "tensioner", "fixed", "lever")
 _MAX_STEPS = 200
@@ -241,9 +241,9 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
 def _coefficients(model: DriveModel, slack_N: FloatArray) -> FloatArray:
     """Return mu' of driving and driven pulley, shape (2, n); NaN where there is no driven one."""
     problem = model.problem
-    thin_m, told = problem.rope_radius_m, told_by(model.effects)
+    thin_m, regressors = problem.rope_radius_m, regressors_of(model.effects)
     found = [
-        problem.friction.exponent(radius_m, thin_m, wrap_rad, slack_N, told=told) / wrap_rad
+        problem.friction.exponent(radius_m, thin_m, wrap_rad, slack_N, regressors=regressors) / wrap_rad
         for radius_m, wrap_rad in problem.pulleys
     ]
     wedge = np.ones(problem.n)

@@ -18,7 +18,7 @@ from ropefric.systems.friction import WrapFriction
 GRAVITY_M_S2 = 9.80665
 """Standard acceleration of gravity [m/s2]."""
 
-TOLD = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
+REGRESSORS_OF = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
 """Regressors that each of the law's own effects gives it."""
 
 _LARGEST = float(np.log(np.finfo(np.float64).max))
@@ -174,7 +174,7 @@ def _exponent(model: HoistModel, slack_N: FloatArray) -> partial[FloatArray]:
         problem.wheel_radius_m,
         problem.rope_radius_m,
         slack_tension_N=slack_N,
-        told=frozenset(TOLD[name] for name in model.effects & TOLD.keys()),
+        regressors=frozenset(REGRESSORS_OF[name] for name in model.effects & REGRESSORS_OF.keys()),
     )
 
 

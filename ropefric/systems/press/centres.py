@@ -64,7 +64,7 @@ def at_kept_lengths_N(
     pretension_N: FloatArray,
     circling_N: FloatArray,
     friction: float | WrapFriction,
-    told: frozenset[str] = EVERYTHING,
+    regressors: frozenset[str] = EVERYTHING,
     grip: FloatArray | float = 1.0,
 ) -> FloatArray:
     """Return T' at which all fixed belts have their unstretched length, shape (..., n_spans) as the T' to begin with.
@@ -77,7 +77,7 @@ def at_kept_lengths_N(
     def excess_N(tension_N: FloatArray) -> FloatArray:
         """Return the mean excess of each belt's tension along its length, shape (..., n_fixed)."""
         contacts = contacts_of(press, tension_N)
-        exponent = contacts.exponent(friction, told) * grip
+        exponent = contacts.exponent(friction, regressors) * grip
         least_N = np.finfo(float).eps * np.abs(tension_N).max(axis=-1, keepdims=True)
         after, before = (np.maximum(one, least_N) for one in (contacts.downstream_N, contacts.upstream_N))
         growth, own_N = np.log(after / before), own_tensions_N(press, tension_N + circling_N)

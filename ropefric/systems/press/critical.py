@@ -61,7 +61,7 @@ class _Change:
     friction: float | WrapFriction
     name: str
     tensioner: TakeUp
-    told: frozenset[str]
+    regressors: frozenset[str]
     now: float
     linear_N: FloatArray
     slope: FloatArray
@@ -77,7 +77,7 @@ class _Change:
             self.tensioner,
             self.friction,
             pretension_N=pretensions_N + by[..., np.newaxis] * (self.name == "preload"),
-            told=self.told,
+            regressors=self.regressors,
         )
 
     @cached_property
@@ -91,7 +91,7 @@ class _Change:
     def reserve_N(self, amount: npt.ArrayLike) -> FloatArray:
         """Return the friction that is left on each roller, shape (..., n_rollers); inf where it carries no torque."""
         there = contacts_of(self.statics.press, self.tension_N(amount))
-        left_N = there.slack_N * np.expm1(there.exponent(self.friction, self.told)) - there.pull_N
+        left_N = there.slack_N * np.expm1(there.exponent(self.friction, self.regressors)) - there.pull_N
         return np.where(self.idle, np.inf, left_N)
 
     def _end(self, way: str) -> float:
@@ -157,7 +157,7 @@ def critical(
     change: str,
     *,
     tensioner: TakeUp = "locked",
-    told: frozenset[str] = EVERYTHING,
+    regressors: frozenset[str] = EVERYTHING,
 ) -> Critical:
     """Return where the first roller slips as one thing changes from what it is today, or the last one stops.
 
@@ -172,7 +172,7 @@ def critical(
     linear_N = statics.given_N + statics.by_preload @ press.preload_N + statics.by_load_N
     linear_N = linear_N + press.speed_m_s**2 * slopes["speed"]
     if change == "friction":
-        return _by_friction(statics, friction, linear_N, tensioner, told)
+        return _by_friction(statics, friction, linear_N, tensioner, regressors)
     preload_N = float(press.preload_N.mean()) if press.preload_N.size else 0.0
     now = {"preload": preload_N, "load": 1.0, "speed": press.speed_m_s**2}[change]
     path_of = _Change(
@@ -180,7 +180,7 @@ def critical(
         friction=friction,
         name=change,
         tensioner=tensioner,
-        told=told,
+        regressors=regressors,
         now=now,
         linear_N=linear_N,
         slope=slopes[change],
@@ -205,7 +205,7 @@ def _by_friction(
     friction: float | WrapFriction,
     linear_N: FloatArray,
     tensioner: TakeUp,
-    told: frozenset[str],
+    regressors: frozenset[str],
 ) -> Critical:
     """Return where slip begins or ends as all coefficients change in proportion."""
     press = statics.press
@@ -214,8 +214,10 @@ def _by_friction(
         """Return the slip at the tensions for a factor on all coefficients; one for each roller, row by row."""
         rows = np.broadcast_to(linear_N, (*np.shape(grip), len(press.spans)))
         share = np.asarray(grip)[..., np.newaxis] if np.ndim(grip) else grip
-        kept_N = kept_lengths_N(statics, rows, press.speed_m_s**2, tensioner, friction, told=told, grip=share)
-        return SlipTable(press, kept_N, friction, told=told)
+        kept_N = kept_lengths_N(
+            statics, rows, press.speed_m_s**2, tensioner, friction, regressors=regressors, grip=share
+        )
+        return SlipTable(press, kept_N, friction, regressors=regressors)
 
     slip = slip_at(1.0)
     required, ranks = slip.mu_required, slip.log if slip.exponent.all() else slip.mu_required

@@ -46,7 +46,7 @@ class Contacts(NamedTuple):
     def exponent(
         self,
         friction: float | WrapFriction,
-        told: frozenset[str] = EVERYTHING,
+        regressors: frozenset[str] = EVERYTHING,
         share: float | FloatArray = 1.0,
     ) -> FloatArray:
         """Return M over a share of the wrap from the slack side on, shape (..., n_rollers)."""
@@ -56,7 +56,7 @@ class Contacts(NamedTuple):
         slack_N = np.maximum(self.slack_N, LEAST_SLACK_N) if friction.law.effects else 1.0
         wrap_rad = self.wrap_angle_rad * share
         exponent = friction.exponent(
-            self.radius_m, self.half_thickness_m, wrap_rad, slack_N, told=told, places=1
+            self.radius_m, self.half_thickness_m, wrap_rad, slack_N, regressors=regressors, places=1
         )
         bad = ~((exponent >= 0.0) & (exponent < _LARGEST_EXPONENT))
         if bad.any():
@@ -113,11 +113,11 @@ class SlipTable:
         effective_tension_N: npt.ArrayLike,
         friction: float | WrapFriction,
         *,
-        told: frozenset[str] = EVERYTHING,
+        regressors: frozenset[str] = EVERYTHING,
     ) -> None:
         self.contacts = contacts_of(press, effective_tension_N)
         self.rollers = tuple(self.contacts.roller.tolist())
-        self.exponent = self.contacts.exponent(friction, told)
+        self.exponent = self.contacts.exponent(friction, regressors)
 
     @cached_property
     def utilisation(self) -> FloatArray:

@@ -264,7 +264,7 @@ def kept_lengths_N(
     friction: float | WrapFriction | None,
     *,
     pretension_N: FloatArray | None = None,
-    told: frozenset[str] = EVERYTHING,
+    regressors: frozenset[str] = EVERYTHING,
     grip: FloatArray | float = 1.0,
 ) -> FloatArray:
     """Return T' of all spans, shape (..., n_spans): linear, but where belts between fixed centres keep their lengths.
@@ -289,7 +289,7 @@ def kept_lengths_N(
         pretension_N=press.preload_N[-n_fixed:] if pretension_N is None else pretension_N,
         circling_N=np.multiply.outer(v_squared, press.density_kg_m * (tensioner != "floating")),
         friction=friction,
-        told=told,
+        regressors=regressors,
         grip=grip,
     )
 
@@ -336,7 +336,7 @@ def steady_state(
     tensioner: TakeUp = "locked",
     on_slack: Literal["refuse", "flag"] = "refuse",
     friction: float | WrapFriction | None = None,
-    told: frozenset[str] = EVERYTHING,
+    regressors: frozenset[str] = EVERYTHING,
 ) -> SteadyState:
     """Return the tensions of a steady run, eqs. (23)-(36) and (39); a preload given is that of all tensioners.
 
@@ -366,7 +366,7 @@ def steady_state(
             by_span = by_span + share.reshape(spans) * acting
     linear_N = np.moveaxis(by_span, 0, -1)
     kept_N = kept_lengths_N(
-        statics, linear_N, np.broadcast_to(speed, shape) ** 2, tensioner, friction, told=told
+        statics, linear_N, np.broadcast_to(speed, shape) ** 2, tensioner, friction, regressors=regressors
     )
     by_span = np.moveaxis(kept_N, -1, 0)
     slack = by_span.min(axis=0, initial=np.inf) <= 0.0

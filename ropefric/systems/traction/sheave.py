@@ -8,7 +8,7 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
-from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
+from ropefric.systems.friction import WrapFriction, refuse_no_ratio, regressors_of
 
 GRAVITY_M_S2 = 9.81
 CASES = ("loading", "braking-up", "braking-down", "stalled")
@@ -214,7 +214,7 @@ def _coefficients(model: TractionModel, tight_N: FloatArray, slack_N: FloatArray
         # Where nothing pulls on the slack side, what pulls on the tight side presses.
         pressing_N = np.where(slack_N > 0.0, slack_N, tight_N) / problem.rope_count
         contact = (problem.wheel_radius_m, problem.rope_radius_m, problem.wrap_angle_rad, pressing_N)
-        mu = friction.exponent(*contact, told=told_by(model.effects)) / problem.wrap_angle_rad
+        mu = friction.exponent(*contact, regressors=regressors_of(model.effects)) / problem.wrap_angle_rad
     mu[_BRAKING] /= 1.0 + model.part("speed", problem.speed_m_s) / _SPEED_SCALE_M_S
     return mu
 

@@ -132,7 +132,7 @@ def test_a_law_that_feels_the_tension_is_told_what_presses_on_the_slack_side():
     found = solved(problem)
     exponent = friction.exponent(
         wheel_radius_m=0.15, rope_radius_m=0.005, wrap_angle_rad=3.0, slack_tension_N=found.full_slack_N,
-        told=frozenset({"wrap", "end-tension", "size"}),
+        regressors=frozenset({"wrap", "end-tension", "size"}),
     )  # fmt: skip
     assert found.full_slack_N[0] == pytest.approx(1000.0 * np.exp(-exponent)[0], rel=1e-12)
 

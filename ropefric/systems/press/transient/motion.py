@@ -141,7 +141,7 @@ def _gauss() -> tuple[FloatArray, FloatArray]:
 def friction_limit(
     model: ElasticPress,
     friction: float | WrapFriction,
-    told: frozenset[str] = EVERYTHING,
+    regressors: frozenset[str] = EVERYTHING,
     slack_N: FloatArray | None = None,
 ) -> FrictionLimit:
     """Return what gross slip on each roller is governed by, with the law at the tensions of the standstill.
@@ -152,7 +152,7 @@ def friction_limit(
     if slack_N is not None:
         slack_N = np.maximum(slack_N, LEAST_SLACK_N)
         contacts = contacts._replace(upstream_N=slack_N, downstream_N=slack_N)
-    exponent = contacts.exponent(friction, told)
+    exponent = contacts.exponent(friction, regressors)
     grip = np.expm1(exponent)
     if slack_N is None and grip.min() < _LEAST_GRIP:
         weakest = int(np.argmin(grip))
@@ -167,13 +167,15 @@ def friction_limit(
     nodes, weights = _gauss()
     u = 0.5 * (nodes + 1.0)
     shape = (_NODES, *(1,) * exponent.ndim)
-    left = exponent - contacts.exponent(friction, told, share=u.reshape(shape) ** 4)
+    left = exponent - contacts.exponent(friction, regressors, share=u.reshape(shape) ** 4)
     swell = np.tensordot(2.0 * weights * u**3, np.expm1(left), axes=1)
     growth, share = np.exp(exponent), 1.0 / (1.0 + swell)
     if slack_N is None:
         return FrictionLimit(growth, share)
     tighter = slack_N * np.exp(_PROBE)
-    steep = contacts._replace(upstream_N=tighter, downstream_N=tighter).exponent(friction, told) - exponent
+    steep = (
+        contacts._replace(upstream_N=tighter, downstream_N=tighter).exponent(friction, regressors) - exponent
+    )
     slope = steep / _PROBE  # dM/d ln T'
     width = np.sqrt(2.0 * _TANGENT_ERROR / np.maximum(np.abs(slope), _TANGENT_ERROR))
     return FrictionLimit(growth * (1.0 + slope), share, -growth * slope * slack_N, slack_N, width)

@@ -164,7 +164,7 @@ def start_up(
     effects: Collection[str] = MOVING,
     integrator: str = "exact",
     exact_switching: bool = True,
-    told: frozenset[str] = EVERYTHING,
+    regressors: frozenset[str] = EVERYTHING,
     follows: bool = False,
     **settings: float | None,
 ) -> StartUp:
@@ -180,7 +180,7 @@ def start_up(
     times = _checked(time_s)
     model = ElasticPress(press, effects=effects)
     inputs = press_inputs(model.overspeed, speed, loads)
-    limit = None if friction is None else friction_limit(model, friction, told)
+    limit = None if friction is None else friction_limit(model, friction, regressors)
     slips = limit is not None and slip and integrator in {"exact", "rk4"}
     if slips and not (model.arc_mass_kg > 0.0).all():
         raise InputError(
@@ -189,7 +189,7 @@ def start_up(
             fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
         )
 
-    following = _following(model, friction, told) if follows else None
+    following = _following(model, friction, regressors) if follows else None
     exponents, follow = following or (None, None)
     how: dict[str, Any] = {"limit": limit if slips else None, "follow": follow, **settings}
     *attempts, last = (
@@ -253,7 +253,7 @@ def _stepped(
 
 
 def _following(
-    model: ElasticPress, friction: float | WrapFriction | None, told: frozenset[str]
+    model: ElasticPress, friction: float | WrapFriction | None, regressors: frozenset[str]
 ) -> tuple[Callable[[FloatArray], FloatArray], Callable[[FloatArray], FrictionLimit]] | None:
     """Return M and the limit of slip at slack sides, where friction follows the tensions; None where it cannot."""
     if not (isinstance(friction, WrapFriction) and ON_TENSION & set(friction.law.effects)):
@@ -261,9 +261,9 @@ def _following(
     contacts = contacts_of(model.press, model.preload_N)
 
     def exponents(slack_N: FloatArray) -> FloatArray:
-        return contacts._replace(upstream_N=slack_N, downstream_N=slack_N).exponent(friction, told)
+        return contacts._replace(upstream_N=slack_N, downstream_N=slack_N).exponent(friction, regressors)
 
-    return exponents, partial(friction_limit, model, friction, told)
+    return exponents, partial(friction_limit, model, friction, regressors)
 
 
 Solved: TypeAlias = tuple[list[Motion], FloatArray, FloatArray, Sequence[tuple[float, Guard]]]
@@ -312,11 +312,11 @@ def largest_difference(found: StartUp, other: StartUp) -> float:
     Tensions are compared by the greatest of their span or where it settles, use of friction by 1 where it is less,
     times by the time simulated, works by the greatest of all.
     """
-    told, wanted = found.summary(), other.summary()
-    for one in (told, wanted):
+    summary, wanted = found.summary(), other.summary()
+    for one in (summary, wanted):
         one["settled_tension_N"] = one["settled_tension_N"] or {}
-    if told["at_end"] != wanted["at_end"] or any(
-        told[what].keys() != wanted[what].keys() for what in ("first_slip_s", "settled_tension_N")
+    if summary["at_end"] != wanted["at_end"] or any(
+        summary[what].keys() != wanted[what].keys() for what in ("first_slip_s", "settled_tension_N")
     ):
         return math.inf
     time_s, peak_N = float(other.time_s[-1]), wanted["peak_tension_N"]
@@ -332,10 +332,10 @@ def largest_difference(found: StartUp, other: StartUp) -> float:
     apart = [
         abs(one - wanted[what][name]) / max(size[name], 1e-300) if one != wanted[what][name] else 0.0
         for what, size in sizes.items()
-        for name, one in told[what].items()
+        for name, one in summary[what].items()
     ]
     works = [
-        abs(told[what] - wanted[what]) / other.energy.scale_J for what in ("drive_work_J", "slip_loss_J")
+        abs(summary[what] - wanted[what]) / other.energy.scale_J for what in ("drive_work_J", "slip_loss_J")
     ]
     return max(float(one) if math.isfinite(one) else math.inf for one in (*apart, *works))
 

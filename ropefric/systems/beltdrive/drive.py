@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize.elementwise import find_root
 
-from ropefric.arrays import BoolArray, FloatArray
+from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import SolverError
 from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
@@ -15,7 +16,6 @@ from ropefric.systems.friction import WrapFriction, refuse_no_ratio, regressors_
 
 CLOSURES = ("limit", "tensioner", "fixed", "lever")
 _MAX_STEPS = 200
-_SETTLED = 1e-15
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -351,20 +351,23 @@ def _kept_length_N(
 ) -> FloatArray:
     """Return what presses on the slack side where the belt keeps its length between fixed centres, shape (n,) [N].
 
-    0 where the belt would have to push. The excess of length falls as the tensions grow, so the root is bracketed; a
-    secant step is taken where it falls into the bracket's better half (Illinois).
+    0 where the belt would have to push. The excess of length falls as the tensions grow, so the root is bracketed.
     """
     problem = model.problem
-    tension_N, circling_N = problem.tension_N, model.part("centrifugal", problem.circling_N)
+    circling_N = model.part("centrifugal", problem.circling_N)
     stretches = "creep" in model.effects and problem.axial_stiffness_N is not None
     stiffness_N = problem.axial_stiffness_N if stretches and problem.axial_stiffness_N is not None else np.inf
     arcs_m = np.stack([radius_m * wrap_rad for radius_m, wrap_rad in problem.pulleys], axis=-1)
 
-    def excess(slack_N: FloatArray) -> FloatArray:
+    high_N = problem.tension_N - circling_N
+
+    def excess(some_N: FloatArray, cases: IntArray) -> FloatArray:
         """Return the excess of length round the belt: tight side, driving pulley, slack side, driven pulley."""
+        slack_N = high_N.copy()
+        slack_N[cases] = some_N
         ends = np.stack([tight_of(slack_N), slack_N], axis=-1)
         falls = np.log(ends[..., 1] / ends[..., 0])
-        return excess_of_length(
+        found = excess_of_length(
             problem.tension_N,
             stiffness_N,
             span_m=np.asarray(problem.span_m)[:, np.newaxis],
@@ -374,23 +377,11 @@ def _kept_length_N(
             growth=np.stack([falls, -falls], axis=-1),
             exponent=exponents.T,
         )
+        return found[cases]
 
-    high, low = tension_N - circling_N, np.zeros(problem.n)
-    low = np.maximum(low, 1e-12 * high)
-    at_low, at_high = excess(low), excess(high)
-    pushed = at_low <= 0.0
-    for _ in range(_MAX_STEPS):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            middle = high - at_high * (high - low) / (at_high - at_low)
-        middle = np.where((middle > low) & (middle < high), middle, 0.5 * (low + high))
-        found = excess(middle)
-        longer = found > 0.0
-        # The end that stays counts half, so that it does not stay for ever.
-        at_low, at_high = np.where(longer, found, 0.5 * at_low), np.where(longer, 0.5 * at_high, found)
-        low, high = np.where(longer, middle, low), np.where(longer, high, middle)
-        if (pushed | (high - low <= _SETTLED * high) | (found == 0.0)).all():
-            break
-    return np.where(pushed, 0.0, np.where(found == 0.0, middle, 0.5 * (low + high)))
+    bracket = 1e-12 * high_N, high_N
+    found = find_root(excess, bracket, args=(np.arange(problem.n),), tolerances={"xatol": 0.0})
+    return np.where(found.success, found.x, 0.0)
 
 
 def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize.elementwise import find_root
 
-from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
 from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
 from ropefric.systems.fixed_centres import excess_of_length
 from ropefric.systems.friction import WrapFriction, refuse_no_ratio, regressors_of
+from ropefric.systems.roots import roots_of_cases
 
 CLOSURES = ("limit", "tensioner", "fixed", "lever")
 _MAX_STEPS = 200
@@ -359,15 +359,11 @@ def _kept_length_N(
     stiffness_N = problem.axial_stiffness_N if stretches and problem.axial_stiffness_N is not None else np.inf
     arcs_m = np.stack([radius_m * wrap_rad for radius_m, wrap_rad in problem.pulleys], axis=-1)
 
-    high_N = problem.tension_N - circling_N
-
-    def excess(some_N: FloatArray, cases: IntArray) -> FloatArray:
+    def excess(slack_N: FloatArray) -> FloatArray:
         """Return the excess of length round the belt: tight side, driving pulley, slack side, driven pulley."""
-        slack_N = high_N.copy()
-        slack_N[cases] = some_N
         ends = np.stack([tight_of(slack_N), slack_N], axis=-1)
         falls = np.log(ends[..., 1] / ends[..., 0])
-        found = excess_of_length(
+        return excess_of_length(
             problem.tension_N,
             stiffness_N,
             span_m=np.asarray(problem.span_m)[:, np.newaxis],
@@ -377,11 +373,9 @@ def _kept_length_N(
             growth=np.stack([falls, -falls], axis=-1),
             exponent=exponents.T,
         )
-        return found[cases]
 
-    bracket = 1e-12 * high_N, high_N
-    found = find_root(excess, bracket, args=(np.arange(problem.n),), tolerances={"xatol": 0.0})
-    return np.where(found.success, found.x, 0.0)
+    high_N = problem.tension_N - circling_N
+    return np.nan_to_num(roots_of_cases(excess, 1e-12 * high_N, high_N))
 
 
 def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:

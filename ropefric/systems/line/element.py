@@ -255,11 +255,8 @@ class Passage(NamedTuple):
         friction = self.model.problem.friction
         if bend.mu is not None or friction is None or not friction.law.effects & _BEND_M:
             return np.asarray(exprel(self.exponent(bend, contact, pressing_N)))
-        parts = [
-            part * np.exp(self.exponent(bend, share * contact, pressing_N))
-            for share, part in zip(_SHARES.tolist(), _PARTS.tolist(), strict=True)
-        ]
-        return np.asarray(sum(parts))
+        shares = np.multiply.outer(_SHARES, contact)  # all places and cases in one call of the law
+        return np.asarray(_PARTS @ np.exp(self.exponent(bend, shares, pressing_N)))
 
 
 class Contact(NamedTuple):

@@ -161,14 +161,7 @@ def measure_studies(
     machine, are not measured again, so that the same call continues where another ended.
     """
     effort = effort or (QUICK if quick else FULL)
-    how = (software(), this_machine().line, effort)
-    planned = [
-        _Piece(_name_of(how, study, case, setting), study, case, place, setting)
-        for study in studies
-        for case in study.cases
-        for place, setting in enumerate(_settings(case))
-        if setting.quick or not quick
-    ]
+    planned = list(_pieces(studies, effort, quick=quick))
     found: dict[str, list[Measured]] = {study.name: [] for study in studies}
     for done, (piece, point) in enumerate(_measured(planned, effort, executor, kept), start=1):
         found[piece.study.name].append(point)
@@ -177,6 +170,16 @@ def measure_studies(
             said = f"{piece.study.name}: {piece.case.name}, {one.method} {one.setting}".rstrip()
             progress(done, len(planned), said)
     return tuple(StudyResult(study=study, points=tuple(found[study.name]), quick=quick) for study in studies)
+
+
+def _pieces(studies: Sequence[Study], effort: Effort, *, quick: bool) -> Iterator["_Piece"]:
+    """Yield the settings of all cases of all studies; of a quick look some."""
+    how = (software(), this_machine().line, effort)
+    for study in studies:
+        for case in study.cases:
+            for place, setting in enumerate(_settings(case)):
+                if setting.quick or not quick:
+                    yield _Piece(_name_of(how, study, case, setting), study, case, place, setting)
 
 
 def _measured(

@@ -265,20 +265,20 @@ def carry_through(
     """
     if source is None or source.fit is None:
         return tuple(_with_std(one, np.zeros_like(one.value), 0.0) for one in nominal)
-    fit, ends = source.fit, None
-    if has_interval(fit) and np.isfinite(fit.covariance).all():
-        columns = directions(fit.covariance)
-        columns = columns[:, columns.any(axis=0)]
-        # A law at the edge of where it has an answer has no slope there.
-        with suppress(RopefricError):
-            ends = [
-                [solve(replace(source.friction, theta=source.friction.theta + way)) for way in (step, -step)]
-                for step in _STEP * columns.T
-            ]
-    if ends is None:
-        return tuple(_with_std(one, np.full_like(one.value, np.nan), np.nan) for one in nominal)
+    fit, friction, found = source.fit, source.friction, []
+    unknown = tuple(_with_std(one, np.full_like(one.value, np.nan), np.nan) for one in nominal)
+    if not (has_interval(fit) and np.isfinite(fit.covariance).all()):
+        return unknown
+    columns = directions(fit.covariance)
+    columns = columns[:, columns.any(axis=0)]
+    try:
+        ends = [
+            [solve(replace(friction, theta=friction.theta + way)) for way in (step, -step)]
+            for step in _STEP * columns.T
+        ]
+    except RopefricError:
+        return unknown  # a law at the edge of where it has an answer has no slope there
     spread_of = _spreads(fit, columns, level)
-    found = []
     for place, one in enumerate(nominal):
         slopes = [_slope(up[place], down[place]) for up, down in ends]
         std, reach = spread_of(np.array(slopes).reshape(len(ends), one.value.size))

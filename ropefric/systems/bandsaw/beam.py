@@ -425,14 +425,15 @@ def _between_few(beams: list[ScaledBeam], n_modes: int, accuracy: float) -> Floa
         beam = ScaledBeam.at_speed(math.exp(log_stiffness), speed, beams[0].ends)
         return np.log(solve_beam(beam, n_modes, accuracy=accuracy).frequencies)
 
+    def table_at(log_stiffnesses: list[float], speeds: list[float]) -> FloatArray:
+        return np.array([[log_frequencies(one, speed) for speed in speeds] for one in log_stiffnesses])
+
     before = np.full(1, np.inf)
     for count in _NODES:
         axes, to_cases = zip(*(_nodes_between(values, count) for values in at.T), strict=True)
         if 2 * math.prod(axis.size for axis in axes) > len(beams):
             return None
-        stiff, fast = (axis.tolist() for axis in axes)
-        table = np.array([[log_frequencies(one, speed) for speed in fast] for one in stiff])
-        found = np.einsum("ni,nj,ijm->nm", *to_cases, table)
+        found = np.einsum("ni,nj,ijm->nm", *to_cases, table_at(*(axis.tolist() for axis in axes)))
         change = float(np.abs(found - before).max())
         if change <= accuracy:
             return np.asarray(np.exp(found))

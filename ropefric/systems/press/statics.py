@@ -214,7 +214,9 @@ def _refuse_unsettled(
         problem += "; ".join(undetermined)
     else:
         return
-    raise InputError(problem, code="RF522", fix="give every belt a tensioner, or choose another closure")
+    raise InputError(
+        problem, code="RF522", fix="give every belt a tensioner or a pretension, or choose another closure"
+    )
 
 
 TakeUp: TypeAlias = Literal["locked", "elastic", "floating"]

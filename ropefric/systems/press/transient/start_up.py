@@ -182,12 +182,8 @@ def start_up(
     inputs = press_inputs(model.overspeed, speed, loads)
     limit = None if friction is None else friction_limit(model, friction, regressors)
     slips = limit is not None and slip and integrator in {"exact", "rk4"}
-    if slips and not (model.arc_mass_kg > 0.0).all():
-        raise InputError(
-            "a belt that slips moves by its own mass, but it has none on the rollers",
-            key="arc_inertia",
-            fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
-        )
+    if slips:
+        _refuse_light_belts(model)
 
     following = _following(model, friction, regressors) if follows else None
     exponents, follow = following or (None, None)
@@ -207,6 +203,15 @@ def start_up(
         with suppress(SolverError):
             return made(solve, share)
     return made(*last)
+
+
+def _refuse_light_belts(model: ElasticPress) -> None:
+    if not (model.arc_mass_kg > 0.0).all():
+        raise InputError(
+            "a belt that slips moves by its own mass, but it has none on the rollers",
+            key="arc_inertia",
+            fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
+        )
 
 
 _Way: TypeAlias = tuple[Callable[[], "Solved"], float]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import SolverError
+from ropefric.errors import InputError, SolverError
 from ropefric.systems.fixed_centres import excess_of_length
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.creep import own_tensions_N
@@ -58,21 +58,34 @@ def level_rows(press: Press) -> FloatArray:
 
 def at_kept_lengths_N(
     press: Press,
-    by_level: FloatArray,
+    by_preload: FloatArray,
     effective_tension_N: FloatArray,
     *,
-    pretension_N: FloatArray,
     circling_N: FloatArray,
-    friction: float | WrapFriction,
+    friction: float | WrapFriction | None,
     regressors: frozenset[str] = EVERYTHING,
+    pretension_N: FloatArray | None = None,
     grip: FloatArray | float = 1.0,
 ) -> FloatArray:
     """Return T' at which all fixed belts have their unstretched length, shape (..., n_spans) as the T' to begin with.
 
-    `by_level` has what a newton of each one's level adds, `circling_N` ρAv² of every span, `grip` a factor on all
-    coefficients. Newton's method, with slopes from small differences of the levels.
+    `by_preload` is that of the statics, `circling_N` ρAv² of every span where the belts' mass counts, `grip` a factor
+    on all coefficients; the pretensions are those of the press where none are given, shape (..., n_fixed). Newton's
+    method, with slopes from small differences of the levels.
     """
-    ways, n_fixed = _ways(press), by_level.shape[1]
+    ways = _ways(press)
+    n_fixed = len(ways)
+    if not n_fixed:
+        return effective_tension_N
+    if friction is None:
+        raise InputError(
+            "where a belt between fixed centres slips on its rollers depends on the friction, but none is given",
+            code="RF521",
+            key="friction",
+            fix="give the coefficient or law",
+        )
+    by_level = by_preload[:, -n_fixed:]
+    rest_N = press.preload_N[-n_fixed:] if pretension_N is None else pretension_N
 
     def excess_N(tension_N: FloatArray) -> FloatArray:
         """Return the mean excess of each belt's tension along its length, shape (..., n_fixed)."""
@@ -85,7 +98,7 @@ def at_kept_lengths_N(
         for i, way in enumerate(ways):
             arriving_N = own_N[..., way.place, way.spans]
             excess_N_m = excess_of_length(
-                pretension_N[..., i],
+                rest_N[..., i],
                 way.belt.axial_stiffness_N or np.inf,
                 span_m=way.span_m,
                 arc_m=way.arc_m,

@@ -17,8 +17,9 @@ from scipy.optimize import brentq
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
 from ropefric.systems.friction import EVERYTHING, WrapFriction
+from ropefric.systems.press.centres import at_kept_lengths_N
 from ropefric.systems.press.slip import NO_TORQUE, SlipTable, contacts_of
-from ropefric.systems.press.statics import Statics, TakeUp, kept_lengths_N, speed_shift_kg_m
+from ropefric.systems.press.statics import Statics, TakeUp, speed_shift_kg_m
 
 CHANGES = {
     "preload": "all preloads fall together [N]",
@@ -70,14 +71,15 @@ class _Change:
         """Return T' of all spans, shape (..., n_spans)."""
         press, by = self.statics.press, np.asarray(amount, dtype=np.float64) - self.now
         pretensions_N = press.preload_N[len(press.tensioners) :]
-        return kept_lengths_N(
-            self.statics,
+        v_squared = (press.speed_m_s**2 + by * (self.name == "speed")) * (self.tensioner != "floating")
+        return at_kept_lengths_N(
+            press,
+            self.statics.by_preload,
             self.linear_N + by[..., np.newaxis] * self.slope,
-            press.speed_m_s**2 + by * (self.name == "speed"),
-            self.tensioner,
-            self.friction,
-            pretension_N=pretensions_N + by[..., np.newaxis] * (self.name == "preload"),
+            circling_N=np.multiply.outer(v_squared, press.density_kg_m),
+            friction=self.friction,
             regressors=self.regressors,
+            pretension_N=pretensions_N + by[..., np.newaxis] * (self.name == "preload"),
         )
 
     @cached_property
@@ -214,8 +216,14 @@ def _by_friction(
         """Return the slip at the tensions for a factor on all coefficients; one for each roller, row by row."""
         rows = np.broadcast_to(linear_N, (*np.shape(grip), len(press.spans)))
         share = np.asarray(grip)[..., np.newaxis] if np.ndim(grip) else grip
-        kept_N = kept_lengths_N(
-            statics, rows, press.speed_m_s**2, tensioner, friction, regressors=regressors, grip=share
+        kept_N = at_kept_lengths_N(
+            press,
+            statics.by_preload,
+            rows,
+            circling_N=press.speed_m_s**2 * press.density_kg_m * (tensioner != "floating"),
+            friction=friction,
+            regressors=regressors,
+            grip=share,
         )
         return SlipTable(press, kept_N, friction, regressors=regressors)
 

@@ -258,44 +258,6 @@ def speed_shift_kg_m(statics: Statics, tensioner: TakeUp) -> FloatArray:
     return np.asarray(by_force @ (pull @ (level + density)) - press.density_kg_m)
 
 
-def kept_lengths_N(
-    statics: Statics,
-    effective_tension_N: FloatArray,
-    v_squared: npt.ArrayLike,
-    tensioner: TakeUp,
-    friction: float | WrapFriction | None,
-    *,
-    pretension_N: FloatArray | None = None,
-    regressors: frozenset[str] = EVERYTHING,
-    grip: FloatArray | float = 1.0,
-) -> FloatArray:
-    """Return T' of all spans, shape (..., n_spans): linear, but where belts between fixed centres keep their lengths.
-
-    The pretensions are those of the press where none are given, shape (..., n_fixed).
-    """
-    press = statics.press
-    n_fixed = len(press.fixed_belts)
-    if not n_fixed:
-        return effective_tension_N
-    if friction is None:
-        raise InputError(
-            "where a belt between fixed centres slips on its rollers depends on the friction, but none is given",
-            code="RF521",
-            key="friction",
-            fix="give the coefficient or law",
-        )
-    return at_kept_lengths_N(
-        press,
-        statics.by_preload[:, -n_fixed:],
-        effective_tension_N,
-        pretension_N=press.preload_N[-n_fixed:] if pretension_N is None else pretension_N,
-        circling_N=np.multiply.outer(v_squared, press.density_kg_m * (tensioner != "floating")),
-        friction=friction,
-        regressors=regressors,
-        grip=grip,
-    )
-
-
 class SteadyState(NamedTuple):
     """Tensions T' of a press that runs steadily, at any number of operating points."""
 
@@ -366,9 +328,14 @@ def steady_state(
     for share, acting in shares:
         if acting.ndim:
             by_span = by_span + share.reshape(spans) * acting
-    linear_N = np.moveaxis(by_span, 0, -1)
-    kept_N = kept_lengths_N(
-        statics, linear_N, np.broadcast_to(speed, shape) ** 2, tensioner, friction, regressors=regressors
+    moving = speed**2 * (tensioner != "floating")
+    kept_N = at_kept_lengths_N(
+        press,
+        statics.by_preload,
+        np.moveaxis(by_span, 0, -1),
+        circling_N=np.multiply.outer(np.broadcast_to(moving, shape), press.density_kg_m),
+        friction=friction,
+        regressors=regressors,
     )
     by_span = np.moveaxis(kept_N, -1, 0)
     slack = by_span.min(axis=0, initial=np.inf) <= 0.0

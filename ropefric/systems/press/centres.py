@@ -13,11 +13,13 @@ from ropefric.systems.press.creep import own_tensions_N
 from ropefric.systems.press.machine import Belt, Press
 from ropefric.systems.press.slip import contacts_of
 
-_MAX_STEPS = 50
+_MAX_STEPS = 60
 _SMALL = 1e-5
 """Share of the lowest tension by which levels are raised to find the slopes."""
 _SETTLED = 1e-13
 """Of the largest tension, beside what rounding leaves of EA times a strain."""
+_LEAST = 1e-9
+"""Of the largest tension: a span with less is slack."""
 
 
 class _Way(NamedTuple):
@@ -66,12 +68,13 @@ def at_kept_lengths_N(
     regressors: frozenset[str] = EVERYTHING,
     pretension_N: FloatArray | None = None,
     grip: FloatArray | float = 1.0,
+    strict: bool = True,
 ) -> FloatArray:
     """Return T' at which all fixed belts have their unstretched length, shape (..., n_spans) as the T' to begin with.
 
     `by_preload` is that of the statics, `circling_N` ρAv² of every span where the belts' mass counts, `grip` a factor
     on all coefficients; the pretensions are those of the press where none are given, shape (..., n_fixed). Newton's
-    method, with slopes from small differences of the levels.
+    method, with slopes from small differences of the levels. Where it does not settle, `strict` refuses; else T' is NaN.
     """
     ways = _ways(press)
     n_fixed = len(ways)
@@ -110,27 +113,36 @@ def at_kept_lengths_N(
             found.append(excess_N_m / (way.span_m + way.arc_m).sum())
         return np.stack(found, axis=-1)
 
-    tension_N = effective_tension_N
+    tension_N = trial_N = effective_tension_N
     # One case as it is, and one with each level raised, side by side.
     raised = np.vstack([np.zeros(len(by_level)), by_level.T])
     raised = raised.reshape(n_fixed + 1, *(1,) * (tension_N.ndim - 1), -1)
     rounding_N = 4.0 * np.finfo(float).eps * max(way.belt.axial_stiffness_N or 0.0 for way in ways)
+    step_N, left_N = np.zeros((*tension_N.shape[:-1], n_fixed)), np.array(np.inf)
+    settled = np.zeros((*tension_N.shape[:-1], 1), dtype=bool)
     with suppress(np.linalg.LinAlgError):  # where a belt is strained without bound
         for _ in range(_MAX_STEPS):
-            sizes_N = np.abs(tension_N)
+            sizes_N = np.abs(trial_N)
             lowest_N, largest_N = (one(sizes_N, axis=-1, keepdims=True) for one in (np.min, np.max))
             small_N = _SMALL * np.maximum(lowest_N, _SMALL * largest_N)
-            here, *more = excess_N(tension_N + raised * small_N)
+            here, *more = excess_N(trial_N + raised * small_N)
             slopes = np.stack([one - here for one in more], axis=-1) / small_N[..., np.newaxis]
-            step_N = -np.linalg.solve(slopes, here[..., np.newaxis])[..., 0]
-            by_N = step_N @ by_level.T
+            newton_N = -np.linalg.solve(slopes, here[..., np.newaxis])[..., 0]
+            by_N = newton_N @ by_level.T
             # The slip arcs grow with the logarithm of T': a span loses nine tenths of it at most, until it pushes.
-            bound = (tension_N > np.finfo(float).eps * largest_N) & (tension_N + by_N < 0.1 * tension_N)
-            shares = np.divide(-0.9 * tension_N, by_N, out=np.ones_like(by_N), where=bound)
-            share = shares.min(axis=-1, keepdims=True)
-            tension_N, step_N = tension_N + share * by_N, share * step_N
-            if (np.abs(step_N) <= _SETTLED * largest_N + rounding_N).all():
-                return np.asarray(tension_N)
+            bound = (trial_N > _LEAST * largest_N) & (trial_N + by_N < 0.1 * trial_N)
+            shares = np.divide(-0.9 * trial_N, by_N, out=np.ones_like(by_N), where=bound)
+            # A step that leaves more of the excess than there was is halved.
+            size_N = np.abs(here).max(axis=-1, keepdims=True)
+            better = size_N < left_N
+            tension_N, left_N = np.where(better, trial_N, tension_N), np.where(better, size_N, left_N)
+            step_N = np.where(better, shares.min(axis=-1, keepdims=True) * newton_N, 0.5 * step_N)
+            trial_N = tension_N + step_N @ by_level.T
+            settled = (np.abs(newton_N) <= _SETTLED * largest_N + rounding_N).all(axis=-1, keepdims=True)
+            if settled.all():
+                return np.asarray(trial_N)
+    if not strict:
+        return np.where(settled, trial_N, np.nan)
     raise SolverError(
         "no tensions keep the lengths of the belts between fixed centres",
         code="RF500",

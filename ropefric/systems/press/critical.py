@@ -68,7 +68,7 @@ class _Change:
     slope: FloatArray
 
     def tension_N(self, amount: npt.ArrayLike) -> FloatArray:
-        """Return T' of all spans, shape (..., n_spans)."""
+        """Return T' of all spans, shape (..., n_spans); NaN where no tensions keep the lengths of fixed belts."""
         press, by = self.statics.press, np.asarray(amount, dtype=np.float64) - self.now
         pretensions_N = press.preload_N[len(press.tensioners) :]
         v_squared = (press.speed_m_s**2 + by * (self.name == "speed")) * (self.tensioner != "floating")
@@ -80,6 +80,7 @@ class _Change:
             friction=self.friction,
             regressors=self.regressors,
             pretension_N=pretensions_N + by[..., np.newaxis] * (self.name == "preload"),
+            strict=False,
         )
 
     @cached_property
@@ -92,9 +93,11 @@ class _Change:
 
     def reserve_N(self, amount: npt.ArrayLike) -> FloatArray:
         """Return the friction that is left on each roller, shape (..., n_rollers); inf where it carries no torque."""
-        there = contacts_of(self.statics.press, self.tension_N(amount))
+        tension_N = self.tension_N(amount)
+        lost = np.isnan(tension_N).any(axis=-1, keepdims=True)
+        there = contacts_of(self.statics.press, np.where(lost, 1.0, tension_N))
         left_N = there.slack_N * np.expm1(there.exponent(self.friction, self.regressors)) - there.pull_N
-        return np.where(self.idle, np.inf, left_N)
+        return np.where(lost, np.nan, np.where(self.idle, np.inf, left_N))
 
     def _end(self, way: str) -> float:
         """Return where the way ends: at no load, speed or preload, or where a span goes slack that is not."""
@@ -111,11 +114,12 @@ class _Change:
         if press.fixed_belts:
 
             def lowest_N(far: float) -> float:
-                return float(self.tension_N(self.now + sign * far)[taut].min())
+                lowest = self.tension_N(self.now + sign * far)[taut].min()
+                return -1.0 if np.isnan(lowest) else float(lowest)
 
             while lowest_N(far) > 0.0 and far < most:
                 far = min(_FURTHER * far, most)
-            far = far if lowest_N(far) > 0.0 else brentq(lowest_N, 0.0, far)
+            far = far if lowest_N(far) > 0.0 else brentq(lowest_N, 0.0, far, xtol=1e-9 * far, rtol=1e-9)
         return float(self.now + sign * far)
 
     @cached_property
@@ -131,17 +135,25 @@ class _Change:
         end = self._end(way)
         far = max(self.now, 1.0) * (_PLACES[:-1] / (1.0 - _PLACES[:-1]))
         places = self.now + (_PLACES * (end - self.now) if np.isfinite(end) else far)
-        return places, self.reserve_N(places)
+        reserves_N = self.reserve_N(places)
+        known = int(np.argmax(np.append(np.isnan(reserves_N).any(axis=-1), True)))
+        return places[:known], reserves_N[:known]
 
     def crossing(self, way: str, margin: Callable[[FloatArray], FloatArray]) -> float | None:
         """Return where a margin of the reserves first changes its sign on the way."""
         places, reserves_N = self._falling if way == "falls" else self._rising
         signs = margin(reserves_N) >= 0.0
-        changed = np.flatnonzero(signs != signs[0])
+        changed = np.flatnonzero(signs != signs[:1])
         if not changed.size:
             return None
         bracket = places[changed[0] - 1], places[changed[0]]
-        root = brentq(lambda one: float(margin(self.reserve_N(one))), *bracket, xtol=1e-12, rtol=1e-14)
+        root = brentq(
+            # Where no tensions keep the lengths, a roller has slipped before.
+            lambda one: float(np.nan_to_num(margin(self.reserve_N(one)), nan=-1.0)),
+            *bracket,
+            xtol=1e-12,
+            rtol=1e-14,
+        )
         return float(root)
 
     def shown(self, amount: float | None) -> float | None:

@@ -9,7 +9,10 @@ import pytest
 
 import ropefric as rf
 from ropefric.errors import DataError, InputError, SolverError
+from ropefric.friction.condition import one_condition
+from ropefric.friction.laws import LAWS
 from ropefric.scenes.scene_templates import scene_text
+from ropefric.systems.friction import WrapFriction
 from ropefric.systems.press.creep import rim_speed_ratios
 from ropefric.systems.press.critical import critical
 from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
@@ -347,3 +350,24 @@ def test_a_force_of_its_own_comes_before_the_preload_of_all(tmp_path):
     assert found[1]["13"] == pytest.approx(found[0]["13"])
     assert found[2]["2"] == pytest.approx(found[1]["2"])
     assert found[2]["13"] > found[0]["13"]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_any_machine_of_one_fixed_belt_says_where_it_slips(seed):
+    """Stiff or soft belts, short or long spans, little or much grip; the reserve is spent where it says so."""
+    rng = np.random.default_rng([11, seed])
+    press = machine(*10.0 ** rng.uniform(0.5, 2.5, rng.integers(1, 4)), stiffness_N=10.0 ** rng.uniform(4.0, 8.0),
+                    span_m=10.0 ** rng.uniform(-1.5, 1.5), pretension_N=10.0 ** rng.uniform(2.5, 3.5),
+                    wrap_rad=rng.uniform(0.3, 6.0), linear_density_kg_m=rng.uniform(0.0, 10.0))  # fmt: skip
+    law = WrapFriction(law=LAWS["wrap-power"], theta=np.array([rng.uniform(0.2, 1.5), -0.3, 0.1]),
+                       reference=one_condition(0.1, 0.0025, 2.0, 500.0))  # fmt: skip
+    statics = solve_statics(press)
+    for friction in (10.0 ** rng.uniform(-1.0, 0.7), law):
+        found = critical(statics, friction, "load")
+        if found.value is None:  # with so much grip a belt is slack before anything slips
+            today = steady_state(statics, friction=friction).effective_tension_N
+            assert SlipTable(press, today, friction).exponent.min() > 5.0
+            continue
+        state = steady_state(statics, load_factor=found.value, friction=friction, on_slack="flag")
+        slip = SlipTable(press, state.effective_tension_N, friction)
+        assert slip.utilisation.max() == pytest.approx(1.0, abs=1e-6)

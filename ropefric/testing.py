@@ -21,7 +21,7 @@ from ropefric.fitting.fit import guess
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw
 from ropefric.plugins import Plugin, load_plugin, registry_of, unloaded_after
-from ropefric.scenes.explain import explain_scene
+from ropefric.scenes.explain import explain_solution
 from ropefric.scenes.kind import Kind
 from ropefric.scenes.scene import load_scene
 from ropefric.scenes.solve import solve_scene
@@ -251,7 +251,7 @@ def kind_answers(kind: Kind, path: Path) -> None:
     solution = solve_scene(scene)
     found = {one.name: one.value for one in solution.quantities}
     _must(found and all(np.isfinite(value).all() for value in found.values()), f"the answer is {found}")
-    json.dumps([solution.to_dict(), explain_scene(scene).to_dict()], allow_nan=False)
+    json.dumps([solution.to_dict(), explain_solution(solution).to_dict()], allow_nan=False)
 
 
 def kind_is_swept(kind: Kind, path: Path) -> None:

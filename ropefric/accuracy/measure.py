@@ -161,31 +161,42 @@ def measure_studies(
     machine, are not measured again, so that the same call continues where another ended.
     """
     effort = effort or (QUICK if quick else FULL)
-    how = (software(), this_machine().line, effort)
-    planned = [
-        _Piece(_name_of(how, study, case, setting), study, case, place, setting)
-        for study in studies
-        for case in study.cases
-        for place, setting in enumerate(_settings(case))
-        if setting.quick or not quick
-    ]
-    before = {} if kept is None else _kept_before(kept)
-    left = [piece for piece in planned if piece.name not in before]
-    assessed = spread(_assessed_at, ((piece.case, piece.place) for piece in left), executor)
-    timed = _timed(left, effort)
+    planned = list(_pieces(studies, effort, quick=quick))
     found: dict[str, list[Measured]] = {study.name: [] for study in studies}
-    for done, (name, study, case, _, setting) in enumerate(planned, start=1):
-        if name in before:
-            point = before[name]
-        else:
-            point = replace(next(assessed), **next(timed)._asdict())
-            if kept is not None:
-                _keep(kept, name, point)
-        found[study.name].append(point)
+    for done, (piece, point) in enumerate(_measured(planned, effort, executor, kept), start=1):
+        found[piece.study.name].append(point)
         if progress is not None:
-            said = f"{study.name}: {case.name}, {setting.method} {setting.setting}".rstrip()
+            one = piece.setting
+            said = f"{piece.study.name}: {piece.case.name}, {one.method} {one.setting}".rstrip()
             progress(done, len(planned), said)
     return tuple(StudyResult(study=study, points=tuple(found[study.name]), quick=quick) for study in studies)
+
+
+def _pieces(studies: Sequence[Study], effort: Effort, *, quick: bool) -> Iterator["_Piece"]:
+    """Yield the settings of all cases of all studies; of a quick look some."""
+    how = (software(), this_machine().line, effort)
+    for study in studies:
+        for case in study.cases:
+            for place, setting in enumerate(_settings(case)):
+                if setting.quick or not quick:
+                    yield _Piece(_name_of(how, study, case, setting), study, case, place, setting)
+
+
+def _measured(
+    pieces: Sequence["_Piece"], effort: Effort, executor: Any, kept: Path | None
+) -> Iterator[tuple["_Piece", Measured]]:
+    """Yield each setting with its point, from the file `kept` or measured now and written to it."""
+    before = {} if kept is None else _kept_before(kept)
+    left = [piece for piece in pieces if piece.name not in before]
+    assessed = spread(_assessed_at, ((piece.case, piece.place) for piece in left), executor)
+    timed = _timed(left, effort)
+    for piece in pieces:
+        point = before.get(piece.name)
+        if point is None:
+            point = replace(next(assessed), **next(timed)._asdict())
+            if kept is not None:
+                _keep(kept, piece.name, point)
+        yield piece, point
 
 
 class _Piece(NamedTuple):

@@ -27,7 +27,7 @@ from ropefric.friction.condition import Conditions, one_condition
 from ropefric.page.review import Review
 from ropefric.pipeline import CampaignAnswer, CampaignRun, plan_for_design
 from ropefric.report import parts
-from ropefric.scenes.explain import explain_scene
+from ropefric.scenes.explain import explain_solution
 from ropefric.scenes.keys import scene_keys
 from ropefric.scenes.kinds import KINDS
 from ropefric.scenes.scene import leaves, load_scene
@@ -219,9 +219,9 @@ class Machines:
             changes |= {"friction": {"fit": "fits/own.json"}}
         scene = load_scene(self._file(name), changes)
         solution = solve_scene(scene)
-        tree, told = solution.to_dict(), explain_scene(scene)
+        tree, effects = solution.to_dict(), explain_solution(solution)
         text = as_text(parts.solution_sections(solution, tree))
-        return dict(_plain({"answer": tree, "text": text, "effects": told.to_dict()["effects"]}))
+        return dict(_plain({"answer": tree, "text": text, "effects": effects.to_dict()["effects"]}))
 
 
 def _fits(name: str, key: str) -> bool:

@@ -212,8 +212,8 @@ class Draws(Answers):
         tail = 50.0 * (1.0 - self.level)
         numbers: dict[str, Any] = {}
         for name, (value, mean, std, quantiles) in self.numbers.items():
-            told = {"value": value, "mean": mean, "std": std}
-            numbers[name] = {part: finite(one) for part, one in told.items()}
+            moments = {"value": value, "mean": mean, "std": std}
+            numbers[name] = {part: finite(one) for part, one in moments.items()}
             numbers[name] |= {"quantiles": [finite(end) for end in quantiles]}
         failures = {words: {"count": n, "share": self.shares[words]} for words, n in self.failures.items()}
         return {
@@ -251,7 +251,7 @@ def draw_scene(
         raise InputError(
             f"{count} draws with seed {seed}",
             key="--draws",
-            fix=f"ask for {FEWEST_DRAWS} to {MOST_DRAWS} draws and a seed from 0",
+            fix=f"choose {FEWEST_DRAWS} to {MOST_DRAWS} draws and a seed from 0",
         )
     kind, problem, points = scene.kind, scene.problem, _Draws(scene, count, seed)
     try:

@@ -13,6 +13,7 @@ from ropefric.errors import RopefricError
 from ropefric.scenes.kind import finite
 from ropefric.scenes.plan import Decision, Plan, make_plan, method_tree, solve_planned
 from ropefric.scenes.scene import Scene, placed
+from ropefric.scenes.solve import Solution
 from ropefric.shown import Shown
 from ropefric.systems.effect import assemble
 
@@ -102,10 +103,18 @@ def explain_scene(
             kept = scene.kind.kept(scene.problem)
             plan, _ = make_plan(scene.kind.system, scene.problem, kept=kept, **asked)
             return Explanation(system=scene.kind.name, plan=plan)
-        told = _weighed(scene, plan, own)
-        return _timed(scene, told, clock) if measure else told
+        explained = _weighed(scene, plan, own)
+        return _timed(scene, explained, clock) if measure else explained
     except RopefricError as error:
         raise placed(error, scene.document) from error
+
+
+def explain_solution(solution: Solution) -> Explanation:
+    """Return the influence of each effect on an answer that is known; the scene is not solved a second time."""
+    try:
+        return _weighed(solution.scene, solution.plan, solution.answer)
+    except RopefricError as error:
+        raise placed(error, solution.scene.document) from error
 
 
 def _runs(scene: Scene, plan: Plan) -> dict[str, Callable[[], Any]]:
@@ -122,23 +131,23 @@ def _runs(scene: Scene, plan: Plan) -> dict[str, Callable[[], Any]]:
 def _weighed(scene: Scene, plan: Plan, own: Any) -> Explanation:
     """Return a plan with the influence of each effect: the change of the answer with it left out, or added."""
     distance, everything, worth = scene.kind.system.distance, own, dict[str, float]()
-    told = Explanation(system=scene.kind.name, plan=plan)
+    explained = Explanation(system=scene.kind.name, plan=plan)
     with suppress(RopefricError):
         if plan.left_out:
             everything = solve_planned(scene, scene.problem, "all")[1]
-        told = replace(told, difference=distance(own, everything, everything))
+        explained = replace(explained, difference=distance(own, everything, everything))
         for name, solve in _runs(scene, plan).items():
             # A model may have no answer without an effect that another one in it relies on.
             with suppress(RopefricError):
                 pair = (solve(), own) if name in plan.simulated else (own, solve())
                 worth[name] = distance(*pair, everything)
     decisions = tuple(one._replace(worth=worth.get(one.name, math.nan)) for one in plan.decisions)
-    return replace(told, plan=plan._replace(decisions=decisions))
+    return replace(explained, plan=plan._replace(decisions=decisions))
 
 
-def _timed(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Explanation:
+def _timed(scene: Scene, explained: Explanation, clock: Callable[[], float]) -> Explanation:
     """Return an explanation with times: medians of runs that take turns, and how far these are apart."""
-    system, plan, problem = scene.kind.system, told.plan, scene.problem
+    system, plan, problem = scene.kind.system, explained.plan, scene.problem
     weighed = [one.name for one in plan.decisions if not math.isnan(one.worth)]
     runs: dict[str, Callable[[], Any]] = {
         "": lambda: system.solve(assemble(system, problem, plan.simulated), plan.method),
@@ -160,7 +169,7 @@ def _timed(scene: Scene, told: Explanation, clock: Callable[[], float]) -> Expla
 
     apart = [a - b for a, b in zip(times["all"], times["planned"], strict=True)]
     return replace(
-        told,
+        explained,
         plan=plan._replace(decisions=tuple(map(timed, plan.decisions))),
         planned_s=median(times["planned"]),
         all_s=median(times["all"]),

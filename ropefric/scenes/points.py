@@ -5,7 +5,7 @@ one call where the system allows it, one by one elsewhere, here or by an executo
 """
 
 import math
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -105,54 +105,69 @@ def solve_points(
 ) -> tuple[dict[str, Any], "Kept"]:
     """Return the fields of `Answers` to many cases, and what was kept of their numbers: at most some `keep` of each."""
     total, kept = prod(points.shape), Kept(points.shape, keep, summed=points.summed)
-    failed, first_failure, error_bound, run = 0, "", 0.0, _Run(scene, points)
-    simulated, failures, left_out = set[str](), Counter[str](), Counter[str]()
-    outside = np.zeros(len(REGRESSORS), dtype=np.int64)
+    run, tally = _Run(scene, points), _Tally()
     outcomes = run.spread(progress, executor)
     for start in range(0, total, BLOCK):
         stop = min(start + BLOCK, total)
-        block: dict[str, FloatArray] = {}
-        for places, found in chain.from_iterable(islice(outcomes, len(run.pieces(start, stop)))):
-            if isinstance(found, RopefricError):
-                failed += places.size
-                first_failure = first_failure or found.problem.message
-                continue
-            for quantity in found.quantities:
-                if quantity.name not in block:
-                    block[quantity.name] = np.full(stop - start, np.nan)
-                block[quantity.name][places - start] = quantity.value
-            if found.outside is not None:
-                column = block.setdefault(EXTRAPOLATED, np.full(stop - start, np.nan))
-                column[places - start] = found.outside.any(axis=1)
-                outside += found.outside.sum(axis=0)
-            simulated |= found.simulated
-            error_bound = max(error_bound, found.error_bound)
-            left_out.update(dict.fromkeys(found.left_out, places.size))
-            for way in found.failures:
-                failures[way.words] += int(way.fails.sum())
+        some = chain.from_iterable(islice(outcomes, len(run.pieces(start, stop))))
+        block = tally.numbers_of(some, start, stop)
         kept.add(block, start, stop)
         if write is not None:
             write({**points.drawn(np.arange(start, stop)), **block} if block else {}, stop - start)
-    if failed == total:
+    if tally.failed == total:
         raise InputError(
-            f"no {points.what} has an answer; the first says: {first_failure}",
+            f"no {points.what} has an answer; the first says: {tally.first_failure}",
             code="RF503",
             key=points.option,
             fix=points.fix,
         )
-    every = scene.kind.system.effects
-    return {name: getattr(kept, name) for name in ("columns", "steps", "ranges")} | {
-        "failed": failed,
-        "first_failure": first_failure,
-        "simulated": tuple(name for name in every if name in simulated),
-        "error_bound": error_bound,
-        "accuracy": scene.accuracy,
-        "failures": dict(failures),
-        "extrapolated_at": {
-            what: n for (what, _, _), n in zip(REGRESSORS.values(), outside.tolist(), strict=True) if n
-        },
-        "left_out": {name: left_out[name] for name in every if left_out[name]},
-    }, kept
+    held = {name: getattr(kept, name) for name in ("columns", "steps", "ranges")}
+    return held | tally.fields(scene), kept
+
+
+class _Tally:
+    """Failures, effects, largest error and extrapolations, counted over all blocks of points."""
+
+    def __init__(self) -> None:
+        self.failed, self.first_failure, self.error_bound = 0, "", 0.0
+        self.simulated, self.failures, self.left_out = set[str](), Counter[str](), Counter[str]()
+        self.outside = np.zeros(len(REGRESSORS), dtype=np.int64)
+
+    def numbers_of(self, outcomes: "Iterable[Outcome]", start: int, stop: int) -> dict[str, FloatArray]:
+        """Return the numbers of the points of a block by name, NaN where there is no answer, and count the rest."""
+        block: dict[str, FloatArray] = defaultdict(lambda: np.full(stop - start, np.nan))
+        for places, found in outcomes:
+            if isinstance(found, RopefricError):
+                self.failed += places.size
+                self.first_failure = self.first_failure or found.problem.message
+                continue
+            for quantity in found.quantities:
+                block[quantity.name][places - start] = quantity.value
+            if found.outside is not None:
+                block[EXTRAPOLATED][places - start] = found.outside.any(axis=1)
+                self.outside += found.outside.sum(axis=0)
+            self.simulated |= found.simulated
+            self.error_bound = max(self.error_bound, found.error_bound)
+            self.left_out.update(dict.fromkeys(found.left_out, places.size))
+            for way in found.failures:
+                self.failures[way.words] += int(way.fails.sum())
+        return block
+
+    def fields(self, scene: Scene) -> dict[str, Any]:
+        """Return what was counted, as fields of `Answers`."""
+        every = scene.kind.system.effects
+        names = [what for what, _, _ in REGRESSORS.values()]
+        outside = dict(zip(names, self.outside.tolist(), strict=True))
+        return {
+            "failed": self.failed,
+            "first_failure": self.first_failure,
+            "simulated": tuple(name for name in every if name in self.simulated),
+            "error_bound": self.error_bound,
+            "accuracy": scene.accuracy,
+            "failures": dict(self.failures),
+            "extrapolated_at": {what: n for what, n in outside.items() if n},
+            "left_out": {name: self.left_out[name] for name in every if self.left_out[name]},
+        }
 
 
 class Kept:

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
 from ropefric.fitting.predict import REGRESSORS, has_interval, outside_range
+from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
 from ropefric.plugins import provenance
 from ropefric.quantities import split_unit_suffix
@@ -262,33 +263,44 @@ def carry_through(
     gives the number. Without a fit the numbers are certain;
     a covariance that is not known leaves every number without an error.
     """
-    fit = None if source is None else source.fit
-    if source is None or fit is None:
+    if source is None or source.fit is None:
         return tuple(_with_std(one, np.zeros_like(one.value), 0.0) for one in nominal)
-    spreads = [(np.full_like(one.value, np.nan), np.array(np.nan)) for one in nominal]
-    if has_interval(fit) and np.isfinite(fit.covariance).all():
-        columns = directions(fit.covariance)
-        columns = columns[:, columns.any(axis=0)]
-        size = np.maximum(np.abs(columns).max(axis=1, initial=0.0), np.finfo(float).tiny)[:, None]
-        common = np.linalg.lstsq(columns / size, fit.common_changes / size, rcond=None)[0]
-        # A slope along the directions is that by the parameters, as far as these are uncertain.
-        back = np.linalg.pinv(columns / size) / size.T
-        try:
-            ends = [
-                [solve(replace(source.friction, theta=source.friction.theta + way)) for way in (step, -step)]
-                for step in _STEP * columns.T
-            ]
-        except RopefricError:
-            # A law at the edge of where it has an answer has no slope there.
-            ends = []
-        for place, one in enumerate(nominal if ends or not columns.size else ()):
-            slopes = [_slope(up[place], down[place]) for up, down in ends]
-            along = np.array(slopes).reshape(len(ends), one.value.size)
-            variance, known = (along**2).sum(axis=0), ((common.T @ along) ** 2).sum(axis=0)
-            dof = fit.scatter.dof(along.T @ back, known=known)
-            reach = np.array([quantile(0.5 + 0.5 * level, nu) for nu in dof.tolist()])
-            spreads[place] = np.sqrt(variance).reshape(one.value.shape), reach.reshape(one.value.shape)
-    return tuple(_with_std(one, *spread) for one, spread in zip(nominal, spreads, strict=True))
+    fit, friction, found = source.fit, source.friction, []
+    unknown = tuple(_with_std(one, np.full_like(one.value, np.nan), np.nan) for one in nominal)
+    if not (has_interval(fit) and np.isfinite(fit.covariance).all()):
+        return unknown
+    columns = directions(fit.covariance)
+    columns = columns[:, columns.any(axis=0)]
+    try:
+        ends = [
+            [solve(replace(friction, theta=friction.theta + way)) for way in (step, -step)]
+            for step in _STEP * columns.T
+        ]
+    except RopefricError:
+        return unknown  # a law at the edge of where it has an answer has no slope there
+    spread_of = _spreads(fit, columns, level)
+    for place, one in enumerate(nominal):
+        slopes = [_slope(up[place], down[place]) for up, down in ends]
+        std, reach = spread_of(np.array(slopes).reshape(len(ends), one.value.size))
+        found.append(_with_std(one, std.reshape(one.value.shape), reach.reshape(one.value.shape)))
+    return tuple(found)
+
+
+def _spreads(
+    fit: FitResult, columns: FloatArray, level: float
+) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
+    """Return what makes standard deviation and reach, in these, of slopes along the directions of a covariance."""
+    size = np.maximum(np.abs(columns).max(axis=1, initial=0.0), np.finfo(float).tiny)[:, None]
+    common = np.linalg.lstsq(columns / size, fit.common_changes / size, rcond=None)[0]
+    # A slope along the directions is that by the parameters, as far as these are uncertain.
+    back = np.linalg.pinv(columns / size) / size.T
+
+    def spread(along: FloatArray) -> tuple[FloatArray, FloatArray]:
+        variance, known = (along**2).sum(axis=0), ((common.T @ along) ** 2).sum(axis=0)
+        dof = fit.scatter.dof(along.T @ back, known=known)
+        return np.sqrt(variance), np.array([quantile(0.5 + 0.5 * level, nu) for nu in dof.tolist()])
+
+    return spread
 
 
 def _slope(up: Quantity, down: Quantity) -> FloatArray:

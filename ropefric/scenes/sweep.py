@@ -58,23 +58,19 @@ def parse_axis(scene: Scene, text: str) -> Axis:
             key="--sweep",
             fix=f"{did_you_mean(key, known)}; a key that the scene leaves out must be written into it first",
         )
-    texts, between = [part.strip() for part in asked.split(":" if ":" in asked else ",")], None
-    if ":" in asked:
-        texts, between = texts[:2], _between(asked, texts[2:])
+    is_range = ":" in asked
+    texts = [part.strip() for part in asked.split(":" if is_range else ",")]
+    texts, spacing = (texts[:2], texts[2:]) if is_range else (texts, [])
     values = np.array([_si(scene, key, part) for part in texts])
     # The unit is that of the last value.
     unit, written = unit_of(texts[-1])
     factor = float(values[-1]) / written if unit and written else 1.0
-    if between is not None:
-        spaced, count = between
-        if spaced == "log" and not (values > 0.0).all():
-            raise InputError(f"{asked!r} has no equal ratios: both ends must be positive", key="--sweep")
-        values = (np.geomspace if spaced == "log" else np.linspace)(values[0], values[1], count)
+    values = _between(asked, values, spacing) if is_range else values
     return Axis(key=key, values=values, unit=unit, factor=factor)
 
 
-def _between(asked: str, parts: list[str]) -> tuple[str, int]:
-    """Return how the values of a range are spaced, and how many there are."""
+def _between(asked: str, ends: FloatArray, parts: list[str]) -> FloatArray:
+    """Return the values of a range between two ends, spaced as asked."""
     count, spaced = parts if len(parts) == 2 else ("".join(parts[:1]), "linear")
     counted = int(count) if len(parts) <= 2 and count.isdecimal() and len(count) < 20 else 0
     if not 2 <= counted <= MOST_POINTS or spaced not in {"linear", "log"}:
@@ -83,7 +79,9 @@ def _between(asked: str, parts: list[str]) -> tuple[str, int]:
             key="--sweep",
             fix="write it like  90deg:1440deg:50  or, in equal ratios,  90deg:1440deg:50:log",
         )
-    return spaced, counted
+    if spaced == "log" and not (ends > 0.0).all():
+        raise InputError(f"{asked!r} has no equal ratios: both ends must be positive", key="--sweep")
+    return (np.geomspace if spaced == "log" else np.linspace)(ends[0], ends[1], counted)
 
 
 def _si(scene: Scene, key: str, text: str) -> float:

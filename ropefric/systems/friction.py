@@ -15,7 +15,7 @@ from ropefric.friction.law import FrictionLaw
 
 EVERYTHING = frozenset({"wrap", "end-tension", "size"})
 """Regressors of a law: wrap, end tension, size."""
-TOLD = {"wrap-dependence": frozenset({"wrap", "end-tension"}), "size": frozenset({"size"})}
+REGRESSORS_OF = {"wrap-dependence": frozenset({"wrap", "end-tension"}), "size": frozenset({"size"})}
 """Regressors that each effect gives a law; the tension goes with the wrap."""
 
 
@@ -23,9 +23,9 @@ _SEEN = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"
 """Regressors that a law uses, by the effects it describes."""
 
 
-def told_by(effects: Collection[str]) -> frozenset[str]:
+def regressors_of(effects: Collection[str]) -> frozenset[str]:
     """Return the regressors that a law gets with these effects."""
-    return frozenset().union(*(told for name, told in TOLD.items() if name in effects))
+    return frozenset().union(*(regressors for name, regressors in REGRESSORS_OF.items() if name in effects))
 
 
 class ScaleTo(NamedTuple):
@@ -74,7 +74,7 @@ class WrapFriction:
         wrap_angle_rad: npt.ArrayLike,
         slack_tension_N: npt.ArrayLike,
         *,
-        told: frozenset[str] = EVERYTHING,
+        regressors: frozenset[str] = EVERYTHING,
         places: int = 0,
     ) -> FloatArray:
         """Return M = ∫μ dφ over the wrap, the logarithm of the greatest tension ratio, eq. (17).
@@ -85,10 +85,10 @@ class WrapFriction:
         arrays = {name: np.asarray(one, dtype=np.float64) for name, one in zip(_OWNER, given, strict=True)}
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
         if self.law.weakens:  # what such a law cannot describe it does not look at
-            told = told & {_SEEN[effect] for effect in self.law.effects & _SEEN.keys()}
+            regressors = regressors & {_SEEN[effect] for effect in self.law.effects & _SEEN.keys()}
         # What the law gets to see of the contacts, on one axis; over a wrap of zero no coefficient is needed.
         seen = {
-            name: array if _OWNER[name] in told else getattr(self.reference, name)
+            name: array if _OWNER[name] in regressors else getattr(self.reference, name)
             for name, array in arrays.items()
         }
         seen["wrap_angle_rad"] = np.where(seen["wrap_angle_rad"] == 0.0, 1.0, seen["wrap_angle_rad"])

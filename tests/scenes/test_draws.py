@@ -168,14 +168,14 @@ def test_every_law_takes_parameters_of_its_own_for_each_case():
             law=law, theta=theta, reference=one_condition(0.04, 0.005, 6.0, 50.0), scale_to=ScaleTo(0.2, 3.0)
         )
         for told in (frozenset(), frozenset({"wrap", "end-tension", "size"})):
-            found = whole.exponent(**at, told=told)
+            found = whole.exponent(**at, regressors=told)
             turned = {
                 key: one.T[..., None] if np.ndim(one) == 1 else np.transpose(one) for key, one in at.items()
             }
-            places = whole.exponent(**turned, told=told, places=1)
+            places = whole.exponent(**turned, regressors=told, places=1)
             for i in range(4):
                 alone = {key: one if np.ndim(one) == 0 else one[..., i : i + 1] for key, one in at.items()}
-                wanted = replace(whole, theta=theta[i]).exponent(**alone, told=told)
+                wanted = replace(whole, theta=theta[i]).exponent(**alone, regressors=told)
                 assert found[..., i : i + 1] == pytest.approx(wanted, rel=1e-12), name
                 assert places[i] == pytest.approx(wanted.ravel(), rel=1e-12), name
 

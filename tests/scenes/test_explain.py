@@ -1,13 +1,14 @@
 """`explain` says of every effect whether it is simulated, why, and what it is worth."""
 
 import math
+from dataclasses import replace
 from itertools import count
 
 import pytest
 
 from ropefric.errors import RopefricError
 from ropefric.report.parts import explanation_sections
-from ropefric.scenes.explain import explain_scene
+from ropefric.scenes.explain import explain_scene, explain_solution
 from ropefric.scenes.solve import solve_scene
 from ropefric.section import as_text
 from ropefric.systems.hoist.effects import SYSTEM
@@ -78,3 +79,23 @@ def test_a_start_up_that_has_no_answer_is_explained(loaded, scene_of):
     assert by_name(scene)["transient"]["fate"] == "simulated"
     with pytest.raises(RopefricError, match="slack at rest"):
         solve_scene(scene)
+
+
+def test_an_answer_is_explained_without_solving_the_scene_again(loaded, monkeypatch):
+    """The influences are those that `explain` gives, from fewer solutions by one."""
+    scene, counts = loaded("climbing-hoist"), []
+    solve = scene.kind.system.solve
+
+    def counted(model, method):
+        counts.append(model.effects)
+        return solve(model, method)
+
+    system = scene.kind.system._replace(solve=counted)
+    scene = replace(scene, kind=replace(scene.kind, system=system))
+    solution = solve_scene(scene)
+    counts.clear()
+    found = explain_solution(solution).to_dict()
+    own = len(counts)
+    counts.clear()
+    assert found == explain_scene(scene).to_dict()
+    assert own == len(counts) - 1

@@ -421,6 +421,20 @@ def _sections(tree: Mapping[str, Any]) -> tuple[section.Section, ...]:
     sides = [side for side in ("tight", "slack", "rest") if side in tree]
     modes = range(len(tree["rest"]["frequencies_Hz"]))
     shown = {"": "frequencies_Hz"} | ({"torsion ": "torsion_Hz"} if "torsion_Hz" in tree["rest"] else {})
+    frequencies = section.Section(
+        "Natural frequencies",
+        lines=tuple(_lines(tree, sides)),
+        headings=("mode", *(f"{side} [Hz]" for side in sides)),
+        rows=tuple(
+            (f"{word}{mode + 1}", *(section.in_words(tree[side][name][mode], ".3f") for side in sides))
+            for word, name in shown.items()
+            for mode in modes
+        ),
+    )
+    return (frequencies, *([_resonance_part(tree["resonance"])] if "resonance" in tree else []))
+
+
+def _lines(tree: Mapping[str, Any], sides: list[str]) -> list[str]:
     lines = [f"blade speed {tree['speed_m_s']:.3f} m/s"] if "speed_m_s" in tree else []
     for side in sides:
         one, fastest = tree[side], tree[side]["critical_speed_m_s"]
@@ -431,21 +445,11 @@ def _sections(tree: Mapping[str, Any]) -> tuple[section.Section, ...]:
     if "wheel" in tree:
         lines.append(f"driving wheel: {100 * tree['wheel']['utilisation']:.3g} % of its grip is used")
     if "torsion" in tree["effects"]["left_out"]:
-        lines.append("torsion is left out: none of its frequencies stand here")
+        lines.append("torsion is left out; its frequencies are not listed")
     if "feed" in tree:
         bears = ", ".join(f"{tree[side]['feed_limit_N']:.4g} N on the {side} side" for side in sides[:2])
         lines.append(f"feed {tree['feed']['force_N']:.4g} N; the blade buckles sideways at {bears}")
-    frequencies = section.Section(
-        "Natural frequencies",
-        lines=tuple(lines),
-        headings=("mode", *(f"{side} [Hz]" for side in sides)),
-        rows=tuple(
-            (f"{word}{mode + 1}", *(section.in_words(tree[side][name][mode], ".3f") for side in sides))
-            for word, name in shown.items()
-            for mode in modes
-        ),
-    )
-    return (frequencies, *([_resonance_part(tree["resonance"])] if "resonance" in tree else []))
+    return lines
 
 
 def _resonance_part(found: Mapping[str, Any]) -> section.Section:

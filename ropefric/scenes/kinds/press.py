@@ -107,9 +107,10 @@ class BeltTable(kind.Table):
     thickness : h; half of it counts as the rope radius of the friction law.
     density : Of the belt; or give its mass per length.
     linear_density : Mass per length; or give its density.
-    axial_stiffness : EA; for creep and start-up.
+    axial_stiffness : EA; for creep and start-up, and between fixed centres.
     damping : Ratio of damping to stiffness of its spans; for a start-up (zero or more).
-    span_lengths : Of its spans, in the order of the loop; for a start-up.
+    span_lengths : Of its spans, in the order of the loop; for a start-up, and between fixed centres.
+    pretension : Set at rest without loads between fixed centres, in place of a tensioner: the belt keeps its length.
     """
 
     loop: Annotated[tuple[str, ...], PlainValidator(_names), kind.Becomes("loop")]
@@ -122,6 +123,7 @@ class BeltTable(kind.Table):
     span_lengths: Annotated[
         list[Annotated[float, kind.key("m", "1.2 m")]] | None, kind.Becomes("span_lengths_m")
     ] = None
+    pretension: Annotated[float | None, kind.key("N", "1500 N", "pretension_N")] = None
 
     def _check(self) -> None:
         if (self.density is None) == (self.linear_density is None):
@@ -313,7 +315,7 @@ def _roller(table: PressScene, name: str, one: RollerTable) -> Roller:
     parts = kind.given(one)
     if one.tensioner is not None:
         # A force of its own comes before the one preload of all tensioners.
-        force = {"force_N": table.press.preload or 0.0}
+        force = {"force_N": table.press.preload or 0.0, "is_shared": one.tensioner.force is None}
         parts["tensioner"] = Tensioner(**force | kind.given(one.tensioner))
     gravity, squeeze = table.sludge.gravity, table.sludge.squeeze
     if gravity is not None and name in gravity.zones:
@@ -360,6 +362,7 @@ def _contacts(problem: PressProblem) -> Mapping[str, FloatArray]:
     """Return every roller once, with the tension of its belt at rest."""
     press, forces_N = problem.press, [one.force_N for one in problem.press.tensioners.values()]
     halves = [0.5 * max(belt.thickness_m for belt in press.belts_on(one.name)) for one in press.rollers]
+    forces_N += [2.0 * (belt.pretension_N or 0.0) for belt in press.fixed_belts]
     set_N = np.array([max(forces_N, default=2.0)]) if problem.preload_N is None else problem.preload_N
     wraps_rad = np.array([one.wrap_angle_rad for one in press.rollers])
     # Of each case all rollers.
@@ -379,6 +382,7 @@ def _answerable(problem: PressProblem) -> BoolArray:
         speed_m_s=np.zeros(problem.n),
         load_factor=problem.load_factor,
         on_slack="flag",
+        friction=problem.friction,
     )
     return np.asarray(~still.slack)
 
@@ -404,15 +408,15 @@ def _outcomes(answer: PressAnswer, _: PressProblem) -> tuple[kind.Quantity, ...]
     """Return what a start-up amounts to: the extremes, whether and how long anything slipped, and the works."""
     if answer.start_up is None:
         return ()
-    told = answer.start_up.summary()
+    summary = answer.start_up.summary()
     found = {
-        "peak_tension_N": max(told["peak_tension_N"].values()),
-        "lowest_tension_N": min(told["lowest_tension_N"].values()),
-        "peak_utilisation": max(told["peak_utilisation"].values(), default=math.nan),
-        "slips": float(bool(told["slipping_s"])),
-        "slipping_s": sum(told["slipping_s"].values()),
-        "drive_work_J": told["drive_work_J"],
-        "slip_loss_J": told["slip_loss_J"],
+        "peak_tension_N": max(summary["peak_tension_N"].values()),
+        "lowest_tension_N": min(summary["lowest_tension_N"].values()),
+        "peak_utilisation": max(summary["peak_utilisation"].values(), default=math.nan),
+        "slips": float(bool(summary["slipping_s"])),
+        "slipping_s": sum(summary["slipping_s"].values()),
+        "drive_work_J": summary["drive_work_J"],
+        "slip_loss_J": summary["slip_loss_J"],
     }
     return tuple(kind.Quantity(f"start_up.{name}", np.array([value])) for name, value in found.items())
 
@@ -469,6 +473,7 @@ def _by_name(names: Sequence[str], values: FloatArray) -> dict[str, float]:
 def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
     press, given, slip = answer.model.press, answer.model.problem.press, answer.slip
     factor = float(answer.model.problem.load_factor[0])
+    arc_m = {one.name: one.radius_m * one.wrap_angle_rad for one in press.rollers}
     spans = [span.name for span in press.spans]
     tree: dict[str, Any] = {
         "tension_N": _by_name(spans, answer.at_rest_N[0]),
@@ -476,6 +481,14 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
         "slip": {
             roller: {measure: kind.finite(slip.of(roller, measure)[0]) for measure in MEASURES}
             for roller in slip.rollers
+        },
+        "fixed_centres": {
+            belt.name: {
+                "pretension_N": belt.pretension_N,
+                "arcs_m": (arcs_m := sum(arc_m[name] for name in belt.loop)),
+                "belt_length_m": sum(belt.span_lengths_m or ()) + arcs_m,
+            }
+            for belt in press.fixed_belts
         },
         "closure": answer.statics.closure,
         "rank": answer.statics.rank,
@@ -515,8 +528,8 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
 
 
 _WAYS = {
-    ("preload", "falls"): "the preload of all tensioners falls to",
-    ("preload", "rises"): "the preload of all tensioners rises to",
+    ("preload", "falls"): "the mean preload falls to",
+    ("preload", "rises"): "the mean preload rises to",
     ("speed", "falls"): "the belts run no faster than",
     ("speed", "rises"): "the belts run as fast as",
     ("load", "falls"): "all loads fall by the factor",
@@ -525,7 +538,7 @@ _WAYS = {
     ("friction", "rises"): "the coefficient rises to",
 }
 _NEVER = {
-    "preload": "no preload of all tensioners holds",
+    "preload": "no preload holds",
     "speed": "no slower run of the belts holds",
     "load": "no smaller loads hold",
     "friction": "no coefficient holds",
@@ -544,8 +557,13 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         for name, tension_N in tree["tension_N"].items()
     }
     forms: kind.Columns = {"T at rest [N]": ("rest", ".1f"), "T' at speed [N]": ("speed", ".1f")}
+    lines = tuple(
+        f"belt {name} keeps its length between fixed centres: {one['belt_length_m']:.6g} m, set to "
+        f"{one['pretension_N']:.6g} N at rest without loads"
+        for name, one in tree["fixed_centres"].items()
+    )
     found = [
-        kind.by_rows("Tensions", "span", tensions, forms, notes=tuple(tree["undetermined"])),
+        kind.by_rows("Tensions", "span", tensions, forms, notes=tuple(tree["undetermined"]), lines=lines),
         kind.by_rows("Slip", "roller", slips, columns, lines=_slip_lines(tree)),
     ]
     if creep["power_lost_W"] and not tree["slips"]:

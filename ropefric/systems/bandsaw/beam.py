@@ -5,8 +5,7 @@ They come from its weak form, as a Hermitian eigenproblem that cannot but give r
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
-from itertools import product
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -418,28 +417,23 @@ def _between_few(beams: list[ScaledBeam], n_modes: int, accuracy: float) -> Floa
     accuracy: by about that much it is off with fewer, and by far less with these.
     """
     at = np.array([(math.log(one.stiffness), one.speed) for one in beams])
-    middle, half = 0.5 * (at.max(axis=0) + at.min(axis=0)), 0.5 * np.ptp(at, axis=0)
     if at[:, 1].max() > _FASTEST:
         return None
-    solved, before = dict[tuple[float, float], FloatArray](), np.full(1, np.inf)
+
+    @cache
+    def log_frequencies(log_stiffness: float, speed: float) -> FloatArray:
+        beam = ScaledBeam.at_speed(math.exp(log_stiffness), speed, beams[0].ends)
+        return np.log(solve_beam(beam, n_modes, accuracy=accuracy).frequencies)
+
+    def table_at(log_stiffnesses: list[float], speeds: list[float]) -> FloatArray:
+        return np.array([[log_frequencies(one, speed) for speed in speeds] for one in log_stiffnesses])
+
+    before = np.full(1, np.inf)
     for count in _NODES:
-        counts = [count if one > 0.0 else 1 for one in half]
-        nodes = [np.cos(np.pi * np.arange(k) / max(k - 1, 1)) for k in counts]
-        if 2 * math.prod(counts) > len(beams):
+        axes, to_cases = zip(*(_nodes_between(values, count) for values in at.T), strict=True)
+        if 2 * math.prod(axis.size for axis in axes) > len(beams):
             return None
-        axes = [mid + one * node for mid, one, node in zip(middle, half, nodes, strict=True)]
-        for log_stiffness, speed in (places := list(product(*(axis.tolist() for axis in axes)))):
-            if (log_stiffness, speed) not in solved:
-                beam = ScaledBeam.at_speed(math.exp(log_stiffness), speed, beams[0].ends)
-                modes = solve_beam(beam, n_modes, accuracy=accuracy)
-                solved[log_stiffness, speed] = np.log(modes.frequencies)
-        table = np.array([solved[place] for place in places]).reshape(*counts, n_modes)
-        to_case = [
-            chebyshev.chebvander((one - mid) / (reach or 1.0), k - 1)
-            @ np.linalg.inv(chebyshev.chebvander(node, k - 1))
-            for one, mid, reach, k, node in zip(at.T, middle, half, counts, nodes, strict=True)
-        ]
-        found = np.einsum("ni,nj,ijm->nm", *to_case, table)
+        found = np.einsum("ni,nj,ijm->nm", *to_cases, table_at(*(axis.tolist() for axis in axes)))
         change = float(np.abs(found - before).max())
         if change <= accuracy:
             return np.asarray(np.exp(found))
@@ -448,3 +442,12 @@ def _between_few(beams: list[ScaledBeam], n_modes: int, accuracy: float) -> Floa
             return None
         before = found
     return None
+
+
+def _nodes_between(values: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+    """Return Chebyshev's nodes from the least to the largest value, and the matrix from there to each, (n, nodes)."""
+    middle, half = 0.5 * (values.max() + values.min()), 0.5 * np.ptp(values)
+    n = count if half > 0.0 else 1
+    nodes = np.cos(np.pi * np.arange(n) / max(n - 1, 1))
+    at_values = chebyshev.chebvander((values - middle) / (half or 1.0), n - 1)
+    return middle + half * nodes, np.asarray(at_values @ np.linalg.inv(chebyshev.chebvander(nodes, n - 1)))

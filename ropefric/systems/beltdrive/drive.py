@@ -8,14 +8,14 @@ import numpy as np
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import SolverError
-from ropefric.friction.integral import log1prel
 from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
-from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
+from ropefric.systems.fixed_centres import excess_of_length
+from ropefric.systems.friction import WrapFriction, refuse_no_ratio, regressors_of
+from ropefric.systems.roots import roots_of_cases
 
 CLOSURES = ("limit", "tensioner", "fixed", "lever")
 _MAX_STEPS = 200
-_SETTLED = 1e-15
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -241,9 +241,9 @@ def solve_drive(model: DriveModel) -> DriveAnswer:
 def _coefficients(model: DriveModel, slack_N: FloatArray) -> FloatArray:
     """Return mu' of driving and driven pulley, shape (2, n); NaN where there is no driven one."""
     problem = model.problem
-    thin_m, told = problem.rope_radius_m, told_by(model.effects)
+    thin_m, regressors = problem.rope_radius_m, regressors_of(model.effects)
     found = [
-        problem.friction.exponent(radius_m, thin_m, wrap_rad, slack_N, told=told) / wrap_rad
+        problem.friction.exponent(radius_m, thin_m, wrap_rad, slack_N, regressors=regressors) / wrap_rad
         for radius_m, wrap_rad in problem.pulleys
     ]
     wedge = np.ones(problem.n)
@@ -351,66 +351,31 @@ def _kept_length_N(
 ) -> FloatArray:
     """Return what presses on the slack side where the belt keeps its length between fixed centres, shape (n,) [N].
 
-    0 where the belt would have to push. The excess of length falls as the tensions grow, so the root is bracketed; a
-    secant step is taken where it falls into the bracket's better half (Illinois).
+    0 where the belt would have to push. The excess of length falls as the tensions grow, so the root is bracketed.
     """
     problem = model.problem
-    tension_N, circling_N = problem.tension_N, model.part("centrifugal", problem.circling_N)
-    stretchy = "creep" in model.effects and problem.axial_stiffness_N is not None
-    give = (
-        1.0 / problem.axial_stiffness_N
-        if stretchy and problem.axial_stiffness_N is not None
-        else np.zeros(problem.n)
-    )
+    circling_N = model.part("centrifugal", problem.circling_N)
+    stretches = "creep" in model.effects and problem.axial_stiffness_N is not None
+    stiffness_N = problem.axial_stiffness_N if stretches and problem.axial_stiffness_N is not None else np.inf
+    arcs_m = np.stack([radius_m * wrap_rad for radius_m, wrap_rad in problem.pulleys], axis=-1)
 
     def excess(slack_N: FloatArray) -> FloatArray:
-        return _excess_N_m(problem, exponents, (slack_N, tight_of(slack_N)), circling_N, give)
+        """Return the excess of length round the belt: tight side, driving pulley, slack side, driven pulley."""
+        ends = np.stack([tight_of(slack_N), slack_N], axis=-1)
+        falls = np.log(ends[..., 1] / ends[..., 0])
+        return excess_of_length(
+            problem.tension_N,
+            stiffness_N,
+            span_m=np.asarray(problem.span_m)[:, np.newaxis],
+            arc_m=arcs_m,
+            arriving_N=ends + circling_N[:, np.newaxis],
+            leaving_N=ends[..., ::-1] + circling_N[:, np.newaxis],
+            growth=np.stack([falls, -falls], axis=-1),
+            exponent=exponents.T,
+        )
 
-    high, low = tension_N - circling_N, np.zeros(problem.n)
-    low = np.maximum(low, 1e-12 * high)
-    at_low, at_high = excess(low), excess(high)
-    pushed = at_low <= 0.0
-    for _ in range(_MAX_STEPS):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            middle = high - at_high * (high - low) / (at_high - at_low)
-        middle = np.where((middle > low) & (middle < high), middle, 0.5 * (low + high))
-        found = excess(middle)
-        longer = found > 0.0
-        # The end that stays counts half, so that it does not stay for ever.
-        at_low, at_high = np.where(longer, found, 0.5 * at_low), np.where(longer, 0.5 * at_high, found)
-        low, high = np.where(longer, middle, low), np.where(longer, high, middle)
-        if (pushed | (high - low <= _SETTLED * high) | (found == 0.0)).all():
-            break
-    return np.where(pushed, 0.0, np.where(found == 0.0, middle, 0.5 * (low + high)))
-
-
-def _excess_N_m(
-    problem: DriveProblem,
-    exponents: FloatArray,
-    pressing_N: tuple[FloatArray, FloatArray],
-    circling_N: FloatArray,
-    give: FloatArray,
-) -> FloatArray:
-    """Return ∮ (T0 − T)/(1 + T/EA) ds, zero where the belt has the unstretched length it had at rest, shape (n,).
-
-    On a slip arc T = c + p e^(μθ), of which both parts have a closed form that stays whole as EA grows: with
-    x = (T1 − T2)/EA/(1 + T2/EA), ∫dθ/(1 + T/EA) = (θ − ln(1 + x)/μ)/(1 + c/EA).
-    """
-    slack_N, tight_N = (one + circling_N for one in pressing_N)
-    rest_N, grown = problem.tension_N, np.log(pressing_N[1] / pressing_N[0])
-    each = [(rest_N - one) / (1.0 + give * one) for one in (tight_N, slack_N)]
-    excess = np.asarray(problem.span_m) * (each[0] + each[1])
-    for place, (radius_m, wrap_rad) in enumerate(problem.pulleys):
-        mu = exponents[place] / wrap_rad
-        slip = np.minimum(grown, exponents[place])
-        rise_N = pressing_N[0] * np.expm1(slip)
-        x = give * rise_N / (1.0 + give * slack_N)
-        growing = rise_N / (1.0 + give * slack_N) * log1prel(x)
-        steady = (rest_N - circling_N) * (slip - np.log1p(x)) / (1.0 + give * circling_N)
-        # It adheres with the tension with which it arrives.
-        per_mu = np.divide(1.0, mu, out=np.zeros_like(mu), where=mu > 0.0)
-        excess = excess + radius_m * ((steady - growing) * per_mu + (wrap_rad - slip * per_mu) * each[place])
-    return excess
+    high_N = problem.tension_N - circling_N
+    return np.nan_to_num(roots_of_cases(excess, 1e-12 * high_N, high_N))
 
 
 def best_speed_m_s(problem: DriveProblem) -> FloatArray | None:

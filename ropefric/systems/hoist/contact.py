@@ -14,17 +14,16 @@ from ropefric.friction.laws.bending import bending_N, lifted_arc_rad
 from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, lean, refuse
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction
+from ropefric.systems.roots import roots_of_cases
 
 GRAVITY_M_S2 = 9.80665
 """Standard acceleration of gravity [m/s2]."""
 
-TOLD = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
+REGRESSORS_OF = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
 """Regressors that each of the law's own effects gives it."""
 
 _LARGEST = float(np.log(np.finfo(np.float64).max))
 _MAX_STEPS = 400
-_HALVINGS = 54
-"""Of an arc, to the last digit of the whole."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -174,7 +173,7 @@ def _exponent(model: HoistModel, slack_N: FloatArray) -> partial[FloatArray]:
         problem.wheel_radius_m,
         problem.rope_radius_m,
         slack_tension_N=slack_N,
-        told=frozenset(TOLD[name] for name in model.effects & TOLD.keys()),
+        regressors=frozenset(REGRESSORS_OF[name] for name in model.effects & REGRESSORS_OF.keys()),
     )
 
 
@@ -202,12 +201,10 @@ def _arcs(model: HoistModel) -> Arcs:
     needed = np.log(tight_N / slack_N)
     exponent_over = _exponent(model, slack_N)
     held = touching & (needed < exponent_over(wrap_angle_rad=contact))
-    low, high = np.zeros_like(contact), contact
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        short = exponent_over(wrap_angle_rad=middle) < needed
-        low, high = np.where(short, middle, low), np.where(short, high, middle)
-    slip = np.where(held, np.where(needed > 0.0, high, 0.0), contact)
+    met = roots_of_cases(
+        lambda wrap_rad: exponent_over(wrap_angle_rad=wrap_rad) - needed, np.zeros_like(contact), contact
+    )
+    slip = np.where(held, np.where(needed > 0.0, met, 0.0), contact)
     slip, stick = (np.where(touching, one, np.nan) for one in (slip, contact - slip))
     return Arcs(slip, stick)
 

@@ -15,7 +15,7 @@ from ropefric.friction.laws.bending import bending_N
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import GRAVITY_M_S2, TOLD, contact_arc_rad
+from ropefric.systems.hoist.contact import GRAVITY_M_S2, REGRESSORS_OF, contact_arc_rad
 
 _LARGEST_EXPONENT = 300.0
 _MAX_STEPS = 200
@@ -183,11 +183,11 @@ class Passage(NamedTuple):
         friction = self.model.problem.friction
         if mu is not None or friction is None:
             return np.array(mu or 0.0)
-        return friction.exponent(1.0, 0.1, 1.0, 100.0, told=frozenset())
+        return friction.exponent(1.0, 0.1, 1.0, 100.0, regressors=frozenset())
 
     def exponent(self, bend: "Contact", wrap_rad: FloatArray, slack_N: FloatArray) -> FloatArray:
         """Return M = ∫μ dφ over a wrap: of the element's own coefficient, or of the law of the line."""
-        problem, known = self.model.problem, self.model.effects & TOLD.keys()
+        problem, known = self.model.problem, self.model.effects & REGRESSORS_OF.keys()
         if bend.mu is not None or problem.friction is None:
             found = np.asarray((bend.mu or 0.0) * wrap_rad)
         else:
@@ -196,8 +196,8 @@ class Passage(NamedTuple):
                 sizes = bend.radius_m, problem.rope_radius_m
             else:
                 known = known - {"size"}
-            told = frozenset(TOLD[name] for name in known)
-            found = problem.friction.exponent(sizes[0], sizes[1], wrap_rad, slack_N, told=told)
+            regressors = frozenset(REGRESSORS_OF[name] for name in known)
+            found = problem.friction.exponent(sizes[0], sizes[1], wrap_rad, slack_N, regressors=regressors)
         if (found > _LARGEST_EXPONENT).any():
             raise InputError(
                 f"friction would raise the tension by e^{float(found.max()):.4g} in one element",
@@ -255,11 +255,8 @@ class Passage(NamedTuple):
         friction = self.model.problem.friction
         if bend.mu is not None or friction is None or not friction.law.effects & _BEND_M:
             return np.asarray(exprel(self.exponent(bend, contact, pressing_N)))
-        parts = [
-            part * np.exp(self.exponent(bend, share * contact, pressing_N))
-            for share, part in zip(_SHARES.tolist(), _PARTS.tolist(), strict=True)
-        ]
-        return np.asarray(sum(parts))
+        shares = np.multiply.outer(_SHARES, contact)  # all places and cases in one call of the law
+        return np.asarray(_PARTS @ np.exp(self.exponent(bend, shares, pressing_N)))
 
 
 class Contact(NamedTuple):

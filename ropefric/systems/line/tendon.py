@@ -12,8 +12,7 @@ from scipy.special import exprel
 
 from ropefric.arrays import FloatArray
 from ropefric.systems.checks import refuse
-
-_HALVINGS = 200
+from ropefric.systems.roots import roots_of_cases
 
 
 class Stressed(NamedTuple):
@@ -89,14 +88,10 @@ def anchored(tension_N: FloatArray, lengths_m: FloatArray, slip_N_m: FloatArray)
     falls = np.log(tension_N[0] / tension_N)
     jack_N, whole = tension_N[0], falls[-1]
     reaches = _slip_N_m(falls, lengths_m, whole) * jack_N < slip_N_m
-    low, high = np.zeros_like(whole), whole.copy()
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        short = _slip_N_m(falls, lengths_m, middle) * jack_N < slip_N_m
-        low, high = np.where(short, middle, low), np.where(short, high, middle)
-        if (high - low <= 1e-15 * high).all():
-            break
-    turns = np.where(reaches, whole, high)
+    met = roots_of_cases(
+        lambda turn: _slip_N_m(falls, lengths_m, turn) * jack_N - slip_N_m, np.zeros_like(whole), whole
+    )
+    turns = np.where(reaches, whole, met)
     # Over the whole length: T' = c e^m, whose integral is that of before less w EA.
     steps = np.diff(falls, axis=0)
     rising = (lengths_m[:, None] * np.exp(falls[:-1]) * exprel(steps)).sum(axis=0)

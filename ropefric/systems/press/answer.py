@@ -11,14 +11,15 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.systems.checks import Cases, ZeroOrMore
 from ropefric.systems.effect import Model
-from ropefric.systems.friction import WrapFriction, told_by
+from ropefric.systems.friction import WrapFriction, regressors_of
+from ropefric.systems.press.creep import rim_speed_ratios
+from ropefric.systems.press.critical import CHANGES, critical
 from ropefric.systems.press.machine import Press
-from ropefric.systems.press.slip import CHANGES, SlipTable, critical
+from ropefric.systems.press.slip import SlipTable
 from ropefric.systems.press.statics import (
     Statics,
     SteadyState,
     TakeUp,
-    rim_speed_ratios,
     solve_statics,
     steady_state,
 )
@@ -47,7 +48,7 @@ def operated(
         own: dict[str, Any] = {"gravity_torque_N_m": gravity * one.gravity_torque_N_m}
         own["squeeze_torque_N_m"] = squeeze * one.squeeze_torque_N_m
         carrier = one.tensioner
-        if carrier is not None and preload_N is not None:
+        if carrier is not None and carrier.is_shared and preload_N is not None:
             carrier = replace(carrier, force_N=preload_N)
         rollers.append(replace(one, tensioner=carrier, **own))
     return replace(press, rollers=tuple(rollers))
@@ -72,14 +73,14 @@ class PressModel(Model[PressProblem]):
         return self._operated(load_factor, None if preload_N is None else float(preload_N[0]))
 
     @property
-    def told(self) -> frozenset[str]:
+    def regressors(self) -> frozenset[str]:
         """Return the regressors that the law gets from a contact."""
-        return told_by(self.effects)
+        return regressors_of(self.effects)
 
     @property
     def asked(self) -> dict[str, Any]:
         """Return the settings of a start-up: effects and friction."""
-        asked = {"friction": self.problem.friction, "effects": self.effects, "told": self.told}
+        asked = {"friction": self.problem.friction, "effects": self.effects, "regressors": self.regressors}
         return asked | {"follows": "transient-friction" in self.effects}
 
     @property
@@ -138,12 +139,13 @@ def solve_press(model: PressModel) -> PressAnswer:
     at: dict[str, Any] = {"preload_N": problem.preload_N, "load_factor": problem.load_factor}
     # Where the steady run has a slack span the start-up still has an answer, with belts that lift off.
     at |= {"tensioner": take_up(model.effects), "on_slack": "refuse" if task is None else "flag"}
+    at |= {"friction": problem.friction, "regressors": model.regressors}
     state, still = (steady_state(statics, speed_m_s=way * problem.speed_m_s, **at) for way in (1.0, 0.0))
     moved = None
     if task is not None:
         how = {"exact_switching": "exact-switching" in model.effects, **model.asked}
         moved = start_up(model.as_operated, **how, **task)
-    slip = SlipTable(model.press, state.effective_tension_N, problem.friction, told=model.told)
+    slip = SlipTable(model.press, state.effective_tension_N, problem.friction, regressors=model.regressors)
     return PressAnswer(model, statics, state, still.effective_tension_N, slip, moved)
 
 
@@ -151,16 +153,18 @@ def slip_margins(answer: PressAnswer) -> dict[str, Any]:
     """Return which roller is nearest to slip, and what would make the first one slip or the last one stop, as data."""
     model, rollers, use = answer.model, answer.slip.rollers, answer.slip.utilisation[0]
     statics = solve_statics(model.as_operated, closure=model.problem.closure)
-    told: dict[str, Any] = {}
+    changes: dict[str, Any] = {}
     for change, words in CHANGES.items():
         # What a higher speed does is the belts' mass, whether or not it matters at this one.
         tensioner = take_up(model.effects | ({"belt-inertia"} if change == "speed" else set()))
-        found = critical(statics, model.problem.friction, change, tensioner=tensioner, told=model.told)
-        told[change] = found._asdict() | {"unit": words.rpartition("[")[2].rstrip("]")}
+        found = critical(
+            statics, model.problem.friction, change, tensioner=tensioner, regressors=model.regressors
+        )
+        changes[change] = found._asdict() | {"unit": words.rpartition("[")[2].rstrip("]")}
     return {
         "first_to_slip": rollers[int(np.argmax(use))] if use.any() else None,
         "slips": [name for name, share in zip(rollers, use, strict=True) if share > 1.0],
-        "critical": told,
+        "critical": changes,
     }
 
 
@@ -172,17 +176,17 @@ def settles(answer: PressAnswer) -> dict[str, Any]:
     """Return where a start-up leads, how far that is from the steady run, and why."""
     found, steady_N, closure = answer.start_up, answer.state.tension_N[0], answer.statics.closure
     assert found is not None  # noqa: S101  (asked for by the caller)
-    told: dict[str, Any] = {"steady": False, "differs_N": None, "span": None}
+    outcome: dict[str, Any] = {"steady": False, "differs_N": None, "span": None}
     if found.settled is None:
         ends = zip(found.press.rollers, found.at_end.tolist(), strict=True)
         names = [f"{roller.name} {what}" for roller, what in ends if what]
         why = f"at the end of the time simulated roller {', '.join(names)}" if names else ""
-        return told | {"why": why or "drivers of different speed stretch the belts until one slips"}
+        return outcome | {"why": why or "drivers of different speed stretch the belts until one slips"}
     press, apart_N, largest_N = found.press, found.settled.tension_N - steady_N, np.abs(steady_N).max()
     worst = int(np.argmax(np.abs(apart_N)))
-    told |= {"differs_N": float(apart_N[worst]), "span": press.spans[worst].name}
+    outcome |= {"differs_N": float(apart_N[worst]), "span": press.spans[worst].name}
     if abs(apart_N[worst]) <= _SAME_STATE * largest_N:
-        return told | {"steady": True, "why": "it settles where the steady run is"}
+        return outcome | {"steady": True, "why": "it settles where the steady run is"}
     slipped = ", ".join(dict.fromkeys(slip.roller for slip in found.slips))
     why = "belts that stick to their rollers from the start share the pull as their spans stretch"
     if slipped:
@@ -197,4 +201,4 @@ def settles(answer: PressAnswer) -> dict[str, Any]:
         why += f"; the closure '{closure}' states another share"
     if np.abs(press.pull @ apart_N).max() > _SAME_STATE * largest_N:
         why += "; its tensioners give way to the loads, where the steady run has them at the travel given"
-    return told | {"why": why}
+    return outcome | {"why": why}

@@ -61,6 +61,8 @@ class Tensioner:
     damping_N_s_m: NotNegative = 0.0
     upstream_angle_rad: Finite = 0.0
     downstream_angle_rad: Finite = 0.0
+    is_shared: bool = True
+    """Whether a preload that is given for all tensioners replaces its own."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,7 +87,7 @@ class Roller:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Belt:
-    """A belt and the way it takes."""
+    """A belt and the way it takes; one with a pretension lies between fixed centres and keeps its unstretched length."""
 
     name: str
     loop: tuple[str, ...]
@@ -95,6 +97,7 @@ class Belt:
     axial_stiffness_N: Positive | None = None
     damping_s: NotNegative = 0.0
     span_lengths_m: Annotated[tuple[float, ...], "positive"] | None = None
+    pretension_N: Positive | None = None
 
     @property
     def steps(self) -> tuple[tuple[str, str], ...]:
@@ -141,6 +144,24 @@ class Press:
     def tensioners(self) -> dict[str, Tensioner]:
         """Return what carries the rollers that translate, by their names."""
         return {one.name: one.tensioner for one in self.rollers if one.tensioner is not None}
+
+    @property
+    def fixed_belts(self) -> tuple[Belt, ...]:
+        """Return the belts between fixed centres."""
+        return tuple(belt for belt in self.belts if belt.pretension_N is not None)
+
+    @cached_property
+    def preload_N(self) -> FloatArray:
+        """Return what sets the level of the tensions: the tensioners' forces, then the pretensions of fixed belts."""
+        forces = [one.force_N for one in self.tensioners.values()]
+        return np.array([*forces, *(belt.pretension_N or 0.0 for belt in self.fixed_belts)])
+
+    @cached_property
+    def is_shared(self) -> BoolArray:
+        """Return which of these a preload of all tensioners replaces."""
+        return np.array(
+            [one.is_shared for one in self.tensioners.values()] + [False] * len(self.fixed_belts), dtype=bool
+        )
 
     @property
     def drivers(self) -> tuple[Roller, ...]:
@@ -297,11 +318,13 @@ def _parts(press: Press) -> Said:
             yield count > 1, f"{where}.loop", f"{what} names roller '{name}' {count} times", fix
         lengths = n if belt.span_lengths_m is None else len(belt.span_lengths_m)
         yield lengths != n, f"{where}.span_lengths_m", f"{what} has {n} spans and {lengths} lengths", ""
+    for key in press.missing_elasticity if press.fixed_belts else []:
+        message = f"a belt between fixed centres keeps a length that needs {key}"
+        yield True, key, message, "give it, or put the belt on a tensioner in place of its pretension"
 
 
 def _graph(press: Press) -> Said:
     seen: dict[tuple[str, str], tuple[str, float]] = {}
-    drivers = {roller.name for roller in press.drivers}
     for belt in press.belts:
         for step, length in zip(belt.steps, belt.span_lengths_m or (), strict=False):
             other, its = seen.setdefault(step, (belt.name, length))
@@ -311,9 +334,8 @@ def _graph(press: Press) -> Said:
             )
             wrong = not math.isclose(its, length, rel_tol=1e-9)
             yield wrong, f"belts.{belt.name}.span_lengths_m", message, ""
-        others = {name for other in press.belts if other is not belt for name in other.loop}
-        message = f"nothing drives belt '{belt.name}': its loop has no driver"
-        yield not (drivers | others) & set(belt.loop), f"belts.{belt.name}.loop", message, ""
+    for belt in press.belts:
+        yield from _held(press, belt)
     for place, roller in enumerate(press.rollers):
         where, name, touching = f"rollers.{roller.name}", roller.name, press.belts_on(roller.name)
         yield not touching, where, f"no belt runs over roller '{name}'", "name it in the loop of a belt"
@@ -326,6 +348,20 @@ def _graph(press: Press) -> Said:
         most = int(max(one[place].sum() for one in (press.into, press.out_of)))
         message = f"{most} spans meet tensioner '{name}' on one side; it has one angle"
         yield roller.role == "tensioner" and most > 1, where, message, ""
+
+
+def _held(press: Press, belt: Belt) -> Said:
+    """Yield what a belt lacks that is driven and has one tension."""
+    where, drivers = f"belts.{belt.name}", {roller.name for roller in press.drivers}
+    others = {name for other in press.belts if other is not belt for name in other.loop}
+    message = f"nothing drives belt '{belt.name}': its loop has no driver"
+    yield not (drivers | others) & set(belt.loop), f"{where}.loop", message, ""
+    if belt.pretension_N is not None:
+        carriers = (press.tensioners.keys() & set(belt.loop)) - others
+        names = " and ".join(f"'{name}'" for name in sorted(carriers))
+        message = f"belt '{belt.name}' has a pretension, but tensioner {names} sets its tension"
+        fix = "leave out the pretension, or let the roller be driven"
+        yield bool(carriers), f"{where}.pretension_N", message, fix
 
 
 GRAVITY_M_S2 = 9.81

@@ -19,20 +19,12 @@ roller the same V holds for both. With v_b and the speed of that roller eliminat
 for belts 1 and 2 that meet in the spans m and reach their drivers in the spans d; and for two drivers of one belt
 (T_1 − T_2)/EA = (V_1 − V_2)/v.
 
-The steady run: tensions over any grid of preloads, speeds and loads, the drives, and elastic creep.
-
-A belt runs with v_b (1 + T/EA), T with its ρAv². It sticks to a roller where it arrives, so that the roller's rim runs
-as fast as the belt in the span before it. Belts that run together stick to each other too: with their shares of T,
-
-    v = Σ EA / Σ (EA/v_b) · (1 + T/Σ EA).
-
-The first driver turns as fast as the scene says. The v_b of one belt after the other follows from the rollers where
-belts meet, as in the closures of `statics`; so the speed that another driver must have follows from the tensions.
-A belt with n spans loses v_b/(2 EA) Σ (T_i − T_i−1)² of the drivers' power.
+A tensioner sets the level of its belt's tensions by a balance. A belt between fixed centres keeps its unstretched
+length instead: `centres` raises its level, on which the tensions depend linearly, until it does.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from itertools import pairwise, product
+from itertools import pairwise
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -41,26 +33,13 @@ import numpy.typing as npt
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.checks import in_scale
+from ropefric.systems.friction import EVERYTHING, WrapFriction
+from ropefric.systems.press.centres import at_kept_lengths_N, level_rows
+from ropefric.systems.press.creep import belts_alone, tension_row
 from ropefric.systems.press.machine import Press, refuse_missing
 
 Statement = tuple[FloatArray, float]
 """One linear equation between tensions: the factor of each span's, and their sum [N]."""
-_Side: TypeAlias = Literal["start", "end"]
-
-
-def tension_row(press: Press, roller: str, belt: str, side: _Side = "end") -> FloatArray:
-    """Return 1 for the span in which a belt reaches a roller ("end"), or leaves it ("start"), else 0."""
-    return np.array([float(getattr(span, side) == roller and belt in span.belts) for span in press.spans])
-
-
-def belts_alone(press: Press, side: _Side = "end") -> list[tuple[str, str, str]]:
-    """Return (roller, belt, next belt) wherever belts of one roller are alone in their spans on one side of it."""
-    alone = {(getattr(span, side), span.belts) for span in press.spans}
-    on = {
-        one.name: [belt.name for belt in press.belts if (one.name, (belt.name,)) in alone]
-        for one in press.rollers
-    }
-    return [(roller, *pair) for roller, belts in on.items() for pair in pairwise(belts)]
 
 
 def _creep(press: Press, stiffness_N: Mapping[str, float], overspeed: Mapping[str, float]) -> list[Statement]:
@@ -170,7 +149,8 @@ def _open(matrix: FloatArray, names: Sequence[str]) -> tuple[str, ...]:
 class Statics(NamedTuple):
     """The parts of the tensions of a press at rest, one share each.
 
-    At rest T = given + load_factor · by_load + by_preload @ F.
+    At rest T = given + load_factor · by_load + by_preload @ F, with F as in `Press.preload_N`; for a belt between fixed
+    centres it is the mean of its tension along its length.
     """
 
     press: Press
@@ -185,42 +165,58 @@ class Statics(NamedTuple):
 def solve_statics(press: Press, *, closure: str = "share") -> Statics:
     """Return the linear solution of the steady equations, eqs. (23)-(34)."""
     names, carriers = [span.name for span in press.spans], press.tensioners
-    balances = np.vstack([press.incidence[press.is_driven], press.pull])
+    balances = np.vstack([press.incidence[press.is_driven], press.pull, level_rows(press)])
     rank, loads_N = _rank(balances), press.rim_load_N[press.is_driven]
     if rank < len(balances):
-        said = [f"torque of roller {roller.name}" for roller in press.rollers if roller.role != "driver"]
-        said += [f"travel of tensioner {name}" for name in carriers]
-        weights = np.abs(_free_motions(balances.T)).max(axis=0)
-        tied = [one for one, weight in zip(said, weights, strict=True) if weight > 0.0]
-        raise InputError(
-            f"these balances repeat each other, so that their loads would have to agree by chance: {', '.join(tied)}",
-            code="RF522",
-            fix="keep one tensioner a belt (let the other roller be driven), and give every machine a driver",
-        )
-    # What stands against the balances, a column each: springs, loads, one newton of each preload.
-    n = len(loads_N)
-    right = np.zeros((rank, 2 + len(carriers)))
-    right[n:, 0] = [part.spring_N_m * part.travel_m for part in carriers.values()]
+        _refuse_repeated(press, balances)
+    # The right-hand sides of the balances, a column each: springs, loads, one newton of each preload.
+    n, n_preloads = len(loads_N), len(press.preload_N)
+    right = np.zeros((rank, 2 + n_preloads))
+    right[n : n + len(carriers), 0] = [part.spring_N_m * part.travel_m for part in carriers.values()]
     right[:n, 1] = loads_N
-    right[n:, 2:] = np.eye(len(carriers))
+    right[n:, 2:] = np.eye(n_preloads)
     undetermined = _open(balances, names)
     if undetermined:
-        statements, which, problem = CLOSURES[closure](press), f"the closure '{closure}' ", ""
+        statements = CLOSURES[closure](press)
         balances = np.vstack([balances, *(row for row, _ in statements)])
+        _refuse_unsettled(balances, names, undetermined, closure, len(statements))
         right = np.pad(right, ((0, len(statements)), (0, 0)))
         right[rank:, 0] = [value_N for _, value_N in statements]
-        if _rank(balances) < len(names):
-            problem = f"the balances leave {len(undetermined)} thing(s) open and {which}does not settle: "
-            problem += "; ".join(_open(balances, names))
-        elif len(statements) > len(undetermined):
-            problem = f"{which}makes {len(statements)} statements where {len(undetermined)} are open: "
-            problem += "; ".join(undetermined)
-        if problem:
-            fix = "give every belt a tensioner, or choose another closure"
-            raise InputError(problem, code="RF522", fix=fix)
     shares: FloatArray = np.asarray(np.linalg.solve(balances, right), dtype=np.float64)
     known = (press, closure if undetermined else "", rank, undetermined)
     return Statics(*known, shares[:, 0], shares[:, 1], shares[:, 2:])
+
+
+def _refuse_repeated(press: Press, balances: FloatArray) -> None:
+    said = [f"torque of roller {roller.name}" for roller in press.rollers if roller.role != "driver"]
+    said += [f"travel of tensioner {name}" for name in press.tensioners]
+    said += [f"level of belt {belt.name}" for belt in press.fixed_belts]
+    weights = np.abs(_free_motions(balances.T)).max(axis=0)
+    tied = [one for one, weight in zip(said, weights, strict=True) if weight > 0.0]
+    raise InputError(
+        f"these balances repeat each other, so that their loads would have to agree by chance: {', '.join(tied)}",
+        code="RF522",
+        fix="keep one tensioner a belt (let the other roller be driven), and give every machine a driver",
+    )
+
+
+def _refuse_unsettled(
+    balances: FloatArray, names: Sequence[str], undetermined: Sequence[str], closure: str, n_statements: int
+) -> None:
+    """Refuse a closure that, beside the balances, makes too few or too many statements."""
+    if _rank(balances) < len(names):
+        problem = f"the balances leave {len(undetermined)} thing(s) open and the closure '{closure}' does not settle: "
+        problem += "; ".join(_open(balances, names))
+    elif n_statements > len(undetermined):
+        problem = (
+            f"the closure '{closure}' makes {n_statements} statements where {len(undetermined)} are open: "
+        )
+        problem += "; ".join(undetermined)
+    else:
+        return
+    raise InputError(
+        problem, code="RF522", fix="give every belt a tensioner or a pretension, or choose another closure"
+    )
 
 
 TakeUp: TypeAlias = Literal["locked", "elastic", "floating"]
@@ -258,7 +254,8 @@ def speed_shift_kg_m(statics: Statics, tensioner: TakeUp) -> FloatArray:
     system = np.block([[give, pull.T], [pull, -springs]])
     right = np.concatenate([-give @ density, np.zeros(len(springs))])
     level = np.linalg.solve(system, right)[: len(density)]
-    return np.asarray(statics.by_preload @ (pull @ (level + density)) - press.density_kg_m)
+    by_force = statics.by_preload[:, : len(springs)]
+    return np.asarray(by_force @ (pull @ (level + density)) - press.density_kg_m)
 
 
 class SteadyState(NamedTuple):
@@ -302,9 +299,15 @@ def steady_state(
     load_factor: npt.ArrayLike = 1.0,
     tensioner: TakeUp = "locked",
     on_slack: Literal["refuse", "flag"] = "refuse",
+    friction: float | WrapFriction | None = None,
+    regressors: frozenset[str] = EVERYTHING,
 ) -> SteadyState:
-    """Return the tensions of a steady run, eqs. (23)-(36) and (39); a preload given is that of all tensioners."""
-    press, own_N = statics.press, np.array([one.force_N for one in statics.press.tensioners.values()])
+    """Return the tensions of a steady run, eqs. (23)-(36) and (39); a preload given is that of all tensioners.
+
+    Friction is needed where belts run between fixed centres.
+    """
+    press = statics.press
+    shared = press.is_shared * (preload_N is not None)
     asked = {
         "speed_m_s": press.speed_m_s if speed_m_s is None else speed_m_s,
         "load_factor": load_factor,
@@ -312,11 +315,11 @@ def steady_state(
     }
     speed, load, preload = (in_scale(name, values, "zero or more") for name, values in asked.items())
     shape = np.broadcast_shapes(speed.shape, load.shape, preload.shape)
-    base_N = statics.given_N + (statics.by_preload @ own_N if preload_N is None else 0.0)
+    base_N = statics.given_N + statics.by_preload @ (press.preload_N * ~shared)
     shares = [
         (statics.by_load_N, load),
         (speed_shift_kg_m(statics, tensioner), speed**2),
-        (statics.by_preload.sum(axis=1), preload),
+        (statics.by_preload @ shared, preload),
     ]
     # Constant parts are summed beforehand.
     base_N = base_N + sum(share * float(acting) for share, acting in shares if not acting.ndim)
@@ -325,6 +328,16 @@ def steady_state(
     for share, acting in shares:
         if acting.ndim:
             by_span = by_span + share.reshape(spans) * acting
+    moving = speed**2 * (tensioner != "floating")
+    kept_N = at_kept_lengths_N(
+        press,
+        statics.by_preload,
+        np.moveaxis(by_span, 0, -1),
+        circling_N=np.multiply.outer(np.broadcast_to(moving, shape), press.density_kg_m),
+        friction=friction,
+        regressors=regressors,
+    )
+    by_span = np.moveaxis(kept_N, -1, 0)
     slack = by_span.min(axis=0, initial=np.inf) <= 0.0
     if on_slack == "refuse" and slack.any():
         flat = by_span.reshape(len(base_N), -1)
@@ -339,28 +352,4 @@ def steady_state(
             fix="raise the preload of the tensioners or lower the loads (in Python, on_slack='flag' marks such points)",
         )
     speed, load = (np.broadcast_to(one, shape) for one in (speed, load))
-    return SteadyState(press, speed, load, np.moveaxis(by_span, 0, -1), slack)
-
-
-def rim_speed_ratios(press: Press, tension_N: FloatArray) -> FloatArray:
-    """Return each rim's speed over the first driver's, shape (..., n_rollers), from T, shape (..., n_spans).
-
-    1 where the EA of a belt is not known.
-    """
-    stiffness_N = np.array([belt.axial_stiffness_N for belt in press.belts], dtype=np.float64)
-    if np.isnan(stiffness_N).any():
-        return np.ones((*tension_N.shape[:-1], len(press.rollers)))
-    together_N = stiffness_N @ press.carried
-    stretched = 1.0 + tension_N / together_N
-    driver = press.drivers[0].name
-    first = press.belts_on(driver)[0].name
-    unstrained = {first: 1.0 / (stretched @ tension_row(press, driver, first))}
-    for _, (roller, *pair) in product(press.belts, belts_alone(press)):
-        for one, other in (pair, pair[::-1]):
-            if one in unstrained and other not in unstrained:
-                pace, follows = (stretched @ tension_row(press, roller, belt) for belt in (one, other))
-                unstrained[other] = unstrained[one] * pace / follows
-    # A belt that never meets another alone keeps to the first one's pace.
-    paces = np.stack([unstrained.get(belt.name, unstrained[first]) for belt in press.belts], axis=-1)
-    by_span = together_N / ((stiffness_N / paces) @ press.carried) * stretched
-    return np.asarray(by_span[..., np.argmax(press.into, axis=1)])
+    return SteadyState(press, speed, load, kept_N, slack)

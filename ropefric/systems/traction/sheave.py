@@ -8,7 +8,8 @@ import numpy as np
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
-from ropefric.systems.friction import WrapFriction, refuse_no_ratio, told_by
+from ropefric.systems.friction import WrapFriction, refuse_no_ratio, regressors_of
+from ropefric.systems.roots import roots_of_cases
 
 GRAVITY_M_S2 = 9.81
 CASES = ("loading", "braking-up", "braking-down", "stalled")
@@ -214,7 +215,7 @@ def _coefficients(model: TractionModel, tight_N: FloatArray, slack_N: FloatArray
         # Where nothing pulls on the slack side, what pulls on the tight side presses.
         pressing_N = np.where(slack_N > 0.0, slack_N, tight_N) / problem.rope_count
         contact = (problem.wheel_radius_m, problem.rope_radius_m, problem.wrap_angle_rad, pressing_N)
-        mu = friction.exponent(*contact, told=told_by(model.effects)) / problem.wrap_angle_rad
+        mu = friction.exponent(*contact, regressors=regressors_of(model.effects)) / problem.wrap_angle_rad
     mu[_BRAKING] /= 1.0 + model.part("speed", problem.speed_m_s) / _SPEED_SCALE_M_S
     return mu
 
@@ -228,19 +229,7 @@ def _undercut_rad(problem: TractionProblem, factor: FloatArray) -> FloatArray:
     gamma, factor = np.broadcast_to(gamma, factor.shape)[possible], factor[possible]
     # Where the wedge begins nothing is left of the bed to divide by.
     largest = (1.0 - 1e-12) * (np.pi - gamma)
-    found, going = 0.5 * largest, np.arange(gamma.size)
-    for _ in range(100):
-        beta, opening, end = found[going], gamma[going], largest[going]
-        bed = np.pi - beta - opening - np.sin(beta) + np.sin(opening)
-        now = round_factor(opening, beta)
-        slope = (now * (1.0 + np.cos(beta)) - 2.0 * np.cos(0.5 * beta)) / bed
-        better = beta - (now - factor[going]) / slope
-        # Half the way to an end that Newton's step would leave by.
-        better = np.where(better < 0.0, 0.5 * beta, np.where(better > end, 0.5 * (beta + end), better))
-        found[going] = better
-        going = going[np.abs(better - beta) > 1e-13]
-        if not going.size:
-            break
+    found = roots_of_cases(lambda beta: round_factor(gamma, beta) - factor, np.zeros_like(gamma), largest)
     undercut = np.full(possible.shape, np.nan)
     undercut[possible] = found
     return undercut

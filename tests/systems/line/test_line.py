@@ -305,14 +305,14 @@ def test_a_fit_gives_every_tension_its_interval(answer_of):
 def test_numbers_of_elements_can_be_swept_and_drawn(line_of):
     scene = line_of(BEND, HILL, line=pulled(), rope=ROPE, friction={"mu": 0.3},
                     tolerances={"element": {"0": {"angle": "5 deg"}}})  # fmt: skip
-    swept = sweep_scene(scene, (parse_axis(scene, "element.0.angle=0.5rad:1.5rad:5"),))
+    swept = sweep_scene(scene, (parse_axis(scene, "element.0.angle=0.5rad:1.5rad:3"),))
     single = [solve_scene(line_of({**BEND, "angle": f"{one} rad"}, HILL, line=pulled(), rope=ROPE, friction={"mu": 0.3}))
-              for one in (0.5, 0.75, 1.0, 1.25, 1.5)]  # fmt: skip
+              for one in (0.5, 1.0, 1.5)]  # fmt: skip
     assert swept.columns["hand_tension_N"] == pytest.approx(
         [one.to_dict()["hand_tension_N"] for one in single]
     )
     assert "elements.0.tension_out_N" in swept.columns
-    drawn = draw_scene(scene, 200, seed=1).columns["hand_tension_N"]
+    drawn = draw_scene(scene, 80, seed=1).columns["hand_tension_N"]
     tables = {"line": pulled(), "rope": ROPE, "friction": {"mu": 0.3}}
     ends = [solve_scene(line_of({**BEND, "angle": f"{one} deg"}, HILL, **tables)) for one in (65.0, 75.0)]
     low, high = (one.to_dict()["hand_tension_N"] for one in ends)
@@ -422,7 +422,7 @@ def test_a_stranger_adds_a_kind_of_element_by_one_file(tmp_path):
     import sys
 
     package = Path(kinds.__file__).parents[3]
-    shutil.copytree(package, tmp_path / "ropefric", ignore=shutil.ignore_patterns("__pycache__", "*.npz"))
+    shutil.copytree(package, tmp_path / "ropefric", ignore=shutil.ignore_patterns("*.npz"))
     (tmp_path / "ropefric/systems/line/elements/damper.py").write_text(STRANGER, encoding="utf-8")
     scene = tmp_path / "damped.toml"
     scene.write_text(BAD + '[[element]]\nkind = "damper"\nroot = "3 N"\n', encoding="utf-8")

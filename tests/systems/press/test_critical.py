@@ -8,7 +8,8 @@ import pytest
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.systems.friction import WrapFriction
-from ropefric.systems.press.slip import CHANGES, SlipTable, critical
+from ropefric.systems.press.critical import CHANGES, critical
+from ropefric.systems.press.slip import SlipTable
 from ropefric.systems.press.statics import solve_statics, steady_state
 
 

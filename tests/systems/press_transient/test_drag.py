@@ -22,48 +22,60 @@ def drive_of(law, speed_m_s=1.0, duration_s=0.3):
 CREEP_M_S, STILL_M_S = 4e-6, 1e-5
 
 
-def regularised(press, speed, loads, times_s, mu):
-    """The small machine by hand: friction and drag grow with the speed up to their limits, as a tanh."""
-    EA, eta = press.belts[0].axial_stiffness_N, press.belts[0].damping_s
-    lengths, rho = np.array(press.belts[0].span_lengths_m), 8.0
-    R = np.array([r.radius_m for r in press.rollers])
+def regularised(press, speed, loads, times_s, mu, rtol=1e-7):  # noqa: PLR0917  (facts of one machine)
+    """A machine on its own graph, whose friction and drag grow with the speed up to their limits, as a tanh.
+
+    Return positions of belts, then their speeds, those of the driven rims, travels and their speeds.
+    """
+    D, P, into, out_of = press.incidence, press.pull, press.into, press.out_of
+    driven, R = press.is_driven, press.radius_m
+    n, m, k = len(R), int(driven.sum()), len(press.tensioners)
     wrap = np.array([r.wrap_angle_rad for r in press.rollers])
     J = np.array([r.inertia_kg_m2 for r in press.rollers])
-    tension = press.rollers[2].tensioner
-    T0 = 0.5 * (tension.spring_N_m * tension.travel_m + tension.force_N)
-    arc, E = rho * R * wrap, np.exp(mu * wrap)
-    load = press.rollers[1].torque_N_m / R[1]
-    final = float(speed(speed.x[-2]))
+    stiff = np.zeros(len(press.spans))
+    for belt in press.belts:
+        for step, length in zip(belt.steps, belt.span_lengths_m, strict=True):
+            place = [(s.start, s.end) for s in press.spans].index(step)
+            stiff[place] += belt.axial_stiffness_N / length
+    eta = press.belts[0].damping_s
+    parts = list(press.tensioners.values())
+    spring, mass, damper = (
+        np.array([getattr(one, name) for one in parts]) for name in ("spring_N_m", "mass_kg", "damping_N_s_m")
+    )
+    level = np.linalg.solve(P @ press.carried.T, [p.spring_N_m * p.travel_m + p.force_N for p in parts])
+    T0 = level @ press.carried
+    density = np.array(
+        [sum(b.linear_density_kg_m for b in press.belts if r.name in b.loop) for r in press.rollers]
+    )
+    arc, E = density * R * wrap, np.exp(mu * wrap)
+    kappa = mu * wrap / (E - 1.0)
+    load, final = press.rim_load_N, float(speed(speed.x[-2]))
 
     def rate(t, y, end):
-        b, db, v, x, dx = y[0:3], y[3:6], y[6:8], y[8], y[9]
+        b, db, x, dx = y[:n], y[n : 2 * n], y[2 * n + m : 2 * n + m + k], y[2 * n + m + k :]
         v_drive = float(speed(min(t, np.nextafter(end, 0.0))))
-        shorten, dshorten = np.array([0.0, x, x]), np.array([0.0, dx, dx])
-        e, de = np.roll(b, -1) - b - shorten, np.roll(db, -1) - db - dshorten
-        T = np.maximum(T0 + EA / lengths * (e + eta * de), 0.0)
-        c = rho * v_drive**2
-        out, into = np.maximum(T - c, 0.0), np.maximum(np.roll(T, 1) - c, 0.0)
-        fast = db - np.array([v_drive, v[0], v[1]])
-        # (37): T_out + q = (T_in + q) e^M, q = ρAR b''/μ, solved for b''; backward with the sides exchanged.
-        ahead = mu * (out - E * into) / (rho * R * (E - 1.0))
-        behind = mu * (E * out - into) / (rho * R * (E - 1.0))
-        most = np.where(fast > 0.0, out - into - arc * ahead, into - out + arc * behind)
-        F = most * np.tanh(fast / CREEP_M_S)
-        belt = (T - np.roll(T, 1) - F) / arc
+        v = np.full(n, v_drive)
+        v[driven] = y[2 * n : 2 * n + m]
+        e, de = (-D.T @ way - P.T @ travel for way, travel in ((b, x), (db, dx)))
+        T = np.maximum(T0 + stiff * (e + eta * de), 0.0)
+        pressed = np.maximum(T - press.density_kg_m * v_drive**2, 0.0)
+        before, behind = into @ pressed, out_of @ pressed
+        fast = db - v
+        tight, slack = np.where(fast > 0.0, behind, before), np.where(fast > 0.0, before, behind)
+        F = ((1.0 - kappa) * tight + (kappa * E - 1.0) * slack) * np.tanh(fast / CREEP_M_S)
         factor = 1.0 if loads == "constant" else v_drive / final
-        roll = (F[1:] - np.array([factor * load * np.tanh(v[0] / STILL_M_S), 0.0])) * R[1:] ** 2 / J[1:]
-        pull = T[1] + T[2] - 2.0 * T0 - 2.0 * c
-        push = (pull - tension.damping_N_s_m * dx - tension.spring_N_m * x) / tension.mass_kg
-        return np.concatenate([db, belt, roll, [dx, push]])
+        roll = (F - factor * load * np.tanh(v / STILL_M_S)) * R**2 / J
+        push = P @ (T - T0 - press.density_kg_m * v_drive**2) - damper * dx - spring * x
+        return np.concatenate([db, (D @ T - F) / arc, roll[driven], dx, push / mass])
 
-    found, y = [], np.zeros(10)
-    y[3] = float(speed(0.0))  # what lies on the driver goes with it
+    found, y = [], np.zeros(2 * n + m + 2 * k)
+    y[n : 2 * n][~driven] = float(speed(0.0))  # what lies on a driver goes with it
     starts = [one for one in speed.x[:-1] if one < times_s[-1]]
     for start, end in zip(starts, [*starts[1:], times_s[-1]], strict=True):
         inside = times_s[(times_s > start) & (times_s <= end)]
         stops = np.unique(np.append(inside, end))
         made = solve_ivp(
-            rate, (start, end), y, method="LSODA", t_eval=stops, rtol=1e-7, atol=1e-9, args=(end,)
+            rate, (start, end), y, method="LSODA", t_eval=stops, rtol=rtol, atol=0.01 * rtol, args=(end,)
         )
         found.append(made.y[:, : inside.size])
         y = made.y[:, -1]
@@ -143,72 +155,15 @@ def test_a_linear_press_that_its_loads_drive_is_refused_and_the_time_named(kit):
     account_is_physical(start_up(press, **question))
 
 
-def regularised_paper(press, speed, loads, times_s, mu):
-    """The paper's machine on its own graph: thirteen rollers, two belts, two tensioners; friction and drag as a tanh."""
-    D, P, into, out_of = press.incidence, press.pull, press.into, press.out_of
-    driven, R = press.is_driven, press.radius_m
-    n, m, k = len(R), int(driven.sum()), len(press.tensioners)
-    wrap = np.array([r.wrap_angle_rad for r in press.rollers])
-    J = np.array([r.inertia_kg_m2 for r in press.rollers])
-    stiff = np.zeros(len(press.spans))
-    for belt in press.belts:
-        for step, length in zip(belt.steps, belt.span_lengths_m, strict=True):
-            place = [(s.start, s.end) for s in press.spans].index(step)
-            stiff[place] += belt.axial_stiffness_N / length
-    eta = press.belts[0].damping_s
-    parts = list(press.tensioners.values())
-    spring, mass, damper = (
-        np.array([getattr(one, name) for one in parts]) for name in ("spring_N_m", "mass_kg", "damping_N_s_m")
-    )
-    level = np.linalg.solve(P @ press.carried.T, [p.spring_N_m * p.travel_m + p.force_N for p in parts])
-    T0 = level @ press.carried
-    density = np.array(
-        [sum(b.linear_density_kg_m for b in press.belts if r.name in b.loop) for r in press.rollers]
-    )
-    arc, E = density * R * wrap, np.exp(mu * wrap)
-    kappa = mu * wrap / (E - 1.0)
-    load, final = press.rim_load_N, float(speed(speed.x[-2]))
-
-    def rate(t, y, end):
-        b, db, x, dx = y[:n], y[n : 2 * n], y[2 * n + m : 2 * n + m + k], y[2 * n + m + k :]
-        v_drive = float(speed(min(t, np.nextafter(end, 0.0))))
-        v = np.full(n, v_drive)
-        v[driven] = y[2 * n : 2 * n + m]
-        e, de = (-D.T @ way - P.T @ travel for way, travel in ((b, x), (db, dx)))
-        T = np.maximum(T0 + stiff * (e + eta * de), 0.0)
-        pressed = np.maximum(T - press.density_kg_m * v_drive**2, 0.0)
-        before, behind = into @ pressed, out_of @ pressed
-        fast = db - v
-        tight, slack = np.where(fast > 0.0, behind, before), np.where(fast > 0.0, before, behind)
-        F = ((1.0 - kappa) * tight + (kappa * E - 1.0) * slack) * np.tanh(fast / CREEP_M_S)
-        factor = 1.0 if loads == "constant" else v_drive / final
-        roll = (F - factor * load * np.tanh(v / STILL_M_S)) * R**2 / J
-        push = P @ (T - T0 - press.density_kg_m * v_drive**2) - damper * dx - spring * x
-        return np.concatenate([db, (D @ T - F) / arc, roll[driven], dx, push / mass])
-
-    found, y = [], np.zeros(2 * n + m + 2 * k)
-    y[n : 2 * n][~driven] = float(speed(0.0))
-    starts = [one for one in speed.x[:-1] if one < times_s[-1]]
-    for start, end in zip(starts, [*starts[1:], times_s[-1]], strict=True):
-        inside = times_s[(times_s > start) & (times_s <= end)]
-        stops = np.unique(np.append(inside, end))
-        made = solve_ivp(
-            rate, (start, end), y, method="LSODA", t_eval=stops, rtol=1e-6, atol=1e-8, args=(end,)
-        )
-        found.append(made.y[:, : inside.size])
-        y = made.y[:, -1]
-    return np.hstack(found).T
-
-
 @pytest.mark.parametrize(("law", "loads", "mu"),
                          [("table", "with-speed", 0.3),
                           pytest.param("ramp", "with-speed", 0.2, marks=pytest.mark.slow),
                           pytest.param("s-curve", "constant", 0.15, marks=pytest.mark.slow),
                           pytest.param("constant", "with-speed", 0.25, marks=pytest.mark.slow)])  # fmt: skip
 def test_the_paper_s_machine_coded_on_its_graph_slips_and_holds_alike(kit, law, loads, mu):
-    press, times_s = kit.paper(force_N=1100.0), np.linspace(0.02, 0.44, 22)
+    press, times_s = kit.paper(force_N=1100.0), np.linspace(0.02, 0.28, 14)
     speed = drive_of(law, kit.speed_m_s, 0.25)
-    wanted = regularised_paper(press, speed, loads, times_s, mu)
+    wanted = regularised(press, speed, loads, times_s, mu, rtol=1e-6)
     found = start_up(press, speed=speed, time_s=times_s, friction=mu, loads=loads)
     account_is_physical(found)
     assert len({slip.roller for slip in found.slips}) >= 2

@@ -14,7 +14,7 @@ what the tensions leave, F = T_out − T_in − m b'', and the element dT/dφ = 
 for constant μ κ = M/(e^M − 1); where it slips backward, with the sides exchanged and the other sign.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import NamedTuple, TypeAlias
@@ -48,43 +48,57 @@ class ElasticPress:
 
     def __init__(self, press: Press, effects: Collection[str] = MOVING) -> None:
         refuse_missing("a start-up", [*press.missing_elasticity, *press.missing_masses], fix="give them")
-        self.press, rollers, carriers = press, press.rollers, press.tensioners.values()
+        self.press, rollers, carriers = press, press.rollers, tuple(press.tensioners.values())
         self.preload_N = standstill_tension_N(press)
-        index = {(span.start, span.end): i for i, span in enumerate(press.spans)}
-        self.stiffness_N_m, self.damping_N_s_m = np.zeros((2, len(index)))
-        for belt in press.belts:
-            for step, length_m in zip(belt.steps, belt.span_lengths_m or (), strict=True):
-                own = (belt.axial_stiffness_N or 0.0) / length_m
-                self.stiffness_N_m[index[step]] += own
-                self.damping_N_s_m[index[step]] += own * belt.damping_s * ("belt-damping" in effects)
+        self.stiffness_N_m, self.damping_N_s_m = _springs(press, damped="belt-damping" in effects)
         self.density_kg_m = press.density_kg_m * ("belt-inertia" in effects)
         on_arcs = [sum(belt.linear_density_kg_m for belt in press.belts_on(one.name)) for one in rollers]
-        arcs_m = press.radius_m * [one.wrap_angle_rad for one in rollers]
+        arcs_m = press.radius_m * _numbers(rollers, "wrap_angle_rad")
         self.arc_mass_kg = np.array(on_arcs) * arcs_m * ("arc-inertia" in effects)
-        self.roller_mass_kg = np.array([one.inertia_kg_m2 or 0.0 for one in rollers]) / press.radius_m**2
+        self.roller_mass_kg = _numbers(rollers, "inertia_kg_m2") / press.radius_m**2
         self.driven, self.drivers = np.flatnonzero(press.is_driven), np.flatnonzero(~press.is_driven)
         # What holds a driven roller back is a drag: it opposes the motion, and at rest anything up to its size.
         self.drag_N = np.maximum(press.rim_load_N, 0.0) * press.is_driven
-        self.overspeed = np.array([one.overspeed or 0.0 for one in press.drivers])
-        self.spring_N_m = np.array([one.spring_N_m for one in carriers])
-        self.tensioner_mass_kg = np.array([one.mass_kg or 0.0 for one in carriers])
-        dampers = np.array([one.damping_N_s_m for one in carriers])
+        self.overspeed = _numbers(press.drivers, "overspeed")
+        self.spring_N_m = _numbers(carriers, "spring_N_m")
+        self.tensioner_mass_kg = _numbers(carriers, "mass_kg")
+        dampers = _numbers(carriers, "damping_N_s_m")
         self.tensioner_damping_N_s_m = dampers * ("tensioner-damping" in effects)
+
+
+def _numbers(parts: Sequence[object], name: str) -> FloatArray:
+    """Return a number of each part, 0 where it is not given."""
+    return np.array([getattr(one, name) or 0.0 for one in parts], dtype=np.float64)
+
+
+def _springs(press: Press, *, damped: bool) -> tuple[FloatArray, FloatArray]:
+    """Return stiffness [N/m] and damping [N s/m] of every span, of all belts that run in it."""
+    index = {(span.start, span.end): i for i, span in enumerate(press.spans)}
+    stiffness_N_m, damping_N_s_m = np.zeros((2, len(index)))
+    for belt in press.belts:
+        spans = [index[step] for step in belt.steps]
+        own_N_m = (belt.axial_stiffness_N or 0.0) / np.array(belt.span_lengths_m)
+        stiffness_N_m[spans] += own_N_m
+        damping_N_s_m[spans] += own_N_m * belt.damping_s * damped
+    return stiffness_N_m, damping_N_s_m
 
 
 def standstill_tension_N(press: Press) -> FloatArray:
     """Return the tensions of a press at rest and unloaded, shape (n_spans,) [N].
 
-    Without torques each belt has one tension all around, and the tensioners' balance k1 x + F = P T says which.
+    Without torques each belt has one tension all around: its pretension between fixed centres, else that of the
+    tensioners' balance k1 x + F = P T.
     """
-    by_belt = press.pull @ press.carried.T
-    force_N = np.array([one.spring_N_m * one.travel_m + one.force_N for one in press.tensioners.values()])
+    fixed = [belt.pretension_N is not None for belt in press.belts]
+    by_belt = np.vstack([press.pull @ press.carried.T, np.eye(len(fixed))[fixed]])
+    springs_N = [one.spring_N_m * one.travel_m for one in press.tensioners.values()]
+    force_N = press.preload_N + np.pad(springs_N, (0, sum(fixed)))
     if np.linalg.matrix_rank(by_belt) < len(press.belts) or len(force_N) > len(press.belts):
         raise InputError(
-            f"{len(force_N)} tensioners do not settle the standstill tensions of {len(press.belts)} belts",
+            f"{len(force_N)} tensioners and pretensions do not settle the standstill tensions of {len(fixed)} belts",
             code="RF521",
             key="preload_N",
-            fix="give each belt one tensioner",
+            fix="give each belt one tensioner or one pretension",
         )
     level_N = np.linalg.solve(by_belt, force_N)
     if not (level_N > 0.0).all():
@@ -127,7 +141,7 @@ def _gauss() -> tuple[FloatArray, FloatArray]:
 def friction_limit(
     model: ElasticPress,
     friction: float | WrapFriction,
-    told: frozenset[str] = EVERYTHING,
+    regressors: frozenset[str] = EVERYTHING,
     slack_N: FloatArray | None = None,
 ) -> FrictionLimit:
     """Return what gross slip on each roller is governed by, with the law at the tensions of the standstill.
@@ -138,7 +152,7 @@ def friction_limit(
     if slack_N is not None:
         slack_N = np.maximum(slack_N, LEAST_SLACK_N)
         contacts = contacts._replace(upstream_N=slack_N, downstream_N=slack_N)
-    exponent = contacts.exponent(friction, told)
+    exponent = contacts.exponent(friction, regressors)
     grip = np.expm1(exponent)
     if slack_N is None and grip.min() < _LEAST_GRIP:
         weakest = int(np.argmin(grip))
@@ -153,13 +167,15 @@ def friction_limit(
     nodes, weights = _gauss()
     u = 0.5 * (nodes + 1.0)
     shape = (_NODES, *(1,) * exponent.ndim)
-    left = exponent - contacts.exponent(friction, told, share=u.reshape(shape) ** 4)
+    left = exponent - contacts.exponent(friction, regressors, share=u.reshape(shape) ** 4)
     swell = np.tensordot(2.0 * weights * u**3, np.expm1(left), axes=1)
     growth, share = np.exp(exponent), 1.0 / (1.0 + swell)
     if slack_N is None:
         return FrictionLimit(growth, share)
     tighter = slack_N * np.exp(_PROBE)
-    steep = contacts._replace(upstream_N=tighter, downstream_N=tighter).exponent(friction, told) - exponent
+    steep = (
+        contacts._replace(upstream_N=tighter, downstream_N=tighter).exponent(friction, regressors) - exponent
+    )
     slope = steep / _PROBE  # dM/d ln T'
     width = np.sqrt(2.0 * _TANGENT_ERROR / np.maximum(np.abs(slope), _TANGENT_ERROR))
     return FrictionLimit(growth * (1.0 + slope), share, -growth * slope * slack_N, slack_N, width)
@@ -242,52 +258,69 @@ class Motion:
 
     def __init__(self, model: ElasticPress, mode: Mode, limit: FrictionLimit | None = None) -> None:
         self.model, self.mode, self.limit = model, mode, limit
-        press, driven, drivers = model.press, model.driven, model.drivers
-        n_rollers, n_tensioners = len(press.rollers), len(model.spring_N_m)
-        self.n_coordinates = n_q = len(driven) + n_tensioners + (0 if limit is None else n_rollers)
-        self.n_inputs = FIRST_DRIVER + 3 * len(drivers)
+        self._coordinates()
+        self._tensions()
+        self._balances()
+
+    def _coordinates(self) -> None:
+        """Set the rows of ways, speeds and inputs."""
+        model, n_rollers = self.model, len(self.model.press.rollers)
+        n_driven, n_tensioners = len(model.driven), len(model.spring_N_m)
+        self.n_slips = 0 if self.limit is None else n_rollers
+        self.n_coordinates = n_q = n_driven + n_tensioners + self.n_slips
+        self.n_inputs = FIRST_DRIVER + 3 * len(model.drivers)
         n_w = 2 * n_q + self.n_inputs
         self.inputs = np.eye(self.n_inputs, n_w, k=2 * n_q)
         # Coordinates have no accelerations of their own: those of all but the drivers stay zero here.
-        way, speed, acceleration = np.zeros((3, n_rollers, n_w))
-        for order, rows in enumerate((way, speed, acceleration)):
-            rows[drivers, 2 * n_q + FIRST_DRIVER + 3 * np.arange(len(drivers)) + order] = 1.0
-            if order < 2:
-                rows[driven, order * n_q + np.arange(len(driven))] = 1.0
-        self.relative_way_m, self.rim_speed_m_s = way, speed + self.inputs[SPEED]
+        way, speed, self._given_m_s2 = np.zeros((3, n_rollers, n_w))
+        for order, rows in enumerate((way, speed, self._given_m_s2)):
+            rows[model.drivers, 2 * n_q + FIRST_DRIVER + 3 * np.arange(len(model.drivers)) + order] = 1.0
+        for order, rows in enumerate((way, speed)):
+            rows[model.driven, order * n_q + np.arange(n_driven)] = 1.0
+        self.relative_way_m, self._relative_m_s, self.rim_speed_m_s = way, speed, speed + self.inputs[SPEED]
         self.travel_m, self.travel_speed_m_s = (
-            np.eye(n_tensioners, n_w, k=order * n_q + len(driven)) for order in (0, 1)
+            np.eye(n_tensioners, n_w, k=order * n_q + n_driven) for order in (0, 1)
         )
-        self.slip_m, self.slip_speed_m_s = (
-            np.zeros((n_rollers, n_w)) if limit is None else np.eye(n_rollers, n_w, k=order * n_q - n_rollers)
-            for order in (1, 2)
-        )
+        self.slip_m, self.slip_speed_m_s = np.zeros((2, n_rollers, n_w))
+        if self.n_slips:
+            self.slip_m, self.slip_speed_m_s = (
+                np.eye(n_rollers, n_w, k=order * n_q - n_rollers) for order in (1, 2)
+            )
+
+    def _tensions(self) -> None:
+        """Set the rows of what the spans pull with, and of what presses the belts on the rollers."""
+        model, press, mode = self.model, self.model.press, self.mode
         self.stretch_speed_m_s = (
-            -press.incidence.T @ (speed + self.slip_speed_m_s) - press.pull.T @ self.travel_speed_m_s
+            -press.incidence.T @ (self._relative_m_s + self.slip_speed_m_s)
+            - press.pull.T @ self.travel_speed_m_s
         )
-        stretch = -press.incidence.T @ (way + self.slip_m) - press.pull.T @ self.travel_m
-        preload_N = np.outer(model.preload_N, self.inputs[ONE])
-        momentum_N = np.outer(model.density_kg_m, self.inputs[SPEED_SQUARED])
-        self.spring_N = model.stiffness_N_m[:, None] * stretch + preload_N
+        stretch = -press.incidence.T @ (self.relative_way_m + self.slip_m) - press.pull.T @ self.travel_m
+        self._preload_N = np.outer(model.preload_N, self.inputs[ONE])
+        self._momentum_N = np.outer(model.density_kg_m, self.inputs[SPEED_SQUARED])
+        self.spring_N = model.stiffness_N_m[:, None] * stretch + self._preload_N
         self.unclipped_N = self.spring_N + model.damping_N_s_m[:, None] * self.stretch_speed_m_s
-        self.pressing_N = self.unclipped_N - momentum_N
+        self.pressing_N = self.unclipped_N - self._momentum_N
         self.tension_N = _where(mode.taut, self.unclipped_N)
         pressed = _where(mode.pressed, self.pressing_N)
         self.sides_N = press.into @ pressed, press.out_of @ pressed
         self.load_N = np.outer(press.rim_load_N * np.array(mode.turning), self.inputs[LOAD])
         self.limit_N = self._limit_N()
-        self._move_rollers(press.incidence @ self.tension_N, acceleration + self.inputs[ACCELERATION])
-        force_N = press.pull @ (self.tension_N - preload_N - momentum_N)
+
+    def _balances(self) -> None:
+        """Set the rows of the accelerations."""
+        model, press, n_q = self.model, self.model.press, self.n_coordinates
+        self._move_rollers(press.incidence @ self.tension_N, self._given_m_s2 + self.inputs[ACCELERATION])
+        force_N = press.pull @ (self.tension_N - self._preload_N - self._momentum_N)
         force_N -= model.spring_N_m[:, None] * self.travel_m
         force_N -= model.tensioner_damping_N_s_m[:, None] * self.travel_speed_m_s
         self.travel_acceleration_m_s2 = force_N / model.tensioner_mass_kg[:, None]
         slipping = self.belt_acceleration_m_s2 - self.rim_acceleration_m_s2
         self.derivative = np.vstack(
             [
-                np.eye(n_q, n_w, k=n_q),
-                self.rim_acceleration_m_s2[driven] - self.inputs[ACCELERATION],
+                np.eye(n_q, self.inputs.shape[1], k=n_q),
+                self.rim_acceleration_m_s2[model.driven] - self.inputs[ACCELERATION],
                 self.travel_acceleration_m_s2,
-                slipping[: 0 if limit is None else n_rollers],
+                slipping[: self.n_slips],
             ]
         )
 
@@ -434,7 +467,8 @@ PowerRows: TypeAlias = tuple[FloatArray, FloatArray, list[int]]
 
 def power_rows(motion: Motion) -> PowerRows:
     """Return the rows over w of all forces and speeds that have a power."""
-    pairs = power_pairs(motion)
+    none = np.zeros((1, motion.inputs.shape[1]))  # without tensioners
+    pairs = [(force, speed) if len(force) else (none, none) for force, speed in power_pairs(motion)]
     starts = np.cumsum([0, *(len(force) for force, _ in pairs[:-1])]).tolist()
     forces, speeds = (np.vstack(rows) for rows in zip(*pairs, strict=True))
     return forces, speeds, starts

@@ -164,7 +164,7 @@ def start_up(
     effects: Collection[str] = MOVING,
     integrator: str = "exact",
     exact_switching: bool = True,
-    told: frozenset[str] = EVERYTHING,
+    regressors: frozenset[str] = EVERYTHING,
     follows: bool = False,
     **settings: float | None,
 ) -> StartUp:
@@ -180,47 +180,85 @@ def start_up(
     times = _checked(time_s)
     model = ElasticPress(press, effects=effects)
     inputs = press_inputs(model.overspeed, speed, loads)
-    limit = None if friction is None else friction_limit(model, friction, told)
+    limit = None if friction is None else friction_limit(model, friction, regressors)
     slips = limit is not None and slip and integrator in {"exact", "rk4"}
-    if slips and not (model.arc_mass_kg > 0.0).all():
+    if slips:
+        _refuse_light_belts(model)
+
+    following = _following(model, friction, regressors) if follows else None
+    exponents, follow = following or (None, None)
+    how: dict[str, Any] = {"limit": limit if slips else None, "follow": follow, **settings}
+    *attempts, last = (
+        _ways(model, inputs, times, integrator, in_grid=not exact_switching, **how)
+        if slips or integrator == "exact"
+        else [(partial(_stepped, model, inputs, times, integrator, **settings), _LINEAR_CLOSES)]
+    )
+
+    def made(solve: Callable[[], Solved], share: float) -> StartUp:
+        found = _histories(model, inputs, limit, times, solve(), exponents=exponents)
+        found.energy.check(times, share, loads_take=bool((press.rim_load_N[model.driven] >= 0.0).all()))
+        return found
+
+    for solve, share in attempts:
+        with suppress(SolverError):
+            return made(solve, share)
+    return made(*last)
+
+
+def _refuse_light_belts(model: ElasticPress) -> None:
+    if not (model.arc_mass_kg > 0.0).all():
         raise InputError(
             "a belt that slips moves by its own mass, but it has none on the rollers",
             key="arc_inertia",
             fix="give every belt a density and keep the effect arc-inertia, or set slip = false",
         )
 
-    following = _following(model, friction, told) if follows else None
-    exponents, follow = following or (None, None)
 
-    def made(solution: Solved, share: float) -> StartUp:
-        found = _histories(model, inputs, limit, times, solution, exponents=exponents)
-        found.energy.check(times, share, loads_take=bool((press.rim_load_N[model.driven] >= 0.0).all()))
-        return found
+_Way: TypeAlias = tuple[Callable[[], "Solved"], float]
+"""A way of solving a start-up, and the share of the energy that may be missing from what it finds."""
 
-    if not slips and integrator != "exact":
-        problem = LinearStartUp(model=model, inputs=inputs)
-        states, works = np.split(
-            INTEGRATORS[integrator](problem, times, **settings), [problem.n_state], axis=1
-        )
-        return made(([problem.motion] * len(times), states, works, []), _LINEAR_CLOSES)
-    if slips and integrator == "rk4":
+
+def _ways(
+    model: ElasticPress,
+    inputs: Inputs,
+    times_s: FloatArray,
+    integrator: str,
+    *,
+    in_grid: bool,
+    limit: FrictionLimit | None,
+    follow: Callable[[FloatArray], FrictionLimit] | None,
+    **settings: float | None,
+) -> list[_Way]:
+    """Return the ways of solving a start-up, the quickest first; the last one settles it."""
+    if integrator == "rk4":
         stepped = RK4Solver(model, inputs, limit, follow=follow)
-        stepped.steps = _rk4_steps(times, settings.get("step_s"))
-        return made(_solved(stepped, times), GRID_ERROR)
-    if slips and not exact_switching and _even(times):
-        # Where no grid is fine enough, or what it finds does not add up, the exact moments are searched for.
-        with suppress(SolverError):
-            return made(_solved(GridSolver(model, inputs, limit, follow=follow), times), GRID_ERROR)
-    if not slips:
+        stepped.steps = _rk4_steps(times_s, settings.get("step_s"))
+        return [(partial(_solved, stepped, times_s), GRID_ERROR)]
+    found: list[_Way] = []
+    if limit is None:
         # The linear model, as long as no load drives it.
-        with suppress(SolverError):
-            return made(_solved(HybridSolver(model, inputs, None, drags=False), times), _LINEAR_CLOSES)
-    solver = HybridSolver(model, inputs, limit if slips else None, follow=follow)
-    return made(_solved(solver, times), _CLOSES)
+        linear = HybridSolver(model, inputs, None, drags=False)
+        found.append((partial(_solved, linear, times_s), _LINEAR_CLOSES))
+    elif in_grid and _even(times_s):
+        # Where no grid is fine enough, or what it finds does not add up, the exact moments are searched for.
+        grid = GridSolver(model, inputs, limit, follow=follow)
+        found.append((partial(_solved, grid, times_s), GRID_ERROR))
+    exact = HybridSolver(model, inputs, limit, follow=follow)
+    return [*found, (partial(_solved, exact, times_s), _CLOSES)]
+
+
+def _stepped(
+    model: ElasticPress, inputs: Inputs, times_s: FloatArray, integrator: str, **settings: float | None
+) -> "Solved":
+    """Return the motion of the linear model by an integrator that knows no changes of contact."""
+    problem = LinearStartUp(model=model, inputs=inputs)
+    found = INTEGRATORS[integrator](problem, times_s, **settings)
+    states, works = np.split(found, [problem.n_state], axis=1)
+    return [problem.motion] * len(times_s), states, works, []
 
 
 def _following(
-    model: ElasticPress, friction: float | WrapFriction | None, told: frozenset[str]
+    model: ElasticPress, friction: float | WrapFriction | None, regressors: frozenset[str]
 ) -> tuple[Callable[[FloatArray], FloatArray], Callable[[FloatArray], FrictionLimit]] | None:
     """Return M and the limit of slip at slack sides, where friction follows the tensions; None where it cannot."""
     if not (isinstance(friction, WrapFriction) and ON_TENSION & set(friction.law.effects)):
@@ -228,9 +266,9 @@ def _following(
     contacts = contacts_of(model.press, model.preload_N)
 
     def exponents(slack_N: FloatArray) -> FloatArray:
-        return contacts._replace(upstream_N=slack_N, downstream_N=slack_N).exponent(friction, told)
+        return contacts._replace(upstream_N=slack_N, downstream_N=slack_N).exponent(friction, regressors)
 
-    return exponents, partial(friction_limit, model, friction, told)
+    return exponents, partial(friction_limit, model, friction, regressors)
 
 
 Solved: TypeAlias = tuple[list[Motion], FloatArray, FloatArray, Sequence[tuple[float, Guard]]]
@@ -279,11 +317,11 @@ def largest_difference(found: StartUp, other: StartUp) -> float:
     Tensions are compared by the greatest of their span or where it settles, use of friction by 1 where it is less,
     times by the time simulated, works by the greatest of all.
     """
-    told, wanted = found.summary(), other.summary()
-    for one in (told, wanted):
+    summary, wanted = found.summary(), other.summary()
+    for one in (summary, wanted):
         one["settled_tension_N"] = one["settled_tension_N"] or {}
-    if told["at_end"] != wanted["at_end"] or any(
-        told[what].keys() != wanted[what].keys() for what in ("first_slip_s", "settled_tension_N")
+    if summary["at_end"] != wanted["at_end"] or any(
+        summary[what].keys() != wanted[what].keys() for what in ("first_slip_s", "settled_tension_N")
     ):
         return math.inf
     time_s, peak_N = float(other.time_s[-1]), wanted["peak_tension_N"]
@@ -299,10 +337,10 @@ def largest_difference(found: StartUp, other: StartUp) -> float:
     apart = [
         abs(one - wanted[what][name]) / max(size[name], 1e-300) if one != wanted[what][name] else 0.0
         for what, size in sizes.items()
-        for name, one in told[what].items()
+        for name, one in summary[what].items()
     ]
     works = [
-        abs(told[what] - wanted[what]) / other.energy.scale_J for what in ("drive_work_J", "slip_loss_J")
+        abs(summary[what] - wanted[what]) / other.energy.scale_J for what in ("drive_work_J", "slip_loss_J")
     ]
     return max(float(one) if math.isfinite(one) else math.inf for one in (*apart, *works))
 

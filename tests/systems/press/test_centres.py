@@ -1,0 +1,373 @@
+"""Belts between fixed centres keep their unstretched length: against a discretised belt, and traced arc by arc."""
+
+import math
+import tomllib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import ropefric as rf
+from ropefric.errors import DataError, InputError, SolverError
+from ropefric.friction.condition import one_condition
+from ropefric.friction.laws import LAWS
+from ropefric.scenes.scene_templates import scene_text
+from ropefric.systems.friction import WrapFriction
+from ropefric.systems.press.creep import rim_speed_ratios
+from ropefric.systems.press.critical import critical
+from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
+from ropefric.systems.press.slip import SlipTable
+from ropefric.systems.press.statics import solve_statics, steady_state
+from ropefric.systems.press.transient.motion import settled_press
+
+MU, TURN = 0.5, math.pi
+SPANS = [1.5, 2.0, 1.0, 1.0, 0.6, 0.6, 0.5, 0.5, 1.0], [0.8, 1.5, 2.0, 1.0, 1.2, 0.6, 0.6, 0.5, 0.5]
+
+
+def machine(*loads_N, span_m=TURN / 10.0, stiffness_N=8000.0, pretension_N=400.0, wrap_rad=TURN, **belt):
+    """A driver and as many driven rollers as there are loads on one belt; two have the numbers of the finding."""
+    rollers = [Roller(name="drive", radius_m=0.1, wrap_angle_rad=wrap_rad, role="driver")]
+    rollers += [Roller(name=str(i), radius_m=0.1, wrap_angle_rad=wrap_rad, gravity_torque_N_m=0.1 * load_N)
+                for i, load_N in enumerate(loads_N)]  # fmt: skip
+    loop = tuple(one.name for one in rollers)
+    belt = {"linear_density_kg_m": 0.0, "thickness_m": 0.005, "width_m": 0.1} | belt
+    ring = Belt(name="belt", loop=loop, axial_stiffness_N=stiffness_N, pretension_N=pretension_N,
+                span_lengths_m=(span_m,) * len(loop), **belt)  # fmt: skip
+    return Press(rollers=tuple(rollers), belts=(ring,), speed_m_s=1.2)
+
+
+def tensions_N(press, mu=MU, **at):
+    return steady_state(solve_statics(press), friction=mu, **at).tension_N
+
+
+@pytest.fixture
+def fixed_press(paper_press):
+    """The paper's press with both belts between fixed centres in place of their tensioners."""
+    rollers = tuple(
+        replace(one, role="driven", tensioner=None) if one.tensioner else one for one in paper_press.rollers
+    )
+    belts = tuple(
+        replace(belt, axial_stiffness_N=stiffness_N, pretension_N=pretension_N, span_lengths_m=tuple(spans))
+        for belt, spans, stiffness_N, pretension_N in zip(
+            paper_press.belts, SPANS, (2e6, 8e5), (1800.0, 1500.0), strict=True
+        )
+    )
+    return replace(paper_press, rollers=rollers, belts=belts)
+
+
+class DiscreteBelt:
+    """Springs and nodes that travel over the rollers, each node with a friction of its own that grows with its slip.
+
+    The belt is followed from rest for one and a half rounds; the rollers' loads rise over the first third of these.
+    """
+
+    n, smooth, rounds = 100, 2e-3, 1.5
+
+    def __init__(self, press, mu):
+        belt, self.mu = press.belts[0], mu
+        self.radius_m = np.array([one.radius_m for one in press.rollers])
+        arcs_m = self.radius_m * [one.wrap_angle_rad for one in press.rollers]
+        # From the first roller's end on: a span, the arc that it runs onto, the next span …
+        along = [one for pair in zip(belt.span_lengths_m, np.roll(arcs_m, -1), strict=True) for one in pair]
+        self.radius_m, self.load_N = np.roll(self.radius_m, -1), np.roll(press.rim_load_N, -1)
+        self.ends_m, self.stiffness_N = np.cumsum(along), belt.axial_stiffness_N
+        self.step_m = self.ends_m[-1] / (1.0 + belt.pretension_N / self.stiffness_N) / self.n
+        self.at_m = np.arange(self.n) * self.ends_m[-1] / self.n + 0.3 * self.step_m
+        self.moved_m = np.full(self.n + len(press.rollers), self.step_m)  # of nodes, then of rims
+
+    def part(self, at_m):
+        return np.searchsorted(self.ends_m, np.mod(at_m, self.ends_m[-1]), side="right")
+
+    def tension_N(self, at_m):
+        return self.stiffness_N * (np.diff(at_m, append=at_m[0] + self.ends_m[-1]) / self.step_m - 1.0)
+
+    def advance(self, load_N):
+        """Let the driver turn by one spacing of the nodes, and find where all forces are in balance."""
+        n, slip_m = self.n, self.smooth * self.step_m
+        part, i = self.part(self.at_m), np.arange(n)
+        on = (part % 2 == 1)[:, None] & (part[:, None] // 2 == np.arange(len(self.radius_m)))
+        curved = np.where(
+            on.any(axis=1), self.mu / self.radius_m[np.minimum(part // 2, len(self.radius_m) - 1)], 0.0
+        )
+        shift = np.roll(np.eye(n), 1, axis=1) - np.eye(n)  # rows: next less this node
+        stretch = self.stiffness_N / self.step_m * shift
+        for _ in range(60):
+            moved_m, rims_m = np.split(self.moved_m, [n])
+            tension_N = self.tension_N(self.at_m + moved_m)
+            spacing_m = (
+                0.5 * (shift - shift.T) @ (self.at_m + moved_m)
+                + np.where((i == 0) | (i == n - 1), 0.5, 0.0) * self.ends_m[-1]
+            )
+            most_N = 0.5 * (tension_N + np.roll(tension_N, 1)) * spacing_m * curved
+            share = np.tanh((on @ rims_m - moved_m) / slip_m)
+            friction_N = most_N * share
+            missing = np.concatenate([tension_N - np.roll(tension_N, 1) + friction_N,
+                                      friction_N @ on + load_N])  # fmt: skip
+            missing[-1] = 0.0  # the driver turns as it is told to
+            if np.abs(missing).max() < 1e-5 * np.abs(tension_N).max():
+                break
+            stiff = most_N * (1.0 - share**2) / slip_m
+            by_node = np.diag(-stiff) + (share * spacing_m * curved)[:, None] * 0.5 * (
+                stretch + np.roll(stretch, 1, axis=0)
+            )
+            by_rim = stiff[:, None] * on
+            slopes = np.block([[stretch - np.roll(stretch, 1, axis=0) + by_node, by_rim],
+                               [on.T @ by_node, on.T @ by_rim + 1e-9 * np.eye(on.shape[1])]])  # fmt: skip
+            slopes[-1] = np.eye(len(slopes))[-1]
+            change_m = np.linalg.solve(slopes, -missing)
+            self.moved_m = self.moved_m + change_m * min(1.0, 150.0 * slip_m / np.abs(change_m).max())
+        self.at_m = self.at_m + self.moved_m[:n]
+
+    def mean_tensions_N(self):
+        """Return the mean tension of each span over the last half round."""
+        found, steps = [], int(self.rounds * self.n)
+        for now in range(steps):
+            self.advance(self.load_N * min(1.0, 3.0 * (now + 1) / steps))
+            if now >= steps - self.n // 2:
+                tension_N, part = self.tension_N(self.at_m), self.part(self.at_m + 0.5 * self.step_m)
+                found.append([tension_N[part == 2 * i].mean() for i in range(len(self.radius_m))])
+        return np.mean(found, axis=0)
+
+
+@pytest.mark.parametrize("press", [machine(476.8), machine(150.0, 250.0, span_m=0.2, wrap_rad=2.5)])
+def test_a_discretised_belt_has_the_same_tensions(press):
+    assert tensions_N(press) == pytest.approx(DiscreteBelt(press, MU).mean_tensions_N(), rel=6e-3)
+
+
+def test_the_finite_elements_of_others_and_the_belt_drive():
+    """An external finite-element belt has 665.87 and 187.38 N; the belt drive of the same length 663.2 and 186.4 N."""
+    slack_N, tight_N = tensions_N(machine(476.8))
+    assert (tight_N, slack_N) == pytest.approx((663.2, 186.4), abs=0.05)
+    assert (tight_N, slack_N) == pytest.approx((665.87, 187.38), rel=6e-3)
+
+
+def unstretched_m(press, tension_N, mu, belt):
+    """Return the unstretched length of a belt, from the passage of mass: v_b (1 + strain) is the speed of its span."""
+    spans, stiffness_N = (
+        {(one.start, one.end): i for i, one in enumerate(press.spans)},
+        belt.axial_stiffness_N,
+    )
+    rims = dict(zip((one.name for one in press.rollers), rim_speed_ratios(press, tension_N), strict=True))
+    way, rollers = [spans[step] for step in belt.steps], {one.name: one for one in press.rollers}
+    alone = next(i for i, place in enumerate(way) if len(press.spans[place].belts) == 1)
+    pace = rims[belt.steps[alone][1]] / (1.0 + tension_N[way[alone]] / stiffness_N)
+    strain = np.array([rims[end] for _, end in belt.steps]) / pace - 1.0
+    total_m = np.sum(belt.span_lengths_m / (1.0 + strain))
+    for i, (_, end) in enumerate(belt.steps):
+        before_N, after_N = press.into @ tension_N, press.out_of @ tension_N
+        place = [one.name for one in press.rollers].index(end)
+        grows, wrap = math.log(after_N[place] / before_N[place]), rollers[end].wrap_angle_rad
+        slips = abs(grows) / mu
+        angle = np.linspace(0.0, slips, 20001)
+        total_N = before_N[place] * np.exp(math.copysign(mu, grows) * angle)
+        gone = (total_N - before_N[place]) / ((after_N - before_N)[place] or 1.0)
+        along = strain[i] + (strain[(i + 1) % len(way)] - strain[i]) * gone
+        total_m += rollers[end].radius_m * (
+            np.trapezoid(1.0 / (1.0 + along), angle) + (wrap - slips) / (1.0 + strain[i])
+        )
+    return total_m
+
+
+@pytest.mark.parametrize("closure", ["share", "equal", "equal-torque"])
+def test_both_belts_of_a_press_keep_their_lengths(fixed_press, closure):
+    state = steady_state(solve_statics(fixed_press, closure=closure), friction=1.2, speed_m_s=0.0)
+    for belt in fixed_press.belts:
+        arcs_m = sum(
+            one.radius_m * one.wrap_angle_rad for one in fixed_press.rollers if one.name in belt.loop
+        )
+        laid_m = sum(belt.span_lengths_m) + arcs_m
+        strained = 1.0 + belt.pretension_N / belt.axial_stiffness_N
+        length_m = unstretched_m(fixed_press, state.tension_N, 1.2, belt)
+        # An error of the length of 1e-9 is one of the tension of some mN.
+        assert length_m == pytest.approx(laid_m / strained, rel=2e-9)
+
+
+def test_without_loads_it_has_its_pretension_at_any_speed(fixed_press):
+    idle = replace(fixed_press, rollers=tuple(
+        replace(one, gravity_torque_N_m=0.0, squeeze_torque_N_m=0.0) for one in fixed_press.rollers))  # fmt: skip
+    for speed in (0.0, 5.0):
+        found = tensions_N(idle, 1.2, speed_m_s=speed)
+        wanted = [
+            sum(belt.pretension_N for belt in idle.belts if belt.name in span.belts) for span in idle.spans
+        ]
+        assert found == pytest.approx(wanted, rel=1e-9)
+
+
+def test_limits_of_long_spans_stiff_belts_and_sure_grip():
+    long = tensions_N(machine(476.8, span_m=1e7, stiffness_N=1e9))
+    assert long == pytest.approx([161.6, 638.4], rel=1e-6)  # the mean is the pretension
+    stiff = [tensions_N(machine(476.8, stiffness_N=one)) for one in (1e8, 1e11)]
+    assert stiff[0] == pytest.approx(stiff[1], rel=1e-4)
+    # Where no arc slips, each has the tension with which the belt arrives.
+    press = machine(100.0, 80.0, stiffness_N=1e10, wrap_rad=2.0)
+    held = tensions_N(press, 1e2)
+    linear = solve_statics(press)
+    assert held == pytest.approx(linear.by_load_N + linear.by_preload[:, 0] * 400.0, rel=2e-3)
+
+
+@pytest.mark.parametrize(("mu", "slack_N"), [(5.0, 6.554e-4), (20.0, 1.918e-6)])
+def test_a_slack_side_next_to_nothing(mu, slack_N):
+    """With much grip the belt slips nearly all round before its slack side pushes."""
+    pull_N = 1500.0 if mu == 5.0 else 1000.0
+    press = machine(pull_N)
+    found = tensions_N(press, mu)
+    assert found == pytest.approx([slack_N, pull_N + slack_N], rel=1e-3)
+    strained = 1.0 + 400.0 / 8000.0
+    assert unstretched_m(press, found, mu, press.belts[0]) == pytest.approx(0.4 * TURN / strained, rel=1e-7)
+
+
+def test_as_a_tensioner_of_that_tension_would_have_it():
+    """The level is that of a take-up on the slack side with twice its tension as force."""
+    found = tensions_N(machine(300.0))
+    rollers = machine(300.0).rollers
+    loose = Roller(name="take-up", radius_m=0.05, wrap_angle_rad=TURN, role="tensioner",
+                   tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=2.0 * found[0]))  # fmt: skip
+    belt = Belt(
+        name="belt", loop=("drive", "take-up", "0"), linear_density_kg_m=0.0, thickness_m=0.005, width_m=0.1
+    )
+    other = steady_state(
+        solve_statics(Press(rollers=(rollers[0], loose, rollers[1]), belts=(belt,), speed_m_s=1.2))
+    )
+    assert other.tension_N[[0, 2]] == pytest.approx(found, rel=1e-12)
+
+
+def at_critical(statics, change, value):
+    """Return the utilisation of all rollers with one setting changed."""
+    press = statics.press
+    if change == "preload":
+        belts = [
+            replace(one, pretension_N=one.pretension_N + value - press.preload_N.mean())
+            for one in press.belts
+        ]
+        statics = solve_statics(replace(press, belts=tuple(belts)))
+    at = {"speed": {"speed_m_s": value}, "load": {"load_factor": value}}.get(change, {})
+    state = steady_state(statics, friction=0.9, on_slack="flag", **at)
+    return SlipTable(press, state.effective_tension_N, 0.9).utilisation
+
+
+@pytest.mark.parametrize("change", ["preload", "speed", "load"])
+def test_the_utilisation_is_one_where_a_roller_begins_to_slip(fixed_press, change):
+    statics = solve_statics(fixed_press)
+    found = critical(statics, 0.9, change)
+    use = at_critical(statics, change, found.value)
+    assert use.max() == pytest.approx(1.0, abs=1e-8)
+    assert fixed_press.rollers[int(np.argmax(use))].name == found.roller
+    reached = [one for one in found.by_roller.values() if one is not None]
+    assert len(reached) >= 2
+    for name, value in found.by_roller.items():
+        if value is not None:
+            place = [one.name for one in fixed_press.rollers].index(name)
+            assert at_critical(statics, change, value)[place] == pytest.approx(1.0, abs=1e-8)
+
+
+def test_the_critical_friction_is_where_it_slips_with_the_tensions_that_it_then_has(fixed_press):
+    statics = solve_statics(fixed_press)
+    found = critical(statics, 0.9, "friction")
+    for i, mu in enumerate(found.by_roller.values()):
+        if mu is not None:
+            state = steady_state(statics, friction=mu)
+            assert SlipTable(fixed_press, state.effective_tension_N, mu).utilisation[i] == pytest.approx(
+                1.0, abs=1e-9
+            )
+    assert found.value == max(one for one in found.by_roller.values() if one is not None)
+
+
+def test_a_start_up_begins_with_the_pretension_and_settles(fixed_press):
+    settled = settled_press(fixed_press, 0.5)
+    assert settled.travel_m.size == 0
+    # Belts that stick change their spans, and each loop keeps the sum of its spans' stretch.
+    own_N_m = np.array([sum(belt.axial_stiffness_N for belt in fixed_press.belts if belt.name in span.belts)
+                        for span in fixed_press.spans]) / [*SPANS[0], *SPANS[1][:5]]  # fmt: skip
+    rest_N = [
+        sum(one.pretension_N for one in fixed_press.belts if one.name in span.belts)
+        for span in fixed_press.spans
+    ]
+    stretch_m = (settled.tension_N - rest_N) / own_N_m
+    for belt in fixed_press.carried:
+        assert stretch_m @ belt == pytest.approx(0.0, abs=1e-12)
+
+
+def test_refusals(fixed_press):
+    with pytest.raises(InputError, match="depends on the friction, but none is given"):
+        steady_state(solve_statics(machine(100.0)))
+    with pytest.raises(DataError, match=r"a length that needs belts\.belt\.axial_stiffness_N"):
+        machine(100.0, stiffness_N=None)
+    press = machine(100.0)
+    loose = replace(press.rollers[1], role="tensioner",
+                    tensioner=Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=1.0))  # fmt: skip
+    with pytest.raises(DataError, match="has a pretension, but tensioner '0' sets its tension"):
+        replace(press, rollers=(press.rollers[0], loose))
+    with pytest.raises(SolverError, match="goes slack"):
+        tensions_N(machine(1500.0), 1.0)
+    one_level = replace(
+        fixed_press, belts=(fixed_press.belts[0], replace(fixed_press.belts[1], pretension_N=None))
+    )
+    with pytest.raises(InputError, match="does not settle"):
+        solve_statics(one_level)
+
+
+@pytest.fixture
+def fixed_scene(tmp_path):
+    """The press template with both belts between fixed centres, as a file."""
+
+    def write(**changes):
+        text = scene_text("press-start-up")
+        text = text[: text.index("[start_up]")] if not changes.pop("moves", False) else text
+        tables = text.split("\n[")
+        kept = [one for one in tables if "tensioner]" not in one.partition("\n")[0]]
+        text = "\n[".join(kept).replace('role = "tensioner"\n', "")
+        text = "\n".join(line for line in text.splitlines() if not line.startswith("preload"))
+        for name, pretension in ({"upper": "1800 N", "lower": "1500 N"} | changes).items():
+            text = text.replace(f"[belts.{name}]\n", f'[belts.{name}]\npretension = "{pretension}"\n')
+        path = tmp_path / "fixed.toml"
+        path.write_text(text, encoding="utf-8")
+        assert tomllib.loads(text)["belts"]["upper"]["pretension"]
+        return path
+
+    return write
+
+
+def test_a_scene_of_fixed_centres(fixed_scene):
+    found = rf.solve(fixed_scene()).to_dict()
+    belt = found["fixed_centres"]["upper"]
+    assert belt["pretension_N"] == 1800.0
+    assert belt["belt_length_m"] == pytest.approx(8.7 + belt["arcs_m"])
+    assert found["critical"]["preload"]["value"] < 1650.0
+    with pytest.raises(DataError, match="not more than 0"):
+        rf.load_scene(fixed_scene(upper="0 N"))
+
+
+def test_a_force_of_its_own_comes_before_the_preload_of_all(tmp_path):
+    text = scene_text("belt-press")
+    own = text.replace("[rollers.3.tensioner]\n", '[rollers.3.tensioner]\nforce = "4000 N"\n')
+    path = tmp_path / "scene.toml"
+    found = []
+    for one in (text, own, own.replace('preload  = "2000 N"', 'preload  = "2500 N"')):
+        path.write_text(one, encoding="utf-8")
+        found.append(rf.solve(path).to_dict()["tension_N"])
+    cosine = 1.0 + math.cos(math.radians(19.9))
+    assert found[1]["2"] - found[0]["2"] == pytest.approx(2000.0 / cosine)
+    assert found[1]["13"] == pytest.approx(found[0]["13"])
+    assert found[2]["2"] == pytest.approx(found[1]["2"])
+    assert found[2]["13"] > found[0]["13"]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_any_machine_of_one_fixed_belt_says_where_it_slips(seed):
+    """Stiff or soft belts, short or long spans, little or much grip; the reserve is spent where it says so."""
+    rng = np.random.default_rng([11, seed])
+    press = machine(*10.0 ** rng.uniform(0.5, 2.5, rng.integers(1, 4)), stiffness_N=10.0 ** rng.uniform(4.0, 8.0),
+                    span_m=10.0 ** rng.uniform(-1.5, 1.5), pretension_N=10.0 ** rng.uniform(2.5, 3.5),
+                    wrap_rad=rng.uniform(0.3, 6.0), linear_density_kg_m=rng.uniform(0.0, 10.0))  # fmt: skip
+    law = WrapFriction(law=LAWS["wrap-power"], theta=np.array([rng.uniform(0.2, 1.5), -0.3, 0.1]),
+                       reference=one_condition(0.1, 0.0025, 2.0, 500.0))  # fmt: skip
+    statics = solve_statics(press)
+    for friction in (10.0 ** rng.uniform(-1.0, 0.7), law):
+        found = critical(statics, friction, "load")
+        if found.value is None:  # with so much grip a belt is slack before anything slips
+            today = steady_state(statics, friction=friction).effective_tension_N
+            assert SlipTable(press, today, friction).exponent.min() > 5.0
+            continue
+        state = steady_state(statics, load_factor=found.value, friction=friction, on_slack="flag")
+        slip = SlipTable(press, state.effective_tension_N, friction)
+        assert slip.utilisation.max() == pytest.approx(1.0, abs=1e-6)

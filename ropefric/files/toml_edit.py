@@ -8,7 +8,10 @@ from contextlib import suppress
 from typing import Any
 
 from ropefric.errors import DataError
-from ropefric.files.toml import KeyPath, key_text, value_spans
+from ropefric.files.toml import key_text, value_spans
+
+Keys = tuple[str, ...]
+"""The keys that lead from the top of a TOML file to a value, none of them in an array."""
 
 _HEADING = re.compile(r"^(# ?)?\[([^\[\]\n]+)\][ \t]*(?:#[^\n]*)?\r?(?:\n|\Z)", re.MULTILINE)
 _ANY_HEADING = re.compile(r"^(?:# ?)?\[", re.MULTILINE)
@@ -16,7 +19,7 @@ _WAITING = r'^# ?({} *= *)(?:"[^"\n]*"|\[[^]\n]*\]|[^\s#"\[]+)'
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
 
-def with_values(text: str, values: Mapping[KeyPath, Any]) -> str:
+def with_values(text: str, values: Mapping[Keys, Any]) -> str:
     r"""Return a TOML text in which some keys have other values; None for one that is removed.
 
     A table or key that waits as a comment (`# [tare]`, `# interval = ...`) is put to use; any other new key follows the
@@ -56,12 +59,12 @@ def toml_value(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def toml_key(key: str | int) -> str:
+def toml_key(key: str) -> str:
     """Return a key as TOML writes it: in quotes where it is more than a bare word."""
-    return key if _BARE_KEY.fullmatch(str(key)) else toml_value(key)
+    return key if _BARE_KEY.fullmatch(key) else toml_value(key)
 
 
-def _changed(tree: dict[str, Any], path: KeyPath, value: Any) -> dict[str, Any]:
+def _changed(tree: dict[str, Any], path: Keys, value: Any) -> dict[str, Any]:
     """Return a tree with another value at a place; for None without it, and without tables that are then empty."""
     *above, last = path
     table, tables = tree, [tree]
@@ -77,7 +80,7 @@ def _changed(tree: dict[str, Any], path: KeyPath, value: Any) -> dict[str, Any]:
     return tree
 
 
-def _with_value(text: str, path: KeyPath, value: Any) -> str:
+def _with_value(text: str, path: Keys, value: Any) -> str:
     (*above, last), spans = path, value_spans(text)
     table, end = tuple(above), "\r\n" if "\r\n" in text else "\n"
     if path in spans:
@@ -105,7 +108,7 @@ def _with_value(text: str, path: KeyPath, value: Any) -> str:
     return text[: waiting.start()] + waiting[1] + toml_value(value) + text[waiting.end() :]
 
 
-def _heading(text: str, table: KeyPath) -> re.Match[str] | None:
+def _heading(text: str, table: Keys) -> re.Match[str] | None:
     """Return the line that begins a table, perhaps as a comment."""
     for found in _HEADING.finditer(text):
         with suppress(tomllib.TOMLDecodeError):
@@ -114,14 +117,14 @@ def _heading(text: str, table: KeyPath) -> re.Match[str] | None:
     return None
 
 
-def _value_at(text: str, path: KeyPath) -> Any:
+def _value_at(text: str, path: Keys) -> Any:
     value: Any = tomllib.loads(text)
     for name in path:
         value = value.get(name) if isinstance(value, dict) else None
     return value
 
 
-def _without(text: str, path: KeyPath) -> str:
+def _without(text: str, path: Keys) -> str:
     """Return a text without the line of a key, and without the headings of tables that are then empty."""
     start, stop = value_spans(text).get(path, (0, 0))
     if not stop:

@@ -3,6 +3,7 @@
 import itertools
 import json
 import tempfile
+import threading
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import partial
@@ -176,6 +177,7 @@ class Machines:
     """The templates of all machines in a folder of their own, to be filled in and solved."""
 
     def __init__(self) -> None:
+        self._lock = threading.Lock()
         self._folder = tempfile.TemporaryDirectory(prefix="ropefric-")
         self._path = Path(self._folder.name)
         write_scenes(self._path)
@@ -214,10 +216,11 @@ class Machines:
         `values` are as a person writes them, "" for a key that is left out; `own` is a law in place of its friction.
         """
         changes = {key: _value(text) for key, text in values.items()}
-        if own is not None:
-            save_fit(own, self._path / "fits" / "own.json", overwrite=True)
-            changes |= {"friction": {"fit": "fits/own.json"}}
-        scene = load_scene(self._file(name), changes)
+        with self._lock:  # until its fit is read, no other solution may write its own
+            if own is not None:
+                save_fit(own, self._path / "fits" / "own.json", overwrite=True)
+                changes |= {"friction": {"fit": "fits/own.json"}}
+            scene = load_scene(self._file(name), changes)
         solution = solve_scene(scene)
         tree, told = solution.to_dict(), explain_scene(scene)
         text = as_text(parts.solution_sections(solution, tree))

@@ -8,13 +8,13 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from ropefric import pipeline
-from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.errors import DataError, InputError, known_error
 from ropefric.files.disk import read_file, replacing
 from ropefric.page import answers
 from ropefric.page.recordings import HEADERS, Draft, wish_of
 from ropefric.page.review import Review
 from ropefric.report import campaign as reports
-from ropefric.report.page import Wish
+from ropefric.report.page import Wish, find_browser
 from ropefric.trials.campaign import load_campaign
 
 DROPPED = "recordings"
@@ -24,6 +24,8 @@ MOST_FILES, MOST_BYTES = 10_000, 8 * 2**30
 _BLOCK = 2**20
 _SETTINGS = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
 _SHOWN = ("report.html", "report.pdf", "summary.txt")
+REPORT_WITH = "what you did on the page"
+"""The part of a fault's report that only the person at the page knows."""
 
 Progress = Callable[[int, int, str], None]
 
@@ -53,18 +55,13 @@ class Work:
         return self.told()
 
     def _run(self, do: Callable[["Work"], Any]) -> None:
-        ended: dict[str, Any]
         try:
             ended = {"result": do(self)}
         except _StoppedError:
-            ended = {
-                "error": {"code": "", "message": f"{self._told['name']} was stopped; nothing of it is lost"}
-            }
-        except RopefricError as error:
-            ended = {"error": error.problem.to_dict()}
+            message = f"{self._told['name']} was stopped; nothing of it is lost"
+            ended = {"error": {"code": "", "message": message}}
         except Exception as error:  # noqa: BLE001  (the boundary: the page gets words)
-            words = f"internal fault, {type(error).__name__}: {error}"
-            ended = {"error": {"code": "RF000", "message": words, "fix": "please report it"}}
+            ended = known_error(error, report_with=REPORT_WITH).to_dict()
         with self._lock:
             self._told |= {"running": False, **ended}
 
@@ -127,7 +124,7 @@ class Desk:
             self._recordings, home = (
                 str(place),
                 place.absolute().parent,
-            )  # a campaign stands beside its recordings
+            )  # a campaign is beside its recordings
         self.draft = Draft(home)
         self.work, self._lock = Work(), threading.Lock()
         self._machines: answers.Machines | None = None
@@ -136,7 +133,7 @@ class Desk:
             "state": lambda _: self.state(),
             "work": lambda _: self.work.told(),
             "names": lambda q: self.draft.names(q["recordings"], q["pattern"]),
-            "trace": lambda q: self.draft.trace(int(q["number"]), nan, nan, int(q["columns"])),
+            "trace": lambda q: self.draft.trace(int(q["number"]), int(q["columns"])),
             "overview": lambda _: self.opened.overview(),
             "answer": lambda _: self.opened.answer(),
             "trial": lambda q: self.opened.trial(q["trial"]),
@@ -150,6 +147,7 @@ class Desk:
             "machine": lambda q: self.machines.form(q["name"]),
         }
         self.writes: dict[str, Callable[[dict[str, Any]], Any]] = {
+            "begin": self._begin_draft,
             "propose": self._propose,
             "write": self._write,
             "open": lambda _: self._begin("reading the recordings", self._open),
@@ -234,18 +232,24 @@ class Desk:
         self._recordings = str(folder)
         return {"recordings": self._recordings}
 
+    def _begin_draft(self, asked: dict[str, Any]) -> dict[str, Any]:
+        """Begin with the settings of the campaign that is there, or, if anew, with none."""
+        self.draft = Draft(self.draft.home, None if asked.get("anew") else self.campaign)
+        return self.draft.form()
+
     def _propose(self, asked: dict[str, Any]) -> dict[str, Any]:
         wish = wish_of(asked)
-        if asked.get("home"):
-            self.draft.home = Path(asked["home"])
-        self._recordings = wish.recordings
+        if self.draft.campaign is None:
+            self.draft.home, self._recordings = Path(asked.get("home") or self.draft.home), wish.recordings
         return self._begin("looking at the recordings", lambda work: self.draft.propose(wish, work.step))
 
     def _write(self, asked: dict[str, Any]) -> dict[str, Any]:
         self.campaign = self.draft.write(overwrite=bool(asked.get("overwrite")))
         if self.review is not None:
             self.review.close()
-        self.review, self.law, self._out = None, "", None
+        if self.draft.campaign is None:
+            self.law, self._out = "", None
+        self.review, self.draft = None, Draft(self.campaign.parent, self.campaign)
         return self.state()
 
     def _open(self, work: Work) -> dict[str, Any]:
@@ -300,8 +304,11 @@ class Desk:
     # --- the report ---
 
     def _report(self, asked: dict[str, Any]) -> dict[str, Any]:
-        """Begin what `ropefric report CAMPAIGN.toml --out FOLDER` does."""
-        campaign, wish = self.opened.campaign_file, Wish(pdf=bool(asked.get("pdf")))
+        """Begin what `ropefric report CAMPAIGN.toml --out FOLDER [--short] [--pdf]` does."""
+        campaign = self.opened.campaign_file
+        wish = Wish(pdf=bool(asked.get("pdf")), short=bool(asked.get("short")))
+        if wish.pdf:
+            find_browser()  # before the work
 
         def report(work: Work) -> dict[str, Any]:
             loaded = load_campaign(campaign)

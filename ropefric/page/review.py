@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.errors import DataError, InputError, known_error
 from ropefric.files.disk import read_file, take_back
 from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree
 from ropefric.friction.laws import ALL_LAWS
@@ -468,11 +468,8 @@ class Review:
                 said = _said_of(found)
             except _OutdatedError:
                 continue
-            except RopefricError as error:
-                said = {"error": error.problem.to_dict()}
             except Exception as error:  # noqa: BLE001  (a page that computes for ever says less)
-                words = f"internal fault, {type(error).__name__}: {error}"
-                said = {"error": {"code": "RF000", "message": words}}
+                said = {"error": known_error(error, report_with="what you did on the page").problem.to_dict()}
             with self.lock:
                 if number == self._number:
                     self._answer, self._found, self._computed = said, found, number

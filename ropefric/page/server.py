@@ -11,9 +11,9 @@ from importlib.resources import files
 from typing import Any, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
-from ropefric.errors import InputError, RopefricError
+from ropefric.errors import InputError, InternalError, RopefricError, known_error
 from ropefric.files.plain_text import visible
-from ropefric.page.desk import Desk
+from ropefric.page.desk import REPORT_WITH, Desk
 
 HOST = "127.0.0.1"
 TOKEN_HEADER = "X-Ropefric-Token"  # noqa: S105  (its name)
@@ -115,13 +115,8 @@ class _Handler(BaseHTTPRequestHandler):
             tree = make(asked.path, query)
         except _Refused as refused:
             status, tree = refused.status, {"error": {"code": "RF110", "message": str(refused)}}
-        except RopefricError as error:
-            status, tree = 409, {"error": {**error.problem.to_dict(), "message": _all_of(error)}}
-        except (KeyError, TypeError, ValueError, RecursionError):
-            status, tree = 400, {"error": {"code": "RF110", "message": "this request makes no sense"}}
         except Exception as error:  # noqa: BLE001  (the boundary: the page gets words, never a traceback)
-            words = f"internal fault, {type(error).__name__}: {error}"
-            status, tree = 500, {"error": {"code": "RF000", "message": words, "fix": "please report it"}}
+            status, tree = _answer_to(error)
         self._send(status, tree)
 
     def _send(self, status: int, tree: Any) -> None:
@@ -198,5 +193,13 @@ def _page() -> dict[str, bytes]:
     return {one.name: one.read_bytes() for one in (files("ropefric.page") / "static").iterdir()}
 
 
-def _all_of(error: RopefricError) -> str:
-    return visible("; ".join(dict.fromkeys(problem.message for problem in error.problems)))
+def _answer_to(error: Exception) -> tuple[int, dict[str, Any]]:
+    """Return the status of an answer, and the words for what went wrong."""
+    if isinstance(error, KeyError | TypeError | ValueError | RecursionError) and not isinstance(
+        error, RopefricError
+    ):
+        return 400, {"error": {"code": "RF110", "message": "this request makes no sense"}}
+    known = known_error(error, report_with=REPORT_WITH)
+    said = visible("; ".join(dict.fromkeys(problem.message for problem in known.problems)))
+    status = 500 if isinstance(known, InternalError) else 409
+    return status, {"error": {**known.problem.to_dict(), "message": said}}

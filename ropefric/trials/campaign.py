@@ -14,8 +14,8 @@ import numpy as np
 
 from ropefric.errors import PATH, DataError, Problem, UnknownNameError, raise_problems
 from ropefric.files.disk import kind_of_file, write_files
-from ropefric.files.toml import KeyPath, TomlDocument, is_scene, parse_toml, read_toml
-from ropefric.files.toml_edit import with_values
+from ropefric.files.toml import TomlDocument, is_scene, parse_toml, read_toml
+from ropefric.files.toml_edit import Keys, with_values
 from ropefric.files.toml_model import validate_document
 from ropefric.plugins import load_named
 from ropefric.registry import did_you_mean
@@ -54,7 +54,7 @@ def write_templates(
     return write_files(folder, contents, overwrite=overwrite)
 
 
-def template_texts(section: str = "", settings: Mapping[KeyPath, Any] | None = None) -> dict[str, bytes]:
+def template_texts(section: str = "", settings: Mapping[Keys, Any] | None = None) -> dict[str, bytes]:
     """Return the commented files of a new campaign by name, with values for some keys of campaign.toml."""
     source = files("ropefric.trials") / "templates"
     contents = {name: (source / name).read_bytes() for name in TEMPLATES}

@@ -22,7 +22,7 @@ function frame() {
 $("p-make").onclick = async () => {
   $("p-make").disabled = true;
   try {
-    await work("report", { pdf: $("p-pdf").checked });
+    await work("report", { pdf: $("p-pdf").checked, short: $("p-length").value === "short" });
     await refresh();
     show();
   } catch (error) { fail(error); }

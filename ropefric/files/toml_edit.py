@@ -94,7 +94,8 @@ def _with_value(text: str, path: Keys, value: Any) -> str:
         return _with_value(text, table, {**_value_at(text, table), last: value})
     line, heading, start = f"{toml_key(last)} = {toml_value(value)}{end}", _heading(text, table), 0
     if table and heading is None:
-        gap = "" if text.endswith("\n") else end
+        gap = end if text.endswith("\n") else 2 * end
+        gap = "" if text.endswith(2 * end) else gap
         return f"{text}{gap}[{'.'.join(map(toml_key, table))}]{end}{line}"
     if heading is not None:
         mark = heading[1] or ""

@@ -59,7 +59,8 @@ def template_texts(section: str = "", settings: Mapping[Keys, Any] | None = None
     source = files("ropefric.trials") / "templates"
     contents = {name: (source / name).read_bytes() for name in TEMPLATES}
     text, mark, own = contents[TEMPLATES[0]].decode().partition(_HOW_TO_READ)
-    contents[TEMPLATES[0]] = (with_values(text, settings or {}) + (section or mark + own)).encode()
+    text = with_values(text, settings or {}).rstrip() + "\n\n"
+    contents[TEMPLATES[0]] = (text + (section or mark + own)).encode()
     return contents
 
 

@@ -53,8 +53,8 @@ def changed_lines(before, after):
         (("rope", "diameter"), "8 mm", ['rope.diameter = "9 mm"'], ['rope.diameter = "8 mm"']),
         (("wheels", "R 30", "radius"), "31 mm", ['radius = "30 mm"    # measured'], ['radius = "31 mm"    # measured']),
         (("wheels", "R 30", "tolerance"), "1 mm", [], ['tolerance = "1 mm"']),
-        (("wheels", "W 40"), {"radius": "1 mm"}, [], ["[wheels]", '"W 40" = { radius = "1 mm" }']),
-        (("wheels", "W40", "radius"), "1 mm", [], ["[wheels.W40]", 'radius = "1 mm"']),
+        (("wheels", "W 40"), {"radius": "1 mm"}, [], ["", "[wheels]", '"W 40" = { radius = "1 mm" }']),
+        (("wheels", "W40", "radius"), "1 mm", [], ["", "[wheels.W40]", 'radius = "1 mm"']),
         (("wheels", "R 30", "radius"), None, ['[wheels."R 30"]     # turned', 'radius = "30 mm"    # measured'], []),
         (
             ("import", "channels", "force", "sensitivity"),

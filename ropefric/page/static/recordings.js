@@ -263,7 +263,7 @@ export async function upload(files) {
       $("r-folder").value = (await call("upload", { name: file.name }, file)).recordings;
       done += 1;
     }
-    $("r-dropped").textContent = `${done} files stand in ${text("r-folder")}`;
+    $("r-dropped").textContent = `${done} files are in ${text("r-folder")}`;
     await look();
   } catch (error) { fail(error); }
 }

@@ -1,4 +1,4 @@
-"""A folder of recordings as a new campaign, or a campaign that is there already: seen and corrected, then written."""
+"""A folder of recordings as a new campaign, or an existing campaign: checked and corrected, then written."""
 
 import csv
 import json
@@ -31,13 +31,13 @@ from ropefric.trials.workers import Limits
 
 Progress = Callable[[int, int, str], None]
 MOST_ROWS, MOST_PROBLEMS, MOST_LINES = 5000, 60, 200
-"""Of a list of trials, of what is wrong, and of the lines that change: as many are shown on the page."""
+"""Rows of a list of trials, problems, and changed lines that are shown on the page."""
 _OWN_FOLDER = 'data   = "."'
 HEADERS = (
     *("wheel", "wheel_radius_mm", "wrap_angle_deg", "wrap_turns", "end_tension_N", "end_mass_kg"),
     *("cell", "repeat", "*"),
 )
-"""Quantities that file names often contain, as headers of a list of trials have it; \"*\" is anything else."""
+"""Quantities that file names often contain, as headers of a list of trials; \"*\" is anything else."""
 _TOLD = ("severity", "code", "key", "message", "fix")
 _TABLE_KEYS = ("format", "recording_column")
 _NO_CHANNEL = Channel(column="")
@@ -99,7 +99,7 @@ def _column(text: str) -> str | int:
 
 
 class _Seen(NamedTuple):
-    """Recordings as they are listed, how they are read, and what is wrong with them or their campaign."""
+    """Recordings as they are listed, how they are read, and the problems of them and of their campaign."""
 
     folder: Path
     header: Sequence[str]
@@ -112,7 +112,7 @@ class _Seen(NamedTuple):
 class Draft:
     """A campaign that is not written yet; `home` is the folder that it will be in.
 
-    With `campaign`, a file, it is one that is there already, of which the settings change and the list of trials stays.
+    With `campaign`, a file, the settings of this campaign change; its list of trials stays.
     """
 
     def __init__(self, home: Path, campaign: Path | None = None) -> None:
@@ -129,7 +129,7 @@ class Draft:
         return dict(json.loads(json.dumps(data, default=str)))
 
     def propose(self, wish: Wish, progress: Progress | None = None) -> dict[str, Any]:
-        """Return what recordings and wish give: columns, trials, what contradicts or is missing, what changes."""
+        """Return columns, trials and problems of the recordings under a wish, and the lines of files that would change."""
         if not self.home.is_dir():
             raise DataError("there is no such folder", path=self.home, fix="make it, or choose another one")
         seen = self._revised(self.campaign, wish) if self.campaign else self._new(wish, progress)
@@ -150,7 +150,7 @@ class Draft:
         }
 
     def _new(self, wish: Wish, progress: Progress | None) -> _Seen:
-        """Return the recordings of a campaign that is proposed from them; they are read again where that matters."""
+        """Return the recordings of a proposed campaign; they are read again only if the wish changes how."""
         read = (wish.recordings, wish.pattern, repr(wish.known), self.home)
         if self._read is None or self._read[0] != read:
             how: dict[str, Any] = {"known": wish.known, "progress": progress}
@@ -170,7 +170,7 @@ class Draft:
         return _Seen(self.home, header, rows, proposal.found, problems, proposal.said)
 
     def _revised(self, path: Path, wish: Wish) -> _Seen:
-        """Return the recordings of the campaign that is there, read as its changed settings say."""
+        """Return the recordings of the existing campaign, read with its changed settings."""
         data = self.form()
         values = {keys: value or None for keys, value in wish.settings.items() if _differs(data, keys, value)}
         values |= self._changed_channels(data, wish.channels)
@@ -192,7 +192,7 @@ class Draft:
         return _Seen(folder, header, rows, found, problems, said)
 
     def _changed_channels(self, data: Mapping[str, Any], wanted: Mapping[str, Channel]) -> dict[Keys, Any]:
-        """Return the channels that are no longer what the page showed first, as the campaign file has them."""
+        """Return the channels that differ from those the page showed first, as the campaign file has them."""
         shown = self._shown or {}
         changed = [name for name, one in wanted.items() if one != shown.get(name, _NO_CHANNEL)]
         stated, values = data.get("import", {}).get("channels", {}), dict[Keys, Any]()
@@ -207,13 +207,13 @@ class Draft:
         return values
 
     def write(self, *, overwrite: bool) -> Path:
-        """Write what was proposed last, and return the campaign file; another one is replaced only if that is said."""
+        """Write the last proposal, and return the campaign file; an existing file is replaced only with `overwrite`."""
         if self._seen is None:
             raise InputError("nothing is proposed yet", fix="look at the recordings first")
         if self.campaign is None:
             return write_files(self.home, self._texts, overwrite=overwrite)[0]
         if read_file(self.campaign) != self._before:
-            why = "somebody else has changed the campaign since it was read: nothing was written"
+            why = "somebody else has changed the campaign since it was read, so nothing was written"
             raise DataError(why, code="RF153", path=self.campaign, fix="load the page again")
         for content in self._texts.values():
             write_file(self.campaign, content)
@@ -256,7 +256,7 @@ def _differs(data: Any, keys: Keys, value: Any) -> bool:
 
 
 def _counted(problems: Iterable[Problem]) -> Iterator[dict[str, Any]]:
-    """Yield each problem once, with how often it is met."""
+    """Yield each problem once, with its number of occurrences."""
     times = Counter((one.severity, one.message) for one in problems)
     first = {(one.severity, one.message): one for one in reversed([*problems])}
     for same, n in times.items():

@@ -90,7 +90,7 @@ def test_exclude_comment_take_back_and_undo(begin, campaign):
         review.undo()
         assert rows() == held
         assert len(path.read_text().splitlines()) == number
-    with pytest.raises(InputError, match="nothing to undo"):
+    with pytest.raises(InputError, match="no decision can be undone"):
         review.undo()
     assert review.n_written == 0
 

@@ -273,7 +273,7 @@ class Desk:
     # --- the law, wheels and machines ---
 
     def _of_run(self, make: Callable[[pipeline.CampaignRun], dict[str, Any]]) -> dict[str, Any]:
-        """Return a result of the answer to all trials; or a note that the answer is being computed; or raise its error."""
+        """Return a result of the answer to all trials, or that it is being computed; raise its error, if any."""
         told = self.opened.answer()
         if told["computing"]:
             return {"computing": told["computing"]}

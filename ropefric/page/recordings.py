@@ -129,7 +129,7 @@ class Draft:
         return dict(json.loads(json.dumps(data, default=str)))
 
     def propose(self, wish: Wish, progress: Progress | None = None) -> dict[str, Any]:
-        """Return columns, trials and problems of the recordings under a wish, and the lines of files that would change."""
+        """Return columns, trials and problems of the recordings under a wish, and the lines that would change."""
         if not self.home.is_dir():
             raise DataError("there is no such folder", path=self.home, fix="make it, or choose another one")
         seen = self._revised(self.campaign, wish) if self.campaign else self._new(wish, progress)

@@ -200,11 +200,24 @@ def _draw_wheels(axes: Axes, rows: Any, values: FloatArray, chosen: BoolArray, *
 @paint.register
 def _(prediction: Prediction, axes: Axes) -> None:
     x, lift_N = np.degrees(prediction.conditions.wrap_angle_rad), prediction.lift_force_N
-    bands = (("one pull", prediction.prediction_interval_N, 1.0), ("mean law", prediction.interval_N, 3.0))
+    bands = (("for one pull", prediction.prediction_interval_N, 1.0), ("for the mean law", prediction.interval_N, 3.0))
     for words, interval_N, width in bands:
         look: dict[str, Any] = {"fmt": "o", "color": style.BLUE, "elinewidth": width, "capsize": 3}
-        label = f"{100 * prediction.level:g} % of the {words}"
+        label = f"{100 * prediction.level:g} % {words}"
         axes.errorbar(x, lift_N, np.abs(interval_N.T - lift_N), label=label, **look)
+    if prediction.trials:
+        wraps_deg, means_N = (
+            np.degrees(prediction.trials["wrap_angle_rad"]),
+            np.exp(prediction.trials["mean_log_lift"]),
+        )
+        hollow: dict[str, Any] = {
+            "color": style.GREY,
+            "markerfacecolor": "white",
+            "markersize": 3.5,
+            "zorder": 1,
+        }
+        axes.plot(wraps_deg, means_N, "o", label="measured conditions, all settings", **hollow)
+        style.plain_log(axes, "y")
     axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.figure_label("lift_force_N"))
     axes.set_title(f"Law {prediction.law}")
 

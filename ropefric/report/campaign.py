@@ -343,16 +343,17 @@ def _sliding_section(extraction: result.Extraction) -> Iterator[Fold]:
 
 
 def _decided_section(extraction: result.Extraction) -> Iterator[Section]:
-    """Yield the decisions of people about single trials, where there are any: what, who and why."""
+    """Yield the decisions of people about single trials, if there are any, with name, date and reason."""
     rows = []
     for trial in extraction.trials:
         if trial.decision or (trial.excluded and trial.by):
             what = trial.decision or f"excluded: {trial.excluded}"
             notes = (note.partition(_WITHOUT) for note in trial.breakaway.notes)
             without = "; ".join(says for before, found, says in notes if found and not before)
-            rows.append((trial.trial, what, plain(trial.measured_N), trial.by, trial.why, without))
+            day = trial.when.partition("T")[0]
+            rows.append((trial.trial, what, plain(trial.measured_N), trial.by, day, trial.why, without))
     if rows:
-        headings = ("trial", "decision ", "force [N]", "by ", "reason ", "without the decision ")
+        headings = ("trial", "decision ", "force [N]", "by ", "date ", "reason ", "without the decision ")
         yield Section("Decisions of people", headings=headings, rows=rows, left=1)
 
 

@@ -194,11 +194,13 @@ def front_blocks(
 
 
 def _decided(run: CampaignRun | None) -> Iterator[str]:
-    """Say how many trials people decided about, and who."""
+    """Yield the number of trials that people decided about, with names and dates."""
     trials = run.extraction.trials if run else ()
     if decided := [one for one in trials if one.decision or (one.excluded and one.by)]:
         who = ", ".join(sorted({one.by for one in decided if one.by})) or "a person who is not named"
-        yield f"{counted(len(decided), 'trial')} decided by {who}."
+        days = sorted({one.when.partition("T")[0] for one in decided if one.when})
+        dates = f" on {days[0]}" if len(days) == 1 else f" from {days[0]} to {days[-1]}" if days else ""
+        yield f"{counted(len(decided), 'trial')} decided by {who}{dates}."
 
 
 def measured_rows(run: CampaignRun) -> dict[str, str]:

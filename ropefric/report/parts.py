@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropefric.fitting.compare import Comparison
-from ropefric.fitting.diagnose import WORDS, Diagnosis
+from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.next_tests import LabPlan
 from ropefric.fitting.predict import EXTRAPOLATED, REGRESSORS, Prediction
 from ropefric.fitting.result import FitResult, Verdict
 from ropefric.friction.condition import Conditions
-from ropefric.glossary import GLOSSARY, counted
-from ropefric.section import Section, interval, percent, plain, shorthand, to_error
+from ropefric.glossary import answer_label, counted
+from ropefric.section import WIDTH, Section, interval, percent, plain, shorthand, to_error
 from ropefric.trials.result import ConditionSummary
 from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Quantity, Statement
 
@@ -111,13 +111,18 @@ def comparison_section(comparison: Comparison) -> Section:
 
 
 def diagnosis_section(diagnosis: Diagnosis, *, full: bool = False) -> Section:
-    """Return why the rope does not obey the capstan equation: the verdicts with their evidence.
+    """Return why the rope does not obey the capstan equation: supported causes with evidence, the others by name.
 
-    With `full`, the experiments that would decide as well.
+    With `full`, all causes with their evidence and the tests that would decide them.
     """
     if full:
         return Section(lines=diagnosis.text.splitlines())
-    notes = [f"{cause.cause}: {WORDS[cause.supported]}; {cause.evidence}" for cause in diagnosis.causes]
+    names: dict[str, list[str]] = {"yes": [], "no": [], "cannot-tell": []}
+    for one in diagnosis.causes:
+        names[one.supported].append(one.cause)
+    notes = [f"{one.cause}: {one.evidence}" for one in diagnosis.causes if one.supported == "yes"]
+    others = (("no", "not supported", ""), ("cannot-tell", "not tested", "; `ropefric diagnose` names the tests"))
+    notes += [f"{words}: {', '.join(names[kind])}{more}" for kind, words, more in others if names[kind]]
     return Section("Does it obey the capstan equation?", (diagnosis.summary,), notes=notes)
 
 
@@ -316,7 +321,6 @@ def _draws_notes(stated: Statement, unit: str) -> Iterator[str]:
 
 _NAMED = 4
 _SHOWN_POINTS = 20
-_ROOM = 200
 _FATES = {"simulated": "yes", "left out": "no"}
 _SHOWN = {"rad]": ("deg]", math.degrees(1.0)), "m]": ("mm]", 1e3)}
 
@@ -354,7 +358,7 @@ def _quantities(
     uncertain = any(quantity.std[0] != 0.0 for quantity in quantities)
     rows = []
     for quantity in quantities:
-        label, factor = _in_units(words.get(quantity.name) or _label(quantity.name))
+        label, factor = _in_units(words.get(quantity.name) or answer_label(quantity.name))
         std = factor * float(quantity.std[0])
         cells = [label, to_error(factor * float(quantity.value[0]), std)]
         if uncertain:
@@ -364,15 +368,6 @@ def _quantities(
         rows.append(cells)
     headings = ("quantity", "value", "standard error", f"{100 * level:g} % interval ")
     return headings[: 4 if uncertain else 2], rows
-
-
-def _label(name: str) -> str:
-    path, _, last = name.rpartition(".")
-    if last not in GLOSSARY:
-        return name
-    term = GLOSSARY[last]
-    words = term.meaning.partition(";")[0] + (f" [{term.unit}]" if term.unit not in {"", "-"} else "")
-    return f"{path}: {words}" if path else words
 
 
 def _in_units(label: str) -> tuple[str, float]:
@@ -474,7 +469,7 @@ def draws_sections(drawn: "Draws", words: Mapping[str, str]) -> list[Section]:
     ]
     rows = []
     for name, one in drawn.numbers.items():
-        label, factor = _in_units(words.get(name) or _label(name))
+        label, factor = _in_units(words.get(name) or answer_label(name))
         told = [to_error(factor * each, factor * one.std) for each in (one.value, one.mean, *one.quantiles)]
         rows.append([label, *told, f"{factor * one.std:.2g}"])
     tail = 50.0 * (1.0 - drawn.level)
@@ -502,8 +497,8 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
         rows = [(label, *cells) for label, cells in ends]
         return [Section(title, lines, ("quantity", "lowest", "highest"), rows, notes=sweep.warnings)]
     columns = _columns_of_points(sweep, moving)
-    widths = [2 + max(map(len, (*label.split(), *cells))) for label, cells in columns]
-    n = max(sum(reach <= _ROOM for reach in accumulate(widths)), len(sweep.axes) + 1)
+    widths = [2 + max(map(len, (*label.split(), *cells))) for label, cells in columns]  # headings are folded
+    n = max(sum(reach <= WIDTH for reach in accumulate(widths)), len(sweep.axes) + 1)
     if n < len(columns):
         more = counted(len(columns) - n, "column")
         lines.append(f"{more} more: --out FOLDER writes all to sweep.csv")
@@ -526,12 +521,12 @@ def _sweep_lines(sweep: "Sweep", still: Sequence[str]) -> Iterator[str]:
         yield f"{sweep.failed} points have no answer; the first says: {sweep.first_failure}"
     if still:
         shown = [_in_its_unit(name, sweep.ranges[name]) for name in still[:_NAMED]]
-        same = ", ".join(f"{label} {cells[0]}" for label, cells in shown)
-        more = f", and {len(still) - _NAMED} more" if len(still) > _NAMED else ""
+        same = "; ".join(f"{label} = {cells[0]}" for label, cells in shown)
+        more = f"; and {len(still) - _NAMED} more" if len(still) > _NAMED else ""
         yield f"the same at every point: {same}{more}"
 
 
 def _in_its_unit(name: str, values: Iterable[float]) -> tuple[str, list[str]]:
     """Return the label of a number and its values as cells, in the unit people read it in."""
-    label, factor = _in_units(_label(name))
+    label, factor = _in_units(answer_label(name))
     return label, [f"{factor * value:.5g}" for value in values]

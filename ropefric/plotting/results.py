@@ -200,7 +200,10 @@ def _draw_wheels(axes: Axes, rows: Any, values: FloatArray, chosen: BoolArray, *
 @paint.register
 def _(prediction: Prediction, axes: Axes) -> None:
     x, lift_N = np.degrees(prediction.conditions.wrap_angle_rad), prediction.lift_force_N
-    bands = (("for one pull", prediction.prediction_interval_N, 1.0), ("for the mean law", prediction.interval_N, 3.0))
+    bands = (
+        ("for one pull", prediction.prediction_interval_N, 1.0),
+        ("for the mean law", prediction.interval_N, 3.0),
+    )
     for words, interval_N, width in bands:
         look: dict[str, Any] = {"fmt": "o", "color": style.BLUE, "elinewidth": width, "capsize": 3}
         label = f"{100 * prediction.level:g} % {words}"

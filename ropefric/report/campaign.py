@@ -278,30 +278,43 @@ def _alerts_of_problems(extraction: result.Extraction) -> Iterator[Alert]:
 
 
 def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section | Fold]:
-    """Give all trials that are not kept, with the reason; the decisions of people; all conditions.
-
-    A condition has its number of trials, their mean force, scatter and uncertainty, and the trials not kept.
-    """
+    """Yield all trials that are not kept, with the reason; the decisions of people; all conditions."""
     extraction = run.extraction
     slack = any(trial.measures_slack for trial in extraction.trials)
-    known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
+    forces = ("F_A", "F_B") if slack else ("F_B", "F_A")
+    yield from _gone_section(extraction, evidence, forces)
+    yield from _decided_section(extraction)
+    yield _conditions_section(extraction, evidence, forces, slack=slack)
+    yield from _sliding_section(extraction)
+
+
+def _gone_section(
+    extraction: result.Extraction, evidence: Evidence, forces: tuple[str, str]
+) -> Iterator[Section]:
+    """Yield the trials that are not kept, doubtful ones first, and how the rule for outliers decides."""
     place = {name: summary for summary in extraction.conditions for name in summary.trials}
-    gone = {trial.trial: trial for trial in extraction.trials if not trial.kept}
-    counts = result.count_trials(extraction)
-    title = f"Trials not kept (of {counted(counts['n_trials'], 'trial')}: {result.outcome_words(counts)})"
-    rows: list[tuple[str, ...]] = []
-    for trial in sorted(gone.values(), key=lambda trial: trial.breakaway.status is not Status.DOUBTFUL):
+    gone = [trial for trial in extraction.trials if not trial.kept]
+    if not gone and not evidence.rejection:
+        return
+    rows = []
+    for trial in sorted(gone, key=lambda trial: trial.breakaway.status is not Status.DOUBTFUL):
         fate = str(trial.breakaway.status) if trial.outcome == "without a force" else trial.outcome
         known_N = trial.peak_N if trial.measures_slack else trial.end_tension_N
         cells = parts.setting_cells(trial.wheel_radius_m, trial.wrap_angle_rad, known_N)
         why = _why(trial, place.get(trial.trial))
         rows.append((trial.trial, fate, *cells, plain(trial.measured_N), why))
-    headings: tuple[str, ...]
+    counts, (known, measured) = result.count_trials(extraction), forces
+    title = f"Trials not kept (of {counted(counts['n_trials'], 'trial')}: {result.outcome_words(counts)})"
     headings = ("trial", "verdict", "R_w [mm]", "φ [deg]", f"{known} [N]", f"{measured} [N]", "why ")
-    if gone or evidence.rejection:
-        yield Section(title, (), headings if gone else (), rows, 2, evidence.rejection)
-    yield from _decided_section(extraction)
-    budgets = {condition.number: budget for condition, budget in evidence.measured}
+    yield Section(title, (), headings if gone else (), rows, 2, evidence.rejection)
+
+
+def _conditions_section(
+    extraction: result.Extraction, evidence: Evidence, forces: tuple[str, str], *, slack: bool
+) -> Section:
+    """Return every condition: number of trials, mean force, scatter, uncertainty, and the trials not kept."""
+    gone = {trial.trial for trial in extraction.trials if not trial.kept}
+    budgets, (known, measured) = {one.number: stated for one, stated in evidence.measured}, forces
     rows = []
     for number, item in enumerate(extraction.conditions, start=1):
         uncertainty = ("–", "–", "")
@@ -309,10 +322,11 @@ def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section | 
             largest = stated.lines[0]
             part = f"{largest.label} ({percent(largest.share, '.0f')})"
             uncertainty = (to_error(stated.combined, stated.combined), percent(stated.relative), part)
-        cells, forces = parts.condition_cells(item, slack=slack)
+        cells, found = parts.condition_cells(item, slack=slack)
         not_kept = ", ".join(name for name in item.trials if name in gone)
-        kept = f"{item.n_kept} of {item.n_recorded}"
-        rows.append((str(number), *cells, kept, *forces, *uncertainty, not_kept))
+        rows.append(
+            (str(number), *cells, f"{item.n_kept} of {item.n_recorded}", *found, *uncertainty, not_kept)
+        )
     headings = (
         *("no.", "R_w [mm]", "φ [deg]", f"{known} [N]", "kept", f"mean {measured} [N]", "s [N]"),
         *("u_c [N]", "u_c/mean", "largest part of u_c ", "not kept "),
@@ -321,8 +335,7 @@ def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section | 
         f"Mean {measured} and standard deviation s are of the trials kept. u_c is the standard uncertainty of the "
         "mean: repeats and measuring chain. trials.csv lists every trial."
     )
-    yield Section("Conditions", headings=headings, rows=rows, left=0, notes=(note,))
-    yield from _sliding_section(extraction)
+    return Section("Conditions", headings=headings, rows=rows, left=0, notes=(note,))
 
 
 def _sliding_section(extraction: result.Extraction) -> Iterator[Fold]:

@@ -168,29 +168,28 @@ def front_blocks(
     `alerts` are of the answer, `remarks` of the measurements, which the annex holds in full.
     """
     answer, words = subject.answer, subject.words
-    if grave := [alert for alert in alerts if alert.grade == "stop"]:
-        yield grave
-    given = {"Question": words.question} | {
-        label: str(getattr(words, name)) for name, label in _GIVEN.items()
-    }
-    if given := {name: value for name, value in given.items() if value}:
-        yield given
+    of_grade = {grade: [one for one in alerts if one.grade == grade] for grade in ("stop", "doubt")}
+    yield from filter(None, (of_grade["stop"], _particulars(words)))
     yield [*_facts(answer, subject.evidence)]
     yield from pictures
     law = parts.fit_section(answer.fit, f"The law: {answer.fit.law}, {answer.winner.how}")
     yield Section(law.title)
     yield Formula(formulas(answer.fit.friction_law))
     yield law._replace(title="", lines=law.lines[1:])
-    doubts = [alert for alert in alerts if alert.grade == "doubt"]
-    if doubtful := [one.title for one in remarks if one.grade == "doubt"]:
-        doubts.append(
-            Alert("doubt", "The measurements", f"{'; '.join(doubtful)}. The annex says what to do.")
-        )
+    doubtful = "; ".join(one.title for one in remarks if one.grade == "doubt")
+    of_trials = [Alert("doubt", "The measurements", f"{doubtful}. The annex says what to do.")]
+    passed = Alert("note", "See the first line" if of_grade["stop"] else "All checks passed", "")
     yield Section("Remarks")
-    yield doubts or [Alert("note", "See the first line" if grave else "All checks passed", "")]
+    yield [*of_grade["doubt"], *of_trials[: bool(doubtful)]] or [passed]
     tested = f"Tested: {', '.join(parts.tested_ranges(answer.fit))}. The law is extrapolated beyond."
     yield Section("Limits and assumptions", notes=(tested, *words.assumptions, *_decided(subject.run)))
     yield {name: value for name, value in subject.measured.items() if value}
+
+
+def _particulars(words: ReportWords) -> dict[str, str]:
+    """Return question, laboratory, customer and the like, as far as they are given."""
+    given = {"Question": words.question} | {label: getattr(words, name) for name, label in _GIVEN.items()}
+    return {label: str(value) for label, value in given.items() if value}
 
 
 def _decided(run: CampaignRun | None) -> Iterator[str]:

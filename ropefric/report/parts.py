@@ -121,7 +121,10 @@ def diagnosis_section(diagnosis: Diagnosis, *, full: bool = False) -> Section:
     for one in diagnosis.causes:
         names[one.supported].append(one.cause)
     notes = [f"{one.cause}: {one.evidence}" for one in diagnosis.causes if one.supported == "yes"]
-    others = (("no", "not supported", ""), ("cannot-tell", "not tested", "; `ropefric diagnose` names the tests"))
+    others = (
+        ("no", "not supported", ""),
+        ("cannot-tell", "not tested", "; `ropefric diagnose` names the tests"),
+    )
     notes += [f"{words}: {', '.join(names[kind])}{more}" for kind, words, more in others if names[kind]]
     return Section("Does it obey the capstan equation?", (diagnosis.summary,), notes=notes)
 

@@ -136,7 +136,7 @@ class _Handler(BaseHTTPRequestHandler):
     def _refuse_others(self, path: str, query: Mapping[str, str]) -> None:
         """Refuse other names of this address, other sites, and requests without the token.
 
-        The page itself, which holds nothing of anybody's, is everybody's: it asks for the token where it has none.
+        The page itself needs no token, because it contains no data; it lets the user enter a missing token.
         """
         names = {f"{name}:{self.server.server_port}" for name in (HOST, "localhost")}
         host = self.headers.get("Host", "")

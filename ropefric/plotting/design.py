@@ -25,8 +25,8 @@ _CLEAR = 10.0
 def draw_ladder(comparison: Comparison) -> FigureWithData:
     """Return ΔAICc of each law as a dot, best on top, with its Akaike weight and its error at unseen conditions.
 
-    Laws within 2 of the best can hardly be told from it (shaded); beyond 10 there is next to no support. Laws that
-    are not counted stand below as crosses with their reason. The axis is linear to 10 and logarithmic beyond.
+    Laws within 2 of the best fit about as well (shaded); beyond 10 there is almost no support. Laws that are not
+    ranked are crosses below, with the reason. The axis is linear to 10 and logarithmic beyond.
     """
     entries = comparison.ranking
     conditions = counted(comparison.n, comparison.unit.removesuffix("s"))
@@ -105,7 +105,7 @@ def draw_budget(
     rows: Sequence[tuple[str, float]], *, unit: str, title: str, combined: float
 ) -> FigureWithData:
     """Return the contributions |c u| of a budget as bars, largest first, with their shares."""
-    # What is not known stands last.
+    # Unknown contributions come last.
     ranked = sorted(rows, key=lambda row: (math.isnan(row[1]), -abs(row[1])))
     names, values = [name for name, _ in ranked], np.abs([value for _, value in ranked])
     total = math.fsum(values[~np.isnan(values)] ** 2)

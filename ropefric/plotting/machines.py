@@ -160,8 +160,8 @@ _ROLES = {"driver": style.BLUE, "driven": style.GREY, "tensioner": style.ORANGE}
 def draw_layout(scene: Scene) -> FigureWithData:
     """Return the wheels of a machine and what lies on them, radii and wraps to scale, in the order of travel.
 
-    Two wheels of a loop face each other; in a longer one each is shown with its wrap on top, since no scene tells where
-    its wheels stand. What lies on a wheel more than once is drawn as a spiral.
+    Two wheels of a loop face each other. In a longer loop each wheel has its wrap on top, because a scene does not
+    state where its wheels are. More than one turn on a wheel is drawn as a spiral.
     """
     belts = scene.kind.layout(scene.problem)
     if not belts:
@@ -415,7 +415,7 @@ def _draw_excitation(
 
 
 def _draw_crossings(axes: Axes, chart: SawChart, top_Hz: float, written: list[tuple[float, float]]) -> None:
-    """Draw the crossings as circles, and write the margin of those that have room beside what is `written`."""
+    """Draw the crossings as circles, and write the margins that do not overlap earlier words, `written`."""
     slowest_m_s, span_m_s = float(chart.speed_m_s[0]), float(np.ptp(chart.speed_m_s))
     for crossing in sorted(chart.crossings, key=lambda crossing: abs(crossing.speed_margin)):
         color, point = _LOOK[crossing.side][0], (crossing.speed_m_s, crossing.frequency_Hz)

@@ -59,8 +59,8 @@ def write_report(
 ) -> tuple[Path, ...]:
     """Write summary.txt, report.html with the numbers of its figures, and what they rest on; return the paths.
 
-    The page needs nothing else. Beside it stand figures/*.csv, uncertainty.json and next_tests.csv where there is a
-    design, manifest.json and, if wished, report.pdf. The same campaign gives the same bytes. The figures are drawn by
+    The page is complete in itself. Beside it are figures/*.csv, manifest.json, uncertainty.json and next_tests.csv if
+    there is a design, and report.pdf if wished. The same campaign gives the same bytes. The figures are drawn by
     the executor, if any.
     """
     target, campaign, evidence = as_folder(folder), run.campaign, pipeline.gather_evidence(run)
@@ -83,7 +83,7 @@ def write_table_report(
 ) -> tuple[Path, ...]:
     """Write the same for the answer to a trial table, for those who have forces and no recordings.
 
-    The inputs are the table and, where there is one, the file that says more about it, from where `words` are.
+    The inputs are the table and, if given, the file with the `words` about it.
     """
     evidence, table, found = pipeline.gather_evidence(answer), inputs[0], answer.fit.statistics
     trials = counted(len(answer.table.trial), "trial")
@@ -120,7 +120,7 @@ def _write(
 
 
 def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
-    """Return what was recorded, the law that is used, how it won, what is doubtful, and the lift force of the design."""
+    """Return counts of the recordings, the law in use and its comparison, the doubts, and the lift force."""
     counts = result.count_trials(run.extraction)
     lines = [f"{run.campaign.name}: {_tally(run.extraction)}"]
     if counts["n_rejected"]:
@@ -137,7 +137,7 @@ def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
 
 
 def answer_sections(answer: CampaignAnswer) -> tuple[Section, ...]:
-    """Return the law that is used, how it won, what is doubtful, and the lift force of the design."""
+    """Return the law in use and its comparison, the doubts, and the lift force of the design."""
     sections = (
         parts.verdict_section(answer.verdict, "The verdict"),
         parts.fit_section(answer.fit, f"The law: {answer.fit.law}, {answer.winner.how}"),
@@ -212,7 +212,7 @@ def _causes(diagnosis: Diagnosis) -> Iterator[Section | Fold]:
 
 
 def _alerts_of_answer(answer: CampaignAnswer, evidence: Evidence, *, asked: bool) -> Iterator[Alert]:
-    """Give the doubts about a law and its lift force, and remarks on them; `asked` tells whether a wheel was given."""
+    """Yield the doubts about a law and its lift force, with remarks; `asked`: whether a wheel was given."""
     verdict, prediction = answer.verdict, answer.prediction
     if not verdict.supported:
         of_lift = answer.winner.verdict.supported
@@ -265,7 +265,7 @@ def _advice(status: Status, flagged: Sequence[result.TrialResult]) -> str:
 
 
 def _alerts_of_problems(extraction: result.Extraction) -> Iterator[Alert]:
-    """Give what else was wrong or doubtful, by kind; what a flagged recording says of itself is said already."""
+    """Yield all other problems by kind; problems of flagged recordings are reported already."""
     flagged = [trial for trial in extraction.trials if trial.breakaway.status is not Status.OK]
     for code, alike in result.problems_by_code(extraction, said_of=flagged).items():
         messages = [problem.message for problem in alike[:_SAID]]
@@ -403,7 +403,7 @@ def _hashes(files: Iterable[Mapping[str, str]], title: str = "") -> Section:
 
 
 def _flat(tree: Mapping[str, Any], stem: str = "") -> Iterator[tuple[str, str]]:
-    """Return a tree as rows; what is empty or not given is left out."""
+    """Return a tree as rows, without empty values."""
     for key, value in tree.items():
         name = f"{stem}.{key}" if stem else str(key)
         if isinstance(value, Mapping):

@@ -1,7 +1,7 @@
-"""A report as data, as one HTML page that needs nothing else, its equations as MathML, and the page printed as PDF.
+"""A report as data, as one HTML page without other files, with equations as MathML, and the page printed as PDF.
 
-The notation is that of every law: `mu_inf (1 - exp(a R_w/R_r + b))`. A name right before a bracket is a function of
-what stands in it, two factors beside each other are multiplied, and `integral of X from A to B` is one over the wrap.
+The notation is that of every law: `mu_inf (1 - exp(a R_w/R_r + b))`. A name before a bracket is a function of its
+content, two factors beside each other are multiplied, and `integral of X from A to B` is an integral over the wrap.
 """
 
 import math
@@ -32,7 +32,7 @@ _INDEXED = re.compile(r"\b([RFuUkνμδ]|mu)_(w|r|A|B|R|c|eff|tr|lin|hys|sm|q|in
 
 
 class Alert(NamedTuple):
-    """Something to know before a result is used."""
+    """A remark on a result: a reason not to use it, a doubt, or a note."""
 
     grade: Literal["stop", "doubt", "note"]
     title: str
@@ -112,7 +112,7 @@ def _environment() -> Environment:
 
 
 def _kind(block: Block) -> str:
-    """Return what kind of block it is, by which the template chooses its form."""
+    """Return the kind of a block, by which the template chooses its form."""
     return type(block[0] if isinstance(block, list) else block).__name__.lower()
 
 
@@ -163,7 +163,7 @@ class Subject(NamedTuple):
 def front_blocks(
     subject: Subject, alerts: Sequence[Alert], remarks: Sequence[Alert], pictures: Sequence[Picture]
 ) -> Iterator[Block]:
-    """Give the blocks of the first two pages: grave doubts, question, answer, pictures, law, remarks, limits.
+    """Yield the blocks of the first two pages: grave doubts, question, answer, pictures, law, remarks, limits.
 
     `alerts` are of the answer, `remarks` of the measurements, which the annex holds in full.
     """
@@ -238,7 +238,7 @@ def _cell_words(name: str, cell: Any) -> str:
 
 
 def _facts(answer: CampaignAnswer, evidence: Evidence) -> Iterator[Fact]:
-    """Give the numbers a reader looks for first."""
+    """Yield the main numbers of the answer."""
     fit, found = answer.fit, answer.prediction
     if found is not None:
         at, std_N = found.conditions, float(found.std_N[0])
@@ -268,12 +268,12 @@ _GREEK = {"mu": "μ", "phi": "φ", "lambda": "λ", "inf": "∞"}
 _NAME = re.compile(r"([A-Za-z]+?)(?:_(\w+)|(\d+))?")
 _SPACE = '<mspace width="0.17em"/>'
 _BINDS = {"=": 0, "+": 1, "-": 1, "": 2, "/": 3, "^": 4}
-"""How tightly a mark joins what stands beside it; two factors have none between them."""
+"""Binding strength of each mark; two factors have no mark between them."""
 _ENDS = frozenset({"", ")", "from", "to"})
 
 
 def formulas(law: FrictionLaw) -> tuple[str, ...]:
-    """Return the statements of a law's equation as MathML elements; what is not in our notation stays plain text."""
+    """Return the statements of a law's equation as MathML elements; statements in another notation stay plain text."""
     found = []
     for text in (text for part in law.equation.split(";") for text in _split(part.strip())):
         try:
@@ -298,7 +298,7 @@ def symbol(name: str) -> str:
 
 
 def _split(text: str) -> list[str]:
-    """Return what commas outside brackets part."""
+    """Return the parts between commas outside brackets."""
     parts, depth = [""], 0
     for letter in text:
         depth += (letter == "(") - (letter == ")")
@@ -313,7 +313,7 @@ _OPEN, _CLOSE = "<mrow><mo>(</mo>", "<mo>)</mo></mrow>"
 
 
 def _bare(found: str) -> str:
-    """Return what stands in brackets without them, for where a bar or a raised place takes their part."""
+    """Return the content of brackets, for places where a bar or a raised position replaces them."""
     return found[len(_OPEN) : -len(_CLOSE)] if found.startswith(_OPEN) else found
 
 
@@ -328,7 +328,7 @@ def _joined(left: str, mark: str, right: str) -> str:
 
 
 class _Statement:
-    """A statement and what of it is not read yet; what is read is returned as MathML."""
+    """A statement with its unread tokens; the read part is returned as MathML."""
 
     def __init__(self, text: str) -> None:
         self.text, self.tokens = text, [*_TOKEN.findall(text), ""]
@@ -346,7 +346,7 @@ class _Statement:
             raise ValueError(f"{self.text!r} has {found!r} where {word!r} belongs")
 
     def read(self, least: int) -> str:
-        """Return what the marks join that bind so tightly at least."""
+        """Return the expression joined by marks of at least this binding strength."""
         found = "" if self.tokens[0] == "-" and least <= _BINDS["-"] else self.atom()
         while (ahead := self.tokens[0]) not in _ENDS:
             mark = ahead if ahead in _BINDS else ""

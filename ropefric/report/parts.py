@@ -82,7 +82,7 @@ def notes_sections(fit: FitResult) -> tuple[Section, ...]:
 
 
 def origin_section(fit: FitResult) -> Section:
-    """Return what a fit was made from, and the range of the conditions it holds for."""
+    """Return the data of a fit, and the range of its conditions."""
     source, versions = fit.provenance.get("input", {}), fit.provenance.get("versions", {})
     made = ", ".join(f"{name} {number}" for name, number in sorted(versions.items()))
     lines = (f"from {source.get('path') or 'no file'}, with {made or 'unknown versions'}", "tested:")
@@ -252,7 +252,7 @@ _DIVISORS = {math.sqrt(3.0): "√3", math.sqrt(12.0): "√12", 1.0: "1"}
 
 
 def uncertainty_sections(stated: Statement, title: str, *, least_share: float = 0.0) -> tuple[Section, ...]:
-    """Return a statement of uncertainty as sections: budget with the check by draws, and what would reduce it.
+    """Return a statement of uncertainty as sections: budget with the check by draws, and measures to reduce it.
 
     Sources with less than `least_share` of the variance are named in a note, and have no line.
     """
@@ -279,7 +279,7 @@ def uncertainty_sections(stated: Statement, title: str, *, least_share: float = 
 
 
 def budgets_section(stated: Sequence[tuple[int, str, Statement]], title: str) -> Section:
-    """Return many statements as one table: number, condition in words, answer, U, and what dominates."""
+    """Return many statements as one table: number, condition in words, answer, U, and the largest part."""
     rows = []
     for number, words, item in stated:
         found, largest = item.budget, item.budget.lines[0]
@@ -329,7 +329,7 @@ _SHOWN = {"rad]": ("deg]", math.degrees(1.0)), "m]": ("mm]", 1e3)}
 
 
 def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Section]:
-    """Return what a scene's answer is, how sure, and what was simulated for it; `tree` is its `to_dict()`."""
+    """Return a scene's answer, its uncertainty and the simulated effects; `tree` is its `to_dict()`."""
     scene, plan = solution.scene, solution.plan
     lines = [] if scene.source is None else [f"friction: {scene.source.origin}"]
     # What belongs to one of many rollers or sides stands in that machine's own tables.
@@ -390,7 +390,7 @@ def _method(plan: "Plan") -> str:
 
 
 def explanation_sections(told: "Explanation") -> list[Section]:
-    """Return the table of effects and the method, with what was measured if anything was."""
+    """Return the table of effects and the method, with measured times if there are any."""
     plan = told.plan
     rows = [[one.name, _FATES.get(one.fate, one.fate), _worth(one)] for one in plan.decisions]
     bound = _bound(plan.error_bound)
@@ -463,7 +463,7 @@ def _simulated(found: "Draws | Sweep") -> str:
 
 
 def draws_sections(drawn: "Draws", words: Mapping[str, str]) -> list[Section]:
-    """Return what draws of a scene's uncertain quantities lead to: mean, standard deviation and quantiles."""
+    """Return the result of draws of a scene's uncertain quantities: mean, standard deviation and quantiles."""
     lines = [
         f"uncertain inputs: {', '.join(drawn.inputs)}",
         _simulated(drawn),
@@ -483,9 +483,9 @@ def draws_sections(drawn: "Draws", words: Mapping[str, str]) -> list[Section]:
 
 
 def sweep_sections(sweep: "Sweep") -> list[Section]:
-    """Return what a sweep found: its points where they are few, else the range of every number.
+    """Return the result of a sweep: its points if they are few, otherwise the range of every number.
 
-    Only what changes from point to point has a column, as many as there is room for; the CSV has all.
+    Numbers that change have a column, as many as fit the width; the CSV has all.
     """
     total = math.prod(sweep.shape)
     title = f"{' × '.join(axis.key for axis in sweep.axes)}: {total} points"
@@ -510,14 +510,14 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
 
 
 def _columns_of_points(sweep: "Sweep", moving: Sequence[str]) -> list[tuple[str, list[str]]]:
-    """Return what is swept and what moves with it: a label, and a cell for each point."""
+    """Return the swept quantities and the numbers that change with them: a label, and a cell for each point."""
     points = zip(*product(*((axis.values / axis.factor).tolist() for axis in sweep.axes)), strict=True)
     swept = [(axis.label, [f"{x:.5g}" for x in xs]) for axis, xs in zip(sweep.axes, points, strict=True)]
     return [*swept, *(_in_its_unit(name, sweep.columns[name].tolist()) for name in moving)]
 
 
 def _sweep_lines(sweep: "Sweep", still: Sequence[str]) -> Iterator[str]:
-    """Say what a sweep took in, where it has no answer, and which numbers are the same at every point."""
+    """Yield the simulated effects of a sweep, its points without an answer, and the numbers that do not change."""
     yield _simulated(sweep)
     yield from (f"{name} left out at {count} points" for name, count in sweep.left_out.items())
     if sweep.failed:

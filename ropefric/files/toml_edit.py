@@ -81,8 +81,8 @@ def _changed(tree: dict[str, Any], path: Keys, value: Any) -> dict[str, Any]:
 
 
 def _with_value(text: str, path: Keys, value: Any) -> str:
-    (*above, last), spans = path, value_spans(text)
-    table, end = tuple(above), "\r\n" if "\r\n" in text else "\n"
+    """Return a text in which a key has a value: in its place, in an inline table, or in a line of its own."""
+    spans, table, last = value_spans(text), path[:-1], path[-1]
     if path in spans:
         start, stop = spans[path]
         return text[:start] + toml_value(value) + text[stop:]
@@ -90,12 +90,17 @@ def _with_value(text: str, path: Keys, value: Any) -> str:
         old = _value_at(text, path)
         changed = [key for key in {**old, **value} if old.get(key) != value.get(key)]
         return with_values(text, {(*path, key): value.get(key) for key in changed})
-    if table in spans:  # an inline table
+    if table in spans:
         return _with_value(text, table, {**_value_at(text, table), last: value})
-    line, heading, start = f"{toml_key(last)} = {toml_value(value)}{end}", _heading(text, table), 0
+    return _with_line(text, table, last, value)
+
+
+def _with_line(text: str, table: Keys, key: str, value: Any) -> str:
+    """Return a text with a new key: in the line that waits for it, below the heading of its table, or at the end."""
+    end = "\r\n" if "\r\n" in text else "\n"
+    line, heading, start = f"{toml_key(key)} = {toml_value(value)}{end}", _heading(text, table), 0
     if table and heading is None:
-        gap = end if text.endswith("\n") else 2 * end
-        gap = "" if text.endswith(2 * end) else gap
+        gap = "" if text.endswith(2 * end) else end if text.endswith(end) else 2 * end
         return f"{text}{gap}[{'.'.join(map(toml_key, table))}]{end}{line}"
     if heading is not None:
         mark = heading[1] or ""
@@ -103,7 +108,7 @@ def _with_value(text: str, path: Keys, value: Any) -> str:
         start = heading.end() - len(mark)
     following = _ANY_HEADING.search(text, start)
     stop = following.start() if following else len(text)
-    waiting = re.compile(_WAITING.format(re.escape(toml_key(last))), re.MULTILINE).search(text, start, stop)
+    waiting = re.compile(_WAITING.format(re.escape(toml_key(key))), re.MULTILINE).search(text, start, stop)
     if waiting is None:
         return text[:start] + line + text[start:]
     return text[: waiting.start()] + waiting[1] + toml_value(value) + text[waiting.end() :]

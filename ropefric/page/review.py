@@ -220,7 +220,7 @@ class Review:
         progress: Progress | None = None,
         now: Callable[[], datetime] = lambda: datetime.now().astimezone(),
     ) -> None:
-        self._path, self.by, self._law, self._now = campaign, by, law, now
+        self.campaign_file, self.by, self.law, self._now = campaign, by, law, now
         self._jobs = jobs
         self.lock = threading.RLock()
         self.n_written = 0
@@ -243,11 +243,6 @@ class Review:
         return self._state.campaign.trial_list
 
     @property
-    def campaign_file(self) -> Path:
-        """Return the campaign file."""
-        return self._path
-
-    @property
     def name(self) -> str:
         """Return the campaign's name."""
         return self._state.campaign.name
@@ -261,8 +256,8 @@ class Review:
 
     def _load(self, before: _State | None, progress: Progress | None = None) -> _State:
         """Return the campaign as its files state it now; only rows that differ from those before are extracted."""
-        content = _contents(load_campaign(self._path, missing_recordings="flag"))
-        campaign = load_campaign(self._path, missing_recordings="flag")
+        content = _contents(load_campaign(self.campaign_file, missing_recordings="flag"))
+        campaign = load_campaign(self.campaign_file, missing_recordings="flag")
         if _contents(campaign) != content:
             raise _changed(campaign.trial_list)
         seen: ByRow = {} if before is None else before.by_row
@@ -358,13 +353,8 @@ class Review:
         if law:
             ALL_LAWS[law]
         with self.lock:
-            self._law = law
+            self.law = law
             self._recompute()
-
-    @property
-    def law(self) -> str:
-        """Return the law that was asked for, "" for the best."""
-        return self._law
 
     def run(self) -> CampaignRun | None:
         """Return the run behind the answer to all trials; None while it is computed, or if there is no answer."""
@@ -464,7 +454,7 @@ class Review:
 
             found: CampaignAnswer | None = None
             try:
-                found = _answered(state, self._law, stop_if_outdated)
+                found = _answered(state, self.law, stop_if_outdated)
                 said = _said_of(found)
             except _OutdatedError:
                 continue

@@ -22,7 +22,7 @@ from ropefric.glossary import GLOSSARY, counted
 from ropefric.pipeline import CampaignRun
 from ropefric.plotting import style
 from ropefric.plotting.campaign import draw_extraction
-from ropefric.plotting.design import draw_ladder, draw_statement
+from ropefric.plotting.design import draw_ladder, draw_statement, name_rows
 from ropefric.plotting.figure import FigureWithData, drawing, on_axes, panels_of
 from ropefric.plotting.fits import draw_fit_band
 from ropefric.plotting.machines import draw_explanation, draw_layout, draw_sweep, scene_figures
@@ -94,9 +94,8 @@ def paint(result: Any, _axes: Axes, *_args: Any, **_options: Any) -> None:
 
 
 def _name_rows(axes: Axes, names: Sequence[str]) -> None:
-    """Write the words of the rows, from above, and make the figure as high as they need."""
-    axes.set_yticks(range(len(names)), names)
-    axes.set_ylim(len(names) - 0.5, -0.5)
+    """Name the rows, the first on top, and make the figure as high as they need."""
+    name_rows(axes, names)
     figure: Any = axes.figure
     if len(figure.axes) == 1:  # not one of the user's with other axes
         figure.set_figheight(1.6 + 0.4 * len(names))

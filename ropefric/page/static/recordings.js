@@ -19,7 +19,7 @@ async function begin(anew) {
   for (const id of ["r-place", "r-names"]) $(id).hidden = editing;
   $("r-there").hidden = $("r-more").hidden = !editing;
   $("r-write").textContent = editing ? "Write the changes and continue" : "Write the campaign and continue";
-  $("r-rope-size").textContent = sizeOf(rope) === "radius" ? "Radius" : "Diameter";
+  $("r-rope-size").textContent = `${sizeOf(rope) === "radius" ? "Radius" : "Diameter"} of the rope`;
   const fields = { name: R.data.name, rope: rope?.[sizeOf(rope)], from: tare?.interval?.[0], until: tare?.interval?.[1],
     "design-radius": design?.wheel_radius, "design-wrap": design?.wrap_angle, "design-tension": design?.end_tension,
     "adc-bits": adc?.bits, "adc-low": adc?.low, "adc-high": adc?.high, rate: R.data[rateOf()[0]]?.[rateOf()[1]], pattern: "" };
@@ -56,7 +56,7 @@ const cellsOf = () => [...$("r-cells").tBodies[0].rows].map((row) => {
   return { name, column: row.dataset.column, keys: Object.fromEntries(Object.keys(CELL).map((key, place) => [key, values[place]])) };
 }).filter((one) => one.name);
 
-// --- what a person says ---
+// --- the wish of a person ---
 
 function wish() {
   const bits = text("r-adc-bits"), channels = {}, cells = {}, settings = { "": { name: text("r-name") }, rope: { [sizeOf(R.data.rope)]: text("r-rope") },
@@ -81,7 +81,7 @@ function wish() {
 const isPattern = () => /[{(]/.test($("r-pattern").value);
 
 let looking = null, again = false;
-export function look() {  // one look after the other; only what is asked for last is shown
+export function look() {  // one look after the other; only the last result is shown
   if (looking) again = true;
   looking ??= (async () => {
     do {
@@ -95,7 +95,7 @@ export function look() {  // one look after the other; only what is asked for la
   return looking;
 }
 
-// --- what is found ---
+// --- the result ---
 
 function show() {
   const told = R.told, found = told.found, here = document.activeElement?.id;
@@ -167,7 +167,7 @@ function showWheels(wheels) {
   }));
 }
 
-// What a problem is about stands in its key: the field that would mend it is marked.
+// The key of a problem leads to the field that corrects it, which is marked.
 function fieldOf({ key, fix }) {
   const [, wheel] = /\[wheels\.([^\]]+)\]/.exec(fix) ?? [];
   if (wheel && $(`r-wheel-${wheel}`)) return $(`r-wheel-${wheel}`);
@@ -184,7 +184,7 @@ function showProblems(problems) {
     if (field && one.severity === "error") { field.classList.add("missing"); field.setAttribute("aria-invalid", "true"); }
     return make("li", `${one.severity}: ${one.key ? `${one.key}: ` : ""}${one.message}${one.times > 1 ? ` (${one.times} times)` : ""}${one.fix ? ` – ${one.fix}` : ""}`, one.severity);
   }));
-  if (problems.some((one) => /force cell|\[adc\]/.test(one.message + one.fix))) $("r-electric").open = true;
+  if (problems.some((one) => /in counts|\[adc\]/.test(one.message + one.fix))) $("r-electric").open = true;
   if (!problems.length) $("r-problems").replaceChildren(make("li", "none"));
   $("r-write").disabled = problems.some((one) => one.severity === "error");
 }

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import shutil
+import time
 from contextlib import redirect_stdout
 
 import pytest
@@ -12,7 +13,9 @@ from ropefric.cli.app import main
 from ropefric.errors import DataError
 from ropefric.fitting import compare
 from ropefric.page import answers
+from ropefric.page.desk import Desk
 from ropefric.page.review import Review
+from ropefric.report.page import find_browser
 from ropefric.scenes.keys import scene_keys
 from ropefric.scenes.kinds import KINDS
 
@@ -118,6 +121,31 @@ def test_another_law_is_used_where_that_is_asked(begin, settled, monkeypatch):
     assert answers.law_of(review, review.run())["asked"] == "constant-offset"
     with pytest.raises(LookupError):
         review.use_law("nonsense")
+
+
+@pytest.mark.slow  # a browser prints the page
+@pytest.mark.parametrize("options", [["--short"], ["--pdf"]])
+def test_a_report_has_the_bytes_of_the_command(campaign, begin, monkeypatch, options):
+    if "--pdf" in options:
+        find_browser()
+    monkeypatch.setattr(compare, "LAWS", FEW)
+    monkeypatch.chdir(campaign)
+    desk = Desk(campaign / "campaign.toml", by="A. Meier", out=campaign / "page", review=begin())
+    desk.writes["report"]({name.removeprefix("--"): True for name in options})
+    while (told := desk.work.told())["running"]:
+        time.sleep(0.05)
+    assert told["result"]["reports"][0] == "report.html"
+    assert main(["report", str(campaign / "campaign.toml"), "--out", "command", *options, "--quiet"]) in {
+        0,
+        4,
+    }
+    made, same = (
+        {path.name: path.read_bytes() for path in (campaign / name).glob("*") if path.is_file()}
+        for name in ("page", "command")
+    )
+    assert made.keys() == same.keys()
+    assert [name for name in made if made[name] != same[name]] == []
+    assert ("report.pdf" in made) == ("--pdf" in options)
 
 
 def test_every_template_is_a_form_that_solves_as_the_command_does(machines, tmp_path, capfd):

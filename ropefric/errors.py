@@ -4,6 +4,8 @@ Every failure that a user can cause or meet is a `RopefricError`; each also deri
 exception a Python programmer would expect, so `except ValueError` keeps working.
 """
 
+import errno
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -12,6 +14,7 @@ from os import PathLike
 from pathlib import PurePath
 from typing import Any, Literal, NamedTuple
 
+_OUT_OF = {errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE}
 _LONGEST = {"message": 2000, "key": 200, "fix": 1000}
 
 
@@ -184,6 +187,29 @@ class SolverError(RopefricError, RuntimeError):
     """A numerical method found no answer to the accuracy asked for."""
 
     default_code = "RF500"
+
+
+class InternalError(RopefricError):
+    """A fault of this package, not of the user's data."""
+
+    default_code = "RF000"
+    exit_code = 1
+
+
+def known_error(error: BaseException, *, report_with: str, path: str = "") -> RopefricError:
+    """Return any exception as an error of this package.
+
+    A file that the system refuses is an error of the data; what nobody has foreseen is a fault of this package, to be
+    reported together with `report_with`.
+    """
+    if isinstance(error, RopefricError):
+        return error
+    if isinstance(error, OSError) and (error.filename is not None or error.errno in _OUT_OF):
+        reason, fix = error.strerror or str(error), "check the path, its permissions and the space left"
+        return DataError(reason.lower(), path=os.fsdecode(error.filename or path), fix=fix)
+    message = f"internal fault, {type(error).__name__}: {error}"
+    fix = f"this is a bug in ropefric, not in your data: please report it with {report_with}"
+    return InternalError(message, path=path, fix=fix)
 
 
 def raise_problems(problems: Iterable[Problem]) -> None:

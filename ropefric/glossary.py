@@ -67,6 +67,23 @@ def axis_label(name: str) -> str:
     return f"{text} [{term.unit}]" if term.unit else text
 
 
+def answer_label(name: str) -> str:
+    """Return the words for a number of an answer, with its unit, by its path such as "slip.2.utilisation".
+
+    >>> [answer_label(name) for name in ("effective_tension_N.3", "slip.2.utilisation", "slip.2.as_plotted")]
+    ['Effective tension 3 [N]', 'Friction used, slip 2', 'as plotted, slip 2']
+    """
+    first, *_ = parts = name.split(".")
+    key = parts[-1] if parts[-1] in GLOSSARY or first not in GLOSSARY else first
+    others = " ".join(part for part in parts if part != key)
+    if key not in GLOSSARY:
+        return f"{key.replace('_', ' ')}, {others}" if others else name
+    term = GLOSSARY[key]
+    unit = f" [{term.unit}]" if term.unit not in {"", "-"} else ""
+    comma = "" if key == first or not others else ","
+    return f"{term.meaning.partition(';')[0]}{comma} {others}".rstrip() + unit
+
+
 def counted(n: int, noun: str) -> str:
     """Return a number of things in words."""
     return f"{n} {noun}" if n == 1 else f"{n} {noun}s"

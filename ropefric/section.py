@@ -5,6 +5,7 @@ The terminal and summary.txt show sections by `as_text`; `ropefric.report.page` 
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import zip_longest
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -135,6 +136,25 @@ def _fold(line: str, indent: str) -> list[str]:
 def _table_lines(section: Section) -> Iterator[str]:
     rows = [tuple(heading.rstrip() for heading in section.headings), *section.rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    if section.rows and sum(widths) + 2 * len(widths) > WIDTH:
+        head, widths = _folded_headings(rows[0], section.rows, widths)
+        rows[:1] = head
     forms = [f"{'<' if section.is_words(place) else '>'}{one}" for place, one in enumerate(widths)]
     for row in rows:
         yield "  ".join(f"{cell:{form}}" for cell, form in zip(row, forms, strict=True))
+
+
+def _folded_headings(
+    headings: Sequence[str], rows: Sequence[Sequence[str]], whole: list[int]
+) -> tuple[list[tuple[str, ...]], list[int]]:
+    """Return headings over as few lines as make the table fit, and the widths; unfolded if none makes it fit."""
+    least = [
+        max(map(len, (*heading.split(), *cells)))
+        for heading, cells in zip(headings, zip(*rows, strict=True), strict=True)
+    ]
+    for n_lines in range(2, 6):
+        widths = [max(one, -(-len(text) // n_lines)) for one, text in zip(least, headings, strict=True)]
+        if sum(widths) + 2 * len(widths) <= WIDTH:
+            folded = [wrap(heading, width) for heading, width in zip(headings, widths, strict=True)]
+            return [*zip_longest(*folded, fillvalue="")], widths
+    return [tuple(headings)], whole

@@ -55,10 +55,10 @@ def _integral() -> str:
     errors = [error_table("integral", case.name, method="closed form")[0].error for case in cases]
     from_zero = error_table("integral", "from-zero", method="segment sum")[-1]
     return (
-        f"**Lift force.** To one part in a million the paper's segment sum takes {segments} and Gauss-Legendre "
-        f"{points}, the closed form none, off by less than {_below(max(errors))} in all {len(cases)} cases. "
-        f"Where the rope starts without tension and μ is infinite, {from_zero.setting} are still off by "
-        f"{100 * from_zero.error:.1g} %. A hoist's plan takes the closed form at every accuracy."
+        f"**Lift force.** For a relative error of 1e-6 the segment sum of the paper needs {segments}, "
+        f"Gauss-Legendre {points}. The closed form needs none; its error is below {_below(max(errors))} in all "
+        f"{len(cases)} cases. If the rope starts without tension and μ is infinite, {from_zero.setting} still have an "
+        f"error of {100 * from_zero.error:.1g} %. The plan of a hoist always uses the closed form."
     )
 
 
@@ -66,11 +66,11 @@ def _press() -> str:
     limit_ms = 1e3 * rk4_limit_s(start_up("stiff").eigenvalues)
     steps = [enough("press-transient", accuracy, "stiff", method="rk4") for accuracy in (1e-2, 1e-5)]
     (exact,) = error_table("press-transient", "stiff", method="exact")
-    assert steps[0] == steps[1], "stability and accuracy ask for different steps"
+    assert steps[0] == steps[1], "stability and accuracy need different steps"
     return (
-        f"**Start-up of a press.** On a stiff belt Runge-Kutta is unstable beyond steps of {limit_ms:.2g} ms, and at "
-        f"{steps[0].setting.removeprefix('step ')} is accurate to {_below(steps[0].error)} whether that is wanted or "
-        f"not; the matrix exponential takes any step and is off by less than {_below(exact.error)}."
+        f"**Start-up of a press.** On a stiff belt Runge-Kutta is unstable with steps above {limit_ms:.2g} ms. With "
+        f"{steps[0].setting.removeprefix('step ')} its error is below {_below(steps[0].error)}, even if a larger error "
+        f"would do. The matrix exponential allows any step; its error is below {_below(exact.error)}."
     )
 
 
@@ -79,8 +79,8 @@ def _blade() -> str:
     one, thin = (enough("blade-modes", 1e-6, "blade", method=f"Galerkin, {name}").setting
                  for name in ("one element", "thin end elements"))  # fmt: skip
     return (
-        f"**Blade.** The string is off by {100 * string.error:.2g} %. A beam to one part in a million takes {one} in "
-        f"one element, and {thin} where thin elements at the ends carry their boundary layers."
+        f"**Blade.** The string has an error of {100 * string.error:.2g} %. A beam with a relative error of 1e-6 needs "
+        f"{one} in one element, or {thin} with thin elements at the ends for the boundary layers."
     )
 
 
@@ -91,19 +91,18 @@ def _scenes() -> str:
         rows = error_table("scenes", "saw", method="plan and solve")
         (row,) = [one for one in rows if one.setting == f"accuracy {wanted:g}"]
         n_all = len(plan.simulated) + len(plan.left_out)
-        off = f"is off by {100 * row.error:.1g} %" if plan.left_out else "is where all effects are"
-        words.append(
-            f"asked for {100 * wanted:g} %, it simulates {len(plan.simulated)} of {n_all} effects and {off}"
-        )
+        off = f", with an error of {100 * row.error:.1g} %" if plan.left_out else ""
+        effects = f"{len(plan.simulated)} of {n_all} effects{off}"
+        words.append(f"For an accuracy of {100 * wanted:g} % the plan simulates {effects}.")
     whole = [name for name in PROBLEMS if not planned(name, 0.1)[0].left_out]
     rows = error_table("scenes", "start-up", method="plan and solve")
     (started,) = [row for row in rows if row.setting == "accuracy 0.1"]
     return (
-        f"**Scenes.** What is quick is solved whole at any accuracy: {', '.join(whole)}. Of a start-up the search for "
-        "the moments of slip takes time: met inside the steps of a grid they leave the answer off by less than "
-        f"{_below(started.error)}. Of a blade only the stiffness takes time. Planned and solved, {'; '.join(words)}. "
-        "Planning adds a few hundredths at most to the time of solving one machine, and some milliseconds to a sweep: "
-        "each is timed in turn with all effects, and the least time counts."
+        f"**Scenes.** Quick scenes are solved with all effects at any accuracy: {', '.join(whole)}. In a start-up the "
+        "search for the times of slip takes most time; a search inside the steps of a grid has an error below "
+        f"{_below(started.error)}. In a blade the stiffness takes most time. {' '.join(words)} Planning adds at most a "
+        "few hundredths to the time of one machine, and some milliseconds to a sweep. The figure shows the shortest of "
+        "several alternating measurements."
     )
 
 

@@ -1,6 +1,5 @@
 """The program `ropefric`: finds the commands, runs one, and turns failures into words and exit codes."""
 
-import errno
 import importlib
 import inspect
 import os
@@ -19,14 +18,14 @@ from ropefric import __version__
 from ropefric.cli import commands, on_first_use
 from ropefric.cli.options import Answer, Command
 from ropefric.cli.output import Output, json_text
-from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.errors import InputError, InternalError, RopefricError, known_error
 from ropefric.files.plain_text import visible
 from ropefric.registry import Registry, did_you_mean
 
 with on_first_use():
     from ropefric import plugins, section
 
-INTERNAL, USAGE, INTERRUPTED = 1, 2, 130
+USAGE, INTERRUPTED = 2, 130
 EXIT_CODES = (
     "Exit codes: 0 done, 1 fault in ropefric, 2 wrong usage, 3 bad data or configuration, "
     "4 result that is not supported, 130 interrupted (129, 143: by SIGHUP, SIGTERM)."
@@ -37,7 +36,6 @@ _NO_COLOR = Annotated[bool, typer.Option("--no-color", help="Plain text; so does
 _OWN = "A law, reader, outlier rule, protocol or machine of your own: a Python file, or an installed plugin; repeatable."
 _PLUGIN = Annotated[list[str] | None, typer.Option("--plugin", metavar="FILE.py", help=_OWN)]
 _GLOBAL_OPTIONS = {"json_": _JSON, "quiet": _QUIET, "no_color": _NO_COLOR}
-_OUT_OF = {errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE}
 
 
 @cache
@@ -153,7 +151,7 @@ def report_failure(error: BaseException, out: Output) -> int:
         out.result(json_text(known.to_dict()) + "\n")
     else:
         out.problems(known.problems)
-    if exit_code == INTERNAL and os.environ.get("ROPEFRIC_DEBUG", "") not in {"", "0"}:
+    if exit_code == InternalError.exit_code and os.environ.get("ROPEFRIC_DEBUG", "") not in {"", "0"}:
         traceback.print_exception(error, file=sys.stderr)
     return exit_code
 
@@ -166,22 +164,14 @@ def _interrupt_behind(error: BaseException | None) -> KeyboardInterrupt | None:
 
 
 def _in_known_words(error: BaseException) -> tuple[RopefricError, int]:
-    if isinstance(error, RopefricError):
-        return error, error.exit_code
     if isinstance(error, KeyboardInterrupt):
         by = error.args[0] if error.args and isinstance(error.args[0], int) else INTERRUPTED - 128
         return RopefricError("interrupted", code="RF001"), 128 + by
     if hasattr(error, "format_message"):  # what typer raises for a command line that it cannot use
         return _usage_error(error), USAGE
-    if isinstance(error, OSError) and (error.filename is not None or error.errno in _OUT_OF):
-        # A file that the user named and the system refuses is bad data, not a bug.
-        reason, fix = error.strerror or str(error), "check the path, its permissions and the space left"
-        refused = DataError(reason.lower(), code="RF101", path=os.fsdecode(error.filename or ""), fix=fix)
-        return refused, refused.exit_code
-    fix = "this is a bug in ropefric, not in your data: please report it with the command you gave; "
-    fix += "ROPEFRIC_DEBUG=1 shows where it happened"
-    what = f"internal fault, {type(error).__name__}: {error}"
-    return RopefricError(what, code="RF000", fix=fix), INTERNAL
+    report_with = "the command you gave; ROPEFRIC_DEBUG=1 shows where it happened"
+    known = known_error(error, report_with=report_with)
+    return known, known.exit_code
 
 
 def _usage_error(error: Any) -> InputError:

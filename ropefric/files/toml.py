@@ -63,6 +63,11 @@ def read_toml(path: str | os.PathLike[str], what: str = "TOML file") -> TomlDocu
             raise
         fix = _file_in(Path(path), what)
         raise DataError(f"this is a folder, not a {what}", path=name, fix=fix) from None
+    return parse_toml(content, name, what)
+
+
+def parse_toml(content: bytes, name: str, what: str = "TOML file") -> TomlDocument:
+    """Return the tree of a TOML file's content with the line of every key; `name` is the file, for messages."""
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -146,7 +151,16 @@ _TOKEN = re.compile(
 
 def toml_lines(text: str) -> dict[KeyPath, int]:
     r"""Return the 1-based line of every key, table and array element of a TOML text."""
-    found, table = _Lines(text), tuple[str | int, ...]()
+    return _places(text).lines
+
+
+def value_spans(text: str) -> dict[KeyPath, tuple[int, int]]:
+    """Return from where to where in a TOML text each value is written, by its key."""
+    return _places(text).spans
+
+
+def _places(text: str) -> "_Places":
+    found, table = _Places(text), tuple[str | int, ...]()
     while found.tokens:
         if found.tokens[0].kind == "[":
             table = found.header()
@@ -154,7 +168,7 @@ def toml_lines(text: str) -> dict[KeyPath, int]:
             found.value(found.key(table), "newline")
             if found.tokens:
                 found.tokens.popleft()
-    return found.lines
+    return found
 
 
 def endless_key(text: str) -> int | None:
@@ -186,13 +200,14 @@ class _Token(NamedTuple):
     kind: str  # of a mark, the mark
     text: str
     line: int
+    start: int
 
 
 def _tokens(text: str) -> Iterator[_Token]:
     line = 1
     for match in _TOKEN.finditer(text):
         kind = match.lastgroup or "other"
-        yield _Token(match[0] if kind == "mark" else kind, match[0], line)
+        yield _Token(match[0] if kind == "mark" else kind, match[0], line, match.start())
         line += match[0].count("\n")
 
 
@@ -207,12 +222,14 @@ def _key_name(token: _Token) -> str:
         return token.text
 
 
-class _Lines:
-    """The lines of the places that were read, and the tokens that are not read yet."""
+class _Places:
+    """The lines of the places that were read, the stretches of text of their values, and the tokens not read yet."""
 
     def __init__(self, text: str) -> None:
         self.tokens = deque(token for token in _tokens(text) if token.kind not in ("comment", "space"))
         self.lines: dict[KeyPath, int] = {}
+        self.spans: dict[KeyPath, tuple[int, int]] = {}
+        self.end = 0
         self.repeats: dict[KeyPath, int] = {}  # arrays of tables: how many elements so far
 
     def key(self, path: KeyPath) -> KeyPath:
@@ -243,15 +260,25 @@ class _Lines:
 
     def value(self, path: KeyPath, *ends: str) -> None:
         """Read up to a mark that ends the value; in it, elements of arrays and keys of inline tables."""
+        start = None
         while self.tokens and self.tokens[0].kind not in ends:
-            token = self.tokens.popleft()
+            token = self._next()
+            if start is None and token.kind != "=":
+                start = token.start
             if token.kind in ("string", "bare", "other", "[", "{"):
                 self.lines.setdefault(path, token.line)
             close = {"[": "]", "{": "}"}.get(token.kind, "")
             for number in count() if close else ():
                 self.value((*path, number) if close == "]" else self.key(path), ",", close)
-                if not self.tokens or self.tokens.popleft().kind == close:
+                if not self.tokens or self._next().kind == close:
                     break
+        if start is not None:
+            self.spans[path] = start, self.end
+
+    def _next(self) -> _Token:
+        token = self.tokens.popleft()
+        self.end = token.start + len(token.text)
+        return token
 
 
 # None of these is a key of any scene.

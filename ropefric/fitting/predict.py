@@ -8,7 +8,7 @@ and plots of one's own; ropefric itself fits without lmfit.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from inspect import Parameter, Signature
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -146,6 +146,8 @@ class Prediction(Shown):
         Which force was fitted, so that `lift_force_N` is what sets the rope in motion or what keeps it sliding.
     this_rope : RopePrediction, optional
         The same for a rope that was measured, if one was asked for.
+    trials : mapping of str to list
+        The measured conditions of the fit, as in `FitResult.trials`; empty where the fit has none.
     """
 
     _said = ("law", "lift_force_N ± std_N", *_ENDS_N, "level", "extrapolated", "verdict=judged.word")
@@ -170,6 +172,7 @@ class Prediction(Shown):
     candidates: tuple[Candidate, ...] = ()
     of: str = "peak"
     this_rope: RopePrediction | None = None
+    trials: Mapping[str, list[float]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.conditions)
@@ -290,6 +293,7 @@ def predict(
             judged=fit.verdict_on(conditions),
             of=fit.of,
             this_rope=this,
+            trials=fit.trials,
         )
 
 

@@ -1,8 +1,9 @@
-"""Laws, wheels and machines as the page shows them: the numbers of the commands."""
+"""Laws, wheels and machines as the page shows them, with the same numbers as the commands."""
 
 import itertools
 import json
 import tempfile
+import threading
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import partial
@@ -37,13 +38,13 @@ from ropefric.section import as_text
 
 _plain = partial(rounded_tree, digits=GIVEN_DIGITS)
 _POINTS, _WIDER = 60, 1.25
-"""Of a curve over the wrap, and how far beyond what was tested it goes."""
+"""Points of a curve over the wrap, and how far it extends beyond the tested range."""
 _APART = 0.03
-"""Of ln F_B: settings that are closer have one curve in the picture."""
+"""Difference in ln F_B: closer settings share one curve in the picture."""
 
 
 def law_of(review: Review, run: CampaignRun) -> dict[str, Any]:
-    """Return the laws with their verdicts, the one that is used with data and intervals, and what is undecided."""
+    """Return all laws with their verdicts, the law in use with data and intervals, and the open questions."""
     answer, fit = run.answer, run.answer.fit
     ranking = [
         {**entry.to_dict(), "verdict": _verdict(answer, entry.law) if entry.fit is not None else "–"}
@@ -74,7 +75,7 @@ def law_of(review: Review, run: CampaignRun) -> dict[str, Any]:
 
 
 def _verdict(answer: CampaignAnswer, law: str) -> str:
-    """Return what is to be thought of a law, were it asked for."""
+    """Return the verdict on a law, as if a person had chosen it."""
     try:
         return choose_law(answer.comparison, law).verdict.word
     except RopefricError:
@@ -82,7 +83,7 @@ def _verdict(answer: CampaignAnswer, law: str) -> str:
 
 
 def _series(fit: FitResult) -> Iterator[dict[str, Any]]:
-    """Yield for each wheel and end tension the means over the wrap, the law with its interval, and the residuals."""
+    """Yield the series of each wheel and end tension: means over the wrap, law with interval, residuals."""
     means = condition_means(fit.data)
     at = means.conditions
     tension_N = _levels(at.end_tension_N)
@@ -113,7 +114,7 @@ def _series(fit: FitResult) -> Iterator[dict[str, Any]]:
 
 
 def _levels(values: FloatArray) -> FloatArray:
-    """Return for each value the mean of those that were meant to be the same: measured, they differ a little."""
+    """Return for each value the mean of its level: measured values of one level differ a little."""
     found, order = np.empty_like(values), np.argsort(values)
     starts = [0, *(np.flatnonzero(np.diff(np.log(values[order])) > _APART) + 1), values.size]
     for start, stop in itertools.pairwise(starts):
@@ -136,14 +137,14 @@ def _over_wrap(
 
 
 def plan_of(run: CampaignRun) -> dict[str, Any]:
-    """Return the pulls that would make the lift force of the design most certain, as `run` writes them."""
+    """Return the pulls that reduce the uncertainty of the design's lift force most, as `run` writes them."""
     assert run.answer.prediction is not None  # noqa: S101  (the page offers it for a design only)
     plan = plan_for_design(run.answer, run, run.answer.prediction.conditions)
     return {"text": as_text(parts.plan_sections(plan)), "conditions": _plain(plan.rows())}
 
 
 def wheel_of(run: CampaignRun) -> dict[str, Any]:
-    """Return between which settings the law was tested, and the wheel to begin with."""
+    """Return the tested range of the law, and the wheel shown first."""
     tested, wished = run.answer.fit.validity, run.campaign.design
     middle = {name: 0.5 * (low + high) for name, (low, high) in tested.items()}
     names = ("wheel_radius_m", "wrap_angle_rad", "end_tension_N")
@@ -176,6 +177,7 @@ class Machines:
     """The templates of all machines in a folder of their own, to be filled in and solved."""
 
     def __init__(self) -> None:
+        self._lock = threading.Lock()
         self._folder = tempfile.TemporaryDirectory(prefix="ropefric-")
         self._path = Path(self._folder.name)
         write_scenes(self._path)
@@ -195,7 +197,7 @@ class Machines:
         return self._path / f"{name}.toml"
 
     def form(self, name: str) -> list[dict[str, Any]]:
-        """Return the keys of a template, each with its value and what is declared of it, then the others."""
+        """Return the keys of a template with their values and declarations, then the other keys of this machine."""
         document = read_toml(self._file(name))
         declared = [*scene_keys(KINDS[document.data["system"]].schema)]
         rows, seen = list[dict[str, Any]](), set[str]()
@@ -209,15 +211,16 @@ class Machines:
         return rows
 
     def solve(self, name: str, values: Mapping[str, str], own: FitResult | None) -> dict[str, Any]:
-        """Return the answer of a template with some of its keys changed, and what was left out and why.
+        """Return the answer of a template with changed keys, and the effects left out with the reasons.
 
         `values` are as a person writes them, "" for a key that is left out; `own` is a law in place of its friction.
         """
         changes = {key: _value(text) for key, text in values.items()}
-        if own is not None:
-            save_fit(own, self._path / "fits" / "own.json", overwrite=True)
-            changes |= {"friction": {"fit": "fits/own.json"}}
-        scene = load_scene(self._file(name), changes)
+        with self._lock:  # until its fit is read, no other solution may write its own
+            if own is not None:
+                save_fit(own, self._path / "fits" / "own.json", overwrite=True)
+                changes |= {"friction": {"fit": "fits/own.json"}}
+            scene = load_scene(self._file(name), changes)
         solution = solve_scene(scene)
         tree, effects = solution.to_dict(), explain_solution(solution)
         text = as_text(parts.solution_sections(solution, tree))
@@ -225,7 +228,7 @@ class Machines:
 
 
 def _fits(name: str, key: str) -> bool:
-    """Return whether a declared name, with its places for names and numbers of the user's, is that of a key."""
+    """Return whether a declared name, in which … and [] are names and numbers of the user, matches a key."""
     parts, own = name.replace("[]", ".[]").split("."), key.split(".")
     pairs = zip(parts, own, strict=False)
     return len(parts) == len(own) and all(
@@ -234,7 +237,7 @@ def _fits(name: str, key: str) -> bool:
 
 
 def _value(text: str) -> Any:
-    """Return what stands in a field as TOML would have it; None where nothing does."""
+    """Return the text of a field as a TOML value; None for an empty field."""
     if not text.strip():
         return None
     with suppress(ValueError):

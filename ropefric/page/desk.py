@@ -1,4 +1,4 @@
-"""The work of one person: a folder, its campaign, the review, one long task at a time; the answer to each address."""
+"""The job of one person: folder, campaign, review and one long task at a time; the answer to each address."""
 
 import threading
 from collections.abc import Callable, Mapping
@@ -8,32 +8,34 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from ropefric import pipeline
-from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.errors import DataError, InputError, known_error
 from ropefric.files.disk import read_file, replacing
 from ropefric.page import answers
 from ropefric.page.recordings import HEADERS, Draft, wish_of
 from ropefric.page.review import Review
 from ropefric.report import campaign as reports
-from ropefric.report.page import Wish
+from ropefric.report.page import Wish, find_browser
 from ropefric.trials.campaign import load_campaign
 
 DROPPED = "recordings"
-"""The folder beside the campaign that files dropped on the page go to."""
+"""The folder beside the campaign that receives the files dropped on the page."""
 MOST_FILES, MOST_BYTES = 10_000, 8 * 2**30
-"""That are dropped, in all."""
+"""Limits of all files dropped on the page together."""
 _BLOCK = 2**20
 _SETTINGS = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
 _SHOWN = ("report.html", "report.pdf", "summary.txt")
+REPORT_WITH = "what you did on the page"
+"""The part of a fault report that only the person at the page knows."""
 
 Progress = Callable[[int, int, str], None]
 
 
 class _StoppedError(Exception):
-    """The person wants no more of the work in progress."""
+    """The person has stopped the work in progress."""
 
 
 class Work:
-    """One long work at a time, in a thread of its own, which says how far it is and can be stopped."""
+    """One long work at a time, in a thread of its own, with its progress; it can be stopped."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -42,10 +44,10 @@ class Work:
         self._told: dict[str, Any] = {"name": "", "running": False, "done": 0, "total": 0, "item": ""}
 
     def begin(self, name: str, do: Callable[["Work"], Any]) -> dict[str, Any]:
-        """Begin a work, which calls `say` or `step` now and then, and return how it stands."""
+        """Begin a work, which calls `step` now and then, and return its state."""
         with self._lock:
             if self._told["running"]:
-                raise InputError(f"{self._told['name']} is still going on", fix="wait for it, or stop it")
+                raise InputError(f"{self._told['name']} has not finished yet", fix="wait for it, or stop it")
             self._stop = False
             self._told = {"name": name, "running": True, "done": 0, "total": 0, "item": ""}
             self._thread = threading.Thread(target=self._run, args=(do,), name=name, daemon=True)
@@ -53,39 +55,34 @@ class Work:
         return self.told()
 
     def _run(self, do: Callable[["Work"], Any]) -> None:
-        ended: dict[str, Any]
         try:
             ended = {"result": do(self)}
         except _StoppedError:
-            ended = {
-                "error": {"code": "", "message": f"{self._told['name']} was stopped; nothing of it is lost"}
-            }
-        except RopefricError as error:
-            ended = {"error": error.problem.to_dict()}
+            message = f"{self._told['name']} was stopped; nothing of it is lost"
+            ended = {"error": {"code": "", "message": message}}
         except Exception as error:  # noqa: BLE001  (the boundary: the page gets words)
-            words = f"internal fault, {type(error).__name__}: {error}"
-            ended = {"error": {"code": "RF000", "message": words, "fix": "please report it"}}
+            ended = known_error(error, report_with=REPORT_WITH).to_dict()
         with self._lock:
             self._told |= {"running": False, **ended}
 
     def step(self, done: int, total: int, item: str) -> None:
-        """Take note of how far the work is; end it where that is wanted."""
+        """Note the progress of the work; end the work if the person has stopped it."""
         if self._stop:
             raise _StoppedError
         with self._lock:
             self._told |= {"done": done, "total": total, "item": item}
 
     def named(self, item: str, done: int, total: int) -> None:
-        """Take note as `step` does, told of the item first."""
+        """Note the progress as `step` does, with the item as first argument."""
         self.step(done, total, item)
 
     def told(self) -> dict[str, Any]:
-        """Return how the work stands."""
+        """Return the state of the work."""
         with self._lock:
             return dict(self._told)
 
     def stop(self) -> dict[str, Any]:
-        """Let the work end at its next step."""
+        """Ask the work to end at its next step."""
         self._stop = True
         return self.told()
 
@@ -108,7 +105,7 @@ class Desk:
     out : Path, optional
         Where results go; by default `out` beside the campaign.
     review : Review, optional
-        Of the campaign, where it is open already.
+        Of the campaign, if it is open already.
     jobs : int
         Processes that read the recordings.
     """
@@ -127,7 +124,7 @@ class Desk:
             self._recordings, home = (
                 str(place),
                 place.absolute().parent,
-            )  # a campaign stands beside its recordings
+            )  # a campaign is beside its recordings
         self.draft = Draft(home)
         self.work, self._lock = Work(), threading.Lock()
         self._machines: answers.Machines | None = None
@@ -136,7 +133,7 @@ class Desk:
             "state": lambda _: self.state(),
             "work": lambda _: self.work.told(),
             "names": lambda q: self.draft.names(q["recordings"], q["pattern"]),
-            "trace": lambda q: self.draft.trace(int(q["number"]), nan, nan, int(q["columns"])),
+            "trace": lambda q: self.draft.trace(int(q["number"]), int(q["columns"])),
             "overview": lambda _: self.opened.overview(),
             "answer": lambda _: self.opened.answer(),
             "trial": lambda q: self.opened.trial(q["trial"]),
@@ -150,6 +147,7 @@ class Desk:
             "machine": lambda q: self.machines.form(q["name"]),
         }
         self.writes: dict[str, Callable[[dict[str, Any]], Any]] = {
+            "begin": self._begin_draft,
             "propose": self._propose,
             "write": self._write,
             "open": lambda _: self._begin("reading the recordings", self._open),
@@ -178,13 +176,13 @@ class Desk:
 
     @property
     def machines(self) -> answers.Machines:
-        """Return the templates of machines, written when they are first asked for."""
+        """Return the templates of machines; the first call writes them."""
         with self._lock:
             self._machines = self._machines or answers.Machines()
             return self._machines
 
     def close(self) -> None:
-        """End what goes on, and remove what was only for the page."""
+        """End the work and the review, and remove the temporary files of the page."""
         self.work.close()
         if self.review is not None:
             self.review.close()
@@ -192,7 +190,7 @@ class Desk:
             self._machines.close()
 
     def state(self) -> dict[str, Any]:
-        """Return where the work stands: which folders, which campaign, whether it is open, which reports are there."""
+        """Return the state of the job: folders, campaign, whether it is open, and the reports that exist."""
         return {
             "home": str(self.draft.home),
             "recordings": self._recordings,
@@ -212,7 +210,7 @@ class Desk:
     # --- the recordings ---
 
     def upload(self, name: str, content: BufferedIOBase, size: int) -> dict[str, Any]:
-        """Write a file that was dropped on the page beside the others; none is ever replaced."""
+        """Write a file that was dropped on the page; an existing file is never replaced."""
         plain = PurePath(name.replace("\\", "/")).name
         if not plain or plain.startswith(".") or plain != name or not plain.isprintable():
             raise InputError(f"{name!r} is no name of a recording", key="name", fix="rename the file")
@@ -224,7 +222,7 @@ class Desk:
         folder.mkdir(exist_ok=True)
         if (folder / plain).exists():
             content.read(size)
-            raise InputError("the file is there already", code="RF150", path=folder / plain, fix="rename it")
+            raise InputError("the file exists already", code="RF150", path=folder / plain, fix="rename it")
         with replacing(folder / plain) as file:
             while size and (block := content.read(min(size, _BLOCK))):
                 file.write(block)
@@ -234,18 +232,24 @@ class Desk:
         self._recordings = str(folder)
         return {"recordings": self._recordings}
 
+    def _begin_draft(self, asked: dict[str, Any]) -> dict[str, Any]:
+        """Begin with the settings of the existing campaign; or, if anew, with none."""
+        self.draft = Draft(self.draft.home, None if asked.get("anew") else self.campaign)
+        return self.draft.form()
+
     def _propose(self, asked: dict[str, Any]) -> dict[str, Any]:
         wish = wish_of(asked)
-        if asked.get("home"):
-            self.draft.home = Path(asked["home"])
-        self._recordings = wish.recordings
+        if self.draft.campaign is None:
+            self.draft.home, self._recordings = Path(asked.get("home") or self.draft.home), wish.recordings
         return self._begin("looking at the recordings", lambda work: self.draft.propose(wish, work.step))
 
     def _write(self, asked: dict[str, Any]) -> dict[str, Any]:
         self.campaign = self.draft.write(overwrite=bool(asked.get("overwrite")))
         if self.review is not None:
             self.review.close()
-        self.review, self.law, self._out = None, "", None
+        if self.draft.campaign is None:
+            self.law, self._out = "", None
+        self.review, self.draft = None, Draft(self.campaign.parent, self.campaign)
         return self.state()
 
     def _open(self, work: Work) -> dict[str, Any]:
@@ -269,7 +273,7 @@ class Desk:
     # --- the law, wheels and machines ---
 
     def _of_run(self, make: Callable[[pipeline.CampaignRun], dict[str, Any]]) -> dict[str, Any]:
-        """Return what is made of the answer to all trials, or that it is being computed, or why there is none."""
+        """Return a result of the answer to all trials, or that it is being computed; raise its error, if any."""
         told = self.opened.answer()
         if told["computing"]:
             return {"computing": told["computing"]}
@@ -300,8 +304,11 @@ class Desk:
     # --- the report ---
 
     def _report(self, asked: dict[str, Any]) -> dict[str, Any]:
-        """Begin what `ropefric report CAMPAIGN.toml --out FOLDER` does."""
-        campaign, wish = self.opened.campaign_file, Wish(pdf=bool(asked.get("pdf")))
+        """Begin what `ropefric report CAMPAIGN.toml --out FOLDER [--short] [--pdf]` does."""
+        campaign = self.opened.campaign_file
+        wish = Wish(pdf=bool(asked.get("pdf")), short=bool(asked.get("short")))
+        if wish.pdf:
+            find_browser()  # before the work
 
         def report(work: Work) -> dict[str, Any]:
             loaded = load_campaign(campaign)
@@ -322,7 +329,7 @@ class Desk:
 
 
 def _campaign_at(place: Path) -> tuple[Path | None, str]:
-    """Return the campaign file that a place is, holds, or was made from, None where there is none; the law asked for."""
+    """Return the campaign file that a place is, contains, or was made from, None if there is none; the chosen law."""
     if not place.is_dir():
         return place, ""
     if (place / "campaign.toml").is_file():

@@ -1,82 +1,96 @@
-"""A folder of recordings as a campaign that is proposed, looked at, corrected, and only then written."""
+"""A folder of recordings as a new campaign, or an existing campaign: checked and corrected, then written."""
 
 import csv
 import json
-import re
 import tempfile
-from collections.abc import Callable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from difflib import unified_diff
+from math import nan
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ropefric.errors import DataError, InputError, Problem
-from ropefric.files.disk import write_files
+from ropefric.files.disk import read_file, write_file, write_files
+from ropefric.files.plain_text import csv_text, to_spreadsheet
+from ropefric.files.toml import read_toml
+from ropefric.files.toml_edit import Keys, with_values
 from ropefric.page.review import decimated
 from ropefric.quantities import parse_quantity
 from ropefric.traces.readers import read_recordings
-from ropefric.traces.readers.inspection import as_signals, trace_as_it_is
-from ropefric.traces.readers.profile import Channel, ImportProfile
+from ropefric.traces.readers.inspection import Inspection, as_signals, trace_as_it_is
+from ropefric.traces.readers.profile import Channel, ImportProfile, channel_value
 from ropefric.trials.campaign import TEMPLATES, examine_campaign, template_texts
+from ropefric.trials.cells import read_cells, word_of
 from ropefric.trials.extract import check_recordings
-from ropefric.trials.proposal import Proposal, files_of, propose_campaign
+from ropefric.trials.proposal import Proposal, files_of, inspected, propose_campaign
 from ropefric.trials.trial_list import list_from_names
+from ropefric.trials.workers import Limits
 
 Progress = Callable[[int, int, str], None]
-MOST_ROWS = 5000
-"""Of a list of trials, on the page."""
+MOST_ROWS, MOST_PROBLEMS, MOST_LINES = 5000, 60, 200
+"""Rows of a list of trials, problems, and changed lines that are shown on the page."""
 _OWN_FOLDER = 'data   = "."'
 HEADERS = (
-    "wheel",
-    "wheel_radius_mm",
-    "wrap_angle_deg",
-    "wrap_turns",
-    "end_tension_N",
-    "end_mass_kg",
-    "repeat",
-    "*",
+    *("wheel", "wheel_radius_mm", "wrap_angle_deg", "wrap_turns", "end_tension_N", "end_mass_kg"),
+    *("cell", "repeat", "*"),
 )
-"""Quantities that file names often contain, as headers of a list of trials have it; \"*\" stands for anything else."""
+"""Quantities that file names often contain, as headers of a list of trials; \"*\" is anything else."""
 _TOLD = ("severity", "code", "key", "message", "fix")
-_BARE = re.compile(r"[A-Za-z0-9_-]+")
-_TABLE_KEYS = ("format", "recording_column", "channel_column", "value_column")
+_TABLE_KEYS = ("format", "recording_column")
+_NO_CHANNEL = Channel(column="")
+_BOM = b"\xef\xbb\xbf"
 
 
 class Wish(NamedTuple):
-    """Statements of a person about recordings: folder, file names, columns, and what no file contains."""
+    """Statements of a person about recordings: folder, file names, columns, and what no file contains.
+
+    `settings` are values of campaign.toml by their keys, "" where none is given; `cells` are the force cells of all
+    recordings by the column of the list that names them.
+    """
 
     recordings: str
     pattern: str
-    known: ImportProfile
-    settings: Mapping[str, Mapping[str, str]]
+    channels: Mapping[str, Channel]
+    settings: Mapping[Keys, Any]
+    cells: Mapping[str, str]
+
+    def given(self, *, importing: bool) -> dict[Keys, Any]:
+        """Return the settings that have a value: those of `[import]`, or all others."""
+        return {
+            keys: value
+            for keys, value in self.settings.items()
+            if value and (keys[0] == "import") is importing
+        }
+
+    @property
+    def known(self) -> ImportProfile:
+        """Return how recordings are to be read, as far as it is stated."""
+        known = {keys[-1]: value for keys, value in self.given(importing=True).items()}
+        if "sampling_rate" in known:
+            rate_Hz = parse_quantity(known.pop("sampling_rate"), "Hz", name="the sampling rate")
+            known["sampling_rate_Hz"] = rate_Hz
+        channels = {name: one for name, one in self.channels.items() if one.column}
+        return ImportProfile(channels=channels, **known)
 
 
 def wish_of(tree: Mapping[str, Any]) -> Wish:
-    """Return a wish as the page sends it; what is empty is left to be found out."""
+    """Return a wish as the page sends it: channels by name, settings by table and key."""
     channels = {
-        name: Channel(
-            column=_column(one["column"]), unit=one.get("unit", ""), sensitivity=one.get("sensitivity", "")
-        )
+        name: Channel(**{**one, "column": _column(one["column"])})
         for name, one in tree.get("channels", {}).items()
-        if one.get("column")
     }
-    known: dict[str, Any] = {name: tree[name] for name in _TABLE_KEYS if tree.get(name)}
-    if tree.get("sampling_rate"):
-        known["sampling_rate_Hz"] = parse_quantity(tree["sampling_rate"], "Hz", name="the sampling rate")
     settings = {
-        table: {key: json.dumps(value, ensure_ascii=False) for key, value in keys.items() if value}
+        (*filter(None, table.split(".", 1)), key): value
         for table, keys in tree.get("settings", {}).items()
+        for key, value in keys.items()
     }
-    settings = {_table(name): keys for name, keys in settings.items() if keys}
-    return Wish(
-        tree["recordings"], tree.get("pattern", ""), ImportProfile(channels=channels, **known), settings
-    )
-
-
-def _table(name: str) -> str:
-    """Return the name of a table as TOML writes it: a wheel may be called as its user likes."""
-    kind, dot, own = name.partition(".")
-    return name if not dot or _BARE.fullmatch(own) else f"{kind}.{json.dumps(own, ensure_ascii=False)}"
+    if named_by := settings.get(("import", "recording_column")):
+        settings["import", "recording_column"] = _column(named_by)
+    cells = {column: name for column, name in tree.get("cells", {}).items() if name}
+    return Wish(tree.get("recordings", ""), tree.get("pattern", ""), channels, settings, cells)
 
 
 def _column(text: str) -> str | int:
@@ -84,57 +98,126 @@ def _column(text: str) -> str | int:
     return int(text[1:]) if text.startswith("#") and text[1:].isdecimal() else text
 
 
-class Draft:
-    """A campaign that is not written yet; `home` is the folder that it will stand in."""
+class _Seen(NamedTuple):
+    """Recordings as they are listed, how they are read, and the problems of them and of their campaign."""
 
-    def __init__(self, home: Path) -> None:
-        self.home = home
-        self._read: tuple[Any, Proposal] | None = None
+    folder: Path
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    found: Inspection | None
+    problems: Sequence[Problem]
+    said: Sequence[str]
+
+
+class Draft:
+    """A campaign that is not written yet; `home` is the folder that it will be in.
+
+    With `campaign`, a file, the settings of this campaign change; its list of trials stays.
+    """
+
+    def __init__(self, home: Path, campaign: Path | None = None) -> None:
+        self.home, self.campaign = home, campaign
+        self._read: tuple[Any, Any] | None = None
+        self._seen: _Seen | None = None
         self._texts: dict[str, bytes] = {}
+        self._before = b"" if campaign is None else read_file(campaign)
+        self._shown: Mapping[str, Channel] | None = None
+
+    def form(self) -> dict[str, Any]:
+        """Return the settings of the campaign as its file states them."""
+        data = read_toml(self.campaign, "campaign file").data if self.campaign else {}
+        return dict(json.loads(json.dumps(data, default=str)))
 
     def propose(self, wish: Wish, progress: Progress | None = None) -> dict[str, Any]:
-        """Return what the recordings and the wish make: columns, list of trials, and what contradicts or is missing."""
+        """Return columns, trials and problems of the recordings under a wish, and the lines that would change."""
         if not self.home.is_dir():
             raise DataError("there is no such folder", path=self.home, fix="make it, or choose another one")
+        seen = self._revised(self.campaign, wish) if self.campaign else self._new(wish, progress)
+        self._seen = seen
+        wheels = seen.header.index("wheel") if "wheel" in seen.header else -1
+        there = [name for name in self._texts if (self.home / name).exists()]
+        return {
+            "found": None if seen.found is None else seen.found.to_dict(),
+            "channels": {} if seen.found is None else _channels(seen.found.profile),
+            "said": seen.said,
+            "header": seen.header,
+            "rows": seen.rows[:MOST_ROWS],
+            "n_rows": len(seen.rows),
+            "wheels": sorted({row[wheels] for row in seen.rows if wheels >= 0 and row[wheels]}),
+            "problems": [*_counted(seen.problems)][:MOST_PROBLEMS],
+            "there": there,
+            "difference": "".join(_difference(self.home / name, self._texts[name]) for name in there),
+        }
+
+    def _new(self, wish: Wish, progress: Progress | None) -> _Seen:
+        """Return the recordings of a proposed campaign; they are read again only if the wish changes how."""
         read = (wish.recordings, wish.pattern, repr(wish.known), self.home)
         if self._read is None or self._read[0] != read:
             how: dict[str, Any] = {"known": wish.known, "progress": progress}
             self._read = read, propose_campaign(wish.recordings, wish.pattern, self.home, **how)
-        proposal = self._read[1]
-        self._texts = template_texts(proposal.section, wish.settings)
-        self._texts[TEMPLATES[1]] = proposal.trials
+        proposal: Proposal = self._read[1]
+        texts = template_texts(proposal.section, wish.given(importing=False))
         header, *rows = csv.reader(proposal.trials.decode().splitlines())
-        found = proposal.found
-        wheels = header.index("wheel") if "wheel" in header else -1
-        return {
-            "found": None if found is None else found.to_dict(),
-            "channels": {} if found is None else _channels(found.profile),
-            "section": proposal.section,
-            "said": list(proposal.said),
-            "header": header,
-            "rows": rows[:MOST_ROWS],
-            "n_rows": len(rows),
-            "wheels": sorted({row[wheels] for row in rows if wheels >= 0 and row[wheels]}),
-            "problems": [{name: getattr(one, name) for name in _TOLD} for one in self._problems()],
-            "there": [name for name in TEMPLATES if (self.home / name).exists()],
-        }
-
-    def _problems(self) -> tuple[Problem, ...]:
-        """Return what `ropefric check` would say of the campaign, were it written."""
+        cells = {column: to_spreadsheet(name) for column, name in wish.cells.items() if column not in header}
+        header, rows = [*header, *cells], [[*row, *cells.values()] for row in rows]
+        texts[TEMPLATES[1]] = csv_text([header, *rows]).encode() if cells else proposal.trials
+        self._texts = texts
         with tempfile.TemporaryDirectory(prefix="ropefric-") as folder:
-            texts = dict(self._texts)
             data = f"data   = {json.dumps(self.home.resolve().as_posix(), ensure_ascii=False)}"
-            texts[TEMPLATES[0]] = texts[TEMPLATES[0]].replace(_OWN_FOLDER.encode(), data.encode(), 1)
-            write_files(folder, texts)
-            campaign, problems = examine_campaign(Path(folder, TEMPLATES[0]))
-            unread = check_recordings(campaign)[1] if campaign is not None else ()
-        return (*problems, *unread)
+            toml = texts[TEMPLATES[0]].replace(_OWN_FOLDER.encode(), data.encode(), 1)
+            write_files(folder, texts | {TEMPLATES[0]: toml})
+            problems, _ = _examined(Path(folder, TEMPLATES[0]), None)
+        return _Seen(self.home, header, rows, proposal.found, problems, proposal.said)
+
+    def _revised(self, path: Path, wish: Wish) -> _Seen:
+        """Return the recordings of the existing campaign, read with its changed settings."""
+        data = self.form()
+        values = {keys: value or None for keys, value in wish.settings.items() if _differs(data, keys, value)}
+        values |= self._changed_channels(data, wish.channels)
+        mark = _BOM if self._before.startswith(_BOM) else b""
+        content = mark + with_values(self._before.decode("utf-8-sig"), values).encode()
+        self._texts = {path.name: content} if content != self._before else {}
+        problems, campaign = _examined(path, content)
+        table, _ = read_cells(self.home / data["trials"])
+        header, folder = [word_of(name) for name in table.header], self.home / data.get("data", ".")
+        profile = wish.known if campaign is None else campaign.profile
+        rows = [cells for _, cells in table.rows]
+        if (self._read is None or self._read[0] != repr(profile)) and rows:
+            first = folder / rows[0][header.index("file")]
+            self._read = repr(profile), inspected([first], profile, Limits())
+        read = self._read[1] if self._read else "the list of trials is empty"
+        found, said = (None, [read]) if isinstance(read, str) else (read, [])
+        if self._shown is None and found is not None:
+            self._shown = dict(wish_of({"channels": _channels(found.profile)}).channels)
+        return _Seen(folder, header, rows, found, problems, said)
+
+    def _changed_channels(self, data: Mapping[str, Any], wanted: Mapping[str, Channel]) -> dict[Keys, Any]:
+        """Return the channels that differ from those the page showed first, as the campaign file has them."""
+        shown = self._shown or {}
+        changed = [name for name, one in wanted.items() if one != shown.get(name, _NO_CHANNEL)]
+        stated, values = data.get("import", {}).get("channels", {}), dict[Keys, Any]()
+        for name in (
+            wanted if changed and not stated else changed
+        ):  # once one is stated, no other is found out
+            value, own = channel_value(wanted[name]), stated.get(name)
+            if isinstance(own, dict) and value:
+                kept = {key: own[key] for key in ("time", "tare", "instead_of") if key in own}
+                value = (value if isinstance(value, dict) else {"column": value}) | kept
+            values["import", "channels", name] = value or None
+        return values
 
     def write(self, *, overwrite: bool) -> Path:
-        """Write what was proposed last, and return the campaign file; another one is replaced only if that is said."""
-        if not self._texts:
+        """Write the last proposal, and return the campaign file; an existing file is replaced only with `overwrite`."""
+        if self._seen is None:
             raise InputError("nothing is proposed yet", fix="look at the recordings first")
-        return write_files(self.home, self._texts, overwrite=overwrite)[0]
+        if self.campaign is None:
+            return write_files(self.home, self._texts, overwrite=overwrite)[0]
+        if read_file(self.campaign) != self._before:
+            why = "somebody else has changed the campaign since it was read, so nothing was written"
+            raise DataError(why, code="RF153", path=self.campaign, fix="load the page again")
+        for content in self._texts.values():
+            write_file(self.campaign, content)
+        return self.campaign
 
     def names(self, recordings: str, pattern: str) -> dict[str, Any]:
         """Return the list of trials that file names make by a pattern; no recording is read."""
@@ -142,28 +225,50 @@ class Draft:
         header, *rows = csv.reader(trials.decode().splitlines())
         return {"header": header, "rows": rows[:MOST_ROWS], "n_rows": len(rows), "told": told}
 
-    def trace(self, number: int, start_s: float, stop_s: float, columns: int) -> dict[str, Any]:
+    def trace(self, number: int, columns: int) -> dict[str, Any]:
         """Return one recording of the list as it is drawn, before any tare: its force, and the end tension beside it."""
-        proposal = None if self._read is None else self._read[1]
-        if proposal is None or proposal.found is None:
+        if self._seen is None or self._seen.found is None:
             raise InputError("no recording is read yet", fix="look at the recordings first")
-        header, *rows = csv.reader(proposal.trials.decode().splitlines())
-        row = dict(zip(header, rows[number], strict=True))
-        profile, signals = as_signals(proposal.found.profile)
-        raws = read_recordings(self.home / row["file"], profile, shown_as=row["file"])
+        row = dict(zip(self._seen.header, self._seen.rows[number], strict=True))
+        profile, signals = as_signals(self._seen.found.profile)
+        raws = read_recordings(self._seen.folder / row["file"], profile, shown_as=row["file"])
         raw = next((one for one in raws if one.sample == row.get("sample", one.sample)), raws[0])
         trace = trace_as_it_is(raw, profile)
-        curves = {"force": trace.force_N}
-        if trace.end_tension_N is not None:
-            curves["end_tension"] = trace.end_tension_N
         tree: dict[str, Any] = {"file": row["file"], "units": {}, "curves": {}}
-        for name, force_N in curves.items():
-            here = np.isfinite(force_N)
-            tree["curves"][name] = decimated(
-                (trace.time_s[here], force_N[here], None), start_s, stop_s, columns
-            )
-            tree["units"][name] = signals.get(name, "N" if trace.counts is None else "counts")
+        for name, force_N in (("force", trace.force_N), ("end_tension", trace.end_tension_N)):
+            if force_N is not None:
+                here = np.isfinite(force_N)
+                tree["curves"][name] = decimated((trace.time_s[here], force_N[here], None), nan, nan, columns)
+                tree["units"][name] = signals.get(name, "N" if trace.counts is None else "counts")
         return tree
+
+
+def _examined(path: Path, content: bytes | None) -> tuple[tuple[Problem, ...], Any]:
+    """Return what `ropefric check` says of a campaign, and the campaign, None where it cannot be read."""
+    campaign, problems = examine_campaign(path, content=content)
+    return (*problems, *(check_recordings(campaign)[1] if campaign is not None else ())), campaign
+
+
+def _differs(data: Any, keys: Keys, value: Any) -> bool:
+    for key in keys:
+        data = data.get(key, "") if isinstance(data, dict) else ""
+    return str(data) != str(value)
+
+
+def _counted(problems: Iterable[Problem]) -> Iterator[dict[str, Any]]:
+    """Yield each problem once, with its number of occurrences."""
+    times = Counter((one.severity, one.message) for one in problems)
+    first = {(one.severity, one.message): one for one in reversed([*problems])}
+    for same, n in times.items():
+        yield {name: getattr(first[same], name) for name in _TOLD} | {"times": n}
+
+
+def _difference(path: Path, after: bytes) -> str:
+    """Return the lines of a file that would change, with those beside them."""
+    old, new = (text.decode("utf-8-sig", "replace").splitlines(True) for text in (read_file(path), after))
+    lines = [*unified_diff(old, new, path.name, path.name, n=1)]
+    more = [f"… and {len(lines) - MOST_LINES} more lines\n"] if len(lines) > MOST_LINES else []
+    return "".join(lines[:MOST_LINES] + more)
 
 
 def _channels(profile: ImportProfile) -> dict[str, dict[str, str]]:

@@ -1,4 +1,4 @@
-"""A campaign under review: its trials, the decisions written beside its list, and what these change."""
+"""A campaign under review: its trials, the decisions beside its list, and their effect on the answer."""
 
 import threading
 from collections import deque
@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import DataError, InputError, RopefricError
+from ropefric.errors import DataError, InputError, known_error
 from ropefric.files.disk import read_file, take_back
 from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree
 from ropefric.friction.laws import ALL_LAWS
@@ -56,7 +56,7 @@ def row_of(trial: TrialResult, condition: str) -> dict[str, Any]:
 
 
 def facts_of(spec: TrialSpec, result: TrialResult) -> dict[str, Any]:
-    """Return what is known of a trial but its samples."""
+    """Return the results and remarks of a trial, without its samples."""
     found = result.breakaway
     tree = {name: getattr(found, name) for name in ("window_s", "detail", "notes")}
     tree["numbers"] = numbers.on_page(result)
@@ -109,7 +109,7 @@ def decimated(curves: Curves, start_s: float, stop_s: float, columns: int) -> di
     """Return time, lowest, highest and smoothed force for each column of a picture that has a sample.
 
     A column holds all samples in its stretch of time, so no peak is lost; where there are fewer samples than
-    two in a column, each stands for itself.
+    two in a column, each is drawn.
     """
     time_s, force_N, smoothed_N = curves
     if not time_s.size:
@@ -141,11 +141,11 @@ def decimated(curves: Curves, start_s: float, stop_s: float, columns: int) -> di
 
 
 OWN_WORDS = "review: "
-"""How a reason begins that nobody has written by hand."""
+"""Begin of a reason that the page has written."""
 UNREADABLE = "RF101"
-"""Code of the problem that reading a recording came to nothing, perhaps as it ended the process that did it."""
+"""Code of a recording that could not be read, perhaps because its reading process ended."""
 FEW = 20
-"""Recordings, at most, that are read at once where they were read before."""
+"""Largest number of recordings, all of them read before, that are read in this process."""
 STEADY = 1e-5
 MOST_UNDONE = 100
 _TEXTS = {"exclude": ("exclude", "an exclusion needs its reason"), "comment": ("why", "the comment is empty")}
@@ -159,7 +159,7 @@ class _OutdatedError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """A campaign as its files say, what every row of its list gives, and what all of them give together."""
+    """A campaign as its files state it, the results of every row of its list, and the results of all."""
 
     content: tuple[bytes, bytes]
     campaign: Campaign
@@ -169,12 +169,12 @@ class _State:
 
     @cached_property
     def bare(self) -> dict[str, TrialSpec]:
-        """Return the rows of the list without what no result depends on: their lines, columns of the user's own."""
+        """Return the rows of the list without their lines and the user's own columns, on which no result depends."""
         return {row.trial: replace(row, line=0, own=()) for row in self.campaign.trials}
 
     @cached_property
     def rows(self) -> dict[str, dict[str, Any]]:
-        """Return what the list of trials shows of each."""
+        """Return the row of each trial in the list."""
         names = {name: self._name_of(one) for one in self.extraction.conditions for name in one.trials}
         return {trial.trial: row_of(trial, names[trial.trial]) for trial in self.extraction.trials}
 
@@ -185,7 +185,7 @@ class _State:
         return f"R {1e3 * one.wheel_radius_m:.4g} mm, {degrees(one.wrap_angle_rad):.4g}°, {known}"
 
     def condition(self, trial: str) -> dict[str, Any]:
-        """Return mean, scatter and number of the repeats that a trial is one of."""
+        """Return mean, scatter and number of the repeats of a trial."""
         one = next(one for one in self.extraction.conditions if trial in one.trials)
         numbers: dict[str, Any] = rounded_tree({"mean_N": one.mean_kept_N, "std_N": one.std_kept_N})
         return numbers | {"n_kept": one.n_kept, "n": one.n_recorded, "rejected": list(one.rejected)}
@@ -205,7 +205,7 @@ class Review:
     jobs : int
         Processes that read the recordings.
     progress : callable, optional
-        Told of every recording extracted.
+        Called after every recording.
     now : callable, optional
         The clock by which decisions are dated.
     """
@@ -220,7 +220,7 @@ class Review:
         progress: Progress | None = None,
         now: Callable[[], datetime] = lambda: datetime.now().astimezone(),
     ) -> None:
-        self._path, self.by, self._law, self._now = campaign, by, law, now
+        self.campaign_file, self.by, self.law, self._now = campaign, by, law, now
         self._jobs = jobs
         self.lock = threading.RLock()
         self.n_written = 0
@@ -243,11 +243,6 @@ class Review:
         return self._state.campaign.trial_list
 
     @property
-    def campaign_file(self) -> Path:
-        """Return the campaign file."""
-        return self._path
-
-    @property
     def name(self) -> str:
         """Return the campaign's name."""
         return self._state.campaign.name
@@ -260,9 +255,9 @@ class Review:
     # --- the files ---
 
     def _load(self, before: _State | None, progress: Progress | None = None) -> _State:
-        """Return the campaign as its files say now; only rows that differ from those before are extracted."""
-        content = _contents(load_campaign(self._path, missing_recordings="flag"))
-        campaign = load_campaign(self._path, missing_recordings="flag")
+        """Return the campaign as its files state it now; only rows that differ from those before are extracted."""
+        content = _contents(load_campaign(self.campaign_file, missing_recordings="flag"))
+        campaign = load_campaign(self.campaign_file, missing_recordings="flag")
         if _contents(campaign) != content:
             raise _changed(campaign.trial_list)
         seen: ByRow = {} if before is None else before.by_row
@@ -284,7 +279,7 @@ class Review:
         return _State(content, campaign, by_row, results.set_aside_impossible(found, campaign), specs)
 
     def reload(self) -> dict[str, Any]:
-        """Read the campaign again, which somebody has changed; what was decided before can no longer be undone."""
+        """Read the changed campaign again; earlier decisions can no longer be undone."""
         with self.lock:
             self._state = self._load(self._state)
             self._undo.clear()
@@ -295,7 +290,7 @@ class Review:
     def decide(
         self, trial: str, action: str, *, pick_s: float | None = None, text: str = ""
     ) -> dict[str, Any]:
-        """Write a decision about a trial beside the list, and return what it changes.
+        """Write a decision about a trial beside the list, and return its effects.
 
         Parameters
         ----------
@@ -314,7 +309,7 @@ class Review:
             If it is no possible decision.
         DataError
             RF153 if somebody else changed the list or the decisions meanwhile; another code if it cannot be written.
-            What holds is then as it was.
+            Nothing has changed then.
         """
         with self.lock:
             state, was = self._state, decision_of(self._spec(trial))
@@ -358,16 +353,11 @@ class Review:
         if law:
             ALL_LAWS[law]
         with self.lock:
-            self._law = law
+            self.law = law
             self._recompute()
 
-    @property
-    def law(self) -> str:
-        """Return the law that was asked for, "" for the best."""
-        return self._law
-
     def run(self) -> CampaignRun | None:
-        """Return what all trials say, with all behind it; None while it is computed, and where they say nothing."""
+        """Return the run behind the answer to all trials; None while it is computed, or if there is no answer."""
         with self.lock:
             ready, found, state = self._computed == self._number, self._found, self._state
         if not ready or found is None:
@@ -400,10 +390,10 @@ class Review:
         return Decision(spec.trial, pick_s=pick_s, why=said, file=spec.file)
 
     def undo(self) -> dict[str, Any]:
-        """Write that what held before the last decision holds again, and return what that changes."""
+        """Write the state before the last decision again, and return the changes."""
         with self.lock:
             if not self._undo:
-                raise InputError("there is nothing to undo", code="RF110")
+                raise InputError("no decision can be undone", code="RF110")
             state, was = self._state, self._undo[-1]
             self._write(was)
             self._undo.pop()
@@ -414,7 +404,7 @@ class Review:
         """Write a decision, if list and decisions are what was read; take it back if the campaign refuses it."""
         state, path = self._state, self.decisions
         if self._number < 0:
-            raise DataError("the review has ended: nothing was written", path=path, fix="start it again")
+            raise DataError("the review has ended, so nothing was written", path=path, fix="start it again")
         if _contents(state.campaign) != state.content:
             raise _changed(state.campaign.trial_list)
         before = state.content[1]
@@ -441,7 +431,7 @@ class Review:
     # --- the answer, computed behind the scenes ---
 
     def _recompute(self) -> None:
-        """Let what all trials say be found out again, by a thread of its own."""
+        """Compute the answer to all trials again, in a thread of its own."""
         if self._computed == self._number:
             self._before = self._answer
         self._number += 1
@@ -464,29 +454,26 @@ class Review:
 
             found: CampaignAnswer | None = None
             try:
-                found = _answered(state, self._law, stop_if_outdated)
+                found = _answered(state, self.law, stop_if_outdated)
                 said = _said_of(found)
             except _OutdatedError:
                 continue
-            except RopefricError as error:
-                said = {"error": error.problem.to_dict()}
             except Exception as error:  # noqa: BLE001  (a page that computes for ever says less)
-                words = f"internal fault, {type(error).__name__}: {error}"
-                said = {"error": {"code": "RF000", "message": words}}
+                said = {"error": known_error(error, report_with="what you did on the page").problem.to_dict()}
             with self.lock:
                 if number == self._number:
                     self._answer, self._found, self._computed = said, found, number
                     self._first = self._first or said
 
     def close(self) -> None:
-        """Wait for a decision that is being written, a moment for the fit of a law; nothing comes after it."""
+        """Wait for a decision that is being written, and a moment for the fit of a law; nothing is written later."""
         with self.lock:
             self._number, thread = -1, self._thread
         if thread is not None:
             thread.join(2.0)
 
     def answer(self) -> dict[str, Any]:
-        """Return the last decision, and what all trials say before and after it, as far as it is known."""
+        """Return the last decision, and the answer to all trials before and after it, as far as it is computed."""
         with self.lock:
             ready = self._computed == self._number
             told = {"change": self._change, "first": self._first, "before": self._before}
@@ -496,7 +483,7 @@ class Review:
     # --- what the page shows ---
 
     def overview(self) -> dict[str, Any]:
-        """Return the whole list of trials, and what is known of all of them."""
+        """Return the whole list of trials, their counts, and the answer to all of them."""
         with self.lock:
             campaign = self._state.campaign
             names = {"campaign": campaign.name, "list": campaign.decisions.name, "by": self.by}
@@ -517,7 +504,7 @@ class Review:
         return next(one for one in self._state.extraction.trials if one.trial == trial)
 
     def trial(self, trial: str) -> dict[str, Any]:
-        """Return all that is known of a trial but its samples."""
+        """Return the results and remarks of a trial, its condition included, without its samples."""
         with self.lock:
             spec, result = self._spec(trial), self._result(trial)
             condition = self._state.condition(trial)
@@ -538,7 +525,7 @@ class Review:
         return pick_of(result)
 
     def curve(self, trial: str, start_s: float, stop_s: float, columns: int) -> dict[str, Any]:
-        """Return a stretch of a recording as it is drawn; a time that is no number stands for the recording's end."""
+        """Return a stretch of a recording as it is drawn; NaN means the begin or the end of the recording."""
         with self.lock:
             campaign, spec, result = self._state.campaign, self._spec(trial), self._result(trial)
         self._refuse_unread(result)
@@ -559,7 +546,7 @@ class Review:
 
 
 def _answered(state: _State, law: str, progress: Callable[[str, int, int], None]) -> CampaignAnswer:
-    """Return what all trials say, as `ropefric run` finds it."""
+    """Return the answer to all trials, as `ropefric run` finds it."""
     campaign = state.campaign
     if (without := results.no_force(state.extraction, campaign.path)) is not None:
         raise without
@@ -569,7 +556,7 @@ def _answered(state: _State, law: str, progress: Callable[[str, int, int], None]
 
 
 def _said_of(answer: CampaignAnswer) -> dict[str, Any]:
-    """Return an answer in as few numbers as tell it from another one."""
+    """Return the numbers of an answer that a decision may change."""
     parameters = [[one.name, one.value, one.std] for one in answer.fit.parameters if one.vary]
     lift, found = None, answer.prediction
     if found is not None:
@@ -590,5 +577,5 @@ def _contents(campaign: Campaign) -> tuple[bytes, bytes]:
 
 
 def _changed(path: Path) -> DataError:
-    why = "somebody else has changed the list of trials or the decisions since they were read: nothing was written"
+    why = "somebody else has changed the list of trials or the decisions since they were read, so nothing was written"
     return DataError(why, code="RF153", path=path, fix="read it again, then decide anew")

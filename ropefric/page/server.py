@@ -11,16 +11,16 @@ from importlib.resources import files
 from typing import Any, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
-from ropefric.errors import InputError, RopefricError
+from ropefric.errors import InputError, InternalError, RopefricError, known_error
 from ropefric.files.plain_text import visible
-from ropefric.page.desk import Desk
+from ropefric.page.desk import REPORT_WITH, Desk
 
 HOST = "127.0.0.1"
 TOKEN_HEADER = "X-Ropefric-Token"  # noqa: S105  (its name)
 MOST_BYTES = 65536
-"""Of what a person says."""
+"""Largest request with settings or a decision."""
 MOST_OF_A_FILE = 256 * 2**20
-"""Bytes of a recording that is dropped on the page."""
+"""Bytes of one recording that is dropped on the page."""
 
 _HEADERS = {
     "Cache-Control": "no-store",
@@ -68,15 +68,15 @@ class PageServer(ThreadingHTTPServer):
 
     @property
     def address(self) -> str:
-        """Return what a browser opens."""
+        """Return the address that a browser opens."""
         return f"http://{HOST}:{self.server_port}/?token={self.token}"
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Say nothing of a browser that went away in the middle of an answer."""
+        """Ignore a browser that leaves before the end of an answer."""
 
 
 class _Sent(NamedTuple):
-    """A body, how its name ends, and what the browser may do with it."""
+    """A body, the ending of its name, and the policy of its content."""
 
     body: bytes
     ending: str
@@ -84,7 +84,7 @@ class _Sent(NamedTuple):
 
 
 class _Refused(Exception):  # noqa: N818  (an answer, not an error)
-    """An answer of another kind than what was asked for: status, and why."""
+    """A refusal: its status and its reason."""
 
     def __init__(self, status: int, why: str) -> None:
         super().__init__(why)
@@ -100,11 +100,11 @@ class _Handler(BaseHTTPRequestHandler):
         """Write no log: addresses hold the token."""
 
     def do_GET(self) -> None:
-        """Answer what only reads."""
+        """Answer a request that reads."""
         self._answer(self._get)
 
     def do_POST(self) -> None:
-        """Answer what writes."""
+        """Answer a request that writes."""
         self._answer(self._post)
 
     def _answer(self, make: Callable[[str, Mapping[str, str]], Any]) -> None:
@@ -115,13 +115,8 @@ class _Handler(BaseHTTPRequestHandler):
             tree = make(asked.path, query)
         except _Refused as refused:
             status, tree = refused.status, {"error": {"code": "RF110", "message": str(refused)}}
-        except RopefricError as error:
-            status, tree = 409, {"error": {**error.problem.to_dict(), "message": _all_of(error)}}
-        except (KeyError, TypeError, ValueError, RecursionError):
-            status, tree = 400, {"error": {"code": "RF110", "message": "this request makes no sense"}}
         except Exception as error:  # noqa: BLE001  (the boundary: the page gets words, never a traceback)
-            words = f"internal fault, {type(error).__name__}: {error}"
-            status, tree = 500, {"error": {"code": "RF000", "message": words, "fix": "please report it"}}
+            status, tree = _answer_to(error)
         self._send(status, tree)
 
     def _send(self, status: int, tree: Any) -> None:
@@ -139,24 +134,24 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(sent.body)
 
     def _refuse_others(self, path: str, query: Mapping[str, str]) -> None:
-        """Refuse names that lead here from other sites, and whoever does not know the token.
+        """Refuse other names of this address, other sites, and requests without the token.
 
-        The page itself, which holds nothing of anybody's, is everybody's: it asks for the token where it has none.
+        The page itself needs no token, because it contains no data; it lets the user enter a missing token.
         """
         names = {f"{name}:{self.server.server_port}" for name in (HOST, "localhost")}
         host = self.headers.get("Host", "")
         if host not in names:
-            raise _Refused(403, "this address is not known here")
+            raise _Refused(403, "the request names another address than this page has")
         given = self.headers.get(TOKEN_HEADER, query.get("token", ""))
         if path.startswith(("/api/", "/results/")) and not compare_digest(
             given.encode(), self.server.token.encode()
         ):
             raise _Refused(
-                403, "the token is missing or wrong: it stands in the address that ropefric printed"
+                403, "the token is missing or wrong; it is the end of the address that ropefric printed"
             )
         origin = self.headers.get("Origin")
         if origin != f"http://{host}" and (origin is not None or self.command != "GET"):
-            raise _Refused(403, "another page may not ask for this")
+            raise _Refused(403, "only the page itself may send this request")
 
     def _get(self, path: str, query: Mapping[str, str]) -> Any:
         if path == "/":
@@ -198,5 +193,13 @@ def _page() -> dict[str, bytes]:
     return {one.name: one.read_bytes() for one in (files("ropefric.page") / "static").iterdir()}
 
 
-def _all_of(error: RopefricError) -> str:
-    return visible("; ".join(dict.fromkeys(problem.message for problem in error.problems)))
+def _answer_to(error: Exception) -> tuple[int, dict[str, Any]]:
+    """Return the status of an answer, and its error in words."""
+    if isinstance(error, KeyError | TypeError | ValueError | RecursionError) and not isinstance(
+        error, RopefricError
+    ):
+        return 400, {"error": {"code": "RF110", "message": "the request cannot be understood"}}
+    known = known_error(error, report_with=REPORT_WITH)
+    said = visible("; ".join(dict.fromkeys(problem.message for problem in known.problems)))
+    status = 500 if isinstance(known, InternalError) else 409
+    return status, {"error": {**known.problem.to_dict(), "message": said}}

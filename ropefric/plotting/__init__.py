@@ -4,7 +4,7 @@ In come results; out go a figure with its tables and its words, as PNG and CSV f
 - `figure`: a figure with its data and its files, and as SVG for the inside of a page
 - `style`: how figures look, the words on them and their legends
 - `results`: the figure behind `plot()` of every result
-- `campaign`: each condition's recordings and repeatability, one recording, and those worth a look
+- `campaign`: each condition's recordings and repeatability, one recording, and a selection of them
 - `fits`: fitted laws against what was measured; `design`: laws, budgets and swings in order of size, a design's chart
 - `machines`: scenes, their sweeps and machines; `work_precision`: what accuracy costs in time
 """

@@ -1,4 +1,4 @@
-"""A campaign in figures: conditions with their repeatability, one recording, and those worth a look."""
+"""A campaign in figures: conditions with their repeatability, one recording, and a selection of them."""
 
 import math
 import os
@@ -78,7 +78,7 @@ def draw_condition(
 ) -> FigureWithData:
     """Return the figure of one condition: its traces on the left, the repeatability of the force on the right.
 
-    The repeatability: force by trial, mean and ±2s band, what was set aside and why; without `traces` it stands alone.
+    The repeatability: force by trial, mean and ±2s band, trials set aside with the reason; alone without `traces`.
     """
     wheel_mm, rope_mm, wrap_deg, tension_N, symbol = _settings(summary, trials)
     title = style.typeset(
@@ -102,7 +102,7 @@ def draw_condition(
 
 
 def _trial_table(trials: Sequence[TrialResult]) -> DataTable:
-    """Return what is drawn of each trial, as in its row."""
+    """Return the drawn numbers of each trial, as in its row."""
     names = ["trial", "file", "peak_N", "peak_std_N", "end_tension_N", "peak_time_s"]
     names += [column.name for column in numbers.COLUMNS if column.drawn]
     names += ["status", "kept", "rejected_by", "excluded"]
@@ -209,8 +209,8 @@ def _draw_strip(
     r"""Draw the measured force of each trial in order, the mean and the ±2s band of all of them.
 
     Rejected trials are hollow, trials the user excluded are hollow diamonds, both with the reason; flagged
-    recordings stand as crosses on the axis with their status. A banner says where too few were measured to reject
-    any.
+    recordings are crosses on the axis with their status. A banner warns if too few trials were measured to
+    reject any.
     """
     quantity = "end_tension_N" if _measures_slack(trials) else "peak_N"
     axes.set(xlabel="Trial, in order of recording", ylabel=style.figure_label(quantity))
@@ -284,7 +284,7 @@ def _draw_flags(axes: Axes, flagged: dict[int, TrialResult]) -> None:
 ACROSS, DOWN = 8, 12
 """Small multiples beside and above each other in one figure."""
 MOST = 960
-"""Recordings that are drawn at most: beyond, a page takes long to open, and nobody looks through it."""
+"""Largest number of recordings drawn: a page with more takes long to open."""
 _BINS = 44
 _WIDE = 0.9
 """Of its cell of one by one, what a recording is wide."""
@@ -344,7 +344,7 @@ def typical_trial(extraction: Extraction, number: int) -> TrialResult | None:
     return None
 
 
-def worth_a_look(extraction: Extraction) -> tuple[TrialResult, ...]:
+def selected_trials(extraction: Extraction) -> tuple[TrialResult, ...]:
     """Return the trials that are not kept or have a remark, and a typical one of each condition, in their order."""
     found = (typical_trial(extraction, number + 1) for number in range(len(extraction.conditions)))
     typical = {one.trial for one in found if one is not None}
@@ -352,8 +352,8 @@ def worth_a_look(extraction: Extraction) -> tuple[TrialResult, ...]:
 
 
 def draw_extraction(extraction: Extraction) -> FigureWithData:
-    """Return the first page of the recordings of a campaign that are worth a look."""
-    return draw_recordings(next(pages_of_recordings(worth_a_look(extraction)), ()))
+    """Return the first page of the selected recordings of a campaign."""
+    return draw_recordings(next(pages_of_recordings(selected_trials(extraction)), ()))
 
 
 def pages_of_recordings(trials: Sequence[TrialResult]) -> Iterator[tuple[TrialResult, ...]]:
@@ -372,7 +372,7 @@ def pages_of_recordings(trials: Sequence[TrialResult]) -> Iterator[tuple[TrialRe
 def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
     """Return recordings as small multiples, each with its pick, its lowest and highest force, and its length.
 
-    All stand in one pair of axes, a cell of one by one each: a hundred pairs of axes would take a hundred times as long.
+    All share one pair of axes, each in a cell of one by one: many pairs of axes would take many times as long.
     """
     down = max(math.ceil(len(trials) / ACROSS), 1)
     lines: dict[str, list[FloatArray]] = {fate: [] for fate in _FATES}

@@ -25,8 +25,8 @@ _CLEAR = 10.0
 def draw_ladder(comparison: Comparison) -> FigureWithData:
     """Return ΔAICc of each law as a dot, best on top, with its Akaike weight and its error at unseen conditions.
 
-    Laws within 2 of the best can hardly be told from it (shaded); beyond 10 there is next to no support. Laws that
-    are not counted stand below as crosses with their reason. The axis is linear to 10 and logarithmic beyond.
+    Laws within 2 of the best fit about as well (shaded); beyond 10 there is almost no support. Laws that are not
+    ranked are crosses below, with the reason. The axis is linear to 10 and logarithmic beyond.
     """
     entries = comparison.ranking
     conditions = counted(comparison.n, comparison.unit.removesuffix("s"))
@@ -43,7 +43,7 @@ def draw_ladder(comparison: Comparison) -> FigureWithData:
         axes.xaxis.set_major_formatter("{x:g}")
         for row, entry in enumerate(entries):
             _draw_entry(axes, row, entry)
-        _name_rows(axes, [entry.law for entry in entries])
+        name_rows(axes, [entry.law for entry in entries])
         axes.set_xlabel("ΔAICc [-];  shaded: as good as the best;  right of the dotted line: no support")
         axes.set_title(f"{laws}, {conditions}", loc="left")
         for x, text in ((1.02, "weight"), (1.12, "error,\nunseen")):
@@ -51,7 +51,7 @@ def draw_ladder(comparison: Comparison) -> FigureWithData:
     return FigureWithData(figure, (DataTable.of(entries, _LADDER),), _ladder_in_words(comparison, laws))
 
 
-def _name_rows(axes: Axes, names: Sequence[str]) -> None:
+def name_rows(axes: Axes, names: Sequence[str]) -> None:
     """Write a name at each row, the first on top."""
     axes.set_yticks(range(len(names)), list(names))
     axes.set_ylim(max(len(names), 1) - 0.4, -0.6)
@@ -105,7 +105,7 @@ def draw_budget(
     rows: Sequence[tuple[str, float]], *, unit: str, title: str, combined: float
 ) -> FigureWithData:
     """Return the contributions |c u| of a budget as bars, largest first, with their shares."""
-    # What is not known stands last.
+    # Unknown contributions come last.
     ranked = sorted(rows, key=lambda row: (math.isnan(row[1]), -abs(row[1])))
     names, values = [name for name, _ in ranked], np.abs([value for _, value in ranked])
     total = math.fsum(values[~np.isnan(values)] ** 2)
@@ -137,7 +137,7 @@ def _draw_contributions(axes: Axes, names: Sequence[str], parts: FloatArray) -> 
     for place, value, share in zip(places, *parts[:2], strict=True):
         words = "unknown" if math.isnan(value) else f"{value:.3g}  ({100 * share:.3g} %)"
         axes.text(1.01, place, words, transform=beside, va="center", fontsize=9)
-    _name_rows(axes, [style.typeset(name) for name in names])
+    name_rows(axes, [style.typeset(name) for name in names])
     axes.set_xlim(0.0, 1.04 * max(widths))
 
 
@@ -174,7 +174,7 @@ def _draw_swings(axes: Axes, ranked: Sequence[tuple[str, float, float, float, fl
     widest = ranked[0][4] or 1.0
     reached = [value for row in ranked for value in row[1:4] if not math.isnan(value)]
     axes.set_xlim(min(reached) - 0.12 * widest, max(reached) + 0.12 * widest)
-    _name_rows(axes, [style.typeset(row[0]) for row in ranked])
+    name_rows(axes, [style.typeset(row[0]) for row in ranked])
 
 
 _MARKERS_A_LINE = 8

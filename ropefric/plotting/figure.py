@@ -284,7 +284,7 @@ def _drawn(
     on_page: bool = False,
     formats: Collection[str] = ("png",),
 ) -> tuple[str, dict[str, bytes]]:
-    """Draw a figure; return it as SVG for a page, if it stands `on_page`, and its files, those `under` a folder."""
+    """Draw a figure; return its SVG for a page, "" if it is not `on_page`, and its files `under` a folder."""
     figure = draw()
     files = figure_files(figure, f"{under}{stem}", formats=formats)
     return svg_text(figure, stem=stem) if on_page else "", files
@@ -361,7 +361,7 @@ def svg_text(figure: FigureWithData, *, stem: str = "") -> str:
 
 
 def _clean(element: ET.Element) -> None:
-    """Take off namespaces, metadata, the style sheet, and digits that no eye sees and processors do not agree in."""
+    """Remove namespaces, metadata, the style sheet, and invisible digits, in which processors differ."""
     element.tag = element.tag.rpartition("}")[2]
     element[:] = [child for child in element if not child.tag.endswith(("}metadata", "}style"))]
     for key, value in [*element.attrib.items()]:

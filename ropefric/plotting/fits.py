@@ -75,9 +75,9 @@ def condition_points(fit: FitResult) -> ConditionPoints:
 
 
 def _settings_of(fit: FitResult, points: ConditionPoints, over: str) -> tuple[dict[str, Any], BoolArray]:
-    """Return the settings to hold while one regressor is swept, and which conditions have them: most of all.
+    """Return the settings to hold while one regressor is swept, and the conditions that have them, the largest group.
 
-    What was set tells conditions into groups; the settings are those that were measured, their median.
+    The set values define the groups; the settings are the median of the measured values.
     """
     others, chosen = [name for name in SETTINGS if name != over], np.zeros(points.n.size, dtype=np.bool_)
     if not chosen.size:

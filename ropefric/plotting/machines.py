@@ -1,24 +1,25 @@
 """The figures of scenes: charts, sweeps as lines or a map, a press's start-up, a saw's Campbell chart."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from itertools import cycle
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from scipy.optimize import isotonic_regression
 
-from ropefric.arrays import BoolArray, FloatArray
+from ropefric.arrays import FloatArray
 from ropefric.errors import InputError
 from ropefric.fitting.predict import EXTRAPOLATED
-from ropefric.glossary import GLOSSARY
+from ropefric.glossary import GLOSSARY, answer_label
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, draw_chart, drawing
 from ropefric.scenes.explain import Explanation
 from ropefric.scenes.kind import Wheel
 from ropefric.scenes.scene import Scene
 from ropefric.scenes.solve import Solution
+from ropefric.scenes.sweep import Axis as SweepAxis
 from ropefric.scenes.sweep import Sweep
 from ropefric.systems.bandsaw.resonance import Excitation, SawChart
 from ropefric.systems.bandsaw.saw import Side
@@ -45,55 +46,68 @@ def draw_sweep(sweep: Sweep, *, quantity: str = "") -> FigureWithData:
     name = quantity or next(iter(sweep.columns))
     if name not in sweep.columns:
         raise InputError(f"the sweep has no {name!r}", fix=f"it has {', '.join(sweep.columns)}")
-    *outer, across = kept = sweep.kept
-    lines = not outer or outer[0].values.size <= _MOST_LINES
-    most = _DRAWN_POINTS if lines else _DRAWN_CELLS
-    steps = [1 if lines and axis is not across else -(-axis.values.size // most) for axis in kept]
-    grid = _thinned(sweep, name, steps)
-    places = [axis.values[::step] / axis.factor for axis, step in zip(kept, steps, strict=True)]
-    path, _, last = name.rpartition(".")
-    label = (f"{path}: " if path else "") + (style.figure_label(last) if last in GLOSSARY else last)
+    *outer, across = sweep.kept
+    shown = _shown_part(sweep, name)
+    label = style.figure_label(name) if name in GLOSSARY else answer_label(name)
     with drawing(9.0, 6.0) as (figure, axes):
-        axes.set_xlabel(across.label)
+        axes.set(xlabel=across.label, ylabel=label)
         if not outer:
-            axes.plot(places[0], grid, color="black")
-            axes.set_ylabel(label)
-        elif lines:
-            for place, (values, row) in enumerate(_same_lines(map("{:.4g}".format, places[0]), grid).items()):
-                look: dict[str, Any] = {
-                    "linestyle": style.LINE_STYLES[place],
-                    "color": str(0.65 * place / _MOST_LINES),
-                }
-                axes.plot(places[1], row, label=f"{outer[0].key} = {values} {outer[0].unit}".rstrip(), **look)
-            axes.set_ylabel(label)
-            style.legend_below(axes)
+            axes.plot(shown.places[0], shown.grid, color="black")
+        elif shown.as_lines:
+            _draw_lines(axes, outer[0], shown)
         else:
-            shown = np.ma.masked_invalid(grid)
-            drawn = axes.pcolormesh(places[1], places[0], shown, cmap="cividis", shading="nearest")
+            values = np.ma.masked_invalid(shown.grid)
+            drawn = axes.pcolormesh(*shown.places[::-1], values, cmap="cividis", shading="nearest")
             axes.set_ylabel(outer[0].label)
             axes.figure.colorbar(drawn, ax=axes).set_label(label)
-        outside = _thinned(sweep, EXTRAPOLATED, steps) if sweep.extrapolated_at else np.zeros(grid.shape)
-        _mark_outside(axes, places, grid, outside > 0.0, as_lines=lines)
-    meshes = zip(sweep.axes, np.meshgrid(*places, indexing="ij"), strict=True)
-    columns = {axis.key: each.ravel() for axis, each in meshes}
-    marked = {EXTRAPOLATED: outside.ravel()} if sweep.extrapolated_at else {}
-    table = DataTable(columns | {name: grid.ravel()} | marked)
-    return FigureWithData(figure, (table,))
+        _mark_outside(axes, shown)
+    meshes = zip(sweep.axes, np.meshgrid(*shown.places, indexing="ij"), strict=True)
+    columns = {axis.key: each.ravel() for axis, each in meshes} | {name: shown.grid.ravel()}
+    marked = {EXTRAPOLATED: shown.outside.ravel()} if sweep.extrapolated_at else {}
+    return FigureWithData(figure, (DataTable(columns | marked),))
 
 
-def _thinned(sweep: Sweep, name: str, steps: Sequence[int]) -> FloatArray:
-    """Return every so many-th value of a column along each axis."""
-    grid = sweep.columns[name].reshape([axis.values.size for axis in sweep.kept])
-    return grid[tuple(slice(None, None, step) for step in steps)]
+class _Shown(NamedTuple):
+    """The points of a sweep that a figure can show: places along each axis, values, and where the law is untested."""
+
+    places: tuple[FloatArray, ...]
+    grid: FloatArray
+    outside: FloatArray
+    as_lines: bool
 
 
-def _mark_outside(
-    axes: Axes, places: Sequence[FloatArray], grid: FloatArray, outside: BoolArray, *, as_lines: bool
-) -> None:
-    """Hatch where the law is used outside what it was tested for; a line that is so alone has a pale band."""
+def _shown_part(sweep: Sweep, name: str) -> _Shown:
+    """Return every n-th point along each axis, so that a page can show them; of few lines all."""
+    *outer, across = kept = sweep.kept
+    as_lines = not outer or outer[0].values.size <= _MOST_LINES
+    most = _DRAWN_POINTS if as_lines else _DRAWN_CELLS
+    steps = [1 if as_lines and axis is not across else -(-axis.values.size // most) for axis in kept]
+    part = tuple(slice(None, None, step) for step in steps)
+    grid, outside = (
+        sweep.columns[one].reshape([axis.values.size for axis in kept])[part]
+        for one in (name, EXTRAPOLATED if sweep.extrapolated_at else name)
+    )
+    places = tuple(axis.values[one] / axis.factor for axis, one in zip(kept, part, strict=True))
+    return _Shown(places, grid, outside if sweep.extrapolated_at else np.zeros(grid.shape), as_lines)
+
+
+def _draw_lines(axes: Axes, outer: SweepAxis, shown: _Shown) -> None:
+    lines = _same_lines(map("{:.4g}".format, shown.places[0]), shown.grid)
+    for place, (values, row) in enumerate(lines.items()):
+        look: dict[str, Any] = {
+            "linestyle": style.LINE_STYLES[place],
+            "color": str(0.65 * place / _MOST_LINES),
+        }
+        axes.plot(shown.places[1], row, label=f"{outer.key} = {values} {outer.unit}".rstrip(), **look)
+    style.legend_below(axes)
+
+
+def _mark_outside(axes: Axes, shown: _Shown) -> None:
+    """Hatch where the law is used outside its tested range; a single line outside it has a pale band."""
+    places, grid, outside = shown.places, shown.grid, shown.outside > 0.0
     if not outside.any():
         return
-    if not as_lines:
+    if not shown.as_lines:
         look: dict[str, Any] = {"colors": "none", "hatches": ["", "///"], "levels": [-0.5, 0.5, 1.5]}
         if min(grid.shape) > 1:
             axes.contourf(places[1], places[0], outside.astype(float), **look)
@@ -104,8 +118,9 @@ def _mark_outside(
     pale: dict[str, Any] = {"color": (style.ORANGE, 0.4), "linewidth": 6.0, "marker": "o", "markersize": 3.0}
     for row, mask in zip(np.atleast_2d(grid), masks & ~everywhere, strict=True):
         if mask.any():
-            shown = np.where(mask, row, np.nan)
-            axes.plot(places[-1], shown, zorder=0.5, label="this line not tested", **pale)
+            axes.plot(
+                places[-1], np.where(mask, row, np.nan), zorder=0.5, label="this line not tested", **pale
+            )
     style.legend_below(axes)
 
 
@@ -145,8 +160,8 @@ _ROLES = {"driver": style.BLUE, "driven": style.GREY, "tensioner": style.ORANGE}
 def draw_layout(scene: Scene) -> FigureWithData:
     """Return the wheels of a machine and what lies on them, radii and wraps to scale, in the order of travel.
 
-    Two wheels of a loop face each other; in a longer one each is shown with its wrap on top, since no scene tells where
-    its wheels stand. What lies on a wheel more than once is drawn as a spiral.
+    Two wheels of a loop face each other. In a longer loop each wheel has its wrap on top, because a scene does not
+    state where its wheels are. More than one turn on a wheel is drawn as a spiral.
     """
     belts = scene.kind.layout(scene.problem)
     if not belts:
@@ -400,7 +415,7 @@ def _draw_excitation(
 
 
 def _draw_crossings(axes: Axes, chart: SawChart, top_Hz: float, written: list[tuple[float, float]]) -> None:
-    """Draw the crossings as circles, and write the margin of those that have room beside what is `written`."""
+    """Draw the crossings as circles, and write the margins that do not overlap earlier words, `written`."""
     slowest_m_s, span_m_s = float(chart.speed_m_s[0]), float(np.ptp(chart.speed_m_s))
     for crossing in sorted(chart.crossings, key=lambda crossing: abs(crossing.speed_margin)):
         color, point = _LOOK[crossing.side][0], (crossing.speed_m_s, crossing.frequency_Hz)

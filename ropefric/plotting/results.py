@@ -22,7 +22,7 @@ from ropefric.glossary import GLOSSARY, counted
 from ropefric.pipeline import CampaignRun
 from ropefric.plotting import style
 from ropefric.plotting.campaign import draw_extraction
-from ropefric.plotting.design import draw_ladder, draw_statement
+from ropefric.plotting.design import draw_ladder, draw_statement, name_rows
 from ropefric.plotting.figure import FigureWithData, drawing, on_axes, panels_of
 from ropefric.plotting.fits import draw_fit_band
 from ropefric.plotting.machines import draw_explanation, draw_layout, draw_sweep, scene_figures
@@ -94,9 +94,8 @@ def paint(result: Any, _axes: Axes, *_args: Any, **_options: Any) -> None:
 
 
 def _name_rows(axes: Axes, names: Sequence[str]) -> None:
-    """Write the words of the rows, from above, and make the figure as high as they need."""
-    axes.set_yticks(range(len(names)), names)
-    axes.set_ylim(len(names) - 0.5, -0.5)
+    """Name the rows, the first on top, and make the figure as high as they need."""
+    name_rows(axes, names)
     figure: Any = axes.figure
     if len(figure.axes) == 1:  # not one of the user's with other axes
         figure.set_figheight(1.6 + 0.4 * len(names))
@@ -200,11 +199,27 @@ def _draw_wheels(axes: Axes, rows: Any, values: FloatArray, chosen: BoolArray, *
 @paint.register
 def _(prediction: Prediction, axes: Axes) -> None:
     x, lift_N = np.degrees(prediction.conditions.wrap_angle_rad), prediction.lift_force_N
-    bands = (("one pull", prediction.prediction_interval_N, 1.0), ("mean law", prediction.interval_N, 3.0))
+    bands = (
+        ("for one pull", prediction.prediction_interval_N, 1.0),
+        ("for the mean law", prediction.interval_N, 3.0),
+    )
     for words, interval_N, width in bands:
         look: dict[str, Any] = {"fmt": "o", "color": style.BLUE, "elinewidth": width, "capsize": 3}
-        label = f"{100 * prediction.level:g} % of the {words}"
+        label = f"{100 * prediction.level:g} % {words}"
         axes.errorbar(x, lift_N, np.abs(interval_N.T - lift_N), label=label, **look)
+    if prediction.trials:
+        wraps_deg, means_N = (
+            np.degrees(prediction.trials["wrap_angle_rad"]),
+            np.exp(prediction.trials["mean_log_lift"]),
+        )
+        hollow: dict[str, Any] = {
+            "color": style.GREY,
+            "markerfacecolor": "white",
+            "markersize": 3.5,
+            "zorder": 1,
+        }
+        axes.plot(wraps_deg, means_N, "o", label="measured conditions, all settings", **hollow)
+        style.plain_log(axes, "y")
     axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.figure_label("lift_force_N"))
     axes.set_title(f"Law {prediction.law}")
 

@@ -86,7 +86,7 @@ def plain_text(text: str) -> str:
 
 
 def figure_text(text: str) -> str:
-    r"""Return text as it may stand in a figure: what is not our own mathematics is none, and all of it shows."""
+    r"""Return text for a figure: only our own mathematics is typeset; every other character is shown."""
     for word in set(text.split()):
         if len(word) > _LONGEST_WORD:
             text = text.replace(word, f"{word[: _LONGEST_WORD - 1]}…")
@@ -124,7 +124,7 @@ def span_of(values: Any) -> str:
 def note_at(
     axes: Axes, text: str, point: tuple[float, float], right: float = 0.0, up: float = 0.0, **look: Any
 ) -> None:
-    """Write a small text at a point, so many points of print to the right of it and above it."""
+    """Write a small text beside a point, with its distances to the right and upward in points of print."""
     shown: dict[str, Any] = {"fontsize": 8.0, "ha": "center", "va": "bottom"} | look
     axes.annotate(text, point, xytext=(right, up), textcoords="offset points", **shown)
 

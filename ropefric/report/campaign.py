@@ -59,8 +59,8 @@ def write_report(
 ) -> tuple[Path, ...]:
     """Write summary.txt, report.html with the numbers of its figures, and what they rest on; return the paths.
 
-    The page needs nothing else. Beside it stand figures/*.csv, uncertainty.json and next_tests.csv where there is a
-    design, manifest.json and, if wished, report.pdf. The same campaign gives the same bytes. The figures are drawn by
+    The page is complete in itself. Beside it are figures/*.csv, manifest.json, uncertainty.json and next_tests.csv if
+    there is a design, and report.pdf if wished. The same campaign gives the same bytes. The figures are drawn by
     the executor, if any.
     """
     target, campaign, evidence = as_folder(folder), run.campaign, pipeline.gather_evidence(run)
@@ -83,7 +83,7 @@ def write_table_report(
 ) -> tuple[Path, ...]:
     """Write the same for the answer to a trial table, for those who have forces and no recordings.
 
-    The inputs are the table and, where there is one, the file that says more about it, from where `words` are.
+    The inputs are the table and, if given, the file with the `words` about it.
     """
     evidence, table, found = pipeline.gather_evidence(answer), inputs[0], answer.fit.statistics
     trials = counted(len(answer.table.trial), "trial")
@@ -120,7 +120,7 @@ def _write(
 
 
 def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
-    """Return what was recorded, the law that is used, how it won, what is doubtful, and the lift force of the design."""
+    """Return counts of the recordings, the law in use and its comparison, the doubts, and the lift force."""
     counts = result.count_trials(run.extraction)
     lines = [f"{run.campaign.name}: {_tally(run.extraction)}"]
     if counts["n_rejected"]:
@@ -137,7 +137,7 @@ def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
 
 
 def answer_sections(answer: CampaignAnswer) -> tuple[Section, ...]:
-    """Return the law that is used, how it won, what is doubtful, and the lift force of the design."""
+    """Return the law in use and its comparison, the doubts, and the lift force of the design."""
     sections = (
         parts.verdict_section(answer.verdict, "The verdict"),
         parts.fit_section(answer.fit, f"The law: {answer.fit.law}, {answer.winner.how}"),
@@ -212,7 +212,7 @@ def _causes(diagnosis: Diagnosis) -> Iterator[Section | Fold]:
 
 
 def _alerts_of_answer(answer: CampaignAnswer, evidence: Evidence, *, asked: bool) -> Iterator[Alert]:
-    """Give the doubts about a law and its lift force, and remarks on them; `asked` tells whether a wheel was given."""
+    """Yield the doubts about a law and its lift force, with remarks; `asked`: whether a wheel was given."""
     verdict, prediction = answer.verdict, answer.prediction
     if not verdict.supported:
         of_lift = answer.winner.verdict.supported
@@ -265,7 +265,7 @@ def _advice(status: Status, flagged: Sequence[result.TrialResult]) -> str:
 
 
 def _alerts_of_problems(extraction: result.Extraction) -> Iterator[Alert]:
-    """Give what else was wrong or doubtful, by kind; what a flagged recording says of itself is said already."""
+    """Yield all other problems by kind; problems of flagged recordings are reported already."""
     flagged = [trial for trial in extraction.trials if trial.breakaway.status is not Status.OK]
     for code, alike in result.problems_by_code(extraction, said_of=flagged).items():
         messages = [problem.message for problem in alike[:_SAID]]
@@ -278,30 +278,43 @@ def _alerts_of_problems(extraction: result.Extraction) -> Iterator[Alert]:
 
 
 def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section | Fold]:
-    """Give all trials that are not kept, with the reason; the decisions of people; all conditions.
-
-    A condition has its number of trials, their mean force, scatter and uncertainty, and the trials not kept.
-    """
+    """Yield all trials that are not kept, with the reason; the decisions of people; all conditions."""
     extraction = run.extraction
     slack = any(trial.measures_slack for trial in extraction.trials)
-    known, measured = ("F_A", "F_B") if slack else ("F_B", "F_A")
+    forces = ("F_A", "F_B") if slack else ("F_B", "F_A")
+    yield from _gone_section(extraction, evidence, forces)
+    yield from _decided_section(extraction)
+    yield _conditions_section(extraction, evidence, forces, slack=slack)
+    yield from _sliding_section(extraction)
+
+
+def _gone_section(
+    extraction: result.Extraction, evidence: Evidence, forces: tuple[str, str]
+) -> Iterator[Section]:
+    """Yield the trials that are not kept, doubtful ones first, and how the rule for outliers decides."""
     place = {name: summary for summary in extraction.conditions for name in summary.trials}
-    gone = {trial.trial: trial for trial in extraction.trials if not trial.kept}
-    counts = result.count_trials(extraction)
-    title = f"Trials not kept (of {counted(counts['n_trials'], 'trial')}: {result.outcome_words(counts)})"
-    rows: list[tuple[str, ...]] = []
-    for trial in sorted(gone.values(), key=lambda trial: trial.breakaway.status is not Status.DOUBTFUL):
+    gone = [trial for trial in extraction.trials if not trial.kept]
+    if not gone and not evidence.rejection:
+        return
+    rows = []
+    for trial in sorted(gone, key=lambda trial: trial.breakaway.status is not Status.DOUBTFUL):
         fate = str(trial.breakaway.status) if trial.outcome == "without a force" else trial.outcome
         known_N = trial.peak_N if trial.measures_slack else trial.end_tension_N
         cells = parts.setting_cells(trial.wheel_radius_m, trial.wrap_angle_rad, known_N)
         why = _why(trial, place.get(trial.trial))
         rows.append((trial.trial, fate, *cells, plain(trial.measured_N), why))
-    headings: tuple[str, ...]
+    counts, (known, measured) = result.count_trials(extraction), forces
+    title = f"Trials not kept (of {counted(counts['n_trials'], 'trial')}: {result.outcome_words(counts)})"
     headings = ("trial", "verdict", "R_w [mm]", "φ [deg]", f"{known} [N]", f"{measured} [N]", "why ")
-    if gone or evidence.rejection:
-        yield Section(title, (), headings if gone else (), rows, 2, evidence.rejection)
-    yield from _decided_section(extraction)
-    budgets = {condition.number: budget for condition, budget in evidence.measured}
+    yield Section(title, (), headings if gone else (), rows, 2, evidence.rejection)
+
+
+def _conditions_section(
+    extraction: result.Extraction, evidence: Evidence, forces: tuple[str, str], *, slack: bool
+) -> Section:
+    """Return every condition: number of trials, mean force, scatter, uncertainty, and the trials not kept."""
+    gone = {trial.trial for trial in extraction.trials if not trial.kept}
+    budgets, (known, measured) = {one.number: stated for one, stated in evidence.measured}, forces
     rows = []
     for number, item in enumerate(extraction.conditions, start=1):
         uncertainty = ("–", "–", "")
@@ -309,10 +322,11 @@ def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section | 
             largest = stated.lines[0]
             part = f"{largest.label} ({percent(largest.share, '.0f')})"
             uncertainty = (to_error(stated.combined, stated.combined), percent(stated.relative), part)
-        cells, forces = parts.condition_cells(item, slack=slack)
+        cells, found = parts.condition_cells(item, slack=slack)
         not_kept = ", ".join(name for name in item.trials if name in gone)
-        kept = f"{item.n_kept} of {item.n_recorded}"
-        rows.append((str(number), *cells, kept, *forces, *uncertainty, not_kept))
+        rows.append(
+            (str(number), *cells, f"{item.n_kept} of {item.n_recorded}", *found, *uncertainty, not_kept)
+        )
     headings = (
         *("no.", "R_w [mm]", "φ [deg]", f"{known} [N]", "kept", f"mean {measured} [N]", "s [N]"),
         *("u_c [N]", "u_c/mean", "largest part of u_c ", "not kept "),
@@ -321,8 +335,7 @@ def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section | 
         f"Mean {measured} and standard deviation s are of the trials kept. u_c is the standard uncertainty of the "
         "mean: repeats and measuring chain. trials.csv lists every trial."
     )
-    yield Section("Conditions", headings=headings, rows=rows, left=0, notes=(note,))
-    yield from _sliding_section(extraction)
+    return Section("Conditions", headings=headings, rows=rows, left=0, notes=(note,))
 
 
 def _sliding_section(extraction: result.Extraction) -> Iterator[Fold]:
@@ -343,16 +356,17 @@ def _sliding_section(extraction: result.Extraction) -> Iterator[Fold]:
 
 
 def _decided_section(extraction: result.Extraction) -> Iterator[Section]:
-    """Yield the decisions of people about single trials, where there are any: what, who and why."""
+    """Yield the decisions of people about single trials, if there are any, with name, date and reason."""
     rows = []
     for trial in extraction.trials:
         if trial.decision or (trial.excluded and trial.by):
             what = trial.decision or f"excluded: {trial.excluded}"
             notes = (note.partition(_WITHOUT) for note in trial.breakaway.notes)
             without = "; ".join(says for before, found, says in notes if found and not before)
-            rows.append((trial.trial, what, plain(trial.measured_N), trial.by, trial.why, without))
+            day = trial.when.partition("T")[0]
+            rows.append((trial.trial, what, plain(trial.measured_N), trial.by, day, trial.why, without))
     if rows:
-        headings = ("trial", "decision ", "force [N]", "by ", "reason ", "without the decision ")
+        headings = ("trial", "decision ", "force [N]", "by ", "date ", "reason ", "without the decision ")
         yield Section("Decisions of people", headings=headings, rows=rows, left=1)
 
 
@@ -389,7 +403,7 @@ def _hashes(files: Iterable[Mapping[str, str]], title: str = "") -> Section:
 
 
 def _flat(tree: Mapping[str, Any], stem: str = "") -> Iterator[tuple[str, str]]:
-    """Return a tree as rows; what is empty or not given is left out."""
+    """Return a tree as rows, without empty values."""
     for key, value in tree.items():
         name = f"{stem}.{key}" if stem else str(key)
         if isinstance(value, Mapping):

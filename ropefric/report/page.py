@@ -1,7 +1,7 @@
-"""A report as data, as one HTML page that needs nothing else, its equations as MathML, and the page printed as PDF.
+"""A report as data, as one HTML page without other files, with equations as MathML, and the page printed as PDF.
 
-The notation is that of every law: `mu_inf (1 - exp(a R_w/R_r + b))`. A name right before a bracket is a function of
-what stands in it, two factors beside each other are multiplied, and `integral of X from A to B` is one over the wrap.
+The notation is that of every law: `mu_inf (1 - exp(a R_w/R_r + b))`. A name before a bracket is a function of its
+content, two factors beside each other are multiplied, and `integral of X from A to B` is an integral over the wrap.
 """
 
 import math
@@ -32,7 +32,7 @@ _INDEXED = re.compile(r"\b([RFuUkνμδ]|mu)_(w|r|A|B|R|c|eff|tr|lin|hys|sm|q|in
 
 
 class Alert(NamedTuple):
-    """Something to know before a result is used."""
+    """A remark on a result: a reason not to use it, a doubt, or a note."""
 
     grade: Literal["stop", "doubt", "note"]
     title: str
@@ -112,7 +112,7 @@ def _environment() -> Environment:
 
 
 def _kind(block: Block) -> str:
-    """Return what kind of block it is, by which the template chooses its form."""
+    """Return the kind of a block, by which the template chooses its form."""
     return type(block[0] if isinstance(block, list) else block).__name__.lower()
 
 
@@ -163,42 +163,43 @@ class Subject(NamedTuple):
 def front_blocks(
     subject: Subject, alerts: Sequence[Alert], remarks: Sequence[Alert], pictures: Sequence[Picture]
 ) -> Iterator[Block]:
-    """Give the blocks of the first two pages: grave doubts, question, answer, pictures, law, remarks, limits.
+    """Yield the blocks of the first two pages: grave doubts, question, answer, pictures, law, remarks, limits.
 
     `alerts` are of the answer, `remarks` of the measurements, which the annex holds in full.
     """
     answer, words = subject.answer, subject.words
-    if grave := [alert for alert in alerts if alert.grade == "stop"]:
-        yield grave
-    given = {"Question": words.question} | {
-        label: str(getattr(words, name)) for name, label in _GIVEN.items()
-    }
-    if given := {name: value for name, value in given.items() if value}:
-        yield given
+    of_grade = {grade: [one for one in alerts if one.grade == grade] for grade in ("stop", "doubt")}
+    yield from filter(None, (of_grade["stop"], _particulars(words)))
     yield [*_facts(answer, subject.evidence)]
     yield from pictures
     law = parts.fit_section(answer.fit, f"The law: {answer.fit.law}, {answer.winner.how}")
     yield Section(law.title)
     yield Formula(formulas(answer.fit.friction_law))
     yield law._replace(title="", lines=law.lines[1:])
-    doubts = [alert for alert in alerts if alert.grade == "doubt"]
-    if doubtful := [one.title for one in remarks if one.grade == "doubt"]:
-        doubts.append(
-            Alert("doubt", "The measurements", f"{'; '.join(doubtful)}. The annex says what to do.")
-        )
+    doubtful = "; ".join(one.title for one in remarks if one.grade == "doubt")
+    of_trials = [Alert("doubt", "The measurements", f"{doubtful}. The annex says what to do.")]
+    passed = Alert("note", "See the first line" if of_grade["stop"] else "All checks passed", "")
     yield Section("Remarks")
-    yield doubts or [Alert("note", "See the first line" if grave else "All checks passed", "")]
+    yield [*of_grade["doubt"], *of_trials[: bool(doubtful)]] or [passed]
     tested = f"Tested: {', '.join(parts.tested_ranges(answer.fit))}. The law is extrapolated beyond."
     yield Section("Limits and assumptions", notes=(tested, *words.assumptions, *_decided(subject.run)))
     yield {name: value for name, value in subject.measured.items() if value}
 
 
+def _particulars(words: ReportWords) -> dict[str, str]:
+    """Return question, laboratory, customer and the like, as far as they are given."""
+    given = {"Question": words.question} | {label: getattr(words, name) for name, label in _GIVEN.items()}
+    return {label: str(value) for label, value in given.items() if value}
+
+
 def _decided(run: CampaignRun | None) -> Iterator[str]:
-    """Say how many trials people decided about, and who."""
+    """Yield the number of trials that people decided about, with names and dates."""
     trials = run.extraction.trials if run else ()
     if decided := [one for one in trials if one.decision or (one.excluded and one.by)]:
         who = ", ".join(sorted({one.by for one in decided if one.by})) or "a person who is not named"
-        yield f"{counted(len(decided), 'trial')} decided by {who}."
+        days = sorted({one.when.partition("T")[0] for one in decided if one.when})
+        dates = f" on {days[0]}" if len(days) == 1 else f" from {days[0]} to {days[-1]}" if days else ""
+        yield f"{counted(len(decided), 'trial')} decided by {who}{dates}."
 
 
 def measured_rows(run: CampaignRun) -> dict[str, str]:
@@ -237,7 +238,7 @@ def _cell_words(name: str, cell: Any) -> str:
 
 
 def _facts(answer: CampaignAnswer, evidence: Evidence) -> Iterator[Fact]:
-    """Give the numbers a reader looks for first."""
+    """Yield the main numbers of the answer."""
     fit, found = answer.fit, answer.prediction
     if found is not None:
         at, std_N = found.conditions, float(found.std_N[0])
@@ -267,12 +268,12 @@ _GREEK = {"mu": "μ", "phi": "φ", "lambda": "λ", "inf": "∞"}
 _NAME = re.compile(r"([A-Za-z]+?)(?:_(\w+)|(\d+))?")
 _SPACE = '<mspace width="0.17em"/>'
 _BINDS = {"=": 0, "+": 1, "-": 1, "": 2, "/": 3, "^": 4}
-"""How tightly a mark joins what stands beside it; two factors have none between them."""
+"""Binding strength of each mark; two factors have no mark between them."""
 _ENDS = frozenset({"", ")", "from", "to"})
 
 
 def formulas(law: FrictionLaw) -> tuple[str, ...]:
-    """Return the statements of a law's equation as MathML elements; what is not in our notation stays plain text."""
+    """Return the statements of a law's equation as MathML elements; statements in another notation stay plain text."""
     found = []
     for text in (text for part in law.equation.split(";") for text in _split(part.strip())):
         try:
@@ -297,7 +298,7 @@ def symbol(name: str) -> str:
 
 
 def _split(text: str) -> list[str]:
-    """Return what commas outside brackets part."""
+    """Return the parts between commas outside brackets."""
     parts, depth = [""], 0
     for letter in text:
         depth += (letter == "(") - (letter == ")")
@@ -312,7 +313,7 @@ _OPEN, _CLOSE = "<mrow><mo>(</mo>", "<mo>)</mo></mrow>"
 
 
 def _bare(found: str) -> str:
-    """Return what stands in brackets without them, for where a bar or a raised place takes their part."""
+    """Return the content of brackets, for places where a bar or a raised position replaces them."""
     return found[len(_OPEN) : -len(_CLOSE)] if found.startswith(_OPEN) else found
 
 
@@ -327,7 +328,7 @@ def _joined(left: str, mark: str, right: str) -> str:
 
 
 class _Statement:
-    """A statement and what of it is not read yet; what is read is returned as MathML."""
+    """A statement with its unread tokens; the read part is returned as MathML."""
 
     def __init__(self, text: str) -> None:
         self.text, self.tokens = text, [*_TOKEN.findall(text), ""]
@@ -345,7 +346,7 @@ class _Statement:
             raise ValueError(f"{self.text!r} has {found!r} where {word!r} belongs")
 
     def read(self, least: int) -> str:
-        """Return what the marks join that bind so tightly at least."""
+        """Return the expression joined by marks of at least this binding strength."""
         found = "" if self.tokens[0] == "-" and least <= _BINDS["-"] else self.atom()
         while (ahead := self.tokens[0]) not in _ENDS:
             mark = ahead if ahead in _BINDS else ""

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropefric.fitting.compare import Comparison
-from ropefric.fitting.diagnose import WORDS, Diagnosis
+from ropefric.fitting.diagnose import Diagnosis
 from ropefric.fitting.next_tests import LabPlan
 from ropefric.fitting.predict import EXTRAPOLATED, REGRESSORS, Prediction
 from ropefric.fitting.result import FitResult, Verdict
 from ropefric.friction.condition import Conditions
-from ropefric.glossary import GLOSSARY, counted
-from ropefric.section import Section, interval, percent, plain, shorthand, to_error
+from ropefric.glossary import answer_label, counted
+from ropefric.section import WIDTH, Section, interval, percent, plain, shorthand, to_error
 from ropefric.trials.result import ConditionSummary
 from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Quantity, Statement
 
@@ -82,7 +82,7 @@ def notes_sections(fit: FitResult) -> tuple[Section, ...]:
 
 
 def origin_section(fit: FitResult) -> Section:
-    """Return what a fit was made from, and the range of the conditions it holds for."""
+    """Return the data of a fit, and the range of its conditions."""
     source, versions = fit.provenance.get("input", {}), fit.provenance.get("versions", {})
     made = ", ".join(f"{name} {number}" for name, number in sorted(versions.items()))
     lines = (f"from {source.get('path') or 'no file'}, with {made or 'unknown versions'}", "tested:")
@@ -111,13 +111,21 @@ def comparison_section(comparison: Comparison) -> Section:
 
 
 def diagnosis_section(diagnosis: Diagnosis, *, full: bool = False) -> Section:
-    """Return why the rope does not obey the capstan equation: the verdicts with their evidence.
+    """Return why the rope does not obey the capstan equation: supported causes with evidence, the others by name.
 
-    With `full`, the experiments that would decide as well.
+    With `full`, all causes with their evidence and the tests that would decide them.
     """
     if full:
         return Section(lines=diagnosis.text.splitlines())
-    notes = [f"{cause.cause}: {WORDS[cause.supported]}; {cause.evidence}" for cause in diagnosis.causes]
+    names: dict[str, list[str]] = {"yes": [], "no": [], "cannot-tell": []}
+    for one in diagnosis.causes:
+        names[one.supported].append(one.cause)
+    notes = [f"{one.cause}: {one.evidence}" for one in diagnosis.causes if one.supported == "yes"]
+    others = (
+        ("no", "not supported", ""),
+        ("cannot-tell", "not tested", "; `ropefric diagnose` names the tests"),
+    )
+    notes += [f"{words}: {', '.join(names[kind])}{more}" for kind, words, more in others if names[kind]]
     return Section("Does it obey the capstan equation?", (diagnosis.summary,), notes=notes)
 
 
@@ -244,7 +252,7 @@ _DIVISORS = {math.sqrt(3.0): "√3", math.sqrt(12.0): "√12", 1.0: "1"}
 
 
 def uncertainty_sections(stated: Statement, title: str, *, least_share: float = 0.0) -> tuple[Section, ...]:
-    """Return a statement of uncertainty as sections: budget with the check by draws, and what would reduce it.
+    """Return a statement of uncertainty as sections: budget with the check by draws, and measures to reduce it.
 
     Sources with less than `least_share` of the variance are named in a note, and have no line.
     """
@@ -271,7 +279,7 @@ def uncertainty_sections(stated: Statement, title: str, *, least_share: float = 
 
 
 def budgets_section(stated: Sequence[tuple[int, str, Statement]], title: str) -> Section:
-    """Return many statements as one table: number, condition in words, answer, U, and what dominates."""
+    """Return many statements as one table: number, condition in words, answer, U, and the largest part."""
     rows = []
     for number, words, item in stated:
         found, largest = item.budget, item.budget.lines[0]
@@ -316,13 +324,12 @@ def _draws_notes(stated: Statement, unit: str) -> Iterator[str]:
 
 _NAMED = 4
 _SHOWN_POINTS = 20
-_ROOM = 200
 _FATES = {"simulated": "yes", "left out": "no"}
 _SHOWN = {"rad]": ("deg]", math.degrees(1.0)), "m]": ("mm]", 1e3)}
 
 
 def solution_sections(solution: "Solution", tree: Mapping[str, Any]) -> list[Section]:
-    """Return what a scene's answer is, how sure, and what was simulated for it; `tree` is its `to_dict()`."""
+    """Return a scene's answer, its uncertainty and the simulated effects; `tree` is its `to_dict()`."""
     scene, plan = solution.scene, solution.plan
     lines = [] if scene.source is None else [f"friction: {scene.source.origin}"]
     # What belongs to one of many rollers or sides stands in that machine's own tables.
@@ -354,7 +361,7 @@ def _quantities(
     uncertain = any(quantity.std[0] != 0.0 for quantity in quantities)
     rows = []
     for quantity in quantities:
-        label, factor = _in_units(words.get(quantity.name) or _label(quantity.name))
+        label, factor = _in_units(words.get(quantity.name) or answer_label(quantity.name))
         std = factor * float(quantity.std[0])
         cells = [label, to_error(factor * float(quantity.value[0]), std)]
         if uncertain:
@@ -364,15 +371,6 @@ def _quantities(
         rows.append(cells)
     headings = ("quantity", "value", "standard error", f"{100 * level:g} % interval ")
     return headings[: 4 if uncertain else 2], rows
-
-
-def _label(name: str) -> str:
-    path, _, last = name.rpartition(".")
-    if last not in GLOSSARY:
-        return name
-    term = GLOSSARY[last]
-    words = term.meaning.partition(";")[0] + (f" [{term.unit}]" if term.unit not in {"", "-"} else "")
-    return f"{path}: {words}" if path else words
 
 
 def _in_units(label: str) -> tuple[str, float]:
@@ -392,7 +390,7 @@ def _method(plan: "Plan") -> str:
 
 
 def explanation_sections(told: "Explanation") -> list[Section]:
-    """Return the table of effects and the method, with what was measured if anything was."""
+    """Return the table of effects and the method, with measured times if there are any."""
     plan = told.plan
     rows = [[one.name, _FATES.get(one.fate, one.fate), _worth(one)] for one in plan.decisions]
     bound = _bound(plan.error_bound)
@@ -465,7 +463,7 @@ def _simulated(found: "Draws | Sweep") -> str:
 
 
 def draws_sections(drawn: "Draws", words: Mapping[str, str]) -> list[Section]:
-    """Return what draws of a scene's uncertain quantities lead to: mean, standard deviation and quantiles."""
+    """Return the result of draws of a scene's uncertain quantities: mean, standard deviation and quantiles."""
     lines = [
         f"uncertain inputs: {', '.join(drawn.inputs)}",
         _simulated(drawn),
@@ -474,7 +472,7 @@ def draws_sections(drawn: "Draws", words: Mapping[str, str]) -> list[Section]:
     ]
     rows = []
     for name, one in drawn.numbers.items():
-        label, factor = _in_units(words.get(name) or _label(name))
+        label, factor = _in_units(words.get(name) or answer_label(name))
         told = [to_error(factor * each, factor * one.std) for each in (one.value, one.mean, *one.quantiles)]
         rows.append([label, *told, f"{factor * one.std:.2g}"])
     tail = 50.0 * (1.0 - drawn.level)
@@ -485,9 +483,9 @@ def draws_sections(drawn: "Draws", words: Mapping[str, str]) -> list[Section]:
 
 
 def sweep_sections(sweep: "Sweep") -> list[Section]:
-    """Return what a sweep found: its points where they are few, else the range of every number.
+    """Return the result of a sweep: its points if they are few, otherwise the range of every number.
 
-    Only what changes from point to point has a column, as many as there is room for; the CSV has all.
+    Numbers that change have a column, as many as fit the width; the CSV has all.
     """
     total = math.prod(sweep.shape)
     title = f"{' × '.join(axis.key for axis in sweep.axes)}: {total} points"
@@ -502,8 +500,8 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
         rows = [(label, *cells) for label, cells in ends]
         return [Section(title, lines, ("quantity", "lowest", "highest"), rows, notes=sweep.warnings)]
     columns = _columns_of_points(sweep, moving)
-    widths = [2 + max(map(len, (*label.split(), *cells))) for label, cells in columns]
-    n = max(sum(reach <= _ROOM for reach in accumulate(widths)), len(sweep.axes) + 1)
+    widths = [2 + max(map(len, (*label.split(), *cells))) for label, cells in columns]  # headings are folded
+    n = max(sum(reach <= WIDTH for reach in accumulate(widths)), len(sweep.axes) + 1)
     if n < len(columns):
         more = counted(len(columns) - n, "column")
         lines.append(f"{more} more: --out FOLDER writes all to sweep.csv")
@@ -512,26 +510,26 @@ def sweep_sections(sweep: "Sweep") -> list[Section]:
 
 
 def _columns_of_points(sweep: "Sweep", moving: Sequence[str]) -> list[tuple[str, list[str]]]:
-    """Return what is swept and what moves with it: a label, and a cell for each point."""
+    """Return the swept quantities and the numbers that change with them: a label, and a cell for each point."""
     points = zip(*product(*((axis.values / axis.factor).tolist() for axis in sweep.axes)), strict=True)
     swept = [(axis.label, [f"{x:.5g}" for x in xs]) for axis, xs in zip(sweep.axes, points, strict=True)]
     return [*swept, *(_in_its_unit(name, sweep.columns[name].tolist()) for name in moving)]
 
 
 def _sweep_lines(sweep: "Sweep", still: Sequence[str]) -> Iterator[str]:
-    """Say what a sweep took in, where it has no answer, and which numbers are the same at every point."""
+    """Yield the simulated effects of a sweep, its points without an answer, and the numbers that do not change."""
     yield _simulated(sweep)
     yield from (f"{name} left out at {count} points" for name, count in sweep.left_out.items())
     if sweep.failed:
         yield f"{sweep.failed} points have no answer; the first says: {sweep.first_failure}"
     if still:
         shown = [_in_its_unit(name, sweep.ranges[name]) for name in still[:_NAMED]]
-        same = ", ".join(f"{label} {cells[0]}" for label, cells in shown)
-        more = f", and {len(still) - _NAMED} more" if len(still) > _NAMED else ""
+        same = "; ".join(f"{label} = {cells[0]}" for label, cells in shown)
+        more = f"; and {len(still) - _NAMED} more" if len(still) > _NAMED else ""
         yield f"the same at every point: {same}{more}"
 
 
 def _in_its_unit(name: str, values: Iterable[float]) -> tuple[str, list[str]]:
     """Return the label of a number and its values as cells, in the unit people read it in."""
-    label, factor = _in_units(_label(name))
+    label, factor = _in_units(answer_label(name))
     return label, [f"{factor * value:.5g}" for value in values]

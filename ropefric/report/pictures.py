@@ -1,4 +1,4 @@
-"""The figures of a report: which there are, under which chapter, and what is to be seen in them; drawn for the page."""
+"""The figures of a report, with their chapters and captions, drawn for the page."""
 
 from collections.abc import Iterator
 from concurrent.futures import Executor
@@ -72,7 +72,7 @@ def _swept(answer: CampaignAnswer) -> list[str]:
 
 def _of_trials(extraction: Extraction) -> Drawings:
     """Give the recordings not kept or with a remark, and a typical one of each condition."""
-    trials = of_trials.worth_a_look(extraction)
+    trials = of_trials.selected_trials(extraction)
     pages = of_trials.pages_of_recordings(trials)
     for place, page in enumerate(pages, start=1):
         caption = (

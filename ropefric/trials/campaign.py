@@ -14,7 +14,8 @@ import numpy as np
 
 from ropefric.errors import PATH, DataError, Problem, UnknownNameError, raise_problems
 from ropefric.files.disk import kind_of_file, write_files
-from ropefric.files.toml import TomlDocument, is_scene, read_toml
+from ropefric.files.toml import TomlDocument, is_scene, parse_toml, read_toml
+from ropefric.files.toml_edit import Keys, with_values
 from ropefric.files.toml_model import validate_document
 from ropefric.plugins import load_named
 from ropefric.registry import did_you_mean
@@ -44,7 +45,6 @@ TEMPLATES = ("campaign.toml", "trials.csv")
 """The files of a new campaign."""
 
 _NAME = re.compile(r"\w+")
-_LINE = re.compile(r'^(?:# )?(([a-z_]++) *+= *+)(?:"[^"\n]*+"|\[[^]\n]*+\])', re.MULTILINE)
 _SET_BY_TRIAL = {
     "end_tension": "end_tension_N",
     "lift_force": "lift_force_N",
@@ -68,37 +68,14 @@ def write_templates(
     return write_files(folder, contents, overwrite=overwrite)
 
 
-def template_texts(
-    section: str = "", settings: Mapping[str, Mapping[str, str]] | None = None
-) -> dict[str, bytes]:
-    """Return the commented files of a new campaign by name.
-
-    `settings` are keys by table, as TOML writes their values: a line that waits for one, perhaps as a comment, gets it.
-    """
+def template_texts(section: str = "", settings: Mapping[Keys, Any] | None = None) -> dict[str, bytes]:
+    """Return the commented files of a new campaign by name, with values for some keys of campaign.toml."""
     source = files("ropefric.trials") / "templates"
     contents = {name: (source / name).read_bytes() for name in TEMPLATES}
     text, mark, own = contents[TEMPLATES[0]].decode().partition(_HOW_TO_READ)
-    for table, keys in (settings or {}).items():
-        text = _with_keys(text, table, keys)
+    text = with_values(text, settings or {}).rstrip() + "\n\n"
     contents[TEMPLATES[0]] = (text + (section or mark + own)).encode()
     return contents
-
-
-def _with_keys(text: str, table: str, keys: Mapping[str, str]) -> str:
-    """Return a TOML text in which a table has some keys; "" is the part before all tables."""
-    head = f"[{table}]\n" if table else ""
-    before, found, after = ("", "", text) if not table else text.partition(f"# {head}")
-    if table and not found:
-        before, found, after = text.partition(head)
-    if table and not found:
-        return text + head + "".join(f"{key} = {value}\n" for key, value in keys.items()) + "\n"
-    end = after.find("\n\n" if table else "\n[") + 1 or len(after)
-    block, after = after[:end], after[end:]
-    for key, value in keys.items():
-        waits = next((found for found in _LINE.finditer(block) if found[2] == key), None)
-        at, said = (waits.span(), waits[1]) if waits else ((0, 0), f"{key} = ")
-        block = block[: at[0]] + said + value + ("" if waits else "\n") + block[at[1] :]
-    return before + head + block + after
 
 
 def load_campaign(
@@ -160,13 +137,14 @@ def check_campaign(path: str | os.PathLike[str]) -> tuple[Problem, ...]:
 
 
 def examine_campaign(
-    path: str | os.PathLike[str], *, flag_missing: bool = False
+    path: str | os.PathLike[str], *, flag_missing: bool = False, content: bytes | None = None
 ) -> tuple[Campaign | None, tuple[Problem, ...]]:
     """Return a campaign as far as it can be read, and everything that is wrong or doubtful.
 
+    `content` takes the place of what the campaign file contains, to check a change before it is written.
     With an error in its list, trials of wrong rows are included, to check their recordings; unknown values are NaN.
     """
-    document, unread = _document(path)
+    document, unread = _document(path, content)
     if document is None:
         return None, unread
     model, wrong = validate_document(CampaignFile, document)
@@ -213,10 +191,15 @@ def _flagged(problems: Iterable[Problem]) -> Iterator[Problem]:
     return (replace(p, severity="warning") if p.code == MISSING_RECORDING else p for p in problems)
 
 
-def _document(path: str | os.PathLike[str]) -> tuple[TomlDocument | None, tuple[Problem, ...]]:
+def _document(
+    path: str | os.PathLike[str], content: bytes | None
+) -> tuple[TomlDocument | None, tuple[Problem, ...]]:
     """Return a campaign file as TOML with the plugins that it names loaded, or why it is none."""
     try:
-        document = read_toml(path, "campaign file")
+        what = "campaign file"
+        document = (
+            read_toml(path, what) if content is None else parse_toml(content, Path(path).as_posix(), what)
+        )
     except DataError as error:
         return None, error.problems
     if is_scene(document.data):

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import DataError, InputError, Problem, RopefricError
+from ropefric.errors import DataError, InputError, Problem, RopefricError, known_error
 from ropefric.executors import spread
 from ropefric.files import disk
 from ropefric.files.disk import FileChangedError, InputFile
@@ -125,15 +125,11 @@ class _Work:
                 lambda file: extract_recording(self.campaign, rows, file=file),
                 shown=rows[0].file,
             )
-        except RopefricError as error:
-            return unreadable(self.campaign, rows, error)
         except MemoryError:
             raise
         except Exception as error:  # noqa: BLE001  (whatever a recording brings about, it ends that recording)
-            message = f"internal fault, {type(error).__name__}: {error}"
-            fix = "this is a bug in ropefric: please report it with the recording"
-            fault = RopefricError(message, code="RF000", path=rows[0].file, fix=fix)
-            return unreadable(self.campaign, rows, fault)
+            known = known_error(error, report_with="the recording", path=rows[0].file)
+            return unreadable(self.campaign, rows, known)
 
     def lost(self, place: int, why: Lost) -> Results:
         """Return the results of a file that could not be read to its end."""

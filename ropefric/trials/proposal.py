@@ -54,7 +54,7 @@ def propose_campaign(
     paths = [Path(os.path.normpath(folder / row[header.index("file")])) for row in rows]
     usual = Counter(path.suffix.lower() for path in paths).most_common(1)[0][0]
     alike = [path for path in paths if path.suffix.lower() == usual]
-    found = _inspected(alike, known, limits or Limits())
+    found = inspected(alike, known, limits or Limits())
     of_names = (missed,) if missed else ()
     if isinstance(found, str):
         return Proposal(trials, "", (*of_names, f"{alike[0].name} cannot be read: {found}"))
@@ -108,7 +108,7 @@ def _samples_of(
     ]
 
 
-def _inspected(paths: Sequence[Path], known: ImportProfile, limits: Limits) -> Inspection | str:
+def inspected(paths: Sequence[Path], known: ImportProfile, limits: Limits) -> Inspection | str:
     """Return the first of some files whose own proposal reads it, else the first that opens, or why none does."""
     some = list(dict.fromkeys((paths[0], paths[len(paths) // 2], paths[-1])))
     opened: list[Inspection] = []

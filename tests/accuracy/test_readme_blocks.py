@@ -39,7 +39,7 @@ def test_every_number_of_the_block_comes_from_a_study(script):
     block = script.cost_block("Z80")
     assert block.count("](../data/pictures/cost-") == len(script.PICTURES)
     assert block.endswith("Times in the pictures: Z80.\n")
-    for said in ("512 pieces", "8 points", "off by 4.2 %", "order 24 in one", "steps of 0.51 ms",
+    for said in ("512 pieces", "8 points", "error of 4.2 %", "order 24 in one", "steps above 0.51 ms",
                  "4 of 5 effects"):  # fmt: skip
         assert said in block
 

@@ -14,7 +14,7 @@ SCENES = Path(__file__).parents[2] / "data" / "scenes"
 def test_a_wide_sweep_shows_what_changes_and_says_where_the_rest_is(call):
     words = ("solve", f"{SCENES}/belt-press.toml", "--sweep", "press.preload=1000N:3000N:4", "--quiet")
     out = call(*words).out
-    assert "the same at every point: Power [W] 1673.8" in " ".join(out.split())
+    assert "the same at every point: Power [W] = 1673.8" in " ".join(out.split())
     left = int(re.search(r"(\d+) columns more: --out FOLDER", out)[1])
     row = next(line for line in out.splitlines() if line.split()[:1] == ["1000"])
     # The preload, and the numbers of the answer, nine of them the same at every point but for the last bits.

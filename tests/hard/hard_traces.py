@@ -262,8 +262,8 @@ def identical():
 
 
 @regime("degenerate fits", 1e-8, "exact sums; the truth of data without scatter",
-        "identical conditions, zero scatter, n < parameters, one radius, one wrap: what is determined, "
-        "against exact sums and the known truth; what is not is named")  # fmt: skip
+        "identical conditions, zero scatter, n < parameters, one radius, one wrap: parameters that "
+        "the data determine, against exact sums and the known truth; the others are named")  # fmt: skip
 def degenerate_fits():
     fit = fitted(*identical(), "constant")
     rises = identical()[1] - math.log(20.0)

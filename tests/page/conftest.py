@@ -95,7 +95,7 @@ def served(extracted, tmp_path_factory):
         desk.close()
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def settled():
     """Return what all trials of a review say, once that is computed."""
 

@@ -1,6 +1,11 @@
 """What the page says of a law, of wheels and of machines is what the commands say."""
 
+import csv
+import io
 import json
+import shutil
+import time
+from contextlib import redirect_stdout
 
 import pytest
 
@@ -8,17 +13,32 @@ from ropefric.cli.app import main
 from ropefric.errors import DataError
 from ropefric.fitting import compare
 from ropefric.page import answers
+from ropefric.page.desk import Desk
+from ropefric.page.review import Review
+from ropefric.report.page import find_browser
 from ropefric.scenes.keys import scene_keys
 from ropefric.scenes.kinds import KINDS
 
+FEW = {name: compare.LAWS[name] for name in compare.ALWAYS}
 
-@pytest.fixture
-def reviewed(begin, settled, monkeypatch):
-    """A review of the campaign with few laws, and what all its trials say."""
-    monkeypatch.setattr(compare, "LAWS", {name: compare.LAWS[name] for name in compare.ALWAYS})
-    review = begin(fits=True)
-    settled(review)
-    return review, review.run()
+
+@pytest.fixture(scope="module")
+def reviewed(extracted, settled, tmp_path_factory):
+    """A review after two decisions, its answers before and after, and what `run` prints; only read it."""
+    folder = tmp_path_factory.mktemp("answers") / "campaign"
+    shutil.copytree(extracted, folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(compare, "LAWS", FEW)
+        review = Review(folder / "campaign.toml", by="A. Meier")
+        first = settled(review)["now"]
+        for trial in ("c28-r03", "c35-r02"):  # the second while the first is being fitted
+            review.decide(trial, "pick", pick_s=review.trial(trial)["candidates"][0]["time_s"])
+        answer = settled(review)
+        with redirect_stdout(io.StringIO()) as said:
+            words = ["run", str(folder / "campaign.toml"), "--out", str(folder / "fresh"), "--no-figures"]
+            main([*words, "--quiet", "--json"])
+    yield review, first, answer, json.loads(said.getvalue())
+    review.close()
 
 
 @pytest.fixture
@@ -28,11 +48,24 @@ def machines():
     made.close()
 
 
-def test_laws_data_and_wheels_are_those_of_the_commands(reviewed, settled, campaign, capfd):
-    review, run = reviewed
-    out = campaign / "fresh"
-    main(["run", str(campaign / "campaign.toml"), "--out", str(out), "--no-figures", "--quiet", "--json"])
-    told, tree = json.loads(capfd.readouterr().out), answers.law_of(review, run)
+def test_what_the_page_says_is_what_run_says(reviewed):
+    review, first, answer, told = reviewed
+    assert answer["before"] == answer["first"] == first
+    said, found = answer["now"], told["prediction"]
+    assert (said["law"], said["lift"] != first["lift"]) == (told["law"], True)
+    assert said["lift"]["force_N"] == pytest.approx(found["lift_force_N"], rel=1e-6)
+    assert [said["lift"]["low_N"], said["lift"]["high_N"]] == pytest.approx(found["interval_N"], rel=1e-6)
+    with (review.trial_list.parent / "fresh" / "trials.csv").open(newline="") as file:
+        row = next(one for one in csv.DictReader(file) if one["trial"] == "c28-r03")
+    assert (row["status"], row["kept"], row["decided_by"]) == ("ok", "true", "A. Meier")
+    force_N = review.overview()["rows"]["c28-r03"]["force_N"]
+    assert float(row["peak_N"]) == pytest.approx(force_N, rel=1e-7)
+
+
+def test_laws_data_and_wheels_are_those_of_the_commands(reviewed, capfd):
+    review, _, _, told = reviewed
+    run = review.run()
+    tree = answers.law_of(review, run)
     assert json.loads(json.dumps(tree, allow_nan=False)) == tree
     assert (tree["law"], tree["verdict"]) == (told["law"], told["verdict"])
     assert [one["law"] for one in tree["ranking"]] == [one["law"] for one in told["ranking"]]
@@ -43,7 +76,7 @@ def test_laws_data_and_wheels_are_those_of_the_commands(reviewed, settled, campa
     assert all(low < force < high for _, force, low, high in points)
 
     wheel = ("--wheel-radius", "35 mm", "--wrap", "300 deg", "--end-tension", "60 N", "--json")
-    fit = str(out / "fits" / f"{tree['law']}.json")
+    fit = str(review.trial_list.parent / "fresh" / "fits" / f"{tree['law']}.json")
     main(["predict", "--fit", fit, *wheel])
     said = json.loads(capfd.readouterr().out)
     rope_m = run.campaign.rope.radius_m
@@ -56,20 +89,7 @@ def test_laws_data_and_wheels_are_those_of_the_commands(reviewed, settled, campa
     lift = answers.lift_of(run, at)
     assert lift["lift_force_N"] == pytest.approx(said["lift_force_N"], rel=1e-6)
     assert lift["interval_N"] == pytest.approx(said["interval_N"], rel=1e-4)
-    main(
-        [
-            "design",
-            "--fit",
-            fit,
-            "--lift",
-            "200 N",
-            "--wheel-radius",
-            "35 mm",
-            "--end-tension",
-            "60 N",
-            "--json",
-        ]
-    )
+    main(["design", "--fit", fit, "--lift", "200 N", *wheel[:2], *wheel[4:]])
     said = json.loads(capfd.readouterr().out)
     found = answers.inverse_of(run, 200.0, "wrap", 0.95, at)
     assert (found["status"], found["wrap_angle_rad"]) == (
@@ -78,29 +98,54 @@ def test_laws_data_and_wheels_are_those_of_the_commands(reviewed, settled, campa
     )
 
 
-def test_a_condition_is_switched_off_with_a_reason_and_on_again(reviewed, settled):
-    review, run = reviewed
-    one = answers.law_of(review, run)["conditions"][0]
-    names = [name for name, row in review.overview()["rows"].items() if row["condition"] == one["words"]]
-    first = names[0]
-    review.decide(first, "exclude", text="torn")
-    review.switch(one["trial"] if one["trial"] != first else names[1], "wet rope")
-    rows = review.overview()["rows"]
-    assert [rows[name]["excluded"] for name in names] == ["torn", *["wet rope"] * (len(names) - 1)]
-    settled(review)
-    review.switch(names[1], "")
-    rows = review.overview()["rows"]
-    assert [rows[name]["excluded"] for name in names] == ["torn", *[""] * (len(names) - 1)]
+def test_a_condition_is_switched_off_with_a_reason_and_on_again(begin):
+    review = begin()
+    words = review.overview()["rows"]["c11-r01"]["condition"]
+
+    def excluded():
+        rows = review.overview()["rows"].values()
+        return [row["excluded"] for row in rows if row["condition"] == words]
+
+    review.decide("c11-r01", "exclude", text="torn")
+    review.switch("c11-r02", "wet rope")
+    assert excluded() == ["torn", *["wet rope"] * 3]
+    review.switch("c11-r02", "")
+    assert excluded() == ["torn", *[""] * 3]
 
 
-def test_another_law_is_used_where_that_is_asked(reviewed, settled):
-    review, run = reviewed
-    other = next(one.law for one in run.answer.comparison.ranking if one.law != run.answer.fit.law)
-    review.use_law(other)
-    assert settled(review)["now"]["law"] == other
-    assert answers.law_of(review, review.run())["asked"] == other
+def test_another_law_is_used_where_that_is_asked(begin, settled, monkeypatch):
+    monkeypatch.setattr(compare, "LAWS", FEW)
+    review = begin(fits=True)
+    review.use_law("constant-offset")
+    assert settled(review)["now"]["law"] == review.law == "constant-offset"
+    assert answers.law_of(review, review.run())["asked"] == "constant-offset"
     with pytest.raises(LookupError):
         review.use_law("nonsense")
+
+
+@pytest.mark.slow  # a browser prints the page
+@pytest.mark.parametrize("options", [["--short"], ["--pdf"]])
+def test_a_report_has_the_bytes_of_the_command(campaign, begin, monkeypatch, options):
+    if "--pdf" in options:
+        find_browser()
+    monkeypatch.setattr(compare, "LAWS", FEW)
+    monkeypatch.chdir(campaign)
+    desk = Desk(campaign / "campaign.toml", by="A. Meier", out=campaign / "page", review=begin())
+    desk.writes["report"]({name.removeprefix("--"): True for name in options})
+    while (told := desk.work.told())["running"]:
+        time.sleep(0.05)
+    assert told["result"]["reports"][0] == "report.html"
+    assert main(["report", str(campaign / "campaign.toml"), "--out", "command", *options, "--quiet"]) in {
+        0,
+        4,
+    }
+    made, same = (
+        {path.name: path.read_bytes() for path in (campaign / name).glob("*") if path.is_file()}
+        for name in ("page", "command")
+    )
+    assert made.keys() == same.keys()
+    assert [name for name in made if made[name] != same[name]] == []
+    assert ("report.pdf" in made) == ("--pdf" in options)
 
 
 def test_every_template_is_a_form_that_solves_as_the_command_does(machines, tmp_path, capfd):
@@ -128,15 +173,12 @@ def test_every_template_is_a_form_that_solves_as_the_command_does(machines, tmp_
 
 
 def test_the_law_of_the_campaign_drives_a_machine(reviewed, machines):
-    _, run = reviewed
-    told = machines.solve("hoist", {}, run.answer.fit)
+    told = machines.solve("hoist", {}, reviewed[0].run().answer.fit)
     assert told["answer"]["lift_force_N"] > 0
     assert told["answer"] != machines.solve("hoist", {}, None)["answer"]
 
 
 def test_every_key_says_what_it_is():
-    for kind in KINDS.values():
-        for one in scene_keys(kind.schema):
-            assert one.meaning or one.name in {"system", "effects", "accuracy", "tolerances", "plugins"}, (
-                one.name
-            )
+    of_all = {"system", "effects", "accuracy", "tolerances", "plugins"}
+    keys = (one for kind in KINDS.values() for one in scene_keys(kind.schema))
+    assert [one.name for one in keys if not one.meaning and one.name not in of_all] == []

@@ -50,8 +50,7 @@ def test_what_is_proposed_is_what_init_writes(lab, tmp_path):
     assert any(
         "sensitivity" in one["fix"] for one in told["problems"] if one.get("key") == "import.channels.force"
     )
-    draft.home = tmp_path
-    draft._texts = {}
+    draft = Draft(tmp_path)
     with pytest.raises(InputError, match="nothing is proposed"):
         draft.write(overwrite=False)
     draft.propose(wish_of(asked(lab)))
@@ -104,9 +103,9 @@ def test_recordings_are_read_again_only_where_it_matters(lab, tmp_path):
 def test_a_recording_is_drawn_in_its_own_unit_before_anybody_knows_what_that_means(lab, tmp_path):
     draft = Draft(tmp_path)
     with pytest.raises(InputError, match="no recording is read"):
-        draft.trace(0, float("nan"), float("nan"), 100)
+        draft.trace(0, 100)
     draft.propose(wish_of(asked(lab)))
-    tree = draft.trace(0, float("nan"), float("nan"), 100)
+    tree = draft.trace(0, 100)
     assert tree["units"] == {"force": "mV", "end_tension": "mV"}
     assert max(tree["curves"]["force"]["high_N"]) == pytest.approx(
         20 * 2.718281828 ** (0.21 * 3.14159265) / 25 + 0.31, rel=0.02
@@ -135,7 +134,7 @@ def test_a_template_takes_settings_in_the_line_that_waits_for_them(name, table):
     wish = wish_of(
         {"recordings": "x", "settings": {name: {"radius": "12 mm"}, "design": {"wrap_angle": "90 deg"}}}
     )
-    text = template_texts("", wish.settings)["campaign.toml"].decode()
+    text = template_texts("", wish.given(importing=False))["campaign.toml"].decode()
     assert f'{table}\nradius = "12 mm"' in text
     assert '\n[design]\n# wheel_radius = "35 mm"\nwrap_angle   = "90 deg"\n' in text
     assert template_texts()["campaign.toml"].decode().count("[design]") == 1
@@ -154,3 +153,134 @@ def test_a_desk_begins_with_what_stands_there(lab, campaign):
         )
     with pytest.raises(InputError, match="no campaign is open"):
         _ = desk.opened
+
+
+@pytest.fixture
+def written(lab, tmp_path):
+    """A campaign that was written by the page, and then changed by its user in an editor."""
+    draft = Draft(tmp_path)
+    path = draft.propose(corrected(lab, draft.propose(wish_of(asked(lab))))) and draft.write(overwrite=False)
+    text = path.read_text(encoding="utf-8").replace('name   = "Mine"', "name   = 'Mine'  # of spring")
+    text = text.replace("[protocol]\n", '[protocol]\nwrap_tolerance = "1 deg"\n')
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def shown(draft):
+    """What the page sends of a campaign that is there, where nobody has changed a field."""
+    data, told = draft.form(), draft.propose(wish_of({}))
+    tables = ("rope", "tare", "design", "adc")
+    settings = {name: dict(data[name]) for name in tables if name in data} | {"": {"name": data["name"]}}
+    settings |= {f"wheels.{name}": dict(wheel) for name, wheel in data["wheels"].items()}
+    settings["import"] = {
+        "format": data["import"].get("format", ""),
+        "recording_column": "",
+        "sampling_rate": "",
+    }
+    return {"channels": {name: dict(one) for name, one in told["channels"].items()}, "settings": settings}
+
+
+def test_a_campaign_that_is_there_is_changed_in_the_lines_that_were_asked_for(written):
+    draft, before = Draft(written.parent, written), written.read_text(encoding="utf-8")
+    tree = shown(draft)
+    told = draft.propose(wish_of(tree))
+    assert (told["difference"], told["there"], errors_of(told), told["n_rows"]) == ("", [], [], 4)
+    tree["settings"]["rope"]["diameter"] = "11 mm"
+    tree["settings"]["tare"]["interval"] = ""
+    tree["settings"]["wheels.R30"]["radius"] = "31 mm"
+    tree["settings"]["design"] = {"wheel_radius": "35 mm", "wrap_angle": "90 deg", "end_tension": "60 N"}
+    tree["channels"]["force"]["sensitivity"] = "26 N/mV"
+    told = draft.propose(wish_of(tree))
+    lists = written.with_name("trials.csv").read_bytes()
+    went, came = (
+        {line[1:] for line in told["difference"].splitlines() if line[:1] == mark and line[1:2] != mark}
+        for mark in "-+"
+    )
+    assert {line.strip() for line in came if "sensitivity" not in line and "diameter" not in line} == {
+        'radius = "31 mm"',
+        "[design]",
+        'wheel_radius = "35 mm"',
+        'wrap_angle   = "90 deg"',
+        'end_tension  = "60 N"',
+    }
+    assert {"[tare]", 'interval = ["0 s", "0.35 s"]'} <= went
+    assert draft.write(overwrite=True) == written
+    after = written.read_text(encoding="utf-8")
+    assert [one for one in check_campaign(written) if one.severity == "error"] == []
+    for kept in (
+        "name   = 'Mine'  # of spring",
+        'wrap_tolerance = "1 deg"',
+        'sensitivity = "26 N/mV"',
+        'sensitivity = "40 N/mV"',
+    ):
+        assert kept in after
+    assert after.count("\n#") == before.count("\n#") - 4  # of the design, which waited as comments
+    assert written.with_name("trials.csv").read_bytes() == lists
+    assert draft.trace(3, 50)["units"]["force"] == "N"
+
+
+def test_a_campaign_changed_by_somebody_else_meanwhile_is_not_written_over(written):
+    draft = Draft(written.parent, written)
+    tree = shown(draft)
+    tree["settings"][""]["name"] = "Other"
+    assert "Other" in draft.propose(wish_of(tree))["difference"]
+    theirs = written.read_bytes() + b"# theirs\n"
+    written.write_bytes(theirs)
+    with pytest.raises(DataError, match="somebody else") as refused:
+        draft.write(overwrite=True)
+    assert (refused.value.code, written.read_bytes()) == ("RF153", theirs)
+
+
+def test_what_is_wrong_with_a_change_is_told_before_it_is_written(written):
+    draft, before = Draft(written.parent, written), written.read_bytes()
+    tree = shown(draft)
+    tree["settings"]["rope"]["diameter"] = "11"
+    assert any("unit" in one for one in errors_of(draft.propose(wish_of(tree))))
+    assert written.read_bytes() == before
+
+
+def test_channels_that_were_found_out_are_all_stated_once_one_is_changed(written):
+    text = written.read_text(encoding="utf-8")
+    written.write_text(text[: text.index("[import.channels]")], encoding="utf-8")
+    draft = Draft(written.parent, written)
+    tree = shown(draft)
+    assert draft.propose(wish_of(tree))["difference"] == ""
+    for name, one in tree["channels"].items():
+        one["sensitivity"] = SENSITIVITIES.get(name, "")
+    assert errors_of(draft.propose(wish_of(tree))) == []
+    draft.write(overwrite=True)
+    assert (
+        written.read_text(encoding="utf-8").count("Zeit")
+        + written.read_text(encoding="utf-8").count("Uhrzeit")
+        >= 1
+    )
+    assert not [one for one in check_campaign(written) if one.severity == "error"]
+
+
+def test_force_cells_and_the_converter_are_stated_and_named_in_the_list(lab, tmp_path):
+    (tmp_path / "daq").mkdir()
+    for name in ("R30_180deg_20N_1.csv", "R30_360deg_20N_1.csv"):
+        rows = [f"{i / 100},{100 + 3 * min(i, 200) - (60 if i > 200 else 0)}" for i in range(400)]
+        (tmp_path / "daq" / name).write_text("time_s,counts\n" + "\n".join(rows) + "\n")
+    tree = {
+        "recordings": str(tmp_path / "daq"),
+        "pattern": "R{wheel_radius_mm}_{wrap_angle_deg}deg_{end_tension_N}N_{repeat}",
+    }
+    channels = {"time": {"column": "time_s", "unit": "s"}, "counts": {"column": "counts"}}
+    settings = {"rope": {"diameter": "9 mm"}, "adc": {"bits": 12, "low": "0 V", "high": "5 V"}}
+    settings["cells.K7"] = {
+        "full_scale": "1 kN",
+        "zero_voltage": "0 V",
+        "full_scale_voltage": "5 V",
+        "rated_output": "",
+    }
+    draft = Draft(tmp_path)
+    told = draft.propose(wish_of(tree | {"channels": channels}))
+    assert any("force cell" in one for one in errors_of(told))
+    told = draft.propose(
+        wish_of(tree | {"channels": channels, "settings": settings, "cells": {"cell": "K7", "end_cell": ""}})
+    )
+    assert (errors_of(told), told["header"][-1], {row[-1] for row in told["rows"]}) == ([], "cell", {"K7"})
+    path = draft.write(overwrite=False)
+    assert "[adc]\nbits = 12\n" in path.read_text(encoding="utf-8")
+    assert not [one for one in check_campaign(path) if one.severity == "error"]

@@ -180,7 +180,11 @@ def test_a_port_that_is_taken_is_told(served):
 
 
 def test_the_command_serves_until_it_is_interrupted(campaign):
-    out = campaign / "out"
+    out, path = campaign / "out", campaign / "trials.csv"
+    head, *rows = path.read_text().splitlines(keepends=True)[1:]
+    path.write_text(
+        "".join([head, *rows[-4:]])
+    )  # of one condition: to fit laws to more takes longer than all else
     (out / "manifest.json").write_text(
         json.dumps({"schema": "ropefric.run/1", "campaign": "../campaign.toml", "law": ""})
     )

@@ -26,7 +26,7 @@ def test_it_tells_how_far_it_is_and_what_came_of_it():
     assert work.begin("reading", do)["running"]
     while work.told()["done"] < 1:
         time.sleep(0.005)
-    with pytest.raises(InputError, match="reading is still going on"):
+    with pytest.raises(InputError, match="reading has not finished yet"):
         work.begin("other", do)
     told = work.told()
     assert (told["done"], told["total"], told["item"]) == (1, 3, "first")

@@ -187,3 +187,11 @@ def test_no_wrap_is_lost_from_a_figure_over_the_load(wrap_deg):
     )
     assert "12 trials shown of 12 fitted" in made.figure.axes[0].get_title()
     assert len(made.tables[1].rows) == 3
+
+
+def test_a_prediction_shows_the_measured_conditions_of_its_fit(fitted):
+    fit = fitted["wrap-power"]
+    axes = predict(fit, Conditions(**STAR | {"wrap_angle_rad": np.array([2.0, 5.0])})).plot()
+    (points,) = (line for line in axes.lines if "measured" in str(line.get_label()))
+    np.testing.assert_allclose(points.get_xdata(), np.degrees(fit.trials["wrap_angle_rad"]))
+    np.testing.assert_allclose(points.get_ydata(), np.exp(fit.trials["mean_log_lift"]))

@@ -7,6 +7,7 @@ import pytest
 
 from ropefric.cli.app import main
 from ropefric.files.folder import OutputFolder
+from ropefric.fitting import compare
 from ropefric.fitting.compare import choose_law
 from ropefric.fitting.predict import predict
 from ropefric.fitting.result import Verdict
@@ -30,8 +31,9 @@ def with_prediction(run, prediction):
 
 
 @pytest.mark.slow
-def test_the_report_is_made_again(run, results, tmp_path, capfd):
+def test_the_report_is_made_again(run, few_laws, tmp_path, capfd, monkeypatch):
     """From its folder alone: the manifest knows the campaign and the law that was asked for."""
+    monkeypatch.setattr(compare, "LAWS", few_laws)
     folder = tmp_path / "out"
     wheel = run.answer.prediction.conditions
     winner = choose_law(run.answer.comparison, "constant", wheel)

@@ -113,11 +113,13 @@ def test_a_short_report_is_the_first_pages_alone(run, results, page, tmp_path):
 def test_decisions_of_people_stand_on_the_first_page_and_in_the_annex(run, without_figures):
     trials = list(run.extraction.trials)
     taken = {"decision": "peak_N = 90 N", "by": "A. Smith", "why": "the cell slipped"}
-    trials[3] = replace(trials[3], **taken)
+    trials[3] = replace(trials[3], **taken, when="2026-11-22T14:30:00+00:00")
+    trials[4] = replace(trials[4], excluded="torn", by="B. Jones", when="2026-11-25T09:00:00+00:00")
     changed = without_figures(replace(run, extraction=replace(run.extraction, trials=tuple(trials))))
-    assert "<li>1 trial decided by A. Smith.</li>" in changed
+    said = "<li>2 trials decided by A. Smith, B. Jones from 2026-11-22 to 2026-11-25.</li>"
+    assert said in changed
     table = changed[changed.index("<h3>Decisions of people") : changed.index("<h3>Conditions")]
-    for word in (trials[3].trial, *taken.values()):
+    for word in (trials[3].trial, *taken.values(), "2026-11-22", "B. Jones", "2026-11-25"):
         assert f">{word}</t" in table
 
 

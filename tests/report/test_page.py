@@ -5,16 +5,13 @@ import hashlib
 import html
 import json
 import math
-import pickle
 import re
-from concurrent.futures import Executor, Future
 from html.parser import HTMLParser
 
 import pytest
 
 from ropefric.fitting.store import load_fit
 from ropefric.plotting.campaign import typical_trial
-from ropefric.report.campaign import write_report
 from ropefric.report.parts import plus_minus
 
 LARGEST_BYTES = 3_000_000
@@ -172,18 +169,3 @@ def test_the_inputs_stand_in_it_with_their_hashes(page, campaign, results):
     for place in (campaign.parent, results.parent):
         assert str(place) not in page
     assert not re.search(r"\b20\d\d-\d\d-\d\d\b", page)
-
-
-class _ElsewhereExecutor(Executor):
-    """An executor whose work is sent as to another process."""
-
-    def submit(self, work, /, *words, **named):
-        done = Future()
-        again, words, named = pickle.loads(pickle.dumps((work, words, named)))  # noqa: S301  (our own)
-        done.set_result(again(*words, **named))
-        return done
-
-
-def test_every_figure_can_be_drawn_in_another_process(run, tmp_path):
-    write_report(run, tmp_path, executor=_ElsewhereExecutor())
-    assert all(any(tmp_path.glob(f"figures/{name}*")) for name in FIGURES)

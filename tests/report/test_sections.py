@@ -1,13 +1,17 @@
 """Text and pages of sections: aligned, folded where it may be, nothing lost, nothing that is not a number shown."""
 
 import math
+from pathlib import Path
 
+import ropefric as rf
 from ropefric.report.page import Chapter, Report, as_html
+from ropefric.report.parts import diagnosis_section
 from ropefric.section import WIDTH, Section, as_text, interval, plain
 
 TABLE = Section(
     headings=("law", "ΔAICc", "why "), rows=(("constant", "0.0", "won"), ("coupled", "1234.5", ""))
 )
+TRIALS = Path(__file__).parents[2] / "fits" / "prth-trials.csv"
 LONG = " ".join(["friction"] * 40)
 
 
@@ -43,3 +47,22 @@ def test_what_is_no_number_is_shown_as_none_and_an_open_interval_as_open():
     shown = {math.nan: "–", math.inf: "∞", -math.inf: "−∞", None: "–", 0.0: "0", 1234567.0: "1.235e+06"}
     assert [plain(value) for value in shown] == [*shown.values()]
     assert (interval((0.1, math.inf)), interval((math.nan, math.nan))) == ("0.1 … ∞", "–")
+
+
+def test_long_headings_are_folded_where_that_makes_a_table_fit():
+    headings = ["point", *(f"Effective tension {i} [N]" for i in range(8))]
+    lines = as_text([Section(headings=headings, rows=[["1", *["792.1"] * 8]])]).splitlines()
+    assert max(map(len, lines)) <= WIDTH
+    assert " ".join(" ".join(lines[:-1]).split()).count("Effective") == 8
+    assert lines[-1].split() == ["1", *["792.1"] * 8]
+    wide = Section(headings=("standard error", "meaning "), rows=[["0.1", LONG]])
+    assert as_text([wide]).splitlines()[0] == "standard error  meaning"
+
+
+def test_causes_that_were_not_tested_are_one_line():
+    found = rf.diagnose(TRIALS)
+    notes = diagnosis_section(found).notes
+    supported = [one.cause for one in found.causes if one.supported == "yes"]
+    assert [note.partition(":")[0] for note in notes] == [*supported, "not supported", "not tested"]
+    untested = [one.cause for one in found.causes if one.supported == "cannot-tell"]
+    assert notes[-1] == f"not tested: {', '.join(untested)}; `ropefric diagnose` names the tests"

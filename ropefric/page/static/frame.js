@@ -22,7 +22,7 @@ export async function call(path, query = {}, body = null) {
     answer = await fetch(`/api/${path}?${new URLSearchParams(query)}`, options);
     tree = await answer.json();
   } catch {
-    throw { message: "ropefric does not answer: has it been ended?", fix: "what was written stands; start `ropefric app` again" };
+    throw { message: "ropefric does not answer; it may have ended", fix: "written files are safe; start `ropefric app` again" };
   }
   if (tree.error) throw { ...tree.error, status: answer.status };
   return tree;

@@ -1,4 +1,4 @@
-// Step 3: which law the trials support, how well it fits, what is open, and conditions switched on and off.
+// Step 3: the law that the trials support, its fit, open questions, and conditions switched on and off.
 import { $, call, calm, fail, fill, listed, make, plain, shown, step, tableRow, unit, withStd, work } from "./frame.js";
 import { chart } from "./canvas.js";
 
@@ -41,7 +41,7 @@ function show() {
   }));
   fill($("l-parameters"), ["", "value", "95 % interval"], Object.entries(told.parameters).map(([name, one]) =>
     [name, withStd(one.value, one.std, one.unit ?? ""), `[${plain(one.ci95?.[0])}, ${plain(one.ci95?.[1])}]`]));
-  fill($("l-conditions"), ["condition", "counting", "mean", "s", ""], told.conditions.map((one) => {
+  fill($("l-conditions"), ["condition", "kept", "mean", "s", ""], told.conditions.map((one) => {
     const button = make("button", one.off ? "Switch on" : "Switch off…"), cell = make("td");
     button.onclick = () => switchOf(one);
     button.setAttribute("aria-label", `${button.textContent} ${one.words}`);

@@ -50,7 +50,7 @@ async function solve() {
     $("m-said").textContent = told.computing ? `computing (${told.computing})` : "";
     if (told.computing) { setTimeout(solve, 500); return; }
     $("m-answer").textContent = told.text;
-    fill($("m-effects"), ["effect", "", "worth", "why"], told.effects.map((one) =>
+    fill($("m-effects"), ["effect", "used", "largest influence", "why"], told.effects.map((one) =>
       [one.name, one.fate, one.worth === null ? "–" : `${plain(100 * one.worth, 2)} %`, one.why]));
   } catch (error) {
     if (mine !== number) return;

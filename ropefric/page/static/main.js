@@ -1,4 +1,4 @@
-// The beginning: the steps, and the campaign that stands here already.
+// The beginning: the steps, and the campaign that exists already.
 import { fail, go, refresh, state, work } from "./frame.js";
 import "./recordings.js";
 import "./picks.js";

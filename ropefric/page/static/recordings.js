@@ -3,28 +3,85 @@ import { $, call, calm, fail, fill, go, listed, make, plain, refresh, shown, sta
 import { chart } from "./canvas.js";
 
 const ROLES = { time: "time", force: "force", end_tension: "end tension", counts: "counts", end_tension_counts: "counts of the end tension" };
-const R = { told: null, scales: null, marked: null };
+const CELL = { full_scale: "1 kN", zero_voltage: "0 V", full_scale_voltage: "5 V", rated_output: "2 mV/V" };
+// `data` are the settings of the campaign as its file states them; `campaign` is that file, "" for a new one.
+const R = { told: null, scales: null, data: {}, campaign: null };
 const text = (id) => $(id).value.trim();
+const sizeOf = (round) => round?.radius !== undefined ? "radius" : "diameter";
+const rateOf = () => R.data.sampling ? ["sampling", "rate"] : ["import", "sampling_rate"];
 
-// --- what a person says ---
+// --- the settings of a campaign that is there, in the fields ---
+
+async function begin(anew) {
+  R.data = await call("begin", {}, { anew });
+  Object.assign(R, { told: null, campaign: state.campaign, trace: null });
+  const editing = !anew && state.campaign !== "", { rope, tare, design, adc, import: own } = R.data;
+  for (const id of ["r-place", "r-names"]) $(id).hidden = editing;
+  $("r-there").hidden = $("r-more").hidden = !editing;
+  $("r-write").textContent = editing ? "Write the changes and continue" : "Write the campaign and continue";
+  $("r-rope-size").textContent = `${sizeOf(rope) === "radius" ? "Radius" : "Diameter"} of the rope`;
+  const fields = { name: R.data.name, rope: rope?.[sizeOf(rope)], from: tare?.interval?.[0], until: tare?.interval?.[1],
+    "design-radius": design?.wheel_radius, "design-wrap": design?.wrap_angle, "design-tension": design?.end_tension,
+    "adc-bits": adc?.bits, "adc-low": adc?.low, "adc-high": adc?.high, rate: R.data[rateOf()[0]]?.[rateOf()[1]], pattern: "" };
+  for (const [name, value] of Object.entries(fields)) $(`r-${name}`).value = value ?? "";
+  choose($("r-format"), own?.format ?? "");
+  const column = own?.recording_column ?? "";
+  choose($("r-recording_column"), typeof column === "number" ? `#${column}` : column);
+  $("r-channels").tBodies[0].replaceChildren();
+  $("r-wheels").replaceChildren();
+  const cells = editing ? Object.entries(R.data.cells ?? {}) : [["", { column: "cell" }], ["", { column: "end_cell" }]];
+  fill($("r-cells"), ["cell", "measures", ...Object.keys(CELL).map((key) => key.replaceAll("_", " "))], cells.map(cellRow));
+  $("r-electric").hidden = editing && !cells.length && !adc;
+  $("r-electric").open = editing && !$("r-electric").hidden;
+}
+function choose(select, value) {
+  if (![...select.options].some((one) => one.value === value)) select.append(new Option(value, value));
+  select.value = value;
+}
+function cellRow([name, given], place) {
+  const made = make("tr"), of = given.column === "end_cell" ? "end tension" : given.column ? "force" : "as in the list";
+  const field = (key, value, example) => {
+    const one = make("input"), cell = make("td");
+    Object.assign(one, { value: value ?? "", placeholder: example, onchange: look, id: `r-cell-${place}-${key}`, readOnly: key === "name" && name !== "" });
+    one.setAttribute("aria-label", `${key.replaceAll("_", " ")} of cell ${name || place + 1}`);
+    cell.append(one);
+    return cell;
+  };
+  made.dataset.column = given.column ?? "";
+  made.append(field("name", name, `K${place + 1}`), make("td", of), ...Object.entries(CELL).map(([key, example]) => field(key, given[key], example)));
+  return made;
+}
+const cellsOf = () => [...$("r-cells").tBodies[0].rows].map((row) => {
+  const [name, ...values] = [...row.querySelectorAll("input")].map((one) => one.value.trim());
+  return { name, column: row.dataset.column, keys: Object.fromEntries(Object.keys(CELL).map((key, place) => [key, values[place]])) };
+}).filter((one) => one.name);
+
+// --- the wish of a person ---
 
 function wish() {
-  const channels = {}, settings = { "": { name: text("r-name") }, rope: { diameter: text("r-rope") } };
+  const bits = text("r-adc-bits"), channels = {}, cells = {}, settings = { "": { name: text("r-name") }, rope: { [sizeOf(R.data.rope)]: text("r-rope") },
+    tare: { interval: text("r-from") && text("r-until") ? [text("r-from"), text("r-until")] : "" },
+    adc: { bits: Number(bits) || bits, low: text("r-adc-low"), high: text("r-adc-high") },
+    design: { wheel_radius: text("r-design-radius"), wrap_angle: text("r-design-wrap"), end_tension: text("r-design-tension") },
+    import: { format: text("r-format"), recording_column: text("r-recording_column") } };
+  const [table, rate] = rateOf();
+  settings[table] = { ...settings[table], [rate]: text("r-rate") };
   for (const row of $("r-channels").tBodies[0].rows) {
     const [column, unit, sensitivity] = [...row.querySelectorAll("select, input")].map((one) => one.value.trim());
-    if (column) channels[row.dataset.role] = { column, unit, sensitivity };
+    channels[row.dataset.role] = { column, unit: column && unit, sensitivity: column && sensitivity };
   }
-  for (const field of $("r-wheels").querySelectorAll("input")) settings[`wheels.${field.dataset.wheel}`] = { radius: field.value.trim() };
-  if (text("r-from") && text("r-until")) settings.tare = { interval: [text("r-from"), text("r-until")] };
-  const design = { wheel_radius: text("r-design-radius"), wrap_angle: text("r-design-wrap"), end_tension: text("r-design-tension") };
-  if (Object.values(design).some(Boolean)) settings.design = design;
-  return { recordings: text("r-folder"), home: text("r-home"), pattern: isPattern() ? text("r-pattern") : "", channels, settings,
-    format: text("r-format"), recording_column: text("r-recording_column"), sampling_rate: text("r-rate") };
+  for (const field of $("r-wheels").querySelectorAll("input"))
+    settings[`wheels.${field.dataset.wheel}`] = { [sizeOf(R.data.wheels?.[field.dataset.wheel] ?? { radius: "" })]: field.value.trim() };
+  for (const one of cellsOf()) {
+    settings[`cells.${one.name}`] = one.keys;
+    if (one.column) cells[one.column] = one.name;
+  }
+  return { recordings: text("r-folder"), home: text("r-home"), pattern: isPattern() ? text("r-pattern") : "", channels, settings, cells };
 }
 const isPattern = () => /[{(]/.test($("r-pattern").value);
 
 let looking = null, again = false;
-export function look() {  // one look after the other; only what is asked for last is shown
+export function look() {  // one look after the other; only the last result is shown
   if (looking) again = true;
   looking ??= (async () => {
     do {
@@ -38,15 +95,13 @@ export function look() {  // one look after the other; only what is asked for la
   return looking;
 }
 
-// --- what is found ---
+// --- the result ---
 
 function show() {
   const told = R.told, found = told.found, here = document.activeElement?.id;
   $("r-more").hidden = false;
-  if (!isPattern() && told.rows.length) {
-    $("r-pattern").value = told.rows[0][told.header.indexOf("file")].split("/").pop().replace(/\.gz$/, "").replace(/\.[^.]*$/, "");
-    $("r-name").placeholder = "My campaign";
-  }
+  const names = told.rows.map((row) => row[told.header.indexOf("file")].split("/").pop());
+  if (!isPattern() && names.length) $("r-pattern").value = names[0].replace(/\.gz$/, "").replace(/\.[^.]*$/, "");
   showRows(told);
   $("r-read").textContent = found ? [found.file, found.read || found.stopped].filter(Boolean).join(": ") : told.said.join("; ");
   listed($("r-doubts"), found ? [...found.doubts, ...found.notes] : []);
@@ -77,15 +132,17 @@ function show() {
   fill($("r-channels"), ["", "column", "unit", "sensitivity"], rows);
   const recording = $("r-recording_column"), chosen = recording.value;
   recording.replaceChildren(new Option("none", ""), ...columns.map(([value, words]) => new Option(words, value)));
-  recording.value = chosen;
+  choose(recording, chosen);
   if (found) fill($("r-first"), found.columns.map((one) => one.name || `(${one.number})`), found.first_rows);
-  const which = $("r-which"), at = which.value || "0", names = told.rows.map((row) => row[told.header.indexOf("file")].split("/").pop());
+  const which = $("r-which"), at = which.value || "0";
   which.replaceChildren(...names.map((name, place) => new Option(name, place)));
   which.value = names[at] ? at : "0";
-  showWheels(told.wheels);
+  showWheels([...new Set([...Object.keys(R.data.wheels ?? {}), ...told.wheels])]);
   showProblems(told.problems);
-  $("r-where").textContent = told.there.length ? `${told.there.join(" and ")} stand in ${text("r-home")} already: you will be asked before they are replaced.`
-    : `campaign.toml and trials.csv will be written into ${text("r-home")}.`;
+  const editing = !$("r-there").hidden, there = `${text("r-home")} has ${told.there.join(" and ")} already. You will see the changed lines before they are written.`;
+  $("r-where").textContent = editing ? (told.difference ? "You will see the changed lines before they are written." : "No setting is changed.")
+    : told.there.length ? there : `campaign.toml and trials.csv will be written into ${text("r-home")}.`;
+  if (editing && !told.difference) $("r-write").disabled = true;
   if (here) $(here)?.focus({ preventScroll: true });  // a field that was made anew
   drawTrace();
 }
@@ -98,36 +155,37 @@ function showRows(told) {
 function showWheels(wheels) {
   const fields = $("r-wheels"), before = Object.fromEntries([...fields.querySelectorAll("input")].map((one) => [one.dataset.wheel, one.value]));
   fields.replaceChildren(...wheels.map((name) => {
-    const label = make("label", `Radius of wheel ${name} `), field = make("input");
+    const own = R.data.wheels?.[name], size = own ? sizeOf(own) : "radius";
+    const label = make("label", `${size === "radius" ? "Radius" : "Diameter"} of wheel ${name} `), field = make("input");
     field.dataset.wheel = name;
     field.id = `r-wheel-${name}`;
     field.placeholder = "40 mm";
-    field.value = before[name] ?? "";
+    field.value = before[name] ?? own?.[size] ?? "";
     field.onchange = look;
     label.append(field);
     return label;
   }));
 }
 
-// What a problem is about stands in its key: the field that would mend it is marked.
+// The key of a problem leads to the field that corrects it, which is marked.
 function fieldOf({ key, fix }) {
   const [, wheel] = /\[wheels\.([^\]]+)\]/.exec(fix) ?? [];
   if (wheel && $(`r-wheel-${wheel}`)) return $(`r-wheel-${wheel}`);
-  const [, table, name] = /^(?:import\.)?(channels|rope|tare|design|wheels)\.?([\w-]*)/.exec(key) ?? [];
+  const [, table, name] = /^(?:import\.)?(channels|rope|tare|design|wheels|adc|cells)\.?([\w-]*)/.exec(key) ?? [];
   if (table === "channels") return $(`r-${name}-sensitivity`);
   if (table === "wheels") return $(`r-wheel-${name}`);
-  return { rope: $("r-rope"), tare: $("r-from"), design: $("r-design-radius") }[table] ?? (/wrap|tension|repeat|wheel/.test(key) ? $("r-pattern") : null);
+  if (table === "cells") return $(`r-cell-${Math.max(0, cellsOf().findIndex((one) => one.name === name))}-full_scale`);
+  return { rope: $("r-rope"), tare: $("r-from"), design: $("r-design-radius"), adc: $("r-adc-bits") }[table] ?? (/wrap|tension|repeat|wheel/.test(key) ? $("r-pattern") : null);
 }
 function showProblems(problems) {
   for (const one of document.querySelectorAll("#r-more .missing")) { one.classList.remove("missing"); one.removeAttribute("aria-invalid"); }
-  const seen = new Map();
-  for (const one of problems) seen.set(`${one.severity} ${one.message}`, [one, (seen.get(`${one.severity} ${one.message}`)?.[1] ?? 0) + 1]);
-  $("r-problems").replaceChildren(...[...seen.values()].slice(0, 60).map(([one, times]) => {
+  $("r-problems").replaceChildren(...problems.map((one) => {
     const field = fieldOf(one);
     if (field && one.severity === "error") { field.classList.add("missing"); field.setAttribute("aria-invalid", "true"); }
-    return make("li", `${one.severity}: ${one.key ? `${one.key}: ` : ""}${one.message}${times > 1 ? ` (${times} times)` : ""}${one.fix ? ` – ${one.fix}` : ""}`, one.severity);
+    return make("li", `${one.severity}: ${one.key ? `${one.key}: ` : ""}${one.message}${one.times > 1 ? ` (${one.times} times)` : ""}${one.fix ? ` – ${one.fix}` : ""}`, one.severity);
   }));
-  if (!problems.length) $("r-problems").replaceChildren(make("li", "nothing"));
+  if (problems.some((one) => /in counts|\[adc\]/.test(one.message + one.fix))) $("r-electric").open = true;
+  if (!problems.length) $("r-problems").replaceChildren(make("li", "none"));
   $("r-write").disabled = problems.some((one) => one.severity === "error");
 }
 
@@ -205,7 +263,7 @@ export async function upload(files) {
       $("r-folder").value = (await call("upload", { name: file.name }, file)).recordings;
       done += 1;
     }
-    $("r-dropped").textContent = `${done} files stand in ${text("r-folder")}`;
+    $("r-dropped").textContent = `${done} files are in ${text("r-folder")}`;
     await look();
   } catch (error) { fail(error); }
 }
@@ -223,21 +281,36 @@ async function write() {
   try {
     await look();
     if (!R.told || R.told.problems.some((one) => one.severity === "error")) return;
-    const there = R.told.there;
-    if (there.length && !confirm(`Replace ${there.join(" and ")} in ${text("r-home")}?`)) return;
+    const { there, difference } = R.told;
+    if (there.length && !await mayReplace(there, difference)) return;
     await call("write", {}, { overwrite: there.length > 0 });
+    R.campaign = null;  // it is read again when this step is shown again
     await work("open", {});
     await refresh();
     go("picks");
   } catch (error) { fail(error); }
 }
+function mayReplace(there, difference) {
+  const asked = $("replace");
+  $("replace-what").textContent = `These lines of ${there.join(" and ")} change:`;
+  $("replace-lines").textContent = difference || "none";
+  asked.returnValue = "";
+  asked.showModal();
+  return new Promise((answer) => { asked.onclose = () => answer(asked.returnValue === "yes"); });
+}
+$("replace-yes").onclick = () => $("replace").close("yes");
+$("replace-no").onclick = () => $("replace").close();
+$("r-anew").onclick = async () => {
+  try { await begin(true); if (state.recordings) await look(); } catch (error) { fail(error); }
+};
 $("r-write").onclick = write;
 $("r-check").onclick = look;
 $("r-form").onsubmit = (event) => { event.preventDefault(); look(); };
-for (const id of ["r-format", "r-recording_column", "r-rate", "r-name", "r-rope", "r-from", "r-until", "r-design-radius", "r-design-wrap", "r-design-tension"])
+for (const id of ["r-format", "r-recording_column", "r-rate", "r-name", "r-rope", "r-from", "r-until", "r-design-radius", "r-design-wrap", "r-design-tension",
+  "r-adc-bits", "r-adc-low", "r-adc-high"])
   $(id).onchange = look;
 
-step("recordings", () => {
+step("recordings", async () => {
   if (!$("r-headers").children.length) {
     $("r-headers").append(...state.headers.map((name) => {
       const button = make("button", name === "*" ? "anything" : name.replaceAll("_", " "));
@@ -249,5 +322,6 @@ step("recordings", () => {
   }
   $("r-home").value ||= state.home;
   $("r-folder").value ||= state.recordings;
-  if (state.recordings && !R.told && !state.campaign) look(); else if (R.told) redraw();
+  if (R.campaign !== state.campaign) await begin(false);
+  if ((state.recordings || state.campaign) && !R.told) look(); else if (R.told) redraw();
 });

@@ -8,7 +8,7 @@ function show() {
   which.replaceChildren(...state.reports.map((name) => new Option(WORDS[name], name)));
   which.value = state.reports.includes(chosen) ? chosen : state.reports[0] ?? "";
   which.disabled = !state.reports.length;
-  $("p-where").textContent = state.reports.length ? `Results stand in ${state.out}.` : `Results will be written into ${state.out}.`;
+  $("p-where").textContent = state.reports.length ? `The results are in ${state.out}.` : `The results will be written into ${state.out}.`;
   frame();
 }
 function frame() {
@@ -22,7 +22,7 @@ function frame() {
 $("p-make").onclick = async () => {
   $("p-make").disabled = true;
   try {
-    await work("report", { pdf: $("p-pdf").checked });
+    await work("report", { pdf: $("p-pdf").checked, short: $("p-length").value === "short" });
     await refresh();
     show();
   } catch (error) { fail(error); }

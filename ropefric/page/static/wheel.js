@@ -1,9 +1,9 @@
-// Step 4, first half: the lift force of a wheel that the law answers for, and the wheel that lifts a load.
+// Step 4, first half: the lift force of a wheel by the law, and the wheel that lifts a load.
 import { $, call, fail, make, plain, shown, state, step, unit, withEnds } from "./frame.js";
 import { chart } from "./canvas.js";
 import { showMachines } from "./machine.js";
 
-const SLIDERS = {  // what is slid, its unit on the page, and how much of SI that is
+const SLIDERS = {  // words of a slider, its unit on the page, and that unit in SI
   wheel_radius_m: ["Radius R_w", "mm", 1e-3], wrap_angle_rad: ["Wrap φ", "deg", Math.PI / 180],
   end_tension_N: ["End tension F_B", "N", 1],
 };
@@ -53,7 +53,7 @@ async function answer() {  // one after the other: only the newest setting count
     $("w-lift").textContent = `F_A = ${withEnds(lift.lift_force_N, lift.interval_N)}`;
     const pull = lift.prediction_interval_N;
     $("w-notes").textContent = [`One pull with a new rope: ${unit(pull?.[0], "N")} to ${unit(pull?.[1], "N")}. Verdict: ${lift.verdict.word}. ${lift.verdict.reason}`,
-      ...(lift.extrapolated ? ["Outside what was tested."] : []), ...lift.notes].join(" ");
+      ...(lift.extrapolated ? ["Outside the tested range."] : []), ...lift.notes].join(" ");
     draw();
   } catch (error) { $("w-lift").textContent = error.message ?? String(error); }
   busy = false;
@@ -74,7 +74,7 @@ async function inverse() {
     const found = await call("inverse", { ...W.at, lift_N: load_N, solve_for: wanted, probability: $("w-sure").value });
     const [, own, factor] = SLIDERS[name], value = found[name];
     $("w-inverse").textContent = found.status === "ok" || found.status === "lower-limit"
-      ? `${words} ${plain(value / factor)} ${own} lifts ${plain(load_N)} N${found.extrapolated ? " (outside what was tested)" : ""}` : found.explanation;
+      ? `${words} ${plain(value / factor)} ${own} lifts ${plain(load_N)} N${found.extrapolated ? " (outside the tested range)" : ""}` : found.explanation;
   } catch (error) { $("w-inverse").textContent = error.message ?? String(error); }
 }
 $("w-load").oninput = $("w-for").onchange = $("w-sure").onchange = () => { if (W.told) inverse(); };

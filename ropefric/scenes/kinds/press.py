@@ -551,7 +551,8 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
     uncertain = {"± std": ("utilisation_std", ".2g")}
     columns = {"utilisation": ("utilisation", ".4g")}
     columns |= uncertain if any("utilisation_std" in one for one in slips.values()) else {}
-    columns |= {one.replace("_", " "): (one, ".4g") for one in [*MEASURES][1:]}
+    # The ratios of the paper, `as_printed` and `as_plotted`, are in the JSON answer and the notebook on the paper.
+    columns |= {one.replace("_", " "): (one, ".4g") for one in ("log", "mu_required")}
     tensions = {
         name: {"rest": tension_N, "speed": tree["effective_tension_N"][name]}
         for name, tension_N in tree["tension_N"].items()

@@ -1,14 +1,13 @@
 """The import profile: how the columns of a recording file are to be understood; and what a reader makes of them."""
 
-import json
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from ropefric.arrays import FloatArray
 from ropefric.files.text_table import TableLayout
+from ropefric.files.toml_edit import toml_key, toml_value
 
-_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+", re.ASCII)
 _TEXTS = (
     *("format", "separator", "decimal", "thousands", "encoding", "table", "date_order", "time_zone"),
     *("recording_column", "channel_column", "value_column"),
@@ -76,44 +75,35 @@ def profile_to_toml(profile: ImportProfile) -> str:
     for key in (*_TEXTS, *_ROWS):
         value = getattr(profile, key)
         if value != getattr(default, key):
-            lines.append(f"{key} = {_value(value)}")
+            lines.append(f"{key} = {toml_value(value)}")
     if profile.sampling_rate_Hz is not None:
         lines.append(f'sampling_rate = "{float(profile.sampling_rate_Hz)!r} Hz"')
     if profile.missing:
-        lines.append(f"missing = [{', '.join(_string(text) for text in profile.missing)}]")
+        lines.append(f"missing = {toml_value(profile.missing)}")
     for section, rows in (
-        ("channels", {name: _channel(channel) for name, channel in profile.channels.items()}),
+        (
+            "channels",
+            {name: toml_value(channel_value(channel)) for name, channel in profile.channels.items()},
+        ),
         ("constants", {name: repr(float(value)) for name, value in profile.constants.items()}),
-        ("derived", {name: _string(formula) for name, formula in profile.derived.items()}),
+        ("derived", {name: toml_value(formula) for name, formula in profile.derived.items()}),
     ):
         if rows:
             lines += ["", f"[import.{section}]"]
-            lines += [
-                f"{name if _BARE_KEY.fullmatch(name) else _string(name)} = {row}"
-                for name, row in rows.items()
-            ]
+            lines += [f"{toml_key(name)} = {row}" for name, row in rows.items()]
     return "\n".join(lines) + "\n"
 
 
-def _channel(channel: Channel) -> str:
-    tare = ", ".join(_string(f"{time_s!r} s") for time_s in channel.tare_s or ())
-    rows = {
-        "column": _value(channel.column),
-        "unit": channel.unit and _string(channel.unit),
-        "sensitivity": channel.sensitivity and _string(channel.sensitivity),
-        "time": _value(channel.time) if channel.time else "",
-        "tare": _string("none") if channel.tare_s == () else tare and f"[{tare}]",
-        "instead_of": channel.instead_of and _string(channel.instead_of),
+def channel_value(channel: Channel) -> str | dict[str, Any]:
+    """Return a channel as a campaign file has it: the header of its column alone, or a table."""
+    tare = None if channel.tare_s is None else [f"{time_s!r} s" for time_s in channel.tare_s] or "none"
+    keys = {
+        "column": channel.column,
+        "unit": channel.unit,
+        "sensitivity": channel.sensitivity,
+        "time": channel.time,
+        "tare": tare,
+        "instead_of": channel.instead_of,
     }
-    written = [f"{key} = {text}" for key, text in rows.items() if text]
-    is_bare = len(written) == 1 and isinstance(channel.column, str)
-    return rows["column"] if is_bare else f"{{ {', '.join(written)} }}"
-
-
-def _value(column: str | int) -> str:
-    return str(column) if isinstance(column, int) else _string(column)
-
-
-def _string(text: str) -> str:
-    # JSON's escapes are TOML's, but for the delete character.
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+    given = {key: value for key, value in keys.items() if value}
+    return channel.column if len(given) == 1 and isinstance(channel.column, str) else given

@@ -1,0 +1,114 @@
+"""Values of a TOML file are changed in its text; whatever else a person wrote stays, byte for byte."""
+
+import difflib
+import tomllib
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ropefric.errors import DataError
+from ropefric.files.toml_edit import toml_value, with_values
+
+MINE = """# my notes
+name = 'Mine'   # a name
+rope.diameter = "9 mm"
+data = "."
+
+[wheels."R 30"]     # turned
+radius = "30 mm"    # measured
+
+[import]
+format = "delimited"
+[import.channels]
+force = { column = "Zug [mV]", unit = "mV" }   # cell 2
+time = "t"
+[import.channels.end_tension]
+column = "Gegen"
+unit = "mV"
+
+# [tare]
+# interval = ["0 s", "0.3 s"]   # both hang free
+
+# [adc]
+# bits = 10
+[own]
+text = \"\"\"
+[tare]
+radius = "1 mm"
+\"\"\"
+"""
+
+
+def changed_lines(before, after):
+    """The lines that went, and those that came."""
+    lines = [*difflib.ndiff(before.splitlines(), after.splitlines())]
+    return [one[2:] for one in lines if one[0] == "-"], [one[2:] for one in lines if one[0] == "+"]
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "went", "came"),
+    [
+        (("name",), 'A "b"', ["name = 'Mine'   # a name"], ['name = "A \\"b\\""   # a name']),
+        (("rope", "diameter"), "8 mm", ['rope.diameter = "9 mm"'], ['rope.diameter = "8 mm"']),
+        (("wheels", "R 30", "radius"), "31 mm", ['radius = "30 mm"    # measured'], ['radius = "31 mm"    # measured']),
+        (("wheels", "R 30", "tolerance"), "1 mm", [], ['tolerance = "1 mm"']),
+        (("wheels", "W 40"), {"radius": "1 mm"}, [], ["", "[wheels]", '"W 40" = { radius = "1 mm" }']),
+        (("wheels", "W40", "radius"), "1 mm", [], ["", "[wheels.W40]", 'radius = "1 mm"']),
+        (("wheels", "R 30", "radius"), None, ['[wheels."R 30"]     # turned', 'radius = "30 mm"    # measured'], []),
+        (
+            ("import", "channels", "force", "sensitivity"),
+            "25 N/mV",
+            ['force = { column = "Zug [mV]", unit = "mV" }   # cell 2'],
+            ['force = { column = "Zug [mV]", unit = "mV", sensitivity = "25 N/mV" }   # cell 2'],
+        ),
+        (("import", "channels", "end_tension"), {"column": "Gegen", "unit": "N"}, ['unit = "mV"'], ['unit = "N"']),
+        (("import", "channels", "end_tension"), {"column": "Gegen"}, ['unit = "mV"'], []),
+        (("import", "channels", "time"), None, ['time = "t"'], []),
+        (
+            ("tare", "interval"),
+            ["0 s", "1 s"],
+            ["# [tare]", '# interval = ["0 s", "0.3 s"]   # both hang free'],
+            ["[tare]", 'interval = ["0 s", "1 s"]   # both hang free'],
+        ),
+        (("adc", "bits"), 12, ["# [adc]", "# bits = 10"], ["[adc]", "bits = 12"]),
+        (("adc", "high"), "5 V", ["# [adc]"], ["[adc]", 'high = "5 V"']),
+        (("question",), "why", [], ['question = "why"']),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_one_value_changes_and_nothing_else(path, value, went, came, end):
+    before = MINE.replace("\n", end)
+    after = with_values(before, {path: value})
+    assert changed_lines(before, after) == (went, came)
+    assert after.count("\n") == after.count(end)
+
+
+def test_a_table_that_is_emptied_is_removed_with_its_heading():
+    text = '[design]\nwheel_radius = "1 mm"\nwrap_angle = "90 deg"\n'
+    assert with_values(text, {("design", "wheel_radius"): None, ("design", "wrap_angle"): None}) == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "path", "value"),
+    [
+        ('rope = { diameter = "1 mm", material = "x" }\n', ("rope", "diameter"), None),
+        ('rope.diameter = "1 mm"\n', ("rope", "material"), "x"),
+        ("[rope]\n# [adc]\nmine = 1\n", ("adc", "bits"), 10),
+    ],
+)
+def test_what_would_change_other_keys_is_refused(text, path, value):
+    with pytest.raises(DataError, match="shares its line or table") as refused:
+        with_values(text, {path: value})
+    assert (refused.value.code, refused.value.problem.key) == ("RF105", ".".join(path))
+
+
+@given(
+    value=st.text()
+    | st.integers(-(2**63), 2**63 - 1)
+    | st.lists(st.text())
+    | st.dictionaries(st.text(), st.text())
+)
+def test_any_value_comes_back(value):
+    assert tomllib.loads(f"key = {toml_value(value)}")["key"] == value
+    assert tomllib.loads(with_values(MINE, {("own", "new"): value}))["own"]["new"] == value

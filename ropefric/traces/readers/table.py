@@ -217,6 +217,19 @@ def guess_channels(table: Table, *, needs_time: bool = True, by_unit: bool = Tru
     A single column of text time stamps is the time, whatever it is called. So is the only column in a unit of time, and
     the only one in a unit of force is the force, where `by_unit`.
     """
+    found = _by_words(table)
+    has_none = {"time": needs_time and not found["time"], "force": not found["force"] + found["counts"]}
+    for channel, unit in (("time", "s"), ("force", "N")) if by_unit else ():
+        if has_none[channel]:
+            found[channel] = [i + 1 for i in range(len(table.names)) if _is_in(table.unit(i), unit)]
+    n_time, n_signal = len(found["time"]), len(found["force"]) + len(found["counts"])
+    if n_signal != 1 or n_time > 1 or (needs_time and n_time == 0):
+        return {}
+    return {channel: Channel(column=numbers[0]) for channel, numbers in found.items() if numbers}
+
+
+def _by_words(table: Table) -> dict[str, list[int]]:
+    """Return the numbers of the columns that are called as a channel is, or hold the only time stamps."""
     bare = [split_unit_suffix(name.strip())[0].lower() for name in table.names]
     found = {
         channel: [number for number, name in enumerate(bare, start=1) if name in meanings]
@@ -224,23 +237,13 @@ def guess_channels(table: Table, *, needs_time: bool = True, by_unit: bool = Tru
     }
     if not found["time"] and len(table.stamps) == 1:
         found["time"] = [index + 1 for index in table.stamps]
-    units = [table.unit(index) for index in range(len(table.names))]
-    has_none = {"time": needs_time and not found["time"], "force": not found["force"] + found["counts"]}
-    for channel, unit in (("time", "s"), ("force", "N")) if by_unit else ():
-        if has_none[channel]:
-            found[channel] = [
-                number for number, one in enumerate(units, start=1) if one and _is_in(one, unit)
-            ]
-    n_time, n_signal = len(found["time"]), len(found["force"]) + len(found["counts"])
-    if n_signal != 1 or n_time > 1 or (needs_time and n_time == 0):
-        return {}
-    return {channel: Channel(column=numbers[0]) for channel, numbers in found.items() if numbers}
+    return found
 
 
 def _is_in(unit: str, si_unit: str) -> bool:
     """Return whether a unit is one of a quantity."""
     with suppress(InputError):
-        return bool(unit_factor(unit, si_unit))
+        return bool(unit) and unit_factor(unit, si_unit) > 0.0
     return False
 
 

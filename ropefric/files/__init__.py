@@ -4,5 +4,6 @@
 file in place of another; `folder` puts a command's results into a folder that is its own. `text` turns a text file
 into clean lines, `text_table` finds the layout of a table in it and reads time stamps, `head_facts` the lines above
 it. `toml` reads TOML with the line of every key, `toml_model` its tables as pydantic models; `toml_edit` changes
-single values in the text and keeps all else. `plain_text` is for output: numbers to their significant digits, text of others made harmless, rows as CSV and Parquet.
+single values in the text and keeps all else. `plain_text` is for output: numbers to their significant digits, text of
+others made harmless, rows as CSV and Parquet.
 """

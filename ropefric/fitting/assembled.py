@@ -84,6 +84,7 @@ class Found(NamedTuple):
     notes: tuple[str, ...]
     common: tuple[CommonError, ...]
     effects: FloatArray
+    slack: bool
 
 
 def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResult:
@@ -117,7 +118,7 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     seen = stats.identify(slopes[:, shown], np.array(found.problem.law.parameter_names)[shown].tolist())
     trials = _trial_level(found)
     findings = [*_of_search(found), *_of_design(found, seen, std)]
-    if table.measures_slack:
+    if found.slack:
         findings += _of_slack(found)
     trends = stats.find_trends(errors.weighted, slopes[:, shown], -residuals) if told else ()
     findings += _of_rest(found, trends)

@@ -34,7 +34,7 @@ _LEAST = 0.05
 _BEYOND_CHANCE, _LEAST_CELLS, _SAME_FORCE = 3.29, 4, 0.1
 # A pull off its repeats: degrees of freedom of the others, what is rounding, and its p-value.
 _LEAST_DOF, _SAME, _TAIL_P = 5, 1e-6, 1e-3
-_ROUNDS, _HALVINGS = 100, 30
+_ROUNDS, _HALVINGS, _LONGER = 100, 30, 4.0
 _SETTLED, _CLOSE = 1e-9, 1e-10
 # Smallest eigenvalue of the correlations between what components do: below, one is another one in disguise.
 _TOLD_APART = 1e-3
@@ -552,20 +552,21 @@ class _Reml(NamedTuple):
         while at is None:  # what is known may be more than all that residuals show
             s = 2.0 * s
             at = self.moments(s)
+        share = 1.0
         for _ in range(_ROUNDS):
-            step = np.linalg.lstsq(at.information, at.score, rcond=None)[0]
-            new = None
+            # On the way to the edge of what is possible each step is a part of the one before it.
+            share = min(1.0, _LONGER * share)
+            whole, new = np.linalg.lstsq(at.information, at.score, rcond=None)[0], None
             for _ in range(_HALVINGS):
-                new = self.moments(s + step)
+                new = self.moments(s + share * whole)
                 if new is not None and new.likelihood >= at.likelihood - _SETTLED:
                     break
-                step, new = 0.5 * step, None
+                share, new = 0.5 * share, None
             if new is None:
                 break
-            s, before, at = s + step, at.likelihood, new
-            if abs(at.likelihood - before) < _SETTLED and float(np.abs(step).max()) < _CLOSE * float(
-                np.abs(s).max()
-            ):
+            step, gain = share * whole, abs(new.likelihood - at.likelihood)
+            s, at = s + step, new
+            if gain < _SETTLED and float(np.abs(step).max()) < _CLOSE * float(np.abs(s).max()):
                 break
         return s, at
 

@@ -109,7 +109,7 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     errors, note = _errors(found, free)
     residuals, slopes = errors.weighted.residuals_and_jacobian(theta)
     svd = stats.decomposed(slopes[:, free])
-    covariance = stats.rounded_covariance(errors.covariance, lost=int(svd.lost.sum()))
+    covariance = stats.rounded_covariance(errors.covariance)
     full, common = np.zeros((theta.size, theta.size)), np.zeros((theta.size, len(found.common)))
     full[np.ix_(free, free)], common[free] = covariance, errors.moved
     std, told = np.zeros(theta.size), bool(errors.model.names)

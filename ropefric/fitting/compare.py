@@ -18,7 +18,15 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import Candidate, Prediction, predict
 from ropefric.fitting.problem import law_named
 from ropefric.fitting.result import RIVAL, Doubt, FitResult, FitStatus, Verdict, verdict_of
-from ropefric.fitting.standing import FTest, Standing, leave_one_out, nested_test, standing, wild_trial
+from ropefric.fitting.standing import (
+    STRONG,
+    FTest,
+    Standing,
+    leave_one_out,
+    nested_test,
+    standing,
+    wild_trial,
+)
 from ropefric.fitting.statistics import ConditionMeans, akaike_weights, condition_means, scatter_fit
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
@@ -28,8 +36,8 @@ from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.trials.table import TrialTable
 
-ALWAYS = ("constant", "constant-offset")
-"""Laws that stand in every comparison: a constant μ with an offset can look exactly like a wrap effect."""
+ALWAYS = ("constant", "constant-offset", "wrap-average")
+"""Laws of every comparison: a constant μ with an offset and a wrap effect can look alike, with as many parameters."""
 
 CHANCE = 0.01
 """p-value of an F-test above which a fuller law's lead is put down to chance: low, for the best of many laws leads."""
@@ -280,7 +288,11 @@ def _notes(
         if test.simpler in ranked and test.fuller not in ranked and test.p_value < CHANCE
     ]
     rivals = [law for law, entry in ranked.items() if entry.delta_aicc <= RIVAL]
-    wraps = [law for law in rivals if "wrap-dependence" in ALL_LAWS[law].effects]
+    alike = [
+        law
+        for law, entry in ranked.items()
+        if entry.delta_aicc <= STRONG and _look_alike(law, ranking[0].law)
+    ]
     said = {
         f"AICc counts {in_all}, not repeats": True,
         "no condition was repeated, so every trial is a condition of its own": not means.repeated,
@@ -288,10 +300,24 @@ def _notes(
         f"{_ranked_on(ranked, in_all)}, so no law is weighed or chosen: measure more conditions": unweighed,
         "".join(rejected[:1]): unweighed and rejected,
         f"AICc within 2 of the best, so not distinguishable: {', '.join(rivals)}": len(rivals) > 1,
-        "a constant μ with an offset looks like a wrap effect, and these data cannot distinguish constant-offset from "
-        f"{', '.join(wraps)}: measure the offset at a wrap near zero": wraps and "constant-offset" in rivals,
+        f"{ranking[0].law} and {' and '.join(alike)} look alike: {_OFFSET_OR_WRAP}": alike,
     }
     return tuple(text for text, applies in said.items() if applies)
+
+
+# Laws with an offset and laws with a wrap effect need strong evidence to be told apart.
+_OFFSET_OR_WRAP = (
+    "these conditions do not separate a constant offset from a wrap effect; a pull at a wrap near zero would"
+)
+
+
+def _look_alike(law: str, other: str) -> bool:
+    """Return whether one of two laws has an offset where the other has a wrap effect."""
+    effects = ALL_LAWS[law].effects, ALL_LAWS[other].effects
+    return any(
+        "offset" in one and "wrap-dependence" in two and "offset" not in two
+        for one, two in (effects, effects[::-1])
+    )
 
 
 # Their forces follow the data as well as those of others, whatever is known of their parameters.
@@ -440,7 +466,8 @@ def _rivals_of(
     def is_rival(entry: ComparisonEntry, other: FitResult) -> bool:
         if not comparison.conclusive:
             return other.status is FitStatus.OK
-        near = entry.counted and entry.delta_aicc <= RIVAL and entry.law not in lost
+        limit = STRONG if _look_alike(entry.law, chosen.law) else RIVAL
+        near = entry.counted and entry.delta_aicc <= limit and entry.law not in lost
         return other.status in _ANSWERING and (entry.law in undecided or near)
 
     rivals = tuple(e.fit for e in others if e.fit is not None and is_rival(e, e.fit))
@@ -537,11 +564,8 @@ def _of_other_answers(facts: _Facts) -> Iterator[Doubt]:
     ]
     if apart:
         where = "on the conditions tested" if facts.wheel is None else "for the wheel asked for"
-        near_it = f"are within {RIVAL:g} in AICc and " if facts.entry.delta_aicc <= RIVAL else ""
-        yield (
-            "undecided",
-            f"{facts.entry.law} and {' and '.join(apart)} {near_it}answer differently {where}",
-        )
+        text = f"the data do not distinguish {facts.entry.law} from {' and '.join(apart)}, which answer"
+        yield "undecided", f"{text}{'s' * (len(apart) == 1)} differently {where}"
 
 
 _RULES = (_of_no_choice, _of_place, _of_own_fit, _of_open_rivalries, _of_wild_trials, _of_other_answers)
@@ -555,6 +579,8 @@ def _why_supported(facts: _Facts) -> str:
     alike = f"; {names} answer{'s' * (len(facts.rivals) == 1)} alike" if facts.rivals else ""
     if facts.rivals and any(one.simpler == "constant" for one in facts.won):
         alike += ": there is an effect, but its form cannot be determined"
+    if any(_look_alike(chosen.law, rival.law) for rival in facts.rivals):
+        alike += f"; {_OFFSET_OR_WRAP}"
     alike += "".join(f"; {text}" for _, text in facts.fit.untested())
     return f"{chosen.law} {place}{weight}, and its fit follows the data within their scatter{alike}"
 

@@ -40,8 +40,6 @@ _SETTLED, _CLOSE = 1e-9, 1e-10
 _TOLD_APART = 1e-3
 _MOST_CELLS = 3000
 _TINY = 1e-300
-# Smallest eigenvalue of the correlations of a covariance that is no rounding.
-_UNSEEN = 1e-9
 
 
 class Uneven(NamedTuple):
@@ -274,8 +272,7 @@ class ScatterModel:
     def rounded(self) -> "ScatterModel":
         """Return the model to the digits that mean something."""
         digits = np.vectorize(lambda value: significant(float(value), GIVEN_DIGITS), otypes=[np.float64])
-        slopes = np.array([stats.rounded_covariance(one, lost=_lost(one)) for one in self.slopes])
-        slopes = slopes.reshape(self.slopes.shape)
+        slopes = np.array([*map(stats.rounded_covariance, self.slopes)]).reshape(self.slopes.shape)
         return replace(
             self, variance=digits(self.variance), covariance=digits(self.covariance), slopes=slopes
         )
@@ -295,14 +292,6 @@ class ScatterModel:
         words, levels = tuple(map(str, tree["names"])), tuple(map(int, tree["levels"]))
         labels = {name: tuple(map(str, of)) for name, of in tree.get("labels", {}).items()}
         return cls(names=words, levels=levels, uneven=Uneven(**tree["uneven"]), labels=labels, **arrays)
-
-
-def _lost(matrix: FloatArray) -> int:
-    """Return how many combinations of parameters a covariance says nothing of; rounding leaves them something."""
-    size = np.sqrt(np.maximum(np.diag(matrix), 0.0))
-    seen = size > 0.0
-    correlation = matrix[np.ix_(seen, seen)] / size[seen, None] / size[seen]
-    return int((~seen).sum() + (np.linalg.eigvalsh(correlation) < _UNSEEN).sum())
 
 
 def nothing_known(p: int) -> ScatterModel:

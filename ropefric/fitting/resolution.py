@@ -3,9 +3,10 @@
 The expected standard errors of a law's parameters, and the power of the test against each simpler law.
 """
 
+import itertools
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -264,26 +265,34 @@ def read_list(path: str | os.PathLike[str]) -> TrialTable:
     read, refused = table.numbers(columns)
     written = [row[columns["repeats"].index] if "repeats" in columns else "1" for _, row in table.rows]
     often = [int(text) if text.isdecimal() and len(text) < 5 else 0 for text in written]
-    found += [problem for problems in refused.values() for problem in problems]
-    empty = (
-        (line, columns[name].header)
-        for place, (line, _) in enumerate(table.rows)
-        for name in SETTINGS
-        if math.isnan(read[name][place]) and place not in refused
-    )
-    text = "the cell is empty, and every condition needs it"
-    found += [table.problem(line, header, "RF121", text, "write the number") for line, header in empty]
-    found += [
-        table.problem(line, "repeats", "RF102", f"{text[:40]!r} is no number of pulls", f"write 1 to {MOST}")
-        for (line, _), text, n in zip(table.rows, written, often, strict=True)
-        if not 1 <= n <= MOST
-    ]
+    found += itertools.chain(*refused.values())
+    found += _empty_cells(table, columns, read, refused)
+    found += _wrong_repeats(table, written, often)
     raise_problems(sorted(found, key=lambda problem: problem.line or 0))
     settings: dict[str, Any] = {name: np.repeat(read[name], often) for name in SETTINGS}
     names = tuple(f"row-{line}-{i}" for (line, _), n in zip(table.rows, often, strict=True) for i in range(n))
     return TrialTable(
         trial=names, peak_N=np.array(math.nan), source=table.path, warnings=tuple(found), **settings
     )
+
+
+def _empty_cells(
+    table: CellTable, columns: Columns, read: Mapping[str, Sequence[float]], refused: Container[int]
+) -> Iterator[Problem]:
+    """Yield the settings that a row leaves empty."""
+    text = "the cell is empty, and every condition needs it"
+    for place, (line, _) in enumerate(table.rows):
+        for name in SETTINGS if place not in refused else ():
+            if math.isnan(read[name][place]):
+                yield table.problem(line, columns[name].header, "RF121", text, "write the number")
+
+
+def _wrong_repeats(table: CellTable, written: Sequence[str], often: Sequence[int]) -> Iterator[Problem]:
+    """Yield the numbers of pulls that are none, or too large."""
+    for (line, _), text, n in zip(table.rows, written, often, strict=True):
+        if not 1 <= n <= MOST:
+            why = f"{text[:40]!r} is no number of pulls"
+            yield table.problem(line, "repeats", "RF102", why, f"write 1 to {MOST}")
 
 
 def _missing_columns(table: CellTable, columns: Columns) -> Iterator[Problem]:

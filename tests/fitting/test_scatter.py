@@ -259,7 +259,7 @@ def test_a_rope_that_nobody_pulled_is_refused():
     fit = fit_law(roped(np.random.default_rng(2)), "constant")
     with pytest.raises(UnknownNameError, match="no trial of the fit was made with the rope 'r7'"):
         predict(fit, wheel(), rope="r7")
-    with pytest.raises(InputError, match="does not tell ropes apart"):
+    with pytest.raises(InputError, match="has no component of scatter by rope"):
         predict(fit_law(roped(np.random.default_rng(2), named=False), "constant"), wheel(), rope="r1")
 
 

@@ -219,8 +219,8 @@ def test_a_fit_has_its_parameters_by_name():
 def test_comparison_and_diagnosis_fit_together(few):
     comparison = rf.compare(few, ["coupled", "constant"])
     lines = str(comparison).splitlines()
-    assert [line.split()[0] for line in lines[-3:]] == [entry.law for entry in comparison.ranking]
-    assert lines[-3].endswith(comparison.best.status)
+    assert [line.split()[0] for line in lines[-4:]] == [entry.law for entry in comparison.ranking]
+    assert lines[-4].endswith(comparison.best.status)
     assert (comparison.best.law, rf.diagnose(few, comparison)["wrap effect"].supported) == ("coupled", "yes")
 
 

@@ -55,7 +55,7 @@ _NOTES: dict[CovarianceKind, str] = {
     "scaled": "no condition is repeated: the scatter is taken from the residuals",
 }
 _NOTHING_LEFT = (
-    "there are no more conditions than parameters: nothing tells what conditions scatter by, "
+    "there are no more conditions than parameters: the scatter between conditions is unknown, "
     "so no interval is given"
 )
 # Scatter so small that it is rounding; weights need some number.
@@ -67,7 +67,7 @@ _REMEDY = {
     "end tension": "Compare laws with a load effect (coupled, howell, bending).",
     "settings together": "Compare laws with other effects, or measure more to see which.",
 }
-# A regressor with so few values or fewer leaves effects untold.
+# A regressor with this many values or fewer leaves effects undetermined.
 _FEW = 3
 
 Finding = tuple[FitStatus, str]
@@ -84,6 +84,7 @@ class Found(NamedTuple):
     notes: tuple[str, ...]
     common: tuple[CommonError, ...]
     effects: FloatArray
+    slack: bool
 
 
 def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResult:
@@ -93,62 +94,34 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     same. A parameter counts as not seen if it can be traded for others without any trace, or if the ratio is
     above 100 and its standard error is more than half of it (a tenth, where a regressor the law needs has one value
     only). A trend with p < 0.001 is a fault of the law.
-
-    A parameter on its bound counts as free for the errors of all, unless the data do not see it there: held, it
-    would make the others look better known than they are (90 % of the 95 % intervals beside a bound held the truth).
     """
-    layout, theta = found.layout, found.theta
-    shown = found.problem.vary & ~found.at_bound
-    slopes, free = layout.problem.jacobian(theta), shown
-    if found.at_bound.any():
-        values = stats.decomposed(slopes[:, found.problem.vary]).values
-        # The data tell all parameters apart, those that lie on their bounds too.
-        if values.max(initial=0.0) <= _HOPELESS_RATIO * values.min(initial=inf):
-            free = found.problem.vary
+    problem, layout = found.problem, found.layout
+    shown = problem.vary & ~found.at_bound
+    free = _free_for_errors(found, shown)
     errors, note = _errors(found, free)
-    residuals, slopes = errors.weighted.residuals_and_jacobian(theta)
-    svd = stats.decomposed(slopes[:, free])
-    covariance = stats.rounded_covariance(errors.covariance, lost=int(svd.lost.sum()))
-    full, common = np.zeros((theta.size, theta.size)), np.zeros((theta.size, len(found.common)))
-    full[np.ix_(free, free)], common[free] = covariance, errors.moved
-    std, told = np.zeros(theta.size), bool(errors.model.names)
-    known = [significant(sqrt(variance), STD_DIGITS) for variance in np.diag(covariance).tolist()]
-    std[free] = np.where(svd.unseen, inf, known)
-    seen = stats.identify(slopes[:, shown], np.array(found.problem.law.parameter_names)[shown].tolist())
-    trials = _trial_level(found)
-    findings = [*_of_search(found), *_of_design(found, seen, std)]
-    if table.measures_slack:
-        findings += _of_slack(found)
-    trends = stats.find_trends(errors.weighted, slopes[:, shown], -residuals) if told else ()
-    findings += _of_rest(found, trends)
-    rank = list(FitStatus)
-    findings.sort(key=lambda finding: -rank.index(finding[0]))
-    ranges = ((name, getattr(found.problem.conditions, name)) for name in _REGRESSORS)
-    # Of two parameters that are traded for each other a change may cancel: digits count from the error.
-    sizes = np.sqrt(np.diag(full)).tolist()
-    dof = errors.model.dof(np.eye(theta.size)) if told else np.zeros(theta.size)
+    residuals, slopes = errors.weighted.residuals_and_jacobian(found.theta)
+    covariance, std = _covariance(errors, free, stats.decomposed(slopes[:, free]).unseen)
+    seen = stats.identify(slopes[:, shown], np.array(problem.law.parameter_names)[shown].tolist())
+    has_scatter = bool(errors.model.names)
+    trends = stats.find_trends(errors.weighted, slopes[:, shown], -residuals) if has_scatter else ()
+    findings = _findings(found, seen, std, trends)
+    dof = errors.model.dof(np.eye(std.size)) if has_scatter else np.zeros(std.size)
     dof = np.array([significant(x) if isfinite(x) else x for x in dof.tolist()])
-    interval_dof = float(dof[free].min(initial=inf)) if told else 0.0
+    trials = _trial_level(found)
+    ranges = ((name, getattr(problem.conditions, name)) for name in _REGRESSORS)
     return FitResult(
-        law=found.problem.law.name,
+        law=problem.law.name,
         parameters=_parameters(found, std, dof),
-        covariance=full,
+        covariance=covariance,
         covariance_kind="clustered" if layout.spare else "scaled",
-        statistics=_statistics(found, trials, errors.model, interval_dof, trends),
+        statistics=_statistics(
+            found, trials, errors.model, float(dof[free].min(initial=inf)) if has_scatter else 0.0, trends
+        ),
         scatter=errors.model,
         status=findings[0][0] if findings else FitStatus.OK,
         advice=tuple(text for _, text in findings),
         notes=(note, *found.notes),
-        common_errors=tuple(
-            item._replace(
-                std=significant(item.std, GIVEN_DIGITS),
-                change=tuple(significant(x, GIVEN_DIGITS, size=s) for x, s in zip(row, sizes, strict=True)),
-                effect=tuple(significant(x, GIVEN_DIGITS) for x in effect),
-            )
-            for item, row, effect in zip(
-                found.common, common.T.tolist(), found.effects.T.tolist(), strict=True
-            )
-        ),
+        common_errors=_common_errors(found, free, errors.moved, np.sqrt(np.diag(covariance)).tolist()),
         identifiability=seen,
         validity={name: (float(values.min()), float(values.max())) for name, values in ranges},
         provenance=_provenance(table, settings),
@@ -157,17 +130,68 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     )
 
 
+def _free_for_errors(found: Found, shown: BoolArray) -> BoolArray:
+    """Return which parameters count as free for the errors of all.
+
+    One on its bound does unless the data do not see it there: held, it would make the others look better known than
+    they are (90 % of the 95 % intervals beside a bound held the truth).
+    """
+    if not found.at_bound.any():
+        return shown
+    values = stats.decomposed(found.layout.problem.jacobian(found.theta)[:, found.problem.vary]).values
+    is_hopeless = values.max(initial=0.0) > _HOPELESS_RATIO * values.min(initial=inf)
+    return shown if is_hopeless else found.problem.vary
+
+
+def _covariance(
+    errors: scatter.Estimate, free: BoolArray, unseen: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the rounded covariance of all p parameters and their standard errors, infinite for those not seen."""
+    covariance, std = np.zeros((free.size, free.size)), np.zeros(free.size)
+    covariance[np.ix_(free, free)] = rounded = stats.rounded_covariance(errors.covariance)
+    known = [significant(sqrt(variance), STD_DIGITS) for variance in np.diag(rounded).tolist()]
+    std[free] = np.where(unseen, inf, known)
+    return covariance, std
+
+
+def _common_errors(
+    found: Found, free: BoolArray, moved: FloatArray, sizes: Sequence[float]
+) -> tuple[CommonError, ...]:
+    """Return the stated errors that trials share, rounded, with the changes of all p parameters by each."""
+    changes = np.zeros((free.size, len(found.common)))
+    changes[free] = moved
+    # Of two parameters that are traded for each other a change may cancel: digits count from the error.
+    return tuple(
+        item._replace(
+            std=significant(item.std, GIVEN_DIGITS),
+            change=tuple(significant(x, GIVEN_DIGITS, size=s) for x, s in zip(row, sizes, strict=True)),
+            effect=tuple(significant(x, GIVEN_DIGITS) for x in effect),
+        )
+        for item, row, effect in zip(found.common, changes.T.tolist(), found.effects.T.tolist(), strict=True)
+    )
+
+
+def _findings(
+    found: Found, seen: stats.Identifiability, std: FloatArray, trends: Sequence[stats.Trend]
+) -> list[Finding]:
+    """Return all that speaks against a fit, gravest first."""
+    findings = [*_of_search(found), *_of_design(found, seen, std)]
+    findings += [*(_of_slack(found) if found.slack else ()), *_of_rest(found, trends)]
+    rank = list(FitStatus)
+    return sorted(findings, key=lambda finding: -rank.index(finding[0]))
+
+
 def _errors(found: Found, free: BoolArray) -> tuple[scatter.Estimate, str]:
-    """Return what the scatter leaves open of the parameters; without an interval where nothing tells the scatter."""
+    """Return the errors of the parameters by the scatter, and a note; no intervals where the scatter is unknown."""
     layout, q = found.layout, int(free.sum())
     if (best := scatter.estimated(layout, found.theta, free, found.effects)) is not None:
         note = _NOTES["clustered" if layout.spare else "scaled"]
         counts = zip(best.model.names, best.model.levels, strict=True)
         if named := ", ".join(f"{n} {name}s" for name, n in counts if name in best.model.groups):
-            note += f"; the trials have {named}, which may differ in μ and count as so many"
+            note += f"; the trials have {named}, each of which may have a μ of its own"
         hidden = [name for name in layout.groups if name not in best.model.names]
         if hidden:
-            note += f"; {' and '.join(hidden)} cannot be told from the law or from another group"
+            note += f"; {' and '.join(hidden)} cannot be separated from the law or from another group"
         return best._replace(model=best.model.rounded()), note
     # What repeats scatter by is all that is known, and nothing between conditions.
     rest = layout.problem.residuals(found.theta)
@@ -223,7 +247,7 @@ def _of_rest(found: Found, trends: Iterable[stats.Trend]) -> Iterator[Finding]:
 
 
 def _parameters(found: Found, std: FloatArray, dof: FloatArray) -> tuple[FittedParameter, ...]:
-    """Return the parameters with Student's intervals; none where nothing tells the scatter."""
+    """Return the parameters with Student's intervals; none where the scatter is unknown."""
     problem = found.problem
     parameters = []
     given = (problem.lower, problem.upper, found.at_bound, problem.vary)

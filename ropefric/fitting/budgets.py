@@ -127,7 +127,7 @@ def coefficient_model(
 
 
 class MeasuredCondition(NamedTuple):
-    """One condition with both its forces and what is known of them."""
+    """One condition with both its forces and their uncertainties."""
 
     number: int
     measured: ForceSide
@@ -399,7 +399,7 @@ def lift_model(
     if one_pull:
         rise = math.log(F_A / float(wheel.end_tension_N[0]))
         if not math.isfinite(new := new_rope_std(fit, rise, math.log(F_A))):
-            text = f"the fit of {fit.law} knows no scatter, so nothing can be said of one pull"
+            text = f"the fit of {fit.law} knows no scatter, so one pull has no interval"
             raise InputError(text, key="one_pull", fix="repeat conditions, or ask for the mean law")
         # What one pull brings beside the law: a new rope by its rise, a condition, a repeat.
         own = fit.scatter.one_pull(np.array([math.log(F_A)]), np.array([rise]))

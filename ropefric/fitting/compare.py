@@ -1,7 +1,7 @@
-"""Which law the data ask for: all laws on one trial table, ranked by AICc over the conditions, and the one to use.
+"""Which law the data support: all laws on one trial table, ranked by AICc over the conditions, and the one to use.
 
-A law stands on the condition means (`standing`): refit there, judged by likelihood, with each mean left out. That a
-fuller law is preferred to a simpler one takes AICc, the error at conditions left out and an F-test together; the
+Each law is refitted to the condition means (`standing`) and judged there by likelihood, and with each mean left out. A
+fuller law is preferred to a simpler one only where AICc, the error at conditions left out and an F-test agree; the
 verdict is made by rules (`_RULES`), each from one fact to the word that it calls for.
 """
 
@@ -18,7 +18,15 @@ from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import Candidate, Prediction, predict
 from ropefric.fitting.problem import law_named
 from ropefric.fitting.result import RIVAL, Doubt, FitResult, FitStatus, Verdict, verdict_of
-from ropefric.fitting.standing import FTest, Standing, leave_one_out, nested_test, standing, wild_trial
+from ropefric.fitting.standing import (
+    STRONG,
+    FTest,
+    Standing,
+    leave_one_out,
+    nested_test,
+    standing,
+    wild_trial,
+)
 from ropefric.fitting.statistics import ConditionMeans, akaike_weights, condition_means, scatter_fit
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import FrictionLaw
@@ -28,8 +36,8 @@ from ropefric.registry import did_you_mean
 from ropefric.shown import Shown
 from ropefric.trials.table import TrialTable
 
-ALWAYS = ("constant", "constant-offset")
-"""Laws that stand in every comparison: a constant μ with an offset can look exactly like a wrap effect."""
+ALWAYS = ("constant", "constant-offset", "wrap-average")
+"""Laws of every comparison: a constant μ with an offset and a wrap effect can look alike, with as many parameters."""
 
 CHANCE = 0.01
 """p-value of an F-test above which a fuller law's lead is put down to chance: low, for the best of many laws leads."""
@@ -145,13 +153,8 @@ def compare_laws(
     shared: Mapping[str, str] | None = None,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> Comparison:
-    """Return how friction laws stand against each other on a trial table; their fits share stated errors as said."""
-    if isinstance(laws, str | FrictionLaw):
-        laws = [laws]
-    laws = LAWS.values() if laws is None else laws
-    given = map(law_named, laws)
-    # In one order whatever was asked for, so that ties are always settled alike.
-    chosen = {law.name: law for law in [*(LAWS[name] for name in ALWAYS), *given]}
+    """Return friction laws ranked on a trial table; `shared` says which stated errors their trials share."""
+    chosen = _chosen_laws(laws)
     fits: dict[str, FitResult] = {}
     notes: dict[str, str] = {}
     for number, (name, law) in enumerate(chosen.items(), start=1):
@@ -166,13 +169,7 @@ def compare_laws(
     for name, stands in standings.items():
         notes[name] = notes[name] or _no_judge(fits[name], stands, means, slack=slack)
         notes[name] = notes[name] or _twin(name, standings, notes)
-    ranking = _ranking(fits, standings, notes, len(means))
-    tests = tuple(
-        found
-        for stands in standings.values()
-        for case in stands.problem.law.special_cases
-        if case.name in standings and (found := nested_test(standings[case.name], stands)) is not None
-    )
+    ranking, tests = _ranking(fits, standings, notes, len(means)), _nested_tests(standings)
     return Comparison(
         ranking=ranking,
         tests=tests,
@@ -182,6 +179,26 @@ def compare_laws(
         notes=_notes(ranking, tests, means, slack=slack),
         wild=() if wild is None else (np.array(table.trial)[table.used][wild].item(),),
     )
+
+
+def _chosen_laws(laws: Iterable[str | FrictionLaw] | None) -> dict[str, FrictionLaw]:
+    """Return the laws to compare by name, always in the same order so that ties are settled alike."""
+    if isinstance(laws, str | FrictionLaw):
+        laws = [laws]
+    given = map(law_named, LAWS.values() if laws is None else laws)
+    return {law.name: law for law in [*(LAWS[name] for name in ALWAYS), *given]}
+
+
+def _nested_tests(standings: Mapping[str, Standing]) -> tuple[FTest, ...]:
+    """Return the F-tests of all pairs of which one law is a special case of the other."""
+    pairs = (
+        (standings[case.name], fuller)
+        for fuller in standings.values()
+        for case in fuller.problem.law.special_cases
+        if case.name in standings
+    )
+    found = (nested_test(simpler, fuller) for simpler, fuller in pairs)
+    return tuple(test for test in found if test is not None)
 
 
 def _fitted(
@@ -280,7 +297,11 @@ def _notes(
         if test.simpler in ranked and test.fuller not in ranked and test.p_value < CHANCE
     ]
     rivals = [law for law, entry in ranked.items() if entry.delta_aicc <= RIVAL]
-    wraps = [law for law in rivals if "wrap-dependence" in ALL_LAWS[law].effects]
+    alike = [
+        law
+        for law, entry in ranked.items()
+        if entry.delta_aicc <= STRONG and _look_alike(law, ranking[0].law)
+    ]
     said = {
         f"AICc counts {in_all}, not repeats": True,
         "no condition was repeated, so every trial is a condition of its own": not means.repeated,
@@ -288,10 +309,24 @@ def _notes(
         f"{_ranked_on(ranked, in_all)}, so no law is weighed or chosen: measure more conditions": unweighed,
         "".join(rejected[:1]): unweighed and rejected,
         f"AICc within 2 of the best, so not distinguishable: {', '.join(rivals)}": len(rivals) > 1,
-        "a constant μ with an offset looks like a wrap effect, and these data cannot distinguish constant-offset from "
-        f"{', '.join(wraps)}: measure the offset at a wrap near zero": wraps and "constant-offset" in rivals,
+        f"{ranking[0].law} and {' and '.join(alike)} look alike: {_OFFSET_OR_WRAP}": alike,
     }
     return tuple(text for text, applies in said.items() if applies)
+
+
+# Laws with an offset and laws with a wrap effect need strong evidence to be told apart.
+_OFFSET_OR_WRAP = (
+    "these conditions do not separate a constant offset from a wrap effect; a pull at a wrap near zero would"
+)
+
+
+def _look_alike(law: str, other: str) -> bool:
+    """Return whether one of two laws has an offset where the other has a wrap effect."""
+    effects = ALL_LAWS[law].effects, ALL_LAWS[other].effects
+    return any(
+        "offset" in one and "wrap-dependence" in two and "offset" not in two
+        for one, two in (effects, effects[::-1])
+    )
 
 
 # Their forces follow the data as well as those of others, whatever is known of their parameters.
@@ -380,9 +415,9 @@ class Choice:
 
 
 def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None = None) -> Choice:
-    """Return the law of a comparison that is to be used, or the law that is asked for.
+    """Return the law of a comparison that is to be used, or the law named by `law`.
 
-    That is the best one whose fit may be used as it stands, or a simpler one that no fact speaks against.
+    That is the best one whose fit has no doubt, or a simpler one that no fact speaks against.
     """
     facts = _gathered(comparison, law, wheel)
     doubts = [doubt for rule in _RULES for doubt in rule(facts)]
@@ -397,7 +432,7 @@ def choose_law(comparison: Comparison, law: str = "", wheel: Conditions | None =
 
 
 class _Facts(NamedTuple):
-    """Everything known about the law used: its place, its fit, and the laws that the data do not tell from it."""
+    """Everything known about the law used: its place, its fit, and its rivals."""
 
     comparison: Comparison
     entry: ComparisonEntry
@@ -430,7 +465,7 @@ def _gathered(comparison: Comparison, law: str, wheel: Conditions | None) -> _Fa
 def _rivals_of(
     comparison: Comparison, chosen: ComparisonEntry, others: Sequence[ComparisonEntry]
 ) -> tuple[tuple[Rivalry, ...], tuple[Rivalry, ...], tuple[FitResult, ...]]:
-    """Return rivalries of the law used that are open, those that it won, and the laws that are not told from it."""
+    """Return open rivalries of the law used, those that it won, and the laws that the data do not exclude."""
     against = [rivalry for entry in others if (rivalry := rivalry_of(comparison, chosen, entry)) is not None]
     open_ = [one for one in against if one.preferred == "undecided"]
     won = [one for one in against if one.preferred == "fuller" and one.fuller == chosen.law]
@@ -440,7 +475,8 @@ def _rivals_of(
     def is_rival(entry: ComparisonEntry, other: FitResult) -> bool:
         if not comparison.conclusive:
             return other.status is FitStatus.OK
-        near = entry.counted and entry.delta_aicc <= RIVAL and entry.law not in lost
+        limit = STRONG if _look_alike(entry.law, chosen.law) else RIVAL
+        near = entry.counted and entry.delta_aicc <= limit and entry.law not in lost
         return other.status in _ANSWERING and (entry.law in undecided or near)
 
     rivals = tuple(e.fit for e in others if e.fit is not None and is_rival(e, e.fit))
@@ -494,7 +530,7 @@ def _of_no_choice(facts: _Facts) -> Iterator[Doubt]:
 
 
 def _of_place(facts: _Facts) -> Iterator[Doubt]:
-    """Yield that another law stands before the one used, and why it is not used."""
+    """Yield that another law is ranked before the one used, and why it is not used."""
     chosen, first = facts.entry, facts.first
     lead = chosen.delta_aicc - (first.delta_aicc if first.counted else 0.0)
     if not (facts.comparison.conclusive and chosen.counted) or chosen is first or not lead > 0.0:
@@ -526,7 +562,7 @@ def _of_wild_trials(facts: _Facts) -> Iterator[Doubt]:
 
 
 def _of_other_answers(facts: _Facts) -> Iterator[Doubt]:
-    """Yield that laws which the data do not tell apart answer differently."""
+    """Yield that laws which the data do not distinguish answer differently."""
     known = {name for one in facts.open for name in (one.simpler, one.fuller)}
     apart = [
         rival.law
@@ -536,12 +572,9 @@ def _of_other_answers(facts: _Facts) -> Iterator[Doubt]:
         and not _agree(facts.fit, rival, facts.wheel)
     ]
     if apart:
-        where = "on the conditions tested" if facts.wheel is None else "for the wheel asked for"
-        near_it = f"are within {RIVAL:g} in AICc and " if facts.entry.delta_aicc <= RIVAL else ""
-        yield (
-            "undecided",
-            f"{facts.entry.law} and {' and '.join(apart)} {near_it}answer differently {where}",
-        )
+        where = "on the conditions tested" if facts.wheel is None else "for this wheel"
+        text = f"the data do not distinguish {facts.entry.law} from {' and '.join(apart)}, which answer"
+        yield "undecided", f"{text}{'s' * (len(apart) == 1)} differently {where}"
 
 
 _RULES = (_of_no_choice, _of_place, _of_own_fit, _of_open_rivalries, _of_wild_trials, _of_other_answers)
@@ -555,12 +588,14 @@ def _why_supported(facts: _Facts) -> str:
     alike = f"; {names} answer{'s' * (len(facts.rivals) == 1)} alike" if facts.rivals else ""
     if facts.rivals and any(one.simpler == "constant" for one in facts.won):
         alike += ": there is an effect, but its form cannot be determined"
+    if any(_look_alike(chosen.law, rival.law) for rival in facts.rivals):
+        alike += f"; {_OFFSET_OR_WRAP}"
     alike += "".join(f"; {text}" for _, text in facts.fit.untested())
     return f"{chosen.law} {place}{weight}, and its fit follows the data within their scatter{alike}"
 
 
 def _ranked_on(ranked: Iterable[str], what: str) -> str:
-    """Return in words which laws could be ranked."""
+    """Return which laws could be ranked, in words."""
     names = " and ".join(ranked)
     return f"{f'only {names}' if names else 'no law'} could be ranked on {what}"
 
@@ -568,7 +603,7 @@ def _ranked_on(ranked: Iterable[str], what: str) -> str:
 def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:
     """Return whether two laws give the same lift force for a wheel, or on the conditions tested.
 
-    By root mean squares of ln F_A over them; the rules stand in `ropefric.fitting.result`.
+    By root mean squares of ln F_A over them, with the rules of `ropefric.fitting.result`.
     """
     if wheel is None:
         wheel = fit.data.conditions.select(np.unique(fit.data.group, return_index=True)[1])

@@ -32,7 +32,7 @@ QUANTITIES: dict[str, tuple[str, str, tuple[float, float]]] = {
     "wrap": ("wrap_angle_rad", "rad", (0.0, 40.0 * math.pi)),
     "end_tension": ("end_tension_N", "N", (1.0, 1e5)),
 }
-"""The name and unit of each quantity a design can look for, and where unless told otherwise."""
+"""Name and unit of each quantity that a design can look for, and its range of search by default."""
 
 _FORCES = ("required_N", "lift_force_N", "lower_bound_N")
 # A wrap of zero has no slope in some laws; this much wrap lifts nothing.
@@ -234,40 +234,52 @@ def _checked(
     limits: tuple[float, float] | None,
     **quantities: npt.ArrayLike | None,
 ) -> tuple[dict[str, FloatArray], FloatArray, tuple[float, float]]:
-    """Return what is given of n designs, their loads [N], and where to look; everything that is wrong is said here."""
+    """Return the given quantities of n designs, their loads [N], and the range to search; refuse all that is wrong."""
     if solve_for not in tuple(QUANTITIES):
         text = f"cannot solve for {solve_for!r}"
         raise InputError(text, key="solve_for", fix="use one of wrap, radius, end_tension")
-    target, unit, usual = QUANTITIES[solve_for]
+    target = QUANTITIES[solve_for][0]
     if quantities.pop(target) is not None:
         raise InputError(f"{target} is given and looked for", key=target, fix="leave it out")
-    arrays = {}
     for name, value in quantities.items():
         if value is None:
             raise InputError(f"{name} is missing", key=name, fix="give every quantity but the one looked for")
-        arrays[name] = as_floats(name, value)
     if solve_for == "radius" and "size" not in fit.friction_law.effects:
         text = f"the lift of law {fit.law} does not depend on the wheel radius, so no radius can be found"
         fix = "solve for the wrap or the end tension, or fit a law with a size effect"
         raise InputError(text, key="solve_for", fix=fix)
-    low, high = (float(end) for end in (limits or usual))
-    if not (math.isfinite(high) and high > low and (low > 0.0 or (low == 0.0 and solve_for == "wrap"))):
-        text = f"limits {low:g} to {high:g} {unit} are none"
-        raise InputError(text, key="limits", fix="give 0 < low < high in SI")
-    try:
-        same = dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
-    except ValueError:
-        lengths = ", ".join(f"{name} has {array.size}" for name, array in arrays.items())
-        fix = "give one value each, or one for all"
-        raise InputError(f"the designs disagree in length: {lengths}", fix=fix) from None
-    load_N = same.pop("lift_N")
-    # Every quantity is looked at here, so that no search meets a bad one.
-    Conditions(**same, **{target: np.array(high)})
+    low, high = _range(solve_for, limits)
+    given = _same_length(
+        {name: as_floats(name, value) for name, value in quantities.items() if value is not None}
+    )
+    load_N = given.pop("lift_N")
+    # Every quantity is checked here, so that no search meets a bad one.
+    Conditions(**given, **{target: np.array(high)})
     bad = np.flatnonzero(~(np.isfinite(load_N) & (load_N > 0.0)))
     if bad.size:
         text = f"lift_N[{bad[0]}] is {load_N[bad[0]]:g} N; it must be finite and positive"
         raise InputError(text, key="lift_N")
-    return same, load_N, (low, high)
+    return given, load_N, (low, high)
+
+
+def _range(solve_for: SolveFor, limits: tuple[float, float] | None) -> tuple[float, float]:
+    """Return where to search."""
+    _, unit, usual = QUANTITIES[solve_for]
+    low, high = (float(end) for end in (limits or usual))
+    if not (math.isfinite(high) and high > low and (low > 0.0 or (low == 0.0 and solve_for == "wrap"))):
+        text = f"limits {low:g} to {high:g} {unit} are none"
+        raise InputError(text, key="limits", fix="give 0 < low < high in SI")
+    return low, high
+
+
+def _same_length(arrays: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """Return arrays of one length; a single value counts for all designs."""
+    try:
+        return dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
+    except ValueError:
+        lengths = ", ".join(f"{name} has {array.size}" for name, array in arrays.items())
+        fix = "give one value each, or one for all"
+        raise InputError(f"the designs disagree in length: {lengths}", fix=fix) from None
 
 
 def _search(

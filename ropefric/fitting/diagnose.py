@@ -33,7 +33,7 @@ from ropefric.trials.table import TrialTable
 
 Supported = Literal["yes", "no", "cannot-tell"]
 
-WORDS = {"yes": "supported", "no": "not supported", "cannot-tell": "cannot be told"}
+WORDS = {"yes": "supported", "no": "not supported", "cannot-tell": "undetermined"}
 # A difference of AICc.
 _WEAK = 2.0
 _SAME_AICC = 1e-6
@@ -54,7 +54,7 @@ class _Effect(NamedTuple):
 _EFFECTS = {
     "offset": _Effect(
         "offset", "", "pull at a wrap near zero, or over the same wrap on a free wheel: "
-        "ln(F_A/F_B) there is the offset itself", "all conditions have one wrap, where an offset cannot be told from μ"
+        "ln(F_A/F_B) there is the offset itself", "at one wrap an offset looks like a larger μ"
     ),
     "load dependence": _Effect(
         "end-tension", "end tension", "the same wheel and wrap at end tensions a factor 10 or more apart, with repeats"
@@ -76,6 +76,7 @@ _GROUPS = {
     "dwell": ("dwell", "vary the dwell by a factor 10 or more within each condition"),
     "order of trials": ("order", "measure in random order, and come back to the first condition at the end"),
 }
+_NUMERIC = {"dwell", "order"}
 
 
 class Cause(NamedTuple):
@@ -355,7 +356,7 @@ def _judged(title: str, ranked: Comparison, trends: _Trends) -> Cause:
 def _not_separated(
     causes: Sequence[Cause], ranked: Comparison, trends: _Trends
 ) -> tuple[tuple[Cause, Cause], ...]:
-    """Return pairs of effects of which one must be there, but which one the design does not tell."""
+    """Return pairs of effects of which one must be there, where the design does not separate them."""
     open_ = [cause for cause in causes if cause.supported == "cannot-tell" and cause.cause in trends.columns]
 
     def without(*titles: str) -> float:
@@ -375,12 +376,10 @@ def _not_separated(
 
 
 def _with_pairs(cause: Cause, pairs: Sequence[tuple[Cause, Cause]]) -> Cause:
-    """Return a cause with what it cannot be told from, and the pull that would tell."""
+    """Return a cause with the effects that look like it, and the pull that separates them."""
     own = [pair for pair in pairs if cause.cause in {one.cause for one in pair}]
     others = [one for pair in own for one in pair if one.cause != cause.cause]
-    text = "".join(
-        f"; one of {cause.cause} and {x.cause} is present: {x.experiment}, would decide" for x in others
-    )
+    text = "".join(f"; {cause.cause} or {x.cause} is present; to decide: {x.experiment}" for x in others)
     return cause._replace(evidence=cause.evidence + text)
 
 
@@ -439,10 +438,10 @@ def _percent(share: float) -> str:
 # ---- groups of trials ----
 
 
-def _numbers_of(name: str, values: Sequence[str]) -> FloatArray | None:
-    """Return a numeric column over its span, of a dwell its logarithm; None where it holds what is no number."""
+def _numbers_of(name: str, words: Sequence[str]) -> FloatArray | None:
+    """Return a column of numbers over its span, for a dwell of their logarithms; None for anything else."""
     try:
-        number = np.array([float(value.replace(",", ".")) for value in values])
+        number = np.array([float(word.replace(",", ".")) for word in words])
     except ValueError:
         return None
     if name == "dwell":
@@ -450,42 +449,57 @@ def _numbers_of(name: str, values: Sequence[str]) -> FloatArray | None:
     return number / np.ptp(number) if np.isfinite(number).all() and np.ptp(number) > 0.0 else None
 
 
-def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends) -> Cause:
-    """Return whether μ goes with what is written beside the trials, within conditions or between them."""
-    name, experiment = _GROUPS[title]
-    values = np.array(table.labels.get(name) or ("",) * len(table))[table.used].tolist()
-    found, numeric = sorted(set(values)), name in {"dwell", "order"}
-    number = _numbers_of(name, values) if numeric and len(found) > 1 else None
-    reasons = {
-        f"the table has no column {name}": not any(values),
-        f"all trials have one {name}": len(found) < 2,
-        f"the column {name} holds what is no number": numeric and number is None,
-    }
-    if why := next((text for text, applies in reasons.items() if applies), ""):
-        return Cause(title, "cannot-tell", why, experiment)
-    x = np.stack([np.array([v == word for v in values], float) for word in found[1:]], axis=-1)
-    x = x if number is None else number[:, None]
-    told = _group_tests(x * problem.conditions.wrap_angle_rad[:, None], problem, trends)
-    if not told:
-        why = "go with the settings or with single trials, or too few trials are left to judge by"
-        return Cause(title, "cannot-tell", f"its {counted(len(found), 'value')} {why}", experiment)
-    clear = min(test[0] for test in told.values()) * len(told) < _SIGNIFICANT
-    # The one that sees it, or else the one that leaves least room.
-    where, (p_value, *ends) = min(told.items(), key=lambda x: x[1][0] if clear else x[1][2] - x[1][1])
-    p_value = min(1.0, p_value * len(told))
-    low, high = sorted(end / typical_mu(problem.conditions, problem.log_lift) for end in ends)
-    open_ = p_value < _DOUBTED or not low <= 0.0 <= high
-    supported: Supported = "yes" if p_value < _SIGNIFICANT else "cannot-tell" if open_ else "no"
-    what = "from its lowest value to its highest" if numeric else f"between {len(found)} groups"
-    span = f"{_percent(low)} to {_percent(high)} {what}"
-    seen = (
-        f"μ changes by {span}"
-        if supported == "yes"
-        else f"a change of μ by {span} would not have been detected"
+def _columns_of(name: str, words: Sequence[str]) -> tuple[FloatArray, str]:
+    """Return how trials differ by a column of the table, shape (n, q); or why that column shows no difference."""
+    levels, none = sorted(set(words)), np.zeros((len(words), 0))
+    if not any(words):
+        return none, f"the table has no column {name}"
+    if len(levels) < 2:
+        return none, f"all trials have one {name}"
+    if name not in _NUMERIC:
+        return np.stack(
+            [np.array([word == level for word in words], float) for level in levels[1:]], axis=-1
+        ), ""
+    number = _numbers_of(name, words)
+    return (
+        (none, f"the column {name} has a value that is no number")
+        if number is None
+        else (number[:, None], "")
     )
+
+
+def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends) -> Cause:
+    """Return whether μ differs between groups of trials, within conditions or between them."""
+    name, experiment = _GROUPS[title]
+    words = np.array(table.labels.get(name) or ("",) * len(table))[table.used].tolist()
+    x, why = _columns_of(name, words)
+    tests = {} if why else _group_tests(x * problem.conditions.wrap_angle_rad[:, None], problem, trends)
+    n_levels = len(set(words))
+    if not tests:
+        why = why or (
+            f"its {counted(n_levels, 'value')} go with the settings or with single trials, or too few trials are left "
+            "to judge by"
+        )
+        return Cause(title, "cannot-tell", why, experiment)
+    clear = min(test[0] for test in tests.values()) * len(tests) < _SIGNIFICANT
+    # The test that finds the difference, or else the one with the narrowest limits.
+    where, (p_value, *ends) = min(tests.items(), key=lambda x: x[1][0] if clear else x[1][2] - x[1][1])
+    p_value = min(1.0, p_value * len(tests))
+    low, high = sorted(end / typical_mu(problem.conditions, problem.log_lift) for end in ends)
+    rules: tuple[tuple[bool, Supported], ...] = (
+        (p_value < _SIGNIFICANT, "yes"),
+        (p_value < _DOUBTED or not low <= 0.0 <= high, "cannot-tell"),
+        (True, "no"),
+    )
+    supported = next(word for applies, word in rules if applies)
+    what = "from its lowest value to its highest" if name in _NUMERIC else f"between {n_levels} groups"
+    change = f"{_percent(low)} to {_percent(high)} {what}"
+    seen = f"a change of μ by {change} would not have been detected"
+    seen = f"μ changes by {change}" if supported == "yes" else seen
     text = f"{where} conditions {seen} (95 % each; p = {p_value:.2g})"
-    numbers = {"p_value": p_value, "bound_low": low, "bound_high": high}
-    return Cause(title, supported, text, experiment, numbers)
+    return Cause(
+        title, supported, text, experiment, {"p_value": p_value, "bound_low": low, "bound_high": high}
+    )
 
 
 def _group_tests(x: FloatArray, problem: FitProblem, trends: _Trends) -> dict[str, tuple[float, ...]]:
@@ -561,7 +575,7 @@ def _scatter(ranked: Comparison, means: stats.ConditionMeans) -> Cause:
     if repeats < 1 or K < 3:
         text = "no condition was repeated, or there are fewer than three"
     elif best.fit is None or left < 2:
-        text = f"{K} conditions are too few to tell scatter between them from an effect"
+        text = f"{K} conditions are too few to separate the scatter between them from an effect"
     if text or best.fit is None:
         return Cause(title, "cannot-tell", text, experiment)
     excess = (best.fit.friction_law.log_lift(best.fit.theta, means.conditions) - means.log_lift) / means.std
@@ -578,27 +592,30 @@ def _scatter(ranked: Comparison, means: stats.ConditionMeans) -> Cause:
 
 
 def _summary(ranked: Comparison, causes: Sequence[Cause], pairs: Sequence[tuple[Cause, Cause]]) -> str:
-    found = [item.cause for item in causes if item.supported == "yes"]
-    effects = [cause for cause in found if cause in _EFFECTS or cause in _GROUPS]
-    open_ = [item.cause for item in causes if item.supported == "cannot-tell" and item.cause in _EFFECTS]
-    plain = ranked["constant"]
-    law = "the capstan equation"
-    if plain.fit is not None:
-        law += f" with μ = {_with_error(plain.fit, 'mu', '.3g')}"
-    texts = {
-        f"{law} does not describe the trials": bool(effects or pairs),
-        f"{counted(ranked.n, ranked.unit[:-1])} cannot test {law}": not ranked.conclusive,
-        f"{law} describes the trials; no cause to leave it is supported" + _hidden(causes): (
-            ranked.best.law == "constant" or plain.delta_aicc <= _WEAK
-        ),
-        f"{law} is not the best description ({ranked.best.law} is), but the data do not show why": True,
-    }
-    text = next(text for text, applies in texts.items() if applies)
+    """Return the diagnosis in one sentence."""
+    found, open_ = (
+        [item.cause for item in causes if item.supported == word] for word in ("yes", "cannot-tell")
+    )
+    text = _main_finding(ranked, causes, bool(pairs or {*found} & {*_EFFECTS, *_GROUPS}))
     text += "".join(
         f"; {one.cause} or {other.cause}, which these conditions do not separate" for one, other in pairs
     )
-    lists = {"the data support": found, "cannot be told": open_}
+    lists = {"the data support": found, "undetermined": [cause for cause in open_ if cause in _EFFECTS]}
     return "; ".join([text, *(f"{words}: {', '.join(names)}" for words, names in lists.items() if names)])
+
+
+def _main_finding(ranked: Comparison, causes: Sequence[Cause], has_effect: bool) -> str:  # noqa: FBT001
+    """Return whether the capstan equation describes the trials."""
+    plain, law = ranked["constant"], "the capstan equation"
+    if plain.fit is not None:
+        law += f" with μ = {_with_error(plain.fit, 'mu', '.3g')}"
+    if has_effect:
+        return f"{law} does not describe the trials"
+    if not ranked.conclusive:
+        return f"{counted(ranked.n, ranked.unit[:-1])} cannot test {law}"
+    if ranked.best.law == "constant" or plain.delta_aicc <= _WEAK:
+        return f"{law} describes the trials; no cause to leave it is supported" + _hidden(causes)
+    return f"{law} is not the best description ({ranked.best.law} is), but the data do not show why"
 
 
 def _hidden(causes: Sequence[Cause]) -> str:

@@ -15,7 +15,15 @@ from ropefric.errors import InputError, UnknownNameError
 from ropefric.files.plain_text import significant, to_share
 from ropefric.fitting.assembled import Found, assemble
 from ropefric.fitting.predict import REGRESSORS
-from ropefric.fitting.problem import FitProblem, FitSettings, batched_fit, check_settings, law_named, reduced
+from ropefric.fitting.problem import (
+    FitProblem,
+    FitSettings,
+    batched_fit,
+    check_settings,
+    distinct_conditions,
+    law_named,
+    reduced,
+)
 from ropefric.fitting.result import CommonError, FitResult
 from ropefric.fitting.scatter import estimated, laid_out
 from ropefric.fitting.statistics import RANK_RATIO, decomposed
@@ -133,7 +141,7 @@ SHARERS = ("cell", "rig", "wheel", "rope", "setting")
 
 
 def stated_errors(
-    problem: FitProblem, theta: FloatArray, table: TrialTable, shared: Mapping[str, str]
+    problem: FitProblem, theta: FloatArray, table: TrialTable, shared: Mapping[str, str], *, slack: bool
 ) -> tuple[tuple[CommonError, ...], FloatArray]:
     """Return the errors that trials share by what is said of them, and how one of each moves ln F_A, shape (n, b).
 
@@ -145,9 +153,9 @@ def stated_errors(
         std = np.nan_to_num(np.asarray(getattr(table, one.column), np.float64)[used])
         if not std.any():
             continue
-        slope = error_slopes(kind, problem.law, theta, at, slack=table.measures_slack)
+        slope = error_slopes(kind, problem.law, theta, at, slack=slack)
         if kind == "cell":
-            std = std / (at.end_tension_N if table.measures_slack else np.exp(problem.log_lift))
+            std = std / (at.end_tension_N if slack else np.exp(problem.log_lift))
         words = [*table.labels.get(by, ())]
         if not words:
             names = [error_name(kind, by, value) for value in at_level(kind, by, at).tolist()]
@@ -219,11 +227,11 @@ def _search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Fo
         for name, word in chosen.items()
         if name in table.labels
     }
-    layout = laid_out(problem, named)
+    layout, slack = laid_out(problem, named), table.measures_slack
 
     def errors(theta: FloatArray) -> tuple[tuple[CommonError, ...], FloatArray]:
         """Return the stated errors, and how one of each moves the mean of each cell."""
-        found, effects = stated_errors(problem, theta, table, settings.shared)
+        found, effects = stated_errors(problem, theta, table, settings.shared, slack=slack)
         of_cells = np.array([np.bincount(layout.cell, z) / layout.size for z in effects.T])
         return found, of_cells.reshape(-1, layout.size.size).T
 
@@ -243,7 +251,7 @@ def _search(problem: FitProblem, table: TrialTable, settings: FitSettings) -> Fo
     common, effects = errors(theta)
     return Found(
         problem=problem, layout=layout, theta=theta, at_bound=at_bound, converged=converged,
-        notes=(*layout.notes, *notes), common=common, effects=effects,
+        notes=(*layout.notes, *notes), common=common, effects=effects, slack=slack,
     )  # fmt: skip
 
 
@@ -415,7 +423,7 @@ def _least_known(problem: FitProblem, theta: FloatArray, free: BoolArray) -> tup
 # Enough to tell the candidates apart; a start needs no more.
 _MAX_CONDITIONS = 400
 _FINALISTS = 12
-_STEPS = 40
+_FIRST_STEPS, _STEPS = 10, 40
 # In standard errors: starts further off (0.01) lead some laws into another place of their valley.
 _NEAR = 1e-4
 
@@ -433,9 +441,12 @@ def guess(law: FrictionLaw, conditions: Conditions, log_lift: npt.ArrayLike) -> 
     problem = FitProblem.plain(law, conditions, data)
     found = typical = problem.start
     wrapped = conditions.wrap_angle_rad > 0.0
+    order, firsts = distinct_conditions(conditions)
+    once, repeats = conditions.select(order[firsts]), np.diff(np.append(firsts, order.size))
 
     def misfit(theta: FloatArray) -> FloatArray:
-        return np.asarray(np.abs(law.log_lift(theta, conditions) - data).sum(axis=-1))
+        lift = np.repeat(law.log_lift(theta, once), repeats, axis=-1)
+        return np.asarray(np.abs(lift - data[order]).sum(axis=-1))
 
     try:
         # Data at the ends of what a float holds overflow on the way.
@@ -445,11 +456,13 @@ def guess(law: FrictionLaw, conditions: Conditions, log_lift: npt.ArrayLike) -> 
             mu = max(float(np.median(average)), 1e-3) if wrapped.any() else 0.2
             candidates = np.asarray(law.candidates(mu, conditions, data), dtype=np.float64)
             theta = np.clip(candidates, law.lower, law.upper)
-            theta = theta[law.admissible(theta, conditions)]
+            theta = theta[law.admissible(theta, once)]
             if len(theta):
                 best = theta[np.argsort(misfit(theta), kind="stable")[:_FINALISTS]]
-                best = batched_fit(problem, starts=best, tolerance=_NEAR, max_iterations=_STEPS).theta
-                found = best[np.argmin(misfit(best))]
+                # Most searches come near within a few steps; only the best of them goes to the end.
+                for steps in (_FIRST_STEPS, _STEPS):
+                    best = batched_fit(problem, starts=best, tolerance=_NEAR, max_iterations=steps).theta
+                    found = best = best[np.argmin(misfit(best))]
     except (InputError, np.linalg.LinAlgError):
         found = typical
     return np.asarray(np.clip(found if np.isfinite(found).all() else typical, law.lower, law.upper))

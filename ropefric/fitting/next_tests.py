@@ -57,7 +57,7 @@ _MAX_PASSES = 100
 _AS_GOOD = 0.01
 # Of an interval: what twice the conditions must make of it to be worth a word.
 _NARROWER = 0.9
-# Share of the variance from which on more pulls hardly help.
+# Share of the variance above which more pulls do not narrow an interval much.
 _MOSTLY = 0.5
 _CHAIN = "measuring chain"
 _UNTESTED = Conditions(**dict.fromkeys(SETTINGS, np.zeros(0)))
@@ -211,7 +211,7 @@ def planned_fit(
         raise InputError(text, key="scatter_within", fix='give it, such as --scatter-within "1.7 %"')
     if not math.isfinite(between):
         between = 0.0
-        notes.append("the fit cannot tell the scatter between conditions: none is assumed")
+        notes.append("the fit does not know the scatter between conditions: none is assumed")
     if not fit.trials.get("n"):
         raise InputError("the fit does not list its conditions", key="fit", fix="fit the trials again")
     columns = {name: np.array(values, dtype=np.float64) for name, values in fit.trials.items()}
@@ -633,11 +633,11 @@ def _of_shared(found: Evidence, along: FloatArray) -> list[str]:
         return []
     name = [*found.shares][int(np.argmax(shared[worst] ** 2))]
     text = f"{part[worst]:.0%} of the expected variance comes from errors that tests share, mainly the {name}"
-    return [f"{text}: more pulls hardly help, a smaller error of that does"]
+    return [f"{text}: reduce that error, more pulls would not narrow the interval much"]
 
 
 def _told(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:
-    """Return what the conditions tested so far can tell of the law and its parameters, and what with the plan."""
+    """Return what the conditions tested so far can determine of the law and its parameters, and what with the plan."""
     tested, before = planned.tested, np.broadcast_to(planned.tested_repeats, len(planned.tested))
     both = tested.joined(plan)
     often, words, scale = np.append(before, np.full(len(plan), repeats)), [], []
@@ -650,7 +650,7 @@ def _told(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:
 
 
 def _check_determined(planned: PlannedLaw, rows: FloatArray, least: int, n: int) -> None:
-    """Refuse to plan n conditions, of those that can be had, where they cannot tell the parameters."""
+    """Refuse to plan n conditions, of those that can be had, where they cannot determine the parameters."""
     law = planned.law
     if n < least:
         text = f"{n} conditions cannot determine the {planned.n_free} parameters of {law.name} with an error"
@@ -660,7 +660,7 @@ def _check_determined(planned: PlannedLaw, rows: FloatArray, least: int, n: int)
     if names:
         varied = {"size": "wheels", "wrap-dependence": "wraps", "end-tension": "end tensions"}
         shown_by = ", ".join(words for effect, words in varied.items() if effect in law.effects) or "wraps"
-        text = f"every plan within these settings is singular: none can tell {', '.join(names)} of {law.name} apart"
+        text = f"every plan within these settings is singular: none can determine {', '.join(names)} of {law.name}"
         fix = f"give more {shown_by}, hold a parameter, or plan for a simpler law"
         raise InputError(text, code="RF410", key="limits", fix=fix)
 

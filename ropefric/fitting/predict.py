@@ -241,7 +241,7 @@ def predict(
 ) -> Prediction:
     """Return the lift force of a fitted law for n conditions, with its intervals; also of a `rope` that was measured.
 
-    Outside what was tested they hold those of the laws that a comparison does not tell from this one, `fit.rivals`.
+    Outside what was tested they hold those of the laws that a comparison does not exclude, `fit.rivals`.
     """
     model = _model(fit, linear_density_kg_m, speed_m_s)
     check_level(level)
@@ -313,7 +313,7 @@ def _of_rope(
     scatter, cells = fit.scatter, fit.cells()
     names = scatter.labels.get("rope", ())
     if not names or cells is None:
-        text = f"the fit of {fit.law} does not tell ropes apart"
+        text = f"the fit of {fit.law} has no component of scatter by rope"
         fix = "fit trials with a column rope_id, in which each rope was pulled at several conditions"
         raise InputError(text, key="rope", fix=fix)
     if rope not in names:
@@ -397,7 +397,7 @@ class Spread(NamedTuple):
 
 
 def _spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> Spread:
-    """Return what is open of ln F_A at conditions, NaN where nothing tells it."""
+    """Return the variances of ln F_A at conditions, NaN where they are unknown."""
     J, scatter = model.jacobian(fit.theta, conditions), fit.scatter
     # Rounding may turn a variance of zero a hair negative.
     variance = np.maximum(((J @ fit.covariance) * J).sum(axis=-1), 0.0)

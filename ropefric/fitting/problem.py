@@ -246,7 +246,7 @@ def reduced(
     if problem.root is not None:
         weight = count * np.ones(problem.n_points)
         return Reduced(problem.law, problem.conditions, weight, y, np.zeros(1), problem.root)
-    order, starts = _distinct(problem.conditions)
+    order, starts = distinct_conditions(problem.conditions)
     repeated = starts.size < order.size
     if not repeated:
         # Nothing to put together, so the points stay as they are.
@@ -263,7 +263,7 @@ def reduced(
     return Reduced(problem.law, conditions, weight, mean, rest)
 
 
-def _distinct(conditions: Conditions) -> tuple[Rows, Rows]:
+def distinct_conditions(conditions: Conditions) -> tuple[Rows, Rows]:
     """Return an order that puts repeats side by side, and where in it each distinct condition begins."""
     columns = [getattr(conditions, name) for name in SETTINGS]
     order = np.lexsort(columns)

@@ -1,11 +1,12 @@
-"""Settings of a rig, and the information of a list of conditions before anything is measured.
+"""Settings of a rig, and what a list of conditions can determine before anything is measured.
 
-Of laws, of their parameters, and of laws from simpler ones.
+The expected standard errors of a law's parameters, and the power of the test against each simpler law.
 """
 
+import itertools
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,7 +16,7 @@ import numpy.typing as npt
 from scipy.special import fdtri, ncfdtr
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
-from ropefric.errors import InputError, raise_problems
+from ropefric.errors import InputError, Problem, raise_problems
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.problem import FitProblem, batched_fit
 from ropefric.fitting.result import SPARE
@@ -25,7 +26,7 @@ from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import LAWS
 from ropefric.glossary import counted
 from ropefric.trials.campaign_model import Campaign
-from ropefric.trials.cells import QUANTITIES, example_of, read_cells
+from ropefric.trials.cells import QUANTITIES, CellTable, Columns, example_of, read_cells
 from ropefric.trials.table import TrialTable, read_trial_table
 
 TYPICAL_WITHIN, TYPICAL_BETWEEN = 0.015, 0.01
@@ -39,20 +40,20 @@ MOST = 1000
 
 # Of all combinations, each weighed against the others.
 _MOST_CONDITIONS = 50_000
-# By the share of campaigns, in whole per cent, in which a test tells two laws apart.
+# By the share of campaigns, in whole per cent, in which a test distinguishes two laws.
 _VERBS = {
     80: "distinguishable",
     50: "probably distinguishable",
-    20: "hardly distinguishable",
+    20: "rarely distinguishable",
     0: "not distinguishable",
 }
 SCALE = ", ".join(f"{words}: in {share} % of campaigns or more" for share, words in _VERBS.items() if share)
 """Meaning of the words of an outlook."""
-# A parameter is told where its standard error is at most this part of it.
+# A parameter is determined where its standard error is at most this part of it.
 _TOLD = 0.5
 _TYPICAL_MU = 0.2
 _TEST_LEVEL = 0.05
-# A noncentrality whose power no float tells from one, and for which the distribution is not computed.
+# From this noncentrality on the power is one.
 _BEYOND_DOUBT = 1e3
 
 
@@ -174,7 +175,7 @@ class LawOutlook(NamedTuple):
     untold : tuple of str
         Parameters whose standard error exceeds half their typical size.
     power : dict of str to float
-        Of each simpler law that it contains: the share of campaigns in which the test of the two tells them apart.
+        Of each simpler law that it contains: the share of campaigns in which the test distinguishes the two.
     """
 
     law: str
@@ -203,7 +204,7 @@ class LawOutlook(NamedTuple):
 
 
 def outlook_of_campaign(campaign: Campaign) -> tuple[LawOutlook, ...]:
-    """Return what the list of a campaign's trials can tell, by the usual scatter of ropes.
+    """Return what the trials listed in a campaign can determine, at the typical scatter of ropes.
 
     Where the slack side is to be measured, its tension is what a usual coefficient leaves of the load.
     """
@@ -219,7 +220,7 @@ def outlook_of_campaign(campaign: Campaign) -> tuple[LawOutlook, ...]:
 
 
 def outlook_of_table(table: TrialTable) -> tuple[LawOutlook, ...]:
-    """Return what the conditions of a table can tell, by the scatter of its own repeats where it has any."""
+    """Return what the conditions of a table can determine, at the scatter of its own repeats where it has any."""
     settings, group = listed(table)
     within = scatter_of_repeats(table)
     return _outlooks([*settings.values()], group, TYPICAL_WITHIN if math.isnan(within) else within)
@@ -256,31 +257,18 @@ def read_list(path: str | os.PathLike[str]) -> TrialTable:
     if wrong or "peak_N" in columns:
         return read_trial_table(path)
     found = [*problems, *(doubt for name in others for doubt in table.near_miss(name, QUANTITIES, ()))]
-    for stem in ("wheel_radius", "rope_diameter", "wrap_angle", "end_tension"):
-        if QUANTITIES[stem][0] not in columns:
-            text = f"there is no column for the {stem.replace('_', ' ')}; every condition needs one"
-            fix = f"add a column {example_of(stem, QUANTITIES)}"
-            if (campaign := Path(path).with_name("campaign.toml")).is_file():
-                fix += f"; or check the campaign that this list is of, {campaign.as_posix()}"
-            found.append(table.problem(table.header_line, "", "RF121", text, fix))
-    raise_problems(found)
-    read, refused = table.numbers(columns)
-    often = []
-    for place, (line, row) in enumerate(table.rows):
-        found += refused.get(place, ())
-        for name in SETTINGS:
-            if math.isnan(read[name][place]) and place not in refused:
-                text, key = "the cell is empty, and every condition needs it", columns[name].header
-                found.append(table.problem(line, key, "RF121", text, "write the number"))
-        written = row[columns["repeats"].index] if "repeats" in columns else "1"
-        often.append(int(written) if written.isdecimal() and len(written) < 5 else 0)
-        if not 1 <= often[-1] <= MOST:
-            text = f"{written[:40]!r} is no number of pulls"
-            found.append(table.problem(line, "repeats", "RF102", text, f"write 1 to {MOST}"))
+    found += _missing_columns(table, columns)
     if not table.rows:
         text, fix = "the list has a header, but no conditions", "add a row for each"
         found.append(table.problem(table.header_line, "", "RF101", text, fix))
     raise_problems(found)
+    read, refused = table.numbers(columns)
+    written = [row[columns["repeats"].index] if "repeats" in columns else "1" for _, row in table.rows]
+    often = [int(text) if text.isdecimal() and len(text) < 5 else 0 for text in written]
+    found += itertools.chain(*refused.values())
+    found += _empty_cells(table, columns, read, refused)
+    found += _wrong_repeats(table, written, often)
+    raise_problems(sorted(found, key=lambda problem: problem.line or 0))
     settings: dict[str, Any] = {name: np.repeat(read[name], often) for name in SETTINGS}
     names = tuple(f"row-{line}-{i}" for (line, _), n in zip(table.rows, often, strict=True) for i in range(n))
     return TrialTable(
@@ -288,10 +276,41 @@ def read_list(path: str | os.PathLike[str]) -> TrialTable:
     )
 
 
+def _empty_cells(
+    table: CellTable, columns: Columns, read: Mapping[str, Sequence[float]], refused: Container[int]
+) -> Iterator[Problem]:
+    """Yield the settings that a row leaves empty."""
+    text = "the cell is empty, and every condition needs it"
+    for place, (line, _) in enumerate(table.rows):
+        for name in SETTINGS if place not in refused else ():
+            if math.isnan(read[name][place]):
+                yield table.problem(line, columns[name].header, "RF121", text, "write the number")
+
+
+def _wrong_repeats(table: CellTable, written: Sequence[str], often: Sequence[int]) -> Iterator[Problem]:
+    """Yield the numbers of pulls that are none, or too large."""
+    for (line, _), text, n in zip(table.rows, written, often, strict=True):
+        if not 1 <= n <= MOST:
+            why = f"{text[:40]!r} is no number of pulls"
+            yield table.problem(line, "repeats", "RF102", why, f"write 1 to {MOST}")
+
+
+def _missing_columns(table: CellTable, columns: Columns) -> Iterator[Problem]:
+    """Yield which settings have no column."""
+    campaign = Path(table.path).with_name("campaign.toml")
+    for stem in ("wheel_radius", "rope_diameter", "wrap_angle", "end_tension"):
+        if QUANTITIES[stem][0] not in columns:
+            text = f"there is no column for the {stem.replace('_', ' ')}; every condition needs one"
+            fix = f"add a column {example_of(stem, QUANTITIES)}"
+            if campaign.is_file():
+                fix += f"; or check the campaign that this list is of, {campaign.as_posix()}"
+            yield table.problem(table.header_line, "", "RF121", text, fix)
+
+
 def law_outlook(
     law: FrictionLaw, at: Conditions, variance: FloatArray, theta: Sequence[float] | FloatArray | None = None
 ) -> LawOutlook:
-    """Return what conditions, whose means have a variance of ln F_A, can tell of a law; typical parameters if none."""
+    """Return what means of conditions, with a variance of ln F_A, can determine of a law, by default a typical one."""
     truth = np.array([item.start for item in law.parameters] if theta is None else theta, dtype=np.float64)
     free = np.array([not item.fixed for item in law.parameters])
     names = [item.name for item in law.parameters if not item.fixed]
@@ -306,7 +325,7 @@ def law_outlook(
     std = np.where(svd.unseen, np.inf, np.linalg.norm(half, axis=1))
     found = dict(zip(names, std.tolist(), strict=True))
     weak = std > _TOLD * np.abs(truth[free])
-    # An offset of zero is as good as told where it is known to a few per cent.
+    # An offset of zero has no size to compare its error with.
     untold = tuple(name for name, bad in zip(names, weak & (truth[free] != 0.0), strict=True) if bad)
     power = {case.name: _power(law, truth, case, at, variance) for case in law.special_cases}
     return LawOutlook(law.name, found, untold, power)
@@ -315,9 +334,9 @@ def law_outlook(
 def _power(
     law: FrictionLaw, theta: FloatArray, simpler: FrictionLaw, at: Conditions, variance: FloatArray
 ) -> float:
-    """Return in which share of campaigns an F-test tells a law from a simpler one, from how far that stays off it."""
+    """Return the power of the F-test of a law against a simpler one, from the misfit of that."""
     n, fuller = len(at), sum(not item.fixed for item in law.parameters)
-    # An effect that is nothing there is shown at a tenth.
+    # An effect that is zero there is taken as a tenth.
     signed = (law.lower < 0.0) & (law.upper > 0.0)
     shown = law.log_lift(np.where((theta == 0.0) & signed, 0.1, theta), at)
     problem = FitProblem.plain(simpler, at, shown, np.sqrt(variance))

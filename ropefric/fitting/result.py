@@ -66,7 +66,7 @@ class FitStatus(AdvisedStatus):
         "amounts to, or measure the conditions that would show it."
     )
     UNIDENTIFIABLE = (
-        "unidentifiable: The data cannot tell all parameters apart. Fix one of them, use a simpler law, or measure "
+        "unidentifiable: The data cannot determine all parameters. Fix one of them, use a simpler law, or measure "
         "the conditions that are named."
     )
     TOO_FEW_POINTS = (
@@ -82,7 +82,7 @@ Doubt = tuple[Word, str]
 """The word a finding calls for, and the finding; "supported" for one that is only to be known."""
 
 RIVAL = 2.0
-"""Difference in AICc up to which two laws are not told apart."""
+"""Difference in AICc up to which two laws are not distinguished."""
 
 _WORDS: tuple[Word, ...] = ("supported", "undecided", "not judged")
 _OF_PARAMETERS = (FitStatus.AT_BOUND, FitStatus.UNIDENTIFIABLE)
@@ -124,7 +124,7 @@ class Verdict(NamedTuple):
 
     @property
     def supported(self) -> bool:
-        """Return whether the result may be used as it stands."""
+        """Return whether the result may be used without reservation."""
         return self.word == "supported"
 
     @property
@@ -219,7 +219,7 @@ class FitResult(Shown):
     problem : FitProblem, optional
         What was fitted; None after loading from a file.
     rivals : tuple of FitResult
-        Laws that a comparison does not tell from this one; outside what was tested its intervals hold theirs.
+        Laws that a comparison does not exclude; outside what was tested the intervals hold theirs.
     """
 
     _said = ("law", "status", "verdict=verdict.word", "statistics.n", "statistics.n_conditions")
@@ -316,7 +316,7 @@ class FitResult(Shown):
 
     @property
     def trustworthy(self) -> bool:
-        """Return whether the result may be used as it stands: whether its verdict is "supported"."""
+        """Return whether the verdict on the law is "supported"."""
         return self.verdict.supported
 
     @property

@@ -26,7 +26,7 @@ from ropefric.friction.condition import SETTINGS, Conditions
 
 CONDITION, REPEAT = "condition", "repeat"
 ALL = "all"
-"""A component that stands for all that the parameters' covariance holds, in fits from before there was a model."""
+"""The one component of the parameters' covariance in a fit stored before there was a model of scatter."""
 
 # The variance of a mean stays above this part of what its repeats leave, however low the others happen to be.
 _LEAST = 0.05
@@ -34,14 +34,12 @@ _LEAST = 0.05
 _BEYOND_CHANCE, _LEAST_CELLS, _SAME_FORCE = 3.29, 4, 0.1
 # A pull off its repeats: degrees of freedom of the others, what is rounding, and its p-value.
 _LEAST_DOF, _SAME, _TAIL_P = 5, 1e-6, 1e-3
-_ROUNDS, _HALVINGS = 100, 30
+_ROUNDS, _HALVINGS, _LONGER = 100, 30, 4.0
 _SETTLED, _CLOSE = 1e-9, 1e-10
-# Smallest eigenvalue of the correlations between what components do: below, one is another one in disguise.
-_TOLD_APART = 1e-3
+# Smallest eigenvalue of the correlations between components: below, two of them cannot be separated.
+_SEPARABLE = 1e-3
 _MOST_CELLS = 3000
 _TINY = 1e-300
-# Smallest eigenvalue of the correlations of a covariance that is no rounding.
-_UNSEEN = 1e-9
 
 
 class Uneven(NamedTuple):
@@ -61,7 +59,7 @@ EVEN = Uneven()
 
 
 class Layout(NamedTuple):
-    """Trials put together where they share everything, and which of these cells share what.
+    """Trials in cells that agree in condition and in all groups, and the levels of these cells.
 
     Attributes
     ----------
@@ -74,9 +72,9 @@ class Layout(NamedTuple):
     squares, spare : float, int
         Of repeats about the mean of their cell, the sum and its degrees of freedom.
     groups : mapping of str to ndarray, shape (k,)
-        The level of each cell in each group that the trials tell from all else.
+        The level of each cell in each group whose scatter the trials can show.
     notes : tuple of str
-        Which groups they do not tell, and why.
+        Which groups they cannot show, and why.
     labels : mapping of str to tuple of str
         What the levels of each group are called.
     """
@@ -98,6 +96,12 @@ class Layout(NamedTuple):
         return int(self.condition.max()) + 1 < self.condition.size
 
     @property
+    def level_counts(self) -> dict[str, int]:
+        """Return the number of conditions, of trials, and of levels of each group."""
+        counts = {CONDITION: int(self.condition.max()) + 1, REPEAT: int(self.size.sum())}
+        return counts | {name: int(np.unique(level).size) for name, level in self.groups.items()}
+
+    @property
     def within(self) -> float:
         """Return the scatter of repeats; NaN without any, 0 where they agree to rounding."""
         if not self.spare:
@@ -108,14 +112,14 @@ class Layout(NamedTuple):
 
 def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout:
     """Return the layout of trials; those of one cell agree in condition and in the levels of groups."""
-    condition, notes, told, columns = problem.group, [], dict[str, IntArray](), [problem.group]
+    condition, notes, shown, columns = problem.group, [], dict[str, IntArray](), [problem.group]
     labels = dict[str, tuple[str, ...]]()
     for name, words in groups.items():
         names, level = np.unique(np.array(words), return_inverse=True)
-        if why := _hidden(level, problem, told):
+        if why := _hidden(level, problem, shown):
             notes.append(f"{name} {why}")
         elif level.max(initial=0):
-            told[name], labels[name] = level, tuple(names.tolist())
+            shown[name], labels[name] = level, tuple(names.tolist())
             columns.append(level)
     first, cell = np.unique(np.stack(columns), axis=1, return_index=True, return_inverse=True)[1:]
     # In the order of the trials, so that conditions stay in theirs.
@@ -129,7 +133,7 @@ def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout
     on_means = replace(
         by_cell, conditions=means.conditions, log_lift=means.log_lift, std=np.ones(k), group=np.arange(k)
     )
-    own = {name: level[first] for name, level in told.items()}
+    own = {name: level[first] for name, level in shown.items()}
     if own and k > _MOST_CELLS:
         text = f"{k} cells of conditions and {', '.join(own)} are more than one matrix of covariances holds"
         raise InputError(text, key="groups", fix=f"name fewer groups, for {_MOST_CELLS} cells at most")
@@ -184,8 +188,8 @@ def _of_tails(about: FloatArray, own: FloatArray, dof: int, at: Conditions) -> l
     return [f"{text} than normal. Look at its recording; the intervals count it as scatter"]
 
 
-def _hidden(level: IntArray, problem: FitProblem, told: Mapping[str, IntArray]) -> str:
-    """Return what a group goes with, so that its scatter is part of that; empty if it can be told."""
+def _hidden(level: IntArray, problem: FitProblem, shown: Mapping[str, IntArray]) -> str:
+    """Return the reason why the scatter of a group cannot be separated; empty if it can."""
 
     def finer(one: IntArray, other: IntArray) -> bool:
         """Return whether each level of the one has one level of the other only."""
@@ -202,7 +206,7 @@ def _hidden(level: IntArray, problem: FitProblem, told: Mapping[str, IntArray]) 
         setting = np.unique(getattr(problem.conditions, name).round(12), return_inverse=True)[1]
         if setting.max(initial=0) and finer(level, setting) and finer(setting, level):
             return f"goes with the {name.rsplit('_', 1)[0].replace('_', ' ')}: the law holds what differs between them"
-    for name, other in told.items():
+    for name, other in shown.items():
         if finer(level, other) and finer(other, level):
             return f"goes with {name} throughout, and is counted once"
     return ""
@@ -274,8 +278,7 @@ class ScatterModel:
     def rounded(self) -> "ScatterModel":
         """Return the model to the digits that mean something."""
         digits = np.vectorize(lambda value: significant(float(value), GIVEN_DIGITS), otypes=[np.float64])
-        slopes = np.array([stats.rounded_covariance(one, lost=_lost(one)) for one in self.slopes])
-        slopes = slopes.reshape(self.slopes.shape)
+        slopes = np.array([*map(stats.rounded_covariance, self.slopes)]).reshape(self.slopes.shape)
         return replace(
             self, variance=digits(self.variance), covariance=digits(self.covariance), slopes=slopes
         )
@@ -295,14 +298,6 @@ class ScatterModel:
         words, levels = tuple(map(str, tree["names"])), tuple(map(int, tree["levels"]))
         labels = {name: tuple(map(str, of)) for name, of in tree.get("labels", {}).items()}
         return cls(names=words, levels=levels, uneven=Uneven(**tree["uneven"]), labels=labels, **arrays)
-
-
-def _lost(matrix: FloatArray) -> int:
-    """Return how many combinations of parameters a covariance says nothing of; rounding leaves them something."""
-    size = np.sqrt(np.maximum(np.diag(matrix), 0.0))
-    seen = size > 0.0
-    correlation = matrix[np.ix_(seen, seen)] / size[seen, None] / size[seen]
-    return int((~seen).sum() + (np.linalg.eigvalsh(correlation) < _UNSEEN).sum())
 
 
 def nothing_known(p: int) -> ScatterModel:
@@ -330,7 +325,8 @@ def estimated(
     """
     problem, p = layout.problem, theta.size
     values, J = problem.law.log_lift_and_jacobian(theta, problem.conditions)
-    X, r, Z = J[:, free], problem.log_lift - values, np.zeros((len(values), 0)) if errors is None else errors
+    X, r = J[:, free], problem.log_lift - values
+    Z = np.zeros((r.size, 0)) if errors is None else errors
     seen = stats.decomposed(X)
     left = seen.left[:, ~seen.lost]
     spare, rest = r.size - left.shape[1], r - left @ (left.T @ r)
@@ -339,9 +335,7 @@ def estimated(
     if spare < 1 or size2**0.5 < stats.SMALLEST_SCATTER:
         return None
     rise = values - problem.conditions.log_end_tension
-    parts = {name: _part(name, layout, rise) for name in _told(layout, left, rise)}
-    if Z.shape[1] or any(part.ndim == 2 for part in parts.values()):
-        parts = {name: np.diag(part) if part.ndim == 1 else part for name, part in parts.items()}
+    parts = _parts_of(_separable(layout, left, rise), layout, rise, full=bool(Z.shape[1]))
     known = Z @ Z.T if Z.shape[1] else np.zeros(())
     # In units of what the residuals scatter by.
     reml = _Reml(r / size2**0.5, X, parts, known / size2, layout.squares / size2, layout.spare)
@@ -349,10 +343,9 @@ def estimated(
     inverse, C, adjusted = at.corrections()
     slopes, place = np.zeros((len(parts), p, p)), free.nonzero()[0]
     slopes[np.ix_(np.arange(len(parts)), place, place)] = at.half @ C @ at.half.T
-    count = {CONDITION: int(layout.condition.max()) + 1, REPEAT: int(layout.size.sum())}
-    count |= {name: int(np.unique(level).size) for name, level in layout.groups.items()}
+    counts = layout.level_counts
     model = ScatterModel(
-        names=tuple(parts), levels=tuple(count[name] for name in parts), variance=variance * size2,
+        names=tuple(parts), levels=tuple(counts[name] for name in parts), variance=variance * size2,
         covariance=inverse * size2**2, slopes=slopes, uneven=layout.uneven,
         labels={name: words for name, words in layout.labels.items() if name in parts},
     )  # fmt: skip
@@ -367,10 +360,8 @@ def weighed(layout: Layout, model: ScatterModel, theta: FloatArray, errors: Floa
     """Return the means of cells weighed by a model of their scatter and by stated errors (k, b)."""
     problem = layout.problem
     rise = problem.law.log_lift(theta, problem.conditions) - problem.conditions.log_end_tension
-    parts = [_part(name, layout, rise) for name in model.names]
-    if errors.shape[1] or any(part.ndim == 2 for part in parts):
-        parts = [np.diag(part) if part.ndim == 1 else part for part in parts]
-    V = sum(size * part for size, part in zip(model.variance.tolist(), parts, strict=True))
+    parts = _parts_of(model.names, layout, rise, full=bool(errors.shape[1]))
+    V = sum(size * part for size, part in zip(model.variance.tolist(), parts.values(), strict=True))
     V = V + errors @ errors.T if errors.shape[1] else V
     if V.ndim == 1:
         return replace(problem, std=np.sqrt(V))
@@ -435,6 +426,14 @@ def measured_level(  # noqa: PLR0917  (each is a part of the mixed model)
     return MeasuredLevel(k @ weighted.whitened(weighted.log_lift - values), np.array(own).T, known, more)
 
 
+def _parts_of(names: Sequence[str], layout: Layout, rise: FloatArray, *, full: bool) -> dict[str, FloatArray]:
+    """Return `_part` of each component: all diagonals, or all matrices where one of them is or `full` demands it."""
+    parts = {name: _part(name, layout, rise) for name in names}
+    if full or any(part.ndim == 2 for part in parts.values()):
+        parts = {name: np.diag(part) if part.ndim == 1 else part for name, part in parts.items()}
+    return parts
+
+
 def _part(name: str, layout: Layout, rise: FloatArray) -> FloatArray:
     """Return what a component adds to the covariance of the cells by a variance of one; a vector for a diagonal."""
     factor = layout.uneven.factor(layout.problem.log_lift)
@@ -445,8 +444,8 @@ def _part(name: str, layout: Layout, rise: FloatArray) -> FloatArray:
     return np.outer(rise, rise) * _same(layout.groups[name])
 
 
-def _told(layout: Layout, left: FloatArray, rise: FloatArray) -> tuple[str, ...]:
-    """Return the components that residuals tell apart, the groups first.
+def _separable(layout: Layout, left: FloatArray, rise: FloatArray) -> tuple[str, ...]:
+    """Return the components that residuals can separate, the groups first.
 
     Without repeats, or where all of them agree to rounding, the scatter between conditions is all there is.
     """
@@ -460,7 +459,7 @@ def _told(layout: Layout, left: FloatArray, rise: FloatArray) -> tuple[str, ...]
         more = [*seen, (M @ _part(name, layout, rise) @ M).ravel()]
         gram = np.array([[one @ other for one in more] for other in more])
         size = np.sqrt(np.maximum(np.diag(gram), _TINY))
-        if float(np.linalg.eigvalsh(gram / np.outer(size, size))[0]) > _TOLD_APART:
+        if float(np.linalg.eigvalsh(gram / np.outer(size, size))[0]) > _SEPARABLE:
             found, seen = (name, *found), more
     return found
 
@@ -552,20 +551,21 @@ class _Reml(NamedTuple):
         while at is None:  # what is known may be more than all that residuals show
             s = 2.0 * s
             at = self.moments(s)
+        share = 1.0
         for _ in range(_ROUNDS):
-            step = np.linalg.lstsq(at.information, at.score, rcond=None)[0]
-            new = None
+            # On the way to the edge of what is possible each step is a part of the one before it.
+            share = min(1.0, _LONGER * share)
+            whole, new = np.linalg.lstsq(at.information, at.score, rcond=None)[0], None
             for _ in range(_HALVINGS):
-                new = self.moments(s + step)
+                new = self.moments(s + share * whole)
                 if new is not None and new.likelihood >= at.likelihood - _SETTLED:
                     break
-                step, new = 0.5 * step, None
+                share, new = 0.5 * share, None
             if new is None:
                 break
-            s, before, at = s + step, at.likelihood, new
-            if abs(at.likelihood - before) < _SETTLED and float(np.abs(step).max()) < _CLOSE * float(
-                np.abs(s).max()
-            ):
+            step, gain = share * whole, abs(new.likelihood - at.likelihood)
+            s, at = s + step, new
+            if gain < _SETTLED and float(np.abs(step).max()) < _CLOSE * float(np.abs(s).max()):
                 break
         return s, at
 

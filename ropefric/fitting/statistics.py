@@ -30,6 +30,8 @@ _TAKES_PART = 0.15
 _RATIO_DECIMALS = 6
 # What is left of a singular value that is zero.
 _RESIDUE = 1e-14
+# Eigenvalues of a correlation matrix that are no more than rounding.
+_UNSEEN = 1e-12
 # Decimals of a correlation beside those its smallest eigenvalue needs, and the most that rounding leaves any.
 _DECIMALS = 3
 _MOST_DECIMALS = 17
@@ -118,30 +120,31 @@ def combined_dof(variance: npt.ArrayLike, known: npt.ArrayLike, dof: float) -> F
     return np.where(np.isnan(share), dof, dof * np.maximum(share, 1.0) ** 2)
 
 
-def rounded_covariance(covariance: FloatArray, *, lost: int = 0) -> FloatArray:
+def rounded_covariance(covariance: FloatArray) -> FloatArray:
     """Return a covariance to the digits that mean something, shape (q, q): standard errors to four.
 
     Correlations keep three decimals beyond the first of the smallest eigenvalue of their matrix, so that it stays
-    positive definite and the best known combination of parameters keeps its error to a per cent or better; `lost`
-    combinations, which change nothing, have no part in it.
+    positive definite and the best known combination of parameters keeps its error to a per cent or better.
+    Combinations of which the covariance holds rounding only have no part in it.
     """
-    size = np.sqrt(np.diag(covariance))
     if not np.isfinite(covariance).all():
         return covariance
-    if (gone := size == 0.0).any():
-        rounded, shown = covariance.copy(), np.ix_(~gone, ~gone)
-        rounded[shown] = rounded_covariance(covariance[shown], lost=max(lost - int(gone.sum()), 0))
-        return rounded
-    correlation = covariance / size[:, None] / size
+    # Rounding may turn a variance of zero a hair negative.
+    size = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    rounded, shown = np.zeros_like(covariance), np.flatnonzero(size)
+    size, some = size[shown], np.ix_(shown, shown)
+    correlation = covariance[some] / size[:, None] / size
     correlation = 0.5 * (correlation + correlation.T)
-    smallest = float(np.linalg.eigvalsh(correlation)[min(lost, size.size - 1)]) if size.size else 1.0
-    decimals = min(_DECIMALS - math.floor(math.log10(max(smallest, 10.0**-_MOST_DECIMALS))), _MOST_DECIMALS)
+    eigenvalues = np.linalg.eigvalsh(correlation)
+    smallest = float(eigenvalues[eigenvalues > _UNSEEN].min(initial=1.0))
+    decimals = _DECIMALS - math.floor(math.log10(smallest))
     std = np.array([significant(value, STD_DIGITS) for value in size.tolist()])
     product = correlation.round(decimals) * std[:, None] * std
     product[np.diag_indices_from(product)] = std**2
     digits = min(max(GIVEN_DIGITS, decimals + 2), _MOST_DECIMALS)
     cells = [significant(cell, digits) for cell in product.ravel().tolist()]
-    return np.array(cells).reshape(product.shape)
+    rounded[some] = np.array(cells).reshape(product.shape)
+    return rounded
 
 
 class Identifiability(NamedTuple):

@@ -18,7 +18,8 @@ from ropefric.files.plain_text import json_document
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import REGRESSORS
 from ropefric.fitting.problem import FitSettings, check_settings
-from ropefric.fitting.result import ERRORS, SCHEMA, FitResult, FitStatus
+from ropefric.fitting.result import ERRORS, SCHEMA, FitResult, FitStatus, FittedParameter
+from ropefric.fitting.statistics import FitStatistics
 from ropefric.friction.condition import SETTINGS
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.registry import did_you_mean
@@ -63,14 +64,14 @@ def save_fit(fit: FitResult, path: str | os.PathLike[str], *, overwrite: bool = 
     fit : FitResult
         The fit.
     path : path-like
-        The file; its folder is made if it is not there. A fit that stands there is replaced.
+        The file; its folder is made if it is not there. A fit that is there already is replaced.
     overwrite : bool
         Replace any other file too, except the table the fit was made from.
 
     Raises
     ------
     DataError
-        RF105 if the file cannot be written, RF150 if another than a fit stands there, RF151 if it is the fit's table.
+        RF105 if the file cannot be written, RF150 if it exists and is no fit, RF151 if it is the fit's table.
     """
     PATH.check(path=path)
     Kind((FitResult,), "a fit").check(fit=fit)
@@ -81,7 +82,7 @@ def save_fit(fit: FitResult, path: str | os.PathLike[str], *, overwrite: bool = 
 
 
 def check_target(path: Path, table: Path | None, *, overwrite: bool = False) -> None:
-    """Refuse a place where a fit must not be stored: its own table, or what is there and is no fit."""
+    """Refuse to store a fit over its own table, or over a file that is no fit."""
     refuse_special(path)
     refuse_input(path, table)
     if not overwrite and path.is_file() and not _is_fit(path):
@@ -155,7 +156,7 @@ def _no_number(word: str) -> None:
 
 
 def _check_tree(tree: Any, shown: str) -> None:
-    """Refuse what is not of a schema that can be read, of an unknown law, or lacks a field."""
+    """Refuse a tree of an unknown schema or law, or one that lacks a field."""
 
     def refuse(message: str, key: str, fix: str, code: str = "RF430") -> DataError:
         return DataError(message, code=code, path=shown, key=key, fix=fix)
@@ -229,23 +230,37 @@ def _fault_of_scatter(fit: FitResult) -> str:
 
 
 def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
-    """Yield what may be wrong with the numbers of a fit: whether it is, and in words."""
-    covariance, variance, found = fit.covariance, np.diag(fit.covariance), fit.statistics
-    std = np.sqrt(variance)
-    # Only the intervals of the covariance are drawn about the estimate; on a bound there are none.
-    plain = "intervals" not in fit.provenance
+    """Yield possible faults of the numbers of a fit: whether it has one, and its words."""
+    std = np.sqrt(np.diag(fit.covariance))
     for item in fit.parameters:
-        name, value, (low, high), slack = item.name, item.value, item.ci95, _ROUNDING * abs(item.value)
-        outside = not (isfinite(value) and item.lower <= value <= item.upper)
-        bounds = f"{item.lower:g} and {item.upper:g}"
-        yield outside, f"{name} = {value:g} does not lie between its bounds {bounds}"
-        known = item.std >= 0.0 or (isnan(item.std) and item.at_bound)
-        yield not known, f"the standard error of {name} is {item.std:g}"
-        none = item.at_bound or (found.interval_dof == 0.0 and isnan(low) and isnan(high))
-        around = none or (low <= high and (not plain or low - slack <= value <= high + slack))
-        yield not around, f"the interval of {name} from {low:g} to {high:g} is none of {value:g}"
+        yield from _checks_of_parameter(fit, item)
+    yield from _checks_of_covariance(fit, std)
+    yield from _checks_of_common_errors(fit, std)
+    yield from _checks_of_statistics(fit.statistics)
+    for name in REGRESSORS:
+        low, high = fit.validity.get(name, (1.0, 0.0))
+        yield not 0.0 <= low <= high < inf, f"validity.{name} is no range"
+
+
+def _checks_of_parameter(fit: FitResult, item: FittedParameter) -> Iterator[tuple[bool, str]]:
+    name, value, (low, high), slack = item.name, item.value, item.ci95, _ROUNDING * abs(item.value)
+    outside = not (isfinite(value) and item.lower <= value <= item.upper)
+    yield outside, f"{name} = {value:g} does not lie between its bounds {item.lower:g} and {item.upper:g}"
+    known = item.std >= 0.0 or (isnan(item.std) and item.at_bound)
+    yield not known, f"the standard error of {name} is {item.std:g}"
+    none = item.at_bound or (fit.statistics.interval_dof == 0.0 and isnan(low) and isnan(high))
+    # An interval from the covariance lies about the estimate, one by profile need not; on a bound there is none.
+    around = "intervals" in fit.provenance or low - slack <= value <= high + slack
+    yield (
+        not (none or (low <= high and around)),
+        f"the interval of {name} from {low:g} to {high:g} is none of {value:g}",
+    )
+
+
+def _checks_of_covariance(fit: FitResult, std: FloatArray) -> Iterator[tuple[bool, str]]:
+    covariance = fit.covariance
     yield not np.isfinite(covariance).all(), "the covariance is not finite"
-    yield bool((variance < 0.0).any()), "the covariance has a negative variance"
+    yield bool((np.diag(covariance) < 0.0).any()), "the covariance has a negative variance"
     symmetric = np.allclose(covariance, covariance.T, rtol=_ROUNDING, atol=0.0)
     yield not symmetric, "the covariance is not symmetric"
     beyond = np.abs(covariance) > np.outer(std, std) * (1.0 + _ROUNDING)
@@ -253,7 +268,9 @@ def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
     for item, own in zip(fit.parameters, std, strict=True):
         unlike = isfinite(item.std) and not np.isclose(item.std, own, rtol=1e-6, atol=0.0)
         yield unlike, f"the standard error of {item.name} is not that of the covariance"
-    yield from _checks_of_common_errors(fit, std)
+
+
+def _checks_of_statistics(found: FitStatistics) -> Iterator[tuple[bool, str]]:
     for name in ("n", "n_conditions", "dof"):
         yield not isinstance(getattr(found, name), int), f"statistics.{name} is no whole number"
     possible = found.n >= found.n_conditions >= 1 and found.dof <= found.n
@@ -262,13 +279,10 @@ def _checks_of_numbers(fit: FitResult) -> Iterator[tuple[bool, str]]:
     yield not (isfinite(found.chi2) and found.chi2 >= 0.0), f"chi2 is {found.chi2:g}"
     for name in ("scatter_within", "scatter_between", "interval_dof"):
         yield getattr(found, name) < 0.0, f"statistics.{name} is {getattr(found, name):g}, negative"
-    for name in REGRESSORS:
-        low, high = fit.validity.get(name, (1.0, 0.0))
-        yield not 0.0 <= low <= high < inf, f"validity.{name} is no range"
 
 
 def _checks_of_common_errors(fit: FitResult, std: FloatArray) -> Iterator[tuple[bool, str]]:
-    """Yield likewise what may be wrong with errors that conditions share; part of the covariance is made of them."""
+    """Yield possible faults of the errors that trials share; they are part of the covariance."""
     for place, item in enumerate(fit.common_errors):
         name = f"common_errors[{place}]"
         yield not (type(item.name) is type(item.unit) is str), f"{name} has no name or unit"

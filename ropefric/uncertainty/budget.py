@@ -388,7 +388,7 @@ class BudgetStatus(AdvisedStatus):
         "them, or one with a flat distribution outweighs the rest. Use the interval of the draws, not y ± U."
     )
     NO_REPEATS = (
-        "no-repeats: There is one trial and nothing tells its scatter, which is usually the largest part: the budget "
+        "no-repeats: There is one trial and its scatter is unknown, which is usually the largest part: the budget "
         "leaves it out. Repeat the condition."
     )
     FIT_NOT_TRUSTED = (

@@ -181,10 +181,10 @@ def test_a_comparison_has_the_agreed_shape_best_first(call):
     done = call(*example, "--laws", "coupled,wrap-power", "--json")
     ranking = done.json()["ranking"]
     assert (done.code, ranking[0]["delta_aicc"]) == (0, 0)
-    assert [entry["law"] for entry in ranking] == ["coupled", "wrap-power", "constant", "constant-offset"]
+    assert [entry["law"] for entry in ranking][:2] == ["coupled", "wrap-power"]
     assert all(entry.keys() >= RANKING_KEYS for entry in ranking)
     assert sum(entry["weight"] for entry in ranking) == pytest.approx(1)
-    assert "fit 4/4" in done.err
+    assert "fit 5/5" in done.err
     without = call("compare", TRIALS, "--laws", "wrap-power")
     assert without.code == NOT_TRUSTED
     assert "ΔAICc" in without.out

@@ -16,7 +16,7 @@ from ropefric.fitting.predict import predict
 from ropefric.fitting.problem import FitProblem, batched_fit
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.scatter import estimated, laid_out
-from ropefric.fitting.statistics import combined_dof
+from ropefric.fitting.statistics import combined_dof, rounded_covariance
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import LAWS
 from ropefric.trials.table import TrialTable
@@ -259,7 +259,7 @@ def test_a_rope_that_nobody_pulled_is_refused():
     fit = fit_law(roped(np.random.default_rng(2)), "constant")
     with pytest.raises(UnknownNameError, match="no trial of the fit was made with the rope 'r7'"):
         predict(fit, wheel(), rope="r7")
-    with pytest.raises(InputError, match="does not tell ropes apart"):
+    with pytest.raises(InputError, match="has no component of scatter by rope"):
         predict(fit_law(roped(np.random.default_rng(2), named=False), "constant"), wheel(), rope="r1")
 
 
@@ -451,3 +451,15 @@ def test_auto_takes_the_profile_only_where_the_chi_square_is_no_parabola():
     assert with_intervals(straight, "auto") is straight
     assert not is_straight(bent)
     assert with_intervals(bent, "auto").parameters == with_intervals(bent, "profile").parameters
+
+
+def test_a_covariance_is_rounded_to_what_it_holds_where_rounding_made_a_variance_negative():
+    """Of a parameter that the data say nothing of; the others keep their errors and correlation."""
+    covariance = np.zeros((3, 3))
+    covariance[:2, :2] = [[4e-4, 1.2345678e-4], [1.2345678e-4, 1e-4]]
+    covariance[2] = covariance[:, 2] = 1e-19
+    covariance[2, 2] = -1e-22
+    found = rounded_covariance(covariance)
+    np.testing.assert_allclose(found[:2, :2], covariance[:2, :2], rtol=1e-3)
+    assert not found[2].any()
+    assert not found[:, 2].any()

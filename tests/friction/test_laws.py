@@ -11,8 +11,8 @@ from ropefric.friction.condition import Conditions
 from ropefric.friction.laws import ALL_LAWS, LAWS
 from ropefric.testing import check_law, typical, varied
 
-CONTRACT = ["constant", "constant-offset", "size-power", "size-exponential", "wrap-exponential",
-            "wrap-power", "coupled", "thickness", "bending", "howell", "groove"]  # fmt: skip
+CONTRACT = ["constant", "constant-offset", "size-power", "size-exponential", "wrap-average",
+            "wrap-exponential", "wrap-power", "coupled", "thickness", "bending", "howell", "groove"]  # fmt: skip
 EVERY_LAW = pytest.mark.parametrize("law", list(ALL_LAWS.values()), ids=lambda law: law.name)
 EULER = Conditions(
     wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[1.0, 5.0, 20.0], end_tension_N=20

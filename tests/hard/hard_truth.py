@@ -140,6 +140,7 @@ _RISE = {
         (mu * (pull[WHEEL] / (pull[WHEEL] + pull[ROPE])) ** a + b) * pull[WRAP]
     ),
     "size-exponential": lambda mu, a, b, pull: _size(mu, a, b, pull) * pull[WRAP],
+    "wrap-average": lambda a, b, pull: a * pull[WRAP] ** (1 + b),
     "wrap-power": lambda a, b, c, pull: _power(mp.log(pull[TENSION]), pull[WRAP], a, b, c),
     "wrap-power-from-zero": lambda a, b, c, pull: _power(None, pull[WRAP], a, b, c),
     "wrap-exponential": lambda a, b, c, pull: _exponential(mp.log(pull[TENSION]), pull[WRAP], a, b, c),

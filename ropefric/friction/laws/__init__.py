@@ -15,7 +15,7 @@ LAWS: Registry[FrictionLaw] = Registry(
     "friction law",
     [
         *(uniform.CONSTANT, uniform.CONSTANT_OFFSET, uniform.SIZE_POWER, uniform.SIZE_EXPONENTIAL),
-        *(wrap.WRAP_EXPONENTIAL, wrap.WRAP_POWER, wrap.COUPLED),
+        *(wrap.WRAP_AVERAGE, wrap.WRAP_EXPONENTIAL, wrap.WRAP_POWER, wrap.COUPLED),
         *(uniform.THICKNESS, bending.LAW, howell.LAW, uniform.GROOVE),
     ],
 )

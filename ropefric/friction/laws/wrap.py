@@ -1,6 +1,7 @@
-"""Laws of a local coefficient that falls with the wrap, the end tension counted as wrap: eqs. (14) to (17).
+"""Laws of a coefficient that falls with the wrap: eqs. (14) to (17).
 
-As a power of the wrap angle, exponentially, and size and wrap together.
+A local one as a power of the wrap angle, exponentially, and with the size, the end tension counted as wrap; and an
+average one as a power of the wrap.
 """
 
 from collections.abc import Iterable
@@ -187,6 +188,54 @@ WRAP_POWER = law.with_variant(
         special_cases=(CONSTANT,),
         arithmetic=lambda sheet: power_by_hand(sheet, "a", "b", "c"),
     )
+)
+
+
+class AverageWrap:
+    """The physics of an average coefficient μ̄ = a φ^b over the wrap, whatever the end tension."""
+
+    def rise(self, columns: Columns, conditions: Conditions) -> FloatArray:
+        """Return a φ^{1 + b}."""
+        a, b = columns
+        return a * conditions.wrap_angle_rad ** (1.0 + b)
+
+    def rise_and_slopes(self, columns: Columns, conditions: Conditions) -> tuple[FloatArray, Slopes]:
+        """Return the rise and ∂ by a and b."""
+        phi, rise = conditions.wrap_angle_rad, self.rise(columns, conditions)
+        power = phi ** (1.0 + columns[1])
+        return rise, (power, rise * np.log(np.where(phi > 0.0, phi, 1.0)))
+
+    def condition_slopes(self, columns: Columns, conditions: Conditions) -> Slopes:
+        """Return ∂ ln F_A by R_w, φ and ln F_B."""
+        a, b = columns
+        return np.array(0.0), a * (1.0 + b) * conditions.wrap_angle_rad**b, np.array(1.0)
+
+    def refusals(self, columns: Columns, _conditions: Conditions) -> Iterable[Refusal]:
+        """Yield where the coefficient is negative, or the force does not grow with the wrap."""
+        a, b = columns
+        yield law.negative(a, "a is {value}, negative: friction cannot push the rope forward")
+        yield Refusal(
+            b <= -1.0, b, "b is {value}: at -1 and below more wrap lifts no more", "keep b above -1"
+        )
+
+
+WRAP_AVERAGE = FrictionLaw(
+    name="wrap-average",
+    equation="F_A = F_B exp(a phi^(1 + b)); average mu = a phi^b",
+    source="eq. (2) with an average coefficient that is a power of the wrap",
+    parameters=(
+        Parameter("a", "-", 0.2, 0.0, 5.0, "average coefficient over a wrap of 1 rad"),
+        Parameter("b", "-", -0.2, -0.999, 0.0, "exponent of the wrap angle in rad"),
+    ),
+    coefficient="average",
+    effects=frozenset({"wrap-dependence"}),
+    weakens=True,
+    physics=AverageWrap(),
+    candidates=lambda mu, _at, _log_lift: law.combinations(
+        mu * np.array([1.0, 1.5, 2.5]), [-0.5, -0.2, -0.05, -0.01]
+    ),
+    special_cases=(CONSTANT,),
+    arithmetic=lambda sheet: sheet.line("ln(F_A/F_B)", "a * phi^(1 + b)"),
 )
 
 

@@ -10,7 +10,7 @@ from scipy import optimize, stats
 
 from ropefric.errors import RopefricError, UnknownNameError
 from ropefric.fitting import standing
-from ropefric.fitting.compare import compare_laws
+from ropefric.fitting.compare import ALWAYS, choose_law, compare_laws
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.statistics import (
     aicc,
@@ -97,11 +97,36 @@ def test_ranking_shape(cylinder_comparison):
         comparison["konstant"]
 
 
-def test_both_constant_laws_always_stand(campaign):
+def test_the_laws_that_look_alike_are_in_every_comparison(campaign):
     comparison = compare_laws(campaign("constant", [0.2]), ["size-exponential"])
-    assert {e.law for e in comparison.ranking} == {"constant", "constant-offset", "size-exponential"}
+    assert {e.law for e in comparison.ranking} == {*ALWAYS, "size-exponential"}
     with pytest.raises(UnknownNameError):
         compare_laws(campaign("constant", [0.2]), ["capstan"])
+
+
+def with_wrap_effect(seed, between=0.0, offset=0.0):
+    """Four wraps at three loads: the average coefficient falls by a tenth a decade, or there is an offset instead."""
+    at = grid([0.03], np.pi * np.array([0.5, 1.0, 2.0, 4.0]), [5.0, 20.0, 80.0], 5)
+    rng = np.random.default_rng(seed)
+    phi, shared = at.wrap_angle_rad, np.repeat(between * rng.standard_normal(12), 5)
+    mu = 0.18 if offset else 0.2 * (phi / phi.min()) ** np.log10(0.9)
+    return table_at(at, at.log_end_tension + mu * phi + offset + shared + 0.01 * rng.standard_normal(60))
+
+
+def test_a_wrap_effect_and_an_offset_are_each_found_where_the_design_separates_them():
+    """Before both had as many parameters, the offset won against every wrap effect."""
+    for offset, law in ((0.0, "wrap-average"), (0.06, "constant-offset")):
+        found = [compare_laws(with_wrap_effect(seed, offset=offset), ()).best.law for seed in range(12)]
+        assert found.count(law) >= 11, found
+
+
+def test_a_wrap_effect_and_an_offset_that_look_alike_are_named_with_the_pull_that_tells():
+    found = compare_laws(with_wrap_effect(3, between=0.015), ())
+    assert found["wrap-average"].delta_aicc < 6.0 > found["constant-offset"].delta_aicc
+    for text in (" ".join(found.notes), choose_law(found).verdict.reason):
+        assert "a pull at a wrap near zero would" in text
+    clear = compare_laws(with_wrap_effect(3), ())
+    assert "near zero" not in " ".join(clear.notes) + choose_law(clear).verdict.reason
 
 
 def test_one_radius_and_low_tension_never_crash(campaign):
@@ -208,6 +233,7 @@ def test_nested_pairs_are_nested():
     special = {("constant-offset", "constant"): ([0.2, 0.0], [0.2]),
         ("size-power", "constant"): ([0.2, 0.0, 0.0], [0.2]),
         ("size-exponential", "constant"): ([0.2, -20.0, -20.0], [0.2]),
+        ("wrap-average", "constant"): ([0.2, 0.0], [0.2]),
         ("wrap-exponential", "constant"): ([0.0, -1.0, 0.2], [0.2]),
         ("wrap-exponential-from-zero", "constant"): ([0.0, -1.0, 0.2], [0.2]),
         ("wrap-power", "constant"): ([0.0, -0.5, 0.2], [0.2]),

@@ -40,7 +40,7 @@ def test_one_wheel_tells_no_size_effect():
 
 
 def test_the_words_go_with_the_number_beside_them():
-    words = {0.1949: "not", 0.2: "hardly", 0.79: "probably", 0.796: "", 1.0: ""}
+    words = {0.1949: "not", 0.2: "rarely", 0.79: "probably", 0.796: "", 1.0: ""}
     for power, how in words.items():
         found = LawOutlook(law="howell", expected_std={}, untold=(), power={"constant": power})
         text = f"howell: {how} distinguishable from constant (in {100 * power:.0f} % of campaigns)"

@@ -10,7 +10,7 @@ from typing import Any
 
 from ropefric.shown import provide as _provide
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _NAMES = {
     "api": "accuracy_table budget compare design diagnose explain extract find_breakaway fit friction_table "

@@ -40,9 +40,9 @@ def page(tmp_path, monkeypatch):
 
 
 def test_a_false_number_on_a_page_is_found_and_put_right(page):
-    true = "```console\n$ ropefric --version\nropefric 0.1.0\n```\nwords\n\n```pycon\n>>> 1 + 1\n2\n```\n"
+    true = "```console\n$ ropefric --version\nropefric 0.2.0\n```\nwords\n\n```pycon\n>>> 1 + 1\n2\n```\n"
     assert sessions.run_page(page(true)) == true
-    false = true.replace("0.1.0", "9.9.9")
+    false = true.replace("0.2.0", "9.9.9")
     with pytest.raises(AssertionError, match="sessions"):
         sessions.run_page(page(false))
     assert sessions.run_page(page(false), anew=True) == true
@@ -55,7 +55,7 @@ def test_a_failing_command_says_so(page):
     assert sessions.run_page(page(fails)) == fails
     for silent in (
         "```console\n$ ropefric check nothing.toml --quiet\n…\n```\n",
-        "```console\n$ ropefric check nothing.toml --quiet\n…\n$ ropefric --version\nropefric 0.1.0\n```\n",
+        "```console\n$ ropefric check nothing.toml --quiet\n…\n$ ropefric --version\nropefric 0.2.0\n```\n",
     ):
         with pytest.raises(AssertionError, match="ended with 3"):
             sessions.run_page(page(silent))

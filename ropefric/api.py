@@ -583,8 +583,8 @@ def predict(
     Raises
     ------
     InputError
-        If a setting is missing or has no unit, the law has no answer for a wheel, or the fit does not tell
-        ropes apart.
+        If a setting is missing or has no unit, the law has no answer for a wheel, or the fit has no
+        component for ropes.
     UnknownNameError
         If there is no such argument.
 

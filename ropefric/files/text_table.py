@@ -192,7 +192,7 @@ def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Di
 
 
 def _words(line: str, separator: str, n_cells: int) -> tuple[str, ...]:
-    """Return the cells of a header; names of several words between blanks are told by two blanks or by their brackets.
+    """Return the cells of a header; names of several words are separated by two blanks or end with a unit in brackets.
 
     numpy.savetxt, gnuplot and Matlab put the header into a comment.
     """

@@ -300,7 +300,7 @@ def state_condition(
 
 
 def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str]]:
-    """Return the corrections of a mean force that are not made, and what is left out because it is counted already."""
+    """Return the corrections of a mean force that are not made, and the sources that are counted already."""
     chains = [trial.calibration for trial in trials if trial.calibration is not None]
     found: list[Quantity] = []
     notes: list[str] = []
@@ -400,7 +400,7 @@ def lift_model(
         rise = math.log(F_A / float(wheel.end_tension_N[0]))
         if not math.isfinite(new := new_rope_std(fit, rise, math.log(F_A))):
             text = f"the fit of {fit.law} knows no scatter, so one pull has no interval"
-            raise InputError(text, key="one_pull", fix="repeat conditions, or ask for the mean law")
+            raise InputError(text, key="one_pull", fix="repeat conditions, or request the mean law")
         # What one pull brings beside the law: a new rope by its rise, a condition, a repeat.
         own = fit.scatter.one_pull(np.array([math.log(F_A)]), np.array([rise]))
         dof = float(fit.scatter.dof(np.zeros((1, theta.size)), own * (fit.scatter.variance > 0.0))[0])

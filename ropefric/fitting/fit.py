@@ -143,7 +143,7 @@ SHARERS = ("cell", "rig", "wheel", "rope", "setting")
 def stated_errors(
     problem: FitProblem, theta: FloatArray, table: TrialTable, shared: Mapping[str, str], *, slack: bool
 ) -> tuple[tuple[CommonError, ...], FloatArray]:
-    """Return the errors that trials share by what is said of them, and how one of each moves ln F_A, shape (n, b).
+    """Return the errors that trials share as stated, and the change of ln F_A by one of each, shape (n, b).
 
     What nobody says is shared belongs to single pulls or conditions, and shows in their scatter.
     """
@@ -180,7 +180,7 @@ _SETTING_OF = {
 
 
 def at_level(kind: str, by: str, at: Conditions) -> FloatArray:
-    """Return what tells errors of a kind apart by the settings alone: one rig, or wheels, ropes, settings."""
+    """Return the setting whose values have errors of their own: one rig, or wheels, ropes, settings."""
     setting = _SETTING_OF.get(by, STATED[kind].setting)
     return np.asarray(getattr(at, setting)) if setting else np.zeros(len(at))
 

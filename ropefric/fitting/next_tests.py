@@ -1,6 +1,6 @@
 """Which conditions to test next: the plan that makes a wanted prediction, or a law's parameters, most certain.
 
-In: what is known of a law (`planned_fit`, or `planned_guess` before the first test) and what the rig can set. Out: a
+In: the knowledge of a law (`planned_fit`, or `planned_guess` before the first test) and what the rig can set. Out: a
 `LabPlan` with how certain the wanted lift forces are expected to be before and after, and with the usual plan instead.
 The best plan is found by exchange of conditions against candidates until no exchange helps (Fedorov 1972); the plan to
 compare with varies one factor at a time about a centre, as such campaigns are usually made.
@@ -68,7 +68,7 @@ _UNTESTED = Conditions(**dict.fromkeys(SETTINGS, np.zeros(0)))
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlannedLaw:
-    """A law at the parameters a plan is made for, and what is known of them already."""
+    """A law at the parameters of a plan, with prior knowledge of them."""
 
     law: FrictionLaw
     theta: FloatArray
@@ -108,7 +108,7 @@ class PlannedLaw:
         return np.asarray(self.law.jacobian(self.theta, conditions)[:, self.free])
 
     def evidence(self, conditions: Conditions, repeats: npt.ArrayLike) -> "Evidence":
-        """Return what means of conditions tell, each weighed by its scatter and what it shares with others."""
+        """Return the information of condition means, each weighted by its scatter and its shared errors."""
         log_lift = self.law.log_lift(self.theta, conditions)
         return self._evidence(conditions, repeats, self._effects(conditions, log_lift))
 
@@ -171,7 +171,7 @@ class Evidence(NamedTuple):
     def errors(self, gradients: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the standard errors of generalised least squares along gradients (t, q), and their shared parts.
 
-        Shapes (t,) and (t, b), a column an error. Infinite where the rows leave undetermined what is asked for.
+        Shapes (t,) and (t, b), a column an error. Infinite where the rows do not determine the requested value.
         """
         table = self.table
         root = np.linalg.inv(
@@ -238,7 +238,7 @@ def planned_fit(
 def allowed_conditions(
     planned: PlannedLaw, limits: RigLimits, grid: Conditions
 ) -> tuple[BoolArray, list[str]]:
-    """Return which combinations can be tested, shape (N,), and what is left out, in words."""
+    """Return which combinations can be tested, shape (N,), and the reasons for the others."""
     law, most_N = planned.law, limits.largest_force_N
     log_lift = law.log_lift_of_pairs(np.tile(planned.theta, (len(grid), 1)), grid)
     reasons = {
@@ -269,7 +269,7 @@ class Exchange:
         criterion: Criterion,
         balance: float = BALANCE,
     ) -> None:
-        """Turn to coordinates in which all candidates and what is known are of even size.
+        """Turn to coordinates in which candidates and prior knowledge have unit size.
 
         Both criteria keep their order in them.
         """
@@ -285,13 +285,13 @@ class Exchange:
         self.criterion, self.balance = criterion, balance
 
     def _information(self, plan: IntArray) -> FloatArray:
-        """Return the information of a plan with what is known on parameters and errors together."""
+        """Return the information of a plan and of prior knowledge, on parameters and errors together."""
         rows = np.concatenate([self.known, self.rows[plan]])
         M = rows.T @ rows
         return np.asarray(M + self.prior + max(1.0, float(np.trace(M))) * _RIDGE * np.eye(len(M)))
 
     def _criterion(self, log_det: npt.ArrayLike, variance: npt.ArrayLike) -> FloatArray:
-        """Return what is to be small, from ln det V and the sum of the targets' variances."""
+        """Return the criterion to minimise, from ln det V and the sum of the targets' variances."""
         if self.criterion == "d":
             return np.asarray(log_det)
         mean = np.maximum(variance, _TINY) / len(self.targets)
@@ -498,7 +498,7 @@ class LabPlan(Shown):
         return csv_text(rows)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the JSON tree of schema `ropefric.test-plan/1`; what is infinite is None."""
+        """Return the JSON tree of schema `ropefric.test-plan/1`; infinite values are None."""
         law, lift_N, at = self.planned.law, np.exp(self.wanted_log_lift), self.wanted
         outlooks = ("before", "after", "one_factor", "one_factor_at_target")
         plain: tuple[str, ...] = ("criterion", "level", "n_candidates", "starts", "agreeing_starts", "seed")
@@ -548,7 +548,7 @@ def plan_tests(
         raise InputError(text, key="n_conditions", fix=fix)
     for name, asked in (("n_conditions", n_conditions), ("repeats", repeats), ("starts", starts)):
         if asked > MOST:
-            raise InputError(f"{name} is {asked}; the limit is {MOST}", key=name, fix="ask for fewer")
+            raise InputError(f"{name} is {asked}; the limit is {MOST}", key=name, fix="request fewer")
     law, theta, grid = planned.law, planned.theta, limits.conditions()
     allowed, notes = allowed_conditions(planned, limits, grid)
     # A condition set up again is no new one.

@@ -2,7 +2,7 @@
 
 The covariance of the parameters becomes the uncertainty of ln F_A by J C Jᵀ; for laws that are curved in their
 parameters the profile of ln F_A takes its place. For others: a table
-μ(φ, F_B, R_w) of a fit for simulators and the constant that stands for it best, and a law as an `lmfit.Model`, for fits
+μ(φ, F_B, R_w) of a fit for simulators and the constant that replaces it best, and a law as an `lmfit.Model`, for fits
 and plots of one's own; ropefric itself fits without lmfit.
 """
 
@@ -83,7 +83,7 @@ def outside_words(validity: Validity, conditions: Conditions, index: int = 0) ->
 
 
 class RopePrediction(NamedTuple):
-    """Lift forces with a rope that was measured, for n conditions: the law and what is known of that rope.
+    """Lift forces with a rope that was measured, for n conditions: the law and the measured deviation of that rope.
 
     The force and its standard deviation (n,) [N], where the mean of the rope and where one pull with it lies (n, 2)
     [N], and the degrees of freedom of the former (n,).
@@ -108,7 +108,7 @@ class Candidate(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Prediction(Shown):
-    """Lift forces of a fitted law for n conditions, with what is known about them.
+    """Lift forces of a fitted law for n conditions, with their intervals and verdicts.
 
     Attributes
     ----------
@@ -141,7 +141,7 @@ class Prediction(Shown):
     judged : Verdict
         On the law: by its own fit, or by the comparison it comes from.
     candidates : tuple of Candidate
-        What the laws answer that the data do not tell apart, the law used first; empty where there is one only.
+        Answers of the laws that the data cannot distinguish, the law used first; empty for a single law.
     of : {"peak", "kinetic"}
         Which force was fitted, so that `lift_force_N` is what sets the rope in motion or what keeps it sliding.
     this_rope : RopePrediction, optional
@@ -531,7 +531,7 @@ def friction_table(fit: FitResult, **levels: npt.ArrayLike | None) -> FrictionTa
     n = int(np.prod([axis.size for axis in axes]))
     if not 0 < n <= _MOST_ROWS:
         text = f"a table of {n} rows is empty or too long; {_MOST_ROWS} are the most"
-        raise InputError(text, key="wrap_angle_rad", fix="ask for fewer levels")
+        raise InputError(text, key="wrap_angle_rad", fix="request fewer levels")
     grid = dict(zip(SETTINGS, (one.ravel() for one in np.meshgrid(*axes, indexing="ij")), strict=True))
     at, law, theta = Conditions(**grid), fit.friction_law, fit.theta
     if (at.wrap_angle_rad == 0.0).any():

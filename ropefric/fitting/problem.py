@@ -38,7 +38,7 @@ class FitSettings:
     Attributes
     ----------
     fixed, bounds, start : mapping of parameter name to a value, or to (lower, upper)
-        What is held, where the search may go, and where it begins.
+        Fixed values, limits and start of the search.
     groups : tuple of str, optional
         Columns of the table whose levels may differ in μ: ropes, mountings, operators. All such by default.
     shared : mapping of str to str
@@ -61,7 +61,7 @@ class FitSettings:
 
 
 def law_named(law: object) -> FrictionLaw:
-    """Return a law by its name, or the law itself; refuse what is neither."""
+    """Return a law by its name, or the law itself; refuse anything else."""
     if isinstance(law, FrictionLaw):
         return law
     if not isinstance(law, str):
@@ -97,7 +97,7 @@ def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FitProblem:
-    """Measured ln F_A, the law to fit, and what is known about both.
+    """Measured ln F_A, the law to fit, and the settings and uncertainties of both.
 
     The scatter of break-away forces is multiplicative, so ln F_A is fitted by weighted least squares through the
     wrap integral (rope_wheel §5); nothing is ever differentiated numerically from data.

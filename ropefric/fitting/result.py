@@ -16,7 +16,7 @@ undecided
     beyond ±2 of the scatter between repeats) while fewer than twenty conditions are left over, too few to show whether
     that is a new rope each time or an effect the law misses; with twenty, a trend would have been found, and the
     scatter counts as scatter, which the clustered errors and the prediction interval hold. Another law: one that
-    stands more than 2 in AICc before it (an evidence ratio of e), or one within 2 that gives another lift force.
+    is more than 2 in AICc before it (an evidence ratio of e), or one within 2 that gives another lift force.
     The design: the law depends on a setting that all trials have alike, and is asked about others. They may show that
     μ is not constant, but another form that follows them as well may say something else of that setting.
 supported
@@ -207,7 +207,7 @@ class FitResult(Shown):
     notes : tuple of str
         Decisions: whether the covariance was scaled and why, other minima, weights.
     identifiability : Identifiability
-        How well the data tell the parameters apart.
+        How well the data determine the parameters.
     validity : dict of str to (min, max)
         Range of every regressor in the data, in SI.
     provenance : dict
@@ -276,7 +276,7 @@ class FitResult(Shown):
     def cells(self) -> tuple[Layout, FloatArray] | None:
         """Return how trials are put together, and how stated errors move the k means, shape (k, b).
 
-        None where nothing tells the scatter, or in an old fit.
+        None where the scatter is unknown, or in an old fit.
         """
         if "condition" not in self.trials or not self.scatter.names:
             return None
@@ -367,7 +367,7 @@ class FitResult(Shown):
         return told and all(within)
 
     def untested(self, asked: Conditions | None = None) -> tuple[Doubt, ...]:
-        """Return whether the law depends on a setting that all trials have alike, and what is asked for has not."""
+        """Return whether the law depends on a setting that is the same in all trials, but not in the request."""
         alone = []
         for title, (name, effects, *_) in EXPERIMENTS.items():
             low, high = self.validity.get(name, (0.0, inf))

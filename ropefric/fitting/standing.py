@@ -1,4 +1,4 @@
-"""How a law stands on condition means: its likelihood, each mean left out, and against a simpler law.
+"""Ranking of a law on condition means: its likelihood, each mean left out, and against a simpler law.
 
 Residuals are those of the force that was measured: the lift force or, where a known weight is lifted, the end tension.
 Where the load is set and the slack side is measured, ln F_A has no scatter at all, and a law that answers the same F_A
@@ -116,7 +116,7 @@ class _EndTension(NamedTuple):
 def standing(
     problem: FitProblem, means: stats.ConditionMeans, theta: npt.ArrayLike, *, slack: bool = False
 ) -> Standing:
-    """Return how the law of a problem stands on condition means, in the force that was measured."""
+    """Return the ranking of a law on condition means, in the force that was measured."""
     starts, K = np.atleast_2d(np.asarray(theta, dtype=np.float64)), len(means)
     law, conditions = problem.law, means.conditions
     if slack and "end-tension" in law.effects:

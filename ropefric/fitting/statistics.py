@@ -148,7 +148,7 @@ def rounded_covariance(covariance: FloatArray) -> FloatArray:
 
 
 class Identifiability(NamedTuple):
-    """How well data tell parameters apart."""
+    """How well data determine parameters."""
 
     ratio: float
     singular_values: tuple[float, ...]
@@ -160,7 +160,7 @@ class Identifiability(NamedTuple):
 
 
 def identify(jacobian: FloatArray, names: Sequence[str]) -> Identifiability:
-    """Return how well a Jacobian tells its parameters apart (Belsley's condition number without centring)."""
+    """Return how well a Jacobian determines its parameters (Belsley's condition number without centring)."""
     q = len(names)
     _, _, values, rows, lost = decomposed(jacobian)
     ratio = inf if lost.any() else float(values[0] / values[-1]) if q else 1.0
@@ -236,7 +236,7 @@ class Trend(NamedTuple):
 def find_trends(weighted: FitProblem, jacobian: FloatArray, residuals: FloatArray) -> tuple[Trend, ...]:
     """Return how far means follow each regressor beside the law's own parameters, the surest first.
 
-    Linear and quadratic terms of the regressor are tested (F) against what is left of the means, which their scatter
+    Linear and quadratic terms of the regressor are tested (F) against the residuals of the means, which their scatter
     weighs, so that a scatter between conditions alone makes no trend. A regressor with fewer than three values gets the
     linear term alone. Size and end tension may change ln F itself, or μ and so ln F in proportion to the wrap: the surer
     of both counts, with its p-value doubled. Last comes any smooth function of all three, `_smooth`.

@@ -329,7 +329,7 @@ class ExponentialWrap:
             yield law.below_reference(conditions)
             yield Refusal((c == 0.0) & (y > 0.0) & (-b * y >= a), y + 0.0 * c,
                          "with c = 0 the integral of μ never reaches a/|b|, but ln F_B is {value}; no wrap angle"
-                         " stands for it", f"give a positive c, or {law.FROM_ZERO}")  # fmt: skip
+                         " gives it", f"give a positive c, or {law.FROM_ZERO}")  # fmt: skip
 
     def _start(self, columns: Columns, conditions: Conditions) -> FloatArray:
         if not self.equivalence:

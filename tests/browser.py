@@ -7,8 +7,10 @@ import pytest
 
 __all__ = ["complaints", "driven", "shown_as"]
 
+ARGUMENTS = ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu")
 
-def driven(arguments):
+
+def driven(own="--window-size=1280,900"):
     """Yield a Chromium that selenium drives, and end it; tests that need one skip where there is none."""
     webdriver = pytest.importorskip("selenium.webdriver")
     names = ("chromium", "chromium-browser", "google-chrome")
@@ -17,7 +19,7 @@ def driven(arguments):
         pytest.skip("no Chromium that can be driven: apt-get install chromium chromium-driver")
     options = webdriver.ChromeOptions()
     options.binary_location = program
-    for argument in arguments.split():
+    for argument in (*ARGUMENTS, own):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     service = pytest.importorskip("selenium.webdriver.chrome.service").Service(driver)

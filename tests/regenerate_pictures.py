@@ -19,7 +19,6 @@ from road import Road
 from ropefric.page.desk import Desk
 from ropefric.page.server import PageServer
 
-ARGUMENTS = "--headless=new --no-sandbox --disable-dev-shm-usage --disable-gpu --window-size=1280,900"
 SIZES = {"wide": (1280, 900), "narrow": (390, 844)}
 
 
@@ -65,7 +64,7 @@ def main(folder):
         desk = Desk(Path(lab) / "daq", by="A. Meier")
         with PageServer(desk) as server:
             threading.Thread(target=server.serve_forever, daemon=True).start()
-            for driver in driven(ARGUMENTS):
+            for driver in driven():
                 road = Road(driver, server.address, lambda on, step: take(on, step, folder))
                 for step in (road.recordings, road.picks, road.law, road.wheel, road.report):
                     step()

@@ -18,12 +18,10 @@ from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
-ARGUMENTS = "--headless=new --no-sandbox --disable-dev-shm-usage --disable-gpu --window-size=1280,900"
-
 
 @pytest.fixture(scope="session")
 def chromium():
-    yield from driven(ARGUMENTS)
+    yield from driven()
 
 
 @pytest.fixture

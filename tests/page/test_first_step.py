@@ -15,12 +15,10 @@ from road import Road
 
 pytestmark = pytest.mark.slow
 
-ARGUMENTS = "--headless=new --no-sandbox --disable-dev-shm-usage --disable-gpu --window-size=1280,900"
-
 
 @pytest.fixture(scope="module")
 def chromium():
-    yield from driven(ARGUMENTS)
+    yield from driven()
 
 
 @pytest.fixture

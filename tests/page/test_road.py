@@ -17,13 +17,12 @@ from road import Road
 
 pytestmark = pytest.mark.slow
 
-ARGUMENTS = "--headless=new --no-sandbox --disable-dev-shm-usage --disable-gpu --window-size=1280,900"
 PATTERN = "R{wheel_radius_mm}_{wrap_angle_deg}Grad_{end_tension_N}N_{repeat}"
 
 
 @pytest.fixture(scope="module")
 def chromium():
-    yield from driven(ARGUMENTS)
+    yield from driven()
 
 
 @pytest.fixture

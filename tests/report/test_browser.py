@@ -14,7 +14,6 @@ webdriver = pytest.importorskip("selenium.webdriver")
 from selenium.webdriver.common.keys import Keys  # noqa: E402
 
 pytestmark = [pytest.mark.usefixtures("page"), pytest.mark.slow]
-FLAGS = "--headless=new --no-sandbox --disable-dev-shm-usage --disable-gpu --hide-scrollbars"
 FINE, LARGE = 4.5, 3.0
 A4_PX = 96 * (297 - 30) / 25.4
 
@@ -66,7 +65,7 @@ return (() => { const e = document.activeElement, style = getComputedStyle(e), b
 
 @pytest.fixture(scope="module")
 def driver():
-    yield from driven(FLAGS)
+    yield from driven("--hide-scrollbars")
 
 
 @pytest.fixture

@@ -104,12 +104,16 @@ def of_strangers(seed, per_family):
             yield trace.time_s, trace.force_N, one.truth.time_s, one.truth.peak_N
 
 
+LIKE_A_SLIP = "falls like a slip"
+
+
 def silent(made, seed, every=1):
     """Return for each kind of damage how many recordings there were, and how many gave a wrong F_A.
 
+    A fall in one step to a force above zero during the climb is what a partial slip does: such damage counts apart.
     With `every`, each recording suffers one kind of so many, the next recording the next kinds.
     """
-    counts = {name: [0, 0] for name in DAMAGES}
+    counts = {name: [0, 0] for name in (*DAMAGES, LIKE_A_SLIP)}
     for number, (time_s, force_N, top_s, peak_N) in enumerate(made):
         top = int(np.searchsorted(time_s, top_s))
         state = (np.arange(force_N.size) > top).astype(np.int64)
@@ -124,8 +128,11 @@ def silent(made, seed, every=1):
                 force_N=spoilt.force_N,
             )
             found = pick_breakaway(trace, PickSettings())[0]
-            counts[name][0] += 1
-            counts[name][1] += found.status is Status.OK and abs(found.peak_N / peak_N - 1.0) > 0.02
+            before_N, after_N = spoilt.force_N[spoilt.at - 1 : spoilt.at + 1]
+            slips = spoilt.at <= top and 0.02 * np.ptp(spoilt.force_N) < after_N < before_N
+            count = counts[LIKE_A_SLIP if slips and not DAMAGES[name].is_exact else name]
+            count[0] += 1
+            count[1] += found.status is Status.OK and abs(found.peak_N / peak_N - 1.0) > 0.02
     return counts
 
 
@@ -135,18 +142,19 @@ def silent(made, seed, every=1):
     ids=["a few of the rig", "of the second rig"],
 )
 def test_few_damaged_recordings_give_a_wrong_force(counts):
-    learnt = {name: of for name, of in counts().items() if not DAMAGES[name].is_exact}
+    learnt = {name: of for name, of in counts().items() if name not in DAMAGES or not DAMAGES[name].is_exact}
     assert sum(one[1] for one in learnt.values()) <= 0.1 * sum(one[0] for one in learnt.values()), learnt
 
 
-NOT_REACHED = {"scale-changes": 0.2, "offset-steps": 0.1, "joined": 0.09, "tared-again": 0.05}
-"""Asked is 2 % of every kind; a scale or an offset that changes within the climb often passes for a partial slip."""
+ALLOWED = {LIKE_A_SLIP: 0.3, "joined": 0.04}
+"""Asked is 2 % of every kind that an expert sees. The force alone does not show whether a fall was a slip, or whether
+the second pull after a load was let go is of the same rope."""
 
 
 @pytest.mark.slow
 def test_of_two_thousand_damaged_recordings_no_kind_is_silently_wrong():
     counts = [silent(of_strangers(seed, 4), seed) for seed in (31, 32)]
-    whole = {name: np.sum([one[name] for one in counts], axis=0) for name in DAMAGES}
-    assert sum(n for n, _ in whole.values()) >= 1500, whole
+    whole = {name: np.sum([one[name] for one in counts], axis=0) for name in (*DAMAGES, LIKE_A_SLIP)}
+    assert sum(n for n, _ in whole.values()) >= 2000, whole
     for name, (n, wrong) in whole.items():
-        assert wrong <= NOT_REACHED.get(name, 0.02) * n + 1, (name, whole)
+        assert wrong <= ALLOWED.get(name, 0.02) * n + 1, (name, whole)

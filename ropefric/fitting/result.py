@@ -330,27 +330,31 @@ class FitResult(Shown):
         A parameter that the data do not show by itself, or only on its bound, takes nothing from a force inside what
         was tested, whose interval holds all that the parameters may be.
         """
-        doubts: list[Doubt] = []
         forgiven = self.status in _OF_PARAMETERS and asked is not None and self._inside(asked)
+        return (*self._of_status(forgiven=forgiven), *self._of_conditions())
+
+    def _of_status(self, *, forgiven: bool) -> Iterator[Doubt]:
+        """Yield the gravest finding; of a forgiven one only that the law misses an effect."""
         if self.status is not FitStatus.OK and not forgiven:
-            word: Word = "undecided" if self.status in _ONLY_DOUBTED else "not judged"
-            doubts.append((word, self.advice[0] if self.advice else self.status.advice))
-        if forgiven and self.statistics.lack_of_fit_p < TREND_P:
-            doubts += [("undecided", text) for text in self.advice if LEAVES_OVER in text]
+            yield "undecided" if self.status in _ONLY_DOUBTED else "not judged", self.advice[0]
+        elif self.statistics.lack_of_fit_p < TREND_P:
+            yield from (("undecided", text) for text in self.advice if LEAVES_OVER in text)
+
+    def _of_conditions(self) -> Iterator[Doubt]:
+        """Yield that there are too few conditions to test the law, or to explain why they scatter more than repeats."""
         found, n, q = self.statistics, self.statistics.n_conditions, self.statistics.n - self.statistics.dof
         within, between, spare = found.scatter_within, found.scatter_between, n - q
         if spare < SPARE and self.status is not FitStatus.TOO_FEW_POINTS:
             text = f"{counted(n, 'condition')} cannot test {counted(q, 'fitted parameter')} of {self.law}"
-            doubts.append(("not judged", f"{text}: {q + SPARE} are needed"))
+            yield "not judged", f"{text}: {q + SPARE} are needed"
         elif spare < _MANY_SPARE and between > _SCATTER_RATIO * within > 0.0:
             F = 1.0 + found.n / n * (between / within) ** 2
             if float(fdtrc(spare, found.n - n, F)) < _LACK_OF_FIT_P:
                 text = (
-                    f"the conditions lie {between:.2%} off {self.law}, their repeats scatter by {within:.2%}: "
-                    f"{n} conditions do not show whether that is a new rope each time or an effect it misses"
+                    f"the conditions lie {between:.2%} off {self.law}, their repeats scatter by {within:.2%}"
                 )
-                doubts.append(("undecided", text))
-        return tuple(doubts)
+                why = "that is a new rope each time or an effect it misses"
+                yield "undecided", f"{text}: {n} conditions do not show whether {why}"
 
     def _inside(self, asked: Conditions) -> bool:
         """Return whether conditions lie inside what was tested, and the errors of all parameters there are finite."""

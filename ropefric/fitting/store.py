@@ -356,6 +356,7 @@ def verify_fit(path: str | os.PathLike[str]) -> Verification:
 
 
 def _again(stored: FitResult, folder: Path) -> FitResult:
+    """Return the fit of the data that a stored one names; refuse data that are not those."""
     source: dict[str, Any] = dict(stored.provenance.get("input", {}))
     path, sha256 = source.get("path"), source.get("sha256")
     if "sha256" not in source:
@@ -370,23 +371,29 @@ def _again(stored: FitResult, folder: Path) -> FitResult:
         text = "the data file has changed since the fit was made"
         raise DataError(text, code="RF432", path=data, fix="fit again")
     try:
-        settings = {
-            key: value for key, value in dict(stored.provenance["settings"]).items() if key not in _GONE
-        }
-        if settings.get("groups") is not None:
-            settings["groups"] = tuple(settings["groups"])
-        for key in ("fixed", "start"):
-            settings[key] = {name: float(value) for name, value in settings[key].items()}
-        settings["bounds"] = {
-            name: (-inf if low is None else float(low), inf if high is None else float(high))
-            for name, (low, high) in settings["bounds"].items()
-        }
+        settings = _settings_of(stored)
         check_settings(FitSettings(**settings), stored.friction_law)
     except RopefricError:
         raise
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError):
         raise _damaged("provenance.settings") from None
     return fit_law(read_trial_table(data), stored.law, **settings)
+
+
+def _settings_of(stored: FitResult) -> dict[str, Any]:
+    """Return the settings of a stored fit as `fit_law` takes them, without those of earlier versions."""
+    settings = {key: value for key, value in stored.provenance["settings"].items() if key not in _GONE}
+    if settings.get("groups") is not None:
+        settings["groups"] = tuple(settings["groups"])
+    for key in ("fixed", "start"):
+        settings[key] = {name: float(value) for name, value in settings[key].items()}
+    bounds = {name: (_end(low, -inf), _end(high, inf)) for name, (low, high) in settings["bounds"].items()}
+    return settings | {"bounds": bounds}
+
+
+def _end(value: Any, gone: float) -> float:
+    """Return an end of bounds, which a file has as nothing where it is infinite."""
+    return gone if value is None else float(value)
 
 
 def _damaged(key: str) -> DataError:

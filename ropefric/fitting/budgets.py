@@ -317,7 +317,10 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
     found.append((picking, _OWN.format("peak to pick", picking.std)))
     if len(trials) == 1:
         return [item for item, _ in found], notes
-    return [item for item, own in found if not own], [*notes, *(own for item, own in found if own and item.std)]
+    return [item for item, own in found if not own], [
+        *notes,
+        *(own for item, own in found if own and item.std),
+    ]
 
 
 def _of_chains(chains: Sequence[Calibration], force_N: float) -> tuple[list[tuple[Quantity, str]], list[str]]:

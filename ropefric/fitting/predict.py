@@ -394,8 +394,7 @@ def _with_rivals(
 
 def has_interval(fit: FitResult) -> bool:
     """Return whether the data leave anything to estimate an interval of the law from."""
-    seen = all(math.isfinite(item.std) or item.at_bound for item in fit.parameters)
-    return fit.statistics.interval_dof != 0.0 and fit.status not in _NOTHING_TOLD and seen
+    return fit.statistics.interval_dof != 0.0 and fit.status not in _NOTHING_TOLD and fit.has_errors
 
 
 class Spread(NamedTuple):

@@ -273,6 +273,11 @@ class FitResult(Shown):
         changes = [item.change for item in self.common_errors]
         return np.array(changes, np.float64).reshape(-1, len(self.parameters)).T
 
+    @property
+    def has_errors(self) -> bool:
+        """Return whether every parameter has a finite standard error, or lies on its bound."""
+        return all(isfinite(item.std) or item.at_bound for item in self.parameters)
+
     def cells(self) -> tuple[Layout, FloatArray] | None:
         """Return how trials are put together, and how stated errors move the k means, shape (k, b).
 
@@ -358,7 +363,6 @@ class FitResult(Shown):
 
     def _inside(self, asked: Conditions) -> bool:
         """Return whether conditions lie inside what was tested, and the errors of all parameters there are finite."""
-        told = all(isfinite(item.std) or item.at_bound for item in self.parameters)
         sized = bool(self.friction_law.effects & {"size", "bending-stiffness"})
         matter = [name for name in SETTINGS if sized or not name.endswith("radius_m")]
         ends = {name: self.validity.get(name, (-inf, inf)) for name in matter}
@@ -368,7 +372,7 @@ class FitResult(Shown):
             ).all()
             for name, (low, high) in ends.items()
         )
-        return told and all(within)
+        return self.has_errors and all(within)
 
     def untested(self, asked: Conditions | None = None) -> tuple[Doubt, ...]:
         """Return whether the law depends on a setting that is the same in all trials, but not in the request."""

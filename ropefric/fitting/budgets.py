@@ -307,14 +307,8 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
     What each trial has of its own shows in the scatter of several, and is a correction of a single one only.
     """
     chains = [trial.calibration for trial in trials if trial.calibration is not None]
-    bias_N = _mean(trial.breakaway.bias_N for trial in trials)
-    picking_N = math.sqrt(_mean(trial.breakaway.peak_std_N**2 for trial in trials))
-    found, notes = (
-        _of_chains(chains, _mean(trial.measured_N for trial in trials)) if chains else ([], [_NO_CHAIN])
-    )
-    found.append((limit_of_error("bias of the smoothing", "δ_sm", "N", abs(bias_N)), ""))
-    picking = Quantity("picking", "δ_pick", "N", picking_N)
-    found.append((picking, _OWN.format("peak to pick", picking.std)))
+    found, notes = _of_chains(chains, trials) if chains else ([], [_NO_CHAIN])
+    found += _of_picks(trials)
     if len(trials) == 1:
         return [item for item, _ in found], notes
     return [item for item, own in found if not own], [
@@ -323,15 +317,26 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
     ]
 
 
-def _of_chains(chains: Sequence[Calibration], force_N: float) -> tuple[list[tuple[Quantity, str]], list[str]]:
-    """Return the corrections of measuring chains, each with what to say where it is each trial's own."""
+def _of_picks(trials: Sequence[TrialResult]) -> tuple[tuple[Quantity, str], ...]:
+    """Return the corrections of picked peaks, each with what to say where it is each trial's own."""
+    bias_N = _mean(trial.breakaway.bias_N for trial in trials)
+    picking_N = math.sqrt(_mean(trial.breakaway.peak_std_N**2 for trial in trials))
+    bias = limit_of_error("bias of the smoothing", "δ_sm", "N", abs(bias_N))
+    picking = Quantity("picking", "δ_pick", "N", picking_N)
+    return (bias, ""), (picking, _OWN.format("peak to pick", picking_N))
+
+
+def _of_chains(
+    chains: Sequence[Calibration], trials: Sequence[TrialResult]
+) -> tuple[list[tuple[Quantity, str]], list[str]]:
+    """Return the corrections of measuring chains, likewise, and what is assumed."""
     worst = max(chains, key=lambda chain: chain.cell.full_scale_N)
     largest, notes = worst.cell, []
     if any(chain.cell != largest for chain in chains):
         notes.append(f"several force cells were used: the chain is that of the largest, {largest.name}")
     limit_N = largest.repeatability * largest.full_scale_N
     own = f"the cell's own repeatability (limit {limit_N:.2g} N) is part of that of the trials"
-    shared = chain_quantities(force_N, worst)
+    shared = chain_quantities(_mean(trial.measured_N for trial in trials), worst)
     tare = Quantity("tare", "δ_0", "N", math.sqrt(_mean(chain.tare_std_N**2 for chain in chains)))
     one_tare = len({chain.tare_N for chain in chains}) == 1
     found = [(item, own if item.name == "cell's repeatability" else "") for item in shared]
@@ -435,4 +440,8 @@ def state_lift(
     """Return the uncertainty of the lift force that a fit predicts for a wheel known only so well."""
     status = BudgetStatus.OK if fit.verdict_on(at).supported else BudgetStatus.FIT_NOT_TRUSTED
     model, notes = lift_model(fit, at, wheel_std, one_pull=one_pull), outside_words(fit.validity, at)
+    if one_pull and math.isfinite(fit.scatter.tail_dof):
+        notes += (
+            "repeats have heavier tails than the normal ones of this budget: see the interval of `predict`",
+        )
     return state_uncertainty(model, status=status, notes=notes, **check)

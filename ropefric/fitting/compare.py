@@ -293,9 +293,8 @@ def _notes(
     ranked = {entry.law: entry for entry in ranking if entry.counted}
     unweighed = not ranked or math.isnan(ranking[0].weight)
     rejected = _rejected(ranked, tests) if unweighed else ""
-    rivals = [law for law, entry in ranked.items() if entry.delta_aicc <= RIVAL]
-    close = [law for law, entry in ranked.items() if entry.delta_aicc <= STRONG]
-    alike = [law for law in close if _look_alike(law, ranking[0].law)]
+    rivals = _close(ranked, RIVAL)
+    alike = [law for law in _close(ranked, STRONG) if _look_alike(law, ranking[0].law)]
     said = {
         f"AICc counts {in_all}, not repeats": True,
         "no condition was repeated, so every trial is a condition of its own": not means.repeated,
@@ -306,6 +305,11 @@ def _notes(
         f"{ranking[0].law} and {' and '.join(alike)} look alike: {_OFFSET_OR_WRAP}": alike,
     }
     return tuple(text for text, applies in said.items() if applies)
+
+
+def _close(ranked: Mapping[str, ComparisonEntry], limit: float) -> list[str]:
+    """Return the ranked laws whose AICc is above the best by no more than a limit."""
+    return [law for law, entry in ranked.items() if entry.delta_aicc <= limit]
 
 
 def _rejected(ranked: Container[str], tests: Iterable[FTest]) -> str:

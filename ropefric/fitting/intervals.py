@@ -38,6 +38,8 @@ _DOUBLINGS = 40
 _ENDLESS = 1e8
 # Far below what is kept of an end, 1e-5 of a standard error, so that no path to it shows.
 _ROOT = 1e-10
+# All digits that a float can settle.
+_FULL = 4.0 * float(np.finfo(np.float64).eps)
 # Stands for a value where a law has no answer.
 _NO_ANSWER = 1e3
 _END_NOTES: dict[EndKind, str] = {
@@ -217,14 +219,13 @@ class _Walk:
         return list(zip(np.where(endless, self.bound, ends).tolist(), kinds, strict=True))
 
 
-def rising_root(function: Rising, low: FloatArray, high: FloatArray, tolerance: float = 0.0) -> FloatArray:
+def rising_root(function: Rising, low: FloatArray, high: FloatArray, tolerance: float = _FULL) -> FloatArray:
     """Return the zeros of n functions that rise from below zero at `low` to zero or more at `high`."""
 
     def finite(x: FloatArray, rows: Rows) -> FloatArray:
         return np.clip(function(x, rows), -_NO_ANSWER, _NO_ANSWER)
 
-    rough = {"tolerances": {"xrtol": tolerance}} if tolerance else {}
-    found = find_root(finite, (low, high), args=(np.arange(low.size),), **rough)
+    found = find_root(finite, (low, high), args=(np.arange(low.size),), tolerances={"xrtol": tolerance})
     # Where rounding leaves no change of sign, `low` is the zero already.
     return np.where(np.isnan(found.x), low, found.x)
 
@@ -234,11 +235,8 @@ def with_intervals(fit: FitResult, method: str) -> FitResult:
     if method not in INTERVALS:
         text = f"unknown way to intervals {method!r}"
         raise UnknownNameError(text, key="intervals", fix=did_you_mean(str(method), INTERVALS))
-    weighted, on_bound = fit.weighted(), any(item.at_bound for item in fit.parameters)
-    if method == "auto":
-        told = fit.has_errors and weighted is not None and fit.status is not FitStatus.NOT_CONVERGED
-        method = "profile" if told and (on_bound or not is_straight(fit)) else "covariance"
-    if method == "covariance":
+    on_bound = any(item.at_bound for item in fit.parameters)
+    if method == "covariance" or (method == "auto" and not _needs_profile(fit, on_bound=on_bound)):
         return fit
     found = profile_of(fit)
     parameters = tuple(
@@ -252,6 +250,12 @@ def with_intervals(fit: FitResult, method: str) -> FitResult:
         notes=(*fit.notes, "95 % intervals by profile", *notes),
         provenance=dict(fit.provenance) | {"intervals": {"method": method}},
     )
+
+
+def _needs_profile(fit: FitResult, *, on_bound: bool) -> bool:
+    """Return whether a fit that has errors lies on a bound, or in a valley that its covariance does not describe."""
+    known = fit.has_errors and fit.weighted() is not None and fit.status is not FitStatus.NOT_CONVERGED
+    return known and (on_bound or not is_straight(fit))
 
 
 def is_straight(fit: FitResult) -> bool:

@@ -28,7 +28,7 @@ supported
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from math import inf, isfinite, nan
 from typing import Any, Literal, NamedTuple
 
@@ -286,14 +286,11 @@ class FitResult(Shown):
         if "condition" not in self.trials or not self.scatter.names:
             return None
         columns = {name: np.array(values, np.float64) for name, values in self.trials.items()}
-        k = columns["n"].size
+        k, at = columns["n"].size, Conditions(**{name: columns[name] for name in SETTINGS})
         rows = [(item.lower, item.upper, item.vary) for item in self.parameters]
         lower, upper, vary = (np.array(column) for column in zip(*rows, strict=True))
-        problem = FitProblem(
-            law=self.friction_law, conditions=Conditions(**{name: columns[name] for name in SETTINGS}),
-            log_lift=columns["mean_log_lift"], std=np.ones(k), group=np.arange(k), start=self.theta, lower=lower,
-            upper=upper, vary=vary,
-        )  # fmt: skip
+        plain = FitProblem.plain(self.friction_law, at, columns["mean_log_lift"], start=self.theta)
+        problem = replace(plain, lower=lower, upper=upper, vary=vary)
         groups = {name: columns[name].astype(np.int64) for name in self.scatter.groups}
         condition = columns["condition"].astype(np.int64)
         layout = Layout(

@@ -309,12 +309,9 @@ def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str
     chains = [trial.calibration for trial in trials if trial.calibration is not None]
     found, notes = _of_chains(chains, trials) if chains else ([], [_NO_CHAIN])
     found += _of_picks(trials)
-    if len(trials) == 1:
-        return [item for item, _ in found], notes
-    return [item for item, own in found if not own], [
-        *notes,
-        *(own for item, own in found if own and item.std),
-    ]
+    several = len(trials) > 1
+    notes += [own for item, own in found if own and item.std and several]
+    return [item for item, own in found if not (own and several)], notes
 
 
 def _of_picks(trials: Sequence[TrialResult]) -> tuple[tuple[Quantity, str], ...]:
@@ -441,7 +438,5 @@ def state_lift(
     status = BudgetStatus.OK if fit.verdict_on(at).supported else BudgetStatus.FIT_NOT_TRUSTED
     model, notes = lift_model(fit, at, wheel_std, one_pull=one_pull), outside_words(fit.validity, at)
     if one_pull and math.isfinite(fit.scatter.tail_dof):
-        notes += (
-            "repeats have heavier tails than the normal ones of this budget: see the interval of `predict`",
-        )
+        notes += ("repeats have heavier tails than this budget assumes: use the interval of `predict`",)
     return state_uncertainty(model, status=status, notes=notes, **check)

@@ -374,11 +374,9 @@ class Rivalry(NamedTuple):
         side = "below" if self.lead > 0.0 else "above"
         text = f"the AICc of {self.fuller} is {abs(self.lead):.1f} {side} that of {self.simpler}"
         text += "" if math.isnan(self.p_value) else f", the F-test gives p = {self.p_value:.2g}"
-        if not math.isnan(self.loco_ratio):
-            text += (
-                f", and its error at unseen conditions is {self.loco_ratio:.2f} times that of {self.simpler}"
-            )
-        return text
+        if math.isnan(self.loco_ratio):
+            return text
+        return f"{text}, and its error at unseen conditions is {self.loco_ratio:.2f} times that of {self.simpler}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -113,13 +113,9 @@ def profile_intervals(
             text = _END_NOTES[kind].format(("lower", "upper")[side], end)
             notes.append(f"{problem.law.parameter_names[j]}: {text}")
     if walk.lowest < -_LOWER_MINIMUM * max(chi2_min, 1e-300):
-        notes.append(
-            f"a lower minimum was met on the way (χ² {chi2_min + walk.lowest:.6g} < {chi2_min:.6g}): "
-            "fit again from more starts"
-        )
-    return ProfileResult(
-        theta=best, ci=ci, at_bound=at_bound, threshold=threshold, n_fits=walk.n_fits, notes=tuple(notes)
-    )
+        text = f"a lower minimum was met on the way (χ² {chi2_min + walk.lowest:.6g} < {chi2_min:.6g})"
+        notes.append(f"{text}: fit again from more starts")
+    return ProfileResult(best, ci, at_bound, threshold, walk.n_fits, tuple(notes))
 
 
 class _Walk:

@@ -342,9 +342,8 @@ def _of_rope(
         variance = np.maximum(own @ scatter.variance + found.known, 0.0) + found.estimated
         stds.append(np.sqrt(np.where(has_interval(fit), variance, np.nan)))
         dofs.append(scatter.dof(none, own, found.known))
-        reach.append(
-            _quantiles(probability, dofs[-1]) * stds[-1] * _by_tails(scatter, probability, variance, more)
-        )
+        tails = _by_tails(scatter, probability, variance, more)
+        reach.append(_quantiles(probability, dofs[-1]) * stds[-1] * tails)
     half, pull = reach
     at, signs = (log_lift + found.shift)[:, None], np.array([-1.0, 1.0])
     with np.errstate(over="ignore"):
@@ -587,9 +586,8 @@ def friction_table(fit: FitResult, **levels: npt.ArrayLike | None) -> FrictionTa
         raise InputError(text, key="wrap_angle_rad", fix="begin above zero")
     good = law.answers(theta, at)
     if not good.any():
-        raise InputError(
-            f"{law.name} has no answer on this grid", key="wrap_angle_rad", fix=law.validity(theta, at)[0]
-        )
+        text, fix = f"{law.name} has no answer on this grid", law.validity(theta, at)[0]
+        raise InputError(text, key="wrap_angle_rad", fix=fix)
     rise, local = np.full((2, n), np.nan)
     part = at.select(good)
     rise[good] = law.log_lift(theta, part) - part.log_end_tension

@@ -352,24 +352,20 @@ class FitResult(Shown):
         elif spare < _MANY_SPARE and between > _SCATTER_RATIO * within > 0.0:
             F = 1.0 + found.n / n * (between / within) ** 2
             if float(fdtrc(spare, found.n - n, F)) < _LACK_OF_FIT_P:
-                text = (
-                    f"the conditions lie {between:.2%} off {self.law}, their repeats scatter by {within:.2%}"
+                text = f"the conditions lie {between:.2%} off {self.law}, their repeats scatter by {within:.2%}: "
+                text += (
+                    f"{n} conditions do not show whether that is a new rope each time or an effect it misses"
                 )
-                why = "that is a new rope each time or an effect it misses"
-                yield "undecided", f"{text}: {n} conditions do not show whether {why}"
+                yield "undecided", text
 
     def _inside(self, asked: Conditions) -> bool:
         """Return whether conditions lie inside what was tested, and the errors of all parameters there are finite."""
         sized = bool(self.friction_law.effects & {"size", "bending-stiffness"})
-        matter = [name for name in SETTINGS if sized or not name.endswith("radius_m")]
-        ends = {name: self.validity.get(name, (-inf, inf)) for name in matter}
-        within = (
-            (
-                (getattr(asked, name) >= low * (1.0 - _NEAR)) & (getattr(asked, name) <= high * (1.0 + _NEAR))
-            ).all()
-            for name, (low, high) in ends.items()
-        )
-        return self.has_errors and all(within)
+        for name in SETTINGS if sized else SETTINGS[2:]:
+            values, (low, high) = getattr(asked, name), self.validity.get(name, (-inf, inf))
+            if not ((values >= low * (1.0 - _NEAR)) & (values <= high * (1.0 + _NEAR))).all():
+                return False
+        return self.has_errors
 
     def untested(self, asked: Conditions | None = None) -> tuple[Doubt, ...]:
         """Return whether the law depends on a setting that is the same in all trials, but not in the request."""

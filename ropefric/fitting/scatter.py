@@ -145,35 +145,18 @@ def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout
     size, of_cell = means.size.astype(np.float64), np.asarray(np.bincount(cell, about**2), np.float64)
     uneven = _unevenness(means.log_lift, size, of_cell)
     if uneven.exponent:
-        squares2 = (of_cell.sum() / max(cell.size - k, 1)) * uneven.factor(
-            np.array([uneven.low, uneven.high])
-        )
-        low, high = (f"{100.0 * value**0.5:.2g} %" for value in squares2.tolist())
-        notes.append(
-            f"repeats scatter by about {low} at the lowest force and {high} at the highest, and are weighed so"
-        )
-    even, left, spare = (
-        about / np.sqrt(uneven.factor(means.log_lift))[cell],
-        1.0 - 1.0 / size[cell],
-        cell.size - k,
-    )
-    tail_dof, tails = np.inf, list[str]()
+        ends = of_cell.sum() / max(cell.size - k, 1) * uneven.factor(np.array([uneven.low, uneven.high]))
+        low, high = (f"{100.0 * value**0.5:.2g} %" for value in ends.tolist())
+        text = f"repeats scatter by about {low} at the lowest force and {high} at the highest"
+        notes.append(f"{text}, and are weighed so")
+    factor, spare = uneven.factor(means.log_lift), cell.size - k
+    even, left, tail_dof = about / np.sqrt(factor)[cell], 1.0 - 1.0 / size[cell], np.inf
     if spare > _LEAST_DOF and np.abs(even).max() > _SAME:
         tail_dof, tails = _tails(even, left, spare)
-        tails += _far_pull(even, left, spare - 1, problem.conditions)
-    squares = float((of_cell / uneven.factor(means.log_lift)).sum())
+        notes += [*tails, *_far_pull(even, left, spare - 1, problem.conditions)]
+    squares = float((of_cell / factor).sum())
     return Layout(
-        on_means,
-        cell,
-        size,
-        condition[first],
-        squares,
-        spare,
-        own,
-        (*notes, *tails),
-        uneven,
-        labels,
-        tail_dof,
+        on_means, cell, size, condition[first], squares, spare, own, tuple(notes), uneven, labels, tail_dof
     )
 
 
@@ -445,11 +428,8 @@ def measured_level(  # noqa: PLR0917  (each is a part of the mixed model)
     name, level = of
     weighted, place = weighed(layout, model, theta, errors), model.names.index(name)
     values, J = weighted.law.log_lift_and_jacobian(theta, weighted.conditions)
-    X, slopes, there = (
-        J[:, weighted.vary],
-        slopes[:, weighted.vary],
-        values - weighted.conditions.log_end_tension,
-    )
+    X, slopes = J[:, weighted.vary], slopes[:, weighted.vary]
+    there = values - weighted.conditions.log_end_tension
     shared = np.outer(rise, there * (layout.groups[name] == level)) * (model.variance[place] > 0.0)
     size = max(float(model.variance[place]), 0.0)
     half, left = stats.decomposed(weighted.whitened(X.T).T).root()
@@ -570,9 +550,8 @@ def _sums(A: Sequence[FloatArray], left: FloatArray, e: FloatArray) -> tuple[Flo
     """Return tr(A_i A_j) − 2 tr(Uᵀ A_i A_j U), shape (m, m), and eᵀ A_i e − tr(A_i)."""
     if A[0].ndim == 1:
         rest = 1.0 - 2.0 * (left**2).sum(axis=1)
-        return np.array([[float(rest @ (a * b)) for a in A] for b in A]), [
-            float(a @ (e * e - 1.0)) for a in A
-        ]
+        trace = [[float(rest @ (a * b)) for a in A] for b in A]
+        return np.array(trace), [float(a @ (e * e - 1.0)) for a in A]
     trace = [[float((a * b).sum() - 2.0 * ((a @ left) * (b @ left)).sum()) for a in A] for b in A]
     return np.array(trace), [float(e @ a @ e - np.trace(a)) for a in A]
 

@@ -206,10 +206,8 @@ def _fault(fit: FitResult) -> str:
     if fit.covariance.shape != (p, p) or names != tuple(item.name for item in fit.parameters):
         return f"it does not belong to the law {fit.law}, whose parameters are {', '.join(names)}"
     with np.errstate(all="ignore"):
-        found = next(
-            (text for wrong, text in (*_checks_of_numbers(fit), *_checks_of_words(fit)) if wrong), ""
-        )
-        return found or _fault_of_scatter(fit)
+        checks = (*_checks_of_numbers(fit), *_checks_of_words(fit))
+        return next((text for wrong, text in checks if wrong), "") or _fault_of_scatter(fit)
 
 
 def _fault_of_scatter(fit: FitResult) -> str:
@@ -252,10 +250,8 @@ def _checks_of_parameter(fit: FitResult, item: FittedParameter) -> Iterator[tupl
     none = item.at_bound or (fit.statistics.interval_dof == 0.0 and isnan(low) and isnan(high))
     # An interval from the covariance lies about the estimate, one by profile need not; on a bound there is none.
     around = "intervals" in fit.provenance or low - slack <= value <= high + slack
-    yield (
-        not (none or (low <= high and around)),
-        f"the interval of {name} from {low:g} to {high:g} is none of {value:g}",
-    )
+    wrong = not (none or (low <= high and around))
+    yield wrong, f"the interval of {name} from {low:g} to {high:g} is none of {value:g}"
 
 
 def _checks_of_covariance(fit: FitResult, std: FloatArray) -> Iterator[tuple[bool, str]]:

@@ -326,7 +326,7 @@ def _of_picks(trials: Sequence[TrialResult]) -> tuple[tuple[Quantity, str], ...]
 def _of_chains(
     chains: Sequence[Calibration], trials: Sequence[TrialResult]
 ) -> tuple[list[tuple[Quantity, str]], list[str]]:
-    """Return the corrections of measuring chains, likewise, and what is assumed."""
+    """Return the corrections of measuring chains, likewise, and a note where the cells differ."""
     worst = max(chains, key=lambda chain: chain.cell.full_scale_N)
     largest, notes = worst.cell, []
     if any(chain.cell != largest for chain in chains):

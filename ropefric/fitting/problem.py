@@ -166,7 +166,7 @@ class FitProblem:
 
     def unwhitened(self, values: FloatArray) -> FloatArray:
         """Return the values (n,) that `whitened` turns into these."""
-        return values * self.std if self.root is None else np.linalg.solve(self.root, values)
+        return np.asarray(values * self.std if self.root is None else np.linalg.solve(self.root, values))
 
 
 class Reduced(NamedTuple):

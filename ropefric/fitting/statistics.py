@@ -352,7 +352,7 @@ class ConditionMeans:
     """One mean ln F_A for each condition: the independent evidence about a law.
 
     Repeats of a condition share whatever makes that condition differ from the law, so only their mean bears on
-    the law; their spread about the mean is the same for every law, and is the error of that mean.
+    the law; their spread about the mean is the same for every law, and gives the error of that mean.
     """
 
     conditions: Conditions

@@ -338,7 +338,8 @@ class FitResult(Shown):
     def _of_status(self, *, forgiven: bool) -> Iterator[Doubt]:
         """Yield the gravest finding; of a forgiven one only that the law misses an effect."""
         if self.status is not FitStatus.OK and not forgiven:
-            yield "undecided" if self.status in _ONLY_DOUBTED else "not judged", self.advice[0]
+            word: Word = "undecided" if self.status in _ONLY_DOUBTED else "not judged"
+            yield word, self.advice[0] if self.advice else self.status.advice
         elif self.statistics.lack_of_fit_p < TREND_P:
             yield from (("undecided", text) for text in self.advice if LEAVES_OVER in text)
 

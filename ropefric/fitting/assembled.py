@@ -29,7 +29,8 @@ from ropefric.fitting.result import (
     FitStatus,
     FittedParameter,
 )
-from ropefric.friction.condition import SETTINGS, distinct
+from ropefric.friction.condition import SETTINGS, Conditions, distinct
+from ropefric.friction.law import FrictionLaw
 from ropefric.glossary import counted
 from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import quantile
@@ -68,7 +69,7 @@ _REMEDY = {
     "settings together": "Compare laws with other effects, or measure more to see which.",
 }
 # A regressor with this many values or fewer leaves effects undetermined.
-_FEW = 3
+_FEW, _ONLY_ONE = 3, "only one"
 
 Finding = tuple[FitStatus, str]
 
@@ -330,18 +331,23 @@ def _of_search(found: Found) -> Iterator[Finding]:
         yield kind, f"Repeats scatter by {within:.0%} of the force. {kind.advice}"
 
 
-def _of_design(found: Found, seen: stats.Identifiability, std: FloatArray) -> Iterator[Finding]:
-    lost, law, at, experiments = list(seen.unseen), found.problem.law, found.problem.conditions, []
+def _missing(law: FrictionLaw, at: Conditions) -> Iterator[str]:
+    """Yield the regressors that a law needs and that have few values, with the experiment that would help."""
     levels = (at.size_ratio, np.degrees(at.wrap_angle_rad), at.end_tension_N)
     for (what, (_, effects, shown, do)), values in zip(
         EXPERIMENTS.items(), map(distinct, levels), strict=True
     ):
         if effects & law.effects and values.size <= _FEW:
-            there = f"is only one {what}" if values.size == 1 else f"are only {values.size} {what}s"
+            there = f"is {_ONLY_ONE} {what}" if values.size == 1 else f"are only {values.size} {what}s"
             given = shown.format(", ".join(f"{value:.4g}" for value in values))
-            experiments.append(f"There {there} ({given}): {do}")
+            yield f"There {there} ({given}): {do}"
+
+
+def _of_design(found: Found, seen: stats.Identifiability, std: FloatArray) -> Iterator[Finding]:
+    lost, law = list(seen.unseen), found.problem.law
+    experiments = [*_missing(law, found.problem.conditions)]
     if not lost and seen.ratio > _POOR_RATIO:
-        one_value = any("only one" in text for text in experiments)
+        one_value = any(_ONLY_ONE in text for text in experiments)
         limit = _UNKNOWN_BY_DESIGN if one_value else _UNKNOWN
         unknown = np.array(law.parameter_names)[std > limit * np.abs(found.theta)]
         lost = [name for name in seen.weak if name in unknown]

@@ -20,7 +20,7 @@ from ropefric.fitting.problem import law_named
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.glossary import GLOSSARY
-from ropefric.traces.calibration import chain_quantities
+from ropefric.traces.calibration import Calibration, chain_quantities
 from ropefric.trials.outliers import trimming_bias
 from ropefric.trials.result import Extraction, TrialResult
 from ropefric.trials.table import TrialTable
@@ -43,6 +43,8 @@ GRAVITY_LIMIT = 0.0027
 """Half the range of the acceleration of gravity at sea level, 9.780 to 9.832 m/s², over its mean [-]."""
 
 _STANDARD_GRAVITY_M_S2 = 9.80665
+_NO_CHAIN = "the recordings come in newtons without their chain: calibration and resolution are unknown"
+_OWN = "each trial has its own {} ({:.2g} N): the repeatability holds it already"
 _PLACE = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad")
 _SETTINGS = {
     term.name: (term.meaning.partition(";")[0].lower(), term.symbol, term.unit)
@@ -300,42 +302,42 @@ def state_condition(
 
 
 def _instrument(trials: Sequence[TrialResult]) -> tuple[list[Quantity], list[str]]:
-    """Return the corrections of a mean force that are not made, and the sources that are counted already."""
+    """Return the corrections of a mean force that are not made, and the sources that are counted already.
+
+    What each trial has of its own shows in the scatter of several, and is a correction of a single one only.
+    """
     chains = [trial.calibration for trial in trials if trial.calibration is not None]
-    found: list[Quantity] = []
-    notes: list[str] = []
-    single = len(trials) == 1
+    found, notes = _of_chains(chains, trials) if chains else ([], [_NO_CHAIN])
+    found += _of_picks(trials)
+    several = len(trials) > 1
+    notes += [own for item, own in found if own and item.std and several]
+    return [item for item, own in found if not (own and several)], notes
 
-    def add(item: Quantity, words: str, *, shared: bool) -> None:
-        if single or shared:
-            found.append(item)
-        else:
-            text = f"each trial has its own {words} ({item.std:.2g} N)"
-            notes.append(f"{text}: the repeatability holds it already")
 
-    if chains:
-        worst = max(chains, key=lambda chain: chain.cell.full_scale_N)
-        largest = worst.cell
-        if any(chain.cell != largest for chain in chains):
-            notes.append(f"several force cells were used: the chain is that of the largest, {largest.name}")
-        shared = chain_quantities(_mean(trial.measured_N for trial in trials), worst)
-        # What changes from one loading to the next shows in the scatter of the trials.
-        found += [item for item in shared if single or item.name != "cell's repeatability"]
-        tare_N = math.sqrt(_mean(chain.tare_std_N**2 for chain in chains))
-        one_tare = len({chain.tare_N for chain in chains}) == 1
-        add(Quantity("tare", "δ_0", "N", tare_N), "tare", shared=one_tare)
-        if not single and largest.repeatability:
-            limit_N = largest.repeatability * largest.full_scale_N
-            text = f"the cell's own repeatability (limit {limit_N:.2g} N) is part of that of the trials"
-            notes.append(text)
-    else:
-        text = "the recordings come in newtons without their chain: calibration and resolution are unknown"
-        notes.append(text)
+def _of_picks(trials: Sequence[TrialResult]) -> tuple[tuple[Quantity, str], ...]:
+    """Return the corrections of picked peaks, each with what to say where it is each trial's own."""
     bias_N = _mean(trial.breakaway.bias_N for trial in trials)
-    found.append(limit_of_error("bias of the smoothing", "δ_sm", "N", abs(bias_N)))
     picking_N = math.sqrt(_mean(trial.breakaway.peak_std_N**2 for trial in trials))
-    add(Quantity("picking", "δ_pick", "N", picking_N), "peak to pick", shared=False)
-    return found, notes
+    bias = limit_of_error("bias of the smoothing", "δ_sm", "N", abs(bias_N))
+    picking = Quantity("picking", "δ_pick", "N", picking_N)
+    return (bias, ""), (picking, _OWN.format("peak to pick", picking_N))
+
+
+def _of_chains(
+    chains: Sequence[Calibration], trials: Sequence[TrialResult]
+) -> tuple[list[tuple[Quantity, str]], list[str]]:
+    """Return the corrections of measuring chains, likewise, and a note where the cells differ."""
+    worst = max(chains, key=lambda chain: chain.cell.full_scale_N)
+    largest, notes = worst.cell, []
+    if any(chain.cell != largest for chain in chains):
+        notes.append(f"several force cells were used: the chain is that of the largest, {largest.name}")
+    limit_N = largest.repeatability * largest.full_scale_N
+    own = f"the cell's own repeatability (limit {limit_N:.2g} N) is part of that of the trials"
+    shared = chain_quantities(_mean(trial.measured_N for trial in trials), worst)
+    tare = Quantity("tare", "δ_0", "N", math.sqrt(_mean(chain.tare_std_N**2 for chain in chains)))
+    one_tare = len({chain.tare_N for chain in chains}) == 1
+    found = [(item, own if item.name == "cell's repeatability" else "") for item in shared]
+    return [*found, (tare, "" if one_tare else _OWN.format("tare", tare.std))], notes
 
 
 def _mean(values: Iterable[float]) -> float:
@@ -435,4 +437,6 @@ def state_lift(
     """Return the uncertainty of the lift force that a fit predicts for a wheel known only so well."""
     status = BudgetStatus.OK if fit.verdict_on(at).supported else BudgetStatus.FIT_NOT_TRUSTED
     model, notes = lift_model(fit, at, wheel_std, one_pull=one_pull), outside_words(fit.validity, at)
+    if one_pull and math.isfinite(fit.scatter.tail_dof):
+        notes += ("repeats have heavier tails than this budget assumes: use the interval of `predict`",)
     return state_uncertainty(model, status=status, notes=notes, **check)

@@ -6,7 +6,7 @@ verdict is made by rules (`_RULES`), each from one fact to the word that it call
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, NamedTuple
 
@@ -222,30 +222,31 @@ def _ranking(
     """Return all laws, those without a note weighed and first."""
     ranked = [name for name, note in notes.items() if not note]
     criteria = [standings[name].aicc for name in ranked]
-    # Weights say nothing of one law, nor of the constant ones where others went unjudged: a law that the data show to
-    # be a simpler one was judged, one without an answer, or with too few data, was not.
-    judged = len(fits) == len(notes) and all(
-        fit.status not in _NO_ANSWER and standings[name].aicc < math.inf for name, fit in fits.items()
-    )
-    told = len(ranked) > 1 and (judged or not set(ranked) <= set(ALWAYS))
-    weights = akaike_weights(criteria).tolist() if told else [math.nan] * len(ranked)
+    judged = len(fits) == len(notes) and all(map(_is_judged, fits.values(), standings.values()))
+    # Weights say nothing of one law, nor of the constant ones where others went unjudged.
+    weighed = len(ranked) > 1 and (judged or not set(ranked) <= set(ALWAYS))
+    weights = akaike_weights(criteria).tolist() if weighed else [math.nan] * len(ranked)
     weight_of, best = dict(zip(ranked, weights, strict=True)), min(criteria, default=math.nan)
-    entries = []
-    for name, note in notes.items():
-        known: dict[str, Any] = {}
-        if name in fits:
-            stands, fit = standings[name], fits[name]
-            known = {key: getattr(stands, key) for key in ("k", "chi2", "aicc", "bic")}
+
+    def entry(name: str, note: str) -> ComparisonEntry:
+        plain = ComparisonEntry(law=name, n=n, note=note, counted=not note, weight=weight_of.get(name, 0.0))
+        if name not in fits:
+            return plain
+        stands, fit = standings[name], fits[name]
+        return replace(
+            plain, k=stands.k, chi2=stands.chi2, aicc=stands.aicc, bic=stands.bic,
             # Two laws that follow the data exactly both stand at −inf, no distance apart.
-            known["delta_aicc"] = 0.0 if stands.aicc == best else stands.aicc - best
-            known |= {
-                "loco_error": math.nan if note else leave_one_out(stands),
-                "status": fit.status.value,
-                "fit": fit,
-            }
-        weight = weight_of.get(name, 0.0)
-        entries.append(ComparisonEntry(law=name, n=n, note=note, counted=not note, weight=weight, **known))
+            delta_aicc=0.0 if stands.aicc == best else stands.aicc - best,
+            loco_error=math.nan if note else leave_one_out(stands), status=fit.status.value, fit=fit,
+        )  # fmt: skip
+
+    entries = (entry(name, note) for name, note in notes.items())
     return tuple(sorted(entries, key=lambda e: (not e.counted, math.inf if math.isnan(e.aicc) else e.aicc)))
+
+
+def _is_judged(fit: FitResult, stands: Standing) -> bool:
+    """Return whether the data judged a law: also one that they show to be a simpler one."""
+    return fit.status not in _NO_ANSWER and stands.aicc < math.inf
 
 
 def _why_not(fit: FitResult) -> str:
@@ -291,27 +292,36 @@ def _notes(
     in_all = counted(len(means), "condition")
     ranked = {entry.law: entry for entry in ranking if entry.counted}
     unweighed = not ranked or math.isnan(ranking[0].weight)
-    rejected = [
-        f"an F-test rejects {test.simpler}: {test.fuller}, which is not ranked, fits better (p = {test.p_value:.2g})"
-        for test in sorted(tests, key=lambda test: test.p_value)
-        if test.simpler in ranked and test.fuller not in ranked and test.p_value < CHANCE
-    ]
-    rivals = [law for law, entry in ranked.items() if entry.delta_aicc <= RIVAL]
-    alike = [
-        law
-        for law, entry in ranked.items()
-        if entry.delta_aicc <= STRONG and _look_alike(law, ranking[0].law)
-    ]
+    rejected = _rejected(ranked, tests) if unweighed else ""
+    rivals = _close(ranked, RIVAL)
+    alike = [law for law in _close(ranked, STRONG) if _look_alike(law, ranking[0].law)]
     said = {
         f"AICc counts {in_all}, not repeats": True,
         "no condition was repeated, so every trial is a condition of its own": not means.repeated,
         "the load was set and the end tension measured, so the residuals are those of ln F_B": slack,
         f"{_ranked_on(ranked, in_all)}, so no law is weighed or chosen: measure more conditions": unweighed,
-        "".join(rejected[:1]): unweighed and rejected,
+        rejected: rejected,
         f"AICc within 2 of the best, so not distinguishable: {', '.join(rivals)}": len(rivals) > 1,
         f"{ranking[0].law} and {' and '.join(alike)} look alike: {_OFFSET_OR_WRAP}": alike,
     }
     return tuple(text for text, applies in said.items() if applies)
+
+
+def _close(ranked: Mapping[str, ComparisonEntry], limit: float) -> list[str]:
+    """Return the ranked laws whose AICc is above the best by no more than a limit."""
+    return [law for law, entry in ranked.items() if entry.delta_aicc <= limit]
+
+
+def _rejected(ranked: Container[str], tests: Iterable[FTest]) -> str:
+    """Return which ranked law a fuller one that is not ranked rejects most clearly; empty if none does."""
+    clear = [
+        one for one in tests if one.simpler in ranked and one.fuller not in ranked and one.p_value < CHANCE
+    ]
+    if not clear:
+        return ""
+    surest = min(clear, key=lambda test: test.p_value)
+    text = f"an F-test rejects {surest.simpler}: {surest.fuller}, which is not ranked, fits better"
+    return f"{text} (p = {surest.p_value:.2g})"
 
 
 # Laws with an offset and laws with a wrap effect need strong evidence to be told apart.
@@ -364,11 +374,9 @@ class Rivalry(NamedTuple):
         side = "below" if self.lead > 0.0 else "above"
         text = f"the AICc of {self.fuller} is {abs(self.lead):.1f} {side} that of {self.simpler}"
         text += "" if math.isnan(self.p_value) else f", the F-test gives p = {self.p_value:.2g}"
-        if not math.isnan(self.loco_ratio):
-            text += (
-                f", and its error at unseen conditions is {self.loco_ratio:.2f} times that of {self.simpler}"
-            )
-        return text
+        if math.isnan(self.loco_ratio):
+            return text
+        return f"{text}, and its error at unseen conditions is {self.loco_ratio:.2f} times that of {self.simpler}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -6,18 +6,18 @@ suffices.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize.elementwise import find_root
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.plain_text import rounded_tree
+from ropefric.fitting.intervals import Rising, rising_root
 from ropefric.fitting.predict import half_width, new_rope_std, outside_range
 from ropefric.fitting.problem import Rows
 from ropefric.fitting.result import FitResult
@@ -39,11 +39,6 @@ _FORCES = ("required_N", "lift_force_N", "lower_bound_N")
 _LEAST_WRAP_RAD = 1e-9
 _SCAN = 24
 _MEAN_LAW = "the mean law (--on-average, None in Python)"
-# Stands for ln F_A less the load where a law has no answer.
-_NO_ANSWER = -1e3
-
-Rising = Callable[[FloatArray, Rows], FloatArray]
-"""`f(x, rows)`: the values of the functions numbered `rows` at one x each; −inf where there is no answer."""
 
 
 class DesignStatus(IntEnum):
@@ -369,17 +364,6 @@ def design_chart(
         probability=probability,
         extrapolated=outside.reshape(shape),
     )
-
-
-def rising_root(function: Rising, low: FloatArray, high: FloatArray) -> FloatArray:
-    """Return the zeros of n functions that rise from below zero at `low` to zero or more at `high`."""
-
-    def finite(x: FloatArray, rows: Rows) -> FloatArray:
-        return np.maximum(function(x, rows), _NO_ANSWER)
-
-    found = find_root(finite, (low, high), args=(np.arange(low.size),))
-    # Where rounding leaves no change of sign, `low` is the zero already.
-    return np.where(np.isnan(found.x), low, found.x)
 
 
 def first_crossing(function: Rising, low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -200,11 +200,8 @@ class _Trends:
         # The trends that AICc chooses.
         self.best = min(self.aicc, key=lambda chosen: (self.aicc[chosen], chosen))
         first = ranked.best
-        self.law = (
-            first.fit
-            if first.counted and first.aicc < self.aicc[self.best] - _SAME_AICC and not slack
-            else None
-        )
+        leads = first.counted and first.aicc < self.aicc[self.best] - _SAME_AICC
+        self.law = first.fit if leads and not slack else None
 
     def matrix(self, chosen: Iterable[str]) -> FloatArray:
         """Return the columns of μ and of some trends, shape (K, 1 + number of trends)."""
@@ -419,16 +416,12 @@ def _limits(title: str, line: _Line, trends: _Trends) -> tuple[dict[str, float],
     low, high = sorted((low, high))
     numbers, fit = {"bound_low": low, "bound_high": high}, trends.law
     beside = f" beside {fit.law}" if fit is not None and fit.law != "constant" else ""
-    if title == "offset":
-        span = f"{_percent(low)} to {_percent(high)}"
-        return (
-            numbers,
-            f"an offset that changes F_A by {span}{beside} would not have been detected (95 % each)",
-        )
-    ends = " to ".join(f"{significant(float(end) * factor, 4):g}" for end in levels)
-    span = " ".join(filter(None, (name, ends, unit)))
-    text = f"a change of μ by {_percent(low)} to {_percent(high)} from {span}{beside} would not have been detected"
-    return numbers, f"{text} (95 % each)"
+    what = f"an offset that changes F_A by {_percent(low)} to {_percent(high)}"
+    if title != "offset":
+        ends = " to ".join(f"{significant(float(end) * factor, 4):g}" for end in levels)
+        span = " ".join(filter(None, (name, ends, unit)))
+        what = f"a change of μ by {_percent(low)} to {_percent(high)} from {span}"
+    return numbers, f"{what}{beside} would not have been detected (95 % each)"
 
 
 def _percent(share: float) -> str:
@@ -457,15 +450,10 @@ def _columns_of(name: str, words: Sequence[str]) -> tuple[FloatArray, str]:
     if len(levels) < 2:
         return none, f"all trials have one {name}"
     if name not in _NUMERIC:
-        return np.stack(
-            [np.array([word == level for word in words], float) for level in levels[1:]], axis=-1
-        ), ""
-    number = _numbers_of(name, words)
-    return (
-        (none, f"the column {name} has a value that is no number")
-        if number is None
-        else (number[:, None], "")
-    )
+        return (np.array(words)[:, None] == np.array(levels[1:])).astype(np.float64), ""
+    if (number := _numbers_of(name, words)) is None:
+        return none, f"the column {name} has a value that is no number"
+    return number[:, None], ""
 
 
 def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends) -> Cause:

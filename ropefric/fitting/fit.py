@@ -101,17 +101,8 @@ def _problem_of(table: TrialTable, law: FrictionLaw, settings: FitSettings) -> F
             raise InputError(text, code="RF402", key=name, fix="start inside the bounds, or widen them")
     if not law.admissible(start, conditions):
         law.log_lift(start, conditions)  # raises, and says why and what to do
-    return FitProblem(
-        law=law,
-        conditions=conditions,
-        log_lift=log_lift,
-        std=np.ones_like(log_lift),
-        group=table.group(),
-        start=start,
-        lower=lower,
-        upper=upper,
-        vary=np.array(vary),
-    )
+    plain = FitProblem.plain(law, conditions, log_lift, start=start)
+    return replace(plain, group=table.group(), lower=lower, upper=upper, vary=np.array(vary))
 
 
 # ---- stated errors, and who shares them ----

@@ -4,12 +4,14 @@ A profile asks how far a parameter, or a lift force, can go while the parameters
 at once: along a grid, further where needed, then to the root.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
-from math import inf, isfinite
+from math import inf
 from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize.elementwise import find_root
 from scipy.special import gammaincinv
 
 from ropefric.arrays import BoolArray, FloatArray
@@ -34,16 +36,20 @@ _GRID = np.array([0.25, 0.5, 0.75, 0.95, 1.05, 1.3])
 _DOUBLINGS = 40
 # A parameter without a bound that can grow this far has no limit.
 _ENDLESS = 1e8
-_ROUNDS = 60
 # Far below what is kept of an end, 1e-5 of a standard error, so that no path to it shows.
 _ROOT = 1e-10
-# Nearer to where a law ends, its answers are rounding.
-_EDGE = 1e-6
+# All digits that a float can settle.
+_FULL = 4.0 * float(np.finfo(np.float64).eps)
+# Stands for a value where a law has no answer.
+_NO_ANSWER = 1e3
 _END_NOTES: dict[EndKind, str] = {
     "bound": "the data set no {} limit before its bound {:.6g}; the interval is one-sided",
     "open": "the data set no {} limit at all",
     "edge": "the {} end {:.6g} is where the law stops having an answer",
 }
+
+Rising = Callable[[FloatArray, Rows], FloatArray]
+"""`f(x, rows)`: the values of the functions numbered `rows` at one x each; infinite where there is no answer."""
 
 INTERVALS = ("auto", "covariance", "profile")
 """Ways to the 95 % intervals of the parameters; "auto" is the covariance where χ² bears it out, else the profile."""
@@ -107,13 +113,9 @@ def profile_intervals(
             text = _END_NOTES[kind].format(("lower", "upper")[side], end)
             notes.append(f"{problem.law.parameter_names[j]}: {text}")
     if walk.lowest < -_LOWER_MINIMUM * max(chi2_min, 1e-300):
-        notes.append(
-            f"a lower minimum was met on the way (χ² {chi2_min + walk.lowest:.6g} < {chi2_min:.6g}): "
-            "fit again from more starts"
-        )
-    return ProfileResult(
-        theta=best, ci=ci, at_bound=at_bound, threshold=threshold, n_fits=walk.n_fits, notes=tuple(notes)
-    )
+        text = f"a lower minimum was met on the way (χ² {chi2_min + walk.lowest:.6g} < {chi2_min:.6g})"
+        notes.append(f"{text}: fit again from more starts")
+    return ProfileResult(best, ci, at_bound, threshold, walk.n_fits, tuple(notes))
 
 
 class _Walk:
@@ -134,8 +136,8 @@ class _Walk:
         self.room = np.where(np.isfinite(room), room, _ENDLESS * np.maximum(np.abs(at), 1.0))
         self.root = np.sqrt(threshold[self.parameter])
         self.near, self.far = np.zeros(at.size), np.where(self.root > 0.0, np.inf, 0.0)
-        # √Δχ² less √target, which is nearly straight; an infinite one where the law has no answer.
-        self.near_gap, self.far_gap = -self.root, np.where(self.root > 0.0, np.inf, 0.0)
+        # √Δχ² less √target at `far`, which is nearly straight; an infinite one where the law has no answer.
+        self.far_gap = np.where(self.root > 0.0, np.inf, 0.0)
         # How the others follow each parameter, column by column, and how far each would go on a parabola.
         J = problem.jacobian(best) * problem.vary
         length = np.linalg.norm(J, axis=0)
@@ -171,7 +173,7 @@ class _Walk:
         """Move one end of each bracket to a distance in it."""
         over = gap >= 0.0
         self.far[sides[over]], self.far_gap[sides[over]] = distance[over], gap[over]
-        self.near[sides[~over]], self.near_gap[sides[~over]] = distance[~over], gap[~over]
+        self.near[sides[~over]] = distance[~over]
 
     def bracket(self) -> None:
         """Walk a grid on both sides of every parameter, then further where nothing was crossed."""
@@ -194,28 +196,15 @@ class _Walk:
             self.place(sides, distance[sides], self.gaps(sides, distance[sides]))
 
     def refine(self) -> None:
-        """Close the brackets on the roots, by regula falsi."""
-        last = np.zeros(self.near.size)
-        for _ in range(_ROUNDS):
-            narrow = np.where(np.isinf(self.far_gap), _EDGE, _ROOT) * self.far
-            sides = np.flatnonzero(np.isfinite(self.far) & (self.far - self.near > narrow))
-            if not sides.size:
-                return
-            below, above = self.near_gap[sides], self.far_gap[sides]
-            with np.errstate(invalid="ignore"):
-                share = np.where(np.isfinite(above), -below / (above - below), 0.5)
-            near, width = self.near[sides], self.far[sides] - self.near[sides]
-            distance = near + np.clip(share, 1e-3, 1.0 - 1e-3) * width
-            gap = self.gaps(sides, distance)
-            self.place(sides, distance, gap)
-            # Illinois: an end that stays twice counts half, or the bracket would close from one side only.
-            side = np.where(gap >= 0.0, 1.0, -1.0)
-            twice = side == last[sides]
-            self.near_gap[sides[twice & (side > 0.0)]] *= 0.5
-            self.far_gap[sides[twice & (side < 0.0)]] *= 0.5
-            last[sides] = side
-            there = np.abs(gap) < _ROOT * self.root[sides]
-            self.near[sides[there]] = self.far[sides[there]] = distance[there]
+        """Close the brackets on the roots; where the law ends before one, on that edge."""
+        sides = np.flatnonzero(np.isfinite(self.far) & (self.far > self.near))
+        if sides.size:
+            self.near[sides] = rising_root(
+                lambda distance, rows: self.gaps(sides[rows], distance),
+                self.near[sides],
+                self.far[sides],
+                _ROOT,
+            )
 
     def ends(self) -> list[tuple[float, EndKind]]:
         """Return the end of every side, and what stops the interval there."""
@@ -226,17 +215,24 @@ class _Walk:
         return list(zip(np.where(endless, self.bound, ends).tolist(), kinds, strict=True))
 
 
+def rising_root(function: Rising, low: FloatArray, high: FloatArray, tolerance: float = _FULL) -> FloatArray:
+    """Return the zeros of n functions that rise from below zero at `low` to zero or more at `high`."""
+
+    def finite(x: FloatArray, rows: Rows) -> FloatArray:
+        return np.clip(function(x, rows), -_NO_ANSWER, _NO_ANSWER)
+
+    found = find_root(finite, (low, high), args=(np.arange(low.size),), tolerances={"xrtol": tolerance})
+    # Where rounding leaves no change of sign, `low` is the zero already.
+    return np.where(np.isnan(found.x), low, found.x)
+
+
 def with_intervals(fit: FitResult, method: str) -> FitResult:
     """Return a fit with `ci95` of its parameters found in another way; all else stays, standard errors too."""
     if method not in INTERVALS:
         text = f"unknown way to intervals {method!r}"
         raise UnknownNameError(text, key="intervals", fix=did_you_mean(str(method), INTERVALS))
-    weighted, on_bound = fit.weighted(), any(item.at_bound for item in fit.parameters)
-    if method == "auto":
-        told = all(isfinite(item.std) or item.at_bound for item in fit.parameters)
-        told = told and weighted is not None and fit.status is not FitStatus.NOT_CONVERGED
-        method = "profile" if told and (on_bound or not is_straight(fit)) else "covariance"
-    if method == "covariance":
+    on_bound = any(item.at_bound for item in fit.parameters)
+    if method == "covariance" or (method == "auto" and not _needs_profile(fit, on_bound=on_bound)):
         return fit
     found = profile_of(fit)
     parameters = tuple(
@@ -250,6 +246,12 @@ def with_intervals(fit: FitResult, method: str) -> FitResult:
         notes=(*fit.notes, "95 % intervals by profile", *notes),
         provenance=dict(fit.provenance) | {"intervals": {"method": method}},
     )
+
+
+def _needs_profile(fit: FitResult, *, on_bound: bool) -> bool:
+    """Return whether a fit that has errors lies on a bound, or in a valley that its covariance does not describe."""
+    known = fit.has_errors and fit.weighted() is not None and fit.status is not FitStatus.NOT_CONVERGED
+    return known and (on_bound or not is_straight(fit))
 
 
 def is_straight(fit: FitResult) -> bool:

@@ -203,22 +203,10 @@ def planned_fit(
     instrument_N: float | None = None,
 ) -> PlannedLaw:
     """Return a fitted law with the conditions it was fitted to, which the new tests add to."""
-    found, notes = fit.statistics, []
-    within = found.scatter_within if within is None else within
-    between = found.scatter_between if between is None else between
-    if not math.isfinite(within):
-        text = "the fit has no repeats, so it does not know the scatter of one trial"
-        raise InputError(text, key="scatter_within", fix='give it, such as --scatter-within "1.7 %"')
-    if not math.isfinite(between):
-        between = 0.0
-        notes.append("the fit does not know the scatter between conditions: none is assumed")
+    scatter, notes = _scatter_of(fit, within, between, instrument_N)
     if not fit.trials.get("n"):
         raise InputError("the fit does not list its conditions", key="fit", fix="fit the trials again")
     columns = {name: np.array(values, dtype=np.float64) for name, values in fit.trials.items()}
-    # New tests are pulled with the cell whose error moves the fit most.
-    size = np.where(fit.shown, np.sqrt(np.diag(fit.covariance)), np.inf)
-    moves = {item.name: float(np.linalg.norm(item.change / size)) for item in fit.common_errors}
-    cells = [name for name in moves if name.startswith("calibration")]
     held = [item.name for item in fit.parameters if item.vary and item.at_bound]
     if held:
         notes.append(f"{', '.join(held)} lies on a bound in the fit and is held there")
@@ -226,13 +214,37 @@ def planned_fit(
         law=fit.friction_law,
         theta=fit.theta,
         free=fit.shown,
-        scatter=MeanScatter(within=within, between=between, instrument_N=instrument_N or 0.0),
+        scatter=scatter,
         tested=Conditions(**{name: columns[name] for name in SETTINGS}),
         tested_repeats=columns["n"],
         common=fit.common_errors,
-        chain=max(cells, key=moves.__getitem__, default=_CHAIN),
+        chain=_chain_of(fit),
         notes=tuple(notes),
     )
+
+
+def _scatter_of(
+    fit: FitResult, within: float | None, between: float | None, instrument_N: float | None
+) -> tuple[MeanScatter, list[str]]:
+    """Return the scatter of means to plan with, by the fit where it is not given, and what was assumed."""
+    within = fit.statistics.scatter_within if within is None else within
+    between = fit.statistics.scatter_between if between is None else between
+    if not math.isfinite(within):
+        text = "the fit has no repeats, so it does not know the scatter of one trial"
+        raise InputError(text, key="scatter_within", fix='give it, such as --scatter-within "1.7 %"')
+    notes = []
+    if not math.isfinite(between):
+        between = 0.0
+        notes.append("the fit does not know the scatter between conditions: none is assumed")
+    return MeanScatter(within=within, between=between, instrument_N=instrument_N or 0.0), notes
+
+
+def _chain_of(fit: FitResult) -> str:
+    """Return the cell whose error moves the fit most: new tests are pulled with it."""
+    size = np.where(fit.shown, np.sqrt(np.diag(fit.covariance)), np.inf)
+    cells = [item for item in fit.common_errors if item.name.startswith("calibration")]
+    moves = {item.name: float(np.linalg.norm(item.change / size)) for item in cells}
+    return max(moves, key=moves.__getitem__, default=_CHAIN)
 
 
 def allowed_conditions(

@@ -9,13 +9,14 @@ and plots of one's own; ropefric itself fits without lmfit.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache
 from inspect import Parameter, Signature
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
-from scipy.special import ndtri, stdtrit
+from scipy.special import ndtr, ndtri, stdtrit
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
@@ -23,7 +24,7 @@ from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.intervals import is_curved, profile_lift
 from ropefric.fitting.problem import law_named
 from ropefric.fitting.result import FitResult, FitStatus, Verdict
-from ropefric.fitting.scatter import measured_level
+from ropefric.fitting.scatter import REPEAT, ScatterModel, measured_level
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw, LiftModel
 from ropefric.registry import did_you_mean
@@ -52,6 +53,8 @@ _LARGEST = math.log(np.finfo(np.float64).max)
 _ENDS_N = ("interval_N", "prediction_interval_N")
 # The profile of a prediction is made unasked only where it is quick.
 _PROFILED = 100
+# Shares of a variance for which heavy tails are tabulated, ln ½χ² of the mixture, and Newton's steps, which settle.
+_SHARES, _LOG_CHI2, _NEWTON = np.linspace(0.0, 1.0, 257), np.linspace(-18.0, 5.0, 231), 40
 # Fewer degrees of freedom than this are said.
 _FEW_DOF = 6.0
 # Nothing is left to estimate an interval from: what was not found could be anything.
@@ -148,6 +151,9 @@ class Prediction(Shown):
         The same for a rope that was measured, if one was asked for.
     trials : mapping of str to list
         The measured conditions of the fit, as in `FitResult.trials`; empty where the fit has none.
+    tail_dof : float
+        Degrees of freedom of the Student's t that repeats follow, and with them one pull; infinite where they are
+        normal.
     """
 
     _said = ("law", "lift_force_N ± std_N", *_ENDS_N, "level", "extrapolated", "verdict=judged.word")
@@ -173,6 +179,7 @@ class Prediction(Shown):
     of: str = "peak"
     this_rope: RopePrediction | None = None
     trials: Mapping[str, list[float]] = field(default_factory=dict)
+    tail_dof: float = math.inf
 
     def __len__(self) -> int:
         return len(self.conditions)
@@ -203,6 +210,9 @@ class Prediction(Shown):
     def notes(self, index: int = 0) -> tuple[str, ...]:
         """Return what to know about one condition before trusting its numbers; empty if nothing."""
         words = outside_words(self.validity, self.conditions, index)
+        if math.isfinite(self.tail_dof):
+            text = "repeats have heavier tails than normal scatter, so the interval of one pull follows Student's t"
+            words += (f"{text} with {self.tail_dof:.0f} degrees of freedom",)
         if 0.0 < self.dof[index] < _FEW_DOF:
             few = f"the interval rests on {self.dof[index]:.2g} degrees of freedom"
             return (*words, f"{few}: more ropes or conditions would narrow it most")
@@ -222,6 +232,7 @@ class Prediction(Shown):
             "verdict": self.verdict(i).to_dict(),
             "candidates": [item._asdict() for item in self.candidates],
         }
+        found |= {"tail_dof": self.tail_dof} if math.isfinite(self.tail_dof) else {}
         if (of := self.this_rope) is not None:
             found["this_rope"] = {"rope": of.rope} | dict(
                 zip(of._fields[1:], (x[i] for x in of[1:]), strict=True)
@@ -294,6 +305,7 @@ def predict(
             of=fit.of,
             this_rope=this,
             trials=fit.trials,
+            tail_dof=fit.scatter.tail_dof,
         )
 
 
@@ -324,12 +336,15 @@ def _of_rope(
     found = measured_level(layout, scatter, fit.theta, errors, of, spread.rows, spread.rise)
     # One pull with this rope: what is not the rope's comes new.
     new = spread.own * ((scatter.variance > 0.0) & (np.array(scatter.names) != "rope"))
-    stds, dofs = [], []
-    for own in (found.own, found.own + new):
+    stds, dofs, reach = [], [], []
+    for more in (np.zeros_like(new), new):
+        own = found.own + more
         variance = np.maximum(own @ scatter.variance + found.known, 0.0) + found.estimated
         stds.append(np.sqrt(np.where(has_interval(fit), variance, np.nan)))
         dofs.append(scatter.dof(none, own, found.known))
-    half, pull = (_quantiles(probability, dof) * std for std, dof in zip(stds, dofs, strict=True))
+        tails = _by_tails(scatter, probability, variance, more)
+        reach.append(_quantiles(probability, dofs[-1]) * stds[-1] * tails)
+    half, pull = reach
     at, signs = (log_lift + found.shift)[:, None], np.array([-1.0, 1.0])
     with np.errstate(over="ignore"):
         force_N = np.exp(at[:, 0])
@@ -378,8 +393,7 @@ def _with_rivals(
 
 def has_interval(fit: FitResult) -> bool:
     """Return whether the data leave anything to estimate an interval of the law from."""
-    seen = all(math.isfinite(item.std) or item.at_bound for item in fit.parameters)
-    return fit.statistics.interval_dof != 0.0 and fit.status not in _NOTHING_TOLD and seen
+    return fit.statistics.interval_dof != 0.0 and fit.status not in _NOTHING_TOLD and fit.has_errors
 
 
 class Spread(NamedTuple):
@@ -417,8 +431,41 @@ def _wide(fit: FitResult, spread: Spread, probability: float) -> FloatArray:
         return np.full_like(spread.law, np.nan)
     # A component below zero is one that the data do not show: a new rope brings nothing by it.
     own = spread.own * (scatter.variance > 0.0)
-    dof = scatter.dof(spread.rows, own, spread.known)
-    return np.asarray(_quantiles(probability, dof) * np.sqrt(spread.law + own @ scatter.variance))
+    dof, variance = scatter.dof(spread.rows, own, spread.known), spread.law + own @ scatter.variance
+    tails = _by_tails(scatter, probability, variance, own)
+    return np.asarray(_quantiles(probability, dof) * np.sqrt(variance) * tails)
+
+
+def _by_tails(scatter: ScatterModel, probability: float, variance: FloatArray, own: FloatArray) -> FloatArray:
+    """Return how many times further than normal scatter one pull reaches, shape (n,): 1 where repeats are normal.
+
+    Of the variances (n,) the part of one repeat follows Student's t, and the rest is normal.
+    """
+    if not (math.isfinite(scatter.tail_dof) and probability > 0.5):
+        return np.ones_like(variance)
+    by_repeat = np.array([name == REPEAT for name in scatter.names]) * scatter.variance
+    share = own @ by_repeat / np.maximum(variance, np.finfo(np.float64).tiny)
+    return np.interp(share, _SHARES, _reach_of_tails(scatter.tail_dof, probability))
+
+
+@cache
+def _reach_of_tails(dof: float, probability: float) -> FloatArray:
+    """Return the quantile over the normal's of a normal and a Student's t that has the part `_SHARES` of the variance.
+
+    A t is a normal of variance (ν − 2)/χ²_ν, so the sum is a mixture of normals, by the trapezoidal rule in ln χ².
+    Its distribution is concave above the median, so Newton's steps from there rise to the quantile.
+    """
+    half_chi2 = np.exp(_LOG_CHI2)
+    weights = np.exp(0.5 * dof * _LOG_CHI2 - half_chi2)
+    weights /= weights.sum()
+    share = _SHARES[:, None]
+    std = np.sqrt(1.0 - share + share * (0.5 * dof - 1.0) / half_chi2)
+    quantile = np.zeros(_SHARES.size)
+    for _ in range(_NEWTON):
+        z = quantile[:, None] / std
+        density = (np.exp(-0.5 * z**2) / std) @ weights / math.sqrt(2.0 * math.pi)
+        quantile += (probability - ndtr(z) @ weights) / density
+    return quantile / float(ndtri(probability))
 
 
 def _quantiles(probability: float, dof: FloatArray) -> FloatArray:
@@ -539,9 +586,8 @@ def friction_table(fit: FitResult, **levels: npt.ArrayLike | None) -> FrictionTa
         raise InputError(text, key="wrap_angle_rad", fix="begin above zero")
     good = law.answers(theta, at)
     if not good.any():
-        raise InputError(
-            f"{law.name} has no answer on this grid", key="wrap_angle_rad", fix=law.validity(theta, at)[0]
-        )
+        text, fix = f"{law.name} has no answer on this grid", law.validity(theta, at)[0]
+        raise InputError(text, key="wrap_angle_rad", fix=fix)
     rise, local = np.full((2, n), np.nan)
     part = at.select(good)
     rise[good] = law.log_lift(theta, part) - part.log_end_tension

@@ -78,10 +78,8 @@ def check_settings(settings: FitSettings, law: FrictionLaw) -> None:
                 fix = did_you_mean(str(name), law.parameter_names)
                 raise UnknownNameError(f"{law.name} has no parameter {name!r}", key=key, fix=fix)
             if key == "bounds" and np.shape(value) != (2,):
-                what = "(lower, upper)"
-                raise InputError(
-                    f"{name} is given as {value!r:.40}, not as {what}", key=key, fix=f"give {what}"
-                )
+                text = f"{name} is given as {value!r:.40}, not as (lower, upper)"
+                raise InputError(text, key=key, fix="give (lower, upper)")
             if key == "bounds" and not value[0] < value[1]:
                 text = f"the bounds of {name}, {value[0]:g} … {value[1]:g}, leave nothing between them"
                 fix = "give (lower, upper), or fix the parameter"
@@ -152,18 +150,23 @@ class FitProblem:
 
     def jacobian(self, theta: FloatArray) -> FloatArray:
         """Return the derivatives of the residuals by all p parameters, shape (n, p) or (m, n, p)."""
-        return self.whitened(self.law.jacobian(theta, self.conditions).swapaxes(-1, -2)).swapaxes(-1, -2)
+        return self._whitened_slopes(self.law.jacobian(theta, self.conditions))
 
     def residuals_and_jacobian(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return `residuals` and `jacobian`, the law evaluated once for both."""
         log_lift, slopes = self.law.log_lift_and_jacobian(theta, self.conditions)
-        return self.whitened(log_lift - self.log_lift), self.whitened(slopes.swapaxes(-1, -2)).swapaxes(
-            -1, -2
-        )
+        return self.whitened(log_lift - self.log_lift), self._whitened_slopes(slopes)
+
+    def _whitened_slopes(self, slopes: FloatArray) -> FloatArray:
+        return self.whitened(slopes.swapaxes(-1, -2)).swapaxes(-1, -2)
 
     def whitened(self, values: FloatArray) -> FloatArray:
         """Return values (…, n) in standard deviations, or as combinations of them that share no error."""
         return values / self.std if self.root is None else values @ self.root.T
+
+    def unwhitened(self, values: FloatArray) -> FloatArray:
+        """Return the values (n,) that `whitened` turns into these."""
+        return np.asarray(values * self.std if self.root is None else np.linalg.solve(self.root, values))
 
 
 class Reduced(NamedTuple):

@@ -7,7 +7,7 @@ import itertools
 import math
 import os
 from collections.abc import Container, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,7 +20,7 @@ from ropefric.errors import InputError, Problem, raise_problems
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.problem import FitProblem, batched_fit
 from ropefric.fitting.result import SPARE
-from ropefric.fitting.statistics import decomposed, group_means
+from ropefric.fitting.statistics import condition_means, decomposed
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
 from ropefric.friction.laws import LAWS
@@ -235,12 +235,8 @@ def listed(table: TrialTable) -> tuple[dict[str, FloatArray], IntArray]:
 
 def scatter_of_repeats(table: TrialTable) -> float:
     """Return the standard deviation of ln F_A between repeats; NaN where no condition has two forces."""
-    used, group = table.used, table.group()
-    rise = np.log(table.peak_N[used] / table.end_tension_N[used])
-    spare = rise.size - int(group.max(initial=-1)) - 1
-    return (
-        math.sqrt(float(((rise - group_means(rise, group)[group]) ** 2).sum()) / spare) if spare else math.nan
-    )
+    pulls = FitProblem.plain(LAWS["constant"], table.conditions(), table.log_lift())
+    return condition_means(replace(pulls, group=table.group())).scatter_within
 
 
 def _outlooks(columns: Sequence[FloatArray], group: IntArray, within: float) -> tuple[LawOutlook, ...]:

@@ -28,7 +28,7 @@ supported
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from math import inf, isfinite, nan
 from typing import Any, Literal, NamedTuple
 
@@ -273,6 +273,11 @@ class FitResult(Shown):
         changes = [item.change for item in self.common_errors]
         return np.array(changes, np.float64).reshape(-1, len(self.parameters)).T
 
+    @property
+    def has_errors(self) -> bool:
+        """Return whether every parameter has a finite standard error, or lies on its bound."""
+        return all(isfinite(item.std) or item.at_bound for item in self.parameters)
+
     def cells(self) -> tuple[Layout, FloatArray] | None:
         """Return how trials are put together, and how stated errors move the k means, shape (k, b).
 
@@ -281,14 +286,11 @@ class FitResult(Shown):
         if "condition" not in self.trials or not self.scatter.names:
             return None
         columns = {name: np.array(values, np.float64) for name, values in self.trials.items()}
-        k = columns["n"].size
+        k, at = columns["n"].size, Conditions(**{name: columns[name] for name in SETTINGS})
         rows = [(item.lower, item.upper, item.vary) for item in self.parameters]
         lower, upper, vary = (np.array(column) for column in zip(*rows, strict=True))
-        problem = FitProblem(
-            law=self.friction_law, conditions=Conditions(**{name: columns[name] for name in SETTINGS}),
-            log_lift=columns["mean_log_lift"], std=np.ones(k), group=np.arange(k), start=self.theta, lower=lower,
-            upper=upper, vary=vary,
-        )  # fmt: skip
+        plain = FitProblem.plain(self.friction_law, at, columns["mean_log_lift"], start=self.theta)
+        problem = replace(plain, lower=lower, upper=upper, vary=vary)
         groups = {name: columns[name].astype(np.int64) for name in self.scatter.groups}
         condition = columns["condition"].astype(np.int64)
         layout = Layout(
@@ -330,41 +332,41 @@ class FitResult(Shown):
         A parameter that the data do not show by itself, or only on its bound, takes nothing from a force inside what
         was tested, whose interval holds all that the parameters may be.
         """
-        doubts: list[Doubt] = []
         forgiven = self.status in _OF_PARAMETERS and asked is not None and self._inside(asked)
+        return (*self._of_status(forgiven=forgiven), *self._of_conditions())
+
+    def _of_status(self, *, forgiven: bool) -> Iterator[Doubt]:
+        """Yield the gravest finding; of a forgiven one only that the law misses an effect."""
         if self.status is not FitStatus.OK and not forgiven:
             word: Word = "undecided" if self.status in _ONLY_DOUBTED else "not judged"
-            doubts.append((word, self.advice[0] if self.advice else self.status.advice))
-        if forgiven and self.statistics.lack_of_fit_p < TREND_P:
-            doubts += [("undecided", text) for text in self.advice if LEAVES_OVER in text]
+            yield word, self.advice[0] if self.advice else self.status.advice
+        elif self.statistics.lack_of_fit_p < TREND_P:
+            yield from (("undecided", text) for text in self.advice if LEAVES_OVER in text)
+
+    def _of_conditions(self) -> Iterator[Doubt]:
+        """Yield that there are too few conditions to test the law, or to explain why they scatter more than repeats."""
         found, n, q = self.statistics, self.statistics.n_conditions, self.statistics.n - self.statistics.dof
         within, between, spare = found.scatter_within, found.scatter_between, n - q
         if spare < SPARE and self.status is not FitStatus.TOO_FEW_POINTS:
             text = f"{counted(n, 'condition')} cannot test {counted(q, 'fitted parameter')} of {self.law}"
-            doubts.append(("not judged", f"{text}: {q + SPARE} are needed"))
+            yield "not judged", f"{text}: {q + SPARE} are needed"
         elif spare < _MANY_SPARE and between > _SCATTER_RATIO * within > 0.0:
             F = 1.0 + found.n / n * (between / within) ** 2
             if float(fdtrc(spare, found.n - n, F)) < _LACK_OF_FIT_P:
-                text = (
-                    f"the conditions lie {between:.2%} off {self.law}, their repeats scatter by {within:.2%}: "
+                text = f"the conditions lie {between:.2%} off {self.law}, their repeats scatter by {within:.2%}: "
+                text += (
                     f"{n} conditions do not show whether that is a new rope each time or an effect it misses"
                 )
-                doubts.append(("undecided", text))
-        return tuple(doubts)
+                yield "undecided", text
 
     def _inside(self, asked: Conditions) -> bool:
         """Return whether conditions lie inside what was tested, and the errors of all parameters there are finite."""
-        told = all(isfinite(item.std) or item.at_bound for item in self.parameters)
         sized = bool(self.friction_law.effects & {"size", "bending-stiffness"})
-        matter = [name for name in SETTINGS if sized or not name.endswith("radius_m")]
-        ends = {name: self.validity.get(name, (-inf, inf)) for name in matter}
-        within = (
-            (
-                (getattr(asked, name) >= low * (1.0 - _NEAR)) & (getattr(asked, name) <= high * (1.0 + _NEAR))
-            ).all()
-            for name, (low, high) in ends.items()
-        )
-        return told and all(within)
+        for name in SETTINGS if sized else SETTINGS[2:]:
+            values, (low, high) = getattr(asked, name), self.validity.get(name, (-inf, inf))
+            if not ((values >= low * (1.0 - _NEAR)) & (values <= high * (1.0 + _NEAR))).all():
+                return False
+        return self.has_errors
 
     def untested(self, asked: Conditions | None = None) -> tuple[Doubt, ...]:
         """Return whether the law depends on a setting that is the same in all trials, but not in the request."""

@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import psi, zeta
+from scipy.special import chdtrc, gammaln, psi, zeta
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
@@ -33,7 +33,9 @@ _LEAST = 0.05
 # Uneven scatter: standard errors of its exponent (p = 0.001), cells with repeats, and range of ln F_A to see it in.
 _BEYOND_CHANCE, _LEAST_CELLS, _SAME_FORCE = 3.29, 4, 0.1
 # A pull off its repeats: degrees of freedom of the others, what is rounding, and its p-value.
-_LEAST_DOF, _SAME, _TAIL_P = 5, 1e-6, 1e-3
+_LEAST_DOF, _SAME, _FAR_P = 5, 1e-6, 1e-3
+# Student's t that repeats may follow, the heaviest with a variance that a sample can show, and the p-value of the test.
+_TAIL_DOFS, _TAIL_P = np.arange(3.0, 31.0), 0.05
 _ROUNDS, _HALVINGS, _LONGER = 100, 30, 4.0
 _SETTLED, _CLOSE = 1e-9, 1e-10
 # Smallest eigenvalue of the correlations between components: below, two of them cannot be separated.
@@ -77,6 +79,8 @@ class Layout(NamedTuple):
         Which groups they cannot show, and why.
     labels : mapping of str to tuple of str
         What the levels of each group are called.
+    tail_dof : float
+        Degrees of freedom of the Student's t that repeats follow; infinite where they are normal.
     """
 
     problem: FitProblem
@@ -89,6 +93,7 @@ class Layout(NamedTuple):
     notes: tuple[str, ...] = ()
     uneven: "Uneven" = EVEN
     labels: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+    tail_dof: float = np.inf
 
     @property
     def nested(self) -> bool:
@@ -140,18 +145,18 @@ def laid_out(problem: FitProblem, groups: Mapping[str, Sequence[str]]) -> Layout
     size, of_cell = means.size.astype(np.float64), np.asarray(np.bincount(cell, about**2), np.float64)
     uneven = _unevenness(means.log_lift, size, of_cell)
     if uneven.exponent:
-        squares2 = (of_cell.sum() / max(cell.size - k, 1)) * uneven.factor(
-            np.array([uneven.low, uneven.high])
-        )
-        low, high = (f"{100.0 * value**0.5:.2g} %" for value in squares2.tolist())
-        notes.append(
-            f"repeats scatter by about {low} at the lowest force and {high} at the highest, and are weighed so"
-        )
-    even = about / np.sqrt(uneven.factor(means.log_lift))[cell]
-    notes += _of_tails(even, 1.0 - 1.0 / size[cell], cell.size - k - 1, problem.conditions)
-    squares = float((of_cell / uneven.factor(means.log_lift)).sum())
+        ends = of_cell.sum() / max(cell.size - k, 1) * uneven.factor(np.array([uneven.low, uneven.high]))
+        low, high = (f"{100.0 * value**0.5:.2g} %" for value in ends.tolist())
+        text = f"repeats scatter by about {low} at the lowest force and {high} at the highest"
+        notes.append(f"{text}, and are weighed so")
+    factor, spare = uneven.factor(means.log_lift), cell.size - k
+    even, left, tail_dof = about / np.sqrt(factor)[cell], 1.0 - 1.0 / size[cell], np.inf
+    if spare > _LEAST_DOF and np.abs(even).max() > _SAME:
+        tail_dof, tails = _tails(even, left, spare)
+        notes += [*tails, *_far_pull(even, left, spare - 1, problem.conditions)]
+    squares = float((of_cell / factor).sum())
     return Layout(
-        on_means, cell, size, condition[first], squares, cell.size - k, own, tuple(notes), uneven, labels
+        on_means, cell, size, condition[first], squares, spare, own, tuple(notes), uneven, labels, tail_dof
     )
 
 
@@ -175,17 +180,35 @@ def _unevenness(log_lift: FloatArray, size: FloatArray, squares: FloatArray) -> 
     return Uneven(significant(exponent, 6), significant(centre, 6), *ends)
 
 
-def _of_tails(about: FloatArray, own: FloatArray, dof: int, at: Conditions) -> list[str]:
-    """Return that a pull lies further off its repeats than normal scatter allows, in words."""
-    if dof < _LEAST_DOF or np.abs(about).max(initial=0.0) < _SAME:
-        return []
-    worst, off, p_value = stats.furthest(about, own, dof)
+def _tails(about: FloatArray, own: FloatArray, spare: int) -> tuple[float, list[str]]:
+    """Return the degrees of freedom of the t that repeats follow where they are not normal, and that in words.
+
+    Deviations from the means of cells, of which the part `own` (n,) of the variance is left, are put to their own
+    variance. Student's t of the same variance is tested against the normal by its likelihood; normal scatter lies at
+    the end of its range, so that half of χ² with one degree of freedom counts (Self & Liang 1987, JASA 82:605).
+    """
+    z2 = about**2 * spare / (about @ about) / np.where(own > 0.0, own, 1.0)
+    nu = _TAIL_DOFS
+    constant = gammaln(0.5 * nu + 0.5) - gammaln(0.5 * nu) - 0.5 * np.log(0.5 * nu - 1.0)
+    gain = constant - 0.5 * (nu + 1.0) * np.log1p(z2[:, None] / (nu - 2.0)) + 0.5 * z2[:, None]
+    gains = own @ gain
+    best = int(np.argmax(gains))
+    p_value = 0.5 * float(chdtrc(1, 2.0 * max(gains[best], 0.0)))
     if p_value >= _TAIL_P:
+        return np.inf, []
+    text = f"repeats have heavier tails than normal scatter (p = {p_value:.1g}): one pull is taken to follow Student's t"
+    return float(nu[best]), [f"{text} with {nu[best]:.0f} degrees of freedom"]
+
+
+def _far_pull(about: FloatArray, own: FloatArray, dof: int, at: Conditions) -> list[str]:
+    """Return that a pull lies further off its repeats than normal scatter allows, in words."""
+    worst, off, p_value = stats.furthest(about, own, dof)
+    if p_value >= _FAR_P:
         return []
     radius_mm, wrap_deg = 1e3 * at.wheel_radius_m[worst], np.degrees(at.wrap_angle_rad[worst])
     where = f"R_w = {radius_mm:.4g} mm, wrap {wrap_deg:.4g} deg, F_B = {at.end_tension_N[worst]:.4g} N"
-    text = f"a pull at {where} lies {off:.1f} standard deviations off its repeats (p = {p_value:.1g}): tails are heavier"
-    return [f"{text} than normal. Look at its recording; the intervals count it as scatter"]
+    text = f"a pull at {where} lies {off:.1f} standard deviations off its repeats (p = {p_value:.1g})"
+    return [f"{text}. Look at its recording; the intervals count it as scatter"]
 
 
 def _hidden(level: IntArray, problem: FitProblem, shown: Mapping[str, IntArray]) -> str:
@@ -233,6 +256,8 @@ class ScatterModel:
         How the variances by condition and repeat, those at its centre, grow with the force.
     labels : mapping of str to tuple of str
         What the levels of each group are called.
+    tail_dof : float
+        Degrees of freedom of the Student's t that repeats follow; infinite where they are normal.
     """
 
     names: tuple[str, ...] = ()
@@ -242,6 +267,7 @@ class ScatterModel:
     slopes: FloatArray
     uneven: Uneven = EVEN
     labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    tail_dof: float = np.inf
 
     def std(self, name: str) -> float:
         """Return the standard deviation by a component, 0 where its variance is below zero; NaN if there is none."""
@@ -287,7 +313,8 @@ class ScatterModel:
         """Return a JSON tree."""
         names = ("names", "levels", "variance", "covariance", "slopes")
         tree = {name: getattr(self, name) for name in names} | {"uneven": self.uneven._asdict()}
-        return tree | ({"labels": dict(self.labels)} if self.labels else {})
+        tree |= {"labels": dict(self.labels)} if self.labels else {}
+        return tree | ({"tail_dof": self.tail_dof} if np.isfinite(self.tail_dof) else {})
 
     @classmethod
     def from_dict(cls, tree: Mapping[str, Any], p: int) -> "ScatterModel":
@@ -297,7 +324,8 @@ class ScatterModel:
         arrays = {name: np.array(tree[name], np.float64).reshape(shape) for name, shape in shapes.items()}
         words, levels = tuple(map(str, tree["names"])), tuple(map(int, tree["levels"]))
         labels = {name: tuple(map(str, of)) for name, of in tree.get("labels", {}).items()}
-        return cls(names=words, levels=levels, uneven=Uneven(**tree["uneven"]), labels=labels, **arrays)
+        uneven, tail_dof = Uneven(**tree["uneven"]), float(tree.get("tail_dof", np.inf))
+        return cls(names=words, levels=levels, uneven=uneven, labels=labels, tail_dof=tail_dof, **arrays)
 
 
 def nothing_known(p: int) -> ScatterModel:
@@ -347,7 +375,7 @@ def estimated(
     model = ScatterModel(
         names=tuple(parts), levels=tuple(counts[name] for name in parts), variance=variance * size2,
         covariance=inverse * size2**2, slopes=slopes, uneven=layout.uneven,
-        labels={name: words for name, words in layout.labels.items() if name in parts},
+        labels={name: words for name, words in layout.labels.items() if name in parts}, tail_dof=layout.tail_dof,
     )  # fmt: skip
     whitening = at.whitening / size2**0.5
     weight = {"std": 1.0 / whitening} if whitening.ndim == 1 else {"root": whitening}
@@ -400,11 +428,8 @@ def measured_level(  # noqa: PLR0917  (each is a part of the mixed model)
     name, level = of
     weighted, place = weighed(layout, model, theta, errors), model.names.index(name)
     values, J = weighted.law.log_lift_and_jacobian(theta, weighted.conditions)
-    X, slopes, there = (
-        J[:, weighted.vary],
-        slopes[:, weighted.vary],
-        values - weighted.conditions.log_end_tension,
-    )
+    X, slopes = J[:, weighted.vary], slopes[:, weighted.vary]
+    there = values - weighted.conditions.log_end_tension
     shared = np.outer(rise, there * (layout.groups[name] == level)) * (model.variance[place] > 0.0)
     size = max(float(model.variance[place]), 0.0)
     half, left = stats.decomposed(weighted.whitened(X.T).T).root()
@@ -525,9 +550,8 @@ def _sums(A: Sequence[FloatArray], left: FloatArray, e: FloatArray) -> tuple[Flo
     """Return tr(A_i A_j) − 2 tr(Uᵀ A_i A_j U), shape (m, m), and eᵀ A_i e − tr(A_i)."""
     if A[0].ndim == 1:
         rest = 1.0 - 2.0 * (left**2).sum(axis=1)
-        return np.array([[float(rest @ (a * b)) for a in A] for b in A]), [
-            float(a @ (e * e - 1.0)) for a in A
-        ]
+        trace = [[float(rest @ (a * b)) for a in A] for b in A]
+        return np.array(trace), [float(a @ (e * e - 1.0)) for a in A]
     trace = [[float((a * b).sum() - 2.0 * ((a @ left) * (b @ left)).sum()) for a in A] for b in A]
     return np.array(trace), [float(e @ a @ e - np.trace(a)) for a in A]
 

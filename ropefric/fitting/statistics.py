@@ -277,10 +277,7 @@ def _explained(
     explained = extra.T @ left
     more, dof = extra.shape[1], left.size - basis.shape[1] - extra.shape[1]
     rest = float(left @ left - explained @ explained)
-    fitted = extra @ explained
-    fitted = np.asarray(
-        fitted * weighted.std if weighted.root is None else np.linalg.solve(weighted.root, fitted)
-    )
+    fitted = weighted.unwhitened(extra @ explained)
     size = sqrt(float(np.mean(fitted**2))) if fitted.size else 0.0
     if not more or dof < 1 or not rest > 0.0 or size < _ROUNDING:
         return None
@@ -302,7 +299,7 @@ def _smooth(
     beside = kernel - basis @ (basis.T @ kernel)
     beside = beside - (beside @ basis) @ basis.T
     modes = np.linalg.eigh(0.5 * (beside + beside.T))[1][:, ::-1][:, : min(_MODES, dof // 2)]
-    columns = modes.T * weighted.std if weighted.root is None else np.linalg.solve(weighted.root, modes).T
+    columns = map(weighted.unwhitened, modes.T)
     found = _explained("settings together", weighted, [*columns], basis, left)
     return () if found is None else (found,)
 
@@ -355,7 +352,7 @@ class ConditionMeans:
     """One mean ln F_A for each condition: the independent evidence about a law.
 
     Repeats of a condition share whatever makes that condition differ from the law, so only their mean bears on
-    the law; their spread about the mean is the same for every law and tells how well the mean is known.
+    the law; their spread about the mean is the same for every law, and gives the error of that mean.
     """
 
     conditions: Conditions

@@ -206,10 +206,8 @@ def _fault(fit: FitResult) -> str:
     if fit.covariance.shape != (p, p) or names != tuple(item.name for item in fit.parameters):
         return f"it does not belong to the law {fit.law}, whose parameters are {', '.join(names)}"
     with np.errstate(all="ignore"):
-        found = next(
-            (text for wrong, text in (*_checks_of_numbers(fit), *_checks_of_words(fit)) if wrong), ""
-        )
-        return found or _fault_of_scatter(fit)
+        checks = (*_checks_of_numbers(fit), *_checks_of_words(fit))
+        return next((text for wrong, text in checks if wrong), "") or _fault_of_scatter(fit)
 
 
 def _fault_of_scatter(fit: FitResult) -> str:
@@ -219,7 +217,8 @@ def _fault_of_scatter(fit: FitResult) -> str:
     told = fit.trials.get("n", ()) if "condition" in fit.trials and model.names else ()
     names = ("condition", "n", "mean_log_lift", *SETTINGS, *model.groups) if told else ()
     arrays += tuple(np.array(fit.trials.get(name, (nan,)), np.float64) for name in names)
-    if not all(np.isfinite(array).all() for array in arrays) or (np.diag(model.covariance) < 0.0).any():
+    known = all(np.isfinite(array).all() for array in arrays) and model.tail_dof > 2.0
+    if not known or (np.diag(model.covariance) < 0.0).any():
         return text
     try:
         weighted = fit.weighted()
@@ -251,10 +250,8 @@ def _checks_of_parameter(fit: FitResult, item: FittedParameter) -> Iterator[tupl
     none = item.at_bound or (fit.statistics.interval_dof == 0.0 and isnan(low) and isnan(high))
     # An interval from the covariance lies about the estimate, one by profile need not; on a bound there is none.
     around = "intervals" in fit.provenance or low - slack <= value <= high + slack
-    yield (
-        not (none or (low <= high and around)),
-        f"the interval of {name} from {low:g} to {high:g} is none of {value:g}",
-    )
+    wrong = not (none or (low <= high and around))
+    yield wrong, f"the interval of {name} from {low:g} to {high:g} is none of {value:g}"
 
 
 def _checks_of_covariance(fit: FitResult, std: FloatArray) -> Iterator[tuple[bool, str]]:
@@ -355,6 +352,7 @@ def verify_fit(path: str | os.PathLike[str]) -> Verification:
 
 
 def _again(stored: FitResult, folder: Path) -> FitResult:
+    """Return the fit of the data that a stored one names; refuse data that are not those."""
     source: dict[str, Any] = dict(stored.provenance.get("input", {}))
     path, sha256 = source.get("path"), source.get("sha256")
     if "sha256" not in source:
@@ -369,23 +367,29 @@ def _again(stored: FitResult, folder: Path) -> FitResult:
         text = "the data file has changed since the fit was made"
         raise DataError(text, code="RF432", path=data, fix="fit again")
     try:
-        settings = {
-            key: value for key, value in dict(stored.provenance["settings"]).items() if key not in _GONE
-        }
-        if settings.get("groups") is not None:
-            settings["groups"] = tuple(settings["groups"])
-        for key in ("fixed", "start"):
-            settings[key] = {name: float(value) for name, value in settings[key].items()}
-        settings["bounds"] = {
-            name: (-inf if low is None else float(low), inf if high is None else float(high))
-            for name, (low, high) in settings["bounds"].items()
-        }
+        settings = _settings_of(stored)
         check_settings(FitSettings(**settings), stored.friction_law)
     except RopefricError:
         raise
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError):
         raise _damaged("provenance.settings") from None
     return fit_law(read_trial_table(data), stored.law, **settings)
+
+
+def _settings_of(stored: FitResult) -> dict[str, Any]:
+    """Return the settings of a stored fit as `fit_law` takes them, without those of earlier versions."""
+    settings = {key: value for key, value in stored.provenance["settings"].items() if key not in _GONE}
+    if settings.get("groups") is not None:
+        settings["groups"] = tuple(settings["groups"])
+    for key in ("fixed", "start"):
+        settings[key] = {name: float(value) for name, value in settings[key].items()}
+    bounds = {name: (_end(low, -inf), _end(high, inf)) for name, (low, high) in settings["bounds"].items()}
+    return settings | {"bounds": bounds}
+
+
+def _end(value: Any, gone: float) -> float:
+    """Return an end of bounds, which a file has as nothing where it is infinite."""
+    return gone if value is None else float(value)
 
 
 def _damaged(key: str) -> DataError:

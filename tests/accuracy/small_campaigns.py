@@ -6,7 +6,7 @@ data with one effect. `docs/accuracy.md` shows what is counted here: `python tes
 """
 
 from dataclasses import replace
-from math import log, log1p, nan, pi
+from math import log, log1p, nan, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +31,8 @@ EFFECTS = {"no effect": ("", "wrap_angle_rad", 8.0, 0.0),
            "wrap effect": ("wrap-dependence", "wrap_angle_rad", 8.0, -0.2),
            "size effect": ("size", "wheel_radius_m", 4.0, 0.25),
            "load dependence": ("end-tension", "end_tension_N", 12.0, -0.2)}  # fmt: skip
+# Repeats that follow Student's t with so many degrees of freedom.
+TAILS = "t3", "t5"
 # Campaigns of constant data, and of each effect, that the docs show at so many conditions.
 WRONG = {6: 50, 8: 50}
 FOUND = {6: 60, 8: 60, 12: 60, 20: 100, 36: 100}
@@ -78,6 +80,12 @@ class Design(NamedTuple):
         law, gain = LAWS[self.law], GAIN if self.special == "gain" else 0.0
         wrap_rad = SET_WRONG if self.special == "wrap by rig" else 0.0
         set_wrong = wrap_rad * rng.standard_normal() if wrap_rad else 0.0
+        heavy = int(self.special[1:]) if self.special in TAILS else 0
+
+        def repeats(n):
+            """Return the scatter of n repeats of variance one: normal, or Student's t."""
+            return rng.standard_t(heavy, n) * sqrt(1 - 2 / heavy) if heavy else rng.standard_normal(n)
+
         pulled = replace(at, wrap_angle_rad=at.wrap_angle_rad + set_wrong)
         log_lift = law.log_lift(self.theta, pulled)
         if judged:
@@ -93,14 +101,15 @@ class Design(NamedTuple):
         rope = np.arange(group.size) % 3
         of_rope = (ROPES * rng.standard_normal(3))[rope] * rise[group] if ropes else 0.0
         log_lift = (log_lift + self.between * size * rng.standard_normal(k))[group] + of_rope
-        log_lift = (
-            log_lift + WITHIN * size[group] * rng.standard_normal(group.size) + gain * rng.standard_normal()
-        )
+        log_lift = log_lift + WITHIN * size[group] * repeats(group.size) + gain * rng.standard_normal()
         log_lift[0] += OUTLIER if self.special == "outlier" else 0.0
         new = law.log_lift(self.theta, WHEEL)[0]
         there = np.exp(np.interp(new, ends, [log(0.3), log(1.8)])) if grown else 1.0
         more = ROPES * (new - WHEEL.log_end_tension[0]) * rng.standard_normal() if ropes else 0.0
-        new = new + more + there * np.hypot(self.between, WITHIN) * rng.standard_normal()
+        if heavy:
+            new = new + self.between * rng.standard_normal() + WITHIN * float(repeats(1)[0])
+        else:
+            new = new + more + there * np.hypot(self.between, WITHIN) * rng.standard_normal()
         pulls, force_N = at.select(group), np.exp(log_lift)
         columns = {name: getattr(pulls, name) for name in SETTINGS} | {"peak_N": force_N}
         columns["cell_std_N"] = gain * force_N if gain else np.full(group.size, nan)
@@ -115,14 +124,14 @@ DESIGNS = (Design("wrap-power", 12, 5), *(Design("wrap-power", k, 5) for k in (6
            *(Design("constant", k, 5) for k in (6, 12)), *(Design("coupled", k, 5) for k in (12, 36)),
            *(Design("wrap-power", 12, 5, special=one)
              for one in ("gain", "bound", "outlier", "uneven", "three ropes", "wrap by rig",
-                         "growing scatter")))  # fmt: skip
+                         "growing scatter", "t3", "t5")))  # fmt: skip
 # Of constant data on several wheels, by conditions, repeats and scatter between conditions.
 JUDGED = {(k, n, between): Design("constant", k, n, between, "no effect") for k in (6, 8, 12, 20, 36)
           for n in (1, 3, 5, 12) for between in (0.0, WITHIN)}  # fmt: skip
 
 
-def coverage(design, n):
-    """Return in which share of campaigns the printed intervals hold the truth: of the mean law, and of one pull.
+def coverage(design, n, level=0.95):
+    """Return in which share of campaigns the intervals of a level hold the truth: of the mean law, and of one pull.
 
     Beside them the median half width of the mean's interval and degrees of freedom, and how often it is supported.
     """
@@ -131,7 +140,7 @@ def coverage(design, n):
     for seed in range(n):
         table, new = design.table(seed)
         fit = fit_law(table, design.law, shared=shared)
-        found = predict(fit, WHEEL)
+        found = predict(fit, WHEEL, level=level)
         ends = np.log([found.interval_N[0], found.prediction_interval_N[0]])
         held.append([low - 1e-12 <= truth <= high + 1e-12
                      for (low, high), truth in zip(ends, (mean, new), strict=True)]

@@ -52,6 +52,17 @@ def test_printed_intervals_hold_the_mean_and_a_pull_in_93_to_97_of_100():
             assert 0.93 - room < found[name] < 0.97 + room, (design.name, name)
 
 
+@pytest.mark.hours
+@pytest.mark.parametrize("special", ["", "t3", "t5", "outlier"])
+def test_intervals_hold_a_pull_of_heavy_tailed_scatter(special):
+    """Of 400 campaigns: 93 to 97.5 % at 95 %, 97.5 to 99.7 % at 99 %, and two standard errors of a share."""
+    for level, low, high in ((0.95, 0.93, 0.975), (0.99, 0.975, 0.997)):
+        room = 2 * np.sqrt(level * (1 - level) / 400)
+        found = coverage(Design("constant", 20, 5, special=special), 400, level)
+        assert low - room < found["pull"] < high + room, level
+        assert abs(found["mean"] - level) < 0.01 + room, level
+
+
 def test_printed_intervals_hold_the_mean_and_a_pull_quick():
     """Of 25 campaigns each: at 95 % 20 and fewer are seen once in 140 times."""
     for special in ("", "three ropes", "growing scatter"):

@@ -42,13 +42,13 @@ def constant_problem(wrap, rise, condition):
     return replace(plain, group=np.asarray(condition))
 
 
-def settled(problem, groups=None, theta=(0.2,), errors=None):
+def settled(problem, groups=None, theta=(0.2,), errors=None, tolerance=1e-9):
     """The estimate at its own minimum."""
     layout, at = laid_out(problem, groups or {}), np.array(theta)
     for _ in range(20):
         before, found = at, estimated(layout, at, problem.vary, errors)
         at = batched_fit(found.weighted, starts=at, tolerance=1e-12).theta[0]
-        if np.abs(at - before).max() < 1e-9:
+        if np.abs(at - before).max() < tolerance:
             break
     return at, found
 
@@ -163,12 +163,12 @@ def test_ropes_crossed_with_conditions_are_the_analysis_of_variance():
     pytest.param((1, 1, 1, 1, 1, 1), 0.02, marks=pytest.mark.slow), ((1, 9, 2, 7, 1, 5), 0.02)])  # fmt: skip
 def test_intervals_hold_the_truth_in_95_of_100(sizes, between):
     """A simulation that shares no code with the estimate but the estimate itself."""
-    rng, n, inside = np.random.default_rng(11), 200, 0
+    rng, n, inside = np.random.default_rng(11), 120, 0
     group = np.repeat(np.arange(6), sizes)
     for _ in range(n):
         rise = 0.2 * WRAPS[group] + between * rng.normal(size=6)[group] + 0.02 * rng.normal(size=group.size)
         problem = constant_problem(WRAPS[group], rise, group)
-        theta, found = settled(problem)
+        theta, found = settled(problem, tolerance=1e-5)
         reach = stats.t.ppf(0.975, found.model.dof(np.eye(1))[0]) * math.sqrt(found.covariance[0, 0])
         inside += abs(theta[0] - 0.2) <= reach
     # Binomial: four standard deviations, and one per cent for Satterthwaite where the repeats are uneven.
@@ -185,32 +185,44 @@ def roped(rng, spread=0.04, repeats=3, *, named=True):
     return table_at(at, np.log(at.end_tension_N) + mu * at.wrap_angle_rad + noise, labels=labels)
 
 
-def test_three_ropes_count_as_three():
-    rng, held, pulls, n = np.random.default_rng(4), 0, 0, 30
+@pytest.fixture(scope="module")
+def rope_fits():
+    """A fit of three ropes that are named, and one of the same trials without their names."""
+    return [fit_law(roped(np.random.default_rng(1), named=named), "constant") for named in (True, False)]
+
+
+def test_three_ropes_count_as_three_and_each_is_known_better_than_a_new_one(rope_fits):
+    rng, held, n = np.random.default_rng(5), np.zeros(4), 30
     for _ in range(n):
-        fit = fit_law(roped(rng), "constant", n_starts=1)
-        held += fit["mu"].ci95[0] <= 0.2 <= fit["mu"].ci95[1]
-        low, high = np.log(predict(fit, wheel(6.0)).prediction_interval_N[0])
-        new = math.log(20) + 1.2 * (1 + 0.04 * rng.normal()) + 0.01 * rng.normal() + 0.01 * rng.normal()
-        pulls += low <= new <= high
-    # Of 30: at 95 % 24 and fewer once in 150 times. Not naming the ropes holds it in 61 % only.
-    assert min(held, pulls) > 24
+        trials = roped(rng)
+        fit = fit_law(trials, "constant", n_starts=1)
+        found = predict(fit, wheel(6.0), rope="r0")
+        this, noise = found.this_rope, 0.01 * math.sqrt(2.0) * rng.normal(size=2)
+        # The rope's own μ, from its trials without noise as `roped` draws them.
+        of = np.array(trials.labels["rope_id"]) == "r0"
+        rise, wrap = np.log(trials.peak_N / trials.end_tension_N)[of], trials.wrap_angle_rad[of]
+        own = 6.0 * float(rise @ wrap / (wrap @ wrap))
+        truths = 1.2, 1.2 * (1 + 0.04 * rng.normal()) + noise[0], own, own + noise[1]
+        ends = found.interval_N, found.prediction_interval_N, this.interval_N, this.prediction_interval_N
+        lows, highs = np.log(np.array(ends)[:, 0].T / 20.0)
+        held += (lows <= truths) & (truths <= highs)
+        # As wide where these ropes happen not to differ.
+        assert np.ptp(this.interval_N) < 1.001 * np.ptp(found.rope_interval_N)
+    # Of 30: at 95 % 24 and fewer once in 150 times. Not naming the ropes holds the mean in 61 % only.
+    assert held.min() > 24
     assert 1.5 < fit.statistics.interval_dof < 3.5
     assert "3 ropes" in fit.notes[0]
-    plain = fit_law(roped(np.random.default_rng(1), named=False), "constant")
-    assert plain["mu"].std < 0.3 * fit_law(roped(np.random.default_rng(1)), "constant")["mu"].std
+    named, plain = rope_fits
+    assert plain["mu"].std < 0.3 * named["mu"].std
 
 
-def test_the_mean_of_a_new_rope_lies_between_the_law_and_one_pull():
-    found = predict(fit_law(roped(np.random.default_rng(2)), "constant"), wheel(6.0))
-    mean, rope, pull = (np.ptp(np.log(ends[0])) for ends in
-        (found.interval_N, found.rope_interval_N, found.prediction_interval_N))  # fmt: skip
+def test_the_mean_of_a_new_rope_lies_between_the_law_and_one_pull(rope_fits):
+    found, plain = (predict(fit, wheel(6.0)) for fit in rope_fits)
+    ends = found.interval_N, found.rope_interval_N, found.prediction_interval_N
+    mean, rope, pull = (np.ptp(np.log(one[0])) for one in ends)
     assert mean < rope <= pull
     assert any("degrees of freedom" in note for note in found.notes())
-    assert (
-        predict(fit_law(roped(np.random.default_rng(2), named=False), "constant"), wheel(6.0)).rope_interval_N
-        is None
-    )
+    assert plain.rope_interval_N is None
 
 
 def test_a_measured_rope_is_predicted_as_theory_says_for_a_balanced_design():
@@ -235,32 +247,12 @@ def test_a_measured_rope_is_predicted_as_theory_says_for_a_balanced_design():
     assert found.std_N[0] / found.lift_force_N[0] == pytest.approx(5.0 * math.sqrt(variance), rel=1e-3)
 
 
-def test_a_measured_rope_is_known_better_than_a_new_one_and_truly():
-    rng, held, pulls, n = np.random.default_rng(5), 0, 0, 30
-    for _ in range(n):
-        trials = roped(rng)
-        found = predict(fit_law(trials, "constant", n_starts=1), wheel(6.0), rope="r0")
-        this, end = found.this_rope, math.log(20.0)
-        # The rope's own μ, from its trials without noise as `roped` draws them.
-        of = np.array(trials.labels["rope_id"]) == "r0"
-        rise = np.log(trials.peak_N / trials.end_tension_N)[of]
-        truth = 6.0 * float(
-            rise @ trials.wrap_angle_rad[of] / (trials.wrap_angle_rad[of] @ trials.wrap_angle_rad[of])
-        )
-        low, high = np.log(this.interval_N[0]) - end
-        held += low <= truth <= high
-        low, high = np.log(this.prediction_interval_N[0]) - end
-        pulls += low <= truth + 0.01 * math.sqrt(2.0) * rng.normal() <= high
-        assert np.ptp(this.interval_N) < np.ptp(found.rope_interval_N)
-    assert min(held, pulls) > 24
-
-
-def test_a_rope_that_nobody_pulled_is_refused():
-    fit = fit_law(roped(np.random.default_rng(2)), "constant")
+def test_a_rope_that_nobody_pulled_is_refused(rope_fits):
+    named, plain = rope_fits
     with pytest.raises(UnknownNameError, match="no trial of the fit was made with the rope 'r7'"):
-        predict(fit, wheel(), rope="r7")
+        predict(named, wheel(), rope="r7")
     with pytest.raises(InputError, match="has no component of scatter by rope"):
-        predict(fit_law(roped(np.random.default_rng(2), named=False), "constant"), wheel(), rope="r1")
+        predict(plain, wheel(), rope="r1")
 
 
 def test_a_group_that_goes_with_something_else_is_said_and_not_counted():
@@ -282,6 +274,58 @@ def test_a_pull_far_off_its_repeats_is_said():
     rise[7] += 0.15
     (note,) = (note for note in fit_law(table(rise, 5), "constant").notes if "off its repeats" in note)
     assert f"wrap {np.degrees(WRAPS[1]):.4g} deg, F_B = 20 N" in note
+
+
+def test_heavy_tails_are_said_and_reach_the_interval_of_one_pull():
+    """Expected quantiles of a t3 with ten pulls a condition, about a mean known by them, against draws."""
+    t3 = stats.t.ppf((np.arange(60) + 0.5) / 60, 3)
+    rise = 0.2 * np.repeat(WRAPS, 10) + 0.02 * np.random.default_rng(2).permutation(t3)
+    trials = table(rise, 10)
+    fit = fit_law(trials, "constant")
+    nu = int(fit.scatter.tail_dof)
+    assert 3 <= nu <= 5
+    assert f"one pull is taken to follow Student's t with {nu} degrees of freedom" in " ".join(fit.notes)
+    found = predict(fit, wheel(), level=0.999)
+    assert found.to_dict()["tail_dof"] == nu
+    assert "heavier tails than normal scatter" in " ".join(found.notes())
+    rng, model, n = np.random.default_rng(1), fit.scatter, 1_000_000
+    of = dict(zip(model.names, np.maximum(model.variance, 0.0), strict=True))
+    normal = math.hypot(5.0 * fit["mu"].std, math.sqrt(of["condition"]))
+    drawn = normal * rng.standard_normal(n) + math.sqrt(of["repeat"] * (1 - 2 / nu)) * rng.standard_t(nu, n)
+    (dof,) = model.dof(np.array([[5.0]]), model.one_pull(np.zeros(1), np.zeros(1)) * (model.variance > 0.0))
+    half = np.quantile(np.abs(drawn), 0.999) * stats.t.ppf(0.9995, dof) / stats.norm.ppf(0.9995)
+    assert 0.5 * np.ptp(np.log(found.prediction_interval_N)) == pytest.approx(half, rel=0.03)
+    normal_fit = fit_law(
+        table(0.2 * np.repeat(WRAPS, 10) + 0.035 * stats.norm.ppf(stats.t.cdf(t3, 3)), 10), "constant"
+    )
+    mean = normal_fit["mu"].std / fit["mu"].std
+    assert np.ptp(found.interval_N) * mean == pytest.approx(
+        np.ptp(predict(normal_fit, wheel(), level=0.999).interval_N), rel=0.05
+    )
+    again = FitResult.from_dict(fit.to_dict())
+    assert predict(again, wheel(), level=0.999).to_dict() == found.to_dict()
+
+
+@pytest.mark.parametrize(("repeats", "size"), [(5, 0.02), (1, 0.02), (2, 0.0)])
+def test_normal_scatter_and_too_little_of_it_say_nothing_of_tails(repeats, size):
+    rise = 0.2 * np.repeat(WRAPS, repeats) + size * np.random.default_rng(4).normal(size=6 * repeats)
+    fit = fit_law(table(rise, repeats), "constant")
+    assert not any("tails" in text for text in (*fit.notes, *predict(fit, wheel()).notes()))
+    assert "tail_dof" not in predict(fit, wheel()).to_dict()
+    assert "tail_dof" not in fit.to_dict()["scatter"]
+
+
+def test_normal_scatter_is_rarely_taken_for_heavy_tails():
+    """Of 300 sets of 60 pulls, at a test of 5 % at most: 24 and more once in 100 times."""
+    rng = np.random.default_rng(9)
+    found = (
+        laid_out(
+            constant_problem(np.repeat(WRAPS, 10), 0.02 * rng.normal(size=60), np.repeat(np.arange(6), 10)),
+            {},
+        )
+        for _ in range(300)
+    )
+    assert sum(math.isfinite(layout.tail_dof) for layout in found) < 24
 
 
 def test_a_fit_with_ropes_predicts_the_same_from_its_file():

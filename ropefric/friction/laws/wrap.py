@@ -28,9 +28,9 @@ from ropefric.friction.laws.uniform import (
 _TINY_RAD = 1e-90
 
 
-def exponent_parameter(name: str) -> Parameter:
+def exponent_parameter(name: str, start: float = -0.4) -> Parameter:
     """Return the exponent of φ as a parameter; its bounds stay clear of −1, where ∫ φ^k from 0 diverges."""
-    return Parameter(name, "-", -0.4, -0.999, 0.0, "exponent of the wrap angle in rad")
+    return Parameter(name, "-", start, -0.999, 0.0, "exponent of the wrap angle in rad")
 
 
 def plateau_parameter(name: str, *, lower: float = 0.0) -> Parameter:
@@ -225,7 +225,7 @@ WRAP_AVERAGE = FrictionLaw(
     source="eq. (2) with an average coefficient that is a power of the wrap",
     parameters=(
         Parameter("a", "-", 0.2, 0.0, 5.0, "average coefficient over a wrap of 1 rad"),
-        Parameter("b", "-", -0.2, -0.999, 0.0, "exponent of the wrap angle in rad"),
+        exponent_parameter("b", start=-0.2),
     ),
     coefficient="average",
     effects=frozenset({"wrap-dependence"}),

@@ -116,8 +116,8 @@ def with_wrap_effect(seed, between=0.0, offset=0.0):
 def test_a_wrap_effect_and_an_offset_are_each_found_where_the_design_separates_them():
     """Before both had as many parameters, the offset won against every wrap effect."""
     for offset, law in ((0.0, "wrap-average"), (0.06, "constant-offset")):
-        found = [compare_laws(with_wrap_effect(seed, offset=offset), ()).best.law for seed in range(12)]
-        assert found.count(law) >= 11, found
+        found = [compare_laws(with_wrap_effect(seed, offset=offset), ()).best.law for seed in range(8)]
+        assert found.count(law) >= 7, found
 
 
 def test_a_wrap_effect_and_an_offset_that_look_alike_are_named_with_the_pull_that_tells():

@@ -96,13 +96,12 @@ def one_wheel():
 
 
 @pytest.fixture(scope="module")
-def compared(one_wheel):
-    return compare_laws(one_wheel)
-
-
-def test_laws_that_answer_differently_show_their_spread(one_wheel, tmp_path, capfd):
+def answer(one_wheel):
     design = DesignWheel.model_construct(wheel_radius_m=0.12, wrap_angle_rad=7.0, end_tension_N=40.0)
-    answer = answer_trials(one_wheel, design=design)
+    return answer_trials(one_wheel, design=design)
+
+
+def test_laws_that_answer_differently_show_their_spread(answer):
     found = answer.prediction
     assert answer.verdict.word == "undecided"
     assert "which answers differently for this wheel" in answer.verdict.reason
@@ -121,9 +120,9 @@ def test_laws_that_answer_differently_show_their_spread(one_wheel, tmp_path, cap
     assert tree["prediction"]["spread_N"] == pytest.approx([low, high], rel=1e-8)  # written with nine digits
 
 
-def test_laws_that_answer_alike_are_no_contradiction(compared):
+def test_laws_that_answer_alike_are_no_contradiction(answer):
     near = one_condition(0.04, 0.005, 6.0, 40.0)
-    choice = choose_law(compared, "", near)
+    choice = choose_law(answer.comparison, "", near)
     found = choice.of(predict(choice.fit, near))
     assert choice.rivals
     assert choice.verdict.word == "supported"
@@ -162,8 +161,8 @@ def test_what_a_law_says_of_a_setting_that_all_trials_have_alike_is_not_supporte
     assert choose_law(compare_laws(varied, ["howell"]), "howell").verdict.supported
 
 
-def test_a_law_asked_for_against_the_data_is_not_supported(compared):
-    choice = choose_law(compared, "constant")
+def test_a_law_asked_for_against_the_data_is_not_supported(answer):
+    choice = choose_law(answer.comparison, "constant")
     assert choice.verdict.word != "supported"
     assert "constant was asked for" in choice.verdict.reason
 

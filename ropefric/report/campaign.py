@@ -300,7 +300,9 @@ def _noted_section(extraction: result.Extraction) -> Iterator[Section]:
                 kinds.setdefault(_NUMBER.sub("", note.partition(" (")[0]), []).append((trial.trial, note))
     rows = [(str(len(alike)), *alike[0]) for alike in sorted(kinds.values(), key=len, reverse=True)]
     if rows:
-        yield Section("Notes on the recordings", headings=("trials", "first ", "its note "), rows=rows, left=0)
+        yield Section(
+            "Notes on the recordings", headings=("trials", "first ", "its note "), rows=rows, left=0
+        )
 
 
 def _gone_section(

@@ -145,7 +145,9 @@ def prediction_section(prediction: Prediction) -> Section:
     if not math.isnan(float(wide[0])):
         lines.append(f"{level} prediction interval of one pull with a new rope: {ends(wide, std_N)} N")
     if prediction.rope_interval_N is not None:
-        lines.append(f"{level} interval of the mean of one new rope: {_span(prediction.rope_interval_N[0], std_N)}")
+        lines.append(
+            f"{level} interval of the mean of one new rope: {_span(prediction.rope_interval_N[0], std_N)}"
+        )
     verdict = prediction.verdict()
     lines.append(f"{verdict.word}: {verdict.reason}")
     notes = [note for note in prediction.notes() if note not in verdict.reasons]

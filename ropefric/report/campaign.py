@@ -167,27 +167,32 @@ def _report(subject: Subject, pictures: Pictures) -> Report:
     of_trials.sort(key=lambda alert: alert.grade)
     if not pictures:
         of_trials.append(Alert("note", "No figures", "`ropefric report` adds the figures."))
-    hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
     front = page.front_blocks(subject, of_answer, of_trials, pictures.get("front", ()))
     blocks: dict[str, Iterable[Block]] = {"result": front}
     if not subject.wish.short:
-        blocks |= {
-            "warnings": [of_trials] if of_trials else [],
-            "trials": _trial_sections(run, evidence) if run else (),
-            "recordings": pictures.get("recordings", ()),
-            "friction": [*_causes(answer.diagnosis), *pictures.get("friction", ())],
-            "law": [
-                *pictures.get("law", ()),
-                Fold("The laws compared", parts.comparison_section(answer.comparison)),
-                *parts.notes_sections(answer.fit),
-            ],
-            "uncertainty": _uncertainty(evidence, pictures),
-            "design": [*pictures.get("design", ()), *([hand] if evidence.hand else [])],
-            "next": [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)] if evidence.plan else (),
-            "provenance": _provenance(subject.provenance, 2 if run else 1),
-        }
+        blocks |= {"warnings": [of_trials] if of_trials else []} | _annex(subject, pictures)
     chapters = (Chapter(key, _CHAPTERS[key], tuple(own)) for key, own in blocks.items())
     return Report(subject.title, f"{subject.tally}.", tuple(one for one in chapters if one.blocks))
+
+
+def _annex(subject: Subject, pictures: Pictures) -> dict[str, Iterable[Block]]:
+    """Return the blocks of each chapter behind the remarks."""
+    answer, evidence, run = subject.answer, subject.evidence, subject.run
+    hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
+    return {
+        "trials": _trial_sections(run, evidence) if run else (),
+        "recordings": pictures.get("recordings", ()),
+        "friction": [*_causes(answer.diagnosis), *pictures.get("friction", ())],
+        "law": [
+            *pictures.get("law", ()),
+            Fold("The laws compared", parts.comparison_section(answer.comparison)),
+            *parts.notes_sections(answer.fit),
+        ],
+        "uncertainty": _uncertainty(evidence, pictures),
+        "design": [*pictures.get("design", ()), *([hand] if evidence.hand else [])],
+        "next": [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)] if evidence.plan else (),
+        "provenance": _provenance(subject.provenance, 2 if run else 1),
+    }
 
 
 def _uncertainty(evidence: Evidence, pictures: Pictures) -> Iterator[Block]:

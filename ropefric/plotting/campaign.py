@@ -401,7 +401,7 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
 
 
 def _draw_cell(axes: Axes, trial: TrialResult, row: int, column: int) -> tuple[FloatArray, FloatArray]:
-    """Write name and numbers of a recording into its cell; return its curve and its pick, shapes (n, 2) and (0 or 1, 2)."""
+    """Write name and numbers of a recording into its cell; return its curve (n, 2) and its pick (0 or 1, 2)."""
     usable = trial.outcome != "without a force"
     head = f"{trial.measured_N:.4g} N" if usable else str(trial.breakaway.status)
     ink = _FATES[trial.outcome]["color"] if trial.outcome != "kept" else style.INK
@@ -413,7 +413,8 @@ def _draw_cell(axes: Axes, trial: TrialResult, row: int, column: int) -> tuple[F
     for x, y, text, ha in numbers:
         axes.text(column + x, row + y, text, ha=ha, color=style.GREY, fontsize=5.5)
     picks = np.array([pick] if usable and pick is not None else []).reshape(-1, 2)
-    return curve + (column, row), picks + (column, row)
+    corner = np.array([column, row])
+    return curve + corner, picks + corner
 
 
 def _short(name: str, most: int) -> str:

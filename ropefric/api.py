@@ -401,7 +401,7 @@ def trial_table(trials: Trials, *, columns: Columns = None) -> TrialTable:
     is_named = isinstance(trials, str | os.PathLike | Mapping)
     if is_named or hasattr(trials, "columns") or hasattr(trials, "dtype"):
         return as_table(trials, columns)
-    fix = "give a DataFrame, a mapping of columns, or the path of a CSV file"
+    fix = "give a DataFrame, a mapping of columns, the path of a CSV file, or the whole result of extract"
     raise InputError(f"{type(trials).__name__} is no trial table", key="trials", fix=fix)
 
 

@@ -4,7 +4,7 @@ The terminal and summary.txt show sections by `as_text`; `ropefric.report.page` 
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -94,12 +94,6 @@ def to_error(value: float, std: float) -> str:
 def _last_place(std: float) -> int:
     # Rounded first, because 0.0999 becomes 0.10 and has a digit less.
     return math.floor(math.log10(float(f"{std:.1e}"))) - 1
-
-
-def interval(ends: Iterable[float], form: str = ".4g") -> str:
-    """Return an interval as text."""
-    low, high = (plain(float(end), form) for end in ends)
-    return f"{low} … {high}" if (low, high) != ("–", "–") else "–"
 
 
 def percent(share: float, form: str = ".2g") -> str:

@@ -16,8 +16,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import torch
-from torch import nn
+
+try:
+    import torch
+    from torch import nn
+except ModuleNotFoundError as error:
+    missing = "ropefric.training needs PyTorch; install it with: pip install 'ropefric[train]'"
+    found = SystemExit(missing) if __name__ == "__main__" else ModuleNotFoundError(missing, name="torch")
+    raise found from error
 
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.rig.bench import Bench, RecordingTruth

@@ -5,6 +5,7 @@
 
 import base64
 import io
+import shutil
 import sys
 import tempfile
 import threading
@@ -19,6 +20,7 @@ from road import Road
 from ropefric.page.desk import Desk
 from ropefric.page.server import PageServer
 
+LAB = "aramid-rope-2026"
 SIZES = {"wide": (1280, 900), "narrow": (390, 844)}
 
 
@@ -59,9 +61,11 @@ def take(driver, step, folder):
 
 def main(folder):
     folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as lab:
-        write_daq(Path(lab) / "daq")
-        desk = Desk(Path(lab) / "daq", by="A. Meier")
+    lab = Path(tempfile.gettempdir(), LAB)  # the pictures show this name
+    lab.mkdir()
+    try:
+        write_daq(lab / "daq")
+        desk = Desk(lab / "daq", by="A. Meier")
         with PageServer(desk) as server:
             threading.Thread(target=server.serve_forever, daemon=True).start()
             for driver in driven():
@@ -70,6 +74,8 @@ def main(folder):
                     step()
             server.shutdown()
         desk.close()
+    finally:
+        shutil.rmtree(lab)
 
 
 if __name__ == "__main__":

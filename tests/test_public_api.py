@@ -3,6 +3,7 @@
 import ast
 import inspect
 import json
+import runpy
 import subprocess
 import sys
 from dataclasses import replace
@@ -429,3 +430,12 @@ def test_settings_of_any_form_and_a_warning_of_degrees_and_millimetres():
     with pytest.warns(rf.RopefricWarning, match="a wrap of 172 turns"):
         rf.trial_table({"wheel_radius_m": 0.04, "rope_radius_m": 0.005, "wrap_angle_rad": [180, 360, 1080.0],
                         "end_tension_N": 20, "peak_N": [36.6, 66.1, 121.7]})  # fmt: skip
+
+
+def test_training_without_its_extra_names_the_extra(monkeypatch):
+    """In an environment that has only what `pip install ropefric` brings, `--help` ends with the fix."""
+    monkeypatch.setitem(sys.modules, "torch", None)
+    monkeypatch.delitem(sys.modules, "ropefric.training", raising=False)
+    for run_name, kind in (("__main__", SystemExit), ("ropefric.training", ModuleNotFoundError)):
+        with pytest.raises(kind, match=r"pip install 'ropefric\[train\]'"):
+            runpy.run_module("ropefric.training", run_name=run_name)

@@ -54,6 +54,18 @@ MADE = {
 }  # fmt: skip
 
 
+def test_trials_and_conditions_of_a_campaign_are_short():
+    """In a terminal; a trial holds its outline of hundreds of numbers."""
+    found = rf.extract(ROOT / "docs" / "samples" / "german" / "campaign.toml")
+    for one in (found.trials[0], found.conditions[0]):
+        assert 5 < len(repr(one).splitlines()) < 12
+        assert len(one.to_frame()) == 1
+    assert re.search(r"peak +24\d\.\d+ ± 0\.\d+ N\n", repr(found.trials[0]))
+    assert found.trials[0].plot().get_title().startswith("W40_540Grad_60N_1")
+    with pytest.raises(rf.RopefricError, match="the whole result of extract"):
+        rf.compare(found.trials)
+
+
 @pytest.mark.parametrize("name", MADE)
 def test_a_result_shows_itself_in_every_form(name):
     result = MADE[name]()

@@ -128,7 +128,7 @@ def measure(kind: str, n: int) -> dict[str, float]:
 NAMES = {
     "recordings": "recordings of 400 samples, extracted",
     "samples": "samples of one recording, picked",
-    "trials": "trials, eleven laws compared",
+    "trials": "trials, all laws compared",
     "points": "points of a sweep, solved in one call (hoist)",
     "dear points": "points of a sweep, solved one by one (belt press)",
 }

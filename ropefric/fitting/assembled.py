@@ -19,9 +19,9 @@ from ropefric.fitting import scatter
 from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import FitProblem, FitSettings
 from ropefric.fitting.result import (
+    DEPEND,
     ERRORS,
     EXPERIMENTS,
-    LEAVES_OVER,
     TREND_P,
     CommonError,
     CovarianceKind,
@@ -238,12 +238,14 @@ def _statistics(
 
 
 def _of_rest(found: Found, trends: Iterable[stats.Trend]) -> Iterator[Finding]:
-    """Yield what the law leaves over: an effect that it misses."""
+    """Yield the dependences of the residuals: an effect that the law lacks."""
     name = found.problem.law.name
     for trend in trends:
         if trend.p_value < TREND_P:
-            text = f"What {name} {LEAVES_OVER} the {trend.regressor} (by {trend.size:.2%} of the "
-            text += f"force, p = {trend.p_value:.1g}): the law misses an effect. {_REMEDY[trend.regressor]}"
+            text = (
+                f"The residuals of {name} {DEPEND} the {trend.regressor} (by {100 * trend.size:.2f} % of the "
+            )
+            text += f"force, p = {trend.p_value:.1g}): the law lacks an effect. {_REMEDY[trend.regressor]}"
             yield FitStatus.RESIDUAL_STRUCTURE, text
 
 

@@ -572,7 +572,7 @@ def _scatter(ranked: Comparison, means: stats.ConditionMeans) -> Cause:
     text = (
         f"conditions scatter about {best.law} {'more than' if p_value < _SIGNIFICANT else 'no more than'} their repeats "
         f"explain (ratio {math.sqrt(F):.2g}, p = {p_value:.2g})"
-        f"{', by new ropes, settings, or an effect it misses' * (p_value < _SIGNIFICANT)}; repeats scatter by "
+        f"{', by new ropes, settings, or an effect it lacks' * (p_value < _SIGNIFICANT)}; repeats scatter by "
         f"{100 * means.scatter_within:.2g} %"
     )
     numbers = {"ratio": math.sqrt(F), "p_value": p_value, "scatter_within": means.scatter_within}

@@ -10,11 +10,11 @@ not judged
     end of their range, there are fewer than `spare` = 3 more conditions than fitted parameters (as for AICc, which
     has no value below n = k + 2 with the scatter among the k), or no law but one could be weighed.
 undecided
-    Something speaks against the law. Its own fit: what it leaves over follows a regressor or any smooth function of
+    Something speaks against the law. Its own fit: its residuals depend on a regressor or any smooth function of
     all (F-tests beside the scatter between conditions, p < 0.001), the repeats scatter extremely,
     or the conditions scatter more than twice as far as their repeats (a third or more of the residuals then lie
     beyond ±2 of the scatter between repeats) while fewer than twenty conditions are left over, too few to show whether
-    that is a new rope each time or an effect the law misses; with twenty, a trend would have been found, and the
+    that is a new rope each time or an effect the law lacks; with twenty, a trend would have been found, and the
     scatter counts as scatter, which the clustered errors and the prediction interval hold. Another law: one that
     is more than 2 in AICc before it (an evidence ratio of e), or one within 2 that gives another lift force.
     The design: the law depends on a setting that all trials have alike, and is asked about others. They may show that
@@ -58,8 +58,8 @@ class FitStatus(AdvisedStatus):
         "Find the cause in the recordings before using the law."
     )
     RESIDUAL_STRUCTURE = (
-        "residual-structure: What the law leaves over follows the wrap, the size or the load, so the law misses an "
-        "effect. Compare other laws before using this one."
+        "residual-structure: The residuals depend on the wrap, the size or the load: the law lacks an effect. "
+        "Compare other laws before using this one."
     )
     AT_BOUND = (
         "at-bound: A parameter lies on its bound, and that is not a measurement of it. Use the simpler law it "
@@ -99,8 +99,8 @@ _ALIKE = 1.1
 
 
 TREND_P = 1e-3
-"""p-value of an F-test below which what a law leaves over speaks against it."""
-LEAVES_OVER = "leaves over follows"
+"""p-value of an F-test below which a dependence of the residuals speaks against a law."""
+DEPEND = "depend on"
 """Words that a finding of that kind has."""
 EXPERIMENTS = {
     "size ratio": ("size_ratio", {"size"}, "R_w/R_r = {}", (
@@ -341,7 +341,7 @@ class FitResult(Shown):
             word: Word = "undecided" if self.status in _ONLY_DOUBTED else "not judged"
             yield word, self.advice[0] if self.advice else self.status.advice
         elif self.statistics.lack_of_fit_p < TREND_P:
-            yield from (("undecided", text) for text in self.advice if LEAVES_OVER in text)
+            yield from (("undecided", text) for text in self.advice if DEPEND in text)
 
     def _of_conditions(self) -> Iterator[Doubt]:
         """Yield that there are too few conditions to test the law, or to explain why they scatter more than repeats."""
@@ -353,9 +353,10 @@ class FitResult(Shown):
         elif spare < _MANY_SPARE and between > _SCATTER_RATIO * within > 0.0:
             F = 1.0 + found.n / n * (between / within) ** 2
             if float(fdtrc(spare, found.n - n, F)) < _LACK_OF_FIT_P:
-                text = f"the conditions lie {between:.2%} off {self.law}, their repeats scatter by {within:.2%}: "
-                text += (
-                    f"{n} conditions do not show whether that is a new rope each time or an effect it misses"
+                text = (
+                    f"The condition means deviate from {self.law} by {100 * between:.2f} %, repeats scatter by "
+                    f"{100 * within:.2f} %. {n} conditions do not show whether the cause is a new rope each time or "
+                    "an effect that the law lacks"
                 )
                 yield "undecided", text
 

@@ -228,10 +228,10 @@ def _hidden(level: IntArray, problem: FitProblem, shown: Mapping[str, IntArray])
     for name in SETTINGS:
         setting = np.unique(getattr(problem.conditions, name).round(12), return_inverse=True)[1]
         if setting.max(initial=0) and finer(level, setting) and finer(setting, level):
-            return f"goes with the {name.rsplit('_', 1)[0].replace('_', ' ')}: the law holds what differs between them"
+            return f"changes only with the {name.rsplit('_', 1)[0].replace('_', ' ')}: its effect is part of the law"
     for name, other in shown.items():
         if finer(level, other) and finer(other, level):
-            return f"goes with {name} throughout, and is counted once"
+            return f"changes only with {name}, and is counted once"
     return ""
 
 

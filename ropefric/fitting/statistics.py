@@ -222,7 +222,7 @@ class FitStatistics:
     lack_of_fit_p: float = nan
 
 
-# ---- what a law leaves over ----
+# ---- dependences of the residuals ----
 
 
 class Trend(NamedTuple):

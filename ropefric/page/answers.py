@@ -223,7 +223,8 @@ class Machines:
             scene = load_scene(self._file(name), changes)
         solution = solve_scene(scene)
         tree, effects = solution.to_dict(), explain_solution(solution)
-        text = as_text(parts.solution_sections(solution, tree))
+        first, *others = parts.solution_sections(solution, tree)
+        text = as_text([first._replace(title=name), *others])  # the file is the page's own
         return dict(_plain({"answer": tree, "text": text, "effects": effects.to_dict()["effects"]}))
 
 

@@ -172,24 +172,32 @@ class Draft:
     def _revised(self, path: Path, wish: Wish) -> _Seen:
         """Return the recordings of the existing campaign, read with its changed settings."""
         data = self.form()
-        values = {keys: value or None for keys, value in wish.settings.items() if _differs(data, keys, value)}
-        values |= self._changed_channels(data, wish.channels)
-        mark = _BOM if self._before.startswith(_BOM) else b""
-        content = mark + with_values(self._before.decode("utf-8-sig"), values).encode()
+        content = self._changed(data, wish)
         self._texts = {path.name: content} if content != self._before else {}
         problems, campaign = _examined(path, content)
         table, _ = read_cells(self.home / data["trials"])
         header, folder = [word_of(name) for name in table.header], self.home / data.get("data", ".")
         profile = wish.known if campaign is None else campaign.profile
         rows = [cells for _, cells in table.rows]
-        if (self._read is None or self._read[0] != repr(profile)) and rows:
-            first = folder / rows[0][header.index("file")]
-            self._read = repr(profile), inspected([first], profile, Limits())
-        read = self._read[1] if self._read else "the list of trials is empty"
+        first = folder / rows[0][header.index("file")] if rows else None
+        read = self._inspected(first, profile) if first else "the list of trials is empty"
         found, said = (None, [read]) if isinstance(read, str) else (read, [])
         if self._shown is None and found is not None:
             self._shown = dict(wish_of({"channels": _channels(found.profile)}).channels)
         return _Seen(folder, header, rows, found, problems, said)
+
+    def _inspected(self, recording: Path, profile: ImportProfile) -> Any:
+        """Return what a recording holds, or why it cannot be read; it is read again only if its profile changes."""
+        if self._read is None or self._read[0] != repr(profile):
+            self._read = repr(profile), inspected([recording], profile, Limits())
+        return self._read[1]
+
+    def _changed(self, data: Mapping[str, Any], wish: Wish) -> bytes:
+        """Return the campaign file with the settings that a wish changes."""
+        values = {keys: value or None for keys, value in wish.settings.items() if _differs(data, keys, value)}
+        values |= self._changed_channels(data, wish.channels)
+        mark = _BOM if self._before.startswith(_BOM) else b""
+        return mark + with_values(self._before.decode("utf-8-sig"), values).encode()
 
     def _changed_channels(self, data: Mapping[str, Any], wanted: Mapping[str, Channel]) -> dict[Keys, Any]:
         """Return the channels that differ from those the page showed first, as the campaign file has them."""

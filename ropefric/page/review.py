@@ -167,10 +167,18 @@ class _State:
     extraction: results.Extraction
     specs: Mapping[str, TrialSpec]
 
-    @cached_property
-    def bare(self) -> dict[str, TrialSpec]:
-        """Return the rows of the list without their lines and the user's own columns, on which no result depends."""
-        return {row.trial: replace(row, line=0, own=()) for row in self.campaign.trials}
+    def kept_in(self, campaign: Campaign) -> ByRow:
+        """Return the results that hold in a changed campaign: those of the same rows under the same settings.
+
+        No result depends on the line of a row and on the user's own columns.
+        """
+        if self.campaign.settings_fingerprint() != campaign.settings_fingerprint():
+            return {}
+        were = {row.trial: replace(row, line=0, own=()) for row in self.campaign.trials}
+        alike = (row for row in campaign.trials if were.get(row.trial) == replace(row, line=0, own=()))
+        return {
+            row.trial: tuple(replace(one, own=row.own) for one in self.by_row[row.trial]) for row in alike
+        }
 
     @cached_property
     def rows(self) -> dict[str, dict[str, Any]]:
@@ -260,17 +268,11 @@ class Review:
         campaign = load_campaign(self.campaign_file, missing_recordings="flag")
         if _contents(campaign) != content:
             raise _changed(campaign.trial_list)
-        seen: ByRow = {} if before is None else before.by_row
-        kept: dict[str, tuple[results.TrialResult, ...]] = {}
-        if before is not None and before.campaign.settings_fingerprint() == campaign.settings_fingerprint():
-            alike = [
-                row for row in campaign.trials if before.bare.get(row.trial) == replace(row, line=0, own=())
-            ]
-            kept = {row.trial: tuple(replace(one, own=row.own) for one in seen[row.trial]) for row in alike}
+        kept, seen = ({}, {}) if before is None else (before.kept_in(campaign), before.by_row)
         rows = tuple(row for row in campaign.trials if row.trial not in kept)
-        readable = all(row.trial in seen and all(map(_is_readable, seen[row.trial])) for row in rows)
+        unread = (row for row in rows if not all(map(_is_readable, seen.get(row.trial, (None,)))))
+        trusted = len(rows) <= FEW and not any(unread)
         of_rows = campaign.model_copy(update={"trials": rows, "warnings": ()})
-        trusted = readable and len(rows) <= FEW
         new = extract_rows(of_rows, jobs=self._jobs, progress=progress, trusted=trusted)
         by_row = {**kept, **new}
         placed = in_list_order(campaign, by_row)
@@ -566,9 +568,9 @@ def _said_of(answer: CampaignAnswer) -> dict[str, Any]:
     return {**said, "parameters": _plain(parameters), "lift": lift}
 
 
-def _is_readable(result: results.TrialResult) -> bool:
+def _is_readable(result: results.TrialResult | None) -> bool:
     """Return whether a recording is no danger to this process: another one read it to its end."""
-    return all(problem.code != UNREADABLE for problem in result.problems)
+    return result is not None and all(problem.code != UNREADABLE for problem in result.problems)
 
 
 def _contents(campaign: Campaign) -> tuple[bytes, bytes]:

@@ -375,44 +375,46 @@ def draw_recordings(trials: Sequence[TrialResult]) -> FigureWithData:
     All share one pair of axes, each in a cell of one by one: many pairs of axes would take many times as long.
     """
     down = max(math.ceil(len(trials) / ACROSS), 1)
-    lines: dict[str, list[FloatArray]] = {fate: [] for fate in _FATES}
-    picks: dict[str, list[tuple[float, float]]] = {fate: [] for fate in _FATES}
     high_inch = 0.42 + 0.92 * down
     # Room for a row of legend, whatever the height.
     margins = {"left": 0.005, "right": 0.995, "top": 1.0, "bottom": 0.4 / high_inch}
     with drawing(10.0, high_inch, margins=margins) as (figure, axes):
         axes.set(xlim=(0.0, ACROSS), ylim=(down, 0.0))
         axes.set_axis_off()
-        for place, trial in enumerate(trials):
-            row, column = divmod(place, ACROSS)
-            fate = trial.outcome
-            usable = fate != "without a force"
-            head = f"{trial.measured_N:.4g} N" if usable else str(trial.breakaway.status)
-            ink = _FATES[fate]["color"] if fate != "kept" else style.INK
-            axes.text(column, row + 0.13, _short(trial.trial, 18), color=style.INK, fontsize=6.5)
-            axes.text(column + _WIDE, row + 0.27, head, color=ink, fontsize=6.5, ha="right", weight="bold")
-            if trial.outline is None:
-                continue
-            curve, pick, numbers = _in_cell(trial, trial.outline)
-            lines[fate].append(curve + np.array([column, row]))
-            if usable and pick is not None:
-                picks[fate].append((pick[0] + column, pick[1] + row))
-            for x, y, text, ha in numbers:
-                axes.text(column + x, row + y, text, ha=ha, color=style.GREY, fontsize=5.5)
+        corners = [divmod(place, ACROSS) for place in range(len(trials))]
+        drawn = [_draw_cell(axes, trial, *corner) for trial, corner in zip(trials, corners, strict=True)]
         for fate, look in _FATES.items():
-            # A label of its own for each, also where nothing has a mark.
-            axes.add_collection(LineCollection(lines[fate], colors=look["color"], linewidths=0.7))
-            if lines[fate] or picks[fate]:
-                at = np.array(picks[fate]).reshape(-1, 2).T
-                mark: dict[str, Any] = {"edgecolors": "black"} if look["marker"] != "x" else {}
-                mark |= {"marker": look["marker"], "c": look["color"], "linewidths": 0.5, "zorder": 4}
-                axes.scatter(at[0], at[1], s=14, label=fate, **mark)
+            alike = [one for one, trial in zip(drawn, trials, strict=True) if trial.outcome == fate]
+            curves = [curve for curve, _ in alike if curve.size]
+            axes.add_collection(LineCollection(curves, colors=look["color"], linewidths=0.7))
+            if curves:  # a label of its own, also where nothing has a mark
+                x, y = np.concatenate([pick for _, pick in alike]).T
+                edge = {} if look["marker"] == "x" else {"edgecolors": "black"}
+                mark = {"marker": look["marker"], "c": look["color"], "linewidths": 0.5, "zorder": 4, **edge}
+                axes.scatter(x, y, s=14, label=fate, **mark)
         style.legend_of_figure(figure)
     names = ("trial", "file", "measured_N", "outcome", "breakaway.peak_time_s")
     without = sum(trial.outcome == "without a force" for trial in trials)
     first, last = (trials[0].trial, trials[-1].trial) if trials else ("", "")
     alt = f"{counted(len(trials), 'recording')}, {first} to {last}, each with its pick; {without} without a force."
     return FigureWithData(figure, (DataTable.of(trials, names),), alt)
+
+
+def _draw_cell(axes: Axes, trial: TrialResult, row: int, column: int) -> tuple[FloatArray, FloatArray]:
+    """Write name and numbers of a recording into its cell; return its curve (n, 2) and its pick (0 or 1, 2)."""
+    usable = trial.outcome != "without a force"
+    head = f"{trial.measured_N:.4g} N" if usable else str(trial.breakaway.status)
+    ink = _FATES[trial.outcome]["color"] if trial.outcome != "kept" else style.INK
+    axes.text(column, row + 0.13, _short(trial.trial, 18), color=style.INK, fontsize=6.5)
+    axes.text(column + _WIDE, row + 0.27, head, color=ink, fontsize=6.5, ha="right", weight="bold")
+    if trial.outline is None:
+        return np.empty((0, 2)), np.empty((0, 2))
+    curve, pick, numbers = _in_cell(trial, trial.outline)
+    for x, y, text, ha in numbers:
+        axes.text(column + x, row + y, text, ha=ha, color=style.GREY, fontsize=5.5)
+    picks = np.array([pick] if usable and pick is not None else []).reshape(-1, 2)
+    corner = np.array([column, row])
+    return curve + corner, picks + corner
 
 
 def _short(name: str, most: int) -> str:

@@ -21,7 +21,7 @@ from ropefric.given import as_trace
 from ropefric.glossary import GLOSSARY, counted
 from ropefric.pipeline import CampaignRun
 from ropefric.plotting import style
-from ropefric.plotting.campaign import draw_extraction
+from ropefric.plotting.campaign import draw_extraction, draw_recording
 from ropefric.plotting.design import draw_ladder, draw_statement, name_rows
 from ropefric.plotting.figure import FigureWithData, drawing, on_axes, panels_of
 from ropefric.plotting.fits import draw_fit_band
@@ -37,7 +37,7 @@ from ropefric.traces.smoothing import SmoothedForce
 from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign_model import Campaign
 from ropefric.trials.outliers import Repeatability
-from ropefric.trials.result import Extraction
+from ropefric.trials.result import Extraction, TrialResult
 from ropefric.trials.table import TrialTable
 from ropefric.uncertainty.budget import Statement
 
@@ -47,6 +47,7 @@ _HOUSE: dict[type, Callable[..., FigureWithData]] = {
     Sweep: draw_sweep,
     Comparison: draw_ladder,
     Extraction: draw_extraction,
+    TrialResult: draw_recording,
     CampaignRun: lambda run: draw_extraction(run.extraction),
     Explanation: draw_explanation,
     Statement: draw_statement,

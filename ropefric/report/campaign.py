@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
@@ -41,6 +42,7 @@ _CHAPTERS = {
     "next": "Recommended tests",
     "provenance": "Settings and provenance",
 }
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 _WITHOUT = "without the decision: "
 _NONE = (math.nan, math.nan, 0)
 _WHERE = (
@@ -131,7 +133,7 @@ def summary_sections(run: CampaignRun) -> tuple[Section, ...]:
         if cell.assumed:
             limits = ", ".join(cell.assumed)
             lines.append(f"force cell {name}: {limits} assumed, not stated: state them in [cells.{name}]")
-    sections = (Section(lines=lines), *answer_sections(run.answer))
+    sections = (Section(lines=lines), *_noted_section(run.extraction), *answer_sections(run.answer))
     nowhere = Section("Lift force", ("the campaign names no wheel: add [design] to it",))
     return sections if run.campaign.design is not None else (*sections, nowhere)
 
@@ -165,27 +167,32 @@ def _report(subject: Subject, pictures: Pictures) -> Report:
     of_trials.sort(key=lambda alert: alert.grade)
     if not pictures:
         of_trials.append(Alert("note", "No figures", "`ropefric report` adds the figures."))
-    hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
     front = page.front_blocks(subject, of_answer, of_trials, pictures.get("front", ()))
     blocks: dict[str, Iterable[Block]] = {"result": front}
     if not subject.wish.short:
-        blocks |= {
-            "warnings": [of_trials] if of_trials else [],
-            "trials": _trial_sections(run, evidence) if run else (),
-            "recordings": pictures.get("recordings", ()),
-            "friction": [*_causes(answer.diagnosis), *pictures.get("friction", ())],
-            "law": [
-                *pictures.get("law", ()),
-                Fold("The laws compared", parts.comparison_section(answer.comparison)),
-                *parts.notes_sections(answer.fit),
-            ],
-            "uncertainty": _uncertainty(evidence, pictures),
-            "design": [*pictures.get("design", ()), *([hand] if evidence.hand else [])],
-            "next": [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)] if evidence.plan else (),
-            "provenance": _provenance(subject.provenance, 2 if run else 1),
-        }
+        blocks |= {"warnings": [of_trials] if of_trials else []} | _annex(subject, pictures)
     chapters = (Chapter(key, _CHAPTERS[key], tuple(own)) for key, own in blocks.items())
     return Report(subject.title, f"{subject.tally}.", tuple(one for one in chapters if one.blocks))
+
+
+def _annex(subject: Subject, pictures: Pictures) -> dict[str, Iterable[Block]]:
+    """Return the blocks of each chapter behind the remarks."""
+    answer, evidence, run = subject.answer, subject.evidence, subject.run
+    hand = Fold("The lift force by hand", Section(lines=evidence.hand, verbatim=True))
+    return {
+        "trials": _trial_sections(run, evidence) if run else (),
+        "recordings": pictures.get("recordings", ()),
+        "friction": [*_causes(answer.diagnosis), *pictures.get("friction", ())],
+        "law": [
+            *pictures.get("law", ()),
+            Fold("The laws compared", parts.comparison_section(answer.comparison)),
+            *parts.notes_sections(answer.fit),
+        ],
+        "uncertainty": _uncertainty(evidence, pictures),
+        "design": [*pictures.get("design", ()), *([hand] if evidence.hand else [])],
+        "next": [Section(lines=(_WHERE,)), *parts.plan_sections(evidence.plan)] if evidence.plan else (),
+        "provenance": _provenance(subject.provenance, 2 if run else 1),
+    }
 
 
 def _uncertainty(evidence: Evidence, pictures: Pictures) -> Iterator[Block]:
@@ -286,6 +293,21 @@ def _trial_sections(run: CampaignRun, evidence: Evidence) -> Iterator[Section | 
     yield from _decided_section(extraction)
     yield _conditions_section(extraction, evidence, forces, slack=slack)
     yield from _sliding_section(extraction)
+    yield from _noted_section(extraction)
+
+
+def _noted_section(extraction: result.Extraction) -> Iterator[Section]:
+    """Yield the notes on the recordings: of those that differ by their numbers only, their count and the first."""
+    kinds: dict[str, list[tuple[str, str]]] = {}
+    for trial in extraction.trials:
+        for note in trial.breakaway.notes:
+            if not note.startswith(_WITHOUT):
+                kinds.setdefault(_NUMBER.sub("", note.partition(" (")[0]), []).append((trial.trial, note))
+    rows = [(str(len(alike)), *alike[0]) for alike in sorted(kinds.values(), key=len, reverse=True)]
+    if rows:
+        yield Section(
+            "Notes on the recordings", headings=("trials", "first ", "its note "), rows=rows, left=0
+        )
 
 
 def _gone_section(
@@ -294,7 +316,7 @@ def _gone_section(
     """Yield the trials that are not kept, doubtful ones first, and how the rule for outliers decides."""
     place = {name: summary for summary in extraction.conditions for name in summary.trials}
     gone = [trial for trial in extraction.trials if not trial.kept]
-    if not gone and not evidence.rejection:
+    if not gone:
         return
     rows = []
     for trial in sorted(gone, key=lambda trial: trial.breakaway.status is not Status.DOUBTFUL):
@@ -306,7 +328,7 @@ def _gone_section(
     counts, (known, measured) = result.count_trials(extraction), forces
     title = f"Trials not kept (of {counted(counts['n_trials'], 'trial')}: {result.outcome_words(counts)})"
     headings = ("trial", "verdict", "R_w [mm]", "φ [deg]", f"{known} [N]", f"{measured} [N]", "why ")
-    yield Section(title, (), headings if gone else (), rows, 2, evidence.rejection)
+    yield Section(title, (), headings, rows, 2, evidence.rejection)
 
 
 def _conditions_section(

@@ -178,9 +178,10 @@ def front_blocks(
     yield law._replace(title="", lines=law.lines[1:])
     doubtful = "; ".join(one.title for one in remarks if one.grade == "doubt")
     of_trials = [Alert("doubt", "The measurements", f"{doubtful}. The annex says what to do.")]
-    passed = Alert("note", "See the first line" if of_grade["stop"] else "All checks passed", "")
-    yield Section("Remarks")
-    yield [*of_grade["doubt"], *of_trials[: bool(doubtful)]] or [passed]
+    noted = [*of_grade["doubt"], *of_trials[: bool(doubtful)]]
+    if noted or not of_grade["stop"]:
+        yield Section("Remarks")
+        yield noted or [Alert("note", "All checks passed", "")]
     tested = f"Tested: {', '.join(parts.tested_ranges(answer.fit))}. The law is extrapolated beyond."
     yield Section("Limits and assumptions", notes=(tested, *words.assumptions, *_decided(subject.run)))
     yield {name: value for name, value in subject.measured.items() if value}
@@ -254,7 +255,8 @@ def _facts(answer: CampaignAnswer, evidence: Evidence) -> Iterator[Fact]:
             largest = evidence.lift and evidence.lift.budget.lines[0]
             most = f"; {percent(largest.share, '.0f')} of its variance: {largest.label}" if largest else ""
             yield Fact(f"{level} prediction interval", f"{one} N", f"of one pull with a new rope{most}")
-    yield Fact("Law and verdict", f"{fit.law}, {answer.verdict.word}", answer.verdict.reason)
+    verdict = answer.verdict  # the first alert gives the reasons of any other word
+    yield Fact("Law and verdict", f"{fit.law}, {verdict.word}", verdict.reason if verdict.supported else "")
     unseen, scatter = answer.winner.entry.loco_error, fit.statistics.scatter_within
     if math.isfinite(unseen):
         remark = "root mean square, each condition left out once"

@@ -14,7 +14,7 @@ from ropefric.fitting.predict import EXTRAPOLATED, REGRESSORS, Prediction
 from ropefric.fitting.result import FitResult, Verdict
 from ropefric.friction.condition import Conditions
 from ropefric.glossary import answer_label, counted
-from ropefric.section import WIDTH, Section, interval, percent, plain, shorthand, to_error
+from ropefric.section import WIDTH, Section, percent, plain, shorthand, to_error
 from ropefric.trials.result import ConditionSummary
 from ropefric.uncertainty.budget import DISAGREEMENT, BudgetLine, Quantity, Statement
 
@@ -132,19 +132,22 @@ def diagnosis_section(diagnosis: Diagnosis, *, full: bool = False) -> Section:
 def prediction_section(prediction: Prediction) -> Section:
     """Return the lift force of the first condition with both its intervals."""
     level = f"{100 * prediction.level:g} %"
-    lift, std = plain(prediction.lift_force_N[0], ".5g"), _newtons(prediction.std_N[0])
+    std_N = float(prediction.std_N[0])
+    lift = to_error(float(prediction.lift_force_N[0]), std_N)
     is_kinetic = prediction.of == "kinetic"
     title, symbol = ("Kinetic force", "F_A while sliding") if is_kinetic else ("Lift force", "F_A")
     lines = [
         f"{_where(prediction.conditions, 0, rope=True)}:",
-        f"{symbol} = {lift} N by {prediction.law}, standard error {std}",
-        f"{level} confidence interval of the mean: {_span(prediction.interval_N[0])}",
+        f"{symbol} = {lift} N by {prediction.law}, standard error {_newtons(std_N)}",
+        f"{level} confidence interval of the mean: {_span(prediction.interval_N[0], std_N)}",
     ]
     wide = prediction.prediction_interval_N[0]
     if not math.isnan(float(wide[0])):
-        lines.append(f"{level} prediction interval of one pull with a new rope: {interval(wide)} N")
+        lines.append(f"{level} prediction interval of one pull with a new rope: {ends(wide, std_N)} N")
     if prediction.rope_interval_N is not None:
-        lines.append(f"{level} interval of the mean of one new rope: {_span(prediction.rope_interval_N[0])}")
+        lines.append(
+            f"{level} interval of the mean of one new rope: {_span(prediction.rope_interval_N[0], std_N)}"
+        )
     verdict = prediction.verdict()
     lines.append(f"{verdict.word}: {verdict.reason}")
     notes = [note for note in prediction.notes() if note not in verdict.reasons]
@@ -152,8 +155,8 @@ def prediction_section(prediction: Prediction) -> Section:
         low, high = prediction.spread_N
         lines.append(f"the laws that the data cannot distinguish predict {plain(low)} … {plain(high)} N:")
         for one in reversed(prediction.candidates):
-            error = f"standard error {_newtons(one.std_N)}, interval {_span(one.interval_N)}"
-            notes.insert(0, f"{one.law}: {plain(one.lift_force_N, '.5g')} N, {error}")
+            error = f"standard error {_newtons(one.std_N)}, interval {_span(one.interval_N, one.std_N)}"
+            notes.insert(0, f"{one.law}: {to_error(one.lift_force_N, one.std_N)} N, {error}")
     return Section(title, lines, notes=notes)
 
 
@@ -176,12 +179,11 @@ def _where(at: Conditions, i: int, *, rope: bool = False) -> str:
 
 
 def _newtons(value: float) -> str:
-    return f"{plain(value, '.2g')} N" if math.isfinite(value) else "not known"
+    return f"{to_error(value, value)} N" if math.isfinite(value) else "not known"
 
 
-def _span(ends: Iterable[float]) -> str:
-    ends = tuple(ends)
-    return f"{interval(ends)} N" if all(math.isfinite(end) for end in ends) else "not known"
+def _span(of: Sequence[float], std: float) -> str:
+    return f"{ends(of, std)} N" if all(math.isfinite(end) for end in of) else "not known"
 
 
 def tested_ranges(fit: FitResult) -> tuple[str, ...]:

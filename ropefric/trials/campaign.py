@@ -267,12 +267,13 @@ def _check_document(document: TomlDocument) -> Iterator[Problem]:
             fix = 'add [adc] with bits = 10, low = "0 V", high = "5 V"'
             yield document.problem(key, "RF121", "recordings in counts need the table [adc]", fix=fix)
         if not document.data.get("cells"):
-            fix = 'add [cells.K1] with full_scale = "1 kN"'
+            fix, missing = 'add [cells.K1] with full_scale = "1 kN"', "a force cell"
             if what == "volts":
+                missing = "its sensitivity, or a force cell"
                 fix = (
                     f'write sensitivity = "25 N/mV" beside the unit, or {fix}, and name the cell in the list'
                 )
-            yield document.problem(key, "RF121", f"recordings in {what} need a force cell", fix=fix)
+            yield document.problem(key, "RF121", f"a force in {what} needs {missing}", fix=fix)
     yield from dict.fromkeys(_check_formulas(document))
     name = document.data.get("data", ".")
     folder = Path(document.path).parent / (name if isinstance(name, str) else "")

@@ -77,8 +77,13 @@ def _to_digits(values: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TrialResult(TrialRow):
+class TrialResult(TrialRow, Shown):
     """One trial: its condition, what was picked, and whether it counts."""
+
+    _said = (
+        *("trial", "status=breakaway.status", "outcome", "peak_N ± peak_std_N"),
+        *("wheel_radius_m", "wrap_angle_rad", "end_tension_N"),
+    )
 
     end_tension_N: float
     end_tension_std_N: float = nan
@@ -165,8 +170,13 @@ class TrialResult(TrialRow):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ConditionSummary:
+class ConditionSummary(Shown):
     """The repeats of one condition, before and after rejection."""
+
+    _said = (
+        *("wheel_radius_m", "wrap_angle_rad", "end_tension_N", "n_recorded", "n_kept"),
+        *("mean_kept_N", "std_kept_N", "rejected"),
+    )
 
     wheel_radius_m: float
     rope_radius_m: float

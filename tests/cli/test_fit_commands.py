@@ -272,7 +272,7 @@ def test_a_number_without_a_unit_or_of_another_is_refused_with_the_way_to_write_
 def test_fits_that_do_not_answer(call, tmp_path):
     done = call("predict", "--fit", CONSTANT, *WHEEL)
     assert done.code == NOT_TRUSTED
-    assert "the law is undecided: What constant leaves over follows" in done.err
+    assert "the law is undecided: The residuals of constant depend on" in done.err
     assert "F_A = " in done.out
     other = tmp_path / "other.json"
     other.write_text('{"schema": "ropefric.fit/9"}', encoding="utf-8")

@@ -15,6 +15,7 @@ import ropefric
 from ropefric.accuracy.studies import STUDIES
 from ropefric.cli.app import build_app
 from ropefric.files.toml_model import StrictTable
+from ropefric.friction.laws import LAWS
 from ropefric.scenes.keys import scene_keys
 from ropefric.scenes.kinds import KINDS
 from ropefric.traces import decision
@@ -58,6 +59,24 @@ def test_links_lead_somewhere():
             path = (page.parent / target).resolve()
             made = path.parent == ROOT / "docs" / "generated"
             assert made or "://" in target or path.exists(), f"{name_of(page)}: {target}"
+
+
+def test_files_and_names_of_the_code_exist():
+    """A reader who wants to change something is led to a file, and to a name in it."""
+    text = (ROOT / "docs" / "extend.md").read_text(encoding="utf-8")
+    places = re.findall(r"`((?:ropefric|tests)/[^`\s]+)`(?: \(((?:`\w+`(?:, )?)+)\))?", text)
+    assert len(places) > 20
+    for place, names in places:
+        path = ROOT / place.replace("SYSTEM", "hoist")
+        assert path.exists(), place
+        for name in re.findall(r"\w+", names):
+            assert re.search(rf"\b(?:def|class) {name}\b|\b{name}\b.* = ", path.read_text("utf-8")), place
+
+
+def test_the_number_of_laws_is_right():
+    words = {12: "twelve", 13: "thirteen", 14: "fourteen"}
+    for page in ("README.md", "docs/paper/paper.md"):
+        assert f"fits {words[len(LAWS)]} friction laws" in (ROOT / page).read_text(encoding="utf-8"), page
 
 
 def test_every_page_is_in_the_navigation():

@@ -263,7 +263,7 @@ def test_a_group_that_goes_with_something_else_is_said_and_not_counted():
     assert fit.scatter.groups == ()
     text = " ".join(fit.notes)
     for said in ("rope is another one in every pull", "operator is another one in every condition",
-            "day goes with the end tension"):  # fmt: skip
+            "day changes only with the end tension"):  # fmt: skip
         assert said in text
 
 

@@ -163,6 +163,7 @@ def test_every_template_is_a_form_that_solves_as_the_command_does(machines, tmp_
     said = json.loads(capfd.readouterr().out)
     told = machines.solve("hoist", {}, None)
     assert told["answer"]["lift_force_N"] == pytest.approx(said["lift_force_N"], rel=1e-6)
+    assert told["text"].startswith("hoist\n  friction: ")  # not the page's own file of it
     more = machines.solve("hoist", {"wheel.wrap": "720 deg"}, None)
     assert more["answer"]["lift_force_N"] > told["answer"]["lift_force_N"]
     assert {one["fate"] for one in told["effects"]} <= {"simulated", "left out", "not applicable"}

@@ -1,5 +1,7 @@
 """A folder becomes a campaign that is corrected before it is written; the files are those of the commands."""
 
+import tomllib
+
 import pytest
 from newcomer import PATTERN, write_daq
 
@@ -284,3 +286,21 @@ def test_force_cells_and_the_converter_are_stated_and_named_in_the_list(lab, tmp
     path = draft.write(overwrite=False)
     assert "[adc]\nbits = 12\n" in path.read_text(encoding="utf-8")
     assert not [one for one in check_campaign(path) if one.severity == "error"]
+
+
+def test_a_cell_that_the_list_names_is_described_in_a_campaign_that_is_there(written):
+    """The page has a row for one more cell; an error of the list leads to it."""
+    rows = written.with_name("trials.csv").read_text(encoding="utf-8").splitlines()
+    with_cell = [f"{row},{'K2' if place else 'cell'}" for place, row in enumerate(rows)]
+    written.with_name("trials.csv").write_text("\n".join([*with_cell, ""]), encoding="utf-8")
+    draft = Draft(written.parent, written)
+    told = draft.propose(wish_of(shown(draft)))
+    assert {"describe it under [cells.K2] in the campaign file"} == {
+        one["fix"] for one in told["problems"] if one["severity"] == "error"
+    }
+    tree = shown(draft)
+    tree["settings"]["cells.K2"] = {"full_scale": "1 kN", "zero_voltage": "0 V", "full_scale_voltage": "5 V"}
+    assert errors_of(draft.propose(wish_of(tree))) == []
+    draft.write(overwrite=True)
+    assert tomllib.loads(written.read_text(encoding="utf-8"))["cells"] == {"K2": tree["settings"]["cells.K2"]}
+    assert [one for one in check_campaign(written) if one.severity == "error"] == []

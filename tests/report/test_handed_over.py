@@ -12,7 +12,7 @@ import pytest
 from ropefric.cli.app import main
 from ropefric.plotting.campaign import typical_trial
 from ropefric.report import page as pages
-from ropefric.report.campaign import write_report
+from ropefric.report.campaign import summary_sections, write_report
 from ropefric.report.page import Wish
 from ropefric.report.parts import plus_minus
 from ropefric.trials.campaign_model import ReportWords
@@ -154,3 +154,23 @@ def test_a_typical_recording_is_the_kept_one_closest_to_the_mean(run):
     assert off == min(abs(trial.measured_N - item.mean_kept_N) for trial in plain)
     bare = tuple(replace(trial, outline=None) for trial in run.extraction.trials)
     assert typical_trial(replace(run.extraction, trials=bare), 3) is None
+
+
+def test_a_reason_is_given_once_and_only_remarks_have_a_heading(handed):
+    """Five pulls of one condition support no law: the first alert says why, and no other place on the first page."""
+    first = handed.partition('id="provenance"')[0].partition("<h3>The law")[0]
+    (reason,) = re.findall("Do not use</span>.*?</strong>(.*?)</li>", first)
+    assert first.count(reason.strip()) == 1
+    assert "See the first line" not in handed
+    assert "<h3>Trials not kept" not in handed  # all five are
+
+
+def test_notes_on_recordings_are_counted_by_kind(run):
+    trials = list(run.extraction.trials)
+    for i, force in enumerate((20.6, 7.125, 20.4)):
+        note = f"the rope at rest reads {force} N, which counts as a pretension"
+        trials[i] = replace(trials[i], breakaway=replace(trials[i].breakaway, notes=(note,)))
+    noted = replace(run, extraction=replace(run.extraction, trials=tuple(trials)))
+    (found,) = (one for one in summary_sections(noted) if one.title == "Notes on the recordings")
+    kept = "the rope at rest reads 20.6 N, which counts as a pretension"
+    assert found.rows[0] == ("3", trials[0].trial, kept)

@@ -6,7 +6,7 @@ from pathlib import Path
 import ropefric as rf
 from ropefric.report.page import Chapter, Report, as_html
 from ropefric.report.parts import diagnosis_section
-from ropefric.section import WIDTH, Section, as_text, interval, plain
+from ropefric.section import WIDTH, Section, as_text, plain
 
 TABLE = Section(
     headings=("law", "ΔAICc", "why "), rows=(("constant", "0.0", "won"), ("coupled", "1234.5", ""))
@@ -43,10 +43,9 @@ def test_a_page_holds_what_the_text_holds_and_escapes_it():
     assert page.count("<tr>") == page.count("</tr>") == 3
 
 
-def test_what_is_no_number_is_shown_as_none_and_an_open_interval_as_open():
+def test_what_is_no_number_is_shown_as_none():
     shown = {math.nan: "–", math.inf: "∞", -math.inf: "−∞", None: "–", 0.0: "0", 1234567.0: "1.235e+06"}
     assert [plain(value) for value in shown] == [*shown.values()]
-    assert (interval((0.1, math.inf)), interval((math.nan, math.nan))) == ("0.1 … ∞", "–")
 
 
 def test_long_headings_are_folded_where_that_makes_a_table_fit():

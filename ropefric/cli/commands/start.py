@@ -57,15 +57,15 @@ def init(
     ),
     pattern: str = option(
         "PATTERN",
-        "What their names say: '{wheel}_{wrap_angle_deg}deg_{end_tension_N}N_{repeat}', headers of the list.",
+        "Settings in the file names, as headers of the list: '{wheel}_{wrap_angle_deg}deg_{end_tension_N}N_{repeat}'.",
         default="",
     ),
     force: bool = flag("--force", "Write over files that are already there."),
 ) -> Answer:
     """Write commented templates to fill in: a campaign, or with --scenes machines to solve: hoists, presses, ….
 
-    With --from the recordings are read: the list of trials is made from their names, the section that reads them is
-    found out, and what was assumed is said.
+    With --from the command reads recordings. It writes a list of trials with a row for each, finds the section that
+    reads them, and lists its assumptions. With --pattern it takes wheel, wrap and load from the file names.
     """
     if scenes or scene:
         return _write_scenes(out, folder, () if scenes else scene or (), overwrite=force)
@@ -79,7 +79,9 @@ def init(
         fix = "add --from 'daq/*.csv'"
         raise InputError("a pattern of names needs recordings", key="--pattern", fix=fix)
     written = campaigns.write_templates(folder, overwrite=force, **found)
-    out.note(f"next: fill them in, then  ropefric check {quote(str(folder / 'campaign.toml'))}")
+    names = "" if pattern or not recordings else " (--pattern takes them from the file names)"
+    check = f"ropefric check {quote(str(folder / 'campaign.toml'))}"
+    out.note(f"next: enter the rope, the wheels and the settings of each trial{names}, then  {check}")
     return Answer({"written": written}, "\n".join(f"wrote {path}" for path in written))
 
 

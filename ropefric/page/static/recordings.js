@@ -29,10 +29,10 @@ async function begin(anew) {
   choose($("r-recording_column"), typeof column === "number" ? `#${column}` : column);
   $("r-channels").tBodies[0].replaceChildren();
   $("r-wheels").replaceChildren();
-  const cells = editing ? Object.entries(R.data.cells ?? {}) : [["", { column: "cell" }], ["", { column: "end_cell" }]];
+  // Of a campaign that is there the list names the cells; the last row takes one more.
+  const cells = editing ? [...Object.entries(R.data.cells ?? {}), ["", {}]] : [["", { column: "cell" }], ["", { column: "end_cell" }]];
   fill($("r-cells"), ["cell", "measures", ...Object.keys(CELL).map((key) => key.replaceAll("_", " "))], cells.map(cellRow));
-  $("r-electric").hidden = editing && !cells.length && !adc;
-  $("r-electric").open = editing && !$("r-electric").hidden;
+  $("r-electric").open = editing && (cells.length > 1 || Boolean(adc));
 }
 function choose(select, value) {
   if (![...select.options].some((one) => one.value === value)) select.append(new Option(value, value));
@@ -174,6 +174,8 @@ function fieldOf({ key, fix }) {
   const [, table, name] = /^(?:import\.)?(channels|rope|tare|design|wheels|adc|cells)\.?([\w-]*)/.exec(key) ?? [];
   if (table === "channels") return $(`r-${name}-sensitivity`);
   if (table === "wheels") return $(`r-wheel-${name}`);
+  const [, cell] = /under \[cells\.([^\]]+)\]/.exec(fix) ?? [];
+  if (cell) return $(`r-cell-${Math.max(0, $("r-cells").tBodies[0].rows.length - 1)}-name`);
   if (table === "cells") return $(`r-cell-${Math.max(0, cellsOf().findIndex((one) => one.name === name))}-full_scale`);
   return { rope: $("r-rope"), tare: $("r-from"), design: $("r-design-radius"), adc: $("r-adc-bits") }[table] ?? (/wrap|tension|repeat|wheel/.test(key) ? $("r-pattern") : null);
 }
@@ -184,7 +186,7 @@ function showProblems(problems) {
     if (field && one.severity === "error") { field.classList.add("missing"); field.setAttribute("aria-invalid", "true"); }
     return make("li", `${one.severity}: ${one.key ? `${one.key}: ` : ""}${one.message}${one.times > 1 ? ` (${one.times} times)` : ""}${one.fix ? ` – ${one.fix}` : ""}`, one.severity);
   }));
-  if (problems.some((one) => /in counts|\[adc\]/.test(one.message + one.fix))) $("r-electric").open = true;
+  if (problems.some((one) => /in counts|\[adc\]|\[cells\./.test(one.message + one.fix))) $("r-electric").open = true;
   if (!problems.length) $("r-problems").replaceChildren(make("li", "none"));
   $("r-write").disabled = problems.some((one) => one.severity === "error");
 }

@@ -380,7 +380,9 @@ def _with_unit(name: str, table: Table, values: Values, channel: Channel, doubts
         doubts.append(f'the unit of the {name} is not stated; add it, for example unit = "N"')
     elif signal_unit(name, unit) and not channel.sensitivity:
         how = f'sensitivity = "25 N/{unit}"' if "/" not in unit else 'rated_output = "2 mV/V" of its cell'
-        doubts.append(f"the {name} is in {unit}; add {how}, or name a cell in the list")
+        doubts.append(
+            f"the {name} is in {unit}; add {how} to its channel, or name a force cell in the list of trials"
+        )
         return replace(channel, unit=unit)
     elif not is_of(name, unit):
         doubts.append(f"the {name} is in {unit}, which is no unit of it; derive it in [import.derived]")

@@ -74,7 +74,7 @@ def test_conditions_far_beyond_their_repeats_leave_it_undecided(tmp_path, capfd)
     assert beyond.sum() > 15
     verdict, _ = everywhere(table, tmp_path, capfd)
     assert verdict.word == "undecided"
-    assert "do not show whether that is a new rope each time or an effect it misses" in verdict.reason
+    assert "do not show whether the cause is a new rope each time" in verdict.reason
     calm = pulls("constant", [0.2], wraps=np.pi / 2 * np.arange(1, 7), repeats=5)
     assert choose_law(compare_laws(calm)).verdict.word == "supported"
 

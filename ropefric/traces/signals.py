@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray, IntArray, median
+from ropefric.arrays import FloatArray, IntArray, median, sealed
 from ropefric.errors import DataError, InputError
 from ropefric.quantities import scaled_by, si_unit_of, unit_factor
 from ropefric.traces.clock import GAP_STEPS, mend_clock
@@ -132,7 +132,7 @@ def _in_si(name: str, raw: RawRecording, profile: ImportProfile, refuse: Refusal
     )
     if factor != 1.0:
         with np.errstate(over="ignore"):
-            values = values * factor
+            values = sealed(values * factor)
         if (large := np.isinf(values)).any():
             message = f"sample {int(np.argmax(large)) + 1} is too large for a float in SI"
             raise refuse(message, "RF102", name, "mend the value, or check the unit")
@@ -192,9 +192,9 @@ def held_readings(values: FloatArray) -> tuple[IntArray, float]:
     nothing = np.empty(0, dtype=np.int64), 1.0
     changes = values[1:] != values[:-1]
     changes &= ~(np.isnan(values[1:]) & np.isnan(values[:-1]))
-    starts = np.flatnonzero(changes) + 1
-    if starts.size < _FEWEST_READINGS or 2 * starts.size > values.size:
+    if not _FEWEST_READINGS <= np.count_nonzero(changes) <= 0.5 * values.size:
         return nothing
+    starts = np.flatnonzero(changes) + 1
     lengths, usual = np.diff(starts), median(np.diff(starts).astype(np.float64))
     period = float(lengths[lengths < 1.5 * usual].mean())
     some = lengths[lengths < 3.5 * period]

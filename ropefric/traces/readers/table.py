@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import FloatArray, frozen_array, sealed
 from ropefric.errors import DataError, InputError
 from ropefric.files.head_facts import NO_FACTS, Facts
 from ropefric.files.text import Source
@@ -131,7 +131,7 @@ def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecor
     picks = _pick_columns(table, profile, source)
     own_time = _own_times(table, picks, profile.channels, source)
     wanted = [*(index for index, _ in picks.values()), *dict.fromkeys(own_time.values())]
-    arrays = table.values(wanted)
+    arrays = [frozen_array(sealed(values)) for values in table.values(wanted)]
     columns, of_time = dict(zip(picks, arrays, strict=False)), slice(len(picks), None)
     seconds = {
         index: _in_seconds(index, values, table, picks, source)

@@ -142,6 +142,14 @@ def unit_factor(unit: str, si_unit: str, *, name: str = "quantity") -> float:
     raise _unreadable(name, message, f"use a unit such as '{example_unit(si_unit)}'")
 
 
+def is_unit_of(unit: str, si_unit: str) -> bool:
+    """Return whether a unit is one of the quantity of an SI unit."""
+    try:
+        return bool(unit) and unit_factor(unit, si_unit) > 0.0
+    except InputError:
+        return False
+
+
 def _unreadable(name: str, what: str, fix: str) -> InputError:
     return InputError(f"{name}: {what}", code="RF130", fix=fix)
 

@@ -476,27 +476,25 @@ def read_stamps(
     seconds = np.full(len(rows), np.nan)
     if first is None:
         return seconds, ()
-    lines: dict[str, int] = {}
+    dates: dict[str, int] = {}
     for at, match in found.items():
-        lines.setdefault((match and match["date"]) or "", rows[at][0])
-    lines.pop("", 0)
-    order = _order(lines, order, refuse)
-    days, clock = _days(lines, order, refuse), _Clock(_place(zone))
-    counts_ps: list[int] = []
+        if match is not None and match["date"]:
+            dates.setdefault(match["date"], rows[at][0])
+    order = _order(dates, order, refuse)
+    days, clock = _days(dates, order, refuse), _Clock(_place(zone))
+    counts_ps = []
     for at, match in found.items():
         line, text = rows[at]
         if match is None or _form(match) != _form(first):
             why = f"cannot read {text[:40]!r} as a time stamp like {first[0]!r}"
             raise refuse(line, why, "mend the cell")
-        at_s = days.get(match["date"], 0) * _DAY_S + _second_of_day(match, line, refuse)
-        if clock.went_back_an_hour(match, at_s):
-            fix = 'name the zone of the clock, for example [import] time_zone = "Europe/Berlin"'
-            raise refuse(line, f"the clock goes back by an hour to {text!r}: summer time ended", fix)
-        counts_ps.append(clock.count_ps(match, at_s))
+        counts_ps.append(clock.count_ps(match, line, days, refuse))
     seconds[list(found)] = [(count_ps - counts_ps[0]) / _PS for count_ps in counts_ps]
-    facts = [ORDERS[order] if lines else "without a date"]
-    facts += [f"local time of {zone}"] if clock.place and not first["zone"] else []
-    facts += [f"past midnight {clock.n_midnights} times"] if clock.n_midnights else []
+    facts = [ORDERS[order] if dates else "without a date"]
+    if clock.place and not first["zone"]:
+        facts.append(f"local time of {zone}")
+    if clock.n_midnights:
+        facts.append(f"past midnight {clock.n_midnights} times")
     return seconds, (f"text time stamps ({', '.join(facts)}) from {first[0]} on",)
 
 
@@ -513,14 +511,18 @@ class _Clock:
     last_ps: int | None = None
     n_midnights: int = 0
 
-    def went_back_an_hour(self, match: _Stamp, at_s: int) -> bool:
+    def _went_back_an_hour(self, match: _Stamp, at_s: int) -> bool:
         """Return whether a clock of no known place was set back since the last stamp."""
         if self.place or self.last_ps is None or match["zone"] or not match["date"]:
             return False
         return _HOUR_BACK_S[0] <= self.last_ps // _PS - at_s <= _HOUR_BACK_S[1]
 
-    def count_ps(self, match: _Stamp, at_s: int) -> int:
+    def count_ps(self, match: _Stamp, line: int, days: Mapping[str, int], refuse: _Refuse) -> int:
         """Return the picoseconds of a stamp on one scale with those before it."""
+        at_s = days.get(match["date"], 0) * _DAY_S + _second_of_day(match, line, refuse)
+        if self._went_back_an_hour(match, at_s):
+            fix = 'name the zone of the clock, for example [import] time_zone = "Europe/Berlin"'
+            raise refuse(line, f"the clock goes back by an hour to {match[0]!r}: summer time ended", fix)
         part_ps = int((match["part"] or "").ljust(12, "0")[:12])
         if match["zone"]:
             at_s -= _offset_s(match["zone"])

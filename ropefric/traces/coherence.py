@@ -73,7 +73,9 @@ def _repeated_block(time_s: FloatArray, force_N: FloatArray) -> str:
     begins = np.flatnonzero(np.concatenate([[True], force_N[1:] != force_N[:-1]]))
     if begins.size < 2 * TOKENS:
         return ""
-    several = np.correlate(_mixed(force_N[begins].view(np.int64), _lengths(begins, force_N)), _WEIGHTS, "valid")
+    several = np.correlate(
+        _mixed(force_N[begins].view(np.int64), _lengths(begins, force_N)), _WEIGHTS, "valid"
+    )
     if _all_differ(several):
         return ""
     lengths, levels_N = _lengths(begins, force_N), force_N[begins]

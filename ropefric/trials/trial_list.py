@@ -17,7 +17,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, Problem, data_error
 from ropefric.files.disk import kind_of_file
-from ropefric.files.plain_text import csv_text, from_spreadsheet, to_spreadsheet
+from ropefric.files.plain_text import csv_text, to_spreadsheet
 from ropefric.friction.condition import condition_groups, distinct
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
@@ -75,8 +75,7 @@ class _Row:
     ) -> None:
         self.table, self.columns = table, columns
         self.line, self.cells = table.rows[place]
-        self.texts = {n: from_spreadsheet(self.cells[c.index]) for n, c in columns.items() if not c.si_unit}
-        self.numbers = {n: values[place] for n, values in numbers.items() if not math.isnan(values[place])}
+        self.texts, self.numbers = table.texts(columns, self.cells), cells.given_numbers(numbers, place)
         self.problems: list[Problem] = []
         # Lists written on Windows name folders with backslashes.
         self.file, self.sample = self.texts.get("file", "").replace("\\", "/"), self.texts.get("sample", "")
@@ -137,16 +136,12 @@ def read_trials(path: str | os.PathLike[str], folder: Path, context: TrialContex
     try:
         table, torn = cells.read_cells(path)
     except DataError as error:
-        # A trial list is named by the campaign file, and looked for where that is.
-        fix = "check the path, relative to the campaign file"
-        gone = (replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
-        return ReadList(problems=tuple(gone))
+        return ReadList(problems=tuple(map(_of_campaign, error.problems)))
     decided = DECIDED if {"why", "by"} <= {cells.word_of(name) for name in table.header} else {}
     columns, others, refused = table.bind({**QUANTITIES, **decided}, TEXTS)
     problems = [*torn, *refused, *_check_header(table, columns, others, None if refused else context)]
-    if not table.rows and not torn:
-        message, fix = "the table has a header, but no trials", "add a row for every recording"
-        problems.append(table.problem(table.header_line, "", "RF101", message, fix))
+    if not torn:
+        problems += _no_trials(table)
     numbers, wrong = table.numbers(columns)
     rows = _named_rows(table, columns, numbers, context.folder)
     if Path(path).name != DECISIONS:
@@ -158,6 +153,18 @@ def read_trials(path: str | os.PathLike[str], folder: Path, context: TrialContex
         if whole or row.is_there:
             (trials if whole else bad).extend(_trial(row, others, folder, context, whole=whole))
     return ReadList(tuple(trials), tuple(bad), tuple(sorted(problems, key=lambda p: p.line or math.inf)))
+
+
+def _of_campaign(problem: Problem) -> Problem:
+    """Return a problem of a list that is not there as one of the campaign file, which names it."""
+    fix = "check the path, relative to the campaign file"
+    return replace(problem, fix=fix) if "no such file" in problem.message else problem
+
+
+def _no_trials(table: cells.CellTable) -> Iterator[Problem]:
+    if not table.rows:
+        message, fix = "the table has a header, but no trials", "add a row for every recording"
+        yield table.problem(table.header_line, "", "RF101", message, fix)
 
 
 def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:

@@ -129,13 +129,13 @@ def _once(sets: Mapping[str, Any], named: Container[str | int], h5py: Any) -> di
 
 def _columns(item: Any, path: str) -> Iterator[tuple[str, np.ndarray[Any, Any]]]:
     """Yield path and values of every column of a data set: a vector, the fields of records, or a matrix."""
-    shape = [size for size in item.shape or () if size > 1]
+    shape, is_numeric = [size for size in item.shape or () if size > 1], item.dtype.kind in "iuf"
     if item.dtype.names and len(shape) == 1:
         fields = [name for name in item.dtype.names if item.dtype[name].kind in "iuf"]
         yield from ((f"{path}/{name}", np.ravel(item[name])) for name in fields)
-    elif item.dtype.kind in "iuf" and len(shape) == 1:
+    elif is_numeric and len(shape) == 1:
         yield path, np.ravel(item[()])
-    elif item.dtype.kind in "iuf" and len(shape) == 2:
+    elif is_numeric and len(shape) == 2:
         matrix = np.squeeze(item[()])
         rows = matrix.T if shape[0] > shape[1] else matrix
         yield from ((f"{path}/{number}", row) for number, row in enumerate(rows, start=1))

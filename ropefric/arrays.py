@@ -1,5 +1,7 @@
 """The arrays that recordings are made of."""
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -15,7 +17,7 @@ def frozen_array(values: npt.ArrayLike) -> FloatArray:
     integers.
     """
     if isinstance(values, np.ndarray) and values.dtype == np.float64:
-        owner = values if values.base is None else values.base
+        owner: Any = values if values.base is None else values.base
         if isinstance(owner, np.ndarray) and owner.flags.owndata and not owner.flags.writeable:
             return values
     return sealed(np.array(values, dtype=np.float64))

@@ -470,26 +470,19 @@ def read_stamps(
     that nobody sets; one that goes back by an hour is refused. Without a date, a fall by more than twelve hours is
     midnight. A date whose order only the writer can know is refused.
     """
-    rows, empty = list(cells), frozenset(no_value)
-    found = {at: _STAMP.fullmatch(text) for at, (_, text) in enumerate(rows) if text not in empty}
-    first = next(filter(None, found.values()), None)
+    rows = list(cells)
+    stamps = _stamps_by_place(rows, frozenset(no_value), refuse)
     seconds = np.full(len(rows), np.nan)
-    if first is None:
+    if not stamps:
         return seconds, ()
-    dates: dict[str, int] = {}
-    for at, match in found.items():
-        if match is not None and match["date"]:
-            dates.setdefault(match["date"], rows[at][0])
+    first = next(iter(stamps.values()))
+    dates: dict[str, int] = {}  # with the line in which each is first
+    for at, match in stamps.items() if first["date"] else ():
+        dates.setdefault(match["date"], rows[at][0])
     order = _order(dates, order, refuse)
     days, clock = _days(dates, order, refuse), _Clock(_place(zone))
-    counts_ps = []
-    for at, match in found.items():
-        line, text = rows[at]
-        if match is None or _form(match) != _form(first):
-            why = f"cannot read {text[:40]!r} as a time stamp like {first[0]!r}"
-            raise refuse(line, why, "mend the cell")
-        counts_ps.append(clock.count_ps(match, line, days, refuse))
-    seconds[list(found)] = [(count_ps - counts_ps[0]) / _PS for count_ps in counts_ps]
+    counts_ps = [clock.count_ps(match, rows[at][0], days, refuse) for at, match in stamps.items()]
+    seconds[list(stamps)] = [(count_ps - counts_ps[0]) / _PS for count_ps in counts_ps]
     facts = [ORDERS[order] if dates else "without a date"]
     if clock.place and not first["zone"]:
         facts.append(f"local time of {zone}")
@@ -498,8 +491,25 @@ def read_stamps(
     return seconds, (f"text time stamps ({', '.join(facts)}) from {first[0]} on",)
 
 
+def _stamps_by_place(
+    rows: Sequence[tuple[int, str]], no_value: frozenset[str], refuse: _Refuse
+) -> dict[int, _Stamp]:
+    """Return the stamps of a column; all have a date or none has, and so with a zone."""
+    read = {at: _STAMP.fullmatch(text) for at, (_, text) in enumerate(rows) if text not in no_value}
+    first, found = next(filter(None, read.values()), None), dict[int, _Stamp]()
+    if first is None:
+        return found
+    for at, match in read.items():
+        if match is None or _form(match) != _form(first):
+            line, text = rows[at]
+            why = f"cannot read {text[:40]!r} as a time stamp like {first[0]!r}"
+            raise refuse(line, why, "mend the cell")
+        found[at] = match
+    return found
+
+
 def _form(match: _Stamp) -> tuple[bool, bool]:
-    """Return whether a stamp has a date, and a zone: within a column all are alike."""
+    """Return whether a stamp has a date, and a zone."""
     return match["date"] is not None, match["zone"] is not None
 
 

@@ -78,17 +78,12 @@ def _repeated_block(time_s: FloatArray, force_N: FloatArray) -> str:
     )
     if _all_differ(several):
         return ""
-    lengths, levels_N = _lengths(begins, force_N), force_N[begins]
-    # How rare a step and the run after it are: what a level is like hangs on the one before it.
-    half_N = 0.5 * levels_N  # the range of the largest floats is no float
-    parts = (half_N - half_N[0]) / max(float(np.ptp(half_N)), float(np.finfo(np.float64).tiny))
-    steps = np.rint(1e9 * np.diff(parts, prepend=0.0)).astype(np.int64)
-    _, of_step, counts = np.unique(_mixed(steps, lengths), return_inverse=True, return_counts=True)
-    sums = np.concatenate([[0.0], np.cumsum(-np.log(counts / begins.size)[of_step.ravel()])])
-    order = np.argsort(several, kind="stable")
-    first, second = order[:-1], order[1:]
-    is_same = (several[first] == several[second]) & (sums[first + TOKENS] - sums[first] > TOKENS)
-    shifts, first = (second - first)[is_same], first[is_same]
+    sums, order = _surprises(begins, force_N), np.argsort(several, kind="stable")
+    several = several[order]
+    is_same = several[1:] == several[:-1]
+    first, second = order[:-1][is_same], order[1:][is_same]
+    is_rare = sums[first + TOKENS] - sums[first] > TOKENS
+    shifts, first = (second - first)[is_rare], first[is_rare]
     for shift in np.unique(shifts).tolist():
         at = np.sort(first[shifts == shift])
         for run in np.split(at, np.flatnonzero(np.diff(at) != 1) + 1):
@@ -100,6 +95,24 @@ def _repeated_block(time_s: FloatArray, force_N: FloatArray) -> str:
                 where = f"{samples} samples from {first_s:.4g} s on stand again from {again_s:.4g} s on"
                 return f"{where}, number by number: a block was written twice; export the file again"
     return ""
+
+
+def _surprises(begins: IntArray, force_N: FloatArray) -> FloatArray:
+    """Return how rare all runs before a run are together, −ln of their probability, shape (n + 1,).
+
+    A step and the length of the run after it count: what a level is like hangs on the one before it.
+    """
+    parts = 0.5 * force_N[begins]  # the range of the largest floats is no float
+    range_N = max(float(np.ptp(parts)), float(np.finfo(np.float64).tiny))
+    parts -= parts[0]
+    parts /= range_N
+    steps = np.diff(parts, prepend=0.0)
+    steps *= 1e9
+    kinds = _mixed(np.rint(steps, out=steps).astype(np.int64), _lengths(begins, force_N))
+    ordered = np.sort(kinds)
+    counts = np.searchsorted(ordered, kinds, side="right")
+    counts -= np.searchsorted(ordered, kinds, side="left")
+    return np.concatenate([[0.0], np.cumsum(-np.log(counts / begins.size))])
 
 
 def _lengths(begins: IntArray, force_N: FloatArray) -> IntArray:

@@ -51,24 +51,26 @@ def si_scale(channel: str, unit: str, sensitivity: str = "", *, path: str = "") 
     fixed = FIXED_UNITS.get(channel)
     if channel in COUNTS or (not sensitivity and unit == (fixed or "")):
         return 1.0, fixed or ""
-    reason, hint = f"the {channel} has no unit", "give the unit"
     example = f'unit = "{_EXAMPLE.get(channel, "mm")}"'
+    if not unit:
+        raise _no_scale(channel, f"the {channel} has no unit", "give the unit", example, path)
     try:
-        if unit and not sensitivity:
-            return _by_unit(channel, unit)
-        if unit:
-            factor, found = scaled_by(unit, sensitivity)
-            if fixed in (None, found):
-                return factor, found
-            reason = f"{unit} by a sensitivity of {sensitivity} gives no {fixed}"
-            hint, example = "give force per signal", f'unit = "{unit}", sensitivity = "25 N/{unit}"'
+        factor, found = scaled_by(unit, sensitivity) if sensitivity else _by_unit(channel, unit)
     except InputError as error:
-        reason = f"unknown unit '{unit[:40]}'"
+        reason, hint = f"unknown unit '{unit[:40]}'", "give the unit"
         if sensitivity or fixed or error.fix.startswith("write '"):  # a mistyped unit
             reason, hint = error.problem.message.split(": ", 1)[-1], error.fix or hint
-    key = f"[import.channels] {channel}"
+        raise _no_scale(channel, reason, hint, example, path) from None
+    if fixed in (None, found) or not sensitivity:
+        return factor, found
+    reason = f"{unit} by a sensitivity of {sensitivity} gives no {fixed}"
+    example = f'unit = "{unit}", sensitivity = "25 N/{unit}"'
+    raise _no_scale(channel, reason, "give force per signal", example, path)
+
+
+def _no_scale(channel: str, reason: str, hint: str, example: str, path: str) -> DataError:
     fix = f"{hint}, for example {channel} = {{ column = 1, {example} }}"
-    raise DataError(reason, code="RF106", path=path, key=key, fix=fix)
+    return DataError(reason, code="RF106", path=path, key=f"[import.channels] {channel}", fix=fix)
 
 
 def _by_unit(channel: str, unit: str) -> tuple[float, str]:

@@ -230,12 +230,8 @@ def _missing_columns(
         key, code, fix = known, "RF121", f"add the column {header}"
         message = f"there is no column {header}; every trial needs {_MEANINGS[name]}"
         if near := get_close_matches(known, others, n=1, cutoff=_SLIP):
-            key, code, message, fix = (
-                near[0],
-                "RF120",
-                "this column is not known",
-                did_you_mean(near[0], [known]),
-            )
+            key, code, message = near[0], "RF120", "this column is not known"
+            fix = did_you_mean(near[0], [known])
         yield table.problem(table.header_line, key, code, message, fix)
 
 
@@ -449,12 +445,10 @@ def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:
         said = f"a wrap of {turns:g} turns is probably in another unit"
         yield "wrap_angle", said, "check the unit in the header"
     if degrees <= 90 * (1 - 1e-9):
-        least = "the 90 deg that ASTM D3108 sets as least"
-        yield (
-            "wrap_angle",
-            f"a wrap of {degrees:g} deg is below {least}, so u(mu) is large",
-            "wrap further where the rig allows it",
+        said = (
+            f"a wrap of {degrees:g} deg is below the 90 deg that ASTM D3108 sets as least, so u(mu) is large"
         )
+        yield "wrap_angle", said, "wrap further where the rig allows it"
     if trial.exclude.lower() in {"no", "n", "false", "0", "-", "none"}:
         said = f"'{trial.exclude}' is taken as a reason, so the trial is excluded"
         yield "exclude", said, "leave the cell empty to keep the trial"
@@ -489,10 +483,8 @@ def _nothing_hung(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]
     """Warn that repeats cannot be recognised where the end tension is measured and the weight is not stated."""
     unsaid = [one for one in trials if one.end_tension_N is None and one.lift_force_N is None]
     if unsaid:
-        said = "the end tension is measured, and the list does not say what was hung"
-        message = (
-            f"{said}: each of {counted(len(unsaid), 'trial')} is a condition of its own, without repeats"
-        )
+        message = "the end tension is measured, and the list does not say what was hung: each of "
+        message += f"{counted(len(unsaid), 'trial')} is a condition of its own, without repeats"
         fix = "add the column end_tension_N with what was set; what was measured is still what counts"
         yield warn(code="RF310", message=message, line=unsaid[0].line, key="end_tension", fix=fix)
 

@@ -384,7 +384,7 @@ def _with_unit(name: str, table: Table, values: Values, channel: Channel, doubts
 
 
 def _doubts_of(name: str, unit: str, channel: Channel) -> Iterator[str]:
-    """Yield what is to be added where a unit is missing, is that of a signal, or is of another quantity."""
+    """Yield a doubt where a unit is missing, is that of a signal, or is of another quantity."""
     if not unit:
         yield f'the unit of the {name} is not stated; add it, for example unit = "N"'
     elif signal_unit(name, unit) and not channel.sensitivity:

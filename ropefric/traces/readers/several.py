@@ -189,10 +189,8 @@ def _stacked_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]
     text = text.whole()
     parts = stacked_parts(text, dialect)
     if not parts:
-        why, fix = (
-            "there is no header that comes again below data",
-            'set [import] header_row, or format = "delimited"',
-        )
+        why = "there is no header that comes again below data"
+        fix = 'set [import] header_row, or format = "delimited"'
         raise source.error(why, code="RF103", key="[import] format", fix=fix)
     names = [part.name for part in parts]
     if "" in names or len(set(names)) < len(names):
@@ -207,11 +205,8 @@ def _stacked_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]
 def _part_table(text: Text, dialect: Dialect, part: Part) -> Table:
     rows = dialect.rows
     units_row = part.header_row + rows.units_row - rows.header_row if rows.units_row else 0
-    units = (
-        split_line(text.line(units_row), dialect.separator)
-        if 0 < units_row < part.data_row
-        else dialect.units
-    )
+    has_units = 0 < units_row < part.data_row
+    units = split_line(text.line(units_row), dialect.separator) if has_units else dialect.units
     start, stop = (
         start_of_line(text.data, line - text.first_line + 1) for line in (part.header_row, part.stop)
     )
@@ -275,11 +270,9 @@ def _time_of(whole: Table, profile: ImportProfile, source: Source) -> tuple[int,
     index = whole.find(given.column, source, "[import.channels] time") if given else -1
     if index < 0:
         index = next((i for i, name in enumerate(whole.names) if is_time(name)), -1)
-    unit = (
-        "s"
-        if index in whole.stamps
-        else (given.unit if given else "") or (whole.unit(index) if index >= 0 else "")
-    )
+    unit = given.unit if given else ""
+    if index >= 0:
+        unit = "s" if index in whole.stamps else unit or whole.unit(index)
     try:
         return index, unit_factor(unit, "s", name="time")
     except InputError:

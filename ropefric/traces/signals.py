@@ -48,24 +48,29 @@ def si_scale(channel: str, unit: str, sensitivity: str = "", *, path: str = "") 
     any other channel comes to the SI unit of its own dimension, and is taken as a bare number where it has no unit.
     A sensitivity, such as 25 N/mV, makes of it what it says.
     """
-    fixed = FIXED_UNITS.get(channel)
-    if channel in COUNTS or (not sensitivity and unit == (fixed or "")):
-        return 1.0, fixed or ""
+    fixed = FIXED_UNITS.get(channel, "")
+    if channel in COUNTS or (unit == fixed and not sensitivity):
+        return 1.0, fixed
     example = f'unit = "{_EXAMPLE.get(channel, "mm")}"'
     if not unit:
         raise _no_scale(channel, f"the {channel} has no unit", "give the unit", example, path)
     try:
         factor, found = scaled_by(unit, sensitivity) if sensitivity else _by_unit(channel, unit)
     except InputError as error:
-        reason, hint = f"unknown unit '{unit[:40]}'", "give the unit"
-        if sensitivity or fixed or error.fix.startswith("write '"):  # a mistyped unit
-            reason, hint = error.problem.message.split(": ", 1)[-1], error.fix or hint
-        raise _no_scale(channel, reason, hint, example, path) from None
-    if fixed in (None, found) or not sensitivity:
+        is_stated = bool(sensitivity or fixed)
+        raise _no_scale(channel, *_why_unknown(unit, error, is_stated=is_stated), example, path) from None
+    if not sensitivity or fixed in ("", found):
         return factor, found
     reason = f"{unit} by a sensitivity of {sensitivity} gives no {fixed}"
     example = f'unit = "{unit}", sensitivity = "25 N/{unit}"'
     raise _no_scale(channel, reason, "give force per signal", example, path)
+
+
+def _why_unknown(unit: str, error: InputError, *, is_stated: bool) -> tuple[str, str]:
+    """Return why a unit has no factor, and what to do; of a column whose quantity is open, only that it is unknown."""
+    if is_stated or error.fix.startswith("write '"):  # a mistyped unit
+        return error.problem.message.split(": ", 1)[-1], error.fix or "give the unit"
+    return f"unknown unit '{unit[:40]}'", "give the unit"
 
 
 def _no_scale(channel: str, reason: str, hint: str, example: str, path: str) -> DataError:

@@ -208,9 +208,7 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
     """
     shown = Path(path).as_posix()
     text, sheet = _read_text(Path(path), shown)
-    filled = ((n, line) for n, line in enumerate(text.split("\n"), start=1) if line.strip(_BLANK))
-    # A spreadsheet quotes a comment that holds a separator.
-    lines = [*dropwhile(lambda item: item[1].lstrip(_BLANK).lstrip('"').startswith("#"), filled)]
+    lines = _lines_from_header(text)
     if not lines:
         fix = "write a header such as file,wheel_radius_mm,wrap_angle_deg,end_tension_N"
         raise DataError("the table is empty", path=shown, fix=fix)
@@ -228,6 +226,13 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
         [table.problem(header_line, "", "RF141", sheet, "put the table first", warning=True)] if sheet else []
     )
     return table, (*notes, *_torn(table, split))
+
+
+def _lines_from_header(text: str) -> list[tuple[int, str]]:
+    """Return the lines that hold anything, from the first on that is no comment, with their numbers."""
+    filled = ((n, line) for n, line in enumerate(text.split("\n"), start=1) if line.strip(_BLANK))
+    # A spreadsheet quotes a comment that holds a separator.
+    return [*dropwhile(lambda item: item[1].lstrip(_BLANK).lstrip('"').startswith("#"), filled)]
 
 
 def _read_text(path: Path, shown: str) -> tuple[str, str]:

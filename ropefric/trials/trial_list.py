@@ -137,7 +137,7 @@ def read_trials(path: str | os.PathLike[str], folder: Path, context: TrialContex
         table, torn = cells.read_cells(path)
     except DataError as error:
         return ReadList(problems=tuple(map(_of_campaign, error.problems)))
-    decided = DECIDED if {"why", "by"} <= {cells.word_of(name) for name in table.header} else {}
+    decided = DECIDED if {"why", "by"} <= {*map(cells.word_of, table.header)} else {}
     columns, others, refused = table.bind({**QUANTITIES, **decided}, TEXTS)
     problems = [*torn, *refused, *_check_header(table, columns, others, None if refused else context)]
     if not torn:

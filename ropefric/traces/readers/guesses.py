@@ -107,18 +107,23 @@ def _in_rows(text: Text, dialect: Dialect, plain: ImportProfile) -> ImportProfil
     time, clock = _clock_of(dialect, columns)
     if time < 0:
         return None
-    names = [name if dialect.header.count(name) == 1 else i + 1 for i, name in enumerate(dialect.header)]
     labels = {i: np.array(cells) for i, cells in enumerate(columns) if _are_labels(cells)}
     back = np.diff(clock) < 0
     found: dict[str, Any] = {}
     channel, value = _channel_and_value(columns, labels, time, clock)
     if channel >= 0:
-        found = {"channel_column": names[channel], "value_column": names[value]}
+        found = {f"{key}_column": _named(dialect, at) for key, at in (("channel", channel), ("value", value))}
         back &= _stays(labels.pop(channel))  # back to the begin of another channel is no other recording
     recordings = [i for i, of in labels.items() if not (back & _stays(of)).any()] if back.any() else []
     if recordings:
-        found["recording_column"] = names[recordings[0]]
+        found["recording_column"] = _named(dialect, recordings[0])
     return replace(plain, format="long", **found) if found else None
+
+
+def _named(dialect: Dialect, index: int) -> str | int:
+    """Return the name of a column, or its number where others are called so."""
+    name = dialect.header[index]
+    return name if dialect.header.count(name) == 1 else index + 1
 
 
 def _whole_columns(text: Text, dialect: Dialect) -> list[tuple[str, ...]]:
@@ -287,8 +292,7 @@ def _forces(
 ) -> dict[str, Channel]:
     """Return the channels force and end tension, where they are not known and one column each may be it."""
     free = _free_columns(table, values, channels)
-    stated = {i: table.unit(i) or table.facts.unit for i in free}
-    units = {i: unit for i in free if is_of("force", unit := _WEIGHTS.get(stated[i], stated[i]))}
+    units = {i: unit for i in free if is_of("force", unit := _unit_of_force(table, i))}
     found: dict[str, Channel] = {}
     if not {"force", "counts"} & (channels.keys() | known.derived.keys()):
         force, why = _force_column(table, values, free, units)
@@ -315,6 +319,12 @@ def _free_columns(table: Table, values: Values, channels: Mapping[str, Channel])
         i for i, some in columns.items() if np.nanmax(some, initial=-np.inf) > np.nanmin(some, initial=np.inf)
     ]
     return lively or [*columns]
+
+
+def _unit_of_force(table: Table, index: int) -> str:
+    """Return the unit of a column, or that of the head of the file; of a mass, that of its weight."""
+    unit = table.unit(index) or table.facts.unit
+    return _WEIGHTS.get(unit, unit)
 
 
 def _end_tension(table: Table, units: Iterable[int], doubts: list[str]) -> dict[str, Channel]:

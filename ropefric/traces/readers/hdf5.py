@@ -135,16 +135,19 @@ def _columns(item: Any, path: str) -> Iterator[tuple[str, np.ndarray[Any, Any]]]
 
 def _vectors(item: Any) -> Iterable[tuple[str, np.ndarray[Any, Any]]]:
     """Return the columns of a data set with their names, "" for a vector."""
-    shape, is_numeric = [size for size in item.shape or () if size > 1], item.dtype.kind in "iuf"
-    if item.dtype.names and len(shape) == 1:
-        return [(name, np.ravel(item[name])) for name in item.dtype.names if item.dtype[name].kind in "iuf"]
-    if is_numeric and len(shape) == 1:
-        return [("", np.ravel(item[()]))]
-    if is_numeric and len(shape) == 2:
-        matrix = np.squeeze(item[()])
-        rows = matrix.T if shape[0] > shape[1] else matrix
-        return [(str(number), row) for number, row in enumerate(rows, start=1)]
-    return ()
+    kind, n_axes = item.dtype, sum(size > 1 for size in item.shape or ())
+    if kind.names and n_axes == 1:
+        return [(name, np.ravel(item[name])) for name in kind.names if kind[name].kind in "iuf"]
+    if kind.kind not in "iuf" or n_axes not in (1, 2):
+        return ()
+    values = np.squeeze(item[()])
+    return [("", values)] if n_axes == 1 else _of_matrix(values)
+
+
+def _of_matrix(values: np.ndarray[Any, Any]) -> list[tuple[str, np.ndarray[Any, Any]]]:
+    """Return the columns of a matrix, which has more samples than channels, with their numbers."""
+    columns = values.T if values.shape[0] > values.shape[1] else values
+    return [(str(number), column) for number, column in enumerate(columns, start=1)]
 
 
 def _attributes(item: Any, file: Any) -> tuple[str, float | np.datetime64, float, str]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from itertools import accumulate, islice
+from itertools import accumulate, chain, islice
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -260,7 +260,7 @@ def _summarise(
     samples = tuple(table.sample for table in tables if table.sample)
     several = "name one recording in the column 'sample' of the list of trials, or write '*' for all"
     doubts = (*found.doubts, *wrong_stamps, *guess.doubts, *clock_doubts)
-    hints = [hint for column, array in zip(columns, whole, strict=True) for hint in _at_limits(column, array)]
+    hints = chain.from_iterable(map(_at_limits, columns, whole))
     return replace(
         found,
         columns=columns,

@@ -61,10 +61,9 @@ def _width_of_block(header: Sequence[str]) -> int:
 def _block(names: Sequence[str]) -> Block:
     """Return a recording by what all its names begin or end with, or by their last number; "" where nothing names it."""
     before, after = _shared(names), _shared([name[::-1] for name in names])[::-1]
-    if _DIGITS.search(before):
-        return Block(before.strip(_MARKS), tuple(name.removeprefix(before).strip() for name in names))
-    if _DIGITS.search(after):
-        return Block(after.strip(_MARKS), tuple(name.removesuffix(after).strip() for name in names))
+    for shared, without in ((before, str.removeprefix), (after, str.removesuffix)):
+        if _DIGITS.search(shared):
+            return Block(shared.strip(_MARKS), tuple(without(name, shared).strip() for name in names))
     last = {tuple(_DIGITS.findall(name)[-1:]) for name in names}
     if len(last) > 1 or () in last:
         return Block("", tuple(name.strip() for name in names))

@@ -141,7 +141,7 @@ def _vectors(item: Any) -> Iterable[tuple[str, np.ndarray[Any, Any]]]:
     if kind.kind not in "iuf" or n_axes not in (1, 2):
         return ()
     values = np.squeeze(item[()])
-    return [("", values)] if n_axes == 1 else _of_matrix(values)
+    return [("", values.ravel())] if n_axes == 1 else _of_matrix(values)
 
 
 def _of_matrix(values: np.ndarray[Any, Any]) -> list[tuple[str, np.ndarray[Any, Any]]]:

@@ -38,7 +38,9 @@ CARRIED: list[Callable[[], Any]] = []
 """Executors that give something that every worker must have before its work: to unpickle it is to have it."""
 
 _MADE_BY = ("numpy", "scipy", "pandas")
-_ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL")}
+_OF_WORKERS = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL")}
+# Memory that one recording took serves the next; dask would give it back after each, and fetch it again.
+_OF_WORKERS |= {"MALLOC_MMAP_THRESHOLD_": str(32 * 2**20), "MALLOC_TRIM_THRESHOLD_": str(128 * 2**20)}
 
 
 def usable_cores() -> int:
@@ -182,8 +184,12 @@ def cluster(address: str, n_workers: int = 0) -> Iterator[Any]:
     # What dask logs of lost connections, with tracebacks, is said here in words.
     for name in ("distributed", "distributed.client", "tornado.application"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    timeouts = {"distributed.comm.timeouts.connect": f"{CONNECT_S:g}s"}
-    import_module("dask").config.set(timeouts | {"distributed.nanny.pre-spawn-environ": _ONE_THREAD})
+    configured = {
+        "distributed.comm.timeouts.connect": f"{CONNECT_S:g}s",
+        "distributed.nanny.pre-spawn-environ": _OF_WORKERS,
+        "distributed.worker.profile.enabled": False,  # a hundred looks a second at what a worker does
+    }
+    import_module("dask").config.set(configured)
     with ExitStack() as stack:
         if address == "local":
             at_home: dict[str, Any] = {"host": "127.0.0.1", "dashboard_address": None}

@@ -142,6 +142,14 @@ def unit_factor(unit: str, si_unit: str, *, name: str = "quantity") -> float:
     raise _unreadable(name, message, f"use a unit such as '{example_unit(si_unit)}'")
 
 
+def is_unit_of(unit: str, si_unit: str) -> bool:
+    """Return whether a unit is one of the quantity of an SI unit."""
+    try:
+        return bool(unit) and unit_factor(unit, si_unit) > 0.0
+    except InputError:
+        return False
+
+
 def _unreadable(name: str, what: str, fix: str) -> InputError:
     return InputError(f"{name}: {what}", code="RF130", fix=fix)
 
@@ -208,12 +216,9 @@ def same_unit(one: str, other: str) -> bool | None:
 def scaled_by(unit: str, sensitivity: str) -> tuple[float, str]:
     """Return the factor from a signal's unit to SI by a sensitivity, 25 N/mV or 40 mV/N, and the unit it gives."""
     value, per = parse_any_quantity(sensitivity), _split(sensitivity, "", "sensitivity")[1]
-    if not value:
-        raise _unreadable("sensitivity", f"{_shown(sensitivity)} is zero", 'write it like "25 N/mV"')
-    if "/" not in per:
-        raise _unreadable(
-            "sensitivity", f"{_shown(sensitivity)} is not per signal", 'write it like "25 N/mV"'
-        )
+    if not value or "/" not in per:
+        why = "is not per signal" if value else "is zero"
+        raise _unreadable("sensitivity", f"{_shown(sensitivity)} {why}", 'write it like "25 N/mV"')
     if not unit:
         raise _unreadable("signal", "it has no unit", 'write unit = "mV"')
     if si_unit_of(per) == "V/N":

@@ -136,23 +136,22 @@ class Text:
 
     def blocks(self, line: int = 1) -> Iterator["Block"]:
         """Return an iterator over pieces of whole lines, from a 1-based line on."""
-        first = self.first_line
-        for data in (self.data,) if self.is_whole else self._read():
-            start = start_of_line(data, line - first + 1)
-            if start < len(data):
-                yield Block(max(line, first), data, start)
-            first += 0 if self.is_whole else data.count(b"\n")
+        for block in (Block(self.first_line, self.data, 0),) if self.is_whole else self._read():
+            start = start_of_line(block.data, line - block.line + 1)
+            if start < len(block.data):
+                yield Block(max(line, block.line), block.data, start)
 
-    def _read(self) -> Iterator[bytes]:
-        held = b""  # the end is cut in one piece that is not small
-        for data in _clean_blocks(self.source.unpacked(), self.encoding, self.source):
-            if held and len(data) >= HEAD_BYTES:
+    def _read(self) -> Iterator["Block"]:
+        held = Block(1, b"", 0)  # the end is cut in one piece that is not small
+        for block in _clean_blocks(self.source.unpacked(), self.encoding, self.source):
+            if held.data and len(block.data) >= HEAD_BYTES:
                 yield held
-                held = b""
-            held += data
-        is_ended = held.endswith(b"\n")
-        held = held if is_ended else held + b"\n"
-        yield self.cut(held, is_ended) if self.cut is not None else held
+                held = block
+            else:
+                held = held._replace(data=held.data + block.data)
+        is_ended = held.data.endswith(b"\n")
+        data = held.data if is_ended else held.data + b"\n"
+        yield held._replace(data=self.cut(data, is_ended) if self.cut is not None else data)
 
     def whole(self) -> "Text":
         """Return the text held whole, however long it is."""
@@ -277,7 +276,7 @@ def load_text(source: Source, encoding: str = "") -> Text:
     found = encoding or _marked_encoding(start) or ("utf-8" if _is_utf8(blocks(), source) else "cp1252")
     data = b""
     for block in _clean_blocks(blocks(), found, source):
-        data += block
+        data += block.data
         if not is_whole and len(data) >= HEAD_BYTES and data.count(b"\n") >= HEAD_LINES:
             break
     if data.isspace() or not data:
@@ -313,7 +312,7 @@ def _is_utf8(blocks: Iterable[bytes], source: Source) -> bool:
     return True
 
 
-def _clean_blocks(blocks: Iterable[bytes], encoding: str, source: Source) -> Iterator[bytes]:
+def _clean_blocks(blocks: Iterable[bytes], encoding: str, source: Source) -> Iterator[Block]:
     r"""Give pieces of whole lines in UTF-8 that end in `\n`; a last line that nothing ends comes as it is."""
     line, rest = 1, b""
     for decoded in _to_utf8(blocks, encoding, source):
@@ -330,11 +329,11 @@ def _clean_blocks(blocks: Iterable[bytes], encoding: str, source: Source) -> Ite
             line, fix = line + whole.count(b"\n"), "check that this is the recording"
             raise source.error(why, line=line, fix=fix)
         if whole:
-            yield _without_zeros(whole, line, source)
+            yield Block(line, _without_zeros(whole, line, source), 0)
             line += whole.count(b"\n")
     if rest and source.most_bytes <= 0:  # where a part ends, a line is cut
         last = rest.removesuffix(b"\r") + (b"\n" if rest.endswith(b"\r") else b"")
-        yield _without_zeros(last, line, source)
+        yield Block(line, _without_zeros(last, line, source), 0)
 
 
 def _without_zeros(data: bytes, line: int, source: Source) -> bytes:

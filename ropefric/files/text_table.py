@@ -470,38 +470,46 @@ def read_stamps(
     that nobody sets; one that goes back by an hour is refused. Without a date, a fall by more than twelve hours is
     midnight. A date whose order only the writer can know is refused.
     """
-    rows, empty = list(cells), frozenset(no_value)
-    found = {at: _STAMP.fullmatch(text) for at, (_, text) in enumerate(rows) if text not in empty}
-    first = next(filter(None, found.values()), None)
+    rows = list(cells)
+    stamps = _stamps_by_place(rows, frozenset(no_value), refuse)
     seconds = np.full(len(rows), np.nan)
-    if first is None:
+    if not stamps:
         return seconds, ()
-    lines: dict[str, int] = {}
-    for at, match in found.items():
-        lines.setdefault((match and match["date"]) or "", rows[at][0])
-    lines.pop("", 0)
-    order = _order(lines, order, refuse)
-    days, clock = _days(lines, order, refuse), _Clock(_place(zone))
-    counts_ps: list[int] = []
-    for at, match in found.items():
-        line, text = rows[at]
-        if match is None or _form(match) != _form(first):
-            why = f"cannot read {text[:40]!r} as a time stamp like {first[0]!r}"
-            raise refuse(line, why, "mend the cell")
-        at_s = days.get(match["date"], 0) * _DAY_S + _second_of_day(match, line, refuse)
-        if clock.went_back_an_hour(match, at_s):
-            fix = 'name the zone of the clock, for example [import] time_zone = "Europe/Berlin"'
-            raise refuse(line, f"the clock goes back by an hour to {text!r}: summer time ended", fix)
-        counts_ps.append(clock.count_ps(match, at_s))
-    seconds[list(found)] = [(count_ps - counts_ps[0]) / _PS for count_ps in counts_ps]
-    facts = [ORDERS[order] if lines else "without a date"]
-    facts += [f"local time of {zone}"] if clock.place and not first["zone"] else []
-    facts += [f"past midnight {clock.n_midnights} times"] if clock.n_midnights else []
+    first = next(iter(stamps.values()))
+    dates: dict[str, int] = {}  # with the line in which each is first
+    for at, match in stamps.items() if first["date"] else ():
+        dates.setdefault(match["date"], rows[at][0])
+    order = _order(dates, order, refuse)
+    days, clock = _days(dates, order, refuse), _Clock(_place(zone))
+    counts_ps = [clock.count_ps(match, rows[at][0], days, refuse) for at, match in stamps.items()]
+    seconds[list(stamps)] = [(count_ps - counts_ps[0]) / _PS for count_ps in counts_ps]
+    facts = [ORDERS[order] if dates else "without a date"]
+    if clock.place and not first["zone"]:
+        facts.append(f"local time of {zone}")
+    if clock.n_midnights:
+        facts.append(f"past midnight {clock.n_midnights} times")
     return seconds, (f"text time stamps ({', '.join(facts)}) from {first[0]} on",)
 
 
+def _stamps_by_place(
+    rows: Sequence[tuple[int, str]], no_value: frozenset[str], refuse: _Refuse
+) -> dict[int, _Stamp]:
+    """Return the stamps of a column; all have a date or none has, and so with a zone."""
+    read = {at: _STAMP.fullmatch(text) for at, (_, text) in enumerate(rows) if text not in no_value}
+    first, found = next(filter(None, read.values()), None), dict[int, _Stamp]()
+    if first is None:
+        return found
+    for at, match in read.items():
+        if match is None or _form(match) != _form(first):
+            line, text = rows[at]
+            why = f"cannot read {text[:40]!r} as a time stamp like {first[0]!r}"
+            raise refuse(line, why, "mend the cell")
+        found[at] = match
+    return found
+
+
 def _form(match: _Stamp) -> tuple[bool, bool]:
-    """Return whether a stamp has a date, and a zone: within a column all are alike."""
+    """Return whether a stamp has a date, and a zone."""
     return match["date"] is not None, match["zone"] is not None
 
 
@@ -513,14 +521,18 @@ class _Clock:
     last_ps: int | None = None
     n_midnights: int = 0
 
-    def went_back_an_hour(self, match: _Stamp, at_s: int) -> bool:
+    def _went_back_an_hour(self, match: _Stamp, at_s: int) -> bool:
         """Return whether a clock of no known place was set back since the last stamp."""
         if self.place or self.last_ps is None or match["zone"] or not match["date"]:
             return False
         return _HOUR_BACK_S[0] <= self.last_ps // _PS - at_s <= _HOUR_BACK_S[1]
 
-    def count_ps(self, match: _Stamp, at_s: int) -> int:
+    def count_ps(self, match: _Stamp, line: int, days: Mapping[str, int], refuse: _Refuse) -> int:
         """Return the picoseconds of a stamp on one scale with those before it."""
+        at_s = days.get(match["date"], 0) * _DAY_S + _second_of_day(match, line, refuse)
+        if self._went_back_an_hour(match, at_s):
+            fix = 'name the zone of the clock, for example [import] time_zone = "Europe/Berlin"'
+            raise refuse(line, f"the clock goes back by an hour to {match[0]!r}: summer time ended", fix)
         part_ps = int((match["part"] or "").ljust(12, "0")[:12])
         if match["zone"]:
             at_s -= _offset_s(match["zone"])

@@ -221,19 +221,28 @@ def _model_at(model: type[BaseModel], key: KeyPath) -> type[BaseModel] | None:
     """Follow a key down the model's annotations: tables, mappings of tables, optional ones."""
     found: Any = model
     for part in key:
-        if isinstance(found, type) and issubclass(found, BaseModel):
-            fields = {field.alias or name: field for name, field in found.model_fields.items()}
-            field = fields.get(str(part))
-            # As `get_args` has it, the annotation comes first and what is said of it after.
-            arms = (field.annotation, *field.metadata) if field else ()
-        else:
-            arms = get_args(found)[-1:]
-        found = next(iter(arms), None)
-        if get_origin(found) is Annotated:
-            arms = get_args(found)
-        table = next((arm for arm in arms if isinstance(arm, Table)), None)
-        if table is not None:
-            found = table.model
-        elif get_origin(found) in (Union, types.UnionType):
-            found = next((arm for arm in get_args(found) if arm is not type(None)), None)
-    return found if isinstance(found, type) and issubclass(found, BaseModel) else None
+        found = _of_arms(_arms_of_field(found, str(part)) if _is_model(found) else get_args(found)[-1:])
+    return found if _is_model(found) else None
+
+
+def _is_model(found: Any) -> bool:
+    return isinstance(found, type) and issubclass(found, BaseModel)
+
+
+def _arms_of_field(model: type[BaseModel], key: str) -> tuple[Any, ...]:
+    """Return the annotation of a field and what belongs to it, in the order of `get_args`."""
+    fields = {field.alias or name: field for name, field in model.model_fields.items()}
+    return (fields[key].annotation, *fields[key].metadata) if key in fields else ()
+
+
+def _of_arms(arms: tuple[Any, ...]) -> Any:
+    """Return the model of an annotation, or the annotation without what it has beside its type."""
+    found = arms[0] if arms else None
+    if get_origin(found) is Annotated:
+        arms = get_args(found)
+    table = next((arm for arm in arms if isinstance(arm, Table)), None)
+    if table is not None:
+        return table.model
+    if get_origin(found) in (Union, types.UnionType):
+        return next((arm for arm in get_args(found) if arm is not type(None)), None)
+    return found

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ropefric.arrays import sealed
 from ropefric.errors import DataError, Problem, RopefricError
 from ropefric.registry import did_you_mean
 from ropefric.traces.calibration import IN_NEWTONS, Calibration, ForceCell, tare_from_interval
@@ -74,8 +75,8 @@ def assemble_trace(
             "end_calibration": slack.calibration,
         }
     return ForceTrace(
-        time_s=pull.signal.time_s,
-        force_N=pull.signal.values,
+        time_s=sealed(pull.signal.time_s),
+        force_N=sealed(pull.signal.values),
         name=raw.name,
         source=raw.source,
         notes=notes,

@@ -290,7 +290,9 @@ class Calibration:
         line = self.cell.line
         if self.adc is None:
             nowhere = np.empty((0, 2), dtype=np.int64)
-            force_N = (np.asarray(values, dtype=np.float64) - line.zero_V) * line.gain_N_V - self.tare_N
+            force_N = np.asarray(values, dtype=np.float64) - line.zero_V
+            force_N *= line.gain_N_V
+            force_N -= self.tare_N
             return force_N, Saturation(high_runs=nowhere, low_runs=nowhere)
         counts = self.checked(values)
         gain_N = self.adc.lsb_V * line.gain_N_V

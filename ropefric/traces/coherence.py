@@ -20,6 +20,10 @@ repetition by chance."""
 SHOWS, BESIDE, STEEPER = 0.08, 20, 4.0
 """A sudden step is larger than this fraction of the force's range and this many times any step of as many neighbours."""
 
+_FACTORS = np.array([6_364_136_223_846_793_005, 1_442_695_040_888_963_407])
+_WEIGHTS = _FACTORS[0] ** np.arange(TOKENS)
+"""Weights of the hash of `TOKENS` integers, modulo 2^64."""
+
 
 def sudden_steps(force_N: FloatArray) -> IntArray:
     """Return the samples at which the force changes far more than between any of their neighbours."""
@@ -69,25 +73,21 @@ def _repeated_block(time_s: FloatArray, force_N: FloatArray) -> str:
     begins = np.flatnonzero(np.concatenate([[True], force_N[1:] != force_N[:-1]]))
     if begins.size < 2 * TOKENS:
         return ""
-    lengths, levels_N = np.diff(begins, append=force_N.size), force_N[begins]
-    # How rare a step and the run after it are: what a level is like hangs on the one before it.
-    half_N = 0.5 * levels_N  # the range of the largest floats is no float
-    parts = (half_N - half_N[0]) / max(float(np.ptp(half_N)), float(np.finfo(np.float64).tiny))
-    steps = np.rint(1e9 * np.diff(parts, prepend=0.0)).astype(np.int64)
-    _, of_step, counts = np.unique(_mixed(steps, lengths), return_inverse=True, return_counts=True)
-    sums = np.concatenate([[0.0], np.cumsum(-np.log(counts / begins.size)[of_step.ravel()])])
-    runs = _mixed(levels_N.view(np.int64), lengths)
-    several = runs[: runs.size - TOKENS + 1]
-    for k in range(1, TOKENS):
-        several = _mixed(several, runs[k : runs.size - TOKENS + 1 + k])
-    order = np.argsort(several, kind="stable")
-    first, second = order[:-1], order[1:]
-    is_same = (several[first] == several[second]) & (sums[first + TOKENS] - sums[first] > TOKENS)
-    shifts, first = (second - first)[is_same], first[is_same]
+    several = np.correlate(
+        _mixed(force_N[begins].view(np.int64), _lengths(begins, force_N)), _WEIGHTS, "valid"
+    )
+    if _all_differ(several):
+        return ""
+    sums, order = _surprises(begins, force_N), np.argsort(several, kind="stable")
+    several = several[order]
+    is_same = several[1:] == several[:-1]
+    first, second = order[:-1][is_same], order[1:][is_same]
+    is_rare = sums[first + TOKENS] - sums[first] > TOKENS
+    shifts, first = (second - first)[is_rare], first[is_rare]
     for shift in np.unique(shifts).tolist():
         at = np.sort(first[shifts == shift])
         for run in np.split(at, np.flatnonzero(np.diff(at) != 1) + 1):
-            start, stop = int(run[0]), min(int(run[-1]) + TOKENS, int(run[0]) + shift, runs.size - 1)
+            start, stop = int(run[0]), min(int(run[-1]) + TOKENS, int(run[0]) + shift, begins.size - 1)
             samples = int(begins[stop] - begins[start])
             rare = float(sums[stop] - sums[start]) - 2.0 * math.log(begins.size)
             if samples >= BLOCK and rare > -math.log(BY_CHANCE):
@@ -97,6 +97,37 @@ def _repeated_block(time_s: FloatArray, force_N: FloatArray) -> str:
     return ""
 
 
+def _surprises(begins: IntArray, force_N: FloatArray) -> FloatArray:
+    """Return how rare all runs before a run are together, −ln of their probability, shape (n + 1,).
+
+    A step and the length of the run after it count: what a level is like hangs on the one before it.
+    """
+    parts = 0.5 * force_N[begins]  # the range of the largest floats is no float
+    range_N = max(float(np.ptp(parts)), float(np.finfo(np.float64).tiny))
+    parts -= parts[0]
+    parts /= range_N
+    steps = np.diff(parts, prepend=0.0)
+    steps *= 1e9
+    kinds = _mixed(np.rint(steps, out=steps).astype(np.int64), _lengths(begins, force_N))
+    ordered = np.sort(kinds)
+    counts = np.searchsorted(ordered, kinds, side="right")
+    counts -= np.searchsorted(ordered, kinds, side="left")
+    return np.concatenate([[0.0], np.cumsum(-np.log(counts / begins.size))])
+
+
+def _lengths(begins: IntArray, force_N: FloatArray) -> IntArray:
+    return np.diff(begins, append=force_N.size)
+
+
 def _mixed(one: IntArray, other: IntArray) -> IntArray:
-    """Return a hash of pairs of integers."""
-    return np.asarray(one * np.int64(6_364_136_223_846_793_005) + other * np.int64(1_442_695_040_888_963_407))
+    """Return a hash of pairs of integers, in the place of the first ones; large recordings need no more copies."""
+    one *= _FACTORS[0]
+    other *= _FACTORS[1]
+    one += other
+    return one
+
+
+def _all_differ(values: IntArray) -> bool:
+    """Return whether no value is there twice: most recordings need no slower search for the places."""
+    ordered = np.sort(values)
+    return not (ordered[1:] == ordered[:-1]).any()

@@ -1,14 +1,13 @@
 """From the columns of a recording to signals: in SI, each over its own mended clock, its hold reduced."""
 
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
 
-from ropefric.arrays import FloatArray, IntArray, median
+from ropefric.arrays import FloatArray, IntArray, median, sealed
 from ropefric.errors import DataError, InputError
-from ropefric.quantities import scaled_by, si_unit_of, unit_factor
+from ropefric.quantities import is_unit_of, scaled_by, si_unit_of, unit_factor
 from ropefric.traces.clock import GAP_STEPS, mend_clock
 from ropefric.traces.formulas import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
@@ -19,7 +18,9 @@ FORCES = ("force", "end_tension")
 RATE_TOLERANCE = 0.01
 """How far a stated sampling rate may be from that of the time stamps [-]."""
 
-_FIXED = {"time": "s", "force": "N", "end_tension": "N"}
+FIXED_UNITS = {"time": "s", "force": "N", "end_tension": "N"}
+"""The SI units of channels that have one quantity only."""
+
 _EXAMPLE = {"time": "s", "force": "kN", "end_tension": "N"}
 
 _FEWEST_READINGS = 20
@@ -47,43 +48,52 @@ def si_scale(channel: str, unit: str, sensitivity: str = "", *, path: str = "") 
     any other channel comes to the SI unit of its own dimension, and is taken as a bare number where it has no unit.
     A sensitivity, such as 25 N/mV, makes of it what it says.
     """
-    fixed = _FIXED.get(channel)
-    if channel in COUNTS or (not sensitivity and (unit == fixed or (fixed is None and not unit))):
-        return 1.0, fixed or ""
-    reason, hint = f"the {channel} has no unit", "give the unit"
+    fixed = FIXED_UNITS.get(channel, "")
+    if channel in COUNTS or (unit == fixed and not sensitivity):
+        return 1.0, fixed
     example = f'unit = "{_EXAMPLE.get(channel, "mm")}"'
+    if not unit:
+        raise _no_scale(channel, f"the {channel} has no unit", "give the unit", example, path)
     try:
-        if unit and sensitivity:
-            factor, found = scaled_by(unit, sensitivity)
-            if fixed in (None, found):
-                return factor, found
-            reason, hint = (
-                f"{unit} by a sensitivity of {sensitivity} gives no {fixed}",
-                "give force per signal",
-            )
-            example = f'unit = "{unit}", sensitivity = "25 N/{unit}"'
-        elif unit:
-            found = signal_unit(channel, unit)
-            si_unit = fixed or si_unit_of(unit)
-            return unit_factor(
-                unit, {"V/V": "", "": si_unit}.get(found, found), name=channel
-            ), found or si_unit
+        factor, found = scaled_by(unit, sensitivity) if sensitivity else _by_unit(channel, unit)
     except InputError as error:
-        reason = f"unknown unit '{unit[:40]}'"
-        if sensitivity or fixed or error.fix.startswith("write '"):  # a mistyped unit
-            reason, hint = error.problem.message.split(": ", 1)[-1], error.fix or hint
-    key = f"[import.channels] {channel}"
+        is_stated = bool(sensitivity or fixed)
+        raise _no_scale(channel, *_why_unknown(unit, error, is_stated=is_stated), example, path) from None
+    if not sensitivity or fixed in ("", found):
+        return factor, found
+    reason = f"{unit} by a sensitivity of {sensitivity} gives no {fixed}"
+    example = f'unit = "{unit}", sensitivity = "25 N/{unit}"'
+    raise _no_scale(channel, reason, "give force per signal", example, path)
+
+
+def _why_unknown(unit: str, error: InputError, *, is_stated: bool) -> tuple[str, str]:
+    """Return why a unit has no factor, and what to do; of a column whose quantity is open, only that it is unknown."""
+    if is_stated or error.fix.startswith("write '"):  # a mistyped unit
+        return error.problem.message.split(": ", 1)[-1], error.fix or "give the unit"
+    return f"unknown unit '{unit[:40]}'", "give the unit"
+
+
+def _no_scale(channel: str, reason: str, hint: str, example: str, path: str) -> DataError:
     fix = f"{hint}, for example {channel} = {{ column = 1, {example} }}"
-    raise DataError(reason, code="RF106", path=path, key=key, fix=fix)
+    return DataError(reason, code="RF106", path=path, key=f"[import.channels] {channel}", fix=fix)
+
+
+def _by_unit(channel: str, unit: str) -> tuple[float, str]:
+    """Return the factor of a unit, and the unit after it; a force may be in volts, or in volts per volt."""
+    signal = signal_unit(channel, unit)
+    si_unit = signal or FIXED_UNITS.get(channel) or si_unit_of(unit)
+    return unit_factor(unit, "" if signal == "V/V" else si_unit, name=channel), si_unit
 
 
 def signal_unit(channel: str, unit: str) -> str:
     """Return "V" or "V/V" for the unit of a force that its amplifier or its bridge gives, "" for any other."""
-    for si_unit, found in (("V", "V"), ("", "V/V")) if channel in FORCES and "V" in unit else ():
-        with suppress(InputError):
-            if unit_factor(unit, si_unit):
-                return found
-    return ""
+    kinds = (("V", "V"), ("", "V/V")) if channel in FORCES and "V" in unit else ()
+    return next((found for si_unit, found in kinds if is_unit_of(unit, si_unit)), "")
+
+
+def is_of(channel: str, unit: str) -> bool:
+    """Return whether a unit is one of a time or a force, or of what a cell gives for a force."""
+    return is_unit_of(unit, FIXED_UNITS[channel]) or bool(signal_unit(channel, unit))
 
 
 def signals_of(
@@ -132,7 +142,7 @@ def _in_si(name: str, raw: RawRecording, profile: ImportProfile, refuse: Refusal
     )
     if factor != 1.0:
         with np.errstate(over="ignore"):
-            values = values * factor
+            values = sealed(values * factor)
         if (large := np.isinf(values)).any():
             message = f"sample {int(np.argmax(large)) + 1} is too large for a float in SI"
             raise refuse(message, "RF102", name, "mend the value, or check the unit")
@@ -192,9 +202,9 @@ def held_readings(values: FloatArray) -> tuple[IntArray, float]:
     nothing = np.empty(0, dtype=np.int64), 1.0
     changes = values[1:] != values[:-1]
     changes &= ~(np.isnan(values[1:]) & np.isnan(values[:-1]))
-    starts = np.flatnonzero(changes) + 1
-    if starts.size < _FEWEST_READINGS or 2 * starts.size > values.size:
+    if not _FEWEST_READINGS <= np.count_nonzero(changes) <= 0.5 * values.size:
         return nothing
+    starts = np.flatnonzero(changes) + 1
     lengths, usual = np.diff(starts), median(np.diff(starts).astype(np.float64))
     period = float(lengths[lengths < 1.5 * usual].mean())
     some = lengths[lengths < 3.5 * period]

@@ -88,16 +88,16 @@ class ForceTrace(Shown):
                 raise self._refused(
                     f"{self.end_tension_N.shape} end tensions for {time_s.shape} samples", "RF201"
                 )
-        steps_s = np.diff(time_s)
-        if not np.isfinite(time_s).all() or (steps_s <= 0).any():
+        shortest_s = float(np.diff(time_s).min(initial=np.inf))
+        # Where all steps are positive, only the ends can be anything but finite.
+        if not (shortest_s > 0 and np.isfinite(time_s[[0, -1]]).all()):
             fix = "sort and mend the time stamps first (in Python: ropefric.traces.clock.mend_clock)"
             raise self._refused("time does not strictly increase", "RF202", fix)
-        too_large = np.abs(force_N) > _LARGEST
-        if too_large.any():
-            at = int(np.argmax(too_large))
+        if max(-np.fmin.reduce(force_N), np.fmax.reduce(force_N)) > _LARGEST:
+            at = int(np.argmax(np.abs(force_N) > _LARGEST))
             why = f"sample {at + 1} is {force_N[at]:g} N, which is no force"
             raise self._refused(why, "RF204", "correct the unit, or mark the sample as missing (NaN)")
-        if max(-time_s[0], time_s[-1]) > _LARGEST or steps_s.min(initial=1.0) < 1.0 / _LARGEST:
+        if max(-time_s[0], time_s[-1]) > _LARGEST or shortest_s < 1.0 / _LARGEST:
             span = f"{time_s[0]:g} s to {time_s[-1]:g} s in {time_s.size} samples"
             fix = "correct the unit of the time, or give the sampling rate"
             raise self._refused(f"time runs from {span}, which no clock can", "RF202", fix)

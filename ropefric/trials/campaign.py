@@ -166,11 +166,8 @@ def examine_campaign(
         trials, alone = listed.trials, model.protocol.name in {"breakaway", "two-way"}
         problems += advise(trials, trial_list.as_posix(), rule=model.rejection, one_trial_each=alone)
     rate_Hz = model.profile.sampling_rate_Hz or model.sampling_rate_Hz
-    more: dict[str, Any] = {
-        "sampling_rate_Hz": rate_Hz,
-        "profile": replace(model.profile, sampling_rate_Hz=rate_Hz),
-    }
-    more |= {"path": Path(path), "folder": folder, "trial_list": trial_list, "trials": trials}
+    more: dict[str, Any] = {"path": Path(path), "folder": folder, "trial_list": trial_list, "trials": trials}
+    more |= {"sampling_rate_Hz": rate_Hz, "profile": replace(model.profile, sampling_rate_Hz=rate_Hz)}
     warnings = tuple(problem for problem in problems if problem.severity == "warning")
     return Campaign.model_construct(**dict(model) | more, warnings=warnings), problems
 
@@ -195,11 +192,9 @@ def _document(
     path: str | os.PathLike[str], content: bytes | None
 ) -> tuple[TomlDocument | None, tuple[Problem, ...]]:
     """Return a campaign file as TOML with the plugins that it names loaded, or why it is none."""
+    what, name = "campaign file", Path(path).as_posix()
     try:
-        what = "campaign file"
-        document = (
-            read_toml(path, what) if content is None else parse_toml(content, Path(path).as_posix(), what)
-        )
+        document = read_toml(path, what) if content is None else parse_toml(content, name, what)
     except DataError as error:
         return None, error.problems
     if is_scene(document.data):

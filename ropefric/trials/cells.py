@@ -10,12 +10,12 @@ from decimal import Decimal
 from difflib import get_close_matches
 from functools import lru_cache
 from itertools import dropwhile
-from math import nan
+from math import isnan, nan
 from pathlib import Path
 
 from ropefric.errors import DataError, InputError, Problem
 from ropefric.files.disk import use_file
-from ropefric.files.plain_text import parquet_as_csv
+from ropefric.files.plain_text import from_spreadsheet, parquet_as_csv
 from ropefric.files.text import Source, load_text
 from ropefric.quantities import example_unit, in_range, parse_quantity, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
@@ -138,6 +138,12 @@ class CellTable:
         message = "this column is not known; it is kept, but not used"
         return [self.problem(self.header_line, name, "RF120", message, fix, warning=True)]
 
+    def texts(self, columns: "Columns", cells: Sequence[str]) -> dict[str, str]:
+        """Return the texts of a row."""
+        return {
+            n: from_spreadsheet(cells[column.index]) for n, column in columns.items() if not column.si_unit
+        }
+
     def decimal_mark(self, columns: "Columns") -> str:
         """Return "," where columns are not separated by it and any number has one, else "."."""
         numeric = [column.index for column in columns.values() if column.si_unit]
@@ -189,6 +195,11 @@ Numbers = dict[str, list[float]]
 """Of such columns."""
 
 
+def given_numbers(numbers: Numbers, place: int) -> dict[str, float]:
+    """Return the numbers of the row at a place, without those that are empty."""
+    return {name: values[place] for name, values in numbers.items() if not isnan(values[place])}
+
+
 def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, ...]]:
     r"""Return the cells of a CSV or Parquet file or of a workbook's first sheet, and the errors of single rows.
 
@@ -196,18 +207,8 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
     are left out, and lines above the header that start with "#". Below it such a line is a row: names may begin so.
     """
     shown = Path(path).as_posix()
-    try:
-        text, sheet = use_file(
-            path, lambda file: _text(Source(path=Path(path), shown=shown, file=file)), shown=shown
-        )
-    except DataError as error:
-        if error.code == "RF107":  # a package is missing
-            raise
-        fix = error.fix if "no such file" in error.problem.message else "save the table as CSV text in UTF-8"
-        raise DataError(error.problem.message, path=shown, line=error.problem.line, fix=fix) from None
-    filled = ((n, line) for n, line in enumerate(text.split("\n"), start=1) if line.strip(_BLANK))
-    # A spreadsheet quotes a comment that holds a separator.
-    lines = [*dropwhile(lambda item: item[1].lstrip(_BLANK).lstrip('"').startswith("#"), filled)]
+    text, sheet = _read_text(Path(path), shown)
+    lines = _lines_from_header(text)
     if not lines:
         fix = "write a header such as file,wheel_radius_mm,wrap_angle_deg,end_tension_N"
         raise DataError("the table is empty", path=shown, fix=fix)
@@ -221,8 +222,28 @@ def read_cells(path: str | os.PathLike[str]) -> tuple[CellTable, tuple[Problem, 
         raise DataError(message, path=shown, line=header_line, fix=fix)
     good = tuple((n, cells) for n, cells in split[1:] if cells is not None and len(cells) == len(header))
     table = CellTable(path=shown, separator=separator, header=header, header_line=header_line, rows=good)
-    told = table.problem(header_line, "", "RF141", sheet, "put the table first", warning=True)
-    return table, (*([told] if sheet else ()), *_torn(table, split))
+    notes = (
+        [table.problem(header_line, "", "RF141", sheet, "put the table first", warning=True)] if sheet else []
+    )
+    return table, (*notes, *_torn(table, split))
+
+
+def _lines_from_header(text: str) -> list[tuple[int, str]]:
+    """Return the lines that hold anything, from the first on that is no comment, with their numbers."""
+    filled = ((n, line) for n, line in enumerate(text.split("\n"), start=1) if line.strip(_BLANK))
+    # A spreadsheet quotes a comment that holds a separator.
+    return [*dropwhile(lambda item: item[1].lstrip(_BLANK).lstrip('"').startswith("#"), filled)]
+
+
+def _read_text(path: Path, shown: str) -> tuple[str, str]:
+    """Return the text of a table, and a note on the sheet it is from."""
+    try:
+        return use_file(path, lambda file: _text(Source(path=path, shown=shown, file=file)), shown=shown)
+    except DataError as error:
+        if error.code == "RF107":  # a package is missing
+            raise
+        fix = error.fix if "no such file" in error.problem.message else "save the table as CSV text in UTF-8"
+        raise DataError(error.problem.message, path=shown, line=error.problem.line, fix=fix) from None
 
 
 def _text(source: Source) -> tuple[str, str]:

@@ -5,16 +5,16 @@ peak_N, exclude, why and by; a line without a decision takes back the one before
 one piece: lines in the file, also those that others append meanwhile, are never written again.
 """
 
-from math import isnan
+from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
 from ropefric.errors import DataError, InputError, Problem
 from ropefric.files.disk import append_file, kind_of_file, read_file
-from ropefric.files.plain_text import csv_text, from_spreadsheet, to_spreadsheet
+from ropefric.files.plain_text import csv_text, to_spreadsheet
 from ropefric.quantities import unit_factor
 from ropefric.trials.campaign_model import TrialSpec
-from ropefric.trials.cells import CellTable, Quantity, read_cells
+from ropefric.trials.cells import CellTable, Quantity, given_numbers, read_cells
 
 _NUMBERS: dict[str, Quantity] = {"pick": ("pick_s", "s", 1.0), "peak": ("peak_N", "N", 1.0)}
 _TEXTS = ("trial", "exclude", "why", "by", "when", "file")
@@ -66,12 +66,11 @@ def read_decisions(path: Path) -> tuple[dict[str, Decision], CellTable, tuple[Pr
     if problems:
         return {}, table, tuple(problems)
     numbers, wrong = table.numbers(columns)
-    found = {}
-    for place, (line, cells) in enumerate(table.rows):
-        texts = {name: from_spreadsheet(cells[one.index]) for name, one in columns.items() if not one.si_unit}
-        given = {name: None if isnan(values[place]) else values[place] for name, values in numbers.items()}
-        found[texts["trial"]] = Decision(**{**texts, **given, "line": line})  # type: ignore[arg-type]
-    return found, table, tuple(problem for row in wrong.values() for problem in row)
+    made = (
+        Decision(line=line, **table.texts(columns, cells), **given_numbers(numbers, place))  # type: ignore[arg-type]
+        for place, (line, cells) in enumerate(table.rows)
+    )
+    return {one.trial: one for one in made}, table, tuple(chain(*wrong.values()))
 
 
 def add_decision(path: Path, decision: Decision, before: bytes) -> bytes:

@@ -288,16 +288,9 @@ def table_of_extraction(extraction: Extraction) -> TrialTable:
     doubts = (*_rows_twice(place, columns, kept), *_too_few(place, kept, status))
     raise_problems(doubts)
     names_of = tuple(trial.trial for trial in trials)
-    own = [
-        {
-            **dict(trial.own),
-            "rope_id": trial.rope_id,
-            "wheel": trial.wheel,
-            "cell": trial.cell,
-            "dwell": f"{trial.dwell_s:g}",
-        }
-        for trial in trials
-    ]
+    own = [dict(one.own) | {"dwell": f"{one.dwell_s:g}"} for one in trials]
+    for named, one in zip(own, trials, strict=True):
+        named |= {name: getattr(one, name) for name in ("rope_id", "wheel", "cell")}
     labels = {name: tuple(str(row.get(name, "")) for row in own) for name in LABELS}
     return TrialTable(
         trial=names_of, kept=kept, status=status, source=place.path, warnings=doubts, labels=_filled(labels), **columns
@@ -449,9 +442,8 @@ def _why_unusable(
     for name in _REQUIRED:
         if name in columns and math.isnan(numbers[name]):
             message, left_out = "the cell is empty or NaN, but the trial is to be used", name == "peak_N"
-            message = (
-                "the cell is empty or NaN: the trial gave no force, and is left out" if left_out else message
-            )
+            if left_out:
+                message = "the cell is empty or NaN: the trial gave no force, and is left out"
             fix = "write the number, or set the trial aside with kept = false"
             yield table.problem(line, columns[name].header, "RF121", message, fix, warning=left_out)
     for name in ("peak_N", *_OPTIONAL):

@@ -17,7 +17,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import DataError, InputError, Problem, data_error
 from ropefric.files.disk import kind_of_file
-from ropefric.files.plain_text import csv_text, from_spreadsheet, to_spreadsheet
+from ropefric.files.plain_text import csv_text, to_spreadsheet
 from ropefric.friction.condition import condition_groups, distinct
 from ropefric.glossary import counted
 from ropefric.registry import did_you_mean
@@ -75,8 +75,7 @@ class _Row:
     ) -> None:
         self.table, self.columns = table, columns
         self.line, self.cells = table.rows[place]
-        self.texts = {n: from_spreadsheet(self.cells[c.index]) for n, c in columns.items() if not c.si_unit}
-        self.numbers = {n: values[place] for n, values in numbers.items() if not math.isnan(values[place])}
+        self.texts, self.numbers = table.texts(columns, self.cells), cells.given_numbers(numbers, place)
         self.problems: list[Problem] = []
         # Lists written on Windows name folders with backslashes.
         self.file, self.sample = self.texts.get("file", "").replace("\\", "/"), self.texts.get("sample", "")
@@ -137,16 +136,12 @@ def read_trials(path: str | os.PathLike[str], folder: Path, context: TrialContex
     try:
         table, torn = cells.read_cells(path)
     except DataError as error:
-        # A trial list is named by the campaign file, and looked for where that is.
-        fix = "check the path, relative to the campaign file"
-        gone = (replace(p, fix=fix) if "no such file" in p.message else p for p in error.problems)
-        return ReadList(problems=tuple(gone))
-    decided = DECIDED if {"why", "by"} <= {cells.word_of(name) for name in table.header} else {}
+        return ReadList(problems=tuple(map(_of_campaign, error.problems)))
+    decided = DECIDED if {"why", "by"} <= {*map(cells.word_of, table.header)} else {}
     columns, others, refused = table.bind({**QUANTITIES, **decided}, TEXTS)
     problems = [*torn, *refused, *_check_header(table, columns, others, None if refused else context)]
-    if not table.rows and not torn:
-        message, fix = "the table has a header, but no trials", "add a row for every recording"
-        problems.append(table.problem(table.header_line, "", "RF101", message, fix))
+    if not torn:
+        problems += _no_trials(table)
     numbers, wrong = table.numbers(columns)
     rows = _named_rows(table, columns, numbers, context.folder)
     if Path(path).name != DECISIONS:
@@ -158,6 +153,18 @@ def read_trials(path: str | os.PathLike[str], folder: Path, context: TrialContex
         if whole or row.is_there:
             (trials if whole else bad).extend(_trial(row, others, folder, context, whole=whole))
     return ReadList(tuple(trials), tuple(bad), tuple(sorted(problems, key=lambda p: p.line or math.inf)))
+
+
+def _of_campaign(problem: Problem) -> Problem:
+    """Return a problem of a list that is not there as one of the campaign file, which names it."""
+    fix = "check the path, relative to the campaign file"
+    return replace(problem, fix=fix) if "no such file" in problem.message else problem
+
+
+def _no_trials(table: cells.CellTable) -> Iterator[Problem]:
+    if not table.rows:
+        message, fix = "the table has a header, but no trials", "add a row for every recording"
+        yield table.problem(table.header_line, "", "RF101", message, fix)
 
 
 def _decide(rows: Sequence[_Row], path: Path) -> Iterator[Problem]:
@@ -223,12 +230,8 @@ def _missing_columns(
         key, code, fix = known, "RF121", f"add the column {header}"
         message = f"there is no column {header}; every trial needs {_MEANINGS[name]}"
         if near := get_close_matches(known, others, n=1, cutoff=_SLIP):
-            key, code, message, fix = (
-                near[0],
-                "RF120",
-                "this column is not known",
-                did_you_mean(near[0], [known]),
-            )
+            key, code, message = near[0], "RF120", "this column is not known"
+            fix = did_you_mean(near[0], [known])
         yield table.problem(table.header_line, key, code, message, fix)
 
 
@@ -442,12 +445,10 @@ def _doubts_of(trial: TrialSpec) -> Iterator[tuple[str, str, str]]:
         said = f"a wrap of {turns:g} turns is probably in another unit"
         yield "wrap_angle", said, "check the unit in the header"
     if degrees <= 90 * (1 - 1e-9):
-        least = "the 90 deg that ASTM D3108 sets as least"
-        yield (
-            "wrap_angle",
-            f"a wrap of {degrees:g} deg is below {least}, so u(mu) is large",
-            "wrap further where the rig allows it",
+        said = (
+            f"a wrap of {degrees:g} deg is below the 90 deg that ASTM D3108 sets as least, so u(mu) is large"
         )
+        yield "wrap_angle", said, "wrap further where the rig allows it"
     if trial.exclude.lower() in {"no", "n", "false", "0", "-", "none"}:
         said = f"'{trial.exclude}' is taken as a reason, so the trial is excluded"
         yield "exclude", said, "leave the cell empty to keep the trial"
@@ -482,10 +483,8 @@ def _nothing_hung(trials: Sequence[TrialSpec], warn: _Warn) -> Iterator[Problem]
     """Warn that repeats cannot be recognised where the end tension is measured and the weight is not stated."""
     unsaid = [one for one in trials if one.end_tension_N is None and one.lift_force_N is None]
     if unsaid:
-        said = "the end tension is measured, and the list does not say what was hung"
-        message = (
-            f"{said}: each of {counted(len(unsaid), 'trial')} is a condition of its own, without repeats"
-        )
+        message = "the end tension is measured, and the list does not say what was hung: each of "
+        message += f"{counted(len(unsaid), 'trial')} is a condition of its own, without repeats"
         fix = "add the column end_tension_N with what was set; what was measured is still what counts"
         yield warn(code="RF310", message=message, line=unsaid[0].line, key="end_tension", fix=fix)
 

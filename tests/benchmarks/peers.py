@@ -247,11 +247,9 @@ for path in sorted(pathlib.Path(sys.argv[1]).glob("r*.csv")):
 """
 EXTRACT = """
 import ropefric as rf
-executor = None
-if sys.argv[2] == "cluster":
-    from distributed import Client
-    executor = Client(n_workers=2, threads_per_worker=1, dashboard_address=None)
-rf.extract(sys.argv[1] + "/campaign.toml", jobs=2 if sys.argv[2] == "2" else 1, executor=executor)
+from ropefric.executors import cluster
+with cluster("local" if sys.argv[2] == "cluster" else "", 2) as executor:
+    rf.extract(sys.argv[1] + "/campaign.toml", jobs=2 if sys.argv[2] == "2" else 1, executor=executor)
 """
 READ = """
 import pandas as pd

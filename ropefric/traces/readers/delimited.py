@@ -299,7 +299,8 @@ def _parse_columns(
         place = stop
     if none := dialect.layout.no_value_numbers(dialect.decimal):
         columns = {i: np.where(np.isin(array, none), np.nan, array) for i, array in columns.items()}
-    return [columns[index][:place] for index in indices]
+    # No slice of a whole column: what is a view of another array is copied later.
+    return [columns[index] if place == n_rows else columns[index][:place] for index in indices]
 
 
 def _parse_block(

@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import DataError
 from ropefric.files.text import Text, split_line
 from ropefric.files.text_table import Dialect, is_number, is_unit, is_value
 from ropefric.quantities import split_unit_suffix
 from ropefric.traces.readers.profile import Channel, ImportProfile
 from ropefric.traces.readers.several import blocks_of_header, stacked_parts
 from ropefric.traces.readers.table import Table, guess_channels, is_time
-from ropefric.traces.signals import si_scale, signal_unit
+from ropefric.traces.signals import is_of, signal_unit
 
 _PULLS = ("force", "kraft", "load", "zug", "pull", "tension", "f_a", "fa")
 _SLACKS = ("slack", "end_tension", "gegen", "halte", "lose", "endkraft", "f_b", "fb")
@@ -29,14 +28,6 @@ _WEIGHTS = {"lb": "lbf", "kg": "kgf", "g": "gf"}
 """Units of mass that gauges write for the weight of it."""
 
 Values = Sequence[FloatArray | None]
-
-
-def is_of(channel: str, unit: str) -> bool:
-    """Return whether a unit is one of a channel's."""
-    try:
-        return bool(si_scale(channel, unit)[0])
-    except DataError:
-        return False
 
 
 # --- how recordings stand in a text ---
@@ -112,23 +103,33 @@ def _steps(cells: Sequence[str], n: int) -> int:
 
 def _in_rows(text: Text, dialect: Dialect, plain: ImportProfile) -> ImportProfile | None:
     """Return the profile of a table whose rows belong to recordings, or channels, that a column names."""
-    rows = [row for _, row in text.rows_from(dialect.rows.data_row, dialect.separator)]
-    columns = [*zip(*(row for row in rows if len(row) == dialect.n_cells), strict=True)]
+    columns = _whole_columns(text, dialect)
     time, clock = _clock_of(dialect, columns)
     if time < 0:
         return None
-    names = [name if dialect.header.count(name) == 1 else i + 1 for i, name in enumerate(dialect.header)]
     labels = {i: np.array(cells) for i, cells in enumerate(columns) if _are_labels(cells)}
     back = np.diff(clock) < 0
     found: dict[str, Any] = {}
     channel, value = _channel_and_value(columns, labels, time, clock)
     if channel >= 0:
-        found = {"channel_column": names[channel], "value_column": names[value]}
+        found = {f"{key}_column": _named(dialect, at) for key, at in (("channel", channel), ("value", value))}
         back &= _stays(labels.pop(channel))  # back to the begin of another channel is no other recording
-    recording = next((i for i, of in labels.items() if back.any() and not (back & _stays(of)).any()), -1)
-    if recording >= 0:
-        found["recording_column"] = names[recording]
+    recordings = [i for i, of in labels.items() if not (back & _stays(of)).any()] if back.any() else []
+    if recordings:
+        found["recording_column"] = _named(dialect, recordings[0])
     return replace(plain, format="long", **found) if found else None
+
+
+def _named(dialect: Dialect, index: int) -> str | int:
+    """Return the name of a column, or its number where others are called so."""
+    name = dialect.header[index]
+    return name if dialect.header.count(name) == 1 else index + 1
+
+
+def _whole_columns(text: Text, dialect: Dialect) -> list[tuple[str, ...]]:
+    """Return the cells of all columns, of the rows that are as wide as the first one."""
+    rows = text.rows_from(dialect.rows.data_row, dialect.separator)
+    return [*zip(*(row for _, row in rows if len(row) == dialect.n_cells), strict=True)]
 
 
 def _channel_and_value(
@@ -290,13 +291,8 @@ def _forces(
     table: Table, values: Values, known: ImportProfile, channels: dict[str, Channel], doubts: list[str]
 ) -> dict[str, Channel]:
     """Return the channels force and end tension, where they are not known and one column each may be it."""
-    taken = {index_of(table, channel) for channel in channels.values()}
-    columns = [(i, array) for i, array in enumerate(values) if array is not None and i not in taken]
-    # A gauge writes its peak and its limits beside every reading.
-    free = [i for i, array in columns if np.nanmax(array, initial=-np.inf) > np.nanmin(array, initial=np.inf)]
-    free = free or [i for i, _ in columns]
-    stated = {i: table.unit(i) or table.facts.unit for i in free}
-    units = {i: unit for i in free if is_of("force", unit := _WEIGHTS.get(stated[i], stated[i]))}
+    free = _free_columns(table, values, channels)
+    units = {i: unit for i in free if is_of("force", unit := _unit_of_force(table, i))}
     found: dict[str, Channel] = {}
     if not {"force", "counts"} & (channels.keys() | known.derived.keys()):
         force, why = _force_column(table, values, free, units)
@@ -310,6 +306,25 @@ def _forces(
     if "end_tension" not in channels and not known.channels:
         found |= _end_tension(table, units, doubts)
     return found
+
+
+def _free_columns(table: Table, values: Values, channels: Mapping[str, Channel]) -> list[int]:
+    """Return the columns of numbers that no channel has, those that change if any do.
+
+    A gauge writes its peak and its limits beside every reading.
+    """
+    taken = {index_of(table, channel) for channel in channels.values()}
+    columns = {i: array for i, array in enumerate(values) if array is not None and i not in taken}
+    lively = [
+        i for i, some in columns.items() if np.nanmax(some, initial=-np.inf) > np.nanmin(some, initial=np.inf)
+    ]
+    return lively or [*columns]
+
+
+def _unit_of_force(table: Table, index: int) -> str:
+    """Return the unit of a column, or that of the head of the file; of a mass, that of its weight."""
+    unit = table.unit(index) or table.facts.unit
+    return _WEIGHTS.get(unit, unit)
 
 
 def _end_tension(table: Table, units: Iterable[int], doubts: list[str]) -> dict[str, Channel]:
@@ -360,37 +375,42 @@ def _are_one(values: Values, columns: Sequence[int], units: Mapping[int, str]) -
 
 def _with_unit(name: str, table: Table, values: Values, channel: Channel, doubts: list[str]) -> Channel:
     """Return a channel with its unit, a likely one where the file has none, and say what to add."""
-    unit, index = unit_of(table, channel), index_of(table, channel)
-    array = None if index is None else values[index]
-    if not unit and name == "time" and array is not None and np.isfinite(array).sum() > 2:
-        unit, why = _likely_unit(array[np.isfinite(array)])
-        doubts.append(f"the file does not state the unit of the time; {unit} is taken, {why}")
-        return replace(channel, unit=unit)
-    if (
-        not unit
-        and name != "time"
-        and is_of(name, of_head := _WEIGHTS.get(table.facts.unit, table.facts.unit))
-    ):
-        doubts.append(f"the unit of the {name}, {table.facts.unit}, is that of the head of the file")
-        unit, channel = table.facts.unit, replace(channel, unit=of_head)
-    if name != "time" and unit in _WEIGHTS:
-        doubts.append(f"the {name} is in {unit}, a mass; its weight, in {_WEIGHTS[unit]}, is taken")
-        return replace(channel, unit=_WEIGHTS[unit])
+    unit = unit_of(table, channel)
+    if name == "time":
+        likely = None if unit else _likely_unit(table, values, channel)
+        if likely is not None:
+            doubts.append(f"the file does not state the unit of the time; {likely[0]} is taken, {likely[1]}")
+            return replace(channel, unit=likely[0])
+    else:
+        of_head = table.facts.unit
+        if not unit and is_of(name, _WEIGHTS.get(of_head, of_head)):
+            doubts.append(f"the unit of the {name}, {of_head}, is that of the head of the file")
+            unit, channel = of_head, replace(channel, unit=of_head)
+        if unit in _WEIGHTS:
+            doubts.append(f"the {name} is in {unit}, a mass; its weight, in {_WEIGHTS[unit]}, is taken")
+            return replace(channel, unit=_WEIGHTS[unit])
+    doubts += _doubts_of(name, unit, channel)
+    return replace(channel, unit=unit) if signal_unit(name, unit) and not channel.sensitivity else channel
+
+
+def _doubts_of(name: str, unit: str, channel: Channel) -> Iterator[str]:
+    """Yield a doubt where a unit is missing, is that of a signal, or is of another quantity."""
     if not unit:
-        doubts.append(f'the unit of the {name} is not stated; add it, for example unit = "N"')
+        yield f'the unit of the {name} is not stated; add it, for example unit = "N"'
     elif signal_unit(name, unit) and not channel.sensitivity:
         how = f'sensitivity = "25 N/{unit}"' if "/" not in unit else 'rated_output = "2 mV/V" of its cell'
-        doubts.append(
-            f"the {name} is in {unit}; add {how} to its channel, or name a force cell in the list of trials"
-        )
-        return replace(channel, unit=unit)
+        yield f"the {name} is in {unit}; add {how} to its channel, or name a force cell in the list of trials"
     elif not is_of(name, unit):
-        doubts.append(f"the {name} is in {unit}, which is no unit of it; derive it in [import.derived]")
-    return channel
+        yield f"the {name} is in {unit}, which is no unit of it; derive it in [import.derived]"
 
 
-def _likely_unit(present: FloatArray) -> tuple[str, str]:
+def _likely_unit(table: Table, values: Values, channel: Channel) -> tuple[str, str] | None:
     """Return the unit that makes a recording of a time, and why: loggers write whole milliseconds, parts of seconds."""
+    index = index_of(table, channel)
+    array = None if index is None else values[index]
+    if array is None or np.isfinite(array).sum() < 3:
+        return None
+    present = array[np.isfinite(array)]
     span, step = float(present[-1] - present[0]), float(np.median(np.diff(present)))
     units = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
     if (present == np.floor(present)).all():

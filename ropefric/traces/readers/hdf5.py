@@ -1,7 +1,7 @@
 """HDF5: data sets as columns, called by their paths; needs the extra `lab`."""
 
 import io
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -129,16 +129,25 @@ def _once(sets: Mapping[str, Any], named: Container[str | int], h5py: Any) -> di
 
 def _columns(item: Any, path: str) -> Iterator[tuple[str, np.ndarray[Any, Any]]]:
     """Yield path and values of every column of a data set: a vector, the fields of records, or a matrix."""
-    shape = [size for size in item.shape or () if size > 1]
-    if item.dtype.names and len(shape) == 1:
-        fields = [name for name in item.dtype.names if item.dtype[name].kind in "iuf"]
-        yield from ((f"{path}/{name}", np.ravel(item[name])) for name in fields)
-    elif item.dtype.kind in "iuf" and len(shape) == 1:
-        yield path, np.ravel(item[()])
-    elif item.dtype.kind in "iuf" and len(shape) == 2:
-        matrix = np.squeeze(item[()])
-        rows = matrix.T if shape[0] > shape[1] else matrix
-        yield from ((f"{path}/{number}", row) for number, row in enumerate(rows, start=1))
+    for name, values in _vectors(item):
+        yield f"{path}/{name}" if name else path, values
+
+
+def _vectors(item: Any) -> Iterable[tuple[str, np.ndarray[Any, Any]]]:
+    """Return the columns of a data set with their names, "" for a vector."""
+    kind, n_axes = item.dtype, sum(size > 1 for size in item.shape or ())
+    if kind.names and n_axes == 1:
+        return [(name, np.ravel(item[name])) for name in kind.names if kind[name].kind in "iuf"]
+    if kind.kind not in "iuf" or n_axes not in (1, 2):
+        return ()
+    values = np.squeeze(item[()])
+    return [("", values.ravel())] if n_axes == 1 else _of_matrix(values)
+
+
+def _of_matrix(values: np.ndarray[Any, Any]) -> list[tuple[str, np.ndarray[Any, Any]]]:
+    """Return the columns of a matrix, which has more samples than channels, with their numbers."""
+    columns = values.T if values.shape[0] > values.shape[1] else values
+    return [(str(number), column) for number, column in enumerate(columns, start=1)]
 
 
 def _attributes(item: Any, file: Any) -> tuple[str, float | np.datetime64, float, str]:

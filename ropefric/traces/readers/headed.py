@@ -34,11 +34,8 @@ def _is_ni(lines: Sequence[str]) -> bool:
 def _ni_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     labels = _labels(first_lines(source))
     if not {_NAMES, _UNITS} <= labels.keys():
-        why, fix = (
-            "no row begins with 'Channel name'",
-            'name its format, such as [import] format = "delimited"',
-        )
-        raise source.error(why, code="RF103", fix=fix)
+        fix = 'name its format, such as [import] format = "delimited"'
+        raise source.error("no row begins with 'Channel name'", code="RF103", fix=fix)
     (row, names), (units_row, units) = labels[_NAMES], labels[_UNITS]
     data_row = 1 + max(row for row, _ in labels.values())
     layout = replace(profile, header_row=row, units_row=units_row, data_row=data_row)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from itertools import accumulate, islice
+from itertools import accumulate, chain, islice
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -253,14 +253,14 @@ def _summarise(
     """Return an inspection completed by what the columns of the first recording hold, and by those of its end."""
     table = tables[0]
     values, wrong_stamps = _load(table)
-    pairs = zip(values, end, strict=True) if end else ((array, np.empty(0)) for array in values)
-    whole = [None if a is None or b is None else np.append(a, b) for a, b in pairs]
+    whole = _joined(values, end) if end else values
     columns = tuple(_column(table, index, array) for index, array in enumerate(whole))
     guess = guess_meaning(table, values, found.profile)
     rate_Hz, is_uniform, clock_doubts = _clock(table, values, guess.channels)
     samples = tuple(table.sample for table in tables if table.sample)
     several = "name one recording in the column 'sample' of the list of trials, or write '*' for all"
-    hints = [hint for column, array in zip(columns, whole, strict=True) for hint in _at_limits(column, array)]
+    doubts = (*found.doubts, *wrong_stamps, *guess.doubts, *clock_doubts)
+    hints = chain.from_iterable(map(_at_limits, columns, whole))
     return replace(
         found,
         columns=columns,
@@ -271,8 +271,14 @@ def _summarise(
         saturation=tuple(hints),
         notes=tuple(dict.fromkeys(table.notes)),
         profile=replace(found.profile, channels=guess.channels, sampling_rate_Hz=guess.rate_Hz),
-        doubts=(*found.doubts, *wrong_stamps, *guess.doubts, *clock_doubts, *([several] if samples else [])),
+        doubts=(*doubts, several) if samples else doubts,
     )
+
+
+def _joined(begin: Sequence[FloatArray | None], end: Sequence[FloatArray | None]) -> list[FloatArray | None]:
+    """Return the columns of the beginning with those of the end; None where either holds no numbers."""
+    pairs = zip(begin, end, strict=True)
+    return [None if a is None or b is None else np.append(a, b) for a, b in pairs]
 
 
 def _load(table: Table) -> tuple[list[FloatArray | None], list[str]]:

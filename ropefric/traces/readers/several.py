@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
 from itertools import chain
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,29 +38,38 @@ def blocks_of_header(header: Sequence[str]) -> list[Block]:
 
     The number and the words beside it that all columns of a block share, "Run 1: " or " Run #1", are the block's name.
     """
-    n, alike = len(header), [_DIGITS.sub("#", name).strip().lower() for name in header]
-    widths = (width for width in range(2, n // 2 + 1) if n % width == 0)
-    width = next((w for w in widths if alike == alike[:w] * (n // w) and len(set(alike[:w])) == w), 0)
-    if not width or not all(alike):
+    width = _width_of_block(header)
+    if not width:
         return []
-    blocks = [_block(header[start : start + width], start // width) for start in range(0, n, width)]
+    blocks = [_block(header[start : start + width]) for start in range(0, len(header), width)]
     samples = [block.sample for block in blocks]
-    if len(set(samples)) < len(samples):
+    if "" in samples or len(set(samples)) < len(samples):
         blocks = [Block(str(place), block.names) for place, block in enumerate(blocks, start=1)]
     return blocks if len({block.names for block in blocks}) == 1 else []
 
 
-def _block(names: Sequence[str], place: int) -> Block:
+def _width_of_block(header: Sequence[str]) -> int:
+    """Return after how many names, which differ among themselves, a header comes again but for a number; 0 for none."""
+    n, alike = len(header), [_DIGITS.sub("#", name).strip().lower() for name in header]
+    for width in range(2, n // 2 + 1):
+        first = alike[:width]
+        if alike == first * (n // width) and len(set(first)) == width:
+            return width if all(first) else 0
+    return 0
+
+
+def _block(names: Sequence[str]) -> Block:
+    """Return a recording by what all its names begin or end with, or by their last number; "" where nothing names it."""
     before, after = _shared(names), _shared([name[::-1] for name in names])[::-1]
-    if any(map(str.isdigit, before)):
-        return Block(before.strip(_MARKS), tuple(name[len(before) :].strip() for name in names))
-    if any(map(str.isdigit, after)):
-        return Block(after.strip(_MARKS), tuple(name[: len(name) - len(after)].strip() for name in names))
-    numbers = [_DIGITS.findall(name) for name in names]
-    label = numbers[0][-1] if all(one and one[-1] == numbers[0][-1] for one in numbers) else ""
-    parts = [name.rpartition(label) if label else ("", "", name) for name in names]
-    bare = (before.rstrip(" _#.") + after if label else after for before, _, after in parts)
-    return Block(label or str(place + 1), tuple(name.strip() for name in bare))
+    for shared, without in ((before, str.removeprefix), (after, str.removesuffix)):
+        if _DIGITS.search(shared):
+            return Block(shared.strip(_MARKS), tuple(without(name, shared).strip() for name in names))
+    last = {tuple(_DIGITS.findall(name)[-1:]) for name in names}
+    if len(last) > 1 or () in last:
+        return Block("", tuple(name.strip() for name in names))
+    ((label,),) = last
+    parts = (name.rpartition(label) for name in names)
+    return Block(label, tuple((begin.rstrip(" _#.") + end).strip() for begin, _, end in parts))
 
 
 def _shared(names: Sequence[str]) -> str:
@@ -179,10 +188,8 @@ def _stacked_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]
     text = text.whole()
     parts = stacked_parts(text, dialect)
     if not parts:
-        why, fix = (
-            "there is no header that comes again below data",
-            'set [import] header_row, or format = "delimited"',
-        )
+        why = "there is no header that comes again below data"
+        fix = 'set [import] header_row, or format = "delimited"'
         raise source.error(why, code="RF103", key="[import] format", fix=fix)
     names = [part.name for part in parts]
     if "" in names or len(set(names)) < len(names):
@@ -197,11 +204,8 @@ def _stacked_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]
 def _part_table(text: Text, dialect: Dialect, part: Part) -> Table:
     rows = dialect.rows
     units_row = part.header_row + rows.units_row - rows.header_row if rows.units_row else 0
-    units = (
-        split_line(text.line(units_row), dialect.separator)
-        if 0 < units_row < part.data_row
-        else dialect.units
-    )
+    has_units = 0 < units_row < part.data_row
+    units = split_line(text.line(units_row), dialect.separator) if has_units else dialect.units
     start, stop = (
         start_of_line(text.data, line - text.first_line + 1) for line in (part.header_row, part.stop)
     )
@@ -219,31 +223,38 @@ def _long_tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return one table for each word of the column that names recordings, with the channels that a column names."""
     text, dialect = open_text(source, profile)
     whole = text_table(text, dialect)
-    keys = [(f"{key}_column", getattr(profile, f"{key}_column")) for key in ("recording", "channel", "value")]
     recording, channel, value = (
-        whole.find(wanted, source, f"[import] {key}") if wanted else -1 for key, wanted in keys
+        whole.find(wanted, source, f"[import] {key}_column") if wanted else -1
+        for key, wanted in (
+            ("recording", profile.recording_column),
+            ("channel", profile.channel_column),
+            ("value", profile.value_column),
+        )
     )
     if max(recording, channel) < 0 or (channel >= 0) != (value >= 0):
         why = "format 'long' needs a column that names recordings, or one that names channels and one of their values"
         fix = 'set [import] recording_column = "specimen", or channel_column = "channel" and value_column = "value"'
         raise source.error(why, code="RF105", key="[import] format", fix=fix)
-    rows = [row for _, row in text.rows_from(dialect.rows.data_row, dialect.separator)]
-    labels = np.array([[row[i] if 0 <= i < len(row) else "" for i in (recording, channel)] for row in rows])
+    recordings, channels = _cells_of(text, dialect, (recording, channel))
     loaded = lru_cache(maxsize=None)(lambda index: whole.values([index])[0])
-    samples = [*dict.fromkeys(labels[:, 0].tolist())]
+    samples = [*dict.fromkeys(recordings.tolist())]
     tables = []
     for sample in samples:
-        here = labels[:, 0] == sample
-        table = replace(whole, sample=sample if len(samples) > 1 else "", first_line=0, stamps=frozenset())
+        here = recordings == sample
+        table = replace(whole, sample=sample if len(samples) > 1 else "", first_line=0)
         if channel < 0:
-            stamps = frozenset(index for index in whole.stamps)
-            picked = partial(_rows_of, loaded, here)
-            tables.append(replace(table, values=picked, stamps=stamps))
+            tables.append(replace(table, values=partial(_rows_of, loaded, here)))
             continue
-        names = tuple(dict.fromkeys(labels[here, 1].tolist()))
-        masks = [here & (labels[:, 1] == name) for name in names]
+        names = tuple(dict.fromkeys(channels[here].tolist()))
+        masks = [here & (channels == name) for name in names]
         tables.append(_pivoted(table, names, masks, (value, *_time_of(whole, profile, source)), loaded))
     return tuple(tables)
+
+
+def _cells_of(text: Text, dialect: Dialect, indices: Sequence[int]) -> list[np.ndarray[Any, Any]]:
+    """Return the texts of columns, row by row; empty ones for a column -1, and where a row is too short."""
+    rows = [row for _, row in text.rows_from(dialect.rows.data_row, dialect.separator)]
+    return [np.array([row[i] if 0 <= i < len(row) else "" for row in rows]) for i in indices]
 
 
 def _rows_of(
@@ -258,11 +269,9 @@ def _time_of(whole: Table, profile: ImportProfile, source: Source) -> tuple[int,
     index = whole.find(given.column, source, "[import.channels] time") if given else -1
     if index < 0:
         index = next((i for i, name in enumerate(whole.names) if is_time(name)), -1)
-    unit = (
-        "s"
-        if index in whole.stamps
-        else (given.unit if given else "") or (whole.unit(index) if index >= 0 else "")
-    )
+    unit = given.unit if given else ""
+    if index >= 0:
+        unit = "s" if index in whole.stamps else unit or whole.unit(index)
     try:
         return index, unit_factor(unit, "s", name="time")
     except InputError:
@@ -282,6 +291,7 @@ def _pivoted(
     return replace(
         table,
         names=names,
+        stamps=frozenset(),
         units=(table.unit(value),) * len(names),
         values=lambda indices: [loaded(value)[masks[index]] for index in indices],
         clock=lambda index: loaded(time)[masks[index]] * second_s,

@@ -3,19 +3,19 @@
 import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import PurePath
 from typing import Any
 
 import numpy as np
 
-from ropefric.arrays import FloatArray
+from ropefric.arrays import FloatArray, frozen_array, sealed
 from ropefric.errors import DataError, InputError
 from ropefric.files.head_facts import NO_FACTS, Facts
 from ropefric.files.text import Source
 from ropefric.files.text_table import Dialect, bare_unit, is_number, read_stamps
-from ropefric.quantities import same_unit, split_unit_suffix, unit_factor
+from ropefric.quantities import is_unit_of, same_unit, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.traces.readers.profile import Channel, ImportProfile, RawRecording
 
@@ -131,7 +131,7 @@ def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecor
     picks = _pick_columns(table, profile, source)
     own_time = _own_times(table, picks, profile.channels, source)
     wanted = [*(index for index, _ in picks.values()), *dict.fromkeys(own_time.values())]
-    arrays = table.values(wanted)
+    arrays = [frozen_array(sealed(values)) for values in table.values(wanted)]
     columns, of_time = dict(zip(picks, arrays, strict=False)), slice(len(picks), None)
     seconds = {
         index: _in_seconds(index, values, table, picks, source)
@@ -221,7 +221,7 @@ def guess_channels(table: Table, *, needs_time: bool = True, by_unit: bool = Tru
     has_none = {"time": needs_time and not found["time"], "force": not found["force"] + found["counts"]}
     for channel, unit in (("time", "s"), ("force", "N")) if by_unit else ():
         if has_none[channel]:
-            found[channel] = [i + 1 for i in range(len(table.names)) if _is_in(table.unit(i), unit)]
+            found[channel] = [i + 1 for i in range(len(table.names)) if is_unit_of(table.unit(i), unit)]
     n_time, n_signal = len(found["time"]), len(found["force"]) + len(found["counts"])
     if n_signal != 1 or n_time > 1 or (needs_time and n_time == 0):
         return {}
@@ -238,13 +238,6 @@ def _by_words(table: Table) -> dict[str, list[int]]:
     if not found["time"] and len(table.stamps) == 1:
         found["time"] = [index + 1 for index in table.stamps]
     return found
-
-
-def _is_in(unit: str, si_unit: str) -> bool:
-    """Return whether a unit is one of a quantity."""
-    with suppress(InputError):
-        return bool(unit) and unit_factor(unit, si_unit) > 0.0
-    return False
 
 
 def _pick_columns(table: Table, profile: ImportProfile, source: Source) -> dict[str, tuple[int, str]]:
@@ -292,10 +285,7 @@ def _compare_units(name: str, channel: Channel, table: Table, index: int, source
 def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | None) -> DataError:
     """Return the error for a cell that is no number, with a guess at what it is."""
     other = "," if decimal == "." else "."
-    why, fix = (
-        "",
-        "mend or remove the cell, list its text in [import] missing, or skip_footer the last lines",
-    )
+    why, fix = "", "mend or remove the cell, list its text in [import] missing, or skip_footer the last lines"
     if is_number(cell, decimal):
         why, fix = "it is too large for a float", "mend the cell"
     elif cell.lower().lstrip("+-") in ("inf", "infinity"):

@@ -3,7 +3,6 @@
 import gzip
 import subprocess
 import sys
-import textwrap
 
 import numpy as np
 import pytest
@@ -102,34 +101,58 @@ def test_a_header_longer_than_the_head_is_seen(write):
     assert (seen.n_rows, len(seen.columns), seen.header_row) == (5, n + 2, 1)
 
 
+PEAK_MB = """
+import sys
+def peak_MB():
+    status = open("/proc/self/status").read()
+    return int(status.split("VmHWM:")[1].split()[0]) / 1024
+"""
+READ = """
+import pandas
+from ropefric.traces.readers import read_recordings as work
+from ropefric.traces.readers.profile import ImportProfile
+how = {"profile": ImportProfile()}
+"""
+PICK = """
+from ropefric import find_breakaway as work
+how = {"rest": "pretension"}
+"""
+TIMES = """
+work(sys.argv[1], **how)
+before_MB = peak_MB()
+work(sys.argv[2], **how)
+print((peak_MB() - before_MB) / (int(sys.argv[3]) * 2 * 8 / 2**20))
+"""
+
+
+@pytest.fixture(scope="module")
+def pulls(tmp_path_factory):
+    """A short pull and one of two million samples, of 16-bit counts and of numbers that hardly come again."""
+    folder, n, rng = tmp_path_factory.mktemp("long"), 2_000_000, np.random.default_rng(1)
+    for name, decimals in (("coarse", "%.2f"), ("fine", "%.6f")):
+        for length, size in (("short", 4_000), ("long", n)):
+            time_s = np.linspace(0.0, 20.0, size)
+            force_N = np.interp(time_s, [2, 12, 12.1, 20], [0, 80, 60, 60]) + 0.1 * rng.standard_normal(size)
+            np.savetxt(folder / f"{name}-{length}.csv", np.column_stack([time_s, force_N]),
+                       f"%.7f,{decimals}", header="time_s,force_N", comments="")  # fmt: skip
+    return folder, n
+
+
 @pytest.mark.slow
-def test_no_more_is_held_of_a_large_file_than_twice_its_columns(tmp_path):
+@pytest.mark.parametrize(
+    ("work", "kind", "most"),
+    [(READ, "fine", 2.0), (PICK, "fine", 5.5), (PICK, "coarse", 7.5)],
+    ids=["reading", "picking", "picking of counts"],
+)
+def test_no_more_is_held_of_a_long_recording_than_a_few_times_its_samples(pulls, work, kind, most):
+    """The largest memory beyond that of a short recording, by the size of its two columns of floats."""
     if sys.platform != "linux":
         pytest.skip("looks into /proc")
-    code = """
-    import sys
-    def peak_MB(name):
-        return next(int(line.split()[1]) / 1024 for line in open("/proc/self/status") if line.startswith(name))
-    import pandas
-    from ropefric.traces.readers import read_recordings
-    from ropefric.traces.readers.profile import ImportProfile
-    line, n = b"0.00033,0.000333\\n", 2_500_000
-    path = sys.argv[1]
-    open(path, "wb").write(b"time_s,force_N\\n" + line * 100)
-    read_recordings(path, ImportProfile())
-    with open(path, "wb") as stream:
-        stream.write(b"time_s,force_N\\n")
-        for _ in range(n // 10_000):
-            stream.write(line * 10_000)
-    before_MB = peak_MB("VmHWM")
-    (found,) = read_recordings(path, ImportProfile())
-    columns_MB = sum(column.nbytes for column in found.columns.values()) / 2**20
-    assert found.columns["force"].size == n
-    print((peak_MB("VmHWM") - before_MB) / columns_MB)
-    """
-    words = [sys.executable, "-c", textwrap.dedent(code), str(tmp_path / "large.csv")]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=300, check=True)
-    assert float(done.stdout) < 2.0
+    folder, n = pulls
+    words = [sys.executable, "-c", PEAK_MB + work + TIMES]
+    words += [str(folder / f"{kind}-{length}.csv") for length in ("short", "long")]
+    done = subprocess.run([*words, str(n)], capture_output=True, text=True, timeout=300, check=True)
+    assert float(done.stdout) < most
 
 
 # --- looked at from both ends --------------------------------------------------------------------------------------

@@ -199,12 +199,14 @@ def test_times_matrices_and_records(tmp_path):
         file["force"] = np.arange(4)[:, None]
         file["matrix"] = np.column_stack([np.arange(4), np.arange(4) * 2])
         file["records"] = np.array([(i, i * 3) for i in range(4)], dtype=[("t", float), ("F", float)])
+        file["empty"] = np.empty((0, 3))
 
     path = save_h5(tmp_path / "run.hdf5", fill)
     keys = {"time": Channel(column="time", unit="s")}
     for name, slope in (("force", 1), ("matrix/2", 2), ("records/F", 3)):
         (trace,) = read(path, channels={**keys, "force": Channel(column=name, unit="N")})
         assert trace.force_N.tolist() == [0, slope, 2 * slope, 3 * slope]
+    assert [column.n_missing for column in inspect_file(path).columns if column.name == "empty"] == [0]
 
 
 def test_hdf5_that_cannot_be_used(tmp_path, write):

@@ -52,6 +52,11 @@ class WrapFriction:
         anywhere = one_condition(1.0, 0.1, np.pi, 100.0)
         return cls(law=LAWS["constant"], theta=np.array([mu], dtype=np.float64), reference=anywhere)
 
+    @property
+    def follows_tension(self) -> bool:
+        """Return whether the coefficient depends on the tension of the slack side."""
+        return not self.law.effects.isdisjoint({"wrap-dependence", "end-tension", "offset"})
+
     @cached_property
     def scale(self) -> FloatArray:
         """Return the factor on every coefficient of the law, shape () or (n,); 1 unless it is scaled."""

@@ -11,7 +11,7 @@ from ropefric.registry import Registry
 from ropefric.systems.effect import Effect, Method, System
 from ropefric.systems.press.answer import PressAnswer, PressModel, PressProblem, solve_press
 from ropefric.systems.press.slip import MEASURES
-from ropefric.systems.press.transient.start_up import GRID_ERROR, ON_TENSION, largest_difference
+from ropefric.systems.press.transient.start_up import GRID_ERROR, largest_difference
 
 _UNIT = re.compile("_(?:N|m|kg|kg_m2)$")
 
@@ -59,7 +59,10 @@ EFFECTS: Registry[Effect] = Registry(
             needs=lambda problem: () if problem.press.tensioners else ("rollers.NAME.tensioner",),
         ),
         Effect(
-            "belt-elasticity", "belts that stretch by their EA", "belts that do not stretch", needs=_lacking
+            "belt-elasticity",
+            "belts that stretch by their EA",
+            "belts that do not stretch; between fixed centres they keep their length with EA",
+            needs=_lacking,
         ),
         Effect(
             "elastic-creep",
@@ -127,9 +130,7 @@ def _method(model: PressModel, budget: float) -> Method:  # noqa: ARG001  (the s
         return _DIRECT
     integrator = task.get("integrator", "exact")
     if integrator == "exact":
-        follows = "transient-friction" in model.effects and ON_TENSION & set(
-            model.problem.friction.law.effects
-        )
+        follows = "transient-friction" in model.effects and model.problem.friction.follows_tension
         return _EXACT._replace(error=_FOLLOWING_ERROR) if follows else _EXACT
     return Method(
         name=f"direct solution and {integrator}",

@@ -242,7 +242,9 @@ def speed_shift_kg_m(statics: Statics, tensioner: TakeUp) -> FloatArray:
         return -press.density_kg_m * (tensioner == "locked")
     fix = "give them, or take tensioner='locked'"
     refuse_missing("the elastic tensioner", press.missing_elasticity, fix=fix)
-    arcs_m = {roller.name: roller.radius_m * roller.wrap_angle_rad for roller in press.rollers}
+    arcs_m = dict(
+        zip([one.name for one in press.rollers], press.radius_m * press.wrap_angle_rad, strict=True)
+    )
     lengths_m = [
         sum(belt.span_lengths_m or ()) + sum(arcs_m[name] for name in belt.loop) for belt in press.belts
     ]

@@ -1,7 +1,6 @@
 """Belts between fixed centres keep their unstretched length: against a discretised belt, and traced arc by arc."""
 
 import math
-import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -306,35 +305,27 @@ def test_refusals(fixed_press):
         solve_statics(one_level)
 
 
-@pytest.fixture
-def fixed_scene(tmp_path):
-    """The press template with both belts between fixed centres, as a file."""
-
-    def write(**changes):
-        text = scene_text("press-start-up")
-        text = text[: text.index("[start_up]")] if not changes.pop("moves", False) else text
-        tables = text.split("\n[")
-        kept = [one for one in tables if "tensioner]" not in one.partition("\n")[0]]
-        text = "\n[".join(kept).replace('role = "tensioner"\n', "")
-        text = "\n".join(line for line in text.splitlines() if not line.startswith("preload"))
-        for name, pretension in ({"upper": "1800 N", "lower": "1500 N"} | changes).items():
-            text = text.replace(f"[belts.{name}]\n", f'[belts.{name}]\npretension = "{pretension}"\n')
-        path = tmp_path / "fixed.toml"
-        path.write_text(text, encoding="utf-8")
-        assert tomllib.loads(text)["belts"]["upper"]["pretension"]
-        return path
-
-    return write
-
-
-def test_a_scene_of_fixed_centres(fixed_scene):
-    found = rf.solve(fixed_scene()).to_dict()
+def test_a_scene_of_fixed_centres(tmp_path):
+    text, path = scene_text("press-fixed"), tmp_path / "fixed.toml"
+    path.write_text(text, encoding="utf-8")
+    found = rf.solve(path).to_dict()
     belt = found["fixed_centres"]["upper"]
     assert belt["pretension_N"] == 1800.0
     assert belt["belt_length_m"] == pytest.approx(8.7 + belt["arcs_m"])
     assert found["critical"]["preload"]["value"] < 1650.0
+    # A pretension is a stretch: EA counts whatever effects are named, and the answer is as near as it says.
+    path.write_text(
+        text.replace('effects  = "auto"', 'effects  = ["gravity-load", "squeeze-load", "belt-inertia"]'),
+        encoding="utf-8",
+    )
+    named = rf.solve(path).to_dict()
+    assert named["effective_tension_N"] == pytest.approx(
+        found["effective_tension_N"], rel=named["error_bound"]
+    )
+    assert named["error_bound"] < 1e-3
+    path.write_text(text.replace('"1800 N"', '"0 N"'), encoding="utf-8")
     with pytest.raises(DataError, match="not more than 0"):
-        rf.load_scene(fixed_scene(upper="0 N"))
+        rf.load_scene(path)
 
 
 def test_a_force_of_its_own_comes_before_the_preload_of_all(tmp_path):
@@ -370,4 +361,7 @@ def test_any_machine_of_one_fixed_belt_says_where_it_slips(seed):
             continue
         state = steady_state(statics, load_factor=found.value, friction=friction, on_slack="flag")
         slip = SlipTable(press, state.effective_tension_N, friction)
-        assert slip.utilisation.max() == pytest.approx(1.0, abs=1e-6)
+        known = (
+            1e-12 * state.effective_tension_N.max() / state.effective_tension_N.min()
+        )  # of a slack side next to nothing
+        assert slip.utilisation.max() == pytest.approx(1.0, abs=1e-6 + known)

@@ -161,7 +161,6 @@ class _Change:
         if changed.any():
             which, after = np.flatnonzero(changed), np.argmax(signs != signs[:1], axis=0)[changed]
             low, high = places[after - 1], places[after]
-
             tension_N = self.followed()
 
             def margin_N(amounts: FloatArray) -> FloatArray:
@@ -169,13 +168,10 @@ class _Change:
                 own_N = self._margins_N(tension_N(amounts))[np.arange(which.size), which]
                 return np.nan_to_num(own_N, nan=-1.0, posinf=np.inf)
 
-            nearer = np.where(
-                np.abs(margins_N[after - 1, which]) < np.abs(margins_N[after, which]), low, high
-            )
             roots = roots_of_cases(margin_N, low, high)
-            found[changed] = np.where(
-                np.isnan(roots), nearer, roots
-            )  # a root that is one end, but for rounding
+            # A margin that rounding leaves without a change of sign has its root at the nearer end.
+            ends_N = np.abs(margins_N[[after - 1, after], which])
+            found[changed] = np.where(np.isnan(roots), np.where(ends_N[0] < ends_N[1], low, high), roots)
         return found
 
     def shown(self, amount: float) -> float | None:
@@ -238,6 +234,11 @@ def critical(
     return Critical("slips" if slips.any() else "holds", way, first, path_of.shown(value), by_roller)
 
 
+def _grips(logs: FloatArray) -> FloatArray:
+    """Return the shares of the friction that are needed, 1 where no share of it is enough or none is needed."""
+    return np.where(np.isfinite(logs) & (logs > 0.0), logs, 1.0)
+
+
 def _by_friction(
     statics: Statics,
     friction: float | WrapFriction,
@@ -267,12 +268,11 @@ def _by_friction(
     required, ranks = slip.mu_required, slip.log if slip.exponent.all() else slip.mu_required
     if press.fixed_belts:
         # Where a belt slips over a roller's arc changes its tensions, and these what is needed.
-        logs, change = slip.log, np.inf
+        grips, change = _grips(slip.log), np.inf
         for _ in range(_MAX_STEPS):
-            grips = np.where(np.isfinite(logs) & (logs > 0.0), logs, 1.0)
-            each, last = slip_at(grips), change
-            logs = np.diagonal(each.log)
-            change = float(np.abs(np.where(logs > 0.0, logs, 1.0) / grips - 1.0).max())
+            each, before, last = slip_at(grips), grips, change
+            grips = _grips(np.diagonal(each.log))
+            change = float(np.abs(grips / before - 1.0).max())
             if last <= change < _ROUNDING:
                 break
         else:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.registry import Registry
-from ropefric.systems.effect import Effect, Method, System
+from ropefric.systems.effect import Effect, Method, System, law_effects
 from ropefric.systems.press.answer import PressAnswer, PressModel, PressProblem, solve_press
 from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.transient.start_up import GRID_ERROR, largest_difference
@@ -70,18 +70,7 @@ EFFECTS: Registry[Effect] = Registry(
             "rims that all run at the speed of the drivers",
             needs=partial(_lacking, part="axial_stiffness"),
         ),
-        Effect(
-            "wrap-dependence",
-            "a coefficient that depends on wrap and slack-side tension",
-            "its average at the reference wrap and tension",
-            cost=1e-6,
-        ),
-        Effect(
-            "size",
-            "a coefficient that depends on the roller's radius over half the belt's thickness",
-            "the coefficient at the reference radius",
-            cost=5e-7,
-        ),
+        *law_effects("roller", "belt", lambda problem: (), 1e-6),  # noqa: ARG005  (needs nothing)
         _moving("belt-damping", "the material damping of the belts", "belts that do not damp"),
         _moving("tensioner-damping", "the dampers of the tensioners", "tensioners without dampers"),
         _moving(

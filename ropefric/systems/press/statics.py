@@ -275,16 +275,6 @@ class SteadyState(NamedTuple):
         return self.effective_tension_N + np.multiply.outer(self.speed_m_s**2, self.press.density_kg_m)
 
     @property
-    def driver_torque_N_m(self) -> dict[str, FloatArray]:
-        """Return the torque each driver's motor supplies [N m], shape (...): R (T_in − T_out) and its own load."""
-        pulls_N = self.effective_tension_N @ self.press.incidence.T
-        return {
-            roller.name: roller.torque_N_m * self.load_factor - roller.radius_m * pulls_N[..., i]
-            for i, roller in enumerate(self.press.rollers)
-            if roller.role == "driver"
-        }
-
-    @property
     def drive_power_W(self) -> FloatArray:
         """Return the power of all drivers together [W], shape (...): the loads Σ M/R times the speed.
 

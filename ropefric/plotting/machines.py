@@ -1,7 +1,7 @@
 """The figures of scenes: charts, sweeps as lines or a map, a press's start-up, a saw's Campbell chart."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import cycle
 from typing import Any, NamedTuple
 
@@ -169,20 +169,8 @@ def draw_layout(scene: Scene) -> FigureWithData:
     largest_mm = 1e3 * max(wheel.radius_m for wheels in belts.values() for wheel in wheels)
     with drawing(9.0, 1.8 + 2.2 * len(belts)) as (figure, axes):
         for row, (belt, wheels) in enumerate(belts.items()):
-            place, ends, before = np.array([0.0, -4.2 * largest_mm * row]), [], wheels[0]
-            for i, wheel in enumerate(wheels):
-                if i:
-                    near_m = 1.3 * (before.radius_m + wheel.radius_m) + 0.4e-3 * largest_mm
-                    apart_m = near_m if math.isnan(before.apart_m) else before.apart_m
-                    place = place + np.array([1e3 * apart_m, 0.0])
-                # A lone wheel so that its tight side hangs down.
-                middle = np.pi - 0.5 * wheel.wrap_angle_rad if len(wheels) == 1 else 0.5 * np.pi
-                middle = (np.pi, 0.0)[i] if len(wheels) == 2 else middle
-                ends.append(_draw_wheel(axes, wheel, place, middle, stubs=len(wheels) != 2))
-                before = wheel
-            for side in (0, 1) if len(wheels) == 2 else ():
-                line = np.transpose([ends[0][side], ends[1][1 - side]])
-                axes.plot(*line, color=style.INK, linewidth=1.6)
+            place = np.array([0.0, -4.2 * largest_mm * row])
+            _draw_loop(axes, wheels, place, apart_mm=0.4 * largest_mm)
             if len(belts) > 1:
                 axes.text(-largest_mm, float(place[1]) + 1.4 * largest_mm, belt, style="italic")
         axes.set(xlabel="Along the machine [mm]", ylabel="[mm]", aspect="equal")
@@ -196,6 +184,23 @@ def draw_layout(scene: Scene) -> FigureWithData:
     table = DataTable.of_rows(("runs_over_it", "wheel", "role", "radius_m", "wrap_angle_rad"), rows)
     told = ", ".join(f"{one[1]} {1e3 * one[3]:.4g} mm, {math.degrees(one[4]):.4g} deg" for one in rows)
     return FigureWithData(figure, (table,), f"Layout of a {scene.kind.name}: {told}.")
+
+
+def _draw_loop(axes: Axes, wheels: Sequence[Wheel], place: FloatArray, *, apart_mm: float) -> None:
+    """Draw wheels in a row from a place on; where a scene gives no distance, this far apart beside their radii."""
+    ends, are_two = [], len(wheels) == 2
+    # A lone wheel so that its tight side hangs down.
+    lone = np.pi - 0.5 * wheels[0].wrap_angle_rad
+    middles = [lone] if len(wheels) == 1 else [np.pi, 0.0] if are_two else [0.5 * np.pi] * len(wheels)
+    for wheel, middle, after in zip(wheels, middles, [*wheels[1:], None], strict=True):
+        ends.append(_draw_wheel(axes, wheel, place, middle, stubs=not are_two))
+        if after is not None:
+            near_mm = 1.3e3 * (wheel.radius_m + after.radius_m) + apart_mm
+            step_mm = near_mm if math.isnan(wheel.apart_m) else 1e3 * wheel.apart_m
+            place = place + np.array([step_mm, 0.0])
+    for side in (0, 1) if are_two else ():
+        line = np.transpose([ends[0][side], ends[1][1 - side]])
+        axes.plot(*line, color=style.INK, linewidth=1.6)
 
 
 def _draw_wheel(

@@ -7,7 +7,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from ropefric.accuracy.study import ROUNDING, Measured, StudyResult, in_case, time_text
+from ropefric.accuracy.study import ROUNDING, Case, Measured, StudyResult, in_case, time_text
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
 
@@ -22,9 +22,12 @@ def draw_work_precision(result: StudyResult) -> FigureWithData:
     """Return time over error, both logarithmic, for every case of a study; more accurate is further right.
 
     A thick grey line joins the settings that no other beats in both error and time. Bars are the quartiles of the
-    time. A setting without an answer is in the table only.
+    time. A setting without an answer is in the table only. Cases whose settings do not differ share a panel of times.
     """
-    cases = result.study.cases
+    alike = [case for case in result.study.cases if _is_pile(in_case(result.points, case.name))]
+    alike = alike if len(alike) > 1 else []
+    cases: list[Case | None] = [case for case in result.study.cases if case not in alike]
+    cases += [None] * bool(alike)
     methods = list(dict.fromkeys(point.method for point in result.points))
     looks = {method: _look(place) for place, method in enumerate(methods)}
     n_columns = 1 if len(cases) == 1 else 2
@@ -37,6 +40,9 @@ def draw_work_precision(result: StudyResult) -> FigureWithData:
     with drawing(width, height, margins=margins, **grid) as (figure, rows):
         panels = rows.ravel()
         for axes, case in zip(panels, cases, strict=False):
+            if case is None:
+                _draw_times(axes, [(one.name, in_case(result.points, one.name)) for one in alike], looks)
+                continue
             _draw_case(axes, in_case(result.points, case.name), result.front(case.name), looks)
             axes.set_title(_folded(f"{case.name}: {case.title}"), loc="left", fontsize=9.5)
         for axes in panels[len(cases) :]:
@@ -89,6 +95,32 @@ def _draw_case(
     axes.invert_xaxis()
     _few_decades(axes, shown)
     axes.set(xlabel="Relative error [-], more accurate to the right", ylabel="Time of one call [s]")
+
+
+def _is_pile(points: tuple[Measured, ...]) -> bool:
+    """Return whether the errors of a case are in two places at most: with everything in, and with something left out."""
+    errors = [point.shown_error for point in points if math.isfinite(point.error)]
+    places = {round(math.log10(error)) for error in errors}
+    return len(errors) > len(places) and len(places) <= 2
+
+
+def _draw_times(
+    axes: Axes, cases: list[tuple[str, tuple[Measured, ...]]], looks: dict[str, dict[str, Any]]
+) -> None:
+    """Draw a row a case with the time of each method's quickest setting, and its quartiles."""
+    for method, look in looks.items():
+        rows = [(row, [p for p in points if p.method == method]) for row, (_, points) in enumerate(cases)]
+        quickest = [(row, min(mine, key=lambda point: point.seconds)) for row, mine in rows if mine]
+        times = [point.seconds for _, point in quickest]
+        bars = [[p.seconds - p.lower_s for _, p in quickest], [p.upper_s - p.seconds for _, p in quickest]]
+        mark: dict[str, Any] = {name: look[name] for name in ("color", "marker")} | {"linestyle": "none"}
+        mark |= {"markersize": 5, "elinewidth": 0.8, "capsize": 1.5, "markerfacecolor": "white"}
+        axes.errorbar(times, [row for row, _ in quickest], xerr=bars, label=method, **mark)
+    axes.set_xscale("log")
+    axes.set_yticks(range(len(cases)), [name for name, _ in cases])
+    axes.set_ylim(len(cases) - 0.5, -0.5)
+    axes.set_xlabel("Time of one call [s]")
+    axes.set_title("the error does not depend on the accuracy wanted", loc="left", fontsize=9.5)
 
 
 def _few_decades(axes: Axes, points: list[Measured]) -> None:

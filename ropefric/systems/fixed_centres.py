@@ -3,22 +3,18 @@
 With strain T/EA the unstretched length is ∮ ds/(1 + T/EA) along spans and arcs. Where the belt creeps steadily, it
 adheres to a pulley with the tension T_in with which it arrives, and slips over the last part of the arc. There
 T' = T − ρAv² changes as e^(μθ) from its value before the pulley to that behind it, over θ = |ln(T'_out/T'_in)|/μ.
-"""
 
-from functools import cache
+Over the slip arc s = ln(T'_out/T'_in), the share x of it has T = a + b e^(s x) with b = ΔT/(e^s − 1), and
+
+    ∫ (T0 − T)/(1 + T/EA) dx = (T0 − a − (EA + T0) ln((EA + T_out)/(EA + T_in))/s) / (1 + a/EA).
+"""
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
 
-_NODES = 24
-
-
-@cache
-def _nodes() -> tuple[FloatArray, FloatArray]:
-    """Return Gauss-Legendre nodes and weights from 0 to 1."""
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    return 0.5 * (nodes + 1.0), 0.5 * weights
+_CRUSHED = -0.999
+"""The least change of a belt's length that is followed: its tensions have an answer wherever a search for them goes."""
 
 
 def excess_of_length(
@@ -35,21 +31,21 @@ def excess_of_length(
     """Return ∮ (T0 − T)/(1 + T/EA) ds [N m], shape (...).
 
     It is zero where the belt has its unstretched length. The last axis follows the belt round: each span, and the arc
-    that it runs onto. `growth` is ln(T'_out/T'_in) on the arc, `exponent` its whole ∫ μ dφ.
+    that it runs onto. `growth` is ln(T'_out/T'_in) on the arc, `exponent` its whole ∫ μ dφ. EA may be infinite.
     """
-    span_m, arc_m, arriving_N, leaving_N, growth, exponent = np.broadcast_arrays(
-        span_m, arc_m, arriving_N, leaving_N, growth, exponent
+    rest_N, softness_1_N = (
+        np.asarray(one)[..., np.newaxis] for one in (pretension_N, 1.0 / axial_stiffness_N)
     )
     growth = np.clip(growth, -exponent, exponent)  # beyond, the belt slips on the whole arc
-    slips = np.divide(np.abs(growth), exponent, out=np.zeros(growth.shape), where=exponent > 0.0)
-    place, weight = _nodes()
-    share = np.broadcast_to(place, (*growth.shape, _NODES)).copy()
-    steep = growth[..., np.newaxis]
-    np.divide(np.expm1(steep * place), np.expm1(steep), out=share, where=steep != 0.0)
-    slipping_N = arriving_N[..., np.newaxis] + (leaving_N - arriving_N)[..., np.newaxis] * share
-    slipping_m = (arc_m * slips)[..., np.newaxis] * weight
-    whole = (*growth.shape[:-1], -1)
-    length_m = np.concatenate([span_m + arc_m * (1.0 - slips), slipping_m.reshape(whole)], axis=-1)
-    tension_N = np.concatenate([arriving_N, slipping_N.reshape(whole)], axis=-1)
-    rest_N, stiffness_N = (np.asarray(one)[..., np.newaxis] for one in (pretension_N, axial_stiffness_N))
-    return np.asarray((length_m * (rest_N - tension_N) / (1.0 + tension_N / stiffness_N)).sum(axis=-1))
+    slipping_m = arc_m * np.divide(np.abs(growth), exponent, out=np.zeros(growth.shape), where=exponent > 0.0)
+    adhering_N_m = (span_m + arc_m - slipping_m) * (rest_N - arriving_N) / (1.0 + softness_1_N * arriving_N)
+    steep, gain_N = (
+        np.where(growth == 0.0, 1.0, growth),
+        leaving_N - arriving_N,
+    )  # without growth no part slips
+    still_N = arriving_N - gain_N / np.expm1(steep)
+    stretch = 1.0 + softness_1_N * arriving_N
+    gain = np.maximum(softness_1_N * gain_N / stretch, _CRUSHED)
+    flatter = np.divide(np.log1p(gain), gain, out=np.ones(gain.shape), where=gain != 0.0)
+    mean_N = rest_N - still_N - (1.0 + softness_1_N * rest_N) * gain_N / steep * flatter / stretch
+    return np.asarray((adhering_N_m + slipping_m * mean_N / (1.0 + softness_1_N * still_N)).sum(axis=-1))

@@ -15,17 +15,18 @@ from ropefric.friction.law import FrictionLaw
 
 EVERYTHING = frozenset({"wrap", "end-tension", "size"})
 """Regressors of a law: wrap, end tension, size."""
-REGRESSORS_OF = {"wrap-dependence": frozenset({"wrap", "end-tension"}), "size": frozenset({"size"})}
-"""Regressors that each effect gives a law; the tension goes with the wrap."""
+_REGRESSOR_OF = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
 
 
-_SEEN = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
-"""Regressors that a law uses, by the effects it describes."""
+def own_regressors(effects: Collection[str]) -> frozenset[str]:
+    """Return the regressors behind a law's own effects, one each."""
+    return frozenset(regressor for name, regressor in _REGRESSOR_OF.items() if name in effects)
 
 
 def regressors_of(effects: Collection[str]) -> frozenset[str]:
-    """Return the regressors that a law gets with these effects."""
-    return frozenset().union(*(regressors for name, regressors in REGRESSORS_OF.items() if name in effects))
+    """Return the regressors that a law gets with these effects of a machine whose tension goes with the wrap."""
+    more = {"end-tension"} if "wrap-dependence" in effects else set()
+    return own_regressors({*effects} - {"end-tension"} | more)
 
 
 class ScaleTo(NamedTuple):
@@ -51,6 +52,11 @@ class WrapFriction:
 
         anywhere = one_condition(1.0, 0.1, np.pi, 100.0)
         return cls(law=LAWS["constant"], theta=np.array([mu], dtype=np.float64), reference=anywhere)
+
+    @property
+    def follows_tension(self) -> bool:
+        """Return whether the coefficient depends on the tension of the slack side."""
+        return not self.law.effects.isdisjoint({"wrap-dependence", "end-tension", "offset"})
 
     @cached_property
     def scale(self) -> FloatArray:
@@ -85,7 +91,7 @@ class WrapFriction:
         arrays = {name: np.asarray(one, dtype=np.float64) for name, one in zip(_OWNER, given, strict=True)}
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
         if self.law.weakens:  # what such a law cannot describe it does not look at
-            regressors = regressors & {_SEEN[effect] for effect in self.law.effects & _SEEN.keys()}
+            regressors = regressors & own_regressors(self.law.effects)
         # What the law gets to see of the contacts, on one axis; over a wrap of zero no coefficient is needed.
         seen = {
             name: array if _OWNER[name] in regressors else getattr(self.reference, name)

@@ -55,6 +55,20 @@ def test_one_panel_a_case_with_a_line_a_method_and_the_front_marked(result):
     assert "exact" in drawn.alt
 
 
+def test_cases_whose_settings_do_not_differ_share_a_panel_of_times(result):
+    piles = tuple(Case(name=name, title="a closed form", settings=tuple) for name in ("rope", "belt"))
+    more = tuple(point(case.name, method, error, seconds, f"{n}") for case in piles for n in (1, 2)
+                 for method, error, seconds in (("exact", 0.0, 1e-3 * n), ("quick", 0.2, 1e-5 * n)))  # fmt: skip
+    study = replace(result.study, cases=result.study.cases + piles)
+    drawn = draw_work_precision(StudyResult(study=study, points=result.points + more, quick=True))
+    *_, times = drawn.figure.axes
+    assert len(drawn.figure.axes) == 3
+    assert [label.get_text() for label in times.get_yticklabels()] == ["rope", "belt"]
+    lines = {container.get_label(): container.lines[0] for container in times.containers}
+    assert lines["exact"].get_xdata().tolist() == [1e-3, 1e-3], "the quickest setting of a method"
+    assert lines["quick"].get_ydata().tolist() == [0, 1]
+
+
 def test_the_page_answers_for_each_accuracy_and_first_for_the_ordinary_cases(result):
     head, section = cost_sections([result], MACHINE)
     assert "Z80" in head.lines[0]

@@ -27,6 +27,7 @@ from ropefric.systems.effect import System, assemble
 from ropefric.systems.friction import WrapFriction
 from ropefric.systems.hoist.contact import HoistProblem
 from ropefric.systems.hoist.effects import SYSTEM as HOIST
+from ropefric.systems.line.effects import SYSTEM as LINE
 from ropefric.systems.press.answer import PressProblem
 from ropefric.systems.press.effects import SYSTEM as PRESS
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
@@ -94,6 +95,12 @@ PROBLEMS: dict[str, tuple[System, Any, str]] = {
     ),
     "traction": (TRACTION, _bundled("traction").problem, "a lift of 630 kg on its sheave, four load cases"),
     "belt-drive": (DRIVE, _bundled("belt-drive").problem, "a flat belt between two pulleys at 7.5 kW"),
+    "line": (LINE, _bundled("cable-pull").problem, "a cable through five elements of a conduit"),
+    "press-fixed": (
+        PRESS,
+        _bundled("press-fixed").problem,
+        "a press of 13 rollers, two belts between fixed centres",
+    ),
     "press": (PRESS, _PRESS, f"one belt over four rollers, at {SPEED_M_S:g} m/s"),
     "start-up": (PRESS, _START_UP, f"the same press, run up in {RUN_UP_S:g} s; three of its rollers slip"),
     "saw": (SAW, _SAW, "a blade of 85 × 0.9 mm on 1.6 m at 35 m/s, three frequencies of each side"),

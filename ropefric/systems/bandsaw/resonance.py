@@ -195,10 +195,7 @@ def in_order(crossings: list[Crossing]) -> tuple[Crossing, ...]:
 
 
 def margins(
-    saw: Saw,
-    sides: tuple[Side, ...],
-    excitations: tuple[Excitation, ...],
-    n_modes: int = 6,
+    saw: Saw, sides: tuple[Side, ...], excitations: tuple[Excitation, ...], n_modes: int = 6
 ) -> tuple[Margin, ...]:
     """Return how far every mode is from every excitation at the speed at work, the nearest first.
 

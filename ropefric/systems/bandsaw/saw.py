@@ -104,11 +104,7 @@ class Saw:
 
 
 def span_of(
-    saw: Saw,
-    side: Side,
-    *,
-    speed_m_s: npt.ArrayLike | None = None,
-    preload_N: npt.ArrayLike | None = None,
+    saw: Saw, side: Side, *, speed_m_s: npt.ArrayLike | None = None, preload_N: npt.ArrayLike | None = None
 ) -> Span:
     """Return one side of a saw with all its parts in it, for one speed and preload or many."""
     speed = abs(side.sign) * np.asarray(saw.speed_m_s if speed_m_s is None else speed_m_s, dtype=np.float64)

@@ -13,14 +13,11 @@ from ropefric.friction.condition import Conditions
 from ropefric.friction.laws.bending import bending_N, lifted_arc_rad
 from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, lean, refuse
 from ropefric.systems.effect import Model
-from ropefric.systems.friction import WrapFriction
+from ropefric.systems.friction import WrapFriction, own_regressors
 from ropefric.systems.roots import roots_of_cases
 
 GRAVITY_M_S2 = 9.80665
 """Standard acceleration of gravity [m/s2]."""
-
-REGRESSORS_OF = {"wrap-dependence": "wrap", "end-tension": "end-tension", "size": "size"}
-"""Regressors that each of the law's own effects gives it."""
 
 _LARGEST = float(np.log(np.finfo(np.float64).max))
 _MAX_STEPS = 400
@@ -173,7 +170,7 @@ def _exponent(model: HoistModel, slack_N: FloatArray) -> partial[FloatArray]:
         problem.wheel_radius_m,
         problem.rope_radius_m,
         slack_tension_N=slack_N,
-        regressors=frozenset(REGRESSORS_OF[name] for name in model.effects & REGRESSORS_OF.keys()),
+        regressors=own_regressors(model.effects),
     )
 
 

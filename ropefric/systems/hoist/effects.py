@@ -42,9 +42,20 @@ def stiffness_bound(problem: HoistProblem, answer: Lift | None = None) -> FloatA
     return np.where(np.isnan(bound), np.inf, bound)
 
 
-def law_effect(name: str, what: str, instead: str, cost: float = 0.0) -> Effect:
-    """Return the effect of one regressor of a law."""
-    return Effect(name, f"a coefficient that depends on {what}", instead, cost=cost)
+def rope_law_effects(wheel: str, tension: str, cost: float = 0.0) -> tuple[Effect, ...]:
+    """Return the effects of a law's regressors on a rope, each by itself, by the names of the wheel and the tension."""
+    words = {
+        "wrap-dependence": (
+            "how far the rope wraps",
+            "its average at the reference wrap, over the whole wrap",
+        ),
+        "size": (f"the {wheel}'s radius over the rope's", "the coefficient at the reference wheel and rope"),
+        "end-tension": (tension, "the coefficient at the reference end tension"),
+    }
+    return tuple(
+        Effect(name, f"a coefficient that depends on {what}", instead, cost=cost)
+        for name, (what, instead) in words.items()
+    )
 
 
 def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
@@ -56,24 +67,7 @@ def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
 EFFECTS: Registry[Effect] = Registry(
     "effect of a hoist",
     (
-        law_effect(
-            "wrap-dependence",
-            "how far the rope wraps",
-            "its average at the reference wrap, over the whole wrap",
-            1e-7,
-        ),
-        law_effect(
-            "size",
-            "the wheel's radius over the rope's",
-            "the coefficient at the reference wheel and rope",
-            5e-8,
-        ),
-        law_effect(
-            "end-tension",
-            "the end tension (as equivalent wrap)",
-            "the coefficient at the reference end tension",
-            1e-7,
-        ),
+        *rope_law_effects("wheel", "the end tension (as equivalent wrap)", 1e-7),
         Effect(
             name="rope-weight",
             adds="the weight of the rope that hangs from the slack side, on top of the end tension",

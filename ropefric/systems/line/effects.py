@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from ropefric.registry import Registry
 from ropefric.systems.effect import Effect, System, closed_form_system
-from ropefric.systems.hoist.effects import law_effect
+from ropefric.systems.hoist.effects import rope_law_effects
 from ropefric.systems.line.element import LineProblem
 from ropefric.systems.line.line import distance, solve_line
 
@@ -51,15 +51,7 @@ EFFECTS: Registry[Effect] = Registry(
             instead="wheels that turn freely",
             needs=_needs("bearing", "efficiency"),
         ),
-        law_effect(
-            "wrap-dependence",
-            "how far the rope wraps",
-            "its average at the reference wrap, over the whole wrap",
-        ),
-        law_effect(
-            "size", "the bend's radius over the rope's", "the coefficient at the reference wheel and rope"
-        ),
-        law_effect("end-tension", "the slack side's tension", "the coefficient at the reference end tension"),
+        *rope_law_effects("bend", "the slack side's tension"),
         Effect(
             name="stretch",
             adds="the elongation of the rope, and the stroke that it takes",

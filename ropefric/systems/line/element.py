@@ -14,8 +14,8 @@ from ropefric.errors import InputError, RopefricError, SolverError
 from ropefric.friction.laws.bending import bending_N
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
-from ropefric.systems.friction import WrapFriction
-from ropefric.systems.hoist.contact import GRAVITY_M_S2, REGRESSORS_OF, contact_arc_rad
+from ropefric.systems.friction import WrapFriction, own_regressors
+from ropefric.systems.hoist.contact import GRAVITY_M_S2, contact_arc_rad
 
 _LARGEST_EXPONENT = 300.0
 _MAX_STEPS = 200
@@ -187,7 +187,7 @@ class Passage(NamedTuple):
 
     def exponent(self, bend: "Contact", wrap_rad: FloatArray, slack_N: FloatArray) -> FloatArray:
         """Return M = ∫μ dφ over a wrap: of the element's own coefficient, or of the law of the line."""
-        problem, known = self.model.problem, self.model.effects & REGRESSORS_OF.keys()
+        problem, regressors = self.model.problem, own_regressors(self.model.effects)
         if bend.mu is not None or problem.friction is None:
             found = np.asarray((bend.mu or 0.0) * wrap_rad)
         else:
@@ -195,8 +195,7 @@ class Passage(NamedTuple):
             if bend.radius_m is not None and problem.rope_radius_m is not None:
                 sizes = bend.radius_m, problem.rope_radius_m
             else:
-                known = known - {"size"}
-            regressors = frozenset(REGRESSORS_OF[name] for name in known)
+                regressors -= {"size"}
             found = problem.friction.exponent(sizes[0], sizes[1], wrap_rad, slack_N, regressors=regressors)
         if (found > _LARGEST_EXPONENT).any():
             raise InputError(

@@ -16,13 +16,7 @@ from ropefric.systems.press.creep import rim_speed_ratios
 from ropefric.systems.press.critical import CHANGES, critical
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.slip import SlipTable
-from ropefric.systems.press.statics import (
-    Statics,
-    SteadyState,
-    TakeUp,
-    solve_statics,
-    steady_state,
-)
+from ropefric.systems.press.statics import Statics, SteadyState, TakeUp, solve_statics, steady_state
 from ropefric.systems.press.transient.start_up import StartUp, start_up
 
 

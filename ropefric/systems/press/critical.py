@@ -6,8 +6,7 @@ their length at each point of the way. So the change is a root of the reserve of
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from operator import itemgetter
+from functools import cache, cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -20,6 +19,7 @@ from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.centres import at_kept_lengths_N
 from ropefric.systems.press.slip import NO_TORQUE, SlipTable, contacts_of
 from ropefric.systems.press.statics import Statics, TakeUp, speed_shift_kg_m
+from ropefric.systems.roots import roots_of_cases
 
 CHANGES = {
     "preload": "all preloads fall together [N]",
@@ -38,6 +38,8 @@ _PLACES = np.concatenate([np.linspace(0.0, 1.0, 129)[:-1], 1.0 - 0.5 ** np.arang
 
 
 _MAX_STEPS = 100
+_ROUNDING = 1e-8
+"""Changes of a coefficient below this that no longer fall are what rounding leaves of a stiff belt's length."""
 
 
 class Critical(NamedTuple):
@@ -67,7 +69,7 @@ class _Change:
     linear_N: FloatArray
     slope: FloatArray
 
-    def tension_N(self, amount: npt.ArrayLike) -> FloatArray:
+    def tension_N(self, amount: npt.ArrayLike, start_N: FloatArray | float = 0.0) -> FloatArray:
         """Return T' of all spans, shape (..., n_spans); NaN where no tensions keep the lengths of fixed belts."""
         press, by = self.statics.press, np.asarray(amount, dtype=np.float64) - self.now
         pretensions_N = press.preload_N[len(press.tensioners) :]
@@ -80,8 +82,23 @@ class _Change:
             friction=self.friction,
             regressors=self.regressors,
             pretension_N=pretensions_N + by[..., np.newaxis] * (self.name == "preload"),
+            start_N=start_N,
             strict=False,
         )
+
+    def followed(self) -> Callable[[FloatArray], FloatArray]:
+        """Return `tension_N` as a function that begins each search where its last one ended."""
+        start_N: FloatArray | float = 0.0
+
+        def tension_N(amount: FloatArray) -> FloatArray:
+            nonlocal start_N
+            found_N = self.tension_N(amount, start_N)
+            start_N = np.nan_to_num(
+                found_N - self.linear_N - (amount - self.now)[..., np.newaxis] * self.slope
+            )
+            return found_N
+
+        return tension_N
 
     @cached_property
     def idle(self) -> BoolArray:
@@ -91,9 +108,8 @@ class _Change:
         sizes = np.abs(more.upstream_N) + np.abs(more.downstream_N)
         return np.asarray((here.pull_N <= NO_TORQUE * largest_N) & (more.pull_N <= NO_TORQUE * sizes))
 
-    def reserve_N(self, amount: npt.ArrayLike) -> FloatArray:
+    def reserve_N(self, tension_N: FloatArray) -> FloatArray:
         """Return the friction that is left on each roller, shape (..., n_rollers); inf where it carries no torque."""
-        tension_N = self.tension_N(amount)
         lost = np.isnan(tension_N).any(axis=-1, keepdims=True)
         there = contacts_of(self.statics.press, np.where(lost, 1.0, tension_N))
         left_N = there.slack_N * np.expm1(there.exponent(self.friction, self.regressors)) - there.pull_N
@@ -111,54 +127,58 @@ class _Change:
         elif press.fixed_belts:  # no elastic belt is pulled to twice its length
             most = min(belt.axial_stiffness_N or np.inf for belt in press.fixed_belts)
         far = min(np.nanmin(np.where(amounts > 0.0, amounts, np.inf), initial=np.inf), most)
-        if press.fixed_belts:
-
-            def lowest_N(far: float) -> float:
-                lowest = self.tension_N(self.now + sign * far)[taut].min()
-                return -1.0 if np.isnan(lowest) else float(lowest)
-
-            while lowest_N(far) > 0.0 and far < most:
-                far = min(_FURTHER * far, most)
-            far = far if lowest_N(far) > 0.0 else brentq(lowest_N, 0.0, far, xtol=1e-9 * far, rtol=1e-9)
+        far = self._to_slack(far, most, sign, taut) if press.fixed_belts else far
         return float(self.now + sign * far)
 
-    @cached_property
-    def _falling(self) -> tuple[FloatArray, FloatArray]:
-        return self._path("falls")
+    def _to_slack(self, far: float, most: float, sign: float, taut: BoolArray) -> float:
+        """Return how far the way goes until a span goes slack, `most` at most, from that of the linear tensions on."""
+        tension_N = self.followed()
 
-    @cached_property
-    def _rising(self) -> tuple[FloatArray, FloatArray]:
-        return self._path("rises")
+        def lowest_N(far: float) -> float:
+            lowest = tension_N(np.array(self.now + sign * far))[taut].min()
+            return -1.0 if np.isnan(lowest) else float(lowest)
 
-    def _path(self, way: str) -> tuple[FloatArray, FloatArray]:
-        """Return places on the way and the reserves there, shapes (n,) and (n, n_rollers)."""
+        near = 0.0
+        while (lowest := lowest_N(far)) > 0.0 and far < most:
+            near, far = far, min(_FURTHER * far, most)
+        return far if lowest > 0.0 else float(brentq(lowest_N, near, far, xtol=1e-9 * far, rtol=1e-9))
+
+    def _margins_N(self, tension_N: FloatArray) -> FloatArray:
+        """Return the reserve of each roller and the least of them, shape (..., n_rollers + 1)."""
+        left_N = self.reserve_N(tension_N)
+        return np.append(left_N, left_N.min(axis=-1, keepdims=True), axis=-1)
+
+    def crossings(self, way: str) -> FloatArray:
+        """Return where each margin first changes its sign on the way, shape (n_rollers + 1,); NaN where it does not."""
         end = self._end(way)
         far = max(self.now, 1.0) * (_PLACES[:-1] / (1.0 - _PLACES[:-1]))
         places = self.now + (_PLACES * (end - self.now) if np.isfinite(end) else far)
-        reserves_N = self.reserve_N(places)
-        known = int(np.argmax(np.append(np.isnan(reserves_N).any(axis=-1), True)))
-        return places[:known], reserves_N[:known]
+        margins_N = self._margins_N(self.tension_N(places))
+        known = int(np.argmax(np.append(np.isnan(margins_N).any(axis=-1), True)))
+        signs = margins_N[:known] >= 0.0
+        changed = (signs != signs[:1]).any(axis=0)
+        found = np.full(changed.size, np.nan)
+        if changed.any():
+            which, after = np.flatnonzero(changed), np.argmax(signs != signs[:1], axis=0)[changed]
+            low, high = places[after - 1], places[after]
+            tension_N = self.followed()
 
-    def crossing(self, way: str, margin: Callable[[FloatArray], FloatArray]) -> float | None:
-        """Return where a margin of the reserves first changes its sign on the way."""
-        places, reserves_N = self._falling if way == "falls" else self._rising
-        signs = margin(reserves_N) >= 0.0
-        changed = np.flatnonzero(signs != signs[:1])
-        if not changed.size:
+            def margin_N(amounts: FloatArray) -> FloatArray:
+                # Where no tensions keep the lengths, a roller has slipped before.
+                own_N = self._margins_N(tension_N(amounts))[np.arange(which.size), which]
+                return np.nan_to_num(own_N, nan=-1.0, posinf=np.inf)
+
+            roots = roots_of_cases(margin_N, low, high)
+            # A margin that rounding leaves without a change of sign has its root at the nearer end.
+            ends_N = np.abs(margins_N[[after - 1, after], which])
+            found[changed] = np.where(np.isnan(roots), np.where(ends_N[0] < ends_N[1], low, high), roots)
+        return found
+
+    def shown(self, amount: float) -> float | None:
+        """Return the setting as people know it, the speed and not its square; None where there is none."""
+        if np.isnan(amount):
             return None
-        bracket = places[changed[0] - 1], places[changed[0]]
-        root = brentq(
-            # Where no tensions keep the lengths, a roller has slipped before.
-            lambda one: float(np.nan_to_num(margin(self.reserve_N(one)), nan=-1.0)),
-            *bracket,
-            xtol=1e-12,
-            rtol=1e-14,
-        )
-        return float(root)
-
-    def shown(self, amount: float | None) -> float | None:
-        """Return the setting as people know it: the speed, not its square."""
-        return amount if amount is None or self.name != "speed" else float(np.sqrt(amount))
+        return float(np.sqrt(amount) if self.name == "speed" else amount)
 
 
 _FURTHER = 1.25
@@ -200,18 +220,23 @@ def critical(
         slope=slopes[change],
     )
     names = [roller.name for roller in press.rollers]
-    slips, usual = path_of.reserve_N(now) < 0.0, _USUAL[change]
+    slips, usual = path_of.reserve_N(path_of.tension_N(now)) < 0.0, _USUAL[change]
     ways = [_OTHER[usual], usual] if slips.any() else [usual, _OTHER[usual]]
-    found = ((way, path_of.crossing(way, lambda left_N: left_N.min(axis=-1))) for way in ways)
-    way, value = next(((way, one) for way, one in found if one is not None), (None, None))
-    by_roller = {
-        name: path_of.shown(
-            path_of.crossing((way or ways[0]) if slips.any() == is_in else usual, itemgetter((..., i)))
-        )
-        for i, (name, is_in) in enumerate(zip(names, slips, strict=True))
-    }
-    first = None if value is None else names[int(np.argmin(np.abs(path_of.reserve_N(value))))]
+    crossings = cache(path_of.crossings)
+    way = next((one for one in ways if not np.isnan(crossings(one)[-1])), None)
+    value = np.nan if way is None else crossings(way)[-1]
+    stops, usually = crossings(way or ways[0]), crossings(usual)
+    each = np.where(slips == slips.any(), stops[:-1], usually[:-1])
+    first = (
+        None if way is None else names[int(np.argmin(np.abs(path_of.reserve_N(path_of.tension_N(value)))))]
+    )
+    by_roller = dict(zip(names, map(path_of.shown, each.tolist()), strict=True))
     return Critical("slips" if slips.any() else "holds", way, first, path_of.shown(value), by_roller)
+
+
+def _grips(logs: FloatArray) -> FloatArray:
+    """Return the shares of the friction that are needed, 1 where no share of it is enough or none is needed."""
+    return np.where(np.isfinite(logs) & (logs > 0.0), logs, 1.0)
 
 
 def _by_friction(
@@ -243,12 +268,12 @@ def _by_friction(
     required, ranks = slip.mu_required, slip.log if slip.exponent.all() else slip.mu_required
     if press.fixed_belts:
         # Where a belt slips over a roller's arc changes its tensions, and these what is needed.
-        grips = np.where(np.isfinite(slip.log) & (slip.log > 0.0), slip.log, 1.0)
+        grips, change = _grips(slip.log), np.inf
         for _ in range(_MAX_STEPS):
-            each, last = slip_at(grips), grips
-            logs = np.diagonal(each.log)
-            grips = np.where(np.isfinite(logs) & (logs > 0.0), logs, 1.0)
-            if np.allclose(grips, last, rtol=1e-13, atol=0.0):
+            each, before, last = slip_at(grips), grips, change
+            grips = _grips(np.diagonal(each.log))
+            change = float(np.abs(grips / before - 1.0).max())
+            if last <= change < _ROUNDING:
                 break
         else:
             raise SolverError(

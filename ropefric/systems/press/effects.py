@@ -8,10 +8,10 @@ import numpy as np
 
 from ropefric.arrays import FloatArray
 from ropefric.registry import Registry
-from ropefric.systems.effect import Effect, Method, System
+from ropefric.systems.effect import Effect, Method, System, law_effects
 from ropefric.systems.press.answer import PressAnswer, PressModel, PressProblem, solve_press
 from ropefric.systems.press.slip import MEASURES
-from ropefric.systems.press.transient.start_up import GRID_ERROR, ON_TENSION, largest_difference
+from ropefric.systems.press.transient.start_up import GRID_ERROR, largest_difference
 
 _UNIT = re.compile("_(?:N|m|kg|kg_m2)$")
 
@@ -59,7 +59,10 @@ EFFECTS: Registry[Effect] = Registry(
             needs=lambda problem: () if problem.press.tensioners else ("rollers.NAME.tensioner",),
         ),
         Effect(
-            "belt-elasticity", "belts that stretch by their EA", "belts that do not stretch", needs=_lacking
+            "belt-elasticity",
+            "belts that stretch by their EA",
+            "belts that do not stretch; between fixed centres they keep their length with EA",
+            needs=_lacking,
         ),
         Effect(
             "elastic-creep",
@@ -67,18 +70,7 @@ EFFECTS: Registry[Effect] = Registry(
             "rims that all run at the speed of the drivers",
             needs=partial(_lacking, part="axial_stiffness"),
         ),
-        Effect(
-            "wrap-dependence",
-            "a coefficient that depends on wrap and slack-side tension",
-            "its average at the reference wrap and tension",
-            cost=1e-6,
-        ),
-        Effect(
-            "size",
-            "a coefficient that depends on the roller's radius over half the belt's thickness",
-            "the coefficient at the reference radius",
-            cost=5e-7,
-        ),
+        *law_effects("roller", "belt", lambda problem: (), 1e-6),  # noqa: ARG005  (needs nothing)
         _moving("belt-damping", "the material damping of the belts", "belts that do not damp"),
         _moving("tensioner-damping", "the dampers of the tensioners", "tensioners without dampers"),
         _moving(
@@ -127,9 +119,7 @@ def _method(model: PressModel, budget: float) -> Method:  # noqa: ARG001  (the s
         return _DIRECT
     integrator = task.get("integrator", "exact")
     if integrator == "exact":
-        follows = "transient-friction" in model.effects and ON_TENSION & set(
-            model.problem.friction.law.effects
-        )
+        follows = "transient-friction" in model.effects and model.problem.friction.follows_tension
         return _EXACT._replace(error=_FOLLOWING_ERROR) if follows else _EXACT
     return Method(
         name=f"direct solution and {integrator}",

@@ -213,6 +213,17 @@ class Press:
         return np.array([roller.radius_m for roller in self.rollers])
 
     @cached_property
+    def wrap_angle_rad(self) -> FloatArray:
+        """Return α, shape (n_rollers,)."""
+        return np.array([roller.wrap_angle_rad for roller in self.rollers])
+
+    @cached_property
+    def half_thickness_m(self) -> FloatArray:
+        """Return half the mean thickness of the belts on each roller, shape (n_rollers,)."""
+        belts = [self.belts_on(roller.name) for roller in self.rollers]
+        return np.array([0.5 * sum(belt.thickness_m for belt in on) / len(on) for on in belts])
+
+    @cached_property
     def rim_load_N(self) -> FloatArray:
         """Return M/R, shape (n_rollers,)."""
         return np.array([roller.torque_N_m for roller in self.rollers]) / self.radius_m

@@ -74,12 +74,11 @@ class Contacts(NamedTuple):
 def contacts_of(press: Press, effective_tension_N: npt.ArrayLike) -> Contacts:
     """Return the contacts of all rollers from T' of all spans, shape (..., n_spans)."""
     tension = np.asarray(effective_tension_N, dtype=np.float64)
-    belts = [press.belts_on(roller.name) for roller in press.rollers]
     return Contacts(
         np.array([roller.name for roller in press.rollers]),
         press.radius_m,
-        np.array([roller.wrap_angle_rad for roller in press.rollers]),
-        np.array([0.5 * sum(belt.thickness_m for belt in on) / len(on) for on in belts]),
+        press.wrap_angle_rad,
+        press.half_thickness_m,
         tension @ press.into.T,
         tension @ press.out_of.T,
     )

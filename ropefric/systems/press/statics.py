@@ -242,7 +242,9 @@ def speed_shift_kg_m(statics: Statics, tensioner: TakeUp) -> FloatArray:
         return -press.density_kg_m * (tensioner == "locked")
     fix = "give them, or take tensioner='locked'"
     refuse_missing("the elastic tensioner", press.missing_elasticity, fix=fix)
-    arcs_m = {roller.name: roller.radius_m * roller.wrap_angle_rad for roller in press.rollers}
+    arcs_m = dict(
+        zip([one.name for one in press.rollers], press.radius_m * press.wrap_angle_rad, strict=True)
+    )
     lengths_m = [
         sum(belt.span_lengths_m or ()) + sum(arcs_m[name] for name in belt.loop) for belt in press.belts
     ]
@@ -271,16 +273,6 @@ class SteadyState(NamedTuple):
     def tension_N(self) -> FloatArray:
         """Return T [N], shape (..., n_spans): with the part ρAv² of every belt that keeps it on its path."""
         return self.effective_tension_N + np.multiply.outer(self.speed_m_s**2, self.press.density_kg_m)
-
-    @property
-    def driver_torque_N_m(self) -> dict[str, FloatArray]:
-        """Return the torque each driver's motor supplies [N m], shape (...): R (T_in − T_out) and its own load."""
-        pulls_N = self.effective_tension_N @ self.press.incidence.T
-        return {
-            roller.name: roller.torque_N_m * self.load_factor - roller.radius_m * pulls_N[..., i]
-            for i, roller in enumerate(self.press.rollers)
-            if roller.role == "driver"
-        }
 
     @property
     def drive_power_W(self) -> FloatArray:

@@ -14,7 +14,13 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
 from ropefric.scenes.scene_templates import scene_text, write_scenes
-from ropefric.systems.beltdrive.drive import DriveModel, DriveProblem, best_speed_m_s, solve_drive
+from ropefric.systems.beltdrive.drive import (
+    DriveModel,
+    DriveProblem,
+    best_speed_m_s,
+    needed_width_m,
+    solve_drive,
+)
 from ropefric.systems.beltdrive.effects import SYSTEM
 from ropefric.systems.friction import WrapFriction
 
@@ -60,6 +66,34 @@ def test_two_v_belts():
     assert belts.belt_speed_m_s[0] == pytest.approx(23.562, abs=5e-4)
     assert solved(belts).full_power_W[0] == pytest.approx(171_690.0, abs=5.0)
     assert best_speed_m_s(belts)[0] / 0.15 / RPM == pytest.approx(2807.0, abs=0.5)
+
+
+def test_what_a_textbook_of_machine_design_prints_of_its_belts():
+    """Examples 20-1, 20-2 and 21-1 of its companion, to the last digit that it prints."""
+    flat = {"linear_density_kg_m": 1.95, "speed_rad_s": 20.0 / 0.15, "driven_radius_m": 0.45,
+            "centre_distance_m": 5.8, "crossed": True}  # fmt: skip
+    crossed = solved(problem_of(0.4, **flat, wrap_angle_rad=math.pi, tension_N=4167.4))
+    assert crossed.model.problem.wrap_angle_rad[0] == pytest.approx(3.35, abs=0.005)
+    assert crossed.full_slack_N[0] == pytest.approx(1667.4, abs=0.05)
+    assert crossed.full_power_W[0] == pytest.approx(50e3, abs=5.0)
+    wedge = {"wrap_angle_rad": math.pi + 2.0 * math.asin(1.0 / 3.0), "tension_N": 483.0,
+             "linear_density_kg_m": 0.253, "speed_rad_s": 1500.0 * RPM}  # fmt: skip
+    v_belt = solved(problem_of(0.22, **wedge))
+    assert v_belt.circling_N[0] == pytest.approx(140.5, abs=0.05)
+    assert v_belt.full_slack_N[0] == pytest.approx(288.2, abs=0.05)
+    assert v_belt.full_power_W[0] == pytest.approx(4589.0, abs=0.5)
+    sized = {
+        "radius_m": 0.1,
+        "rope_radius_m": 0.004,
+        "density_kg_m3": 950.0,
+        "linear_density_kg_m": 0.6,
+        "speed_rad_s": 1500.0 * RPM,
+        "driven_radius_m": 0.25,
+        "centre_distance_m": 2.0,
+        "stress_Pa": 2e6,
+    }
+    belt = solved(problem_of(0.38, **sized, wrap_angle_rad=math.pi, tension_N=2000.0, power_W=12e3))
+    assert needed_width_m(belt)[0] == pytest.approx(79.64e-3, abs=5e-6)
 
 
 CLOSED = {"wrap_angle_rad": 3.0, "tension_N": 1000.0, "linear_density_kg_m": 0.5, "speed_rad_s": 100.0}

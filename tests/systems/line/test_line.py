@@ -388,33 +388,6 @@ def test_what_an_element_makes_of_the_tension_is_said_at_its_line(tmp_path):
         solve_scene(load_scene(path))
 
 
-STRANGER = '''"""A damper that takes a force in proportion to the tension's square root."""
-
-from dataclasses import dataclass
-from typing import Annotated, ClassVar
-
-import numpy as np
-
-from ropefric.systems.line.element import Element, Given
-
-
-@dataclass(frozen=True, kw_only=True)
-class Damper(Element):
-    """T_out = T_in + c^2."""
-
-    kind: ClassVar[str] = "damper"
-
-    root_N: Annotated[float, Given("root", "c squared.", "N", "3 N")]
-
-    def tension_N(self, passage, known_N):
-        """Return the tension on its other side."""
-        return known_N + (1.0 if passage.rises else -1.0) * self.root_N * np.ones_like(known_N)
-
-
-ELEMENT = Damper
-'''
-
-
 def test_a_stranger_adds_a_kind_of_element_by_one_file(tmp_path):
     """A copy of the package with one file more knows the element, its key, its unit and its meaning."""
     import shutil
@@ -423,12 +396,16 @@ def test_a_stranger_adds_a_kind_of_element_by_one_file(tmp_path):
 
     package = Path(kinds.__file__).parents[3]
     shutil.copytree(package, tmp_path / "ropefric", ignore=shutil.ignore_patterns("*.npz"))
-    (tmp_path / "ropefric/systems/line/elements/damper.py").write_text(STRANGER, encoding="utf-8")
-    scene = tmp_path / "damped.toml"
-    scene.write_text(BAD + '[[element]]\nkind = "damper"\nroot = "3 N"\n', encoding="utf-8")
+    page = (package / "../docs/extend.md").read_text(encoding="utf-8")
+    _, _, capstan = page.partition("```python\n")
+    element = tmp_path / "ropefric/systems/line/elements/capstan.py"
+    element.write_text(capstan.partition("```")[0], encoding="utf-8")
+    scene = tmp_path / "wound.toml"
+    table = '[[element]]\nkind = "capstan"\nangle = "90 deg"\ngroove = "60 deg"\nmu = 0.2\n'
+    scene.write_text(BAD + table, encoding="utf-8")
     code = f"import ropefric as rf; print(rf.solve({str(scene)!r}).to_dict()['tension_N'])"
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False,
                           env={"PYTHONPATH": str(tmp_path), "PATH": ""})  # fmt: skip
     assert done.returncode == 0, done.stderr
     tensions = [float(one) for one in done.stdout.strip("[]\n").split(",")]
-    assert tensions[-1] - tensions[-2] == pytest.approx(3.0)
+    assert tensions[-1] / tensions[-2] == pytest.approx(math.exp(0.2 * 0.5 * math.pi / 0.5))

@@ -1,7 +1,6 @@
 """Belts between fixed centres keep their unstretched length: against a discretised belt, and traced arc by arc."""
 
 import math
-import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -272,6 +271,12 @@ def test_the_critical_friction_is_where_it_slips_with_the_tensions_that_it_then_
     assert found.value == max(one for one in found.by_roller.values() if one is not None)
 
 
+def test_no_coefficient_holds_a_belt_that_has_lifted_off():
+    found = critical(solve_statics(machine(1500.0)), 1.0, "friction")
+    assert (found.state, found.value) == ("slips", None)
+    assert set(found.by_roller.values()) == {None}
+
+
 def test_a_start_up_begins_with_the_pretension_and_settles(fixed_press):
     settled = settled_press(fixed_press, 0.5)
     assert settled.travel_m.size == 0
@@ -306,35 +311,27 @@ def test_refusals(fixed_press):
         solve_statics(one_level)
 
 
-@pytest.fixture
-def fixed_scene(tmp_path):
-    """The press template with both belts between fixed centres, as a file."""
-
-    def write(**changes):
-        text = scene_text("press-start-up")
-        text = text[: text.index("[start_up]")] if not changes.pop("moves", False) else text
-        tables = text.split("\n[")
-        kept = [one for one in tables if "tensioner]" not in one.partition("\n")[0]]
-        text = "\n[".join(kept).replace('role = "tensioner"\n', "")
-        text = "\n".join(line for line in text.splitlines() if not line.startswith("preload"))
-        for name, pretension in ({"upper": "1800 N", "lower": "1500 N"} | changes).items():
-            text = text.replace(f"[belts.{name}]\n", f'[belts.{name}]\npretension = "{pretension}"\n')
-        path = tmp_path / "fixed.toml"
-        path.write_text(text, encoding="utf-8")
-        assert tomllib.loads(text)["belts"]["upper"]["pretension"]
-        return path
-
-    return write
-
-
-def test_a_scene_of_fixed_centres(fixed_scene):
-    found = rf.solve(fixed_scene()).to_dict()
+def test_a_scene_of_fixed_centres(tmp_path):
+    text, path = scene_text("press-fixed"), tmp_path / "fixed.toml"
+    path.write_text(text, encoding="utf-8")
+    found = rf.solve(path).to_dict()
     belt = found["fixed_centres"]["upper"]
     assert belt["pretension_N"] == 1800.0
     assert belt["belt_length_m"] == pytest.approx(8.7 + belt["arcs_m"])
     assert found["critical"]["preload"]["value"] < 1650.0
+    # A pretension is a stretch: EA counts whatever effects are named, and the answer is as near as it says.
+    path.write_text(
+        text.replace('effects  = "auto"', 'effects  = ["gravity-load", "squeeze-load", "belt-inertia"]'),
+        encoding="utf-8",
+    )
+    named = rf.solve(path).to_dict()
+    assert named["effective_tension_N"] == pytest.approx(
+        found["effective_tension_N"], rel=named["error_bound"]
+    )
+    assert named["error_bound"] < 1e-3
+    path.write_text(text.replace('"1800 N"', '"0 N"'), encoding="utf-8")
     with pytest.raises(DataError, match="not more than 0"):
-        rf.load_scene(fixed_scene(upper="0 N"))
+        rf.load_scene(path)
 
 
 def test_a_force_of_its_own_comes_before_the_preload_of_all(tmp_path):
@@ -364,10 +361,10 @@ def test_any_machine_of_one_fixed_belt_says_where_it_slips(seed):
     statics = solve_statics(press)
     for friction in (10.0 ** rng.uniform(-1.0, 0.7), law):
         found = critical(statics, friction, "load")
-        if found.value is None:  # with so much grip a belt is slack before anything slips
-            today = steady_state(statics, friction=friction).effective_tension_N
-            assert SlipTable(press, today, friction).exponent.min() > 5.0
-            continue
+        assert found.value is not None, "with much grip it slips just before a span is slack"
         state = steady_state(statics, load_factor=found.value, friction=friction, on_slack="flag")
         slip = SlipTable(press, state.effective_tension_N, friction)
-        assert slip.utilisation.max() == pytest.approx(1.0, abs=1e-6)
+        known = (
+            1e-12 * state.effective_tension_N.max() / state.effective_tension_N.min()
+        )  # of a slack side next to nothing
+        assert slip.utilisation.max() == pytest.approx(1.0, abs=1e-6 + known)

@@ -123,9 +123,12 @@ def test_what_the_drivers_supply_less_what_the_loads_take_is_lost_by_creep(paper
             press = with_stiffness(paper_press, 2e5, 9e5)
             answer = solved(problem_of(press, closure, load_factor=factor))
             rims = dict(zip((one.name for one in press.rollers), answer.rim_speed_m_s[0], strict=True))
-            radius = {one.name: one.radius_m for one in press.rollers}
-            supplied_W = sum(torque[0] * rims[name] / radius[name]
-                             for name, torque in answer.state.driver_torque_N_m.items())  # fmt: skip
+            pulls_N = -answer.state.effective_tension_N[0] @ press.incidence.T
+            supplied_W = sum(
+                (pull_N + factor * one.torque_N_m / one.radius_m) * rims[one.name]
+                for one, pull_N in zip(press.rollers, pulls_N, strict=True)
+                if one.role == "driver"
+            )
             taken_W = sum(factor * one.torque_N_m * rims[one.name] / one.radius_m for one in press.rollers)
             assert answer.creep_loss_W[0] == pytest.approx(supplied_W - taken_W, rel=1e-9), (closure, factor)
             # Round each loop it is v_b/(2 EA) Σ (T_i − T_i−1)², which cannot be negative.

@@ -261,7 +261,7 @@ def _following(
     model: ElasticPress, friction: float | WrapFriction | None, regressors: frozenset[str]
 ) -> tuple[Callable[[FloatArray], FloatArray], Callable[[FloatArray], FrictionLimit]] | None:
     """Return M and the limit of slip at slack sides, where friction follows the tensions; None where it cannot."""
-    if not (isinstance(friction, WrapFriction) and ON_TENSION & set(friction.law.effects)):
+    if not (isinstance(friction, WrapFriction) and friction.follows_tension):
         return None
     contacts = contacts_of(model.press, model.preload_N)
 
@@ -287,8 +287,6 @@ def _solved(solver: HybridSolver, times_s: FloatArray) -> Solved:
         ) from None
 
 
-ON_TENSION = {"wrap-dependence", "end-tension", "offset"}
-"""Effects of a law whose coefficient depends on the slack side."""
 GRID_ERROR = 5e-3
 """Largest effect of contact changes that are caught on a grid."""
 

@@ -1,15 +1,16 @@
 """Make the weights of the picker again: draw recordings, train, set the temperature, write weights and model card.
 
-`python -m ropefric.training [--out FOLDER] [--seed 21] [--recordings 36000] [--steps 8000] [--jobs 2]` writes
-`picker.npz` and `picker.md`; `--help` lists the rest. It learns from drawn recordings and a tenth of recordings of the
-first rig; the second rig is left for the temperature and, with other draws, for the check. It needs the extra `train`;
-nothing else in ropefric imports it.
+`python -m ropefric.training [--out FOLDER] [--seed 21] [--recordings 36000] [--steps 7000] [--jobs 2]` writes
+`picker.npz` and `picker.md`; `--help` lists the rest. It learns from drawn recordings, the first rig and the pulls of
+the second rig with rate-and-state friction; those with bristles are left for the temperature and, with other draws, for
+the check. It needs the extra `train`; nothing else in ropefric imports it.
 """
 
 import argparse
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from functools import partial
 from math import isfinite, log, nan
 from pathlib import Path
@@ -25,11 +26,12 @@ except ModuleNotFoundError as error:
     found = SystemExit(missing) if __name__ == "__main__" else ModuleNotFoundError(missing, name="torch")
     raise found from error
 
-from ropefric.arrays import FloatArray, IntArray
+from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.rig.bench import Bench, RecordingTruth
 from ropefric.rig.recording import FAULTS, simulate_recording
+from ropefric.rig.sampling import Samples, damaged_state
 from ropefric.rig.stories import LabelledRecording, draw_recording, draw_recordings
-from ropefric.rig.strangers import recordings
+from ropefric.rig.strangers import FAMILIES, Recording, recordings
 from ropefric.traces import decision, picker
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.calibration import Calibration
@@ -56,13 +58,16 @@ STATES = 0.3
 """Weight of the states of the bins against the break-away."""
 ELSEWHERE = 0.35
 """How often the closer look is somewhere else than at the break-away."""
-PART_OF_RIG = 10
-"""One recording of the first rig per this number of drawn ones."""
+DAMAGED = 0.07
+"""How often the file of a recording of a rig is damaged."""
 PIECE, UNKNOWN = 500, 255
 """Recordings drawn at a time; the state of bins of which none is known."""
-LEFT_OUT = 777
-"""Seed of the recordings that nothing is trained on."""
+LEARNT, UNSEEN, LEFT_OUT = "rate-state", "lugre", 777
+"""Physics of the second rig that is trained on, and that which is not; seed of recordings that nothing is trained on."""
+NEW = "second rig, friction that was not"
 TEMPERATURES = (0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5)
+RARER = {Status.NO_BREAKAWAY: 0.5, Status.NO_PEAK: 0.5}
+"""How much rarer recordings of a campaign are, without a break-away or a peak, than drawn ones that are learnt from."""
 RIGHT = 0.02
 
 
@@ -124,22 +129,76 @@ def _somewhere(states: IntArray, rng: np.random.Generator) -> int:
     return int(rng.choice(ends)) if ends.size and rng.random() < 0.8 else int(rng.integers(BINS))
 
 
-def _piece(task: tuple[int, int, bool]) -> tuple[Any, Any, Any]:
-    """Return the lessons of a piece of all recordings, drawn or of the first rig, as arrays."""
-    seed, number, of_rig = task
-    made: list[Lesson] = []
-    for n in range(number * PIECE, (number + 1) * PIECE):
-        rng = np.random.default_rng([seed, n, *([1] if of_rig else [])])
-        made.extend(lessons_of(labelled(*rig_recording(rng)) if of_rig else draw_recording(rng), rng))
+Labelled = Iterator[tuple[LabelledRecording, np.random.Generator]]
+
+
+def _perhaps_damaged(one: LabelledRecording, rng: np.random.Generator) -> LabelledRecording:
+    """Return a recording of a rig, now and then with a file that is damaged during the pull."""
+    if rng.random() > DAMAGED or one.force_N.size <= 2 * MIN_SAMPLES:
+        return one
+    step_s, rng_of_file = float(median(np.diff(one.time_s))), np.random.default_rng(rng.integers(2**63))
+    time_s = np.arange(one.force_N.size) * step_s
+    file = Samples(rng_of_file, time_s, one.force_N, one.force_N.copy(), noise=0.0)
+    if (state := damaged_state(file, one.state)) is None:
+        return one
+    made = {"time_s": file.time_s, "force_N": file.force, "state": state, "status": Status.DOUBTFUL}
+    return replace(one, **made, breakaway_s=nan, peak_N=nan)
+
+
+def _drawn(seed: int, piece: int) -> Labelled:
+    for n in range(piece * PIECE, (piece + 1) * PIECE):
+        rng = np.random.default_rng([seed, n])
+        yield draw_recording(rng), rng
+
+
+def _of_first_rig(seed: int, piece: int) -> Labelled:
+    for n in range(piece * PIECE, (piece + 1) * PIECE):
+        rng = np.random.default_rng([seed, n, 1])
+        yield _perhaps_damaged(labelled(*rig_recording(rng)), rng), rng
+
+
+def _of_second_rig(seed: int, piece: int) -> Labelled:
+    made = recordings(10_000 * seed + piece, per_family=PIECE // len(FAMILIES), physics=LEARNT)
+    for n, one in enumerate(made):
+        rng = np.random.default_rng([seed, piece, n, 2])
+        yield _perhaps_damaged(labelled_stranger(one), rng), rng
+
+
+class Source(NamedTuple):
+    """Recordings to learn from: one for how many drawn ones, a piece of them, and whether all states are known."""
+
+    one_in: int
+    draw: Callable[[int, int], Labelled]
+    has_states: bool = False
+
+
+SOURCES = {
+    "drawn": Source(1, _drawn, has_states=True),
+    "first rig": Source(10, _of_first_rig),
+    "second rig": Source(4, _of_second_rig),
+}
+
+
+def _piece(task: tuple[str, int, int]) -> tuple[Any, Any, Any]:
+    """Return the lessons of a piece of a source as arrays."""
+    name, seed, number = task
+    made = [lesson for one, rng in SOURCES[name].draw(seed, number) for lesson in lessons_of(one, rng)]
     states = np.array([lesson.states for lesson in made], dtype=np.uint8)
     channels = np.array([lesson.channels for lesson in made], dtype=np.float16)
     answers = np.array([lesson.answer for lesson in made], dtype=np.float32)
-    return channels, answers, np.full_like(states, UNKNOWN) if of_rig else states
+    return channels, answers, states if SOURCES[name].has_states else np.full_like(states, UNKNOWN)
 
 
-def draw_lessons(seed: int, recordings: int, jobs: int = 1, *, of_rig: bool = False) -> tuple[Any, Any, Any]:
-    """Return channels, answers and states of the lessons of a number of recordings; `jobs` does not change them."""
-    tasks = [(seed, number, of_rig) for number in range(-(-recordings // PIECE))]
+def draw_lessons(seed: int, count: int, jobs: int = 1) -> tuple[Any, Any, Any]:
+    """Return channels, answers and states of the lessons of all sources; `jobs` does not change them.
+
+    `count` recordings are drawn piece by piece, and of each rig its part of that.
+    """
+    tasks = [
+        (name, seed, number)
+        for name, source in SOURCES.items()
+        for number in range(-(-count // (source.one_in * PIECE)))
+    ]
     with ProcessPoolExecutor(jobs) as pool:
         pieces = list(pool.map(_piece, tasks))
     return tuple(np.concatenate([piece[k] for piece in pieces]) for k in range(3))  # type: ignore[return-value]
@@ -178,6 +237,20 @@ def labelled(trace: ForceTrace, truth: RecordingTruth) -> LabelledRecording:
     return LabelledRecording(
         kind=trace.name, time_s=time_s, force_N=force_N, state=state[np.searchsorted(ends_s, time_s)],
         status=truth.status, breakaway_s=at_s, peak_N=truth.lift_force_N if isfinite(at_s) else nan,
+    )  # fmt: skip
+
+
+def labelled_stranger(one: Recording) -> LabelledRecording:
+    """Return a recording of the second rig with its truth: at rest, loading until the top, then sliding."""
+    trace = one.trace()
+    time_s, force_N = trace.time_s[here := np.isfinite(trace.force_N)], trace.force_N[here]
+    is_seen = one.truth.status is Status.OK
+    at_s = one.truth.time_s if is_seen else nan
+    state = np.where(time_s < one.loaded_s, State.REST, State.LOADING)
+    state[time_s > at_s] = State.SLIDING
+    return LabelledRecording(
+        kind=one.family, time_s=time_s, force_N=force_N, state=state,
+        status=one.truth.status, breakaway_s=at_s, peak_N=one.truth.peak_N if is_seen else nan,
     )  # fmt: skip
 
 
@@ -312,9 +385,9 @@ def of_the_first_rig(count: int) -> Iterator[Known]:
         yield Known(trace.name, trace, truth.status, truth.lift_force_N)
 
 
-def of_the_second_rig(per_family: int, seed: int = LEFT_OUT) -> Iterator[Known]:
-    """Yield recordings of the rigs of `rig.strangers`, which nothing is trained on."""
-    for one in recordings(seed, per_family=per_family):
+def of_the_second_rig(per_family: int, seed: int = LEFT_OUT, physics: str = UNSEEN) -> Iterator[Known]:
+    """Yield recordings of the rigs of `rig.strangers`, of friction that nothing is trained on."""
+    for one in recordings(seed, per_family=per_family, physics=physics):
         yield Known(f"{one.tier}: {one.family}", one.trace(), one.truth.status, one.truth.peak_N)
 
 
@@ -361,7 +434,7 @@ def card(sets: Mapping[str, list[Known]], weights: picker.Weights) -> str:
             found = decision.pick_prepared(one.trace, prepared, settings, weights)
             kinds[one.kind][_fate(one, found.status, found.peak_N)] += 1
             answers = answers_of(one, weights)
-            if answers and name == "second rig":
+            if answers and name == NEW:
                 best = max(answers, key=lambda answer: answers[answer])
                 stated.append((answers[best], is_right(one, best)))
         lines += [_row(f"**{name}**", sum(kinds.values(), Counter()))]
@@ -370,7 +443,7 @@ def card(sets: Mapping[str, list[Known]], weights: picker.Weights) -> str:
         ]
     lines += [
         "",
-        "| probability stated | answers for the second rig | mean stated | share right |",
+        f"| probability stated | answers for the {NEW} | mean stated | share right |",
         "|---|---|---|---|",
     ]
     for low, high in ((0.0, 0.5), (0.5, 0.8), (0.8, 0.9), (0.9, 0.95), (0.95, 1.01)):
@@ -400,7 +473,7 @@ def main() -> None:
     """Draw, train, set the temperature, and write weights and model card into a folder."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=picker.STORED.parent)
-    for name, usual in (("seed", 21), ("recordings", 36_000), ("steps", 8_000), ("jobs", 2)):
+    for name, usual in (("seed", 21), ("recordings", 36_000), ("steps", 7_000), ("jobs", 2)):
         parser.add_argument(f"--{name}", type=int, default=usual)
     parser.add_argument(
         "--device", default="cpu", help="where the network is trained, as torch names it: cpu, cuda"
@@ -413,12 +486,8 @@ def main() -> None:
     given = parser.parse_args()
     torch.set_num_threads(given.jobs)
     say = partial(print, flush=True)
-    drawn = draw_lessons(given.seed, given.recordings, given.jobs)
-    rig = draw_lessons(given.seed, given.recordings // PART_OF_RIG, given.jobs, of_rig=True)
-    lessons: Any = tuple(np.concatenate(both) for both in zip(drawn, rig, strict=True))
-    say(
-        f"{len(lessons[1])} lessons of {given.recordings} drawn recordings and {len(rig[1])} of the first rig"
-    )
+    lessons = draw_lessons(given.seed, given.recordings, given.jobs)
+    say(f"{len(lessons[1])} lessons of {given.recordings} drawn recordings and their parts of both rigs")
     options: Any = {"device": given.device, "short_floats": given.short_floats}
     write(given.out, train(lessons, given.steps, given.seed, say, **options).weights(), say)
 
@@ -426,6 +495,7 @@ def main() -> None:
 def write(folder: Path, weights: dict[str, Any], say: Callable[[str], object]) -> None:
     """Set the temperature of trained weights on the second rig; write them, and how they do, into a folder."""
     stored: dict[str, Any] = {name: np.asarray(values, dtype=np.float16) for name, values in weights.items()}
+    stored["rarer"] = np.log([RARER.get(reason, 1.0) for reason in REASONS])
     other, path = list(of_the_second_rig(18, LEFT_OUT + 1)), folder / "picker.npz"
     gaps = {}
     for one in TEMPERATURES:
@@ -437,7 +507,8 @@ def write(folder: Path, weights: dict[str, Any], say: Callable[[str], object]) -
     sets = {
         "drawn": list(drawn_ones(1000)),
         "first rig": list(of_the_first_rig(400)),
-        "second rig": list(of_the_second_rig(12)),
+        "second rig, friction that was trained on": list(of_the_second_rig(6, physics=LEARNT)),
+        NEW: list(of_the_second_rig(12)),
     }
     (folder / "picker.md").write_text(card(sets, picker.multiplied(stored)), encoding="utf-8")
 

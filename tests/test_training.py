@@ -44,7 +44,9 @@ def test_weights_in_numpy_say_what_the_trained_network_says(lessons):
     said = []
     network = training.train(arrays, 102, 1, said.append)
     assert len(said) == 1
-    weights = picker.multiplied({**network.weights(), "temperature": 1.0})
+    weights = picker.multiplied(
+        {**network.weights(), "temperature": 1.0, "rarer": np.zeros(len(picker.REASONS))}
+    )
     assert sum(values.size for values in weights.values()) < 500_000
     one = draw_recording(np.random.default_rng(5))
     seen = picker.look(one.time_s, one.force_N, weights)

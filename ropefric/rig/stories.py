@@ -425,12 +425,13 @@ def _slides_without_a_peak(story: _Story) -> Status:
     return Status.NO_PEAK
 
 
-def _swing(story: _Story, size: float) -> None:
-    """Swing around a level by a part of it, as masses do when a motor stops, until that has died away."""
+def _swing(story: _Story, rate: float) -> None:
+    """Swing about a level as a mass does whose motor stops, until that dies away; it begins no faster than the climb."""
     rng, level = story.rng, story.level
     turns, damping = rng.uniform(3.0, 16.0) * np.pi, rng.uniform(0.05, 0.4)
-    swing = lambda part: level * (1.0 + size * np.exp(-damping * turns * part) * np.sin(turns * part))  # noqa: E731
-    story.piece(State.HELD, story.climb_s * spread(rng, 0.02, 1.0), swing)
+    size = level * spread(rng, 2e-3, 0.1)
+    swing = lambda part: level + size * np.exp(-damping * turns * part) * np.sin(turns * part)  # noqa: E731
+    story.piece(State.HELD, size * turns / (rate * rng.uniform(0.2, 1.0)), swing)
     story.level = level
 
 
@@ -472,7 +473,7 @@ def _is_held(story: _Story) -> Status:
         _turn_round(story, how)
         return Status.NO_BREAKAWAY
     if maybe(rng, 0.4):
-        _swing(story, spread(rng, 2e-3, 0.1))
+        _swing(story, how.rate)
     lasting_s = spread(rng, 0.2, 4.0) * story.climb_s
     story.stay(State.HELD, lasting_s, rng.choice((0.0, spread(rng, 0.002, 0.2))))
     if maybe(rng, 0.5):

@@ -7,6 +7,7 @@ The truth comes from the noise-free force of the spring alone.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ import scipy.signal
 from ropefric.arrays import BoolArray, FloatArray, frozen_array
 from ropefric.registry import Registry
 from ropefric.rig.dynamics import Motion, Slider, simulate, stops
-from ropefric.rig.pulls import NO_PEAK, SLOW, Truth, draw_numbers, draw_slider, truth_of
+from ropefric.rig.pulls import NO_PEAK, PHYSICS, RANGES, SLOW, Truth, draw_numbers, draw_slider, truth_of
 from ropefric.traces.breakaway import Status
 from ropefric.traces.calibration import Adc, Calibration, ForceCell
 from ropefric.traces.clock import mend_clock
@@ -248,7 +249,7 @@ _BATCH, _ATTEMPTS = 240, 15
 
 
 class Recording(NamedTuple):
-    """One recording as a stranger sends it."""
+    """One recording as a stranger sends it; `loaded_s` is when the motor last began to pull before the top."""
 
     name: str
     family: str
@@ -256,6 +257,7 @@ class Recording(NamedTuple):
     time_s: FloatArray
     force_N: FloatArray
     truth: Truth
+    loaded_s: float
     counts: FloatArray | None = None
     calibration: Calibration | None = None
 
@@ -356,7 +358,12 @@ FAMILIES: Registry[Family] = Registry("family of recordings", [
 
 
 def recordings(
-    seed: int, *, per_family: int = 8, families: Sequence[str] = (), tiers: Sequence[str] = TIERS
+    seed: int,
+    *,
+    per_family: int = 8,
+    families: Sequence[str] = (),
+    tiers: Sequence[str] = TIERS,
+    physics: str = "",
 ) -> Iterator[Recording]:
     """Yield recordings of unfamiliar rigs with known truth; the same for the same seed, whichever families are asked.
 
@@ -368,6 +375,8 @@ def recordings(
         How many of each family.
     families, tiers : sequence of str
         Only these families, only these tiers; all by default.
+    physics : {"", "rate-state", "lugre"}
+        Only contacts of this physics; families that have none of them are left out.
 
     Examples
     --------
@@ -375,10 +384,31 @@ def recordings(
     >>> one.truth.status.value, one.tier, one.force_N.size == one.time_s.size
     ('ok', 'clean', True)
     """
-    chosen = [FAMILIES[name] for name in families or FAMILIES]
-    jobs = [(one, number) for one in chosen if one.tier in tiers for number in range(per_family)]
+    chosen = [_of_physics(FAMILIES[name], physics) for name in families or FAMILIES]
+    jobs = [(one, number) for one in chosen if one and one.tier in tiers for number in range(per_family)]
     for start in range(0, len(jobs), _BATCH):
         yield from _made(seed, jobs[start : start + _BATCH])
+
+
+def _of_physics(family: Family, physics: str) -> Family | None:
+    """Return a family with contacts of one physics only; None if it has none of them."""
+    if not physics:
+        return family
+    laws = tuple(np.atleast_1d(family.ranges.get("laws", RANGES["laws"])).tolist())
+    of_it = tuple(law for law in laws if law in PHYSICS[physics])
+    return family._replace(ranges={**family.ranges, "laws": of_it}) if of_it else None
+
+
+def _loaded_s(slider: Slider, top_s: float) -> float:
+    """Return when the motor last began to pull before a top, from rest or after it had let down."""
+    begun_s, is_forth = 0.0, False
+    for (at_s, _), (_, speed) in pairwise(slider.profile):
+        if at_s >= top_s:
+            break
+        if speed > 0.0 and not is_forth:
+            begun_s = at_s
+        is_forth = speed > 0.0 or (is_forth and speed == 0.0)
+    return begun_s
 
 
 def _made(seed: int, jobs: list[tuple[Family, int]]) -> Iterator[Recording]:
@@ -403,6 +433,7 @@ def _made(seed: int, jobs: list[tuple[Family, int]]) -> Iterator[Recording]:
                 done[i] = Recording(
                     name=f"{family.name}-{number:03d}", family=family.name, tier=family.tier, truth=take.truth,
                     time_s=frozen_array(take.time_s), force_N=frozen_array(take.force_N),
+                    loaded_s=_loaded_s(slider, truth.time_s if truth.status is Status.OK else np.inf),
                     counts=take.counts, calibration=take.calibration,
                 )  # fmt: skip
         if len(done) == len(jobs):

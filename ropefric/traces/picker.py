@@ -143,6 +143,7 @@ def look(time_s: FloatArray, force_N: FloatArray, weights: Weights | None = None
     hidden = np.maximum(_rounded(pooled @ weights["pool.w"][0] + weights["pool.b"], ACTIVATION_GRID), 0.0)
     reasons = hidden @ weights["reason.w"][0] + weights["reason.b"]
     logits = np.concatenate([bins[:, 0], reasons]) / float(weights["temperature"])
+    logits[BINS:] += weights["rarer"]
     share = np.exp(logits - logits.max())
     share /= share.sum()
     states = np.exp(bins[:, 1:] - bins[:, 1:].max(axis=1, keepdims=True)).astype(np.float64)
@@ -190,7 +191,7 @@ def _beside(left: Any, right: Any) -> Any:
 
 def multiplied(weights: Weights) -> Weights:
     """Return the weights in the precision of their layer: double in the first and the last, else single."""
-    precise = ("stem", "pool", "reason", "temperature")
+    precise = ("stem", "pool", "reason", "temperature", "rarer")
     return {
         name: np.asarray(values, dtype=np.float64 if name.startswith(precise) else np.float32)
         for name, values in weights.items()

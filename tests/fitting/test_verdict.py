@@ -151,7 +151,7 @@ def test_residual_structure_names_the_effect_that_is_missing():
         wraps=(3, 6, 9))  # fmt: skip
     fit = fit_law(table, "constant")
     assert fit.status == "residual-structure"
-    assert "follows the size ratio" in fit.advice[0]
+    assert "depend on the size ratio" in fit.advice[0]
     assert fit_law(table, "size-exponential").status == "ok"
 
 
@@ -221,4 +221,4 @@ def test_a_trend_of_mu_is_found_though_wraps_differ():
     at = Conditions(wheel_radius_m=radius, rope_radius_m=0.0049, wrap_angle_rad=wrap, end_tension_N=load)
     fit = fit_law(table_at(at.select(group), log_lift[group] + 0.02 * rng.normal(size=36)), "constant")
     assert fit.status == "residual-structure"
-    assert "follows the size ratio" in fit.advice[0]
+    assert "depend on the size ratio" in fit.advice[0]

@@ -13,7 +13,7 @@ import scipy.signal
 from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study, in_case
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, RopefricError
-from ropefric.rig.strangers import FAMILIES, TIERS, recordings
+from ropefric.rig.strangers import TIERS, recordings
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.readers import read_recordings
@@ -41,8 +41,8 @@ class Known:
 
 @cache
 def known_recordings(tier: str) -> tuple[Known, ...]:
-    """Return the recordings of one tier of the second rig; the same ones every time."""
-    drawn = recordings(SEED, per_family=PER_FAMILY, tiers=(tier,))
+    """Return recordings of one tier of the second rig with bristles, which no picker was made for or trained on."""
+    drawn = recordings(SEED, per_family=PER_FAMILY, tiers=(tier,), physics="lugre")
     return tuple(Known(one.trace(), one.truth.peak_N, one.family) for one in drawn)
 
 
@@ -260,7 +260,7 @@ def with_campaigns(study: Study, folders: Sequence[Path]) -> Study:
 
 _SAID = {
     "lab": "the noise, sampling, bumps and teeth of ordinary laboratories",
-    "clean": "little noise; sharp, rounded and slow breaks, stick-slip, held and climbing motors",
+    "clean": "little noise; sharp breaks, a second slip, a hardening wheel, held and climbing motors",
     "nasty": "loud noise, hum, spikes, drift, gaps, clipped and damaged recordings",
 }
 STUDY = Study(
@@ -269,7 +269,7 @@ STUDY = Study(
     question="Which picker can be trusted with a recording of a rig it has not seen?",
     reference=(
         "largest noise-free force between the onset of macroscopic slip and its first fall, of simulated rigs with "
-        f"rate-and-state friction or bristles: {len(FAMILIES)} families, seed {SEED}, {PER_FAMILY} of each"
+        f"bristles (LuGre friction): {PER_FAMILY} recordings of a family, seed {SEED}"
     ),
     counted="samples of a recording; error: what 95 % of the forces given stay below",
     used="a trained network says where, the window of the measured peak follows the noise",

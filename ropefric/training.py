@@ -68,7 +68,8 @@ NEW = "second rig, friction that was not"
 TEMPERATURES = (0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5)
 RARER = {Status.NO_BREAKAWAY: 0.5, Status.NO_PEAK: 0.5}
 """How much rarer recordings of a campaign are, without a break-away or a peak, than drawn ones that are learnt from."""
-RIGHT = 0.02
+RIGHT, NEAR = 0.02, 0.01
+"""Largest error of a force that is right, as a part of it; of a time, as a part of the recording."""
 
 
 class Lesson(NamedTuple):
@@ -369,44 +370,47 @@ class Known(NamedTuple):
     trace: ForceTrace
     status: Status
     peak_N: float
+    at_s: float
 
 
 def drawn_ones(count: int) -> Iterator[Known]:
     """Yield drawn recordings of a seed of their own."""
     for one in draw_recordings(LEFT_OUT, count):
         trace = ForceTrace(time_s=one.time_s, force_N=one.force_N - one.zero_N, name=one.kind)
-        yield Known(one.kind, trace, one.status, one.peak_N)
+        yield Known(one.kind, trace, one.status, one.peak_N, one.breakaway_s)
 
 
 def of_the_first_rig(count: int) -> Iterator[Known]:
     """Yield recordings of the virtual rig of a seed of their own."""
     for number in range(count):
         trace, truth = rig_recording(np.random.default_rng([LEFT_OUT, number, 1]))
-        yield Known(trace.name, trace, truth.status, truth.lift_force_N)
+        yield Known(trace.name, trace, truth.status, truth.lift_force_N, truth.breakaway_time_s)
 
 
 def of_the_second_rig(per_family: int, seed: int = LEFT_OUT, physics: str = UNSEEN) -> Iterator[Known]:
     """Yield recordings of the rigs of `rig.strangers`, of friction that nothing is trained on."""
     for one in recordings(seed, per_family=per_family, physics=physics):
-        yield Known(f"{one.tier}: {one.family}", one.trace(), one.truth.status, one.truth.peak_N)
+        truth = one.truth
+        yield Known(f"{one.tier}: {one.family}", one.trace(), truth.status, truth.peak_N, truth.time_s)
 
 
 def answers_of(one: Known, weights: picker.Weights) -> dict[tuple[Status, float], float]:
-    """Return how likely each answer is: a force, its neighbours within a hundredth among it, or a reason for none."""
+    """Return how likely each answer is: a time, with the forces within a hundredth of its own, or a reason for none."""
     prepared = prepare(one.trace, PickSettings())
     if prepared is None:
         return {}
-    found = decision.judge(prepared, weights)
+    found, time_s = decision.judge(prepared, weights), prepared.blocks.time_s
     answers = {(reason, nan): share for reason, share in found.reasons.items()}
-    return answers | {(Status.OK, top.force_N): decision.share_near(found, top) for top in found.candidates}
+    return answers | {
+        (Status.OK, float(time_s[top.block])): decision.share_near(found, top) for top in found.candidates
+    }
 
 
 def is_right(one: Known, answer: tuple[Status, float]) -> bool:
-    """Return whether an answer is true; levels of the zero are none of the network's, so a force may be off by some."""
-    status, force_N = answer
-    return status is one.status and (
-        status is not Status.OK or abs(force_N / one.peak_N - 1.0) <= 2.0 * RIGHT
-    )
+    """Return whether an answer is true; by its time, for the zero of the force is none of the network's."""
+    status, at_s = answer
+    near_s = NEAR * float(one.trace.time_s[-1] - one.trace.time_s[0])
+    return status is one.status and (status is not Status.OK or abs(at_s - one.at_s) < near_s)
 
 
 def stated_and_right(ones: Iterable[Known], weights: picker.Weights) -> tuple[float, float]:

@@ -146,9 +146,9 @@ def test_few_damaged_recordings_give_a_wrong_force(counts):
     assert sum(one[1] for one in learnt.values()) <= 0.1 * sum(one[0] for one in learnt.values()), learnt
 
 
-ALLOWED = {LIKE_A_SLIP: 0.3, "joined": 0.04}
-"""Asked is 2 % of every kind that an expert sees. The force alone does not show whether a fall was a slip, or whether
-the second pull after a load was let go is of the same rope."""
+ALLOWED = {LIKE_A_SLIP: 0.35, "tared-again": 0.05}
+"""Asked is 2 % of every kind that an expert sees. The force alone does not show whether the rope slipped, or whether
+it let go and was pulled again from zero; a file tared on the climb looks like the latter."""
 
 
 @pytest.mark.slow

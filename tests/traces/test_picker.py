@@ -86,7 +86,7 @@ def test_every_sum_is_exact_whichever_way_it_is_added_up():
             assert Fraction(float(values @ column)) == exact
             assert Fraction(float(sum(values[::-1] * column[::-1]))) == exact
     for name, values in weights.items():
-        if name != "temperature":
+        if name not in {"temperature", "rarer"}:  # these come after all sums
             assert (np.rint(values * picker.WEIGHT_GRID) == values * picker.WEIGHT_GRID).all(), name
 
 

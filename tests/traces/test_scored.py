@@ -85,7 +85,7 @@ def test_a_rope_of_masses_and_springs_is_picked():
         trace = ForceTrace(time_s=one.time_s, force_N=one.force_N)
         found = pick_breakaway(trace, PickSettings(rest="pretension"))[0]
         counts[judged(Truth(Status(one.status), one.peak_N, one.breakaway_s), found)] += 1
-    assert counts["right"] >= 0.9 * counts.total(), counts
+    assert counts["right"] >= 0.85 * counts.total(), counts
     assert not counts["wrong"], counts
 
 

@@ -138,11 +138,11 @@ def _perhaps_damaged(one: LabelledRecording, rng: np.random.Generator) -> Labell
     if rng.random() > DAMAGED or one.force_N.size <= 2 * MIN_SAMPLES:
         return one
     step_s, rng_of_file = float(median(np.diff(one.time_s))), np.random.default_rng(rng.integers(2**63))
-    time_s = np.arange(one.force_N.size) * step_s
+    time_s = np.arange(float(one.force_N.size)) * step_s
     file = Samples(rng_of_file, time_s, one.force_N, one.force_N.copy(), noise=0.0)
     if (state := damaged_state(file, one.state)) is None:
         return one
-    made = {"time_s": file.time_s, "force_N": file.force, "state": state, "status": Status.DOUBTFUL}
+    made: Any = {"time_s": file.time_s, "force_N": file.force, "state": state, "status": Status.DOUBTFUL}
     return replace(one, **made, breakaway_s=nan, peak_N=nan)
 
 

@@ -315,7 +315,9 @@ def test_sliders_near_the_limit_of_stability_are_picked_whatever_the_noise(real_
         found = picked(force_N + noise, time_s=time_s)
         if name == "slow_weakening" and found.status is not Status.OK:  # as a motor that is let back
             continue
-        if name == "vs" and not noise_N:  # no sensor is free of noise: the truth is the likeliest of several answers
+        if (
+            name == "vs" and not noise_N
+        ):  # no sensor is free of noise: the truth is the likeliest of several answers
             assert found.candidates[0].force_N == pytest.approx(peak_N, abs=0.05)
             continue
         assert found.status is Status.OK, (name, found.detail)

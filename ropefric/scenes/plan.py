@@ -142,7 +142,7 @@ def _why_simulated(one: Effect, bound: float, asked: str | tuple[str, ...], kept
     if one.name in kept:
         return kept[one.name]
     if math.isnan(bound):
-        return "the scene gives its data, and leaving it out would save no time"
+        return "the scene gives its data; an effect without a bound is always simulated"
     return "no bound is known" if math.isinf(bound) else f"influence up to {bound:.2g} of the answer"
 
 

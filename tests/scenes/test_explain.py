@@ -26,7 +26,7 @@ def test_every_effect_is_told_of(loaded):
     assert named["bending-stiffness"]["missing"] == ["rope.bending_stiffness"]
     assert named["bending-stiffness"]["worth"] is None
     assert named["centrifugal"]["simulated"] is True, "a closed form is solved whole"
-    assert named["centrifugal"]["why"].endswith("leaving it out would save no time")
+    assert named["centrifugal"]["why"].endswith("an effect without a bound is always simulated")
     assert named["centrifugal"]["bound"] is None
     saw = by_name(loaded("band-saw"))
     assert saw["torsion"]["simulated"] is False

@@ -29,7 +29,7 @@ except ModuleNotFoundError as error:
 from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.rig.bench import Bench, RecordingTruth
 from ropefric.rig.recording import FAULTS, simulate_recording
-from ropefric.rig.sampling import Samples, damaged_state
+from ropefric.rig.sampling import DAMAGED, Samples, damaged_state, maybe
 from ropefric.rig.stories import LabelledRecording, draw_recording, draw_recordings
 from ropefric.rig.strangers import FAMILIES, Recording, recordings
 from ropefric.traces import decision, picker
@@ -58,8 +58,6 @@ STATES = 0.3
 """Weight of the states of the bins against the break-away."""
 ELSEWHERE = 0.35
 """How often the closer look is somewhere else than at the break-away."""
-DAMAGED = 0.07
-"""How often the file of a recording of a rig is damaged."""
 PIECE, UNKNOWN = 500, 255
 """Recordings drawn at a time; the state of bins of which none is known."""
 LEARNT, UNSEEN, LEFT_OUT = "rate-state", "lugre", 777
@@ -135,7 +133,7 @@ Labelled = Iterator[tuple[LabelledRecording, np.random.Generator]]
 
 def _perhaps_damaged(one: LabelledRecording, rng: np.random.Generator) -> LabelledRecording:
     """Return a recording of a rig, now and then with a file that is damaged during the pull."""
-    if rng.random() > DAMAGED or one.force_N.size <= 2 * MIN_SAMPLES:
+    if not maybe(rng, DAMAGED) or one.force_N.size <= 2 * MIN_SAMPLES:
         return one
     step_s, rng_of_file = float(median(np.diff(one.time_s))), np.random.default_rng(rng.integers(2**63))
     time_s = np.arange(float(one.force_N.size)) * step_s
@@ -230,28 +228,30 @@ def rig_recording(rng: np.random.Generator) -> tuple[ForceTrace, RecordingTruth]
 
 def labelled(trace: ForceTrace, truth: RecordingTruth) -> LabelledRecording:
     """Return a recording of the first rig with its truth; its phases serve for states."""
-    time_s, force_N = trace.time_s[here := np.isfinite(trace.force_N)], trace.force_N[here]
     names = {"idle": State.REST, "loading": State.LOADING, "sliding": State.SLIDING, "held": State.HELD}
     ends_s, states = [phase.end_s for phase in truth.phases], [*truth.phases, *truth.phases[-1:]]
     state = np.array([names.get(phase.name, State.LET_DOWN) for phase in states] or [State.REST])
-    at_s = truth.breakaway_time_s if truth.status is Status.OK else nan
-    return LabelledRecording(
-        kind=trace.name, time_s=time_s, force_N=force_N, state=state[np.searchsorted(ends_s, time_s)],
-        status=truth.status, breakaway_s=at_s, peak_N=truth.lift_force_N if isfinite(at_s) else nan,
-    )  # fmt: skip
+    numbers = truth.breakaway_time_s, truth.lift_force_N
+    return _with_truth(trace, state[np.searchsorted(ends_s, trace.time_s)], truth.status, *numbers)
 
 
 def labelled_stranger(one: Recording) -> LabelledRecording:
     """Return a recording of the second rig with its truth: at rest, loading until the top, then sliding."""
-    trace = one.trace()
-    time_s, force_N = trace.time_s[here := np.isfinite(trace.force_N)], trace.force_N[here]
-    is_seen = one.truth.status is Status.OK
-    at_s = one.truth.time_s if is_seen else nan
-    state = np.where(time_s < one.loaded_s, State.REST, State.LOADING)
-    state[time_s > at_s] = State.SLIDING
+    trace, truth = one.trace(), one.truth
+    state = np.where(trace.time_s < one.loaded_s, State.REST, State.LOADING)
+    if truth.status is Status.OK:
+        state[trace.time_s > truth.time_s] = State.SLIDING
+    return _with_truth(trace, state, truth.status, truth.time_s, truth.peak_N)
+
+
+def _with_truth(
+    trace: ForceTrace, state: IntArray, status: Status, at_s: float, peak_N: float
+) -> LabelledRecording:
+    """Return the samples of a trace that are there, with their states; time and force only of a break-away."""
+    here, is_seen = np.isfinite(trace.force_N), status is Status.OK
     return LabelledRecording(
-        kind=one.family, time_s=time_s, force_N=force_N, state=state,
-        status=one.truth.status, breakaway_s=at_s, peak_N=one.truth.peak_N if is_seen else nan,
+        kind=trace.name, time_s=trace.time_s[here], force_N=trace.force_N[here], state=state[here], status=status,
+        breakaway_s=at_s if is_seen else nan, peak_N=peak_N if is_seen else nan,
     )  # fmt: skip
 
 

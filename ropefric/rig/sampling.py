@@ -147,6 +147,10 @@ def kept(one: Samples, broke_s: float) -> FloatArray:
     return keep
 
 
+DAMAGED = 0.07
+"""Share of recordings to learn from whose file is damaged."""
+
+
 def damaged_state(one: Samples, state: IntArray) -> IntArray | None:
     """Damage the file while the rope is pulled; return the states then, or None where nothing would show."""
     pulled = np.flatnonzero(np.isin(state, (State.LOADING, State.PARTIAL_SLIP, State.SLIP, State.SLIDING)))

@@ -15,6 +15,7 @@ import numpy as np
 from ropefric.arrays import FloatArray, IntArray, frozen_array
 from ropefric.registry import Registry
 from ropefric.rig.sampling import (
+    DAMAGED,
     Rng,
     coloured,
     damaged_state,
@@ -597,7 +598,7 @@ def draw_recording(rng: Rng, kind: str | None = None) -> LabelledRecording:
         keep, scale_N = kept(samples, broke_s if top else nan), spread(rng, 1.0, 1000.0)
         knot_s, _, states = story.knots()
         state = states[np.minimum(np.searchsorted(knot_s, samples.time_s), states.size - 1)]
-        if maybe(rng, 0.07) and (spoilt := damaged_state(samples, state)) is not None:
+        if maybe(rng, DAMAGED) and (spoilt := damaged_state(samples, state)) is not None:
             state, status, keep = spoilt, Status.DOUBTFUL, np.ones(spoilt.size, dtype=bool)
         seen = status is Status.OK
         return LabelledRecording(

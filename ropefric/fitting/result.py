@@ -340,7 +340,7 @@ class FitResult(Shown):
         if self.status is not FitStatus.OK and not forgiven:
             word: Word = "undecided" if self.status in _ONLY_DOUBTED else "not judged"
             yield word, self.advice[0] if self.advice else self.status.advice
-        elif self.statistics.lack_of_fit_p < TREND_P:
+        elif forgiven and self.statistics.lack_of_fit_p < TREND_P:
             yield from (("undecided", text) for text in self.advice if DEPEND in text)
 
     def _of_conditions(self) -> Iterator[Doubt]:

@@ -39,10 +39,8 @@ def excess_of_length(
     growth = np.clip(growth, -exponent, exponent)  # beyond, the belt slips on the whole arc
     slipping_m = arc_m * np.divide(np.abs(growth), exponent, out=np.zeros(growth.shape), where=exponent > 0.0)
     adhering_N_m = (span_m + arc_m - slipping_m) * (rest_N - arriving_N) / (1.0 + softness_1_N * arriving_N)
-    steep, gain_N = (
-        np.where(growth == 0.0, 1.0, growth),
-        leaving_N - arriving_N,
-    )  # without growth no part slips
+    steep = np.where(growth == 0.0, 1.0, growth)  # without growth no part slips
+    gain_N = leaving_N - arriving_N
     still_N = arriving_N - gain_N / np.expm1(steep)
     stretch = 1.0 + softness_1_N * arriving_N
     gain = np.maximum(softness_1_N * gain_N / stretch, _CRUSHED)

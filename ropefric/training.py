@@ -1,9 +1,9 @@
 """Make the weights of the picker again: draw recordings, train, set the temperature, write weights and model card.
 
 `python -m ropefric.training [--out FOLDER] [--seed 21] [--recordings 36000] [--steps 7000] [--jobs 2]` writes
-`picker.npz` and `picker.md`; `--help` lists the rest. It learns from drawn recordings, the first rig and the pulls of
-the second rig with rate-and-state friction; those with bristles are left for the temperature and, with other draws, for
-the check. It needs the extra `train`; nothing else in ropefric imports it.
+`picker.npz` and `picker.md`; `--help` lists the rest. It learns from drawn recordings and three rigs. The fourth rig is
+left for the temperature, together with other draws of the second, and for the check. It needs the extra `train`;
+nothing else in ropefric imports it.
 """
 
 import argparse
@@ -28,6 +28,7 @@ except ModuleNotFoundError as error:
 
 from ropefric.arrays import FloatArray, IntArray, median
 from ropefric.rig.bench import Bench, RecordingTruth
+from ropefric.rig.further import Rig, chains, contacts, pulls
 from ropefric.rig.recording import FAULTS, simulate_recording
 from ropefric.rig.sampling import DAMAGED, Samples, damaged_state, maybe
 from ropefric.rig.stories import LabelledRecording, draw_recording, draw_recordings
@@ -60,9 +61,9 @@ ELSEWHERE = 0.35
 """How often the closer look is somewhere else than at the break-away."""
 PIECE, UNKNOWN = 500, 255
 """Recordings drawn at a time; the state of bins of which none is known."""
-LEARNT, UNSEEN, LEFT_OUT = "rate-state", "lugre", 777
-"""Physics of the second rig that is trained on, and that which is not; seed of recordings that nothing is trained on."""
-NEW = "second rig, friction that was not"
+LEFT_OUT = 777
+"""Seed of recordings that nothing is trained on."""
+UNSEEN = "fourth rig, of which nothing was trained on"
 TEMPERATURES = (0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5)
 RARER = {Status.NO_BREAKAWAY: 0.5, Status.NO_PEAK: 0.5}
 """How much rarer recordings of a campaign are, without a break-away or a peak, than drawn ones that are learnt from."""
@@ -157,10 +158,15 @@ def _of_first_rig(seed: int, piece: int) -> Labelled:
 
 
 def _of_second_rig(seed: int, piece: int) -> Labelled:
-    made = recordings(10_000 * seed + piece, per_family=PIECE // len(FAMILIES), physics=LEARNT)
-    for n, one in enumerate(made):
+    for n, one in enumerate(recordings(10_000 * seed + piece, per_family=PIECE // len(FAMILIES))):
         rng = np.random.default_rng([seed, piece, n, 2])
         yield _perhaps_damaged(labelled_stranger(one), rng), rng
+
+
+def _of_third_rig(seed: int, piece: int) -> Labelled:
+    for n, one in enumerate(pulls(np.random.default_rng([seed, piece, 3]), PIECE, chains)):
+        rng = np.random.default_rng([seed, piece, n, 3])
+        yield _perhaps_damaged(one, rng), rng
 
 
 class Source(NamedTuple):
@@ -174,7 +180,8 @@ class Source(NamedTuple):
 SOURCES = {
     "drawn": Source(1, _drawn, has_states=True),
     "first rig": Source(10, _of_first_rig),
-    "second rig": Source(4, _of_second_rig),
+    "second rig": Source(3, _of_second_rig),
+    "third rig": Source(10, _of_third_rig),
 }
 
 
@@ -373,11 +380,9 @@ class Known(NamedTuple):
     at_s: float
 
 
-def drawn_ones(count: int) -> Iterator[Known]:
-    """Yield drawn recordings of a seed of their own."""
-    for one in draw_recordings(LEFT_OUT, count):
-        trace = ForceTrace(time_s=one.time_s, force_N=one.force_N - one.zero_N, name=one.kind)
-        yield Known(one.kind, trace, one.status, one.peak_N, one.breakaway_s)
+def _known(one: LabelledRecording) -> Known:
+    trace = ForceTrace(time_s=one.time_s, force_N=one.force_N - one.zero_N, name=one.kind)
+    return Known(one.kind, trace, one.status, one.peak_N, one.breakaway_s)
 
 
 def of_the_first_rig(count: int) -> Iterator[Known]:
@@ -387,11 +392,16 @@ def of_the_first_rig(count: int) -> Iterator[Known]:
         yield Known(trace.name, trace, truth.status, truth.lift_force_N, truth.breakaway_time_s)
 
 
-def of_the_second_rig(per_family: int, seed: int = LEFT_OUT, physics: str = UNSEEN) -> Iterator[Known]:
-    """Yield recordings of the rigs of `rig.strangers`, of friction that nothing is trained on."""
-    for one in recordings(seed, per_family=per_family, physics=physics):
+def of_the_second_rig(per_family: int, seed: int = LEFT_OUT) -> Iterator[Known]:
+    """Yield recordings of the rigs of `rig.strangers`."""
+    for one in recordings(seed, per_family=per_family):
         truth = one.truth
         yield Known(f"{one.tier}: {one.family}", one.trace(), truth.status, truth.peak_N, truth.time_s)
+
+
+def of_further_rig(rig: Rig, count: int, seed: int = LEFT_OUT) -> Iterator[Known]:
+    """Yield recordings of the third or the fourth rig."""
+    yield from map(_known, pulls(np.random.default_rng(seed), count, rig))
 
 
 def answers_of(one: Known, weights: picker.Weights) -> dict[tuple[Status, float], float]:
@@ -431,14 +441,14 @@ def card(sets: Mapping[str, list[Known]], weights: picker.Weights) -> str:
     for name, ones in sets.items():
         kinds: dict[str, Counter[str]] = defaultdict(Counter)
         for one in ones:
-            settings = PickSettings(rest="pretension" if name == "drawn" else "unknown")
+            settings = PickSettings(rest="unknown" if name in {"first rig", "second rig"} else "pretension")
             prepared = prepare(one.trace, settings)
             if prepared is None:
                 continue
             found = decision.pick_prepared(one.trace, prepared, settings, weights)
             kinds[one.kind][_fate(one, found.status, found.peak_N)] += 1
             answers = answers_of(one, weights)
-            if answers and name == NEW:
+            if answers and name == UNSEEN:
                 best = max(answers, key=lambda answer: answers[answer])
                 stated.append((answers[best], is_right(one, best)))
         lines += [_row(f"**{name}**", sum(kinds.values(), Counter()))]
@@ -447,7 +457,7 @@ def card(sets: Mapping[str, list[Known]], weights: picker.Weights) -> str:
         ]
     lines += [
         "",
-        f"| probability stated | answers for the {NEW} | mean stated | share right |",
+        f"| probability stated | answers for the {UNSEEN} | mean stated | share right |",
         "|---|---|---|---|",
     ]
     for low, high in ((0.0, 0.5), (0.5, 0.8), (0.8, 0.9), (0.9, 0.95), (0.95, 1.01)):
@@ -491,16 +501,17 @@ def main() -> None:
     torch.set_num_threads(given.jobs)
     say = partial(print, flush=True)
     lessons = draw_lessons(given.seed, given.recordings, given.jobs)
-    say(f"{len(lessons[1])} lessons of {given.recordings} drawn recordings and their parts of both rigs")
+    say(f"{len(lessons[1])} lessons of {given.recordings} drawn recordings and their parts of three rigs")
     options: Any = {"device": given.device, "short_floats": given.short_floats}
     write(given.out, train(lessons, given.steps, given.seed, say, **options).weights(), say)
 
 
 def write(folder: Path, weights: dict[str, Any], say: Callable[[str], object]) -> None:
-    """Set the temperature of trained weights on the second rig; write them, and how they do, into a folder."""
+    """Set the temperature of trained weights; write them, and how they do, into a folder."""
     stored: dict[str, Any] = {name: np.asarray(values, dtype=np.float16) for name, values in weights.items()}
     stored["rarer"] = np.log([RARER.get(reason, 1.0) for reason in REASONS])
-    other, path = list(of_the_second_rig(18, LEFT_OUT + 1)), folder / "picker.npz"
+    other = [*of_the_second_rig(6, LEFT_OUT + 1), *of_further_rig(contacts, 400, LEFT_OUT + 1)]
+    path = folder / "picker.npz"
     gaps = {}
     for one in TEMPERATURES:
         stated, right = stated_and_right(other, picker.multiplied({**stored, "temperature": one}))
@@ -509,10 +520,11 @@ def write(folder: Path, weights: dict[str, Any], say: Callable[[str], object]) -
     stored["temperature"] = np.float64(min(gaps, key=lambda one: gaps[one]))
     np.savez(path, **stored)
     sets = {
-        "drawn": list(drawn_ones(1000)),
+        "drawn": list(map(_known, draw_recordings(LEFT_OUT, 1000))),
         "first rig": list(of_the_first_rig(400)),
-        "second rig, friction that was trained on": list(of_the_second_rig(6, physics=LEARNT)),
-        NEW: list(of_the_second_rig(12)),
+        "second rig": list(of_the_second_rig(12)),
+        "third rig": list(of_further_rig(chains, 250)),
+        UNSEEN: list(of_further_rig(contacts, 500)),
     }
     (folder / "picker.md").write_text(card(sets, picker.multiplied(stored)), encoding="utf-8")
 

@@ -16,7 +16,7 @@ import scipy.signal
 from ropefric.arrays import BoolArray, FloatArray, frozen_array
 from ropefric.registry import Registry
 from ropefric.rig.dynamics import Motion, Slider, simulate, stops
-from ropefric.rig.pulls import NO_PEAK, PHYSICS, RANGES, SLOW, Truth, draw_numbers, draw_slider, truth_of
+from ropefric.rig.pulls import NO_PEAK, SLOW, Truth, draw_numbers, draw_slider, truth_of
 from ropefric.traces.breakaway import Status
 from ropefric.traces.calibration import Adc, Calibration, ForceCell
 from ropefric.traces.clock import mend_clock
@@ -363,7 +363,6 @@ def recordings(
     per_family: int = 8,
     families: Sequence[str] = (),
     tiers: Sequence[str] = TIERS,
-    physics: str = "",
 ) -> Iterator[Recording]:
     """Yield recordings of unfamiliar rigs with known truth; the same for the same seed, whichever families are asked.
 
@@ -375,8 +374,6 @@ def recordings(
         How many of each family.
     families, tiers : sequence of str
         Only these families, only these tiers; all by default.
-    physics : {"", "rate-state", "lugre"}
-        Only contacts of this physics; families that have none of them are left out.
 
     Examples
     --------
@@ -384,19 +381,10 @@ def recordings(
     >>> one.truth.status.value, one.tier, one.force_N.size == one.time_s.size
     ('ok', 'clean', True)
     """
-    chosen = [_of_physics(FAMILIES[name], physics) for name in families or FAMILIES]
-    jobs = [(one, number) for one in chosen if one and one.tier in tiers for number in range(per_family)]
+    chosen = [FAMILIES[name] for name in families or FAMILIES]
+    jobs = [(one, number) for one in chosen if one.tier in tiers for number in range(per_family)]
     for start in range(0, len(jobs), _BATCH):
         yield from _made(seed, jobs[start : start + _BATCH])
-
-
-def _of_physics(family: Family, physics: str) -> Family | None:
-    """Return a family with contacts of one physics only; None if it has none of them."""
-    if not physics:
-        return family
-    laws = tuple(np.atleast_1d(family.ranges.get("laws", RANGES["laws"])).tolist())
-    of_it = tuple(law for law in laws if law in PHYSICS[physics])
-    return family._replace(ranges={**family.ranges, "laws": of_it}) if of_it else None
 
 
 def _loaded_s(slider: Slider, top_s: float) -> float:

@@ -68,6 +68,15 @@ HIDES = 0.02
 """Largest fraction of the force that a gap may hide without a doubt."""
 
 
+class Place(NamedTuple):
+    """A stretch of time that a look names: its most probable bin, first and last time, and probability."""
+
+    bin: int
+    first_s: float
+    last_s: float
+    probability: float
+
+
 class Candidate(NamedTuple):
     """A candidate for the break-away: block, force, probability, first and last time."""
 
@@ -217,28 +226,24 @@ def _before_sliding(
 
 def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
     """Return the candidates and reasons with their probabilities: one look at the whole, one around each place."""
-    time_s, force_N = prepared.time_s, prepared.force_N
-    whole = look(time_s, force_N, weights)
+    whole = look(prepared.time_s, prepared.force_N, weights)
     places, reasons = _answers(whole)
     tops: dict[int, Candidate] = {}
-    states, sudden = whole.states.argmax(axis=1), _sudden(prepared)
-    longest_s = (CLOSER if not sudden.size else 1.0) * float(time_s[-1] - time_s[0])
-    for number, (middle, first_s, last_s, probability) in enumerate(places):
-        from_s, until_s = closer(middle, states, whole.edges_s)
-        part = slice(*np.searchsorted(time_s, (from_s, until_s)))
-        near = [(0, first_s, last_s, 1.0)]
-        is_likely = number < LOOKS and probability >= SEEN
-        is_closer = until_s - from_s <= longest_s and part.stop - part.start >= MIN_SAMPLES
-        if is_likely and is_closer:
-            near, none = _answers(look(time_s[part], force_N[part], weights))
+    has_step = _sudden(prepared).size > 0
+    longest = 1.0 if has_step else CLOSER
+    for number, place in enumerate(places):
+        near = [Place(0, place.first_s, place.last_s, 1.0)]
+        is_likely = number < LOOKS and place.probability >= SEEN
+        if is_likely and (part := _closer(prepared, whole, place, longest)):
+            near, none = _answers(look(prepared.time_s[part], prepared.force_N[part], weights))
             for reason, one in none.items():
-                reasons[reason] += probability * one
-        for _, begin_s, end_s, one in near:
-            found = _candidate(prepared, begin_s, end_s, probability * one)
+                reasons[reason] += place.probability * one
+        for seen in near:
+            found = _candidate(prepared, seen.first_s, seen.last_s, place.probability * seen.probability)
             before = tops.get(found.block)
             tops[found.block] = found if before is None else _both(before, found)
     left = 1.0 - reasons[Status.DOUBTFUL]
-    if SEEN < left < 1.0 and not sudden.size:  # no damage is without a step
+    if SEEN < left < 1.0 and not has_step:  # no damage is without a step
         reasons = {reason: one / left for reason, one in reasons.items()} | {Status.DOUBTFUL: 0.0}
         tops = {block: one._replace(probability=one.probability / left) for block, one in tops.items()}
     rounded = [one._replace(probability=round(one.probability, 2)) for one in tops.values()]
@@ -246,6 +251,15 @@ def judge(prepared: Prepared, weights: Weights | None = None) -> Judgement:
         (one for one in rounded if one.probability), key=lambda one: (-one.probability, one.block)
     )
     return Judgement(candidates, {reason: round(one, 2) for reason, one in reasons.items()}, whole)
+
+
+def _closer(prepared: Prepared, whole: Look, place: Place, longest: float) -> slice | None:
+    """Return the samples of a second look around a place; None if they are too few, or too large a part of all."""
+    time_s = prepared.time_s
+    from_s, until_s = closer(place.bin, whole.states.argmax(axis=1), whole.edges_s)
+    part = slice(*np.searchsorted(time_s, (from_s, until_s)))
+    longest_s = longest * float(time_s[-1] - time_s[0])
+    return part if until_s - from_s <= longest_s and part.stop - part.start >= MIN_SAMPLES else None
 
 
 def _sudden(prepared: Prepared) -> IntArray:
@@ -265,8 +279,8 @@ def _both(one: Candidate, other: Candidate) -> Candidate:
     return one._replace(probability=one.probability + other.probability, first_s=first_s, last_s=last_s)
 
 
-def _answers(seen: Look) -> tuple[list[tuple[int, float, float, float]], dict[Status, float]]:
-    """Return the places of a look (most probable bin, first and last time, probability), and the reasons for none.
+def _answers(seen: Look) -> tuple[list[Place], dict[Status, float]]:
+    """Return the places of a look, most probable first, and the reasons for none.
 
     Together they have all the probability: bins below FAINT belong to no answer.
     """
@@ -276,10 +290,9 @@ def _answers(seen: Look) -> tuple[list[tuple[int, float, float, float]], dict[St
     for group in np.split(bins, np.flatnonzero(np.diff(bins) > APART) + 1) if bins.size else ():
         share = seen.place[group] / whole
         likely = group[share >= 0.1 * share.max()]
-        middle = int(group[int(np.argmax(share))])
         ends_s = float(seen.edges_s[likely[0]]), float(seen.edges_s[likely[-1] + 1])
-        found.append((middle, *ends_s, float(share.sum())))
-    found.sort(key=lambda place: (-round(place[3], 3), place[0]))
+        found.append(Place(int(group[int(np.argmax(share))]), *ends_s, float(share.sum())))
+    found.sort(key=lambda place: (-round(place.probability, 3), place.bin))
     return found, {reason: share / whole for reason, share in seen.reasons.items()}
 
 
@@ -480,24 +493,29 @@ def _cut_off(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:
     end = prepared.force_N.size
     if block is not None:
         end = prepared.blocks.last_sample(block + 2, end) + 1
+    if trace.saturation is None:
+        return _held_at_top(prepared, end)
     end_s, begin_s = float(prepared.time_s[end - 1]), float(prepared.time_s[0])
-    if trace.saturation is not None:
-        runs = [
-            (start, stop)
-            for start, stop in trace.saturation.high_runs.tolist()
-            if stop - start >= SATURATED_SAMPLES
-            and trace.time_s[start] <= end_s
-            and trace.time_s[stop - 1] >= begin_s
-        ]
-        if not runs:
-            return ""
-        ceiling_N = float(np.nanmax(trace.force_N))
-        samples = sum(stop - start for start, stop in runs)
-        longest_s = max(float(trace.time_s[stop - 1] - trace.time_s[start]) for start, stop in runs)
-        return (
-            f"the converter is at its ceiling ({ceiling_N:.4g} N) for {samples} samples, {1000 * longest_s:.3g} ms at a "
-            f"time; the peak is at least {ceiling_N:.4g} N"
-        )
+    runs = [
+        (start, stop)
+        for start, stop in trace.saturation.high_runs.tolist()
+        if stop - start >= SATURATED_SAMPLES
+        and trace.time_s[start] <= end_s
+        and trace.time_s[stop - 1] >= begin_s
+    ]
+    if not runs:
+        return ""
+    ceiling_N = float(np.nanmax(trace.force_N))
+    samples = sum(stop - start for start, stop in runs)
+    longest_s = max(float(trace.time_s[stop - 1] - trace.time_s[start]) for start, stop in runs)
+    return (
+        f"the converter is at its ceiling ({ceiling_N:.4g} N) for {samples} samples, {1000 * longest_s:.3g} ms at a "
+        f"time; the peak is at least {ceiling_N:.4g} N"
+    )
+
+
+def _held_at_top(prepared: Prepared, end: int) -> str:
+    """Return in words whether the first `end` samples are held at the largest force; empty if not."""
     force_N = prepared.force_N[:end]
     top_N = float(force_N.max())
     # Noise touches a limit again and again; a converter that sticks at the largest force does so once.
@@ -506,11 +524,9 @@ def _cut_off(trace: ForceTrace, prepared: Prepared, block: int | None) -> str:
     if top_N < float(prepared.force_N.max()) or (sticks and not again_and_again):
         return ""
     held = runs_of(np.diff(force_N, append=np.inf) == 0.0)
-    lengths, is_top = held[:, 1] - held[:, 0] + 1, force_N[held[:, 0]] == top_N
-    usual = int(
-        lengths[~is_top & (force_N[held[:, 0]] > 0.5 * (top_N + float(force_N.min())))].max(initial=1)
-    )
-    longest = int(lengths[is_top].max(initial=0))
+    lengths, held_N = held[:, 1] - held[:, 0] + 1, force_N[held[:, 0]]
+    is_top, is_high = held_N == top_N, held_N > 0.5 * (top_N + float(force_N.min()))
+    usual, longest = int(lengths[~is_top & is_high].max(initial=1)), int(lengths[is_top].max(initial=0))
     if longest <= SATURATED_SAMPLES or longest < CUT_OFF * usual:
         return ""
     return (

@@ -307,20 +307,8 @@ def _at_once(prepared: Prepared, at: int, n: int, worse_N2: float) -> bool:
 
 def _before_and_after(blocks: Blocks, result: Breakaway) -> tuple[list[Rest], Rest | None]:
     """Return the rests before the climb, beginning with the start of the recording, and the rest after it."""
-    force_N, n = blocks.force_N, blocks.n_rest // blocks.size
-    top = min(int(np.searchsorted(blocks.time_s, result.peak_time_s)), force_N.size - 1)
-    flat = _flat(force_N[: top + 1], blocks.noise_N) if n else []
-    if n and (not flat or flat[0][0] >= n):
-        flat = [(0, n), *flat]
-    elif n and n < flat[0][1]:
-        flat = [(a, b) for a, b in ((flat[0][0], n), (n, flat[0][1])) if b - a >= LEAST] + flat[1:]
-    again: list[tuple[int, int]] = []
-    is_low = force_N < 0.5 * min(result.kinetic_N if result.kinetic_N > 0.0 else result.peak_N, result.peak_N)
-    is_low[: top + 1] = False
-    for start, stop in runs_of(is_low).tolist():
-        back = _flat(force_N[start - 1 : stop][::-1], blocks.noise_N)
-        again = again or [(stop - b, stop - a) for a, b in back if b - a > LEAST + 1]
-    # What slopes by more than any zero drifts is loaded or let down.
+    top = min(int(np.searchsorted(blocks.time_s, result.peak_time_s)), blocks.force_N.size - 1)
+    # A slope steeper than any drift of a zero is of a load that comes on or is let down.
     lasting_s = result.peak_time_s - float(blocks.time_s[0])
     most_N = LARGE * abs(result.peak_N) / lasting_s * float(blocks.time_s[1] - blocks.time_s[0])
     rests, later = (
@@ -329,9 +317,35 @@ def _before_and_after(blocks: Blocks, result: Breakaway) -> tuple[list[Rest], Re
             for rest in (_rest(blocks, *one) for one in some)
             if abs(rest.slope_N) - 3.0 * rest.slope_std_N < most_N
         ]
-        for some in (flat, again)
+        for some in (_flat_before(blocks, top), _flat_after(blocks, result, top))
     )
     return rests, max(later, key=lambda rest: rest.stop - rest.start, default=None)
+
+
+def _flat_before(blocks: Blocks, top: int) -> list[tuple[int, int]]:
+    """Return the stretches at rest before a climb to a top; the first one begins with the recording, if it rests."""
+    n = blocks.n_rest // blocks.size
+    if not n:
+        return []
+    flat = _flat(blocks.force_N[: top + 1], blocks.noise_N)
+    if not flat or flat[0][0] >= n:
+        return [(0, n), *flat]
+    if n < flat[0][1]:
+        return [(a, b) for a, b in ((flat[0][0], n), (n, flat[0][1])) if b - a >= LEAST] + flat[1:]
+    return flat
+
+
+def _flat_after(blocks: Blocks, result: Breakaway, top: int) -> list[tuple[int, int]]:
+    """Return the first stretches at rest after a top, where the load was let down."""
+    is_low = blocks.force_N < 0.5 * min(
+        result.kinetic_N if result.kinetic_N > 0.0 else result.peak_N, result.peak_N
+    )
+    is_low[: top + 1] = False
+    for start, stop in runs_of(is_low).tolist():
+        back = _flat(blocks.force_N[start - 1 : stop][::-1], blocks.noise_N)
+        if again := [(stop - b, stop - a) for a, b in back if b - a > LEAST + 1]:
+            return again
+    return []
 
 
 def _rest(blocks: Blocks, start: int, stop: int) -> Rest:

@@ -66,11 +66,18 @@ def test_force_time_and_sliding_are_those_of_the_rig_whatever_went_wrong(seed):
 
 @pytest.mark.parametrize("fault", ["saturation", "no-breakaway", "no-peak", "too-short"])
 def test_what_gives_no_force_gets_the_status_it_deserves(fault):
+    """Of the slides without a peak one may be in doubt, and then that is the likeliest answer."""
+    doubted = []
     for condition in range(1, len(CONDITIONS)):
         found, truth, _ = of_rig(fault, 1, condition)
-        assert not right(found, truth)
         assert np.isnan(found.peak_N)
+        if fault == "no-peak" and found.status is Status.DOUBTFUL:
+            doubted.append(found.probability)
+            assert f"no-peak ({found.probability:.2f})" in found.detail
+            continue
+        assert not right(found, truth)
         assert fault != "saturation" or "ms at a time; the peak is at least" in found.detail
+    assert len(doubted) <= 1
 
 
 def test_the_largest_force_would_have_been_wrong():
@@ -314,11 +321,6 @@ def test_sliders_near_the_limit_of_stability_are_picked_whatever_the_noise(real_
         noise = np.random.default_rng(0).normal(0.0, noise_N, force_N.size) if noise_N else 0.0
         found = picked(force_N + noise, time_s=time_s)
         if name == "slow_weakening" and found.status is not Status.OK:  # as a motor that is let back
-            continue
-        if (
-            name == "vs" and not noise_N
-        ):  # no sensor is free of noise: the truth is the likeliest of several answers
-            assert found.candidates[0].force_N == pytest.approx(peak_N, abs=0.05)
             continue
         assert found.status is Status.OK, (name, found.detail)
         assert found.peak_N == pytest.approx(peak_N, abs=0.05 + noise_N), name

@@ -1,4 +1,4 @@
-"""Pickers of the break-away force, side by side: on recordings of a rig that none of them was made for, and on yours."""
+"""Pickers of the break-away force, side by side: on recordings of two rigs, one of them unknown to all, and on yours."""
 
 import tomllib
 from collections.abc import Callable, Sequence
@@ -13,7 +13,8 @@ import scipy.signal
 from ropefric.accuracy.study import Case, Measured, Outcome, Setting, Study, in_case
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, RopefricError
-from ropefric.rig.strangers import TIERS, recordings
+from ropefric.rig.further import contacts, pulls
+from ropefric.rig.strangers import recordings
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.readers import read_recordings
@@ -21,7 +22,7 @@ from ropefric.traces.trace import ForceTrace
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.extract import blocks_of, tared_trace
 
-SEED, PER_FAMILY = 2027, 4
+SEED, PER_FAMILY, UNSEEN = 2027, 2, 80
 RIGHT = 0.02
 """A pick further off than this part of F_A is wrong."""
 
@@ -41,9 +42,16 @@ class Known:
 
 @cache
 def known_recordings(tier: str) -> tuple[Known, ...]:
-    """Return recordings of one tier of the second rig with bristles, which no picker was made for or trained on."""
-    drawn = recordings(SEED, per_family=PER_FAMILY, tiers=(tier,), physics="lugre")
+    """Return recordings of one tier of the second rig, other draws than those that the network was trained on."""
+    drawn = recordings(SEED, per_family=PER_FAMILY, tiers=(tier,))
     return tuple(Known(one.trace(), one.truth.peak_N, one.family) for one in drawn)
+
+
+@cache
+def unseen_recordings() -> tuple[Known, ...]:
+    """Return recordings of the fourth rig, which no picker was made for or trained on."""
+    drawn = pulls(np.random.default_rng(SEED), UNSEEN, contacts)
+    return tuple(Known(ForceTrace(time_s=one.time_s, force_N=one.force_N), one.peak_N) for one in drawn)
 
 
 @cache
@@ -258,6 +266,7 @@ def with_campaigns(study: Study, folders: Sequence[Path]) -> Study:
     return replace(study, cases=(*study.cases, *cases))
 
 
+UNKNOWN = "unseen rig"
 _SAID = {
     "lab": "the noise, sampling, bumps and teeth of ordinary laboratories",
     "clean": "little noise; sharp breaks, a second slip, a hardening wheel, held and climbing motors",
@@ -268,14 +277,21 @@ STUDY = Study(
     title="Picking the break-away force: who finds it, who makes one up",
     question="Which picker can be trusted with a recording of a rig it has not seen?",
     reference=(
-        "largest noise-free force between the onset of macroscopic slip and its first fall, of simulated rigs with "
-        f"bristles (LuGre friction): {PER_FAMILY} recordings of a family, seed {SEED}"
+        "largest noise-free force between the onset of macroscopic slip and its first fall, of two simulated rigs: "
+        f"{PER_FAMILY} recordings of a family of the second, {UNSEEN} of the fourth, seed {SEED}"
     ),
     counted="samples of a recording; error: what 95 % of the forces given stay below",
     used="a trained network says where, the window of the measured peak follows the noise",
-    cases=tuple(
-        Case(tier, _SAID[tier], partial(_settings, partial(known_recordings, tier)))
-        for tier in sorted(TIERS, key=["lab", "clean", "nasty"].index)
+    cases=(
+        Case(
+            UNKNOWN,
+            "a rope held by many junctions: no picker was made for it",
+            partial(_settings, unseen_recordings),
+        ),
+        *(
+            Case(tier, said, partial(_settings, partial(known_recordings, tier)))
+            for tier, said in _SAID.items()
+        ),
     ),
     findings=_findings,
 )

@@ -1,4 +1,4 @@
-"""Four virtual test rigs and drawn recordings: recordings and campaigns of known truth, the same bytes for the same seed.
+"""Four virtual test rigs and drawn recordings, with campaigns: known truth, the same bytes for the same seed.
 
 In: the settings of a bench, a friction law, conditions, rates of faults, a seed. Out: recordings, or the folder of a
 campaign. `bench` has the settings, the measuring chain and the pull, `recording` the faults and one

@@ -133,6 +133,8 @@ class Breakaway(Shown):
         Median time between neighbouring stick-slip events [s].
     dwell_s : float
         Time of rest before the loading [s].
+    rest_N : float
+        Force of the rope at rest before the loading, of a recording that was not tared [N].
     end_tension_N, end_tension_std_N : float
         Measured slack tension at the peak and its standard uncertainty [N], where a second channel gives it.
     events : tuple of ForceEvent
@@ -182,6 +184,7 @@ class Breakaway(Shown):
     n_slips: int = 0
     recurrence_s: float = nan
     dwell_s: float = nan
+    rest_N: float = nan
     end_tension_N: float = nan
     end_tension_std_N: float = nan
     events: tuple[ForceEvent, ...] = field(default=())

@@ -55,30 +55,35 @@ def with_its_zero(
     if result.status is not Status.OK or (result.peak_N <= TINY and settings.rest != "zero"):
         return result
     blocks, is_tared = prepared.blocks, trace.calibration is not None or settings.rest == "pretension"
-    is_loaded = not blocks.n_rest and blocks.force_N[0] > AT_REST * result.peak_N
-    if is_loaded and settings.rest == "zero" and not is_tared:
+    if settings.rest == "zero" and not is_tared and _begins_loaded(blocks, result):
         return _either(result, "the recording begins under load: it shows no zero to subtract")
     rests, later = _before_and_after(blocks, result)
     level_N, std_N = (rests[0].level_N, rests[0].std_N) if rests else (0.0, 0.0)
     if not is_tared and level_N < -2.0 * LARGE * max(result.peak_N, result.peak_N - level_N):
         if settings.rest != "zero":
-            asked = ASK.format("that is an error of the zero", "the machine pushes")
-            found = _either(result, f"before the climb it reads {level_N:.3g} N: {asked}", "at rest", level_N)
-            return replace(found, candidates=found.candidates[::-1])
+            return _far_below_nothing(result, level_N)
         result, is_tared = _with_level(level_N, std_N, result, settings), True
     if result.peak_N <= TINY:
         return result
     jump_N, is_at_rest = _jump_N(prepared, rests, later, result)
     if rests:
         result, level_N = _with_drift(blocks, rests, later, result)
+    if rests and not is_tared:
         level_N += jump_N if settings.rest == "zero" and is_at_rest else 0.0
-        result = (
-            result
-            if is_tared
-            else _with_level(level_N, std_N, _below_nothing(rests, result, settings), settings)
-        )
+        result = _with_level(level_N, std_N, _below_nothing(rests, result, settings), settings)
     is_said = is_at_rest and settings.rest != "unknown"
     return _with_jump(result, 0.0 if is_said else jump_N, is_at_rest=is_at_rest)
+
+
+def _begins_loaded(blocks: Blocks, result: Breakaway) -> bool:
+    return not blocks.n_rest and bool(blocks.force_N[0] > AT_REST * result.peak_N)
+
+
+def _far_below_nothing(result: Breakaway, level_N: float) -> Breakaway:
+    """Return a doubtful result: no zero is wrong by so much, unless the machine pushes; the zero is the likelier."""
+    asked = ASK.format("that is an error of the zero", "the machine pushes")
+    found = _either(result, f"before the climb it reads {level_N:.3g} N: {asked}", "at rest", level_N)
+    return replace(found, candidates=found.candidates[::-1])
 
 
 def _below_nothing(rests: list[Rest], result: Breakaway, settings: PickSettings) -> Breakaway:
@@ -101,6 +106,7 @@ def _with_level(level_N: float, std_N: float, result: Breakaway, settings: PickS
     """Return a result in which a level at rest is subtracted, is a load, or is a doubt."""
     if result.status is not Status.OK:
         return result
+    result = replace(result, rest_N=level_N)
     if settings.rest == "zero":
         said = f"{level_N:.4g} N at rest were taken off as the error of the zero"
         return _without(result, level_N, std_N, said)
@@ -443,7 +449,7 @@ def either(result: Breakaway, why: str, forces_N: Mapping[str, float]) -> Breaka
     return Breakaway(
         status=Status.DOUBTFUL,
         detail=f"{' or '.join(f'{event.force_N:.4g} N' for event in events)}: {why}",
-        noise_std_N=result.noise_std_N, probability=result.probability,
+        noise_std_N=result.noise_std_N, probability=result.probability, rest_N=result.rest_N,
         candidates=events, events=result.events, notes=result.notes, phases=result.phases,
     )  # fmt: skip
 

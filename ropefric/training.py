@@ -351,7 +351,7 @@ def train(
             order = rng.permutation(len(answers))
         chosen, order = torch.from_numpy(np.sort(order[:BATCH])).to(device), order[BATCH:]
         batch = channels[chosen].float().transpose(1, 2).contiguous()
-        shift = rng.standard_normal((BATCH, 1)) * 0.01 * (rng.random((BATCH, 1)) < 0.3)
+        shift = rng.standard_normal((len(batch), 1)) * 0.01 * (rng.random((len(batch), 1)) < 0.3)
         batch[:, 0] += torch.from_numpy(shift.astype(np.float32)).to(device)
         with torch.autocast(device, torch.bfloat16, enabled=short_floats):
             places, kinds = network(batch)

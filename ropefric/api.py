@@ -38,7 +38,17 @@ from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import SETTINGS, Conditions, one_condition
-from ropefric.given import Columns, as_table, as_trace, in_declared_units, in_si, number, settings, wheels_of
+from ropefric.given import (
+    Columns,
+    as_table,
+    as_trace,
+    in_declared_units,
+    in_si,
+    number,
+    refuse_given,
+    settings,
+    wheels_of,
+)
 from ropefric.pipeline import CampaignRun, campaign_folder, run_campaign
 from ropefric.quantities import split_unit_suffix
 from ropefric.scenes.draws import Draws, draw_scene
@@ -178,8 +188,8 @@ def read_trial(campaign: Campaign | PathLike, trial: str) -> ForceTrace:
 
 
 def smooth(
-    trace: "ForceTrace | pd.DataFrame | Mapping[str, Any]",
-    window_s: float | None = None,
+    trace: "ForceTrace | PathLike | pd.DataFrame | pd.Series | Mapping[str, Any]",
+    window_s: Given = None,
     *,
     columns: Columns = None,
 ) -> SmoothedForce:
@@ -187,10 +197,10 @@ def smooth(
 
     Parameters
     ----------
-    trace : ForceTrace, DataFrame or mapping
+    trace : ForceTrace, path-like, DataFrame, Series or mapping
         The recording, see `find_breakaway`.
-    window_s : float, optional
-        Full width [s]; by default the width with the smallest uncertainty of the break-away force.
+    window_s : number or quantity, optional
+        Full width [s], or "10 ms"; by default the width with the smallest uncertainty of the break-away force.
     columns : mapping of str to str, optional
         New names of a table's columns.
 
@@ -204,15 +214,14 @@ def smooth(
     >>> smooth(ForceTrace(time_s=[0, 1, 2, 3, 4], force_N=[0, 0, 9, 0, 0]), 3.0).force_N.tolist()
     [0.0, 3.0, 3.0, 3.0, 0.0]
     """
-    NUMBER.check_given(window_s=window_s)
-    recorded = as_trace(trace, columns=columns)
+    recorded = _recording(trace, columns=columns)
     if window_s is None:
         found = find_breakaway(recorded)
         window_s = found.window_s
         if np.isnan(window_s):
             text = f"no window can be chosen: {found.status}, {found.detail}"
             raise InputError(text, key="window_s", fix="give window_s")
-    return average(recorded, window_s)
+    return average(recorded, number(window_s, "s", "window_s"))
 
 
 def find_breakaway(
@@ -223,12 +232,12 @@ def find_breakaway(
     tare: Given | tuple[float, float] = None,
     rest: Literal["unknown", "zero", "pretension"] = "unknown",
     columns: Columns = None,
-    window_s: float | None = None,
-    start_s: float | None = None,
-    stop_s: float | None = None,
-    min_step_N: float | None = None,
+    window_s: Given = None,
+    start_s: Given = None,
+    stop_s: Given = None,
+    min_step_N: Given = None,
     ending: Literal["sliding", "separation"] = "sliding",
-    pick_s: float | None = None,
+    pick_s: Given = None,
 ) -> Breakaway:
     """Return the break-away force of a recording in which the load is raised once until the rope slides.
 
@@ -250,7 +259,7 @@ def find_breakaway(
         New names of a table's columns: `{"F [daN]": "force [daN]"}`.
     window_s, start_s, stop_s, min_step_N, ending
         As `ropefric.traces.breakaway.PickSettings`.
-    pick_s : float, optional
+    pick_s : number or quantity, optional
         Take the static peak at this time [s], whatever else would be found.
 
     Returns
@@ -272,20 +281,34 @@ def find_breakaway(
     >>> str(found.status), round(found.peak_N)
     ('ok', 100)
     """
-    numbers: dict[str, Any] = {
+    given = {
         "window_s": window_s,
         "start_s": start_s,
         "stop_s": stop_s,
         "min_step_N": min_step_N,
         "pick_s": pick_s,
     }
-    NUMBER.check_given(**numbers)
+    numbers: dict[str, Any] = {
+        name: None if value is None else number(value, split_unit_suffix(name)[1], name)
+        for name, value in given.items()
+    }
+    if tare is not None and rest != "unknown":
+        text = "tare already states what the force at rest is"
+        raise InputError(text, key="rest", fix="leave one of them out")
     chosen = PickSettings(ending=ending, rest="pretension" if tare is not None else rest, **numbers)
-    if isinstance(trace, str | os.PathLike):
-        trace = read_trace(trace)
-    recorded, said = upright(_tared(as_trace(trace, force_N, columns, sampling_rate), tare))
+    recorded, said = upright(_tared(_recording(trace, force_N, columns, sampling_rate), tare))
     found = pick_breakaway(recorded, chosen)[0] if pick_s is None else pick_at(recorded, chosen)
     return replace(found, notes=(*recorded.notes, *filter(None, [said]), *found.notes), trace=recorded)
+
+
+def _recording(
+    trace: Any, force_N: Any = None, columns: Columns = None, sampling_rate: Any = None
+) -> ForceTrace:
+    """Return a trace of what `as_trace` takes, or of a file."""
+    if not isinstance(trace, str | os.PathLike):
+        return as_trace(trace, force_N, columns, sampling_rate)
+    refuse_given(force_N=force_N, columns=columns, sampling_rate=sampling_rate)
+    return read_trace(trace)
 
 
 def _tared(trace: ForceTrace, tare: Any) -> ForceTrace:
@@ -412,7 +435,7 @@ def fit(
     fixed: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     start: Mapping[str, float] | None = None,
-    groups: Sequence[str] | None = None,
+    groups: Sequence[str] | str | None = None,
     shared: Mapping[str, str] | None = None,
     n_starts: int = 4,
     seed: int = 0,
@@ -432,7 +455,7 @@ def fit(
         Parameters that are held, and start values of others.
     bounds : mapping of parameter name to (lower, upper), optional
         Where the search may go; the law's own bounds by default.
-    groups : sequence of str, optional
+    groups : str or sequence of str, optional
         Columns whose levels may differ in μ, so that three ropes count as three; `rope_id`, `wheel`, `mounting`,
         `operator` and `day` where the trials have them, by default.
     shared : mapping of str to str, optional
@@ -458,9 +481,10 @@ def fit(
     """
     BY_NAME.check_given(fixed=fixed, bounds=bounds, start=start, shared=shared)
     SEVERAL.check_given(groups=groups)
+    named = (groups,) if isinstance(groups, str) else groups
     made = fit_law(
         trial_table(trials, columns=columns), law, fixed=fixed, bounds=bounds, start=start,
-        groups=None if groups is None else tuple(groups), shared=shared, n_starts=n_starts, seed=seed, of=of,
+        groups=None if named is None else tuple(named), shared=shared, n_starts=n_starts, seed=seed, of=of,
     )  # fmt: skip
     return with_intervals(made, intervals)
 

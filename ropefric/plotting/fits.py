@@ -11,13 +11,14 @@ from matplotlib.axes import Axes
 from scipy.special import ndtri
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
-from ropefric.errors import InputError
+from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting.predict import REGRESSORS, predict
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions, along_one, levels
 from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
+from ropefric.registry import did_you_mean
 
 FACETS = ("end_tension_N", "wrap_angle_rad", "wheel_radius_m")
 """Quantities against which the average coefficient is drawn."""
@@ -257,6 +258,10 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad") -> FigureWith
     Points are the means of the measured conditions that have the settings drawn, crosses their trials where the fit
     still has them.
     """
+    if over not in REGRESSORS:
+        raise UnknownNameError(
+            f"there is no setting {over!r}", key="over", fix=did_you_mean(over, REGRESSORS)
+        )
     points, (low, high) = condition_points(fit), fit.validity[over]
     settings, chosen = _settings_of(fit, points, over)
     x, columns = _band(fit, settings, over)

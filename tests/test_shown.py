@@ -93,7 +93,7 @@ def test_a_result_shows_itself_in_every_form(name):
     assert right.get_title() == "$x$"
     assert not right.has_data()
     for wrong in ({"ax": page}, {"colour": "red"}):
-        with pytest.raises(rf.RopefricError, match=f"{[*wrong][0]}.* Fix: .*ax"):
+        with pytest.raises(rf.RopefricError, match=f"{next(iter(wrong))}.* Fix: .*ax"):
             result.plot(**wrong)
 
 

@@ -43,10 +43,11 @@ from ropefric.given import (
     as_table,
     as_trace,
     in_declared_units,
-    in_si,
     number,
+    numbers_given,
     refuse_given,
     settings,
+    tared,
     wheels_of,
 )
 from ropefric.pipeline import CampaignRun, campaign_folder, run_campaign
@@ -58,7 +59,7 @@ from ropefric.scenes.solve import Solution, solve_scene
 from ropefric.scenes.sweep import KEPT_POINTS, Axis, Sweep, parse_axis, sweep_scene, sweep_table
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings
-from ropefric.traces.calibration import IN_NEWTONS, Calibration, tare_from_interval
+from ropefric.traces.calibration import Calibration
 from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.protocols import pick_at
 from ropefric.traces.readers import read_recordings
@@ -281,22 +282,14 @@ def find_breakaway(
     >>> str(found.status), round(found.peak_N)
     ('ok', 100)
     """
-    given = {
-        "window_s": window_s,
-        "start_s": start_s,
-        "stop_s": stop_s,
-        "min_step_N": min_step_N,
-        "pick_s": pick_s,
-    }
-    numbers: dict[str, Any] = {
-        name: None if value is None else number(value, split_unit_suffix(name)[1], name)
-        for name, value in given.items()
-    }
+    numbers = numbers_given(
+        window_s=window_s, start_s=start_s, stop_s=stop_s, min_step_N=min_step_N, pick_s=pick_s
+    )
     if tare is not None and rest != "unknown":
         text = "tare already states what the force at rest is"
         raise InputError(text, key="rest", fix="leave one of them out")
     chosen = PickSettings(ending=ending, rest="pretension" if tare is not None else rest, **numbers)
-    recorded, said = upright(_tared(_recording(trace, force_N, columns, sampling_rate), tare))
+    recorded, said = upright(tared(_recording(trace, force_N, columns, sampling_rate), tare))
     found = pick_breakaway(recorded, chosen)[0] if pick_s is None else pick_at(recorded, chosen)
     return replace(found, notes=(*recorded.notes, *filter(None, [said]), *found.notes), trace=recorded)
 
@@ -309,21 +302,6 @@ def _recording(
         return as_trace(trace, force_N, columns, sampling_rate)
     refuse_given(force_N=force_N, columns=columns, sampling_rate=sampling_rate)
     return read_trace(trace)
-
-
-def _tared(trace: ForceTrace, tare: Any) -> ForceTrace:
-    """Return a trace counted from what the sensor showed without load: a force, or its mean over an interval."""
-    if tare is None:
-        return trace
-    if isinstance(tare, str) or np.ndim(tare) == 0:
-        return replace(trace, force_N=trace.force_N - number(tare, "N", "tare"))
-    if np.shape(tare) != (2,):
-        fix = "give (from, until) in seconds, or the force that was shown without load"
-        raise InputError("tare is an interval or one force", key="tare", fix=fix)
-    interval_s = in_si(list(tare), "s", "tare").tolist()
-    found, doubts = tare_from_interval(trace.time_s, trace.force_N, IN_NEWTONS, *interval_s)
-    notes = (*trace.notes, *(one.message for one in doubts))
-    return replace(trace, force_N=trace.force_N - found.tare_N, notes=notes)
 
 
 def extract(

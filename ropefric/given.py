@@ -3,6 +3,7 @@
 import os
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, Kind, RopefricWarning, UnknownNameError
 from ropefric.quantities import example_unit, parse_quantity, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
+from ropefric.traces.calibration import IN_NEWTONS, tare_from_interval
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.readers.table import SAFE_NAMES
 from ropefric.traces.trace import ForceTrace
@@ -65,6 +67,14 @@ def number(value: Any, si_unit: str, name: str) -> float:
     if found.size != 1 or found.ndim > 1:
         raise InputError(f"{found.size} values where one is meant", key=name, fix="give one")
     return float(found.item())
+
+
+def numbers_given(**given: Any) -> dict[str, Any]:
+    """Return numbers in the units of their names, None where none is given."""
+    return {
+        name: None if value is None else number(value, split_unit_suffix(name)[1], name)
+        for name, value in given.items()
+    }
 
 
 def settings(**given: Any) -> dict[str, FloatArray]:
@@ -241,7 +251,15 @@ def as_trace(
         or _named_fields(trace)
     ):
         return _of_table(trace, columns, sampling_rate)
-    if not (hasattr(trace, "dtype") or isinstance(trace, list | tuple)) or np.ndim(next(iter(trace), 0.0)):
+    if hasattr(trace, "dtype") or isinstance(trace, list | tuple):
+        return _of_forces(trace, sampling_rate)
+    fix = "give a file, a table, times and forces, or forces and their sampling_rate"
+    raise InputError(f"{type(trace).__name__} is no recording", key="trace", fix=fix)
+
+
+def _of_forces(trace: Any, sampling_rate: Any) -> ForceTrace:
+    """Return the trace of forces at equal steps of time, or over the index of their series."""
+    if np.ndim(next(iter(trace), 0.0)):
         fix = "give a file, a table, times and forces, or forces and their sampling_rate"
         raise InputError(f"{type(trace).__name__} is no recording", key="trace", fix=fix)
     if sampling_rate is not None:
@@ -324,3 +342,18 @@ def _recorded(time_s: FloatArray, force_N: FloatArray) -> ForceTrace:
         raise InputError("the recording has no samples", key="trace", fix="give times and forces")
     keep, time_s, notes = mend_clock(time_s, [force_N], name="trace")
     return ForceTrace(time_s=time_s, force_N=force_N[keep], notes=notes)
+
+
+def tared(trace: ForceTrace, tare: Any) -> ForceTrace:
+    """Return a trace counted from what the sensor showed without load: a force, or its mean over an interval."""
+    if tare is None:
+        return trace
+    if isinstance(tare, str) or np.ndim(tare) == 0:
+        return replace(trace, force_N=trace.force_N - number(tare, "N", "tare"))
+    if np.shape(tare) != (2,):
+        fix = "give (from, until) in seconds, or the force that was shown without load"
+        raise InputError("tare is an interval or one force", key="tare", fix=fix)
+    interval_s = in_si(list(tare), "s", "tare").tolist()
+    found, doubts = tare_from_interval(trace.time_s, trace.force_N, IN_NEWTONS, *interval_s)
+    notes = (*trace.notes, *(one.message for one in doubts))
+    return replace(trace, force_N=trace.force_N - found.tare_N, notes=notes)

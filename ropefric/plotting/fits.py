@@ -31,7 +31,12 @@ _LIMIT = 2.0
 _NO_TRIALS = "no trials stored with the fit"
 _BY_2U = "bars: ±2 u (k = 2)"
 _BARS: dict[str, Any] = {"fmt": "o", "elinewidth": 1.0, "capsize": 2.0}
-_OTHERS = {"label": "other conditions", "color": style.GREY, "markerfacecolor": "white", "markersize": 3.5}
+OTHERS: dict[str, Any] = {
+    "label": "other conditions",
+    "color": style.GREY,
+    "markerfacecolor": "white",
+    "markersize": 3.5,
+}
 _CHOSEN: dict[str, Any] = {"color": style.INK, "markersize": 5.5}
 
 
@@ -154,7 +159,7 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
                 style.say_instead(axes, _NO_TRIALS)
             x = factor * getattr(points.conditions, over)
             heading = _CHOSEN | {"label": "conditions as in the heading", "zorder": 4}
-            for mask, look in ((~chosen, _OTHERS), (chosen, heading)):
+            for mask, look in ((~chosen, OTHERS), (chosen, heading)):
                 if mask.any():
                     _draw_means(axes, x[mask], mu[mask], 2.0 * np.nan_to_num(mu_std[mask]), **look)
         panels[0].set_ylabel(style.figure_label("mu_average"))

@@ -25,7 +25,7 @@ from ropefric.plotting import style
 from ropefric.plotting.campaign import draw_extraction, draw_recording
 from ropefric.plotting.design import draw_ladder, draw_statement, name_rows
 from ropefric.plotting.figure import FigureWithData, drawing, on_axes, panels_of
-from ropefric.plotting.fits import draw_fit_band
+from ropefric.plotting.fits import OTHERS, draw_fit_band
 from ropefric.plotting.machines import draw_explanation, draw_layout, draw_sweep, scene_figures
 from ropefric.scenes.draws import Draws
 from ropefric.scenes.explain import Explanation
@@ -151,11 +151,8 @@ def _(trace: ForceTrace, axes: Axes, found: Breakaway | None = None) -> None:
 def _(found: Breakaway, axes: Axes, trace: Any = None) -> None:
     trace = found.trace if trace is None else trace
     if trace is None:
-        raise InputError(
-            "a break-away of a campaign does not keep its recording",
-            key="trace",
-            fix="write found.plot(trace)",
-        )
+        text = "a break-away of a campaign does not keep its recording"
+        raise InputError(text, key="trace", fix="write found.plot(trace)")
     paint(as_trace(trace), axes, found)
 
 
@@ -228,17 +225,9 @@ def _(prediction: Prediction, axes: Axes) -> None:
         label = f"{100 * prediction.level:g} % {words}"
         axes.errorbar(x, lift_N, np.abs(interval_N.T - lift_N), label=label, **look)
     if prediction.trials:
-        wraps_deg, means_N = (
-            np.degrees(prediction.trials["wrap_angle_rad"]),
-            np.exp(prediction.trials["mean_log_lift"]),
-        )
-        hollow: dict[str, Any] = {
-            "color": style.GREY,
-            "markerfacecolor": "white",
-            "markersize": 3.5,
-            "zorder": 1,
-        }
-        axes.plot(wraps_deg, means_N, "o", label="measured conditions, all settings", **hollow)
+        wraps_deg = np.degrees(prediction.trials["wrap_angle_rad"])
+        look = OTHERS | {"label": "measured conditions, all settings", "zorder": 1}
+        axes.plot(wraps_deg, np.exp(prediction.trials["mean_log_lift"]), "o", **look)
         style.plain_log(axes, "y")
     axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.figure_label("lift_force_N"))
     axes.set_title(f"Law {prediction.law}")

@@ -233,13 +233,10 @@ def _alerts_of_answer(answer: CampaignAnswer, evidence: Evidence, *, asked: bool
             yield Alert("doubt", "The law", doubt)
     if prediction is not None:
         beyond = outside_words(prediction.validity, prediction.conditions)
+        outside = Alert("doubt", "The design lies outside the tested range", "")
         for note in prediction.notes():
-            about = (
-                ("doubt", "The design lies outside the tested range")
-                if note in beyond
-                else ("note", "The lift force")
-            )
-            yield Alert(*about, note)
+            about = outside if note in beyond else Alert("note", "The lift force", "")
+            yield about._replace(text=note)
     elif not asked:
         keys = "wheel_radius, wrap_angle and end_tension"
         yield Alert("note", "No lift force", f"The campaign names no wheel. Add [design] with {keys}.")

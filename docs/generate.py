@@ -246,7 +246,7 @@ def paper_pages() -> dict[str, bytes]:
         pages, title = [text], text.partition("\n")[0]
         for begin in PAPERS[name][1:]:
             before, after = pages.pop().split(f"\n{begin}")
-            pages += [before, f"{title}: part {len(pages) + 2}\n\n{begin}{after}"]
+            pages += [before, f"{title} (part {len(pages) + 2})\n\n{begin}{after}"]
         for number, page in enumerate(pages, start=1):
             more = f"\n\nContinued: [](paper-{name}-{number + 1}.md)" if number < len(pages) else ""
             files[f"paper-{name}{f'-{number}' if number > 1 else ''}.md"] = f"{page}{more}\n".encode()

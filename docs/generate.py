@@ -341,7 +341,7 @@ are then not simulated. `ropefric init --scene NAME` prints the same table."""
 
 def scene_keys_pages() -> dict[str, str]:
     """Return the pages of every key that a scene can hold, one a machine, from the schema."""
-    keys = {kind.name: scene_keys(kind.schema) for kind in KINDS.values()}
+    keys = {kind.name: [*scene_keys(kind.schema)] for kind in KINDS.values()}
     first, *others = keys.values()
     common = [key for key in first if all(key in other for other in others) or key.name == "system"]
     shared = {key.name for key in common}

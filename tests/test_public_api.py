@@ -412,7 +412,6 @@ def test_a_setting_that_is_none_is_not_given_and_a_row_of_a_table_is_one_wheel()
         rf.predict(COUPLED, wheel_radius=None, wrap_deg=400, end_tension_N=60)
 
 
-
 def test_a_zero_is_taken_off_as_asked():
     off_N = PULL_N + 5.0
     for given in ({"tare": (0.0, 0.25)}, {"tare": 5.0}, {"tare": "5 N"}, {"rest": "zero"}):

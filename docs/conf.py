@@ -45,6 +45,7 @@ html_title = "ropefric"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_copy_source = False
+html_use_index = False  # every name has its page, and the search finds it
 html_show_sphinx = False
 html_theme_options = {"top_of_page_buttons": []}
 

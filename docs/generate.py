@@ -9,6 +9,7 @@ import inspect
 import logging
 import os
 import re
+import tomllib
 import typing
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
@@ -39,18 +40,17 @@ BENCH = ROOT / "data" / "prth-bench" / "campaign.toml"
 SCENES = ROOT / "data" / "scenes"
 FITS = ROOT / "fits"
 NOTEBOOKS = ROOT / "notebooks"
-PAPERS = {"prth": "01_from_traces_to_lift_force", "press": "02_belt_press", "saw": "03_band_saw"}
-"""The notebook that goes through each paper, by the name of its page."""
+PAPERS = {
+    "prth": ("01_from_traces_to_lift_force", "## 6 ", "## 7 "),
+    "press": ("02_belt_press", "## 4 ", "## 6 "),
+    "saw": ("03_band_saw", "## 4 "),
+}
+"""The notebook that goes through each paper, by the name of its page, and where its further pages begin."""
 
 
 def everything(folder: Path) -> None:
     """Write all generated pages and figures; a file that would not change is left alone, so that builds stay short."""
-    pages = {
-        "commands.md": commands_page(),
-        "python.rst": python_page(),
-        "registered.md": registered_page(),
-        "scene-keys.md": scene_keys_page(),
-    }
+    pages = command_pages() | python_pages() | registered_pages() | scene_keys_pages()
     # A piece of a page becomes a file of its own.
     namespace = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
     for stem, figure in figures():
@@ -143,21 +143,32 @@ def _condition() -> FigureWithData:
 # Commands.
 
 
-def commands_page() -> str:
-    """Return the page of all commands, from what the program itself knows of them."""
-    group = build_app()
-    parts = ["# Commands\n", f"{group.epilog}\n"]
+def command_pages() -> dict[str, str]:
+    """Return the page that lists all commands, and one of each, from what the program itself knows of them."""
+    group, pages, rows = build_app(), {}, []
     for declared in find_commands().values():
         command = group.commands[declared.name]
-        parts.append(f"\n## `ropefric {declared.name}`\n\n{_escaped(command.help)}\n")
         context = command.make_context(declared.name, [], resilient_parsing=True)
         context.info_name = f"ropefric {declared.name}"
-        parts.append(f"```text\n{' '.join(command.get_usage(context).split())}\n```\n")
         records = [one.get_help_record(context) for one in command.params]
-        rows = [(f"`{record[0].strip('{}')}`", _escaped(record[1])) for record in records if record]
-        parts.append(_rows(("option", "meaning"), rows))
-        parts.append(f"\nExample:\n\n```sh\n{declared.example}\n```\n")
-    return "\n".join(parts)
+        options = [(f"`{record[0].strip('{}')}`", _escaped(record[1])) for record in records if record]
+        pages[f"command-{declared.name}"] = (
+            f"# `ropefric {declared.name}`\n\n{_escaped(command.help)}\n\n"
+            f"```text\n{' '.join(command.get_usage(context).split())}\n```\n\n"
+            f"{_rows(('option', 'meaning'), options)}\nExample:\n\n```sh\n{declared.example}\n```\n"
+        )
+        rows.append((f"[`{declared.name}`](command-{declared.name}.md)", _escaped(command.short_help)))
+    return _with_list("commands", f"# Commands\n\n{group.epilog}\n", ("command", "purpose"), rows, pages)
+
+
+def _with_list(
+    name: str, begins: str, head: tuple[str, str], rows: Iterable[tuple[str, str]], pages: Mapping[str, str]
+) -> dict[str, str]:
+    """Return the files of pages and of the page that lists them."""
+    listed = "\n".join(pages)
+    contents = f"```{{toctree}}\n:hidden:\n\n{listed}\n```"
+    whole = {f"{name}.md": f"{begins}\n{_rows(head, rows)}\n{contents}\n"}
+    return whole | {f"{stem}.md": text for stem, text in pages.items()}
 
 
 def _escaped(text: str) -> str:
@@ -170,46 +181,43 @@ def _escaped(text: str) -> str:
 # Python.
 
 
-def python_page() -> str:
-    """Return the page of the Python interface: the functions, and the classes that they take and return."""
-    names = [name for name in rf.__all__ if not name.startswith("_")]
-    parts = [
-        "Python names\n============\n",
-        "``import ropefric as rf`` has these functions.\n",
-        _directives(names, "ropefric"),
+def python_pages() -> dict[str, str]:
+    """Return the page that lists the Python interface, and one of each function, of each result and of the errors."""
+    names = [name for name in rf.__all__ if not name.startswith("_") and callable(getattr(rf, name))]
+    errors = [RopefricError, *RopefricError.__subclasses__(), rf.RopefricWarning]
+    functions = [getattr(rf, name) for name in names if not isinstance(getattr(rf, name), type)]
+    results = _results(functions)
+    directives = {one.__name__: f".. autofunction:: ropefric.{one.__name__}\n" for one in functions}
+    for one in results:
+        name = f"{one.__module__}.{one.__qualname__}"
+        directives[one.__qualname__] = (
+            f".. autoclass:: {name}()\n   :members:\n   :exclude-members: from_dict\n"
+        )
+    rows = [
+        (f"[`{one.__name__}`](python-{one.__name__}.md)", _escaped(inspect.getdoc(one).partition("\n")[0]))
+        for one in (*functions, *results)
     ]
-    parts.append("\nWhat they return\n----------------\n")
-    parts += [
-        f".. autoclass:: {one.__module__}.{one.__qualname__}()\n   :members:\n   :exclude-members: from_dict\n"
-        for one in _results(names)
-    ]
-    parts.append("\nErrors\n------\n")
-    errors = [RopefricError, *RopefricError.__subclasses__()]
-    parts += [f".. autoexception:: {one.__module__}.{one.__qualname__}()\n" for one in errors]
-    return "\n".join(parts)
-
-
-def _directives(names: Iterable[str], module: str) -> str:
-    return "\n".join(
-        f".. auto{'class' if inspect.isclass(getattr(rf, name)) else 'function'}:: {module}.{name}\n"
-        for name in names
+    directives["errors"] = "\n".join(
+        f".. autoexception:: {one.__module__}.{one.__qualname__}()\n" for one in errors
     )
+    rows.append(("[errors](python-errors.md)", "Errors and warnings, all from one class."))
+    pages = {
+        f"python-{name}": f"# {'Errors' if name == 'errors' else f'`{name}`'}\n\n```{{eval-rst}}\n{text}```\n"
+        for name, text in directives.items()
+    }
+    begins = "# Python names\n\n`import ropefric as rf` has these functions, which return the classes below them.\n"
+    return _with_list("python", begins, ("name", "purpose"), rows, pages)
 
 
-def _results(names: Iterable[str]) -> list[type]:
+def _results(functions: Iterable[typing.Any]) -> list[type]:
     """Return the dataclasses that the functions return, each once, by name."""
-    found = {}
-    for name in names:
-        function = getattr(rf, name)
-        if not callable(function):
-            continue
-        try:
-            returned = typing.get_type_hints(function).get("return")
-        except NameError:  # a type that is imported for type checkers only
-            continue
-        for one in (returned, *typing.get_args(returned)):
-            if is_dataclass(one):
-                found[one.__qualname__] = one
+    returned = [inspect.signature(one).return_annotation for one in functions]
+    found = {
+        one.__qualname__: one
+        for each in returned
+        for one in (each, *typing.get_args(each))
+        if is_dataclass(one)
+    }
     return [found[name] for name in sorted(found)]
 
 
@@ -224,7 +232,7 @@ def paper_pages() -> dict[str, bytes]:
 
     os.environ.setdefault("JUPYTER_PLATFORM_DIRS", "1")
     logging.getLogger("traitlets").setLevel(logging.WARNING)
-    notebooks = {name: nbformat.read(NOTEBOOKS / f"{stem}.ipynb", 4) for name, stem in PAPERS.items()}
+    notebooks = {name: nbformat.read(NOTEBOOKS / f"{stem}.ipynb", 4) for name, (stem, *_) in PAPERS.items()}
 
     async def run() -> None:
         how = {"timeout": 600, "resources": {"metadata": {"path": str(NOTEBOOKS)}}}
@@ -235,7 +243,13 @@ def paper_pages() -> dict[str, bytes]:
     files: dict[str, bytes] = {}
     for name, notebook in notebooks.items():
         text = "\n\n".join(_set(notebook.cells, f"paper-{name}", files))
-        files[f"paper-{name}.md"] = f"{text}\n".encode()
+        pages, title = [text], text.partition("\n")[0]
+        for begin in PAPERS[name][1:]:
+            before, after = pages.pop().split(f"\n{begin}")
+            pages += [before, f"{title} (part {len(pages) + 2})\n\n{begin}{after}"]
+        for number, page in enumerate(pages, start=1):
+            more = f"\n\nContinued: [](paper-{name}-{number + 1}.md)" if number < len(pages) else ""
+            files[f"paper-{name}{f'-{number}' if number > 1 else ''}.md"] = f"{page}{more}\n".encode()
     return files
 
 
@@ -246,7 +260,7 @@ def _set(cells: Iterable[typing.Any], stem: str, files: dict[str, bytes]) -> Ite
             yield cell.source
             continue
         code = cell.source.removeprefix("%matplotlib inline\n")
-        yield f"```python\n{code}\n```"
+        yield f"<details><summary>Code</summary>\n\n```python\n{code}\n```\n\n</details>"
         # A cell that draws says in its first line what is to be seen.
         alt = (
             code.partition("\n")[0].removeprefix("# ")
@@ -269,8 +283,8 @@ def _set(cells: Iterable[typing.Any], stem: str, files: dict[str, bytes]) -> Ite
 # What is registered.
 
 
-def registered_page() -> str:
-    """Return the page of everything that goes by a name: laws, formats, protocols, rules, effects, faults, studies."""
+def registered_pages() -> dict[str, str]:
+    """Return the pages of all that goes by a name: laws, formats, rules, studies; effects; simulated recordings."""
     law_rows = [
         (
             f"`{law.name}`",
@@ -281,12 +295,12 @@ def registered_page() -> str:
         for law in LAWS.values()
     ]
     parts = [
-        "# What goes by a name\n",
-        "Every name that a file or a command can hold, as this version has them.\n",
+        "# Names in files and commands\n",
+        "Other names: [effects of machines](effects.md), [simulated recordings](simulated.md).\n",
         _table("Friction laws", ("name", "equation", "parameters", "source"), law_rows),
         _table(
             "File formats",
-            ("name", "what", "endings"),
+            ("name", "content", "endings"),
             [(f"`{one.name}`", one.description, ", ".join(one.suffixes)) for one in READERS.values()],
         ),
         _described("Protocols", PROTOCOLS),
@@ -297,21 +311,18 @@ def registered_page() -> str:
             [(f"`{status}`", words) for status, words in ADVICE.items()],
         ),
     ]
-    parts += [_effects(kind) for kind in KINDS.values()]
+    studies = [(f"`{one.name}`", one.title) for one in STUDIES.values()]
+    parts.append(_table("Studies of `ropefric cost`", ("name", "title"), studies))
     faults = [(f"`{one.name}`", f"`{one.expected_status or 'ok'}`") for one in FAULTS.values()]
-    parts.append(_table("Faults of the simulated bench", ("name", "what an honest reading says"), faults))
     families = [(f"`{one.name}`", one.tier, f"`{one.expects}`") for one in FAMILIES.values()]
-    parts.append(
-        _table("Families of the second rig's recordings", ("name", "tier", "what there is to find"), families)
-    )
-    parts.append(
-        _table(
-            "Studies of `ropefric cost`",
-            ("name", "title"),
-            [(f"`{one.name}`", one.title) for one in STUDIES.values()],
-        )
-    )
-    return "\n".join(parts)
+    simulated = [
+        "# Simulated recordings\n",
+        _table("Faults of the simulated bench", ("name", "correct status"), faults),
+        _table("Recordings of the second rig", ("name", "tier", "correct status"), families),
+    ]
+    effects = ["# Effects of machines\n", *(_effects(kind) for kind in KINDS.values())]
+    pages = {"registered.md": parts, "simulated.md": simulated, "effects.md": effects}
+    return {name: "\n".join(texts) for name, texts in pages.items()}
 
 
 def _effects(kind: Kind) -> str:
@@ -328,12 +339,28 @@ your choice. Write quantities as text with their unit. A key without the word *n
 are then not simulated. `ropefric init --scene NAME` prints the same table."""
 
 
-def scene_keys_page() -> str:
-    """Return the page of every key that a scene can hold, by kind: unit, default, range and meaning, from the schema."""
-    parts = ["# Keys of a scene\n", f"{_KEYS_SAID}\n"]
-    head = ("key", "unit", "example", "default", "range", "meaning")
-    for kind in KINDS.values():
-        rows = [
+def scene_keys_pages() -> dict[str, str]:
+    """Return the pages of every key that a scene can hold, one a machine, from the schema."""
+    keys = {kind.name: [*scene_keys(kind.schema)] for kind in KINDS.values()}
+    first, *others = keys.values()
+    common = [key for key in first if all(key in other for other in others) or key.name == "system"]
+    shared = {key.name for key in common}
+    own = {name: [key for key in found if key.name not in shared] for name, found in keys.items()}
+    pages = {"keys-common": f"# Keys of every scene\n\n{_KEYS_SAID}\n\n{_key_rows(common)}"}
+    for name, found in own.items():
+        title = f'# Keys of `system = "{name}"`'
+        pages[f"keys-{name}"] = f"{title}\n\nKeys of every scene: [](keys-common.md).\n\n{_key_rows(found)}"
+    rows = [("[every system](keys-common.md)", "")]
+    rows += [
+        (f"[`{name}`](keys-{name}.md)", ", ".join(f"`{one}`" for one in _templates(name))) for name in keys
+    ]
+    return _with_list("scene-keys", "# Keys of a scene\n", ("system", "example scenes"), rows, pages)
+
+
+def _key_rows(keys: Iterable[typing.Any]) -> str:
+    return _rows(
+        ("key", "unit", "example", "default", "range", "meaning"),
+        [
             (
                 f"`{key.name}`",
                 key.unit,
@@ -342,10 +369,15 @@ def scene_keys_page() -> str:
                 _escaped(key.allowed),
                 _escaped(key.meaning),
             )
-            for key in scene_keys(kind.schema)
-        ]
-        parts.append(_table(f'`system = "{kind.name}"`', head, rows))
-    return "\n".join(parts)
+            for key in keys
+        ],
+    )
+
+
+def _templates(system: str) -> list[str]:
+    """Return the names of the example scenes of a system."""
+    found = {path.stem: tomllib.loads(path.read_text("utf-8")) for path in sorted(SCENES.glob("*.toml"))}
+    return [name for name, scene in found.items() if scene["system"] == system]
 
 
 def _described(title: str, registry: Mapping[str, typing.Any]) -> str:

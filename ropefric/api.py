@@ -38,7 +38,18 @@ from ropefric.fitting.predict import predict as predict_lift
 from ropefric.fitting.result import FitResult
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import SETTINGS, Conditions, one_condition
-from ropefric.given import Columns, as_table, as_trace, in_declared_units, in_si, number, settings, wheels_of
+from ropefric.given import (
+    Columns,
+    as_table,
+    as_trace,
+    in_declared_units,
+    number,
+    numbers_given,
+    refuse_given,
+    settings,
+    tared,
+    wheels_of,
+)
 from ropefric.pipeline import CampaignRun, campaign_folder, run_campaign
 from ropefric.quantities import split_unit_suffix
 from ropefric.scenes.draws import Draws, draw_scene
@@ -48,7 +59,7 @@ from ropefric.scenes.solve import Solution, solve_scene
 from ropefric.scenes.sweep import KEPT_POINTS, Axis, Sweep, parse_axis, sweep_scene, sweep_table
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.breakaway import Breakaway, PickSettings
-from ropefric.traces.calibration import IN_NEWTONS, Calibration, tare_from_interval
+from ropefric.traces.calibration import Calibration
 from ropefric.traces.decision import pick_breakaway
 from ropefric.traces.protocols import pick_at
 from ropefric.traces.readers import read_recordings
@@ -178,8 +189,8 @@ def read_trial(campaign: Campaign | PathLike, trial: str) -> ForceTrace:
 
 
 def smooth(
-    trace: "ForceTrace | pd.DataFrame | Mapping[str, Any]",
-    window_s: float | None = None,
+    trace: "ForceTrace | PathLike | pd.DataFrame | pd.Series | Mapping[str, Any]",
+    window_s: Given = None,
     *,
     columns: Columns = None,
 ) -> SmoothedForce:
@@ -187,10 +198,10 @@ def smooth(
 
     Parameters
     ----------
-    trace : ForceTrace, DataFrame or mapping
+    trace : ForceTrace, path-like, DataFrame, Series or mapping
         The recording, see `find_breakaway`.
-    window_s : float, optional
-        Full width [s]; by default the width with the smallest uncertainty of the break-away force.
+    window_s : number or quantity, optional
+        Full width [s], or "10 ms"; by default the width with the smallest uncertainty of the break-away force.
     columns : mapping of str to str, optional
         New names of a table's columns.
 
@@ -204,15 +215,14 @@ def smooth(
     >>> smooth(ForceTrace(time_s=[0, 1, 2, 3, 4], force_N=[0, 0, 9, 0, 0]), 3.0).force_N.tolist()
     [0.0, 3.0, 3.0, 3.0, 0.0]
     """
-    NUMBER.check_given(window_s=window_s)
-    recorded = as_trace(trace, columns=columns)
+    recorded = _recording(trace, columns=columns)
     if window_s is None:
         found = find_breakaway(recorded)
         window_s = found.window_s
         if np.isnan(window_s):
             text = f"no window can be chosen: {found.status}, {found.detail}"
             raise InputError(text, key="window_s", fix="give window_s")
-    return average(recorded, window_s)
+    return average(recorded, number(window_s, "s", "window_s"))
 
 
 def find_breakaway(
@@ -223,12 +233,12 @@ def find_breakaway(
     tare: Given | tuple[float, float] = None,
     rest: Literal["unknown", "zero", "pretension"] = "unknown",
     columns: Columns = None,
-    window_s: float | None = None,
-    start_s: float | None = None,
-    stop_s: float | None = None,
-    min_step_N: float | None = None,
+    window_s: Given = None,
+    start_s: Given = None,
+    stop_s: Given = None,
+    min_step_N: Given = None,
     ending: Literal["sliding", "separation"] = "sliding",
-    pick_s: float | None = None,
+    pick_s: Given = None,
 ) -> Breakaway:
     """Return the break-away force of a recording in which the load is raised once until the rope slides.
 
@@ -250,7 +260,7 @@ def find_breakaway(
         New names of a table's columns: `{"F [daN]": "force [daN]"}`.
     window_s, start_s, stop_s, min_step_N, ending
         As `ropefric.traces.breakaway.PickSettings`.
-    pick_s : float, optional
+    pick_s : number or quantity, optional
         Take the static peak at this time [s], whatever else would be found.
 
     Returns
@@ -272,35 +282,26 @@ def find_breakaway(
     >>> str(found.status), round(found.peak_N)
     ('ok', 100)
     """
-    numbers: dict[str, Any] = {
-        "window_s": window_s,
-        "start_s": start_s,
-        "stop_s": stop_s,
-        "min_step_N": min_step_N,
-        "pick_s": pick_s,
-    }
-    NUMBER.check_given(**numbers)
+    numbers = numbers_given(
+        window_s=window_s, start_s=start_s, stop_s=stop_s, min_step_N=min_step_N, pick_s=pick_s
+    )
+    if tare is not None and rest != "unknown":
+        text = "tare already states what the force at rest is"
+        raise InputError(text, key="rest", fix="leave one of them out")
     chosen = PickSettings(ending=ending, rest="pretension" if tare is not None else rest, **numbers)
-    if isinstance(trace, str | os.PathLike):
-        trace = read_trace(trace)
-    recorded, said = upright(_tared(as_trace(trace, force_N, columns, sampling_rate), tare))
+    recorded, said = upright(tared(_recording(trace, force_N, columns, sampling_rate), tare))
     found = pick_breakaway(recorded, chosen)[0] if pick_s is None else pick_at(recorded, chosen)
     return replace(found, notes=(*recorded.notes, *filter(None, [said]), *found.notes), trace=recorded)
 
 
-def _tared(trace: ForceTrace, tare: Any) -> ForceTrace:
-    """Return a trace counted from what the sensor showed without load: a force, or its mean over an interval."""
-    if tare is None:
-        return trace
-    if isinstance(tare, str) or np.ndim(tare) == 0:
-        return replace(trace, force_N=trace.force_N - number(tare, "N", "tare"))
-    if np.shape(tare) != (2,):
-        fix = "give (from, until) in seconds, or the force that was shown without load"
-        raise InputError("tare is an interval or one force", key="tare", fix=fix)
-    interval_s = in_si(list(tare), "s", "tare").tolist()
-    found, doubts = tare_from_interval(trace.time_s, trace.force_N, IN_NEWTONS, *interval_s)
-    notes = (*trace.notes, *(one.message for one in doubts))
-    return replace(trace, force_N=trace.force_N - found.tare_N, notes=notes)
+def _recording(
+    trace: Any, force_N: Any = None, columns: Columns = None, sampling_rate: Any = None
+) -> ForceTrace:
+    """Return a trace of what `as_trace` takes, or of a file."""
+    if not isinstance(trace, str | os.PathLike):
+        return as_trace(trace, force_N, columns, sampling_rate)
+    refuse_given(force_N=force_N, columns=columns, sampling_rate=sampling_rate)
+    return read_trace(trace)
 
 
 def extract(
@@ -412,7 +413,7 @@ def fit(
     fixed: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     start: Mapping[str, float] | None = None,
-    groups: Sequence[str] | None = None,
+    groups: Sequence[str] | str | None = None,
     shared: Mapping[str, str] | None = None,
     n_starts: int = 4,
     seed: int = 0,
@@ -432,7 +433,7 @@ def fit(
         Parameters that are held, and start values of others.
     bounds : mapping of parameter name to (lower, upper), optional
         Where the search may go; the law's own bounds by default.
-    groups : sequence of str, optional
+    groups : str or sequence of str, optional
         Columns whose levels may differ in μ, so that three ropes count as three; `rope_id`, `wheel`, `mounting`,
         `operator` and `day` where the trials have them, by default.
     shared : mapping of str to str, optional
@@ -458,9 +459,10 @@ def fit(
     """
     BY_NAME.check_given(fixed=fixed, bounds=bounds, start=start, shared=shared)
     SEVERAL.check_given(groups=groups)
+    named = (groups,) if isinstance(groups, str) else groups
     made = fit_law(
         trial_table(trials, columns=columns), law, fixed=fixed, bounds=bounds, start=start,
-        groups=None if groups is None else tuple(groups), shared=shared, n_starts=n_starts, seed=seed, of=of,
+        groups=None if named is None else tuple(named), shared=shared, n_starts=n_starts, seed=seed, of=of,
     )  # fmt: skip
     return with_intervals(made, intervals)
 

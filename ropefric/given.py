@@ -3,6 +3,7 @@
 import os
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, Kind, RopefricWarning, UnknownNameError
 from ropefric.quantities import example_unit, parse_quantity, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
+from ropefric.traces.calibration import IN_NEWTONS, tare_from_interval
 from ropefric.traces.clock import mend_clock
 from ropefric.traces.readers.table import SAFE_NAMES
 from ropefric.traces.trace import ForceTrace
@@ -30,6 +32,7 @@ _ODD = {
     "rope_radius_m": (0.5, "{:g} m is a rope of {:.3g} m diameter", 2.0, "mm"),
 }
 """The limit above which a setting is improbable, its message, and the unit that was probably meant."""
+_SHOWN_HEADERS = 8
 _USER = 4
 """Calls from a warning up to the line that called a function of `import ropefric` with settings."""
 
@@ -37,7 +40,7 @@ _USER = 4
 def in_si(value: Any, si_unit: str, name: str = "quantity") -> FloatArray:
     """Return numbers in SI: bare ones as they stand, text with a unit (`"35 mm"`) and pint quantities converted."""
     if isinstance(value, bool | bytes):
-        raise InputError(f"{name}: {value!r} is no number", key=name, fix="give a number")
+        raise InputError(f"{value!r} is no number", key=name, fix="give a number")
     if hasattr(value, "to") and hasattr(value, "magnitude"):
         try:
             value = value.to(si_unit or "dimensionless").magnitude
@@ -61,9 +64,17 @@ def in_si(value: Any, si_unit: str, name: str = "quantity") -> FloatArray:
 def number(value: Any, si_unit: str, name: str) -> float:
     """Return one number in SI, of what `in_si` takes."""
     found = in_si(value, si_unit, name)
-    if found.size != 1:
-        raise InputError(f"{name}: {found.size} values where one is meant", key=name, fix="give one")
+    if found.size != 1 or found.ndim > 1:
+        raise InputError(f"{found.size} values where one is meant", key=name, fix="give one")
     return float(found.item())
+
+
+def numbers_given(**given: Any) -> dict[str, Any]:
+    """Return numbers in the units of their names, None where none is given."""
+    return {
+        name: None if value is None else number(value, split_unit_suffix(name)[1], name)
+        for name, value in given.items()
+    }
 
 
 def settings(**given: Any) -> dict[str, FloatArray]:
@@ -92,7 +103,7 @@ def in_declared_units(others: Mapping[str, Any], **declared: Any) -> dict[str, A
     for name in declared:
         stem, unit = split_unit_suffix(name)
         known[stem] = (name, unit, 1.0)
-    for name, value in others.items():
+    for name, value in ((name, value) for name, value in others.items() if value is not None):
         stem, unit = split_unit_suffix(name)
         if stem not in known:
             fix = did_you_mean(name, [*declared, *known])
@@ -150,7 +161,7 @@ def _of_array(array: Any, columns: Columns) -> "pd.DataFrame":
     dtype = getattr(array, "dtype", None)
     if dtype is None:
         fix = "give a DataFrame, a mapping of columns, or an array"
-        raise InputError(f"{type(array).__name__} is no table", key="table", fix=fix)
+        raise InputError(f"{type(array).__name__} is no table", key="wheels", fix=fix)
     return _whole(array, columns=None if columns is None or dtype.names else list(columns))
 
 
@@ -207,8 +218,9 @@ def as_table(table: Any, columns: Columns = None) -> TrialTable:
 
 
 def wheels_of(table: Any, columns: Columns = None) -> dict[str, FloatArray]:
-    """Return the settings of a table of wheels, with headers as in a trial table; other columns are passed over."""
-    frame, found = as_frame(table, columns), {}
+    """Return the settings of a table of wheels, or of one row of it, with headers as in a trial table."""
+    is_row = hasattr(table, "index") and hasattr(table, "to_dict") and not hasattr(table, "columns")
+    frame, found = as_frame(table.to_dict() if is_row else table, columns), {}
     for header in frame.columns:
         stem, unit = split_unit_suffix(str(header))
         field, si_unit, factor = cells.SETTINGS.get(cells.word_of(stem), ("", "", 0.0))
@@ -225,26 +237,66 @@ def as_trace(
 ) -> ForceTrace:
     """Return a trace of itself, of times and forces, of forces at a rate, of a series over time, or of a table."""
     if isinstance(trace, ForceTrace):
+        refuse_given(force_N=force_N, columns=columns, sampling_rate=sampling_rate)
         return trace
-    if sampling_rate is not None:
-        return _at_rate(trace, force_N, sampling_rate)
+    if sampling_rate is not None and force_N is not None:
+        text, fix = "either the times or a sampling rate is needed", "leave one of them out"
+        raise InputError(text, key="sampling_rate", fix=fix)
     if force_N is not None:
         return _recorded(in_si(trace, "s", "time_s"), in_si(force_N, "N", "force_N"))
-    if hasattr(trace, "index") and hasattr(trace, "to_frame") and not hasattr(trace, "columns"):
-        return _of_series(trace)
-    if not (isinstance(trace, Mapping) or hasattr(trace, "columns") or hasattr(trace, "dtype")):
+    if (
+        isinstance(trace, Mapping)
+        or hasattr(trace, "columns")
+        or getattr(trace, "ndim", 1) > 1
+        or _named_fields(trace)
+    ):
+        return _of_table(trace, columns, sampling_rate)
+    if hasattr(trace, "dtype") or isinstance(trace, list | tuple):
+        return _of_forces(trace, sampling_rate)
+    fix = "give a file, a table, times and forces, or forces and their sampling_rate"
+    raise InputError(f"{type(trace).__name__} is no recording", key="trace", fix=fix)
+
+
+def _of_forces(trace: Any, sampling_rate: Any) -> ForceTrace:
+    """Return the trace of forces at equal steps of time, or over the index of their series."""
+    if np.ndim(next(iter(trace), 0.0)):
         fix = "give a file, a table, times and forces, or forces and their sampling_rate"
         raise InputError(f"{type(trace).__name__} is no recording", key="trace", fix=fix)
-    if np.ndim(trace) == 1 and not isinstance(trace, Mapping) and getattr(trace.dtype, "names", None) is None:
-        fix = "give the times too, or sampling_rate"
-        raise InputError("forces alone do not say when they were taken", key="sampling_rate", fix=fix)
-    frame = as_frame(trace, columns)
-    arrays, headers = [], [str(name) for name in frame.columns]
-    for channel, unit in (("time", "s"), ("force", "N")):
-        name = _named(headers, channel, unit)
-        factor = unit_factor(split_unit_suffix(name)[1], unit)
-        arrays.append(factor * in_si(frame[name].to_numpy(), "", name))
-    return _recorded(*arrays)
+    if sampling_rate is not None:
+        forces_N = in_si(trace, "N", "force_N")
+        return _recorded(_times_s(forces_N.size, sampling_rate), forces_N)
+    if hasattr(trace, "index") and hasattr(trace, "to_frame") and type(trace.index).__name__ != "RangeIndex":
+        return _of_series(trace)
+    fix = "give the times too, or sampling_rate"
+    raise InputError("forces alone do not say when they were taken", key="sampling_rate", fix=fix)
+
+
+def refuse_given(**others: Any) -> None:
+    """Refuse the first argument that is given beside a trace or a file."""
+    for name in (name for name, value in others.items() if value is not None):
+        text = "a trace or a file has times and forces of its own"
+        raise InputError(text, key=name, fix=f"leave {name} out, or give times and forces as arrays")
+
+
+def _named_fields(array: Any) -> bool:
+    return getattr(getattr(array, "dtype", None), "names", None) is not None
+
+
+def _of_table(table: Any, columns: Columns, sampling_rate: Any) -> ForceTrace:
+    """Return the trace of a table: its columns of times and forces, or the times by a rate."""
+    if getattr(getattr(table, "index", None), "name", None) is not None:
+        table = table.reset_index()
+    frame = as_frame(table, columns)
+    headers = [str(name) for name in frame.columns]
+
+    def channel(kind: str, unit: str) -> FloatArray:
+        name = _named(headers, kind, unit)
+        return unit_factor(split_unit_suffix(name)[1], unit, name=name) * in_si(
+            frame[name].to_numpy(), "", name
+        )
+
+    time_s = channel("time", "s") if sampling_rate is None else _times_s(len(frame), sampling_rate)
+    return _recorded(time_s, channel("force", "N"))
 
 
 def _named(headers: Sequence[str], channel: str, unit: str) -> str:
@@ -253,22 +305,19 @@ def _named(headers: Sequence[str], channel: str, unit: str) -> str:
     if len(names) == 1 and split_unit_suffix(names[0])[1]:
         return names[0]
     found = "more than one" if len(names) > 1 else "no"
-    text = f"{found} {channel} column with its unit in {', '.join(headers) or 'an empty table'}"
+    known = f"{', '.join(headers[:_SHOWN_HEADERS])}{', …' if len(headers) > _SHOWN_HEADERS else ''}"
+    text = f"{found} {channel} column with its unit in {known or 'an empty table'}"
     fix = f'name one with its unit, columns={{"…": "{channel}_{unit}"}}, or give times and forces'
     raise InputError(text, key="columns", fix=fix)
 
 
-def _at_rate(forces: Any, force_N: Any, sampling_rate: Any) -> ForceTrace:
-    """Return the trace of forces at equal steps of time."""
+def _times_s(n: int, sampling_rate: Any) -> FloatArray:
+    """Return the times of samples at equal steps."""
     rate_Hz = number(sampling_rate, "Hz", "sampling_rate")
     if not 0.0 < rate_Hz < np.inf:
         text = f"sampling_rate = {rate_Hz:g} Hz must be positive"
         raise InputError(text, key="sampling_rate", fix="give samples per second")
-    if force_N is not None:
-        fix = "leave one of them out"
-        raise InputError("either the times or a sampling rate is needed", key="sampling_rate", fix=fix)
-    forces_N = in_si(forces, "N", "force_N")
-    return _recorded(np.arange(forces_N.size) / rate_Hz, forces_N)
+    return np.arange(n) / rate_Hz
 
 
 def _of_series(series: Any) -> ForceTrace:
@@ -280,13 +329,31 @@ def _of_series(series: Any) -> ForceTrace:
     else:
         time_s = in_si(index.to_numpy(), "s", "the index of the series")
     unit = split_unit_suffix(str(series.name or ""))[1] or "N"
-    return _recorded(time_s, unit_factor(unit, "N") * in_si(series.to_numpy(), "N", "force_N"))
+    factor = unit_factor(unit, "N", name=f"the series {series.name!r}")
+    return _recorded(time_s, factor * in_si(series.to_numpy(), "N", "force_N"))
 
 
 def _recorded(time_s: FloatArray, force_N: FloatArray) -> ForceTrace:
     """Return a trace of what was recorded, its clock mended by the rule for files."""
-    notes: tuple[str, ...] = ()
-    if time_s.shape == force_N.shape and time_s.ndim == 1 and time_s.size:
-        keep, time_s, notes = mend_clock(time_s, [force_N], name="trace")
-        force_N = force_N[keep]
-    return ForceTrace(time_s=time_s, force_N=force_N, notes=notes)
+    if time_s.ndim != 1 or time_s.shape != force_N.shape:
+        text = f"the times have the shape {time_s.shape}, the forces {force_N.shape}"
+        raise InputError(text, key="force_N", fix="give one list of times, and a force for each")
+    if not time_s.size:
+        raise InputError("the recording has no samples", key="trace", fix="give times and forces")
+    keep, time_s, notes = mend_clock(time_s, [force_N], name="trace")
+    return ForceTrace(time_s=time_s, force_N=force_N[keep], notes=notes)
+
+
+def tared(trace: ForceTrace, tare: Any) -> ForceTrace:
+    """Return a trace counted from what the sensor showed without load: a force, or its mean over an interval."""
+    if tare is None:
+        return trace
+    if isinstance(tare, str) or np.ndim(tare) == 0:
+        return replace(trace, force_N=trace.force_N - number(tare, "N", "tare"))
+    if np.shape(tare) != (2,):
+        fix = "give (from, until) in seconds, or the force that was shown without load"
+        raise InputError("tare is an interval or one force", key="tare", fix=fix)
+    interval_s = in_si(list(tare), "s", "tare").tolist()
+    found, doubts = tare_from_interval(trace.time_s, trace.force_N, IN_NEWTONS, *interval_s)
+    notes = (*trace.notes, *(one.message for one in doubts))
+    return replace(trace, force_N=trace.force_N - found.tare_N, notes=notes)

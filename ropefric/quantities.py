@@ -86,6 +86,8 @@ _OF_UNIT = re.compile(r"([^\s/,](?:[^/,]*[^\s/,])?)(?:\s*+[/,]\s*+|\s++in\s++)([
 """A quantity by its unit, t/s as DIN 461 writes at an axis, or its unit behind a comma."""
 _LONGEST_SYMBOL = 4
 """A name of more letters may be the word for a unit."""
+_TORQUE = re.compile(r"\b([mkM]?N)([cm]?m)\b")
+"""Nm as engineers write it; to pint it is a unit of yarn."""
 _FULL_SCALE = re.compile(r"%\s*+(?:of\s++)?(?:FS|F\.S\.|full scale)")
 
 
@@ -129,7 +131,7 @@ def unit_factor(unit: str, si_unit: str, *, name: str = "quantity") -> float:
     if meant != unit:
         note = "'kn' is a knot, not a force." if unit == "kn" else f"'{unit}' is not clear as [{si_unit}]."
         raise _unreadable(name, note, f"write '{meant}'")
-    asked = "percent" if unit == "%" else unit
+    asked = "percent" if unit == "%" else _TORQUE.sub(r"\1*\2", unit)
     found = 1.0 if asked == si_unit else _USUAL.get(si_unit, {}).get(asked) or _factor_by_pint(asked, si_unit)
     if isinstance(found, float):
         return found
@@ -295,7 +297,8 @@ def _doubt(digits: str, value: float, unit: str, si_unit: str) -> tuple[str, str
 
 _DIMENSIONS = {
     "m": "length", "N": "force", "rad": "angle", "s": "time", "Hz": "frequency", "V": "voltage",
-    "kg/m": "mass per length", "kg": "mass", "m/s": "speed", "N/m": "stiffness", "": "a bare ratio",
+    "kg/m": "mass per length", "kg": "mass", "m/s": "speed", "N/m": "stiffness", "N m": "torque",
+    "": "a bare ratio",
 }  # fmt: skip
 
 

@@ -78,8 +78,8 @@ class Shown:
     def plot(self, *args: Any, **options: Any) -> Any:
         """Return the matplotlib axes the result is drawn on: the figure of the report.
 
-        `ax` names axes to draw on; without it a figure is made, `axes.figure`. A break-away takes its trace, a fit
-        `over`, a sweep `quantity`.
+        `ax`, also as the first argument, are axes to draw on; without them a figure is made, `axes.figure`. A
+        break-away takes its trace, a fit `over`, a sweep `quantity`.
         """
         return from_above("plot")(self, *args, **options)
 

@@ -371,6 +371,47 @@ def test_a_recording_is_a_file_a_series_or_forces_at_a_rate(tmp_path):
         rf.find_breakaway(tmp_path / "other.csv")
 
 
+def test_an_argument_that_a_recording_does_not_need_is_refused(tmp_path):
+    """It was left aside, and a series without times counted seconds."""
+    path = tmp_path / "pull.csv"
+    pd.DataFrame({"time_s": PULL_S, "force_N": PULL_N}).to_csv(path, index=False)
+    trace = rf.read_trace(path)
+    for given, others, name in (
+        (path, {"force_N": PULL_N}, "force_N"), (path, {"sampling_rate": 10}, "sampling_rate"),
+        (trace, {"columns": {"a": "force_N"}}, "columns"), (pd.Series(PULL_N), {}, "sampling_rate"),
+        (PULL_N.tolist(), {}, "sampling_rate"), ((PULL_S, PULL_N), {}, "trace"), ([], {"force_N": []}, "trace"),
+        (PULL_S, {"force_N": PULL_N[1:]}, "force_N"), (PULL_S, {"force_N": PULL_N, "tare": 1.0, "rest": "zero"}, "rest"),
+    ):  # fmt: skip
+        with pytest.raises(InputError) as refused:
+            rf.find_breakaway(given, **others)
+        assert refused.value.where == name
+        assert str(refused.value).count(f"{name}: ") == 1
+        assert refused.value.fix
+
+
+def test_a_table_may_have_its_times_in_its_index_or_by_a_rate_and_a_window_its_unit(tmp_path):
+    asked = rf.find_breakaway(PULL_S, PULL_N)
+    forces = pd.DataFrame({"force_kN": PULL_N / 1000})
+    for found in (
+        rf.find_breakaway(forces.set_index(pd.Index(PULL_S, name="time_s"))),
+        rf.find_breakaway(forces, sampling_rate="1 kHz"),
+        rf.find_breakaway(PULL_S, PULL_N, start_s="0 s", stop_s="2499 ms"),
+    ):
+        assert (found.peak_N, found.peak_time_s) == pytest.approx((asked.peak_N, asked.peak_time_s), rel=1e-9)
+    path = tmp_path / "pull.csv"
+    pd.DataFrame({"time_s": PULL_S, "force_N": PULL_N}).to_csv(path, index=False)
+    assert rf.smooth(path, "10 ms").window_s == rf.smooth(pd.Series(PULL_N, index=PULL_S), 0.01).window_s
+
+
+def test_a_setting_that_is_none_is_not_given_and_a_row_of_a_table_is_one_wheel():
+    one = {"wheel_radius_mm": 35, "wrap_deg": 400, "end_tension_N": 60}
+    asked = rf.predict(COUPLED, **one)
+    assert rf.predict(COUPLED, pd.DataFrame([one]).iloc[0]).lift_force_N == asked.lift_force_N
+    assert rf.predict(COUPLED, **one, wheel_radius=None).lift_force_N == asked.lift_force_N
+    with pytest.raises(InputError, match="no value for wheel_radius_m Fix"):
+        rf.predict(COUPLED, wheel_radius=None, wrap_deg=400, end_tension_N=60)
+
+
 def test_a_zero_is_taken_off_as_asked():
     off_N = PULL_N + 5.0
     for given in ({"tare": (0.0, 0.25)}, {"tare": 5.0}, {"tare": "5 N"}, {"rest": "zero"}):

@@ -85,13 +85,16 @@ def test_a_result_shows_itself_in_every_form(name):
     page = Figure(layout="constrained")
     left, right = page.subplots(ncols=2)
     right.set_title("$x$")
-    given = result.plot(ax=left)
+    given = result.plot(left)
     several = {"explanation"}  # has two panels, which take the place of the axes
     assert (given is left) == (name not in several)
     assert given.figure.figure is page
     assert given.has_data()
     assert right.get_title() == "$x$"
     assert not right.has_data()
+    for wrong in ({"ax": page}, {"colour": "red"}):
+        with pytest.raises(rf.RopefricError, match=f"{next(iter(wrong))}.* Fix: .*ax"):
+            result.plot(**wrong)
 
 
 def test_a_campaign_is_drawn_as_its_design():

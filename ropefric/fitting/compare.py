@@ -299,7 +299,7 @@ def _notes(
         f"AICc counts {in_all}, not repeats": True,
         "no condition was repeated, so every trial is a condition of its own": not means.repeated,
         "the load was set and the end tension measured, so the residuals are those of ln F_B": slack,
-        f"{_ranked_on(ranked, in_all)}, so no law is weighed or chosen: measure more conditions": unweighed,
+        _no_choice(ranked, in_all): unweighed,
         rejected: rejected,
         f"AICc within 2 of the best, so not distinguishable: {', '.join(rivals)}": len(rivals) > 1,
         f"{ranking[0].law} and {' and '.join(alike)} look alike: {_OFFSET_OR_WRAP}": alike,
@@ -531,8 +531,7 @@ def _of_no_choice(facts: _Facts) -> Iterator[Doubt]:
     comparison, chosen = facts.comparison, facts.entry
     if not comparison.conclusive:
         ranked = [entry.law for entry in comparison.ranking if entry.counted]
-        where = f"{_ranked_on(ranked, counted(comparison.n, 'condition'))}; measure more conditions"
-        yield "not judged", f"no choice of law: {where}"
+        yield "not judged", _no_choice(ranked, counted(comparison.n, "condition"))
     elif not chosen.counted:
         yield "not judged", f"{chosen.law} takes no part in the comparison: {chosen.note}"
 
@@ -602,10 +601,11 @@ def _why_supported(facts: _Facts) -> str:
     return f"{chosen.law} {place}{weight}, and its fit follows the data within their scatter{alike}"
 
 
-def _ranked_on(ranked: Iterable[str], what: str) -> str:
-    """Return which laws could be ranked, in words."""
+def _no_choice(ranked: Iterable[str], conditions: str) -> str:
+    """Return in words that too few laws could be ranked."""
     names = " and ".join(ranked)
-    return f"{f'only {names}' if names else 'no law'} could be ranked on {what}"
+    ranked_on = f"{f'only {names}' if names else 'no law'} could be ranked on {conditions}"
+    return f"no choice of law: {ranked_on}; measure more conditions"
 
 
 def _agree(fit: FitResult, rival: FitResult, wheel: Conditions | None) -> bool:

@@ -96,7 +96,7 @@ def profile_intervals(
     """
     fit = batched_fit(problem, starts=theta)
     best, chi2_min = fit.theta[0], float(fit.chi2[0])
-    notes = [] if fit.converged[0] else ["the fit had not converged, so the intervals are not to be trusted"]
+    notes = [] if fit.converged[0] else ["the fit had not converged, so the intervals cannot be trusted"]
     target = 2.0 * gammaincinv(0.5, level)  # the quantile of χ² of one; scipy.stats takes 0.4 s to import
     threshold = np.broadcast_to(np.asarray(scale) * target, best.shape)
     # Exact data leave nothing but rounding, and rounding has no interval.

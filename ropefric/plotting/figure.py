@@ -245,10 +245,7 @@ def save_figure(
 
 
 def start_drawing(
-    drawings: Mapping[str, Draw],
-    folder: Folder,
-    executor: Executor | None,
-    **how: Any,
+    drawings: Mapping[str, Draw], folder: Folder, executor: Executor | None, **how: Any
 ) -> Callable[[Progress | None], dict[str, tuple[str, tuple[Path, ...]]]]:
     """Begin to draw figures, if there is an executor; return what writes their files.
 
@@ -277,12 +274,7 @@ def start_drawing(
 
 
 def _drawn(
-    draw: Draw,
-    stem: str,
-    *,
-    under: str = "",
-    on_page: bool = False,
-    formats: Collection[str] = ("png",),
+    draw: Draw, stem: str, *, under: str = "", on_page: bool = False, formats: Collection[str] = ("png",)
 ) -> tuple[str, dict[str, bytes]]:
     """Draw a figure; return its SVG for a page, "" if it is not `on_page`, and its files `under` a folder."""
     figure = draw()

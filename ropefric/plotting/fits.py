@@ -11,13 +11,14 @@ from matplotlib.axes import Axes
 from scipy.special import ndtri
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
-from ropefric.errors import InputError
+from ropefric.errors import InputError, UnknownNameError
 from ropefric.fitting.predict import REGRESSORS, predict
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions, along_one, levels
 from ropefric.glossary import counted
 from ropefric.plotting import style
 from ropefric.plotting.figure import DataTable, FigureWithData, drawing
+from ropefric.registry import did_you_mean
 
 FACETS = ("end_tension_N", "wrap_angle_rad", "wheel_radius_m")
 """Quantities against which the average coefficient is drawn."""
@@ -30,7 +31,12 @@ _LIMIT = 2.0
 _NO_TRIALS = "no trials stored with the fit"
 _BY_2U = "bars: ±2 u (k = 2)"
 _BARS: dict[str, Any] = {"fmt": "o", "elinewidth": 1.0, "capsize": 2.0}
-_OTHERS = {"label": "other conditions", "color": style.GREY, "markerfacecolor": "white", "markersize": 3.5}
+OTHERS: dict[str, Any] = {
+    "label": "other conditions",
+    "color": style.GREY,
+    "markerfacecolor": "white",
+    "markersize": 3.5,
+}
 _CHOSEN: dict[str, Any] = {"color": style.INK, "markersize": 5.5}
 
 
@@ -153,7 +159,7 @@ def draw_mu_facets(fits: Sequence[FitResult]) -> FigureWithData:
                 style.say_instead(axes, _NO_TRIALS)
             x = factor * getattr(points.conditions, over)
             heading = _CHOSEN | {"label": "conditions as in the heading", "zorder": 4}
-            for mask, look in ((~chosen, _OTHERS), (chosen, heading)):
+            for mask, look in ((~chosen, OTHERS), (chosen, heading)):
                 if mask.any():
                     _draw_means(axes, x[mask], mu[mask], 2.0 * np.nan_to_num(mu_std[mask]), **look)
         panels[0].set_ylabel(style.figure_label("mu_average"))
@@ -257,6 +263,10 @@ def draw_fit_band(fit: FitResult, *, over: str = "wrap_angle_rad") -> FigureWith
     Points are the means of the measured conditions that have the settings drawn, crosses their trials where the fit
     still has them.
     """
+    if over not in REGRESSORS:
+        raise UnknownNameError(
+            f"there is no setting {over!r}", key="over", fix=did_you_mean(over, REGRESSORS)
+        )
     points, (low, high) = condition_points(fit), fit.validity[over]
     settings, chosen = _settings_of(fit, points, over)
     x, columns = _band(fit, settings, over)

@@ -1,8 +1,9 @@
 """The figure behind `plot()` of every result: which of the house's figures it is, and the plain ones of its own."""
 
+import inspect
 import io
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial, singledispatch
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ropefric.arrays import BoolArray, FloatArray
-from ropefric.errors import InputError
+from ropefric.errors import InputError, Kind, UnknownNameError
 from ropefric.fitting.compare import Comparison
 from ropefric.fitting.design import Design
 from ropefric.fitting.diagnose import Diagnosis
@@ -24,7 +25,7 @@ from ropefric.plotting import style
 from ropefric.plotting.campaign import draw_extraction, draw_recording
 from ropefric.plotting.design import draw_ladder, draw_statement, name_rows
 from ropefric.plotting.figure import FigureWithData, drawing, on_axes, panels_of
-from ropefric.plotting.fits import draw_fit_band
+from ropefric.plotting.fits import OTHERS, draw_fit_band
 from ropefric.plotting.machines import draw_explanation, draw_layout, draw_sweep, scene_figures
 from ropefric.scenes.draws import Draws
 from ropefric.scenes.explain import Explanation
@@ -58,8 +59,11 @@ _HOUSE: dict[type, Callable[..., FigureWithData]] = {
 def draw(result: Any, *args: Any, ax: Axes | None = None, **options: Any) -> Axes:
     """Return the axes a result is drawn on: `ax`, where they are given, else the first of a figure of its own.
 
-    A fit takes `over`, a sweep or draws `quantity`, a break-away its trace.
+    A fit takes `over`, a sweep or draws `quantity`, a break-away its trace. The axes may come first without a name.
     """
+    if ax is None and args and isinstance(args[0], Axes):
+        ax, args = args[0], args[1:]
+    Kind((Axes,), "matplotlib axes").check_given(ax=ax)
     with on_axes(ax):
         axes = panels_of(_figure_of(result, *args, **options).figure)[0]
     if ax is None:
@@ -76,8 +80,10 @@ def _png(figure: Any) -> bytes:
 
 
 def _figure_of(result: Any, *args: Any, **options: Any) -> FigureWithData:
-    if type(result) in _HOUSE:
-        return _HOUSE[type(result)](result, *args, **options)
+    made_by = _HOUSE.get(type(result))
+    _refuse_strangers(made_by or paint.dispatch(type(result)), result, args, options)
+    if made_by is not None:
+        return made_by(result, *args, **options)
     if isinstance(result, Solution):
         for _, made in scene_figures(result):
             return made
@@ -86,6 +92,19 @@ def _figure_of(result: Any, *args: Any, **options: Any) -> FigureWithData:
         if axes.get_legend() is None and axes.get_legend_handles_labels()[0]:
             axes.legend()
     return FigureWithData(figure, ())
+
+
+def _refuse_strangers(
+    function: Callable[..., Any], result: Any, args: Sequence[Any], options: Mapping[str, Any]
+) -> None:
+    """Refuse arguments that the figure of a result does not take, by the name that the user gave them."""
+    allowed = [one for one in [*inspect.signature(function).parameters.values()][1:] if one.name != "axes"]
+    names = [one.name for one in allowed]
+    places = sum(one.kind is one.POSITIONAL_OR_KEYWORD for one in allowed)
+    unknown = [*(name for name in options if name not in names), *map(repr, args[places:])]
+    if unknown:
+        fix = f"plot() of a {type(result).__name__} takes {', '.join(['ax', *names])}"
+        raise UnknownNameError(f"there is no argument {unknown[0]:.40}", key="plot", fix=fix)
 
 
 @singledispatch
@@ -132,11 +151,8 @@ def _(trace: ForceTrace, axes: Axes, found: Breakaway | None = None) -> None:
 def _(found: Breakaway, axes: Axes, trace: Any = None) -> None:
     trace = found.trace if trace is None else trace
     if trace is None:
-        raise InputError(
-            "a break-away of a campaign does not keep its recording",
-            key="trace",
-            fix="write found.plot(trace)",
-        )
+        text = "a break-away of a campaign does not keep its recording"
+        raise InputError(text, key="trace", fix="write found.plot(trace)")
     paint(as_trace(trace), axes, found)
 
 
@@ -209,17 +225,9 @@ def _(prediction: Prediction, axes: Axes) -> None:
         label = f"{100 * prediction.level:g} % {words}"
         axes.errorbar(x, lift_N, np.abs(interval_N.T - lift_N), label=label, **look)
     if prediction.trials:
-        wraps_deg, means_N = (
-            np.degrees(prediction.trials["wrap_angle_rad"]),
-            np.exp(prediction.trials["mean_log_lift"]),
-        )
-        hollow: dict[str, Any] = {
-            "color": style.GREY,
-            "markerfacecolor": "white",
-            "markersize": 3.5,
-            "zorder": 1,
-        }
-        axes.plot(wraps_deg, means_N, "o", label="measured conditions, all settings", **hollow)
+        wraps_deg = np.degrees(prediction.trials["wrap_angle_rad"])
+        look = OTHERS | {"label": "measured conditions, all settings", "zorder": 1}
+        axes.plot(wraps_deg, np.exp(prediction.trials["mean_log_lift"]), "o", **look)
         style.plain_log(axes, "y")
     axes.set(xlabel=style.regressor_label("wrap_angle_rad"), ylabel=style.figure_label("lift_force_N"))
     axes.set_title(f"Law {prediction.law}")

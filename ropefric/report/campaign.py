@@ -12,6 +12,8 @@ from ropefric import pipeline
 from ropefric.files.folder import Folder, as_folder
 from ropefric.files.plain_text import json_document
 from ropefric.fitting.diagnose import WORDS, Diagnosis
+from ropefric.fitting.predict import outside_words
+from ropefric.friction.laws import ALL_LAWS
 from ropefric.glossary import counted
 from ropefric.pipeline import CampaignAnswer, CampaignRun, Evidence
 from ropefric.report import page, parts
@@ -160,7 +162,8 @@ def _tally(extraction: result.Extraction) -> str:
 def _report(subject: Subject, pictures: Pictures) -> Report:
     """Return a report: the result on the first pages, then the annex; of a short one the first pages alone."""
     answer, evidence, run = subject.answer, subject.evidence, subject.run
-    of_answer = [*_alerts_of_answer(answer, evidence, asked=run is None or run.campaign.design is not None)]
+    found = _alerts_of_answer(answer, evidence, asked=run is None or run.campaign.design is not None)
+    of_answer = [alert._replace(text=_sentence(alert.text)) for alert in found]
     of_trials = [alert for alert in of_answer if alert.grade == "note"]
     if run is not None:
         of_trials += [*_alerts_of_trials(run.extraction), *_alerts_of_problems(run.extraction)]
@@ -229,9 +232,11 @@ def _alerts_of_answer(answer: CampaignAnswer, evidence: Evidence, *, asked: bool
         if doubt not in verdict.reasons:
             yield Alert("doubt", "The law", doubt)
     if prediction is not None:
+        beyond = outside_words(prediction.validity, prediction.conditions)
         outside = Alert("doubt", "The design lies outside the tested range", "")
-        about = outside if prediction.extrapolated[0] else Alert("note", "The lift force", "")
-        yield from (about._replace(text=note) for note in prediction.notes())
+        for note in prediction.notes():
+            about = outside if note in beyond else Alert("note", "The lift force", "")
+            yield about._replace(text=note)
     elif not asked:
         keys = "wheel_radius, wrap_angle and end_tension"
         yield Alert("note", "No lift force", f"The campaign names no wheel. Add [design] with {keys}.")
@@ -239,6 +244,11 @@ def _alerts_of_answer(answer: CampaignAnswer, evidence: Evidence, *, asked: bool
         if stated is not None and not stated.trustworthy:
             yield Alert("doubt", f"Uncertainty of {what}: {stated.status}", stated.status.advice)
     yield from (Alert("note", "Left out of this report", text) for text in evidence.missing)
+
+
+def _sentence(text: str) -> str:
+    """Return a text with a capital letter, unless it begins with the name of a law."""
+    return text if text.partition(" ")[0] in ALL_LAWS else f"{text[:1].upper()}{text[1:]}"
 
 
 def _alerts_of_trials(extraction: result.Extraction) -> Iterator[Alert]:

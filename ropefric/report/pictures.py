@@ -25,11 +25,7 @@ Drawings = Iterator[tuple[str, str, str, Draw]]
 
 
 def draw_pictures(
-    subject: Subject,
-    folder: Folder,
-    *,
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    subject: Subject, folder: Folder, *, executor: Executor | None = None, progress: Progress | None = None
 ) -> dict[str, list[Picture]]:
     """Return the figures of a report by chapter; write the CSV files of their numbers, and pictures in other formats."""
     answer, evidence = subject.answer, subject.evidence

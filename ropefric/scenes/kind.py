@@ -207,8 +207,8 @@ class ScaleTable(Table):
 
     Keys
     ----
-    mu : Average coefficient that the law is to have over that wrap.
-    wrap : The wrap at which it has it.
+    mu : Average coefficient of the law over this wrap.
+    wrap : The wrap for this average coefficient.
     """
 
     mu: Annotated[float, PlainValidator(positive), Becomes("mu")]

@@ -242,5 +242,8 @@ class PickSettings:
                 raise InputError(f"{key} = {value} must not be negative", code="RF220", key=key)
         if self.start_s is not None and self.stop_s is not None and not self.start_s < self.stop_s:
             raise InputError(
-                f"the part from {self.start_s} s until {self.stop_s} s is empty", code="RF220", key="until"
+                f"the part from {self.start_s} s until {self.stop_s} s is empty",
+                code="RF220",
+                key="until",
+                fix="make the end (`until`, `stop_s`) later than the start (`from`, `start_s`)",
             )

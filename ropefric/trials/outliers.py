@@ -117,9 +117,11 @@ def scaled(values: npt.ArrayLike) -> Scaled:
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InputError(f"{values!r} is not a series of numbers", code="RF311") from None
+        text = f"{values!r:.60} is not a series of numbers"
+        raise InputError(text, code="RF311", key="values", fix="give a list of numbers") from None
     if array.ndim != 1:
-        raise InputError(f"a series has one dimension, not shape {array.shape}", code="RF311")
+        text = f"a series has one dimension, not shape {array.shape}"
+        raise InputError(text, code="RF311", key="values", fix="give a list of numbers")
     wrong = ~(np.abs(array) <= _LARGEST)
     if wrong.any():
         index = int(np.argmax(wrong))

@@ -384,16 +384,14 @@ class BudgetStatus(AdvisedStatus):
 
     OK = "ok: The draws agree with the budget."
     DRAWS_DISAGREE = (
-        "draws-disagree: The draws disagree with the budget: the inputs are so uncertain that the answer bends within "
-        "them, or one with a flat distribution outweighs the rest. Use the interval of the draws, not y ± U."
+        "draws-disagree: The draws disagree with the budget: the answer is not linear within the uncertainty of "
+        "the inputs, or an input with a rectangular distribution dominates. Use the interval of the draws, not y ± U."
     )
     NO_REPEATS = (
         "no-repeats: There is one trial and its scatter is unknown, which is usually the largest part: the budget "
         "leaves it out. Repeat the condition."
     )
-    FIT_NOT_TRUSTED = (
-        "fit-not-trusted: The fit is not to be trusted, and so neither is what it adds to the budget."
-    )
+    FIT_NOT_TRUSTED = "fit-not-trusted: The fit cannot be trusted, nor can its contribution to the budget."
 
 
 class Improvement(NamedTuple):

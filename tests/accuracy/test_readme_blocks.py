@@ -10,7 +10,7 @@ import pytest
 import small_campaigns
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8")
+PAGE = "".join((ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("accuracy.md", "cost.md"))
 
 
 @pytest.fixture(scope="module")

@@ -103,7 +103,7 @@ def picking(folder):
         ours,
         "pandas, highest 15-point mean",
         mean_of_15,
-        "which top, its probability, u, zero, faults of the file",
+        "decides which peak; probability, u, zero, faults of the file",
     )
     yield Pair(task, ours, "pandas, `find_peaks` of that mean", peaks, "the same")
 
@@ -142,7 +142,7 @@ def fitting():
     )
     yield from fitted_elsewhere(task, problem, log_lift, exact)
     yield Pair(task + ", as `rf.fit` does", lambda: rf.fit(frame, "coupled"), "lmfit", by_lmfit,
-               "starts from several places, components of scatter, small-sample errors, intervals, doubts")  # fmt: skip
+               "several starts, components of scatter, small-sample errors, intervals, doubts")  # fmt: skip
     yield Pair(f"fit it {REFITS} times", lambda: batched_fit(problem, every, exact), f"lmfit, {LOOPED} times", looped,
                "–", REFITS, LOOPED)  # fmt: skip
 
@@ -333,12 +333,12 @@ def campaign_of(folder, count):
 
 def peers_block(machine_line, rounds=ROUNDS):
     """Return the table, and the machine it was measured on."""
-    lines = ["| task | ropefric | instead | takes | ratio of the times (quartiles) | what ropefric does besides |",
+    lines = ["| task | ropefric | instead | takes | ratio of the times (quartiles) | additional work of ropefric |",
              "|---|---|---|---|---|---|"]  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:
         for pairs in (picking(folder), fitting(), forces(), start_up(), blade()):
             lines += [row(pair, rounds) for pair in pairs]
-    lines += ["", "| what is large | by | time | memory |", "|---|---|---|---|"]
+    lines += ["", "| large input | method | time | memory |", "|---|---|---|---|"]
     lines += [f"| {what} | {way} | {span(taken_s)} | {most_MB:.0f}\N{NO-BREAK SPACE}MB |"
               for what, way, taken_s, most_MB in large(1 if rounds > 1 else SHARE)]  # fmt: skip
     return "\n".join([*lines, "", f"Measured on: {machine_line}.", ""])

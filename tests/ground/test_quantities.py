@@ -36,7 +36,7 @@ def test_what_people_write():
     for text, value in (("490.9 mm^2", 490.9e-6), ("3 bar", 3e5), ("1 lbf", 4.4482216152605),
             ("2 kN/mm", 2e6), ("5 min", 300.0), ("0.5", 0.5), ("-1.5e-3 V", -1.5e-3),
             ("9.80665 m/s^2", 9.80665), ("180 deg", math.pi), ("12 %", 0.12), ("2 1/min", 1 / 30),
-            ("1 N*mm", 1e-3), ("3 µm", 3e-6)):  # fmt: skip
+            ("1 N*mm", 1e-3), ("1.5 kNm", 1500.0), ("3 Ncm", 0.03), ("3 µm", 3e-6)):  # fmt: skip
         assert parse_any_quantity(text) == near(value), text
     for text, value in (("0.02 %FS", 2e-4), ("0.02 % FS", 2e-4), ("0.02%", 2e-4), ("1 % of full scale", 0.01),
             ("0 %F.S.", 0.0)):  # fmt: skip

@@ -229,8 +229,8 @@ def ratios_that_no_float_holds():
         yield partial(at, wheel=wheel, rope=rope), "no number holds R_w/R_r"
 
 
-@regime("e^(a r + b) > 1", None, "the words of the refusal",
-        "negative μ: refused, with the condition that is to blame")  # fmt: skip
+@regime("e^(a r + b) > 1", None, "the text of the error",
+        "negative μ is refused; the message names the condition")  # fmt: skip
 def negative_coefficient():
     small = at(wheel=0.02)  # a r = -0.8
     ways = "log_lift", "jacobian", "log_lift_and_jacobian", "log_lift_gradient_conditions", "average_mu"
@@ -293,8 +293,8 @@ def the_logarithm_is_finite_where_the_force_is_no_number():
 
 
 @regime("F_B → ρv²⁺", 1e-12, "ρv² + (F_B − ρv²) e^(μφ)",
-        "F_B/ρv² − 1 = 1e-3 … 2e-16: ln F_A, and the digits of what friction adds as far as F_B − ρv² has "
-        "them")  # fmt: skip
+        "F_B/ρv² − 1 = 1e-3 … 2e-16: ln F_A, and the force that friction adds, to the digits that F_B − ρv² "
+        "has")  # fmt: skip
 def inertia():
     """Return the worst error at ρv² = 16 N, exact in floats."""
     errors = []

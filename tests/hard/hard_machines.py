@@ -68,8 +68,8 @@ HOIST_TRUTH = "the two arcs' equations, solved in 60 digits"
 
 
 @regime("F_B → ρv²⁺ in a hoist", 1e-12, HOIST_TRUTH,
-        "F_B/ρv² − 1 = 1e-3 … 2e-16, limp or half as stiff as it can follow, wraps of 25 and 200 rad: ln "
-        "F_A of what a scene assembles")  # fmt: skip
+        "F_B/ρv² − 1 = 1e-3 … 2e-16, without bending stiffness or with half of the largest possible, wraps of "
+        "25 and 200 rad: ln F_A as a scene calculates it")  # fmt: skip
 def hoist_inertia():
     return max(lift_error(wrap=wrap, tension=CIRCLING * (1.0 + above), stiffness_N=share * CIRCLING * above,
                           moving=True)
@@ -95,7 +95,7 @@ def hoists_that_lift_off():
 
 @regime("stiff rope", 1e-12, HOIST_TRUTH,
         "a hoist with EI/(2R²) of 1e-3 … 1e-300 F_B and 1e-3 … 1e-16 below F_B, and a wrap 1e-3 … 1e-14 "
-        "above the arcs that stand off, μ = 0.1 … 3, at rest and running: ln F_A")  # fmt: skip
+        "above the arcs without contact, μ = 0.1 … 3, at rest and running: ln F_A")  # fmt: skip
 def stiff_rope():
     ratios = [*(1e-3, 1e-12, 1e-100, 1e-300), *(1.0 - below for below in (2.0**-10, 2.0**-30, 2.0**-53))]
     cases = [(WRAP, ratio) for ratio in ratios]
@@ -264,8 +264,8 @@ def slip_threshold():
 
 
 @regime("slack belts", 1e-8, "the balance of energy; no belt pushes",
-        "a press thrown to full speed, EA = 1e5 … 1e7 N, 1e8 N in the long run: what drive, loads, belts, "
-        "slip and motion leave over of the energy, and how far any belt pushes")  # fmt: skip
+        "a press started to full speed at once, EA = 1e5 … 1e7 N, 1e8 N in the long run: the rest in the energy "
+        "balance of drive, loads, belts, slip and motion, and the largest force with which a belt pushes")  # fmt: skip
 def slack_belts(cases=((1e5, 0.0), (1e7, 1e-3))):
     speed, worst = DRIVE_LAWS["constant"](speed_m_s=1.0), 0.0
     for case in cases:

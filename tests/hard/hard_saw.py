@@ -24,7 +24,7 @@ LENGTH, DENSITY, PRELOAD, STIFFNESS = 1.6, 0.5967, 3412.0, 1.0637
 BLADE = {"free_span_m": LENGTH, "linear_density_kg_m": DENSITY, "preload_N": PRELOAD}
 PULLED = BLADE | {"pull_N": -105.475}
 STIFF = BLADE | {"bending_stiffness_N_m2": STIFFNESS}
-STRING = "one over the time of a wave there and back"
+STRING = "the inverse of the time of a wave there and back"
 CHARACTERISTIC = "the characteristic equation"
 _DIGITS = 40
 _SETTLED = 22
@@ -263,8 +263,8 @@ def spans_all_but_slack():
 
 
 @regime("slack tension → 0⁺", 1e-12, f"{STRING}; {CHARACTERISTIC}",
-        "tension over preload of 1e-3 … 1e-15, at rest and at half the speed of its waves, the wheels' "
-        "inertia in it or not: the frequencies of string and beam")  # fmt: skip
+        "tension over preload of 1e-3 … 1e-15, at rest and at half the speed of its waves, with and without "
+        "the inertia of the wheels: the frequencies of string and beam")  # fmt: skip
 def slack_side():
     """Return the worst error; as the tension goes, the stiffness takes over."""
     stiff = [Span(**STIFF, pull_N=-PRELOAD * (1.0 - 10.0**-k)) for k in (3, 9, 15)]
@@ -308,9 +308,9 @@ def with_layers(mode, stiffness, speed, ends):
     return S * mode * mp.pi * (1 + turned + waves * eta**2)
 
 
-@regime("EI → 0", 1e-12, f"{CHARACTERISTIC}; the string with its layers",
+@regime("EI → 0", 1e-12, f"{CHARACTERISTIC}; the string with its boundary layers",
         "EI/(F l²) = 1e-1 … 1e-14 against the characteristic equation, 1e-15 … 5e-324 against the string "
-        "with what the layers add; v/c = 0, 0.47, 0.99, pinned and clamped")  # fmt: skip
+        "with its boundary layers; v/c = 0, 0.47, 0.99, pinned and clamped")  # fmt: skip
 def boundary_layer():
     """Return the worst error; the third order of the layers is below 1e-14 from 1e-15 on."""
     errors = []

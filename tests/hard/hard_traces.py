@@ -41,8 +41,8 @@ def ramp_and_waves(t):
 
 
 @regime("offset of 1e9", 1e-12, "exact sums",
-        "moving averages of a signal of 1 on an offset of 1e9, with gaps, relative to the offset; "
-        "ordinary ones relative to the largest sample: the sum that runs along rounds at every step")  # fmt: skip
+        "moving averages of a signal of 1 on an offset of 1e9, with gaps, error relative to the offset; of "
+        "ordinary signals relative to the largest sample, because a running sum rounds at every step")  # fmt: skip
 def large_offset():
     rng, errors = np.random.default_rng(3), []
     for offset in (OFFSET, -OFFSET, 0.0):
@@ -100,7 +100,8 @@ def few_samples(n=999):
 
 
 @regime("window longer than the trace", 1e-14, "exact sums",
-        "windows of up to 1e12 traces: the middle sample is the mean of all, the ends stay what they are")  # fmt: skip
+        "windows of up to 1e12 traces: the middle sample is the mean of all, the first and last samples do not "
+        "change")  # fmt: skip
 def long_window():
     values = few_samples()
     middle = math.fsum(values) / values.size
@@ -146,7 +147,7 @@ PATTERN = (np.arange(PERIOD) * 7919 % PERIOD).astype(np.float64)
 
 @regime("averages over 1e8 samples", 1e-9, "sums of whole numbers",
         "2e6 samples by default, 1e8 in the long run, on an offset of 1e9, relative to the signal of 500: "
-        "the offset leaves it steps of 2.4e-10")  # fmt: skip
+        "the offset rounds it to steps of 2.4e-10")  # fmt: skip
 def many_samples(n=2_000_000):
     found = average_over_samples(np.tile(PATTERN + OFFSET, n // PERIOD), PERIOD + 1)
     inside = found[PERIOD : n - PERIOD].reshape(-1, PERIOD)

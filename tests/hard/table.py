@@ -14,7 +14,7 @@ from hard_regime import FACTS, REFUSALS, REGIMES
 __all__ = ["FACTS", "HEAD", "MODULES", "REFUSALS", "REGIMES", "table"]
 
 MODULES = (hard_laws, hard_machines, hard_saw, hard_traces)
-HEAD = ("regime", "what holds", "against", "stated", "measured")
+HEAD = ("regime", "checked", "against", "stated", "measured")
 
 
 def table() -> str:

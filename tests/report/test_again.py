@@ -85,7 +85,7 @@ def test_doubts_about_the_lift_force_alone_are_not_about_the_law(run, without_fi
     far = predict(run.answer.fit, one_condition(0.09, 0.0049, 5.0, 60.0))
     page = without_figures(with_prediction(run, far))
     assert "The design lies outside the tested range" in page
-    assert "wheel radius 90 mm is outside the tested 15–60 mm" in page
+    assert "Wheel radius 90 mm is outside the tested 15–60 mm" in page
 
 
 def test_what_the_user_writes_is_shown_and_not_obeyed(run, without_figures):

@@ -459,7 +459,7 @@ def budget(
     """State an uncertainty after the GUM: a budget line by line, checked by draws, and what would shrink it.
 
     Of the conditions of a campaign or trial table, or, with --fit, of the lift force of a wheel that is known only so
-    well. Exits with 4 when a statement is not to be trusted.
+    well. Exits with 4 if a statement cannot be trusted.
     """
     check: dict[str, Any] = {"level": level, "draws": draws, "seed": seed}
     if (source is None) == (fit is None):

@@ -209,7 +209,7 @@ SIZE_EXPONENTIAL = FrictionLaw(
         Parameter("a", "-", -0.2, -20.0, 0.0, "rate of the size effect per unit of R_w/R_r"),
         # At b <= 0 no wheel is too small to have a coefficient.
         Parameter("b", "-", -0.3, -20.0, 0.0,
-                  "strength of the size effect as ln: 0 no friction on a vanishing wheel, very negative none"),
+                  "e^b is the share of the friction that a vanishing wheel loses"),
     ),
     coefficient="average",
     effects=frozenset({"size"}),

@@ -61,7 +61,7 @@ CONTRAST = """
   const low = [];
   for (const e of document.querySelectorAll('body *')) {
     const says = [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim());
-    if (!says || !e.checkVisibility() || e.closest('button:disabled, option, script')) continue;
+    if (!says || !e.checkVisibility() || e.closest('[aria-disabled=true], option, script')) continue;
     const [a, b] = [light(read(getComputedStyle(e).color)), light(behind(e))].sort((x, y) => y - x);
     const ratio = (a + 0.05) / (b + 0.05);
     if (ratio < 4.5) low.push([e.tagName, e.className, e.textContent.slice(0, 20), ratio]);

@@ -54,9 +54,9 @@ def test_what_is_proposed_is_what_init_writes(lab, tmp_path):
     )
     draft = Draft(tmp_path)
     with pytest.raises(InputError, match="nothing is proposed"):
-        draft.write(overwrite=False)
+        draft.write(draft.shown, overwrite=False)
     draft.propose(wish_of(asked(lab)))
-    draft.write(overwrite=False)
+    draft.write(draft.shown, overwrite=False)
     words = ["init", str(tmp_path / "mine"), "--from", str(lab / "daq"), "--pattern", PATTERN, "--quiet"]
     assert main(words) == 0
     assert (tmp_path / "campaign.toml").read_bytes() == (tmp_path / "mine" / "campaign.toml").read_bytes()
@@ -70,7 +70,7 @@ def test_what_no_file_tells_is_put_in_and_nothing_is_left_to_say(lab, tmp_path):
     told = draft.propose(corrected(lab, draft.propose(wish_of(asked(lab)))))
     assert errors_of(told) == []
     assert not (tmp_path / "campaign.toml").exists()
-    path = draft.write(overwrite=False)
+    path = draft.write(draft.shown, overwrite=False)
     assert not [one for one in check_campaign(path) if one.severity == "error"]
     text = path.read_text(encoding="utf-8")
     for said in (
@@ -80,11 +80,17 @@ def test_what_no_file_tells_is_put_in_and_nothing_is_left_to_say(lab, tmp_path):
         '[tare]\ninterval = ["0 s", "0.35 s"]',
     ):
         assert text.count(said) == 1
+    with pytest.raises(DataError, match="somebody else"):  # the files are not those that were shown
+        draft.write(told["shown"], overwrite=True)
+    told = draft.propose(wish_of(asked(lab, settings={"": {"name": "Other"}})))
+    assert (told["there"], '+name   = "Other"' in told["difference"]) == (
+        ["campaign.toml", "trials.csv"],
+        True,
+    )
     with pytest.raises(InputError, match="already") as refused:
-        draft.write(overwrite=False)
+        draft.write(draft.shown, overwrite=False)
     assert (refused.value.code, path.read_text(encoding="utf-8")) == ("RF150", text)
-    draft.propose(wish_of(asked(lab, settings={"": {"name": "Other"}})))
-    draft.write(overwrite=True)
+    draft.write(draft.shown, overwrite=True)
     assert 'name   = "Other"' in path.read_text(encoding="utf-8")
 
 
@@ -161,7 +167,9 @@ def test_a_desk_begins_with_what_stands_there(lab, campaign):
 def written(lab, tmp_path):
     """A campaign that was written by the page, and then changed by its user in an editor."""
     draft = Draft(tmp_path)
-    path = draft.propose(corrected(lab, draft.propose(wish_of(asked(lab))))) and draft.write(overwrite=False)
+    path = draft.propose(corrected(lab, draft.propose(wish_of(asked(lab))))) and draft.write(
+        draft.shown, overwrite=False
+    )
     text = path.read_text(encoding="utf-8").replace('name   = "Mine"', "name   = 'Mine'  # of spring")
     text = text.replace("[protocol]\n", '[protocol]\nwrap_tolerance = "1 deg"\n')
     path.write_text(text, encoding="utf-8")
@@ -206,7 +214,7 @@ def test_a_campaign_that_is_there_is_changed_in_the_lines_that_were_asked_for(wr
         'end_tension  = "60 N"',
     }
     assert {"[tare]", 'interval = ["0 s", "0.35 s"]'} <= went
-    assert draft.write(overwrite=True) == written
+    assert draft.write(draft.shown, overwrite=True) == written
     after = written.read_text(encoding="utf-8")
     assert [one for one in check_campaign(written) if one.severity == "error"] == []
     for kept in (
@@ -229,8 +237,24 @@ def test_a_campaign_changed_by_somebody_else_meanwhile_is_not_written_over(writt
     theirs = written.read_bytes() + b"# theirs\n"
     written.write_bytes(theirs)
     with pytest.raises(DataError, match="somebody else") as refused:
-        draft.write(overwrite=True)
+        draft.write(draft.shown, overwrite=True)
     assert (refused.value.code, written.read_bytes()) == ("RF153", theirs)
+    # Nor is a change shown that would take theirs back.
+    with pytest.raises(DataError, match="somebody else"):
+        draft.propose(wish_of(tree))
+    assert Draft(written.parent, written).propose(wish_of(tree))["difference"].count("\n-") == 1
+
+
+def test_of_two_windows_each_writes_only_what_it_has_shown(written):
+    draft = Draft(written.parent, written)
+    tree, before = shown(draft), written.read_bytes()
+    tree["settings"][""]["name"] = "Mine too"
+    mine = draft.propose(wish_of(tree))
+    tree["settings"][""]["name"] = "Theirs"
+    draft.propose(wish_of(tree))
+    with pytest.raises(DataError, match="somebody else"):
+        draft.write(mine["shown"], overwrite=True)
+    assert written.read_bytes() == before
 
 
 def test_what_is_wrong_with_a_change_is_told_before_it_is_written(written):
@@ -250,7 +274,7 @@ def test_channels_that_were_found_out_are_all_stated_once_one_is_changed(written
     for name, one in tree["channels"].items():
         one["sensitivity"] = SENSITIVITIES.get(name, "")
     assert errors_of(draft.propose(wish_of(tree))) == []
-    draft.write(overwrite=True)
+    draft.write(draft.shown, overwrite=True)
     assert (
         written.read_text(encoding="utf-8").count("Zeit")
         + written.read_text(encoding="utf-8").count("Uhrzeit")
@@ -283,7 +307,7 @@ def test_force_cells_and_the_converter_are_stated_and_named_in_the_list(lab, tmp
         wish_of(tree | {"channels": channels, "settings": settings, "cells": {"cell": "K7", "end_cell": ""}})
     )
     assert (errors_of(told), told["header"][-1], {row[-1] for row in told["rows"]}) == ([], "cell", {"K7"})
-    path = draft.write(overwrite=False)
+    path = draft.write(draft.shown, overwrite=False)
     assert "[adc]\nbits = 12\n" in path.read_text(encoding="utf-8")
     assert not [one for one in check_campaign(path) if one.severity == "error"]
 
@@ -301,6 +325,6 @@ def test_a_cell_that_the_list_names_is_described_in_a_campaign_that_is_there(wri
     tree = shown(draft)
     tree["settings"]["cells.K2"] = {"full_scale": "1 kN", "zero_voltage": "0 V", "full_scale_voltage": "5 V"}
     assert errors_of(draft.propose(wish_of(tree))) == []
-    draft.write(overwrite=True)
+    draft.write(draft.shown, overwrite=True)
     assert tomllib.loads(written.read_text(encoding="utf-8"))["cells"] == {"K2": tree["settings"]["cells.K2"]}
     assert [one for one in check_campaign(written) if one.severity == "error"] == []

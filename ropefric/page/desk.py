@@ -244,6 +244,7 @@ class Desk:
             return self.state()
         how: dict[str, Any] = {"law": self.law, "jobs": self.jobs, "progress": work.step}
         opened = Review(self.campaign, by=self.by, **how)
+        opened.look_once()
         if self.review is not None:
             self.review.close()
         self.review = opened

@@ -15,7 +15,7 @@ import numpy as np
 
 from ropefric.errors import DataError, InputError, Problem
 from ropefric.files.disk import read_file, write_files
-from ropefric.files.plain_text import csv_text, to_spreadsheet
+from ropefric.files.plain_text import csv_text, from_spreadsheet, to_spreadsheet
 from ropefric.files.toml import parse_toml
 from ropefric.files.toml_edit import Keys, with_values
 from ropefric.page.review import decimated
@@ -183,6 +183,7 @@ class Draft:
             toml = texts[TEMPLATES[0]].replace(_OWN_FOLDER.encode(), data.encode(), 1)
             write_files(folder, texts | {TEMPLATES[0]: toml})
             problems, _ = _examined(Path(folder, TEMPLATES[0]), None)
+        rows = [[from_spreadsheet(cell) for cell in row] for row in rows]
         return _Seen(self.home, header, rows, proposal.found, problems, proposal.said)
 
     def _revised(self, path: Path, wish: Wish) -> _Seen:
@@ -209,7 +210,8 @@ class Draft:
 
     def _changed(self, data: Mapping[str, Any], wish: Wish) -> bytes:
         """Return the campaign file with the settings that a wish changes."""
-        values = {keys: value or None for keys, value in wish.settings.items() if _differs(data, keys, value)}
+        settings = wish.settings.items()
+        values = {keys: value or None for keys, value in settings if str(_value_at(data, keys)) != str(value)}
         values |= self._changed_channels(data, wish.channels)
         mark = _BOM if self._own.startswith(_BOM) else b""
         return mark + with_values(self._own.decode("utf-8-sig"), values).encode()
@@ -218,7 +220,7 @@ class Draft:
         """Return the channels that differ from those the page showed first, as the campaign file has them."""
         shown = self._first_channels or {}
         changed = [name for name, one in wanted.items() if one != shown.get(name, _NO_CHANNEL)]
-        stated, values = data.get("import", {}).get("channels", {}), dict[Keys, Any]()
+        stated, values = _value_at(data, ("import", "channels")) or {}, dict[Keys, Any]()
         # Once one is stated, no other is found out.
         for name in wanted if changed and not stated else changed:
             value, own = channel_value(wanted[name]), stated.get(name)
@@ -284,10 +286,11 @@ def _examined(path: Path, content: bytes | None) -> tuple[tuple[Problem, ...], A
     return (*problems, *(check_recordings(campaign)[1] if campaign is not None else ())), campaign
 
 
-def _differs(data: Any, keys: Keys, value: Any) -> bool:
+def _value_at(data: Any, keys: Keys) -> Any:
+    """Return the value at some keys of a TOML tree; "" where there is none."""
     for key in keys:
         data = data.get(key, "") if isinstance(data, dict) else ""
-    return str(data) != str(value)
+    return data
 
 
 def _counted(problems: Iterable[Problem]) -> list[dict[str, Any]]:

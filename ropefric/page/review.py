@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from functools import cached_property, partial
-from math import ceil, degrees, isclose, isfinite, log10
+from math import ceil, degrees, isclose, isfinite, log10, nan
 from pathlib import Path
 from typing import Any
 
@@ -559,6 +559,14 @@ class Review:
             self._drawn = dict([*self._drawn.items(), (key, drawn)][-HELD_CURVES:])
         curves, likely = drawn
         return decimated(curves, start_s, stop_s, columns) | likely
+
+    def look_once(self) -> None:
+        """Look at one recording, so that the libraries for it are loaded before a person waits for them."""
+        for trial, result in zip(self._state.specs, self._state.extraction.trials[:1], strict=False):
+            with suppress(RopefricError):
+                self.trial(trial)
+                self.curve(trial, nan, nan, 100)
+                self.preview(trial, result.breakaway.peak_time_s)
 
     def _refuse_unread(self, result: results.TrialResult) -> None:
         if not _is_readable(result):

@@ -2,8 +2,10 @@
 
 import csv
 import io
+import shutil
 import threading
 from dataclasses import fields, replace
+from pathlib import Path
 
 import pytest
 from browser import complaints, driven, shown_as
@@ -20,6 +22,7 @@ from selenium.webdriver.common.keys import Keys  # noqa: E402
 from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: E402
 
 pytestmark = pytest.mark.slow
+BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
 
 
 @pytest.fixture(scope="session")
@@ -207,14 +210,16 @@ def test_five_thousand_trials_are_a_screenful(page):
 @pytest.fixture
 def many(campaign, monkeypatch):
     """Five thousand rows in place of those of the list, of 400 conditions; their recordings are read as one."""
-    path, extract = campaign / "trials.csv", session.extract_rows
+    path, toml, extract = campaign / "trials.csv", campaign / "campaign.toml", session.extract_rows
     head, *rows = [row for row in path.read_text().splitlines() if not row.startswith("#")]
-    _, *cells = next(row for row in rows if row.startswith("c35-r01")).split(",")
-    wrap = head.split(",").index("wrap_angle_deg") - 1
-    lines = [
-        f"t{i:04d}," + ",".join([*cells[:wrap], f"{90 + 2 * (i % 400)}", *cells[wrap + 1 :]])
-        for i in range(5000)
-    ]
+    assert head.startswith("trial,file,wheel,wrap_angle_deg,")
+    _, recording, wheel, _, *cells = next(row for row in rows if row.startswith("c35-r01")).split(",")
+    toml.write_text(toml.read_text().replace(f'data = "{BENCH.as_posix()}"', 'data = "."'))
+    shutil.copy(BENCH / recording, campaign / "one.csv.gz")
+    lines = []
+    for i in range(5000):
+        (campaign / f"f{i}.csv.gz").hardlink_to(campaign / "one.csv.gz")
+        lines.append(",".join([f"t{i:04d}", f"f{i}.csv.gz", wheel, f"{90 + 2 * (i % 400)}", *cells]))
     path.write_text("\n".join([head, *lines, ""]))
     of_row = [field.name for field in fields(TrialRow)]
 

@@ -1,5 +1,6 @@
 """A folder becomes a campaign that is corrected before it is written; the files are those of the commands."""
 
+import shutil
 import tomllib
 
 import pytest
@@ -128,6 +129,35 @@ def test_names_are_matched_without_reading(lab, tmp_path):
     assert told["rows"][0][1:4] == ["30", "180", "1"]
     with pytest.raises(InputError, match="none of 4 names matches"):
         draft.names(str(lab / "daq"), "W{repeat}")
+
+
+@pytest.mark.parametrize("name", ["daq [1]", "-daq", "*", "50 % # Seil 'ü'"])
+def test_a_folder_may_have_any_name(lab, tmp_path, name):
+    shutil.copytree(lab / "daq", tmp_path / name)
+    draft = Draft(tmp_path)
+    told = draft.propose(wish_of(asked(lab) | {"recordings": str(tmp_path / name)}))
+    assert (told["n_rows"], told["files"][0]) == (4, f"{name}/R30_180Grad_20N_1.txt")
+    assert draft.trace(0, 50)["units"]["force"] == "mV"
+    assert not any("cannot be read" in one for one in told["said"])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "rope = 3\nwheels = 4\nimport = 5\ntrials = 6\ndata = 7\n",
+        'schema = "ropefric.campaign/1"\n',
+        'trials = "no.csv"\n',
+    ],
+)
+def test_a_campaign_file_that_is_wrong_throughout_is_told_in_words(tmp_path, text):
+    (tmp_path / "campaign.toml").write_text(text)
+    draft = Draft(tmp_path, tmp_path / "campaign.toml")
+    told = draft.propose(wish_of({"settings": {"": {"name": "Mine"}}}))
+    assert (told["n_rows"], told["said"]) == (0, ["the list of trials names no recording"])
+    assert errors_of(told)
+    if text.startswith("rope = 3"):
+        with pytest.raises(DataError, match="rope is a value where a table is needed"):
+            draft.propose(wish_of({"settings": {"rope": {"diameter": "9 mm"}}}))
 
 
 def test_a_folder_that_is_not_there_is_told(lab, tmp_path):

@@ -2,7 +2,7 @@
 import { $, call, calm, enable, fail as failed, isEnabled, known, make, plain, readAgain, redraw, shown, step as declare, tableRow, unit, withEnds, withStd } from "./frame.js";
 import { EDGE, penOf, ticks } from "./canvas.js";
 
-const ROW = 46, BEYOND = 6;
+const ROW = 46, BEYOND = 8;
 const SIGNS = { ask: "?", "without a force": "–", rejected: "r", excluded: "✕", kept: "✓" };
 export const S = { rows: new Map(), order: [], shown: [], trial: "", info: null, curve: null, view: null, draft: null, preview: null,
   slack: false, undo: 0, answer: {} };
@@ -97,10 +97,17 @@ function filter() {
   drawList();
 }
 
+// The rows that are seen, and some beyond them, so that a list that is scrolled a little stays as it is drawn.
+let drawn = [0, 0];
+function drawSeen() {
+  const list = $("list"), first = Math.floor(list.scrollTop / ROW), last = Math.ceil((list.scrollTop + list.clientHeight) / ROW);
+  if (first < drawn[0] || Math.min(last, S.shown.length) > drawn[1]) drawList();
+}
 function drawList() {
   const list = $("list"), first = Math.max(0, Math.floor(list.scrollTop / ROW) - BEYOND);
   const last = Math.min(S.shown.length, Math.ceil((list.scrollTop + list.clientHeight) / ROW) + BEYOND);
   const rows = [];
+  drawn = [first, last];
   for (let place = first; place < last; place++) {
     const name = S.shown[place], row = S.rows.get(name), kind = kindOf(row);
     const made = make("div", "", `row${kind === "ask" ? " ask" : kind === "excluded" || kind === "rejected" ? " out" : ""}`);
@@ -495,7 +502,7 @@ $("ask-text").onkeydown = (event) => { if (event.key === "Enter") { event.preven
 for (const id of ["by-status", "by-condition"]) $(id).onchange = filter;
 $("by-order").onchange = () => { arrange(); filter(); };
 $("by-text").oninput = filter;
-$("list").onscroll = drawList;
+$("list").onscroll = drawSeen;
 $("list").onclick = (event) => { const row = event.target.closest(".row"); if (row) choose(row.dataset.trial); };
 const plot = $("plot");
 let held = null;

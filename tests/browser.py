@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 import pytest
 
-__all__ = ["complaints", "driven", "shown_as"]
+__all__ = ["complaints", "driven", "shown_as", "unnamed"]
 
 ARGUMENTS = ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu")
 

@@ -118,10 +118,8 @@ class Desk:
         self._out, self._recordings = out, ""
         home = place if self.campaign is None else self.campaign.parent
         if self.campaign is None and any(one.is_file() for one in place.iterdir()):
-            self._recordings, home = (
-                str(place),
-                place.absolute().parent,
-            )  # a campaign is beside its recordings
+            # A campaign is beside its recordings.
+            self._recordings, home = str(place), place.absolute().parent
         self.draft = Draft(home)
         self.work, self._lock = Work(), threading.Lock()
         self._n_files = self._n_bytes = 0
@@ -230,8 +228,10 @@ class Desk:
 
     def _write(self, asked: dict[str, Any]) -> dict[str, Any]:
         self.campaign = self.draft.write(asked["shown"], overwrite=bool(asked.get("overwrite")))
-        if self.draft.campaign is None:
-            self.law, self._out = "", None
+        if self.draft.campaign is None:  # a new one
+            if self.review is not None:
+                self.review.close()
+            self.review, self.law, self._out = None, "", None
         self.draft = Draft(self.campaign.parent, self.campaign)
         return self.state()
 
@@ -239,15 +239,13 @@ class Desk:
         """Open the campaign; one that is open already is read again, as far as its files have changed."""
         if self.campaign is None:
             raise InputError("there is no campaign here yet", fix="begin with the recordings")
-        if self.review is not None and self.review.campaign_file == self.campaign:
-            self.review.reload(work.step)
-            return self.state()
-        how: dict[str, Any] = {"law": self.law, "jobs": self.jobs, "progress": work.step}
-        opened = Review(self.campaign, by=self.by, **how)
-        opened.look_once()
         if self.review is not None:
-            self.review.close()
-        self.review = opened
+            self.review.reload(work.step)
+        else:
+            how: dict[str, Any] = {"law": self.law, "jobs": self.jobs, "progress": work.step}
+            opened = Review(self.campaign, by=self.by, **how)
+            opened.look_once()
+            self.review = opened
         return self.state()
 
     # --- the picks ---

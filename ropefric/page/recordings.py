@@ -154,16 +154,15 @@ class Draft:
             "problems": _counted(seen.problems)[:MOST_PROBLEMS],
             "there": [*self._there],
             "difference": "".join(
-                _difference(name, old, self._texts[name]) for name, old in self._there.items()
+                _difference(one, old, self._texts[one]) for one, old in self._there.items()
             ),
             "shown": self.shown,
         }
 
     def _contents(self) -> dict[str, bytes]:
         """Return what now is in the files that would be written, of those that exist."""
-        return {
-            name: read_file(self.home / name) for name in self._texts if os.path.lexists(self.home / name)
-        }
+        there = (name for name in self._texts if os.path.lexists(self.home / name))
+        return {name: read_file(self.home / name) for name in there}
 
     def _new(self, wish: Wish, progress: Progress | None) -> _Seen:
         """Return the recordings of a proposed campaign; they are read again only if the wish changes how."""

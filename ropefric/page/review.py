@@ -43,10 +43,10 @@ _plain = partial(rounded_tree, digits=GIVEN_DIGITS)
 
 def row_of(trial: TrialResult, condition: str) -> dict[str, Any]:
     """Return what the list of trials shows of one."""
-    told = {name: getattr(trial, name) for name in ("file", "outcome", "excluded", "decision", "why", "by")}
+    own = {name: getattr(trial, name) for name in ("file", "outcome", "excluded", "decision", "why", "by")}
     force = {"force_N": trial.measured_N, "std_N": _std_of(trial), "probability": trial.breakaway.probability}
     known = {name: value if isfinite(value) else None for name, value in force.items()}
-    return {**told, "condition": condition, "status": trial.breakaway.status.value, **known}
+    return {**own, "condition": condition, "status": trial.breakaway.status.value, **known}
 
 
 def facts_of(spec: TrialSpec, result: TrialResult) -> dict[str, Any]:
@@ -334,9 +334,8 @@ class Review:
             reason = "" if text else self._spec(trial).exclude
             one = self._state.condition_of(trial)
             alike = {self._spec(name).trial: decision_of(self._spec(name)) for name in one.trials}
-            return self._keep(
-                trial, [(was, was._replace(exclude=text)) for was in alike.values() if was.exclude == reason]
-            )
+            changes = [(was, was._replace(exclude=text)) for was in alike.values() if was.exclude == reason]
+            return self._keep(trial, changes)
 
     def _decided(self, trial: str, was: Decision, action: str, pick_s: float | None, text: str) -> Decision:
         """Return the decision that an action makes of the one before."""
@@ -385,10 +384,8 @@ class Review:
         self.preview(trial, pick_s)  # which refuses a place without a peak
         spec, result = self._spec(trial), self._result(trial)
         events, outline = result.breakaway.candidates, result.outline
-        near = next(
-            (i for i, event in enumerate(events, 1) if isclose(event.time_s, pick_s, rel_tol=1e-6)), 0
-        )
-        said = f"candidate {near} of {len(events)} accepted" if near else "set by hand"
+        near = [i for i, event in enumerate(events, 1) if isclose(event.time_s, pick_s, rel_tol=1e-6)]
+        said = f"candidate {near[0]} of {len(events)} accepted" if near else "set by hand"
         own = spec.why if not spec.why.startswith(OWN_WORDS) else ""
         if outline is not None:  # no finger is steadier than this part of the recording
             span_s = float(outline.time_s[-1] - outline.time_s[0])
@@ -494,14 +491,9 @@ class Review:
         """Return the last decision, and the answer to all trials before and after it, as far as it is computed."""
         with self.lock:
             ready = self._computed == self._number
-            told = {
-                "number": self._number,
-                "change": self._change,
-                "first": self._first,
-                "before": self._before,
-            }
-            computing = "" if ready else self._doing or "fit"
-            return told | {"computing": computing, "now": self._answer if ready else None}
+            tree = {"number": self._number, "change": self._change}
+            tree |= {"first": self._first, "before": self._before, "now": self._answer if ready else None}
+            return tree | {"computing": "" if ready else self._doing or "fit"}
 
     # --- what the page shows ---
 

@@ -36,6 +36,7 @@ _POLICY = (
 # A report has no script; its own styles and pictures stand in it, and only our page may frame it.
 _REPORT = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; sandbox; frame-ancestors 'self'"
 _KINDS = {
+    "json": "application/json",
     "html": "text/html; charset=utf-8",
     "js": "text/javascript; charset=utf-8",
     "css": "text/css; charset=utf-8",
@@ -124,14 +125,12 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _send(self, status: int, tree: Any) -> None:
         sent = tree if isinstance(tree, _Sent) else _Sent(json.dumps(tree).encode(), "json")
+        headers = _HEADERS | {"Content-Type": _KINDS[sent.ending], "Content-Length": str(len(sent.body))}
+        headers |= {"Content-Security-Policy": sent.policy}
+        if "frame-ancestors 'self'" not in sent.policy:
+            headers |= {"X-Frame-Options": "DENY"}
         self.send_response(status)
-        frames = {} if "frame-ancestors 'self'" in sent.policy else {"X-Frame-Options": "DENY"}
-        own = {
-            "Content-Type": _KINDS.get(sent.ending, "application/json"),
-            "Content-Length": str(len(sent.body)),
-        }
-        own["Content-Security-Policy"] = sent.policy
-        for name, value in {**_HEADERS, **frames, **own}.items():
+        for name, value in headers.items():
             self.send_header(name, value)
         self.end_headers()
         self.wfile.write(sent.body)
@@ -146,12 +145,10 @@ class _Handler(BaseHTTPRequestHandler):
         if host not in names:
             raise _Refused(403, "the request names another address than this page has")
         given = self.headers.get(TOKEN_HEADER, query.get("token", ""))
-        if path.startswith(("/api/", "/results/")) and not compare_digest(
-            given.encode(), self.server.token.encode()
-        ):
-            raise _Refused(
-                403, "the token is missing or wrong; it is the end of the address that ropefric printed"
-            )
+        is_known = compare_digest(given.encode(), self.server.token.encode())
+        if path.startswith(("/api/", "/results/")) and not is_known:
+            why = "the token is missing or wrong; it is the end of the address that ropefric printed"
+            raise _Refused(403, why)
         origin = self.headers.get("Origin")
         if origin != f"http://{host}" and (origin is not None or self.command != "GET"):
             raise _Refused(403, "only the page itself may send this request")
@@ -163,9 +160,8 @@ class _Handler(BaseHTTPRequestHandler):
         if place == "static" and name in _page():
             return _Sent(_page()[name], name.rpartition(".")[2])
         if place == "results":
-            policy = (
-                _NOTHING if name.endswith(".pdf") else _REPORT
-            )  # browsers show no PDF where nothing may run
+            # Browsers show no PDF where nothing may run.
+            policy = _NOTHING if name.endswith(".pdf") else _REPORT
             return _Sent(self.server.desk.result(name), name.rpartition(".")[2], policy)
         if place == "api" and (read := self.server.desk.reads.get(name)) is not None:
             return read(query)
@@ -181,9 +177,8 @@ class _Handler(BaseHTTPRequestHandler):
             raise _Refused(415, f"this is not application/{kind}")
         size = int(self.headers["Content-Length"])
         if not 0 <= size <= most:
-            raise _Refused(
-                413, f"more than {most} bytes are not accepted here; name the folder of the recordings"
-            )
+            why = f"more than {most} bytes are not accepted here; name the folder of the recordings"
+            raise _Refused(413, why)
         content = self._content(size)
         if write is not None:
             return write(dict(json.loads(b"".join(content))))

@@ -1,6 +1,7 @@
 """A folder becomes a campaign that is corrected before it is written; the files are those of the commands."""
 
 import shutil
+import time
 import tomllib
 
 import pytest
@@ -8,6 +9,7 @@ from newcomer import PATTERN, write_daq
 
 from ropefric.cli.app import main
 from ropefric.errors import DataError, InputError
+from ropefric.page import review
 from ropefric.page.desk import Desk
 from ropefric.page.recordings import Draft, wish_of
 from ropefric.trials.campaign import check_campaign, template_texts
@@ -358,3 +360,36 @@ def test_a_cell_that_the_list_names_is_described_in_a_campaign_that_is_there(wri
     draft.write(draft.shown, overwrite=True)
     assert tomllib.loads(written.read_text(encoding="utf-8"))["cells"] == {"K2": tree["settings"]["cells.K2"]}
     assert [one for one in check_campaign(written) if one.severity == "error"] == []
+
+
+def test_after_a_setting_is_changed_only_what_depends_on_it_is_picked_again(written, monkeypatch):
+    desk, extract, asked = Desk(written.parent, by="me"), review.extract_rows, []
+
+    def extract_rows(campaign, **options):
+        asked.append(len(campaign.trials))
+        return extract(campaign, **options)
+
+    monkeypatch.setattr(review, "extract_rows", extract_rows)
+    monkeypatch.setattr(review, "_answered", lambda *_: 1 / 0)
+
+    def done(name, **body):
+        desk.writes[name](body)
+        while (state := desk.work.state())["running"]:
+            time.sleep(0.005)
+        return state["result"]
+
+    done("open")
+    first = desk.review
+    desk.writes["begin"]({})
+    told = done(
+        "propose",
+        settings={"design": {"wheel_radius": "35 mm", "wrap_angle": "90 deg", "end_tension": "60 N"}},
+    )
+    assert desk.writes["write"]({"shown": told["shown"], "overwrite": True})["ready"]
+    done("open")
+    assert desk.review is first
+    assert desk.review.campaign.design is not None
+    assert asked[0] == 4
+    assert set(asked[1:]) == {1, 0}  # one is looked at in advance, none is picked again
+    assert asked.count(0) == 1
+    desk.close()

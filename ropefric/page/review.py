@@ -245,7 +245,8 @@ class Review:
     ) -> None:
         self.campaign_file, self.by, self.law, self._now = campaign, by, law, now
         self._jobs = jobs
-        self.lock = threading.RLock()
+        self._deciding = threading.RLock()  # held while a decision is written and measured
+        self.lock = threading.RLock()  # held for a moment, so that nobody who only looks has to wait
         self.n_written = 0
         self._drawn: dict[tuple[object, ...], tuple[Curves, dict[str, Any]]] = {}
         self._undo: deque[tuple[str, list[Decision]]] = deque(maxlen=MOST_UNDONE)
@@ -292,7 +293,7 @@ class Review:
         """Read the changed campaign again; earlier decisions can no longer be undone."""
         before = self._state
         state = self._load(before, self._loaded(), progress)
-        with self.lock:
+        with self._deciding, self.lock:
             if self._state is not before:
                 raise _changed(state.campaign.trial_list)
             self._state = state
@@ -324,13 +325,13 @@ class Review:
             RF153 if somebody else changed the list or the decisions meanwhile; another code if it cannot be written.
             Nothing has changed then.
         """
-        with self.lock:
+        with self._deciding:
             was = decision_of(self._spec(trial))
             return self._keep(trial, [(was, self._decided(trial, was, action, pick_s, text.strip()))])
 
     def switch(self, trial: str, text: str) -> dict[str, Any]:
         """Exclude all trials of a trial's condition for a reason; or, without one, take such a reason back."""
-        with self.lock:
+        with self._deciding:
             reason = "" if text else self._spec(trial).exclude
             one = self._state.condition_of(trial)
             alike = {self._spec(name).trial: decision_of(self._spec(name)) for name in one.trials}
@@ -394,7 +395,7 @@ class Review:
 
     def undo(self) -> dict[str, Any]:
         """Write the state before the last decision again, and return the changes."""
-        with self.lock:
+        with self._deciding:
             if not self._undo:
                 raise InputError("no decision can be undone", code="RF110")
             state, (trial, were) = self._state, self._undo[-1]
@@ -424,23 +425,25 @@ class Review:
         before = state.content[-1]
         added = add_decisions(path, decisions, before)
         try:
-            self._state = self._load(state, state.campaign)
+            changed = self._load(state, state.campaign)
         except BaseException:
             take_back(path, before, added)
             raise
+        with self.lock:
+            self._state = changed
+            self._recompute()
 
     def _changed_since(self, state: _State, trial: str) -> dict[str, Any]:
         before, now = state.rows, self._state.rows
-        if before.keys() != now.keys():  # what was one trial has become several
-            self._change = None
-            self._recompute()
-            return self.overview()
-        was = before[trial] | {"condition_was": state.condition(trial)}
-        is_now = now[trial] | {"condition_is": self._state.condition(trial)}
-        self._change = {"trial": trial, "was": was, "is": is_now}
-        self._recompute()
-        rows = {name: row for name, row in now.items() if row != before.get(name)}
-        return {"rows": rows, "undo": len(self._undo), "counts": self._counts(), **self.answer()}
+        with self.lock:
+            if before.keys() != now.keys():  # what was one trial has become several
+                self._change = None
+                return self.overview()
+            was = before[trial] | {"condition_was": state.condition(trial)}
+            is_now = now[trial] | {"condition_is": self._state.condition(trial)}
+            self._change = {"trial": trial, "was": was, "is": is_now}
+            rows = {name: row for name, row in now.items() if row != before.get(name)}
+            return {"rows": rows, "undo": len(self._undo), "counts": self._counts(), **self.answer()}
 
     # --- the answer, computed behind the scenes ---
 
@@ -482,7 +485,7 @@ class Review:
 
     def close(self) -> None:
         """Wait for a decision that is being written, and a moment for the fit of a law; nothing is written later."""
-        with self.lock:
+        with self._deciding, self.lock:
             self._number, thread = -1, self._thread
         if thread is not None:
             thread.join(2.0)

@@ -4,6 +4,7 @@ import csv
 import gzip
 import io
 import shutil
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -297,3 +298,27 @@ def test_decimation_keeps_every_extreme(data, n, columns):
         of_shown = shown["time_s"][int(np.argmax(shown["high_N"]))]
         top = np.argmax(np.where(inside, force_N, -np.inf))
         assert max(shown["high_N"]) > high * (1 + 1e-7) or abs(of_shown - time_s[top]) <= width_s
+
+
+def test_nobody_who_looks_waits_while_a_decision_is_measured(begin, monkeypatch):
+    review = begin()
+    extract, measuring, go_on = session.extract_rows, threading.Event(), threading.Event()
+
+    def extract_rows(campaign, **options):
+        measuring.set()
+        assert go_on.wait(60)
+        return extract(campaign, **options)
+
+    monkeypatch.setattr(session, "extract_rows", extract_rows)
+    done = threading.Thread(target=review.decide, args=("c35-r01", "exclude"), kwargs={"text": "torn"})
+    done.start()
+    assert measuring.wait(60)
+    seen, looks = [], (review.overview, review.answer, lambda: review.trial("c35-r01"))
+    looking = threading.Thread(target=lambda: seen.extend(look() for look in looks))
+    looking.start()
+    looking.join(60)
+    assert len(seen) == 3
+    assert seen[0]["rows"]["c35-r01"]["excluded"] == ""
+    go_on.set()
+    done.join(60)
+    assert review.overview()["rows"]["c35-r01"]["excluded"] == "torn"

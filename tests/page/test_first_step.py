@@ -12,6 +12,7 @@ from ropefric.page.server import PageServer
 
 pytest.importorskip("selenium.webdriver")
 from road import Road
+from selenium.webdriver.common.keys import Keys
 
 pytestmark = pytest.mark.slow
 
@@ -97,6 +98,27 @@ def test_a_campaign_is_changed_after_its_changes_were_shown(opened, daq):
     road.one("r-anew").click()
     road.wait(lambda: road.one("r-folder").is_displayed())
     assert road.one("r-rope").get_property("value") == ""
+
+
+def test_a_campaign_that_is_edited_meanwhile_is_read_again_before_anything_is_written(opened, daq):
+    home = daq.parent
+    assert main(["init", str(home), "--from", str(daq), "--pattern", PATTERN, "--quiet"]) == 0
+    road, path = opened(home), home / "campaign.toml"
+    road.wait(lambda: road.one("r-force-sensitivity").is_displayed())
+    road.settled()
+    road.driver.execute_script(
+        "document.getElementById('do-hide').click()"
+    )  # the campaign is not complete yet
+    text = path.read_text(encoding="utf-8").replace('"9.8 mm"', '"12 mm"')
+    path.write_text(text, encoding="utf-8")
+    road.one("r-name").send_keys(" of mine", Keys.TAB)
+    road.wait(lambda: "RF153: somebody else has changed" in road.text("why"))
+    assert path.read_text(encoding="utf-8") == text
+    road.one("do-reload").click()
+    road.wait(lambda: road.one("r-rope").get_property("value") == "12 mm")
+    road.settled()
+    assert not road.one("error").is_displayed()
+    assert (road.text("r-where"), path.read_text(encoding="utf-8")) == ("No setting is changed.", text)
 
 
 def test_files_that_are_dropped_with_the_mouse_are_listed(opened, daq, tmp_path):

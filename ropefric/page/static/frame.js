@@ -153,7 +153,6 @@ async function open() {
     $(`step-${one.hash.slice(1)}`).hidden = one !== link;
   }
   document.body.dataset.step = now;
-  link.scrollIntoView({ block: "nearest", inline: "nearest" });
   if (!document.activeElement.closest("nav, dialog")) $(`step-${now}`).focus({ preventScroll: true });  // what had the focus is hidden
   try { await opens[now](); } catch (error) { fail(error); }
 }

@@ -138,6 +138,15 @@ def answer_trials(
     )
 
 
+def answer_campaign(
+    campaign: Campaign, table: TrialTable, *, law: str = "", progress: Progress | None = None
+) -> CampaignAnswer:
+    """Return the law that the trials of a campaign support, and the lift force of its design."""
+    asked: dict[str, Any] = {"design": campaign.design, "rope_radius_m": campaign.rope.radius_m}
+    shared = {"cell": "cell"} | campaign.uncertainty
+    return answer_trials(table, law=law, shared=shared, progress=progress, **asked)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CampaignRun(Shown):
     """A campaign's result.
@@ -196,9 +205,7 @@ def run_campaign(
     if (without := no_force(extraction, campaign.path)) is not None:
         raise without
     # From the file, so that every fit names its data, with its hash, and can be made again.
-    asked: dict[str, Any] = {"design": campaign.design, "rope_radius_m": campaign.rope.radius_m}
-    asked["shared"] = {"cell": "cell"} | campaign.uncertainty
-    answer = answer_trials(read_trial_table(tables[0]), law=law, progress=fit_progress, **asked)
+    answer = answer_campaign(campaign, read_trial_table(tables[0]), law=law, progress=fit_progress)
     written = (*tables, *write_answer(answer, target))
     return CampaignRun(campaign=campaign, extraction=extraction, answer=answer, written=written)
 

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 import pytest
 
-__all__ = ["complaints", "driven", "shown_as"]
+__all__ = ["complaints", "driven", "shown_as", "unnamed"]
 
 ARGUMENTS = ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu")
 
@@ -45,13 +45,25 @@ def shown_as(driver, width, scheme):
 
 def complaints(driver, width):
     """Return what of a page is cut off, cannot be read, or has no name for a screen reader."""
-    found = driver.execute_script(CONTRAST) + driver.execute_script(UNNAMED)
+    found = driver.execute_script(CONTRAST) + unnamed(driver)
     wide = driver.execute_script("return document.documentElement.scrollWidth")
     return [*found, *([f"{wide} px wide"] if wide > width else [])]
 
 
-UNNAMED = """return [...document.querySelectorAll('button, select, input')]
-  .filter(e => !e.textContent.trim() && !e.labels?.length && !e.ariaLabel).map(e => e.outerHTML)"""
+def unnamed(driver):
+    """Return what a screen reader can reach but not call by a name."""
+    nodes = driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
+    return [
+        [node["role"]["value"], node["nodeId"], "has no name"]
+        for node in nodes
+        if not node["ignored"]
+        and any(
+            one["name"] == "focusable" and one["value"].get("value") for one in node.get("properties", ())
+        )
+        and not node.get("name", {}).get("value", "").strip()
+    ]
+
+
 CONTRAST = """
   const channel = c => { c /= 255; return c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4; };
   const light = c => 0.2126 * channel(c[0]) + 0.7152 * channel(c[1]) + 0.0722 * channel(c[2]);
@@ -61,7 +73,7 @@ CONTRAST = """
   const low = [];
   for (const e of document.querySelectorAll('body *')) {
     const says = [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim());
-    if (!says || !e.checkVisibility() || e.closest('button:disabled, option, script')) continue;
+    if (!says || !e.checkVisibility() || e.closest('[aria-disabled=true], option, script')) continue;
     const [a, b] = [light(read(getComputedStyle(e).color)), light(behind(e))].sort((x, y) => y - x);
     const ratio = (a + 0.05) / (b + 0.05);
     if (ratio < 4.5) low.push([e.tagName, e.className, e.textContent.slice(0, 20), ratio]);

@@ -27,6 +27,10 @@ class Road:
     def text(self, name):
         return self.one(name).text
 
+    def can(self, name):
+        """Return whether a button can be used."""
+        return self.one(name).get_attribute("aria-disabled") != "true"
+
     def idle(self):
         script = "return document.getElementById('work').hidden && document.getElementById('error').hidden"
         self.wait(lambda: self.driver.execute_script(script))
@@ -74,7 +78,7 @@ class Road:
         self.seen("recordings")
         button = self.one("r-write")
         self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
-        self.wait(button.is_enabled)
+        self.wait(lambda: self.can("r-write"))
         button.click()
         self.wait(lambda: self.driver.execute_script("return document.body.dataset.step") == "picks")
 

@@ -70,6 +70,9 @@ def _changed(tree: dict[str, Any], path: Keys, value: Any) -> dict[str, Any]:
     table, tables = tree, [tree]
     for name in above:
         table = table.setdefault(name, {})
+        if not isinstance(table, dict):
+            fix = f"write [{name}] with its keys, or remove {name}"
+            raise DataError(f"{name} is a value where a table is needed", key=name, fix=fix)
         tables.append(table)
     table[last] = value
     if value is None:

@@ -3,10 +3,10 @@
 import itertools
 import json
 import tempfile
-import threading
+import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from functools import partial
+from functools import lru_cache, partial
 from math import degrees
 from pathlib import Path
 from typing import Any
@@ -16,8 +16,7 @@ import numpy as np
 from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
 from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree
-from ropefric.files.toml import read_toml
-from ropefric.fitting.compare import choose_law
+from ropefric.fitting.compare import ComparisonEntry, choose_law
 from ropefric.fitting.design import QUANTITIES, design
 from ropefric.fitting.diagnose import WORDS
 from ropefric.fitting.predict import predict
@@ -32,7 +31,7 @@ from ropefric.scenes.explain import explain_solution
 from ropefric.scenes.keys import scene_keys
 from ropefric.scenes.kinds import KINDS
 from ropefric.scenes.scene import leaves, load_scene
-from ropefric.scenes.scene_templates import bundled_scenes, write_scenes
+from ropefric.scenes.scene_templates import bundled_scenes, scene_text, write_scenes
 from ropefric.scenes.solve import solve_scene
 from ropefric.section import as_text
 
@@ -43,23 +42,10 @@ _APART = 0.03
 """Difference in ln F_B: closer settings share one curve in the picture."""
 
 
+@lru_cache(maxsize=1)
 def law_of(review: Review, run: CampaignRun) -> dict[str, Any]:
     """Return all laws with their verdicts, the law in use with data and intervals, and the open questions."""
     answer, fit = run.answer, run.answer.fit
-    ranking = [
-        {**entry.to_dict(), "verdict": _verdict(answer, entry.law) if entry.fit is not None else "–"}
-        for entry in answer.comparison.ranking
-    ]
-    conditions = [
-        {
-            **review.settings_of(one),
-            "n": one.n_recorded,
-            "n_kept": one.n_kept,
-            "mean_N": one.mean_kept_N,
-            "std_N": one.std_kept_N,
-        }
-        for one in run.extraction.conditions
-    ]
     causes = [
         {**one._asdict(), "supported": WORDS[one.supported], "numbers": dict(one.numbers)}
         for one in answer.diagnosis.causes
@@ -67,17 +53,18 @@ def law_of(review: Review, run: CampaignRun) -> dict[str, Any]:
     tree = {
         "law": fit.law, "asked": review.law, "how": answer.winner.how, "equation": fit.friction_law.equation,
         "verdict": answer.verdict.to_dict(), "parameters": fit.to_dict()["parameters"],
-        "ranking": ranking, "doubts": list(answer.doubts), "conditions": conditions,
-        "summary": answer.diagnosis.summary, "causes": causes, "series": [*_series(fit)],
-        "has_design": answer.prediction is not None,
+        "ranking": [{**one.to_dict(), "verdict": _verdict(answer, one)} for one in answer.comparison.ranking],
+        "conditions": [review.settings_of(one) for one in run.extraction.conditions],
+        "doubts": list(answer.doubts), "summary": answer.diagnosis.summary, "causes": causes,
+        "series": [*_series(fit)], "has_design": answer.prediction is not None,
     }  # fmt: skip
     return dict(_plain(tree))
 
 
-def _verdict(answer: CampaignAnswer, law: str) -> str:
+def _verdict(answer: CampaignAnswer, entry: ComparisonEntry) -> str:
     """Return the verdict on a law, as if a person had chosen it."""
     try:
-        return choose_law(answer.comparison, law).verdict.word
+        return choose_law(answer.comparison, entry.law).verdict.word if entry.fit is not None else "–"
     except RopefricError:
         return "–"
 
@@ -85,32 +72,22 @@ def _verdict(answer: CampaignAnswer, law: str) -> str:
 def _series(fit: FitResult) -> Iterator[dict[str, Any]]:
     """Yield the series of each wheel and end tension: means over the wrap, law with interval, residuals."""
     means = condition_means(fit.data)
-    at = means.conditions
-    tension_N = _levels(at.end_tension_N)
+    at, log_N, std = means.conditions, means.log_lift, means.std
+    wraps_rad, residuals = at.wrap_angle_rad, log_N - predict(fit, at).log_lift
+    points = np.column_stack([np.degrees(wraps_rad), *np.exp([log_N, log_N - std, log_N + std])])
+    off = np.expm1(residuals)
+    percents = np.column_stack([np.degrees(wraps_rad), 100.0 * off, 100.0 * (off - std), 100.0 * (off + std)])
     names = [
         f"R {1e3 * radius_m:.4g} mm, F_B {level_N:.3g} N"
-        for radius_m, level_N in zip(at.wheel_radius_m, tension_N, strict=True)
+        for radius_m, level_N in zip(at.wheel_radius_m, _levels(at.end_tension_N), strict=True)
     ]
-    law = predict(fit, at)
     for name in dict.fromkeys(names):
         here = np.flatnonzero([one == name for one in names])
-        here = here[np.argsort(at.wrap_angle_rad[here])]
-        wraps = at.wrap_angle_rad[here]
-        middle = {key: float(np.mean(getattr(at, key)[here])) for key in ("wheel_radius_m", "rope_radius_m")}
-        line = _over_wrap(
-            fit, wraps[0], wraps[-1], middle | {"end_tension_N": float(np.mean(at.end_tension_N[here]))}
-        )
-        log_N, std = means.log_lift[here], means.std[here]
-        points = np.exp(np.stack([log_N, log_N - std, log_N + std]))
-        off = 100.0 * np.expm1(log_N - law.log_lift[here])
-        yield {
-            "name": name,
-            **line,
-            "points": np.column_stack([np.degrees(wraps), points.T]).tolist(),
-            "residuals": np.column_stack(
-                [np.degrees(wraps), off, off - 100.0 * std, off + 100.0 * std]
-            ).tolist(),
-        }
+        here = here[np.argsort(wraps_rad[here])]
+        settings = ("wheel_radius_m", "rope_radius_m", "end_tension_N")
+        others = {key: float(np.mean(getattr(at, key)[here])) for key in settings}
+        curve = _over_wrap(fit, wraps_rad[here[0]], wraps_rad[here[-1]], others)
+        yield {"name": name, **curve, "points": points[here].tolist(), "residuals": percents[here].tolist()}
 
 
 def _levels(values: FloatArray) -> FloatArray:
@@ -125,15 +102,12 @@ def _levels(values: FloatArray) -> FloatArray:
 def _over_wrap(
     fit: FitResult, low_rad: float, high_rad: float, others: Mapping[str, float]
 ) -> dict[str, Any]:
+    """Return the lift force over the wrap, and its interval."""
     wraps: FloatArray = np.linspace(low_rad, high_rad, _POINTS if high_rad > low_rad else 1)
-    found = predict(
-        fit, Conditions(wrap_angle_rad=wraps, **{key: np.array(value) for key, value in others.items()})
-    )
-    wraps_deg, ends_N = np.degrees(wraps), found.interval_N
-    return {
-        "line": np.column_stack([wraps_deg, found.lift_force_N]).tolist(),
-        "band": np.column_stack([wraps_deg, ends_N]).tolist(),
-    }
+    at = Conditions(wrap_angle_rad=wraps, **{key: np.array(value) for key, value in others.items()})
+    found, wraps_deg = predict(fit, at), np.degrees(wraps)
+    curves = {"line": found.lift_force_N, "band": found.interval_N}
+    return {name: np.column_stack([wraps_deg, values_N]).tolist() for name, values_N in curves.items()}
 
 
 def plan_of(run: CampaignRun) -> dict[str, Any]:
@@ -173,59 +147,42 @@ def inverse_of(
     return design(run.answer.fit, lift_N=[lift_N], **asked).to_dict()
 
 
-class Machines:
-    """The templates of all machines in a folder of their own, to be filled in and solved."""
+def machine_names() -> list[dict[str, str]]:
+    """Return the templates of all machines with the kind of machine that they are of."""
+    scenes = bundled_scenes().items()
+    return [{"name": name, "system": tomllib.loads(text)["system"]} for name, text in scenes]
 
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._folder = tempfile.TemporaryDirectory(prefix="ropefric-")
-        self._path = Path(self._folder.name)
-        write_scenes(self._path)
 
-    def close(self) -> None:
-        """Remove the folder."""
-        self._folder.cleanup()
+def machine_form(name: str) -> list[dict[str, Any]]:
+    """Return the keys of a template with their values and declarations, then the other keys of this machine."""
+    data = tomllib.loads(scene_text(name))
+    declared = [*scene_keys(KINDS[data["system"]].schema)]
+    rows, given = list[dict[str, Any]](), dict(leaves(data))
+    for key, value in given.items():
+        one = next((one for one in declared if _fits(one.name, key)), None)
+        text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+        rows.append({"key": key, "value": text, **(one._asdict() if one else {})})
+    whole = (one for one in declared if not {"…", "["} & {*one.name} and one.name not in given)
+    return [*rows, *({"key": one.name, "value": "", **one._asdict()} for one in whole)]
 
-    def names(self) -> list[dict[str, str]]:
-        """Return the templates with the kind of machine that they are of."""
-        return [
-            {"name": name, "system": read_toml(self._file(name)).data["system"]} for name in bundled_scenes()
-        ]
 
-    def _file(self, name: str) -> Path:
-        bundled_scenes()[name]  # no other file
-        return self._path / f"{name}.toml"
+def solve_machine(name: str, values: Mapping[str, str], own: FitResult | None) -> dict[str, Any]:
+    """Return the answer of a template with changed keys, and the effects left out with the reasons.
 
-    def form(self, name: str) -> list[dict[str, Any]]:
-        """Return the keys of a template with their values and declarations, then the other keys of this machine."""
-        document = read_toml(self._file(name))
-        declared = [*scene_keys(KINDS[document.data["system"]].schema)]
-        rows, seen = list[dict[str, Any]](), set[str]()
-        for key, value in leaves(dict(document.data)):
-            one = next((one for one in declared if _fits(one.name, key)), None)
-            text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
-            rows.append({"key": key, "value": text, **(one._asdict() if one else {})})
-            seen.add(key)
-        whole = (one for one in declared if not {"…", "["} & {*one.name})
-        rows += [{"key": one.name, "value": "", **one._asdict()} for one in whole if one.name not in seen]
-        return rows
-
-    def solve(self, name: str, values: Mapping[str, str], own: FitResult | None) -> dict[str, Any]:
-        """Return the answer of a template with changed keys, and the effects left out with the reasons.
-
-        `values` are as a person writes them, "" for a key that is left out; `own` is a law in place of its friction.
-        """
-        changes = {key: _value(text) for key, text in values.items()}
-        with self._lock:  # until its fit is read, no other solution may write its own
-            if own is not None:
-                save_fit(own, self._path / "fits" / "own.json", overwrite=True)
-                changes |= {"friction": {"fit": "fits/own.json"}}
-            scene = load_scene(self._file(name), changes)
-        solution = solve_scene(scene)
-        tree, effects = solution.to_dict(), explain_solution(solution)
-        first, *others = parts.solution_sections(solution, tree)
-        text = as_text([first._replace(title=name), *others])  # the file is the page's own
-        return dict(_plain({"answer": tree, "text": text, "effects": effects.to_dict()["effects"]}))
+    `values` are as a person writes them, "" for a key that is left out; `own` is a law in place of its friction.
+    """
+    changes = {key: _value(text) for key, text in values.items()}
+    with tempfile.TemporaryDirectory(prefix="ropefric-") as folder:
+        write_scenes(folder, [name])
+        if own is not None:
+            save_fit(own, Path(folder, "fits", "own.json"))
+            changes |= {"friction": {"fit": "fits/own.json"}}
+        scene = load_scene(Path(folder, f"{name}.toml"), changes)
+    solution = solve_scene(scene)
+    tree, effects = solution.to_dict(), explain_solution(solution)
+    first, *others = parts.solution_sections(solution, tree)
+    text = as_text([first._replace(title=name), *others])  # the file is the page's own
+    return dict(_plain({"answer": tree, "text": text, "effects": effects.to_dict()["effects"]}))
 
 
 def _fits(name: str, key: str) -> bool:

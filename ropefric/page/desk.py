@@ -1,8 +1,8 @@
 """The job of one person: folder, campaign, review and one long task at a time; the answer to each address."""
 
+import os
 import threading
-from collections.abc import Callable, Mapping
-from io import BufferedIOBase
+from collections.abc import Callable, Iterable, Mapping
 from math import nan
 from pathlib import Path, PurePath
 from typing import Any
@@ -19,9 +19,10 @@ from ropefric.trials.campaign import load_campaign
 
 DROPPED = "recordings"
 """The folder beside the campaign that receives the files dropped on the page."""
+MOST_OF_A_FILE = 256 * 2**20
+"""Bytes of one of them."""
 MOST_FILES, MOST_BYTES = 10_000, 8 * 2**30
 """Limits of all files dropped on the page together."""
-_BLOCK = 2**20
 _SETTINGS = ("wheel_radius_m", "rope_radius_m", "wrap_angle_rad", "end_tension_N")
 _SHOWN = ("report.html", "report.pdf", "summary.txt")
 REPORT_WITH = "what you did on the page"
@@ -41,50 +42,46 @@ class Work:
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
         self._stop = False
-        self._told: dict[str, Any] = {"name": "", "running": False, "done": 0, "total": 0, "item": ""}
+        self._state: dict[str, Any] = {"name": "", "running": False, "done": 0, "total": 0, "item": ""}
 
     def begin(self, name: str, do: Callable[["Work"], Any]) -> dict[str, Any]:
         """Begin a work, which calls `step` now and then, and return its state."""
         with self._lock:
-            if self._told["running"]:
-                raise InputError(f"{self._told['name']} has not finished yet", fix="wait for it, or stop it")
+            if self._state["running"]:
+                raise InputError(f"{self._state['name']} has not finished yet", fix="wait for it, or stop it")
             self._stop = False
-            self._told = {"name": name, "running": True, "done": 0, "total": 0, "item": ""}
+            self._state = {"name": name, "running": True, "done": 0, "total": 0, "item": ""}
             self._thread = threading.Thread(target=self._run, args=(do,), name=name, daemon=True)
             self._thread.start()
-        return self.told()
+        return {"work": self.state()}
 
     def _run(self, do: Callable[["Work"], Any]) -> None:
         try:
             ended = {"result": do(self)}
         except _StoppedError:
-            message = f"{self._told['name']} was stopped; nothing of it is lost"
+            message = f"{self._state['name']} was stopped; nothing of it is lost"
             ended = {"error": {"code": "", "message": message}}
         except Exception as error:  # noqa: BLE001  (the boundary: the page gets words)
             ended = known_error(error, report_with=REPORT_WITH).to_dict()
         with self._lock:
-            self._told |= {"running": False, **ended}
+            self._state |= {"running": False, **ended}
 
     def step(self, done: int, total: int, item: str) -> None:
         """Note the progress of the work; end the work if the person has stopped it."""
         if self._stop:
             raise _StoppedError
         with self._lock:
-            self._told |= {"done": done, "total": total, "item": item}
+            self._state |= {"done": done, "total": total, "item": item}
 
-    def named(self, item: str, done: int, total: int) -> None:
-        """Note the progress as `step` does, with the item as first argument."""
-        self.step(done, total, item)
-
-    def told(self) -> dict[str, Any]:
+    def state(self) -> dict[str, Any]:
         """Return the state of the work."""
         with self._lock:
-            return dict(self._told)
+            return dict(self._state)
 
     def stop(self) -> dict[str, Any]:
         """Ask the work to end at its next step."""
         self._stop = True
-        return self.told()
+        return self.state()
 
     def close(self) -> None:
         """End the work, and wait a moment for it."""
@@ -121,43 +118,40 @@ class Desk:
         self._out, self._recordings = out, ""
         home = place if self.campaign is None else self.campaign.parent
         if self.campaign is None and any(one.is_file() for one in place.iterdir()):
-            self._recordings, home = (
-                str(place),
-                place.absolute().parent,
-            )  # a campaign is beside its recordings
+            # A campaign is beside its recordings.
+            self._recordings, home = str(place), place.absolute().parent
         self.draft = Draft(home)
         self.work, self._lock = Work(), threading.Lock()
-        self._machines: answers.Machines | None = None
         self._n_files = self._n_bytes = 0
+        self._coming: set[Path] = set()
         self.reads: dict[str, Callable[[Mapping[str, str]], Any]] = {
             "state": lambda _: self.state(),
-            "work": lambda _: self.work.told(),
+            "work": lambda _: self.work.state(),
             "names": lambda q: self.draft.names(q["recordings"], q["pattern"]),
             "trace": lambda q: self.draft.trace(int(q["number"]), int(q["columns"])),
             "overview": lambda _: self.opened.overview(),
             "answer": lambda _: self.opened.answer(),
             "trial": lambda q: self.opened.trial(q["trial"]),
             "preview": lambda q: self.opened.preview(q["trial"], float(q["pick_s"])),
-            "curve": self._curve,
+            "curve": lambda q: self.opened.curve(q["trial"], *_stretch(q), int(q["columns"])),
             "law": lambda _: self._of_run(lambda run: answers.law_of(self.opened, run)),
             "wheel": lambda _: self._of_run(answers.wheel_of),
             "lift": lambda q: self._of_run(lambda run: answers.lift_of(run, _settings(q))),
             "inverse": self._inverse,
-            "machines": lambda _: self.machines.names(),
-            "machine": lambda q: self.machines.form(q["name"]),
+            "machines": lambda _: answers.machine_names(),
+            "machine": lambda q: answers.machine_form(q["name"]),
         }
         self.writes: dict[str, Callable[[dict[str, Any]], Any]] = {
             "begin": self._begin_draft,
             "propose": self._propose,
             "write": self._write,
-            "open": lambda _: self._begin("reading the recordings", self._open),
+            "open": lambda _: self.work.begin("reading the recordings", self._open),
             "stop": lambda _: self.work.stop(),
             "decide": self._decide,
             "undo": lambda _: self.opened.undo(),
-            "reload": lambda _: self.opened.reload(),
             "switch": lambda asked: self.opened.switch(asked["trial"], str(asked["text"]).strip()),
-            "use-law": self._use_law,
-            "plan": lambda _: self._begin("planning tests", lambda _: self._of_run(answers.plan_of)),
+            "use-law": lambda asked: self._use_law(str(asked["law"])),
+            "plan": lambda _: self.work.begin("planning tests", lambda _: self._of_run(answers.plan_of)),
             "solve": self._solve,
             "report": self._report,
         }
@@ -174,20 +168,11 @@ class Desk:
             raise InputError("no campaign is open", fix="begin with the recordings")
         return self.review
 
-    @property
-    def machines(self) -> answers.Machines:
-        """Return the templates of machines; the first call writes them."""
-        with self._lock:
-            self._machines = self._machines or answers.Machines()
-            return self._machines
-
     def close(self) -> None:
-        """End the work and the review, and remove the temporary files of the page."""
+        """End the work and the review."""
         self.work.close()
         if self.review is not None:
             self.review.close()
-        if self._machines is not None:
-            self._machines.close()
 
     def state(self) -> dict[str, Any]:
         """Return the state of the job: folders, campaign, whether it is open, and the reports that exist."""
@@ -195,41 +180,39 @@ class Desk:
             "home": str(self.draft.home),
             "recordings": self._recordings,
             "campaign": "" if self.campaign is None else str(self.campaign),
-            "name": "" if self.review is None else self.review.name,
+            "name": "" if self.review is None else self.review.campaign.name,
             "ready": self.review is not None,
             "by": self.by,
             "out": str(self.out),
             "reports": [name for name in _SHOWN if (self.out / name).is_file()],
             "headers": list(HEADERS),
             "dropped": str(self.draft.home / DROPPED),
+            "largest_file": MOST_OF_A_FILE,
         }
-
-    def _begin(self, name: str, do: Callable[[Work], Any]) -> dict[str, Any]:
-        return {"work": self.work.begin(name, do)}
 
     # --- the recordings ---
 
-    def upload(self, name: str, content: BufferedIOBase, size: int) -> dict[str, Any]:
+    def upload(self, name: str, content: Iterable[bytes], size: int) -> dict[str, Any]:
         """Write a file that was dropped on the page; an existing file is never replaced."""
         plain = PurePath(name.replace("\\", "/")).name
         if not plain or plain.startswith(".") or plain != name or not plain.isprintable():
             raise InputError(f"{name!r} is no name of a recording", key="name", fix="rename the file")
+        path = self.draft.home / DROPPED / plain
         with self._lock:
             self._n_files, self._n_bytes = self._n_files + 1, self._n_bytes + size
             if self._n_files > MOST_FILES or self._n_bytes > MOST_BYTES:
                 raise InputError("too much was dropped", fix="name the folder of the recordings instead")
-        folder = self.draft.home / DROPPED
-        folder.mkdir(exist_ok=True)
-        if (folder / plain).exists():
-            content.read(size)
-            raise InputError("the file exists already", code="RF150", path=folder / plain, fix="rename it")
-        with replacing(folder / plain) as file:
-            while size and (block := content.read(min(size, _BLOCK))):
-                file.write(block)
-                size -= len(block)
-            if size:
-                raise DataError("the file broke off on its way", path=folder / plain, fix="drop it again")
-        self._recordings = str(folder)
+            if path in self._coming or os.path.lexists(path):
+                raise InputError("the file exists already", code="RF150", path=path, fix="rename it")
+            self._coming.add(path)
+        try:
+            path.parent.mkdir(exist_ok=True)
+            with replacing(path) as file:
+                if sum(map(file.write, content)) < size:
+                    raise DataError("the file broke off on its way", path=path, fix="drop it again")
+        finally:
+            self._coming.discard(path)
+        self._recordings = str(path.parent)
         return {"recordings": self._recordings}
 
     def _begin_draft(self, asked: dict[str, Any]) -> dict[str, Any]:
@@ -241,29 +224,31 @@ class Desk:
         wish = wish_of(asked)
         if self.draft.campaign is None:
             self.draft.home, self._recordings = Path(asked.get("home") or self.draft.home), wish.recordings
-        return self._begin("looking at the recordings", lambda work: self.draft.propose(wish, work.step))
+        return self.work.begin("looking at the recordings", lambda work: self.draft.propose(wish, work.step))
 
     def _write(self, asked: dict[str, Any]) -> dict[str, Any]:
-        self.campaign = self.draft.write(overwrite=bool(asked.get("overwrite")))
-        if self.review is not None:
-            self.review.close()
-        if self.draft.campaign is None:
-            self.law, self._out = "", None
-        self.review, self.draft = None, Draft(self.campaign.parent, self.campaign)
+        self.campaign = self.draft.write(asked["shown"], overwrite=bool(asked.get("overwrite")))
+        if self.draft.campaign is None:  # a new one
+            if self.review is not None:
+                self.review.close()
+            self.review, self.law, self._out = None, "", None
+        self.draft = Draft(self.campaign.parent, self.campaign)
         return self.state()
 
     def _open(self, work: Work) -> dict[str, Any]:
+        """Open the campaign; one that is open already is read again, as far as its files have changed."""
         if self.campaign is None:
             raise InputError("there is no campaign here yet", fix="begin with the recordings")
-        how: dict[str, Any] = {"law": self.law, "jobs": self.jobs, "progress": work.step}
-        self.review = Review(self.campaign, by=self.by, **how)
+        if self.review is not None:
+            self.review.reload(work.step)
+        else:
+            how: dict[str, Any] = {"law": self.law, "jobs": self.jobs, "progress": work.step}
+            opened = Review(self.campaign, by=self.by, **how)
+            opened.look_once()
+            self.review = opened
         return self.state()
 
     # --- the picks ---
-
-    def _curve(self, query: Mapping[str, str]) -> dict[str, Any]:
-        start_s, stop_s = (float(query.get(name) or nan) for name in ("start_s", "stop_s"))
-        return self.opened.curve(query["trial"], start_s, stop_s, int(query["columns"]))
 
     def _decide(self, asked: dict[str, Any]) -> dict[str, Any]:
         pick_s, text = asked.get("pick_s"), str(asked.get("text", ""))
@@ -274,21 +259,13 @@ class Desk:
 
     def _of_run(self, make: Callable[[pipeline.CampaignRun], dict[str, Any]]) -> dict[str, Any]:
         """Return a result of the answer to all trials, or that it is being computed; raise its error, if any."""
-        told = self.opened.answer()
-        if told["computing"]:
-            return {"computing": told["computing"]}
         run = self.opened.run()
-        if run is None:
-            error = (told["now"] or {}).get("error") or {}
-            raise DataError(
-                error.get("message", "no answer"), code=error.get("code", ""), fix=error.get("fix", "")
-            )
-        return make(run)
+        return {"computing": self.opened.answer()["computing"] or "fit"} if run is None else make(run)
 
-    def _use_law(self, asked: dict[str, Any]) -> dict[str, Any]:
-        self.law = str(asked["law"])
-        self.opened.use_law(self.law)
-        return {"law": self.law}
+    def _use_law(self, law: str) -> dict[str, Any]:
+        self.opened.use_law(law)
+        self.law = law
+        return {"law": law}
 
     def _inverse(self, query: Mapping[str, str]) -> dict[str, Any]:
         probability = float(query["probability"]) if query.get("probability") else None
@@ -296,10 +273,10 @@ class Desk:
         return self._of_run(lambda run: answers.inverse_of(run, *asked))
 
     def _solve(self, asked: dict[str, Any]) -> dict[str, Any]:
-        values = {str(key): str(text) for key, text in dict(asked["values"]).items()}
+        name, values = asked["name"], {key: str(text) for key, text in dict(asked["values"]).items()}
         if not asked.get("own"):
-            return self.machines.solve(asked["name"], values, None)
-        return self._of_run(lambda run: self.machines.solve(asked["name"], values, run.answer.fit))
+            return answers.solve_machine(name, values, None)
+        return self._of_run(lambda run: answers.solve_machine(name, values, run.answer.fit))
 
     # --- the report ---
 
@@ -313,13 +290,16 @@ class Desk:
         def report(work: Work) -> dict[str, Any]:
             loaded = load_campaign(campaign)
             with pipeline.campaign_folder(loaded, self.out) as target:
-                how: dict[str, Any] = {"extract_progress": work.step, "fit_progress": work.named}
+                how: dict[str, Any] = {
+                    "extract_progress": work.step,
+                    "fit_progress": lambda law, done, total: work.step(done, total, law),
+                }
                 done = pipeline.run_campaign(loaded, target, law=self.law, jobs=self.jobs, **how)
                 reports.write_report(done, target, wish, progress=work.step)
                 target.publish("answer")
             return self.state()
 
-        return self._begin("making the report", report)
+        return self.work.begin("making the report", report)
 
     def result(self, name: str) -> bytes:
         """Return a file of the folder of results that the page shows."""
@@ -339,3 +319,8 @@ def _campaign_at(place: Path) -> tuple[Path | None, str]:
 
 def _settings(query: Mapping[str, str]) -> dict[str, float]:
     return {name: float(query[name]) for name in _SETTINGS}
+
+
+def _stretch(query: Mapping[str, str]) -> tuple[float, float]:
+    """Return the ends of a stretch of time [s]; NaN for an end of the recording."""
+    return float(query.get("start_s") or nan), float(query.get("stop_s") or nan)

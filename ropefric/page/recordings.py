@@ -2,10 +2,11 @@
 
 import csv
 import json
+import os
 import tempfile
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import unified_diff
+from hashlib import sha256
 from math import nan
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropefric.errors import DataError, InputError, Problem
-from ropefric.files.disk import read_file, write_file, write_files
-from ropefric.files.plain_text import csv_text, to_spreadsheet
-from ropefric.files.toml import read_toml
+from ropefric.files.disk import read_file, write_files
+from ropefric.files.plain_text import csv_text, from_spreadsheet, to_spreadsheet
+from ropefric.files.toml import parse_toml
 from ropefric.files.toml_edit import Keys, with_values
 from ropefric.page.review import decimated
 from ropefric.quantities import parse_quantity
@@ -30,16 +31,15 @@ from ropefric.trials.trial_list import list_from_names
 from ropefric.trials.workers import Limits
 
 Progress = Callable[[int, int, str], None]
-MOST_ROWS, MOST_PROBLEMS, MOST_LINES = 5000, 60, 200
-"""Rows of a list of trials, problems, and changed lines that are shown on the page."""
+MOST_ROWS, MOST_FILES, MOST_PROBLEMS, MOST_LINES = 200, 5000, 60, 200
+"""Rows of a list of trials, recordings to choose, problems, and changed lines that are shown on the page."""
 _OWN_FOLDER = 'data   = "."'
 HEADERS = (
     *("wheel", "wheel_radius_mm", "wrap_angle_deg", "wrap_turns", "end_tension_N", "end_mass_kg"),
     *("cell", "repeat", "*"),
 )
 """Quantities that file names often contain, as headers of a list of trials; \"*\" is anything else."""
-_TOLD = ("severity", "code", "key", "message", "fix")
-_TABLE_KEYS = ("format", "recording_column")
+_PROBLEM = ("severity", "code", "key", "message", "fix")
 _NO_CHANNEL = Channel(column="")
 _BOM = b"\xef\xbb\xbf"
 
@@ -59,11 +59,8 @@ class Wish(NamedTuple):
 
     def given(self, *, importing: bool) -> dict[Keys, Any]:
         """Return the settings that have a value: those of `[import]`, or all others."""
-        return {
-            keys: value
-            for keys, value in self.settings.items()
-            if value and (keys[0] == "import") is importing
-        }
+        given = {keys: value for keys, value in self.settings.items() if value}
+        return {keys: value for keys, value in given.items() if (keys[0] == "import") is importing}
 
     @property
     def known(self) -> ImportProfile:
@@ -98,6 +95,10 @@ def _column(text: str) -> str | int:
     return int(text[1:]) if text.startswith("#") and text[1:].isdecimal() else text
 
 
+def _column_text(column: str | int) -> str:
+    return f"#{column}" if isinstance(column, int) else column
+
+
 class _Seen(NamedTuple):
     """Recordings as they are listed, how they are read, and the problems of them and of their campaign."""
 
@@ -120,22 +121,27 @@ class Draft:
         self._read: tuple[Any, Any] | None = None
         self._seen: _Seen | None = None
         self._texts: dict[str, bytes] = {}
-        self._before = b"" if campaign is None else read_file(campaign)
-        self._shown: Mapping[str, Channel] | None = None
+        self._there: dict[str, bytes] = {}
+        self._own = b"" if campaign is None else read_file(campaign)
+        self._first_channels: Mapping[str, Channel] | None = None
 
     def form(self) -> dict[str, Any]:
-        """Return the settings of the campaign as its file states them."""
-        data = read_toml(self.campaign, "campaign file").data if self.campaign else {}
+        """Return the settings of the campaign as its file stated them in the beginning."""
+        data = parse_toml(self._own, str(self.campaign), "campaign file").data
         return dict(json.loads(json.dumps(data, default=str)))
 
     def propose(self, wish: Wish, progress: Progress | None = None) -> dict[str, Any]:
         """Return columns, trials and problems of the recordings under a wish, and the lines that would change."""
         if not self.home.is_dir():
             raise DataError("there is no such folder", path=self.home, fix="make it, or choose another one")
+        if self.campaign is not None and read_file(self.campaign) != self._own:
+            raise _changed(self.campaign)
         seen = self._revised(self.campaign, wish) if self.campaign else self._new(wish, progress)
-        self._seen = seen
-        wheels = seen.header.index("wheel") if "wheel" in seen.header else -1
-        there = [name for name in self._texts if (self.home / name).exists()]
+        self._seen, self._there = seen, self._contents()
+        wheels, files = (
+            [row[seen.header.index(name)] for row in seen.rows] if name in seen.header else []
+            for name in ("wheel", "file")
+        )
         return {
             "found": None if seen.found is None else seen.found.to_dict(),
             "channels": {} if seen.found is None else _channels(seen.found.profile),
@@ -143,11 +149,20 @@ class Draft:
             "header": seen.header,
             "rows": seen.rows[:MOST_ROWS],
             "n_rows": len(seen.rows),
-            "wheels": sorted({row[wheels] for row in seen.rows if wheels >= 0 and row[wheels]}),
-            "problems": [*_counted(seen.problems)][:MOST_PROBLEMS],
-            "there": there,
-            "difference": "".join(_difference(self.home / name, self._texts[name]) for name in there),
+            "files": files[:MOST_FILES],
+            "wheels": sorted({*wheels} - {""}),
+            "problems": _counted(seen.problems)[:MOST_PROBLEMS],
+            "there": [*self._there],
+            "difference": "".join(
+                _difference(one, old, self._texts[one]) for one, old in self._there.items()
+            ),
+            "shown": self.shown,
         }
+
+    def _contents(self) -> dict[str, bytes]:
+        """Return what now is in the files that would be written, of those that exist."""
+        there = (name for name in self._texts if os.path.lexists(self.home / name))
+        return {name: read_file(self.home / name) for name in there}
 
     def _new(self, wish: Wish, progress: Progress | None) -> _Seen:
         """Return the recordings of a proposed campaign; they are read again only if the wish changes how."""
@@ -167,23 +182,23 @@ class Draft:
             toml = texts[TEMPLATES[0]].replace(_OWN_FOLDER.encode(), data.encode(), 1)
             write_files(folder, texts | {TEMPLATES[0]: toml})
             problems, _ = _examined(Path(folder, TEMPLATES[0]), None)
+        rows = [[from_spreadsheet(cell) for cell in row] for row in rows]
         return _Seen(self.home, header, rows, proposal.found, problems, proposal.said)
 
     def _revised(self, path: Path, wish: Wish) -> _Seen:
         """Return the recordings of the existing campaign, read with its changed settings."""
         data = self.form()
         content = self._changed(data, wish)
-        self._texts = {path.name: content} if content != self._before else {}
+        self._texts = {path.name: content} if content != self._own else {}
         problems, campaign = _examined(path, content)
-        table, _ = read_cells(self.home / data["trials"])
-        header, folder = [word_of(name) for name in table.header], self.home / data.get("data", ".")
-        profile = wish.known if campaign is None else campaign.profile
-        rows = [cells for _, cells in table.rows]
-        first = folder / rows[0][header.index("file")] if rows else None
-        read = self._inspected(first, profile) if first else "the list of trials is empty"
+        header, rows = _listed(self.home / str(data.get("trials", "")))
+        folder, profile = self.home / str(data.get("data", ".")), campaign.profile if campaign else wish.known
+        read: Inspection | str = "the list of trials names no recording"
+        if rows and "file" in header:
+            read = self._inspected(folder / rows[0][header.index("file")], profile)
         found, said = (None, [read]) if isinstance(read, str) else (read, [])
-        if self._shown is None and found is not None:
-            self._shown = dict(wish_of({"channels": _channels(found.profile)}).channels)
+        if self._first_channels is None and found is not None:
+            self._first_channels = dict(wish_of({"channels": _channels(found.profile)}).channels)
         return _Seen(folder, header, rows, found, problems, said)
 
     def _inspected(self, recording: Path, profile: ImportProfile) -> Any:
@@ -194,19 +209,19 @@ class Draft:
 
     def _changed(self, data: Mapping[str, Any], wish: Wish) -> bytes:
         """Return the campaign file with the settings that a wish changes."""
-        values = {keys: value or None for keys, value in wish.settings.items() if _differs(data, keys, value)}
+        settings = wish.settings.items()
+        values = {keys: value or None for keys, value in settings if str(_value_at(data, keys)) != str(value)}
         values |= self._changed_channels(data, wish.channels)
-        mark = _BOM if self._before.startswith(_BOM) else b""
-        return mark + with_values(self._before.decode("utf-8-sig"), values).encode()
+        mark = _BOM if self._own.startswith(_BOM) else b""
+        return mark + with_values(self._own.decode("utf-8-sig"), values).encode()
 
     def _changed_channels(self, data: Mapping[str, Any], wanted: Mapping[str, Channel]) -> dict[Keys, Any]:
         """Return the channels that differ from those the page showed first, as the campaign file has them."""
-        shown = self._shown or {}
+        shown = self._first_channels or {}
         changed = [name for name, one in wanted.items() if one != shown.get(name, _NO_CHANNEL)]
-        stated, values = data.get("import", {}).get("channels", {}), dict[Keys, Any]()
-        for name in (
-            wanted if changed and not stated else changed
-        ):  # once one is stated, no other is found out
+        stated, values = _value_at(data, ("import", "channels")) or {}, dict[Keys, Any]()
+        # Once one is stated, no other is found out.
+        for name in wanted if changed and not stated else changed:
             value, own = channel_value(wanted[name]), stated.get(name)
             if isinstance(own, dict) and value:
                 kept = {key: own[key] for key in ("time", "tare", "instead_of") if key in own}
@@ -214,24 +229,28 @@ class Draft:
             values["import", "channels", name] = value or None
         return values
 
-    def write(self, *, overwrite: bool) -> Path:
-        """Write the last proposal, and return the campaign file; an existing file is replaced only with `overwrite`."""
+    @property
+    def shown(self) -> str:
+        """Return what distinguishes the proposal that was shown last from any other one."""
+        return sha256(repr([self.home, self._texts, self._there]).encode()).hexdigest()
+
+    def write(self, shown: str, *, overwrite: bool) -> Path:
+        """Write the proposal that was shown, and return the campaign file; replace no file without `overwrite`.
+
+        Nothing is written if a file, or the proposal, is another one than was shown.
+        """
         if self._seen is None:
             raise InputError("nothing is proposed yet", fix="look at the recordings first")
-        if self.campaign is None:
-            return write_files(self.home, self._texts, overwrite=overwrite)[0]
-        if read_file(self.campaign) != self._before:
-            why = "somebody else has changed the campaign since it was read, so nothing was written"
-            raise DataError(why, code="RF153", path=self.campaign, fix="load the page again")
-        for content in self._texts.values():
-            write_file(self.campaign, content)
-        return self.campaign
+        if shown != self.shown or self._contents() != self._there:
+            raise _changed(self.campaign or self.home)
+        written = write_files(self.home, self._texts, overwrite=overwrite)
+        return self.campaign or written[0]
 
     def names(self, recordings: str, pattern: str) -> dict[str, Any]:
         """Return the list of trials that file names make by a pattern; no recording is read."""
-        trials, told = list_from_names(files_of(recordings), pattern, self.home)
+        trials, missed = list_from_names(files_of(recordings), pattern, self.home)
         header, *rows = csv.reader(trials.decode().splitlines())
-        return {"header": header, "rows": rows[:MOST_ROWS], "n_rows": len(rows), "told": told}
+        return {"header": header, "rows": rows[:MOST_ROWS], "n_rows": len(rows), "said": missed}
 
     def trace(self, number: int, columns: int) -> dict[str, Any]:
         """Return one recording of the list as it is drawn, before any tare: its force, and the end tension beside it."""
@@ -251,41 +270,54 @@ class Draft:
         return tree
 
 
+def _listed(path: Path) -> tuple[list[str], list[list[str]]]:
+    """Return the headers and rows of a list of trials; none if it cannot be read, which is among the problems."""
+    try:
+        table, _ = read_cells(path)
+    except DataError:
+        return [], []
+    return [word_of(name) for name in table.header], [[*cells] for _, cells in table.rows]
+
+
 def _examined(path: Path, content: bytes | None) -> tuple[tuple[Problem, ...], Any]:
     """Return what `ropefric check` says of a campaign, and the campaign, None where it cannot be read."""
     campaign, problems = examine_campaign(path, content=content)
     return (*problems, *(check_recordings(campaign)[1] if campaign is not None else ())), campaign
 
 
-def _differs(data: Any, keys: Keys, value: Any) -> bool:
+def _value_at(data: Any, keys: Keys) -> Any:
+    """Return the value at some keys of a TOML tree; "" where there is none."""
     for key in keys:
         data = data.get(key, "") if isinstance(data, dict) else ""
-    return str(data) != str(value)
+    return data
 
 
-def _counted(problems: Iterable[Problem]) -> Iterator[dict[str, Any]]:
-    """Yield each problem once, with its number of occurrences."""
-    times = Counter((one.severity, one.message) for one in problems)
-    first = {(one.severity, one.message): one for one in reversed([*problems])}
-    for same, n in times.items():
-        yield {name: getattr(first[same], name) for name in _TOLD} | {"times": n}
+def _counted(problems: Iterable[Problem]) -> list[dict[str, Any]]:
+    """Return each problem once, with its number of occurrences."""
+    groups: dict[tuple[str, str], list[Problem]] = {}
+    for one in problems:
+        groups.setdefault((one.severity, one.message), []).append(one)
+    return [
+        {name: getattr(same[0], name) for name in _PROBLEM} | {"times": len(same)} for same in groups.values()
+    ]
 
 
-def _difference(path: Path, after: bytes) -> str:
+def _difference(name: str, before: bytes, after: bytes) -> str:
     """Return the lines of a file that would change, with those beside them."""
-    old, new = (text.decode("utf-8-sig", "replace").splitlines(True) for text in (read_file(path), after))
-    lines = [*unified_diff(old, new, path.name, path.name, n=1)]
+    old, new = (text.decode("utf-8-sig", "replace").splitlines(True) for text in (before, after))
+    lines = [*unified_diff(old, new, name, name, n=1)]
     more = [f"… and {len(lines) - MOST_LINES} more lines\n"] if len(lines) > MOST_LINES else []
     return "".join(lines[:MOST_LINES] + more)
+
+
+def _changed(path: Path) -> DataError:
+    why = "somebody else has changed the campaign meanwhile, so nothing was written"
+    return DataError(why, code="RF153", path=path, fix="read it again")
 
 
 def _channels(profile: ImportProfile) -> dict[str, dict[str, str]]:
     """Return the channels of a profile as the page's fields hold them."""
     return {
-        name: {
-            "column": f"#{one.column}" if isinstance(one.column, int) else one.column,
-            "unit": one.unit,
-            "sensitivity": one.sensitivity,
-        }
+        name: {"column": _column_text(one.column), "unit": one.unit, "sensitivity": one.sensitivity}
         for name, one in profile.channels.items()
     }

@@ -2,22 +2,23 @@
 
 import threading
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from functools import cached_property, partial
-from math import ceil, degrees, isclose, isfinite, log10
+from math import ceil, degrees, isclose, isfinite, log10, nan
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import DataError, InputError, known_error
+from ropefric.errors import DataError, InputError, RopefricError, known_error
 from ropefric.files.disk import read_file, take_back
 from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree
 from ropefric.friction.laws import ALL_LAWS
-from ropefric.pipeline import CampaignAnswer, CampaignRun, answer_trials
+from ropefric.pipeline import CampaignAnswer, CampaignRun, answer_campaign
 from ropefric.traces.breakaway import PickSettings, Status
 from ropefric.traces.decision import judge
 from ropefric.traces.readers import read_recordings
@@ -28,7 +29,7 @@ from ropefric.trials import numbers
 from ropefric.trials import result as results
 from ropefric.trials.campaign import load_campaign
 from ropefric.trials.campaign_model import Campaign, TrialSpec
-from ropefric.trials.decisions import Decision, add_decision, content_of, decision_of
+from ropefric.trials.decisions import Decision, add_decisions, content_of, decision_of
 from ropefric.trials.extract import ByRow, Progress, blocks_of, extract_rows, in_list_order, tared_trace
 from ropefric.trials.result import TrialResult
 from ropefric.trials.table import table_of_extraction
@@ -37,22 +38,15 @@ Curves = tuple[FloatArray, FloatArray, FloatArray | None]
 """Time, force and smoothed force of a recording, samples that are missing left out."""
 
 
-class Drawn(NamedTuple):
-    """The curves of a recording, and where the picker sees the break-away."""
-
-    curves: Curves
-    likely: dict[str, Any]
-
-
 _plain = partial(rounded_tree, digits=GIVEN_DIGITS)
 
 
 def row_of(trial: TrialResult, condition: str) -> dict[str, Any]:
     """Return what the list of trials shows of one."""
-    told = {name: getattr(trial, name) for name in ("file", "outcome", "excluded", "decision", "why", "by")}
+    own = {name: getattr(trial, name) for name in ("file", "outcome", "excluded", "decision", "why", "by")}
     force = {"force_N": trial.measured_N, "std_N": _std_of(trial), "probability": trial.breakaway.probability}
     known = {name: value if isfinite(value) else None for name, value in force.items()}
-    return {**told, "condition": condition, "status": trial.breakaway.status.value, **known}
+    return {**own, "condition": condition, "status": trial.breakaway.status.value, **known}
 
 
 def facts_of(spec: TrialSpec, result: TrialResult) -> dict[str, Any]:
@@ -73,20 +67,25 @@ def pick_of(result: TrialResult) -> dict[str, Any]:
     return {"picked": _plain([result.measured_N, _std_of(result), result.breakaway.peak_time_s])}
 
 
+def repeats_of(one: results.ConditionSummary) -> dict[str, Any]:
+    """Return mean, scatter and number of the repeats of a condition, and those that the rule rejects."""
+    numbers: dict[str, Any] = rounded_tree({"mean_N": one.mean_kept_N, "std_N": one.std_kept_N})
+    return numbers | {"n_kept": one.n_kept, "n": one.n_recorded, "rejected": list(one.rejected)}
+
+
 def _std_of(trial: TrialResult) -> float:
     return trial.end_tension_std_N if trial.measures_slack else trial.peak_std_N
 
 
-def drawn_of(campaign: Campaign, spec: TrialSpec, result: TrialResult) -> Drawn:
-    """Return a recording as it was picked from: calibrated, tared, and smoothed where that was done."""
+def drawn_of(campaign: Campaign, spec: TrialSpec, result: TrialResult) -> tuple[Curves, dict[str, Any]]:
+    """Return a recording as it was picked from, calibrated, tared and smoothed; and where the break-away may be."""
     raws = read_recordings(spec.path, campaign.profile, shown_as=spec.file)
     raw = blocks_of(replace(spec, sample=result.sample), raws)[0]
     trace, _ = tared_trace(campaign, spec, raw)
     window_s, present = result.breakaway.window_s, np.isfinite(trace.force_N)
     smoothed_N = smooth(trace, window_s).force_N[present] if isfinite(window_s) else None
-    return Drawn(
-        (trace.time_s[present], trace.force_N[present], smoothed_N), likely_in(campaign, spec, trace)
-    )
+    curves = trace.time_s[present], trace.force_N[present], smoothed_N
+    return curves, likely_in(campaign, spec, trace)
 
 
 def likely_in(campaign: Campaign, spec: TrialSpec, trace: ForceTrace) -> dict[str, Any]:
@@ -117,24 +116,22 @@ def decimated(curves: Curves, start_s: float, stop_s: float, columns: int) -> di
     begin_s, end_s = float(time_s[0]), float(time_s[-1])
     start_s = start_s if isfinite(start_s) else begin_s
     stop_s = stop_s if isfinite(stop_s) else end_s
-    columns = min(max(int(columns), 10), 5000)
+    columns = min(max(columns, 10), 5000)
     if not start_s < stop_s:
         stop_s = start_s + 1e-9 * max(1.0, abs(start_s))
-    first, last = np.searchsorted(time_s, start_s, "left"), np.searchsorted(time_s, stop_s, "right")
-    if last - first <= 2 * columns:
-        inside = slice(max(0, int(first) - 1), int(last) + 1)
-        drawn = [time_s[inside], force_N[inside], force_N[inside]]
-        middle = np.arange(time_s.size)[inside]
+    first, last = int(np.searchsorted(time_s, start_s, "left")), int(np.searchsorted(time_s, stop_s, "right"))
+    if last - first <= 2 * columns:  # each sample, and one beyond each end
+        first, last = max(0, first - 1), min(last + 1, time_s.size)
+        starts = np.arange(last - first)
     else:
-        time, force = time_s[first:last], force_N[first:last]
-        column = np.minimum(((time - start_s) * (columns / (stop_s - start_s))).astype(np.int64), columns - 1)
-        starts = np.flatnonzero(np.diff(column, prepend=-1))
-        counts = np.diff(np.append(starts, column.size))
-        low, high = np.minimum.reduceat(force, starts), np.maximum.reduceat(force, starts)
-        drawn = [0.5 * (time[starts] + time[starts + counts - 1]), low, high]
-        middle = first + starts + counts // 2
+        column = ((time_s[first:last] - start_s) * (columns / (stop_s - start_s))).astype(np.int64)
+        starts = np.flatnonzero(np.diff(np.minimum(column, columns - 1), prepend=-1))
+    time_s, force_N = time_s[first:last], force_N[first:last]
+    ends = np.append(starts[1:], last - first) - 1
+    drawn = [0.5 * (time_s[starts] + time_s[ends])]
+    drawn += [np.minimum.reduceat(force_N, starts), np.maximum.reduceat(force_N, starts)]
     if smoothed_N is not None:
-        drawn.append(smoothed_N[middle])
+        drawn.append(smoothed_N[first + (starts + ends + 1) // 2])
     names = ("time_s", "low_N", "high_N", "smoothed_N")
     tree = {name: _plain(values.tolist()) for name, values in zip(names, drawn, strict=False)}
     return {"start_s": start_s, "stop_s": stop_s, "begin_s": begin_s, "end_s": end_s} | tree
@@ -148,7 +145,7 @@ FEW = 20
 """Largest number of recordings, all of them read before, that are read in this process."""
 STEADY = 1e-5
 MOST_UNDONE = 100
-_TEXTS = {"exclude": ("exclude", "an exclusion needs its reason"), "comment": ("why", "the comment is empty")}
+_NO_TEXT = {"exclude": "an exclusion needs its reason", "comment": "the comment is empty"}
 HELD_CURVES = 3
 """Recordings that are kept to be drawn again."""
 
@@ -157,28 +154,44 @@ class _OutdatedError(Exception):
     """The result being computed belongs to a state that has changed."""
 
 
+Stamps = Mapping[Path, tuple[int, ...]]
+"""Time of change and size of each recording; nothing of one that is not there."""
+
+
 @dataclass(frozen=True, eq=False)
 class _State:
     """A campaign as its files state it, the results of every row of its list, and the results of all."""
 
-    content: tuple[bytes, bytes]
+    content: tuple[bytes, ...]
+    stamps: Stamps
     campaign: Campaign
     by_row: ByRow
     extraction: results.Extraction
     specs: Mapping[str, TrialSpec]
 
-    def kept_in(self, campaign: Campaign) -> ByRow:
-        """Return the results that hold in a changed campaign: those of the same rows under the same settings.
+    def kept_in(self, campaign: Campaign, stamps: Stamps) -> ByRow:
+        """Return the results that hold in a changed campaign: same rows, same recordings, same settings.
 
         No result depends on the line of a row and on the user's own columns.
         """
         if self.campaign.settings_fingerprint() != campaign.settings_fingerprint():
             return {}
-        were = {row.trial: replace(row, line=0, own=()) for row in self.campaign.trials}
-        alike = (row for row in campaign.trials if were.get(row.trial) == replace(row, line=0, own=()))
-        return {
-            row.trial: tuple(replace(one, own=row.own) for one in self.by_row[row.trial]) for row in alike
-        }
+        were, kept = {row.trial: row for row in self.campaign.trials}, dict[str, tuple[TrialResult, ...]]()
+        for row in campaign.trials:
+            was = were.get(row.trial)
+            if was is None or stamps[row.path] != self.stamps.get(row.path):
+                continue
+            if row == was:
+                kept[row.trial] = self.by_row[row.trial]
+            elif replace(row, line=was.line, own=was.own) == was:
+                kept[row.trial] = tuple(replace(one, own=row.own) for one in self.by_row[row.trial])
+        return kept
+
+    def has_read(self, row: TrialSpec, stamps: Stamps) -> bool:
+        """Return whether another process read the recording of a row to its end, as the recording is now."""
+        found = self.by_row.get(row.trial, ())
+        is_same = self.stamps.get(row.path) == stamps[row.path]
+        return is_same and bool(found) and all(map(_is_readable, found))
 
     @cached_property
     def rows(self) -> dict[str, dict[str, Any]]:
@@ -192,11 +205,13 @@ class _State:
         known = f"F_A {one.lift_force_N:.4g} N" if slack else f"F_B {one.end_tension_N:.4g} N"
         return f"R {1e3 * one.wheel_radius_m:.4g} mm, {degrees(one.wrap_angle_rad):.4g}°, {known}"
 
+    def condition_of(self, trial: str) -> results.ConditionSummary:
+        """Return the condition of a trial."""
+        return next(one for one in self.extraction.conditions if trial in one.trials)
+
     def condition(self, trial: str) -> dict[str, Any]:
         """Return mean, scatter and number of the repeats of a trial."""
-        one = next(one for one in self.extraction.conditions if trial in one.trials)
-        numbers: dict[str, Any] = rounded_tree({"mean_N": one.mean_kept_N, "std_N": one.std_kept_N})
-        return numbers | {"n_kept": one.n_kept, "n": one.n_recorded, "rejected": list(one.rejected)}
+        return repeats_of(self.condition_of(trial))
 
 
 class Review:
@@ -230,11 +245,12 @@ class Review:
     ) -> None:
         self.campaign_file, self.by, self.law, self._now = campaign, by, law, now
         self._jobs = jobs
-        self.lock = threading.RLock()
+        self._deciding = threading.RLock()  # held while a decision is written and measured
+        self.lock = threading.RLock()  # held for a moment, so that nobody who only looks has to wait
         self.n_written = 0
-        self._drawn: dict[tuple[object, ...], Drawn] = {}
-        self._undo: deque[Decision] = deque(maxlen=MOST_UNDONE)
-        self._state = self._load(None, progress=progress)
+        self._drawn: dict[tuple[object, ...], tuple[Curves, dict[str, Any]]] = {}
+        self._undo: deque[tuple[str, list[Decision]]] = deque(maxlen=MOST_UNDONE)
+        self._state = self._load(None, self._loaded(), progress)
         self._change: dict[str, Any] | None = None
         self._number, self._computed = 0, -1
         self._doing = ""
@@ -242,52 +258,48 @@ class Review:
         self._first: dict[str, Any] | None = None
         self._before: dict[str, Any] | None = None
         self._answer: dict[str, Any] | None = None
-        self._found: CampaignAnswer | None = None
+        self._run: CampaignRun | RopefricError | None = None
         self._recompute()
 
     @property
-    def trial_list(self) -> Path:
-        """Return the list of trials, which is only read."""
-        return self._state.campaign.trial_list
-
-    @property
-    def name(self) -> str:
-        """Return the campaign's name."""
-        return self._state.campaign.name
-
-    @property
-    def decisions(self) -> Path:
-        """Return the file that decisions are written to."""
-        return self._state.campaign.decisions
+    def campaign(self) -> Campaign:
+        """Return the campaign as it was read; its list of trials is never written."""
+        return self._state.campaign
 
     # --- the files ---
 
-    def _load(self, before: _State | None, progress: Progress | None = None) -> _State:
-        """Return the campaign as its files state it now; only rows that differ from those before are extracted."""
-        content = _contents(load_campaign(self.campaign_file, missing_recordings="flag"))
-        campaign = load_campaign(self.campaign_file, missing_recordings="flag")
+    def _loaded(self) -> Campaign:
+        return load_campaign(self.campaign_file, missing_recordings="flag")
+
+    def _load(self, before: _State | None, seen: Campaign, progress: Progress | None = None) -> _State:
+        """Return the campaign as the files of the one seen state it; only what differs from before is extracted."""
+        content, campaign = _contents(seen), self._loaded()
         if _contents(campaign) != content:
             raise _changed(campaign.trial_list)
-        kept, seen = ({}, {}) if before is None else (before.kept_in(campaign), before.by_row)
+        stamps = {path: _stamp(path) for path in dict.fromkeys(row.path for row in campaign.trials)}
+        kept = {} if before is None else before.kept_in(campaign, stamps)
         rows = tuple(row for row in campaign.trials if row.trial not in kept)
-        unread = (row for row in rows if not all(map(_is_readable, seen.get(row.trial, (None,)))))
-        trusted = len(rows) <= FEW and not any(unread)
+        trusted = (
+            before is not None and len(rows) <= FEW and all(before.has_read(row, stamps) for row in rows)
+        )
         of_rows = campaign.model_copy(update={"trials": rows, "warnings": ()})
-        new = extract_rows(of_rows, jobs=self._jobs, progress=progress, trusted=trusted)
-        by_row = {**kept, **new}
+        by_row = {**kept, **extract_rows(of_rows, jobs=self._jobs, progress=progress, trusted=trusted)}
         placed = in_list_order(campaign, by_row)
         found = results.summarised(campaign, [result for _, result in placed])
         specs = {result.trial: row for row, result in placed}
-        return _State(content, campaign, by_row, results.set_aside_impossible(found, campaign), specs)
+        return _State(content, stamps, campaign, by_row, results.set_aside_impossible(found, campaign), specs)
 
-    def reload(self) -> dict[str, Any]:
+    def reload(self, progress: Progress | None = None) -> None:
         """Read the changed campaign again; earlier decisions can no longer be undone."""
-        with self.lock:
-            self._state = self._load(self._state)
+        before = self._state
+        state = self._load(before, self._loaded(), progress)
+        with self._deciding, self.lock:
+            if self._state is not before:
+                raise _changed(state.campaign.trial_list)
+            self._state = state
             self._undo.clear()
             self._change = None
             self._recompute()
-            return self.overview()
 
     def decide(
         self, trial: str, action: str, *, pick_s: float | None = None, text: str = ""
@@ -313,42 +325,34 @@ class Review:
             RF153 if somebody else changed the list or the decisions meanwhile; another code if it cannot be written.
             Nothing has changed then.
         """
-        with self.lock:
-            state, was = self._state, decision_of(self._spec(trial))
-            now = was
-            if action == "pick":
-                now = self._picked(trial, pick_s, text)
-            elif action in _TEXTS:
-                column, otherwise = _TEXTS[action]
-                if not text.strip():
-                    raise InputError(otherwise, code="RF121", fix="say in a few words what was seen")
-                said: dict[str, Any] = {column: text.strip()}
-                now = was._replace(**said)
-            elif action == "include":
-                now = was._replace(exclude="")
-            elif action == "clear":
-                now = Decision(was.trial, file=was.file)
-            else:
-                raise InputError(f"there is no action {action!r}", key="action", fix="reload the page")
-            if now == was:
-                raise InputError("this changes nothing", code="RF110", key=trial)
-            self._write(now._replace(by=self.by, when=self._now().isoformat(timespec="seconds")))
-            self._undo.append(was)
-            self.n_written += 1
-            return self._changed_since(state, trial)
+        with self._deciding:
+            was = decision_of(self._spec(trial))
+            return self._keep(trial, [(was, self._decided(trial, was, action, pick_s, text.strip()))])
 
     def switch(self, trial: str, text: str) -> dict[str, Any]:
         """Exclude all trials of a trial's condition for a reason; or, without one, take such a reason back."""
-        with self.lock:
-            self._spec(trial)
-            conditions = self._state.extraction.conditions
-            (one,) = (each for each in conditions if trial in each.trials)
-            excluded = {name: self._spec(name).exclude for name in one.trials}
-            action, reason = ("exclude", "") if text else ("include", excluded[trial])
-            for name, why in excluded.items():
-                if why == reason:
-                    self.decide(name, action, text=text)
-            return self.overview()
+        with self._deciding:
+            reason = "" if text else self._spec(trial).exclude
+            one = self._state.condition_of(trial)
+            alike = {self._spec(name).trial: decision_of(self._spec(name)) for name in one.trials}
+            changes = [(was, was._replace(exclude=text)) for was in alike.values() if was.exclude == reason]
+            return self._keep(trial, changes)
+
+    def _decided(self, trial: str, was: Decision, action: str, pick_s: float | None, text: str) -> Decision:
+        """Return the decision that an action makes of the one before."""
+        if action in _NO_TEXT and not text:
+            raise InputError(_NO_TEXT[action], code="RF121", fix="say in a few words what was seen")
+        if action == "pick":
+            return self._picked(trial, pick_s, text)
+        made = {
+            "exclude": was._replace(exclude=text),
+            "comment": was._replace(why=text),
+            "include": was._replace(exclude=""),
+            "clear": Decision(was.trial, file=was.file),
+        }
+        if action not in made:
+            raise InputError(f"there is no action {action!r}", key="action", fix="reload the page")
+        return made[action]
 
     def use_law(self, law: str) -> None:
         """Use a law, "" for the best."""
@@ -359,19 +363,20 @@ class Review:
             self._recompute()
 
     def run(self) -> CampaignRun | None:
-        """Return the run behind the answer to all trials; None while it is computed, or if there is no answer."""
+        """Return the run behind the answer to all trials, None while it is computed; raise why there is no answer."""
         with self.lock:
-            ready, found, state = self._computed == self._number, self._found, self._state
-        if not ready or found is None:
-            return None
-        return CampaignRun(campaign=state.campaign, extraction=state.extraction, answer=found, written=())
+            run = self._run if self._computed == self._number else None
+        if isinstance(run, RopefricError):
+            raise run
+        return run
 
     def settings_of(self, one: results.ConditionSummary) -> dict[str, Any]:
-        """Return a condition in words, one of its trials, and why all of them are excluded, "" where they are not."""
+        """Return a condition in words with its mean, one of its trials, and why all are excluded, "" if not all are."""
         with self.lock:
             why = {self._spec(name).exclude for name in one.trials}
             words = self._state.rows[one.trials[0]]["condition"]
-        return {"words": words, "trial": one.trials[0], "off": why.pop() if len(why) == 1 else ""}
+        off = why.pop() if len(why) == 1 else ""
+        return {"words": words, "trial": one.trials[0], "off": off, **repeats_of(one)}
 
     def _picked(self, trial: str, pick_s: float | None, text: str) -> Decision:
         if pick_s is None or not isfinite(pick_s):
@@ -380,55 +385,65 @@ class Review:
         self.preview(trial, pick_s)  # which refuses a place without a peak
         spec, result = self._spec(trial), self._result(trial)
         events, outline = result.breakaway.candidates, result.outline
-        near = next(
-            (i for i, event in enumerate(events, 1) if isclose(event.time_s, pick_s, rel_tol=1e-6)), 0
-        )
-        said = f"candidate {near} of {len(events)} accepted" if near else "set by hand"
+        near = [i for i, event in enumerate(events, 1) if isclose(event.time_s, pick_s, rel_tol=1e-6)]
+        said = f"candidate {near[0]} of {len(events)} accepted" if near else "set by hand"
         own = spec.why if not spec.why.startswith(OWN_WORDS) else ""
         if outline is not None:  # no finger is steadier than this part of the recording
             span_s = float(outline.time_s[-1] - outline.time_s[0])
             pick_s = round(pick_s, max(0, ceil(-log10(max(STEADY * span_s, 1e-12)))))
-        said = text.strip() or own or OWN_WORDS + said
-        return Decision(spec.trial, pick_s=pick_s, why=said, file=spec.file)
+        return Decision(spec.trial, pick_s=pick_s, why=text or own or OWN_WORDS + said, file=spec.file)
 
     def undo(self) -> dict[str, Any]:
         """Write the state before the last decision again, and return the changes."""
-        with self.lock:
+        with self._deciding:
             if not self._undo:
                 raise InputError("no decision can be undone", code="RF110")
-            state, was = self._state, self._undo[-1]
-            self._write(was)
+            state, (trial, were) = self._state, self._undo[-1]
+            self._write(were)
             self._undo.pop()
-            self.n_written -= 1
-            return self._changed_since(state, was.trial)
+            self.n_written -= len(were)
+            return self._changed_since(state, trial)
 
-    def _write(self, decision: Decision) -> None:
-        """Write a decision, if list and decisions are what was read; take it back if the campaign refuses it."""
-        state, path = self._state, self.decisions
+    def _keep(self, trial: str, changes: Sequence[tuple[Decision, Decision]]) -> dict[str, Any]:
+        """Write what replaces decisions, and return the effects."""
+        state, changed = self._state, [(was, now) for was, now in changes if was != now]
+        if not changed:
+            raise InputError("this changes nothing", code="RF110", key=trial)
+        when = self._now().isoformat(timespec="seconds")
+        self._write([now._replace(by=self.by, when=when) for _, now in changed])
+        self._undo.append((trial, [was for was, _ in changed]))
+        self.n_written += len(changed)
+        return self._changed_since(state, trial)
+
+    def _write(self, decisions: Sequence[Decision]) -> None:
+        """Write decisions, if all files are what was read; take them back if the campaign refuses them."""
+        state, path = self._state, self.campaign.decisions
         if self._number < 0:
             raise DataError("the review has ended, so nothing was written", path=path, fix="start it again")
         if _contents(state.campaign) != state.content:
             raise _changed(state.campaign.trial_list)
-        before = state.content[1]
-        added = add_decision(path, decision, before)
+        before = state.content[-1]
+        added = add_decisions(path, decisions, before)
         try:
-            self._state = self._load(state)
+            changed = self._load(state, state.campaign)
         except BaseException:
             take_back(path, before, added)
             raise
+        with self.lock:
+            self._state = changed
+            self._recompute()
 
     def _changed_since(self, state: _State, trial: str) -> dict[str, Any]:
         before, now = state.rows, self._state.rows
-        if before.keys() != now.keys():  # what was one trial has become several
-            self._change = None
-            self._recompute()
-            return self.overview()
-        was = before[trial] | {"condition_was": state.condition(trial)}
-        is_now = now[trial] | {"condition_is": self._state.condition(trial)}
-        self._change = {"trial": trial, "was": was, "is": is_now}
-        self._recompute()
-        rows = {name: row for name, row in now.items() if row != before.get(name)}
-        return {"rows": rows, "undo": len(self._undo), "counts": self._counts(), **self.answer()}
+        with self.lock:
+            if before.keys() != now.keys():  # what was one trial has become several
+                self._change = None
+                return self.overview()
+            was = before[trial] | {"condition_was": state.condition(trial)}
+            is_now = now[trial] | {"condition_is": self._state.condition(trial)}
+            self._change = {"trial": trial, "was": was, "is": is_now}
+            rows = {name: row for name, row in now.items() if row != before.get(name)}
+            return {"rows": rows, "undo": len(self._undo), "counts": self._counts(), **self.answer()}
 
     # --- the answer, computed behind the scenes ---
 
@@ -454,22 +469,23 @@ class Review:
                 if number != self._number:
                     raise _OutdatedError
 
-            found: CampaignAnswer | None = None
+            run: CampaignRun | RopefricError
             try:
-                found = _answered(state, self.law, stop_if_outdated)
-                said = _said_of(found)
+                run = _answered(state, self.law, stop_if_outdated)
+                said = _said_of(run.answer)
             except _OutdatedError:
                 continue
             except Exception as error:  # noqa: BLE001  (a page that computes for ever says less)
-                said = {"error": known_error(error, report_with="what you did on the page").problem.to_dict()}
+                run = known_error(error, report_with="what you did on the page")
+                said = {"error": run.problem.to_dict()}
             with self.lock:
                 if number == self._number:
-                    self._answer, self._found, self._computed = said, found, number
+                    self._answer, self._run, self._computed = said, run, number
                     self._first = self._first or said
 
     def close(self) -> None:
         """Wait for a decision that is being written, and a moment for the fit of a law; nothing is written later."""
-        with self.lock:
+        with self._deciding, self.lock:
             self._number, thread = -1, self._thread
         if thread is not None:
             thread.join(2.0)
@@ -478,9 +494,9 @@ class Review:
         """Return the last decision, and the answer to all trials before and after it, as far as it is computed."""
         with self.lock:
             ready = self._computed == self._number
-            told = {"change": self._change, "first": self._first, "before": self._before}
-            computing = "" if ready else self._doing or "fit"
-            return told | {"computing": computing, "now": self._answer if ready else None}
+            tree = {"number": self._number, "change": self._change}
+            tree |= {"first": self._first, "before": self._before, "now": self._answer if ready else None}
+            return tree | {"computing": "" if ready else self._doing or "fit"}
 
     # --- what the page shows ---
 
@@ -521,9 +537,9 @@ class Review:
         one = campaign.model_copy(update={"trials": (decided,), "warnings": ()})
         by_row = extract_rows(one, trusted=True)
         result = by_row[spec.trial][0]
-        found = result.breakaway
-        if found.status is not Status.OK:
-            raise DataError(found.detail, code="RF244", key="pick_s", fix="choose another place")
+        self._refuse_unread(result)
+        if result.breakaway.status is not Status.OK:
+            raise DataError(result.breakaway.detail, code="RF244", key="pick_s", fix="choose another place")
         return pick_of(result)
 
     def curve(self, trial: str, start_s: float, stop_s: float, columns: int) -> dict[str, Any]:
@@ -535,11 +551,17 @@ class Review:
         key = (trial, result.sha256, campaign.settings_fingerprint(), *part)
         drawn = self._drawn.get(key) or drawn_of(campaign, spec, result)
         with self.lock:
-            self._drawn.pop(key, None)
-            self._drawn[key] = drawn  # the last one is the newest
-            for old in [*self._drawn][:-HELD_CURVES]:
-                del self._drawn[old]
-        return decimated(drawn.curves, start_s, stop_s, columns) | drawn.likely
+            self._drawn = dict([*self._drawn.items(), (key, drawn)][-HELD_CURVES:])
+        curves, likely = drawn
+        return decimated(curves, start_s, stop_s, columns) | likely
+
+    def look_once(self) -> None:
+        """Look at one recording, so that the libraries for it are loaded before a person waits for them."""
+        for trial, result in zip(self._state.specs, self._state.extraction.trials[:1], strict=False):
+            with suppress(RopefricError):
+                self.trial(trial)
+                self.curve(trial, nan, nan, 100)
+                self.preview(trial, result.breakaway.peak_time_s)
 
     def _refuse_unread(self, result: results.TrialResult) -> None:
         if not _is_readable(result):
@@ -547,37 +569,42 @@ class Review:
             raise DataError(result.breakaway.detail, path=result.file, fix=fix)
 
 
-def _answered(state: _State, law: str, progress: Callable[[str, int, int], None]) -> CampaignAnswer:
+def _answered(state: _State, law: str, progress: Callable[[str, int, int], None]) -> CampaignRun:
     """Return the answer to all trials, as `ropefric run` finds it."""
-    campaign = state.campaign
-    if (without := results.no_force(state.extraction, campaign.path)) is not None:
+    campaign, extraction = state.campaign, state.extraction
+    if (without := results.no_force(extraction, campaign.path)) is not None:
         raise without
-    asked: dict[str, Any] = {"design": campaign.design, "rope_radius_m": campaign.rope.radius_m}
-    asked["shared"] = {"cell": "cell"} | campaign.uncertainty
-    return answer_trials(table_of_extraction(state.extraction), law=law, progress=progress, **asked)
+    answer = answer_campaign(campaign, table_of_extraction(extraction), law=law, progress=progress)
+    return CampaignRun(campaign=campaign, extraction=extraction, answer=answer, written=())
 
 
 def _said_of(answer: CampaignAnswer) -> dict[str, Any]:
     """Return the numbers of an answer that a decision may change."""
     parameters = [[one.name, one.value, one.std] for one in answer.fit.parameters if one.vary]
-    lift, found = None, answer.prediction
-    if found is not None:
-        ends = dict(zip(("low_N", "high_N"), found.interval_N[0].tolist(), strict=True))
-        lift = _plain({"force_N": float(found.lift_force_N[0]), **ends, "level": found.level})
+    lift = None if answer.prediction is None else answer.prediction.to_dict()
     said = {"law": answer.fit.law, "verdict": answer.verdict.word, "reason": answer.verdict.reason}
-    return {**said, "parameters": _plain(parameters), "lift": lift}
+    return {**said, "parameters": _plain(parameters), "lift": _plain(lift)}
 
 
-def _is_readable(result: results.TrialResult | None) -> bool:
+def _is_readable(result: TrialResult) -> bool:
     """Return whether a recording is no danger to this process: another one read it to its end."""
-    return result is not None and all(problem.code != UNREADABLE for problem in result.problems)
+    return all(problem.code != UNREADABLE for problem in result.problems)
 
 
-def _contents(campaign: Campaign) -> tuple[bytes, bytes]:
-    """Return the bytes of the list of trials and of the decisions beside it."""
-    return read_file(campaign.trial_list), content_of(campaign.decisions)
+def _stamp(path: Path) -> tuple[int, ...]:
+    with suppress(OSError):
+        found = path.stat()
+        return found.st_mtime_ns, found.st_size
+    return ()
+
+
+def _contents(campaign: Campaign) -> tuple[bytes, ...]:
+    """Return the bytes of a campaign file, of its list of trials, and of the decisions beside it."""
+    return read_file(campaign.path), read_file(campaign.trial_list), content_of(campaign.decisions)
 
 
 def _changed(path: Path) -> DataError:
-    why = "somebody else has changed the list of trials or the decisions since they were read, so nothing was written"
+    why = (
+        "somebody else has changed the campaign, its list or its decisions meanwhile, so nothing was written"
+    )
     return DataError(why, code="RF153", path=path, fix="read it again, then decide anew")

@@ -3,7 +3,7 @@
 import json
 import secrets
 import socketserver
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from hmac import compare_digest
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -13,14 +13,13 @@ from urllib.parse import parse_qs, urlsplit
 
 from ropefric.errors import InputError, InternalError, RopefricError, known_error
 from ropefric.files.plain_text import visible
-from ropefric.page.desk import REPORT_WITH, Desk
+from ropefric.page.desk import MOST_OF_A_FILE, REPORT_WITH, Desk
 
 HOST = "127.0.0.1"
 TOKEN_HEADER = "X-Ropefric-Token"  # noqa: S105  (its name)
 MOST_BYTES = 65536
 """Largest request with settings or a decision."""
-MOST_OF_A_FILE = 256 * 2**20
-"""Bytes of one recording that is dropped on the page."""
+_BLOCK = 2**20
 
 _HEADERS = {
     "Cache-Control": "no-store",
@@ -37,12 +36,17 @@ _POLICY = (
 # A report has no script; its own styles and pictures stand in it, and only our page may frame it.
 _REPORT = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; sandbox; frame-ancestors 'self'"
 _KINDS = {
+    "json": "application/json",
     "html": "text/html; charset=utf-8",
     "js": "text/javascript; charset=utf-8",
     "css": "text/css; charset=utf-8",
     "txt": "text/plain; charset=utf-8",
     "pdf": "application/pdf",
 }
+
+
+_NOT_UNDERSTOOD = (LookupError, TypeError, ValueError, AttributeError, OverflowError, RecursionError)
+"""Faults of a request whose fields are missing, or are no numbers or tables where such are needed."""
 
 
 class PageServer(ThreadingHTTPServer):
@@ -121,14 +125,12 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _send(self, status: int, tree: Any) -> None:
         sent = tree if isinstance(tree, _Sent) else _Sent(json.dumps(tree).encode(), "json")
+        headers = _HEADERS | {"Content-Type": _KINDS[sent.ending], "Content-Length": str(len(sent.body))}
+        headers |= {"Content-Security-Policy": sent.policy}
+        if "frame-ancestors 'self'" not in sent.policy:
+            headers |= {"X-Frame-Options": "DENY"}
         self.send_response(status)
-        frames = {} if "frame-ancestors 'self'" in sent.policy else {"X-Frame-Options": "DENY"}
-        own = {
-            "Content-Type": _KINDS.get(sent.ending, "application/json"),
-            "Content-Length": str(len(sent.body)),
-        }
-        own["Content-Security-Policy"] = sent.policy
-        for name, value in {**_HEADERS, **frames, **own}.items():
+        for name, value in headers.items():
             self.send_header(name, value)
         self.end_headers()
         self.wfile.write(sent.body)
@@ -143,12 +145,10 @@ class _Handler(BaseHTTPRequestHandler):
         if host not in names:
             raise _Refused(403, "the request names another address than this page has")
         given = self.headers.get(TOKEN_HEADER, query.get("token", ""))
-        if path.startswith(("/api/", "/results/")) and not compare_digest(
-            given.encode(), self.server.token.encode()
-        ):
-            raise _Refused(
-                403, "the token is missing or wrong; it is the end of the address that ropefric printed"
-            )
+        is_known = compare_digest(given.encode(), self.server.token.encode())
+        if path.startswith(("/api/", "/results/")) and not is_known:
+            why = "the token is missing or wrong; it is the end of the address that ropefric printed"
+            raise _Refused(403, why)
         origin = self.headers.get("Origin")
         if origin != f"http://{host}" and (origin is not None or self.command != "GET"):
             raise _Refused(403, "only the page itself may send this request")
@@ -160,32 +160,42 @@ class _Handler(BaseHTTPRequestHandler):
         if place == "static" and name in _page():
             return _Sent(_page()[name], name.rpartition(".")[2])
         if place == "results":
-            policy = (
-                _NOTHING if name.endswith(".pdf") else _REPORT
-            )  # browsers show no PDF where nothing may run
+            # Browsers show no PDF where nothing may run.
+            policy = _NOTHING if name.endswith(".pdf") else _REPORT
             return _Sent(self.server.desk.result(name), name.rpartition(".")[2], policy)
         if place == "api" and (read := self.server.desk.reads.get(name)) is not None:
             return read(query)
         raise _Refused(404, "there is no such page")
 
     def _post(self, path: str, query: Mapping[str, str]) -> Any:
-        size = int(self.headers["Content-Length"])
-        if path == "/api/upload":
-            if self.headers.get_content_type() != "application/octet-stream":
-                raise _Refused(415, "this is no file")
-            if not 0 <= size <= MOST_OF_A_FILE:
-                raise _Refused(
-                    413, f"a file of more than {MOST_OF_A_FILE // 2**20} MB is not taken: name its folder"
-                )
-            return self.server.desk.upload(query["name"], self.rfile, size)
-        if self.headers.get_content_type() != "application/json":
-            raise _Refused(415, "this is not JSON")
-        if not 0 <= size <= MOST_BYTES:
-            raise _Refused(413, "this is too long")
-        write = self.server.desk.writes.get(path.removeprefix("/api/"))
-        if write is None or not path.startswith("/api/"):
+        place, _, name = path.removeprefix("/").partition("/")
+        is_file, write = name == "upload", self.server.desk.writes.get(name)
+        if place != "api" or not (is_file or write):
             raise _Refused(404, "there is no such page")
-        return write(dict(json.loads(self.rfile.read(size))))
+        kind, most = ("octet-stream", MOST_OF_A_FILE) if is_file else ("json", MOST_BYTES)
+        if self.headers.get_content_type() != f"application/{kind}":
+            raise _Refused(415, f"this is not application/{kind}")
+        size = int(self.headers["Content-Length"])
+        if not 0 <= size <= most:
+            why = f"more than {most} bytes are not accepted here; name the folder of the recordings"
+            raise _Refused(413, why)
+        content = self._content(size)
+        if write is not None:
+            return write(dict(json.loads(b"".join(content))))
+        try:
+            return self.server.desk.upload(query["name"], content, size)
+        finally:
+            for _ in content:  # a browser reads no answer before it has sent all
+                pass
+
+    def _content(self, size: int) -> Iterator[bytes]:
+        """Yield what a request sends, in blocks."""
+        try:
+            while size > 0 and (block := self.rfile.read(min(size, _BLOCK))):
+                size -= len(block)
+                yield block
+        except TimeoutError:
+            raise _Refused(408, "the request broke off") from None
 
 
 @cache
@@ -195,9 +205,7 @@ def _page() -> dict[str, bytes]:
 
 def _answer_to(error: Exception) -> tuple[int, dict[str, Any]]:
     """Return the status of an answer, and its error in words."""
-    if isinstance(error, KeyError | TypeError | ValueError | RecursionError) and not isinstance(
-        error, RopefricError
-    ):
+    if isinstance(error, _NOT_UNDERSTOOD) and not isinstance(error, RopefricError):
         return 400, {"error": {"code": "RF110", "message": "the request cannot be understood"}}
     known = known_error(error, report_with=REPORT_WITH)
     said = visible("; ".join(dict.fromkeys(problem.message for problem in known.problems)))

@@ -5,6 +5,7 @@ peak_N, exclude, why and by; a line without a decision takes back the one before
 one piece: lines in the file, also those that others append meanwhile, are never written again.
 """
 
+from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
@@ -73,10 +74,10 @@ def read_decisions(path: Path) -> tuple[dict[str, Decision], CellTable, tuple[Pr
     return {one.trial: one for one in made}, table, tuple(chain(*wrong.values()))
 
 
-def add_decision(path: Path, decision: Decision, before: bytes) -> bytes:
-    """Put a decision at the end of the file, which said `before`, and return the bytes that were added.
+def add_decisions(path: Path, decisions: Sequence[Decision], before: bytes) -> bytes:
+    """Put decisions at the end of the file, which said `before`, in one piece, and return the bytes that were added.
 
-    It is written with the columns, separator and decimal mark that stand there.
+    They are written with the columns, separator and decimal mark that stand there.
     """
     _, table, problems = read_decisions(path)
     problem = next((one for one in problems if one.severity == "error"), None)
@@ -88,8 +89,17 @@ def add_decision(path: Path, decision: Decision, before: bytes) -> bytes:
         raise InputError(
             "the file is no UTF-8 text", code="RF108", path=path, fix="save it as UTF-8"
         ) from None
+    head = [] if before else [table.header]
+    ended = "\n" if before and not before.endswith(b"\n") else ""
+    rows = [_row(table, one) for one in decisions]
+    added = (ended + csv_text([*head, *rows], separator=table.separator)).encode()
+    append_file(path, added, is_new=not before)
+    return added
+
+
+def _row(table: CellTable, decision: Decision) -> list[str]:
+    """Return the line of a decision, with the columns and the decimal mark of a table."""
     columns, _, _ = table.bind(_NUMBERS, _TEXTS)
-    mark = table.decimal_mark(columns)
     row = [""] * len(table.header)
     for name, column in columns.items():
         value = getattr(decision, name)
@@ -97,12 +107,8 @@ def add_decision(path: Path, decision: Decision, before: bytes) -> bytes:
             row[column.index] = to_spreadsheet(" ".join(value.split()))
         elif value is not None:
             number = value / unit_factor(column.unit, column.si_unit)
-            row[column.index] = f"{number:.12g}".replace(".", mark)
-    head = [] if before else [table.header]
-    ended = "\n" if before and not before.endswith(b"\n") else ""
-    added = (ended + csv_text([*head, row], separator=table.separator)).encode()
-    append_file(path, added, is_new=not before)
-    return added
+            row[column.index] = f"{number:.12g}".replace(".", table.decimal_mark(columns))
+    return row
 
 
 def content_of(path: Path) -> bytes:

@@ -1,6 +1,7 @@
 """A campaign begun from its recordings: the import profile that reads them, and a row of the list for each of them."""
 
 import csv
+import glob
 import os
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ropefric.errors import RopefricError
-from ropefric.files.plain_text import csv_text, to_spreadsheet
+from ropefric.files.plain_text import csv_text, from_spreadsheet, to_spreadsheet
 from ropefric.glossary import counted
 from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.inspection import Inspection, inspect_file
@@ -51,7 +52,8 @@ def propose_campaign(
     trials, missed = list_from_names(files_of(recordings), pattern, folder)
     header, *rows = csv.reader(trials.decode().splitlines())
     # The folder need not be there yet.
-    paths = [Path(os.path.normpath(folder / row[header.index("file")])) for row in rows]
+    files = (from_spreadsheet(row[header.index("file")]) for row in rows)
+    paths = [Path(os.path.normpath(folder / file)) for file in files]
     usual = Counter(path.suffix.lower() for path in paths).most_common(1)[0][0]
     alike = [path for path in paths if path.suffix.lower() == usual]
     found = inspected(alike, known, limits or Limits())
@@ -82,7 +84,7 @@ def _with_samples(
 
 def files_of(recordings: str) -> str:
     """Return the glob pattern of a folder's files, or the one that is given."""
-    return f"{recordings.rstrip('/')}/*" if Path(recordings).is_dir() else recordings
+    return f"{glob.escape(recordings.rstrip('/'))}/*" if Path(recordings).is_dir() else recordings
 
 
 def _samples_of(

@@ -10,7 +10,7 @@ from contextlib import redirect_stdout
 import pytest
 
 from ropefric.cli.app import main
-from ropefric.errors import DataError
+from ropefric.errors import DataError, InputError
 from ropefric.fitting import compare
 from ropefric.page import answers
 from ropefric.page.desk import Desk
@@ -41,21 +41,14 @@ def reviewed(extracted, settled, tmp_path_factory):
     review.close()
 
 
-@pytest.fixture
-def machines():
-    made = answers.Machines()
-    yield made
-    made.close()
-
-
 def test_what_the_page_says_is_what_run_says(reviewed):
     review, first, answer, told = reviewed
     assert answer["before"] == answer["first"] == first
     said, found = answer["now"], told["prediction"]
     assert (said["law"], said["lift"] != first["lift"]) == (told["law"], True)
-    assert said["lift"]["force_N"] == pytest.approx(found["lift_force_N"], rel=1e-6)
-    assert [said["lift"]["low_N"], said["lift"]["high_N"]] == pytest.approx(found["interval_N"], rel=1e-6)
-    with (review.trial_list.parent / "fresh" / "trials.csv").open(newline="") as file:
+    assert said["lift"]["lift_force_N"] == pytest.approx(found["lift_force_N"], rel=1e-6)
+    assert said["lift"]["interval_N"] == pytest.approx(found["interval_N"], rel=1e-6)
+    with (review.campaign_file.parent / "fresh" / "trials.csv").open(newline="") as file:
         row = next(one for one in csv.DictReader(file) if one["trial"] == "c28-r03")
     assert (row["status"], row["kept"], row["decided_by"]) == ("ok", "true", "A. Meier")
     force_N = review.overview()["rows"]["c28-r03"]["force_N"]
@@ -76,7 +69,7 @@ def test_laws_data_and_wheels_are_those_of_the_commands(reviewed, capfd):
     assert all(low < force < high for _, force, low, high in points)
 
     wheel = ("--wheel-radius", "35 mm", "--wrap", "300 deg", "--end-tension", "60 N", "--json")
-    fit = str(review.trial_list.parent / "fresh" / "fits" / f"{tree['law']}.json")
+    fit = str(review.campaign_file.parent / "fresh" / "fits" / f"{tree['law']}.json")
     main(["predict", "--fit", fit, *wheel])
     said = json.loads(capfd.readouterr().out)
     rope_m = run.campaign.rope.radius_m
@@ -109,8 +102,13 @@ def test_a_condition_is_switched_off_with_a_reason_and_on_again(begin):
     review.decide("c11-r01", "exclude", text="torn")
     review.switch("c11-r02", "wet rope")
     assert excluded() == ["torn", *["wet rope"] * 3]
+    # All of it is one decision, which is undone at once.
+    assert (review.undo()["undo"], excluded()) == (1, ["torn", *[""] * 3])
+    review.switch("c11-r02", "wet rope")
     review.switch("c11-r02", "")
     assert excluded() == ["torn", *[""] * 3]
+    with pytest.raises(InputError, match="changes nothing"):
+        review.switch("c11-r02", "")
 
 
 def test_another_law_is_used_where_that_is_asked(begin, settled, monkeypatch):
@@ -132,7 +130,7 @@ def test_a_report_has_the_bytes_of_the_command(campaign, begin, monkeypatch, opt
     monkeypatch.chdir(campaign)
     desk = Desk(campaign / "campaign.toml", by="A. Meier", out=campaign / "page", review=begin())
     desk.writes["report"]({name.removeprefix("--"): True for name in options})
-    while (told := desk.work.told())["running"]:
+    while (told := desk.work.state())["running"]:
         time.sleep(0.05)
     assert told["result"]["reports"][0] == "report.html"
     assert main(["report", str(campaign / "campaign.toml"), "--out", "command", *options, "--quiet"]) in {
@@ -148,11 +146,11 @@ def test_a_report_has_the_bytes_of_the_command(campaign, begin, monkeypatch, opt
     assert ("report.pdf" in made) == ("--pdf" in options)
 
 
-def test_every_template_is_a_form_that_solves_as_the_command_does(machines, tmp_path, capfd):
-    names = [one["name"] for one in machines.names()]
+def test_every_template_is_a_form_that_solves_as_the_command_does(tmp_path, capfd):
+    names = [one["name"] for one in answers.machine_names()]
     assert {"hoist", "belt-press", "band-saw", "traction", "belt-drive"} <= set(names)
     for name in names:
-        rows = machines.form(name)
+        rows = answers.machine_form(name)
         assert len({row["key"] for row in rows}) == len(rows)
         assert all(
             row["value"] for row in rows[: sum(bool(row["value"]) for row in rows)]
@@ -161,22 +159,22 @@ def test_every_template_is_a_form_that_solves_as_the_command_does(machines, tmp_
     capfd.readouterr()
     main(["solve", str(tmp_path / "hoist.toml"), "--json"])
     said = json.loads(capfd.readouterr().out)
-    told = machines.solve("hoist", {}, None)
+    told = answers.solve_machine("hoist", {}, None)
     assert told["answer"]["lift_force_N"] == pytest.approx(said["lift_force_N"], rel=1e-6)
     assert told["text"].startswith("hoist\n  friction: ")  # not the page's own file of it
-    more = machines.solve("hoist", {"wheel.wrap": "720 deg"}, None)
+    more = answers.solve_machine("hoist", {"wheel.wrap": "720 deg"}, None)
     assert more["answer"]["lift_force_N"] > told["answer"]["lift_force_N"]
     assert {one["fate"] for one in told["effects"]} <= {"simulated", "left out", "not applicable"}
     with pytest.raises(DataError, match="wrap"):
-        machines.solve("hoist", {"wheel.wrap": "720"}, None)
-    with pytest.raises(KeyError):
-        machines.form("../../etc/passwd")
+        answers.solve_machine("hoist", {"wheel.wrap": "720"}, None)
+    with pytest.raises(LookupError):
+        answers.machine_form("../../etc/passwd")
 
 
-def test_the_law_of_the_campaign_drives_a_machine(reviewed, machines):
-    told = machines.solve("hoist", {}, reviewed[0].run().answer.fit)
+def test_the_law_of_the_campaign_drives_a_machine(reviewed):
+    told = answers.solve_machine("hoist", {}, reviewed[0].run().answer.fit)
     assert told["answer"]["lift_force_N"] > 0
-    assert told["answer"] != machines.solve("hoist", {}, None)["answer"]
+    assert told["answer"] != answers.solve_machine("hoist", {}, None)["answer"]
 
 
 def test_every_key_says_what_it_is():

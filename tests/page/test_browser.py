@@ -2,14 +2,19 @@
 
 import csv
 import io
+import shutil
 import threading
+from dataclasses import fields, replace
+from pathlib import Path
 
 import pytest
 from browser import complaints, driven, shown_as
 
 from ropefric.cli.app import main
+from ropefric.page import review as session
 from ropefric.page.desk import Desk
 from ropefric.page.server import PageServer
+from ropefric.trials.campaign_model import TrialRow
 
 webdriver = pytest.importorskip("selenium.webdriver")
 from selenium.webdriver.common.by import By  # noqa: E402
@@ -17,6 +22,7 @@ from selenium.webdriver.common.keys import Keys  # noqa: E402
 from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: E402
 
 pytestmark = pytest.mark.slow
+BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
 
 
 @pytest.fixture(scope="session")
@@ -30,7 +36,8 @@ def page(chromium, begin, campaign):
     servers = []
 
     def page(*, fits=False):
-        server = PageServer(Desk(campaign / "campaign.toml", by="A. Meier", review=begin(fits=fits)))
+        page.review = begin(fits=fits)
+        server = PageServer(Desk(campaign / "campaign.toml", by="A. Meier", review=page.review))
         thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
         thread.start()
         servers.append((server, thread))
@@ -102,7 +109,7 @@ def test_a_person_decides_and_the_list_and_the_next_extraction_follow(page, camp
     assert change["F_A of c28-r03"][0] == "–"
     assert change["F_A of c28-r03"][1].startswith("79.1")
     assert change["counting"] == ["3 of 4", "4 of 4"]
-    was, now = inside(driver, "return [S.answer.before.lift.force_N, S.answer.now.lift.force_N]")
+    was, now = inside(driver, "return [S.answer.before.lift.lift_force_N, S.answer.now.lift.lift_force_N]")
     assert was != now
     for name in ("Its condition: mean", "s", "Lift force, 95 % interval"):
         was, now = change[name]
@@ -198,6 +205,87 @@ def test_five_thousand_trials_are_a_screenful(page):
     wanted = [f"t{i}" for i in range(0, 5000, 50) if i % 7 == 3 and f"{i}"[0] == "4"]
     assert (names(), text(driver, "n-shown")) == (wanted, f"{len(wanted)} of 5000 shown")
     assert driver.execute_script("return document.getElementsByTagName('*').length") < 700
+
+
+@pytest.fixture
+def many(campaign, monkeypatch):
+    """Five thousand rows in place of those of the list, of 400 conditions; their recordings are read as one."""
+    path, toml, extract = campaign / "trials.csv", campaign / "campaign.toml", session.extract_rows
+    head, *rows = [row for row in path.read_text().splitlines() if not row.startswith("#")]
+    assert head.startswith("trial,file,wheel,wrap_angle_deg,")
+    _, recording, wheel, _, *cells = next(row for row in rows if row.startswith("c35-r01")).split(",")
+    toml.write_text(toml.read_text().replace(f'data = "{BENCH.as_posix()}"', 'data = "."'))
+    shutil.copy(BENCH / recording, campaign / "one.csv.gz")
+    lines = []
+    for i in range(5000):
+        (campaign / f"f{i}.csv.gz").hardlink_to(campaign / "one.csv.gz")
+        lines.append(",".join([f"t{i:04d}", f"f{i}.csv.gz", wheel, f"{90 + 2 * (i % 400)}", *cells]))
+    path.write_text("\n".join([head, *lines, ""]))
+    of_row = [field.name for field in fields(TrialRow)]
+
+    def extract_rows(campaign, **options):
+        if len(campaign.trials) < 100:
+            return extract(campaign, **options)
+        ((one,),) = extract(
+            campaign.model_copy(update={"trials": campaign.trials[:1]}), trusted=True
+        ).values()
+        return {
+            row.trial: (replace(one, **{name: getattr(row, name) for name in of_row}),)
+            for row in campaign.trials
+        }
+
+    monkeypatch.setattr(session, "extract_rows", extract_rows)
+
+
+def test_of_five_thousand_recordings_only_what_is_seen_is_drawn_and_sent(many, page, monkeypatch):
+    loads, load = [], session.load_campaign
+    monkeypatch.setattr(
+        session, "load_campaign", lambda *given, **how: loads.append(1) or load(*given, **how)
+    )
+    driver = page()
+
+    def sent(name):
+        """The bytes of every answer of an address since the last question."""
+        return driver.execute_script(
+            """const found = performance.getEntriesByType('resource').filter((one) => one.name.includes(arguments[0]));
+            performance.clearResourceTimings(); return found.map((one) => one.encodedBodySize)""",
+            f"/api/{name}",
+        )
+
+    assert text(driver, "n-shown") == "5000 of 5000 shown"
+    (whole,) = sent("overview")
+    assert whole < 5000 * 320
+    assert len(rows_of(driver)) < 40
+    # Scrolling asks for nothing, and a recording for no more than its picture holds.
+    driver.execute_script("document.getElementById('list').scrollTop = 2500 * 46")
+    wait(driver, lambda: rows_of(driver)[8].get_attribute("data-trial") > "t2000")
+    assert len(rows_of(driver)) < 40
+    assert sent("") == []
+    rows_of(driver)[8].click()
+    wait(driver, lambda: text(driver, "trial") > "t2000" and inside(driver, "return S.curve !== null"))
+    assert sum(sent("")) < 120_000
+    # A decision sends what it changes, and reads the campaign once.
+    loads.clear()
+    press(driver, Keys.ARROW_RIGHT)
+    wait(driver, lambda: inside(driver, "return S.preview !== null"))
+    sent("")
+    press(driver, "a")
+    wait(driver, lambda: "accepted" in text(driver, "said") and inside(driver, "return S.curve !== null"))
+    assert sum(sent("decide")) < 10_000
+    assert len(loads) == 1
+    assert driver.execute_script("return document.getElementsByTagName('*').length") < 1200
+
+
+def test_a_decision_of_another_window_is_seen_with_the_next_of_this_one(page):
+    driver = page()
+    page.review.decide("c11-r02", "exclude", text="by the other window")
+    assert inside(driver, "return S.rows.get('c11-r02').excluded") == ""
+    press(driver, "1")
+    wait(driver, lambda: inside(driver, "return S.preview !== null"))
+    press(driver, "a")
+    wait(driver, lambda: "accepted" in text(driver, "said"))
+    assert inside(driver, "return S.rows.get('c11-r02').excluded") == "by the other window"
+    assert text(driver, "counts").startswith("12 trials: 1 to decide")
 
 
 def test_where_the_break_away_may_be_is_drawn_and_said(page, undecided):

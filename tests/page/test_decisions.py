@@ -12,14 +12,14 @@ from hypothesis import strategies as st
 from ropefric.errors import DataError, InputError
 from ropefric.files import disk
 from ropefric.trials.campaign import check_campaign, load_campaign
-from ropefric.trials.decisions import Decision, add_decision, content_of, decision_of, read_decisions
+from ropefric.trials.decisions import Decision, add_decisions, content_of, decision_of, read_decisions
 
 HEAD = "trial,pick_s,peak_N,exclude,why,by,when,file"
 PICK = Decision("c35-r01", pick_s=1.25, why="seen", by="A. Meier", when="2026-11-22T14:30:00+00:00")
 
 
 def add(path, decision):
-    return add_decision(path, decision, content_of(path))
+    return add_decisions(path, [decision], content_of(path))
 
 
 def test_a_new_file_has_a_header_and_the_last_line_of_a_trial_holds_whole(campaign):
@@ -77,7 +77,7 @@ def test_what_two_write_at_once_is_all_there(tmp_path):
 
     def many(who):
         for i in range(40):  # each with what it read at the start
-            add_decision(path, Decision(f"{who}{i}", exclude="torn", by=who), before)
+            add_decisions(path, [Decision(f"{who}{i}", exclude="torn", by=who)], before)
 
     both = [Thread(target=many, args=(who,)) for who in ("anna", "bert")]
     for one in both:

@@ -12,6 +12,7 @@ from ropefric.page.server import PageServer
 
 pytest.importorskip("selenium.webdriver")
 from road import Road
+from selenium.webdriver.common.keys import Keys
 
 pytestmark = pytest.mark.slow
 
@@ -68,11 +69,11 @@ def test_a_campaign_is_changed_after_its_changes_were_shown(opened, daq):
         "9.8 mm",
         False,
     )
-    assert not road.one("r-write").is_enabled()
+    assert not road.can("r-write")
     fields = {"r-rope": "11 mm", "r-force-sensitivity": "25 N/mV", "r-end_tension-sensitivity": "40 N/mV"}
     road.write(fields | {"r-wheel-R30": "30 mm"})
     for answer in ("no", "yes"):
-        road.wait(lambda: road.one("r-write").is_enabled())
+        road.wait(lambda: road.can("r-write"))
         driver.execute_script("arguments[0].click()", road.one("r-write"))
         road.wait(lambda: road.one("replace").is_displayed())
         said = road.text("replace-lines")
@@ -97,6 +98,27 @@ def test_a_campaign_is_changed_after_its_changes_were_shown(opened, daq):
     road.one("r-anew").click()
     road.wait(lambda: road.one("r-folder").is_displayed())
     assert road.one("r-rope").get_property("value") == ""
+
+
+def test_a_campaign_that_is_edited_meanwhile_is_read_again_before_anything_is_written(opened, daq):
+    home = daq.parent
+    assert main(["init", str(home), "--from", str(daq), "--pattern", PATTERN, "--quiet"]) == 0
+    road, path = opened(home), home / "campaign.toml"
+    road.wait(lambda: road.one("r-force-sensitivity").is_displayed())
+    road.settled()
+    road.driver.execute_script(
+        "document.getElementById('do-hide').click()"
+    )  # the campaign is not complete yet
+    text = path.read_text(encoding="utf-8").replace('"9.8 mm"', '"12 mm"')
+    path.write_text(text, encoding="utf-8")
+    road.one("r-name").send_keys(" of mine", Keys.TAB)
+    road.wait(lambda: "RF153: somebody else has changed" in road.text("why"))
+    assert path.read_text(encoding="utf-8") == text
+    road.one("do-reload").click()
+    road.wait(lambda: road.one("r-rope").get_property("value") == "12 mm")
+    road.settled()
+    assert not road.one("error").is_displayed()
+    assert (road.text("r-where"), path.read_text(encoding="utf-8")) == ("No setting is changed.", text)
 
 
 def test_files_that_are_dropped_with_the_mouse_are_listed(opened, daq, tmp_path):
@@ -150,11 +172,13 @@ def test_five_thousand_recordings_are_listed_in_part_and_each_can_be_chosen(open
         "found": None,
         "channels": {},
         "said": ["not read"],
-        "rows": rows,
+        "rows": rows[:200],
         "n_rows": 5000,
         "problems": [problem],
     }
     told |= {
+        "files": [row[0] for row in rows],
+        "shown": "",
         "header": ["file", "wheel", "wrap_angle_deg", "end_tension_N"],
         "wheels": ["W0", "W1", "W2", "W3"],
     }

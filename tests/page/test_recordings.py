@@ -1,5 +1,7 @@
 """A folder becomes a campaign that is corrected before it is written; the files are those of the commands."""
 
+import shutil
+import time
 import tomllib
 
 import pytest
@@ -7,6 +9,7 @@ from newcomer import PATTERN, write_daq
 
 from ropefric.cli.app import main
 from ropefric.errors import DataError, InputError
+from ropefric.page import review
 from ropefric.page.desk import Desk
 from ropefric.page.recordings import Draft, wish_of
 from ropefric.trials.campaign import check_campaign, template_texts
@@ -54,9 +57,9 @@ def test_what_is_proposed_is_what_init_writes(lab, tmp_path):
     )
     draft = Draft(tmp_path)
     with pytest.raises(InputError, match="nothing is proposed"):
-        draft.write(overwrite=False)
+        draft.write(draft.shown, overwrite=False)
     draft.propose(wish_of(asked(lab)))
-    draft.write(overwrite=False)
+    draft.write(draft.shown, overwrite=False)
     words = ["init", str(tmp_path / "mine"), "--from", str(lab / "daq"), "--pattern", PATTERN, "--quiet"]
     assert main(words) == 0
     assert (tmp_path / "campaign.toml").read_bytes() == (tmp_path / "mine" / "campaign.toml").read_bytes()
@@ -70,7 +73,7 @@ def test_what_no_file_tells_is_put_in_and_nothing_is_left_to_say(lab, tmp_path):
     told = draft.propose(corrected(lab, draft.propose(wish_of(asked(lab)))))
     assert errors_of(told) == []
     assert not (tmp_path / "campaign.toml").exists()
-    path = draft.write(overwrite=False)
+    path = draft.write(draft.shown, overwrite=False)
     assert not [one for one in check_campaign(path) if one.severity == "error"]
     text = path.read_text(encoding="utf-8")
     for said in (
@@ -80,11 +83,17 @@ def test_what_no_file_tells_is_put_in_and_nothing_is_left_to_say(lab, tmp_path):
         '[tare]\ninterval = ["0 s", "0.35 s"]',
     ):
         assert text.count(said) == 1
+    with pytest.raises(DataError, match="somebody else"):  # the files are not those that were shown
+        draft.write(told["shown"], overwrite=True)
+    told = draft.propose(wish_of(asked(lab, settings={"": {"name": "Other"}})))
+    assert (told["there"], '+name   = "Other"' in told["difference"]) == (
+        ["campaign.toml", "trials.csv"],
+        True,
+    )
     with pytest.raises(InputError, match="already") as refused:
-        draft.write(overwrite=False)
+        draft.write(draft.shown, overwrite=False)
     assert (refused.value.code, path.read_text(encoding="utf-8")) == ("RF150", text)
-    draft.propose(wish_of(asked(lab, settings={"": {"name": "Other"}})))
-    draft.write(overwrite=True)
+    draft.write(draft.shown, overwrite=True)
     assert 'name   = "Other"' in path.read_text(encoding="utf-8")
 
 
@@ -124,6 +133,35 @@ def test_names_are_matched_without_reading(lab, tmp_path):
         draft.names(str(lab / "daq"), "W{repeat}")
 
 
+@pytest.mark.parametrize("name", ["daq [1]", "-daq", "*", "50 % # Seil 'ü'"])
+def test_a_folder_may_have_any_name(lab, tmp_path, name):
+    shutil.copytree(lab / "daq", tmp_path / name)
+    draft = Draft(tmp_path)
+    told = draft.propose(wish_of(asked(lab) | {"recordings": str(tmp_path / name)}))
+    assert (told["n_rows"], told["files"][0]) == (4, f"{name}/R30_180Grad_20N_1.txt")
+    assert draft.trace(0, 50)["units"]["force"] == "mV"
+    assert not any("cannot be read" in one for one in told["said"])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "rope = 3\nwheels = 4\nimport = 5\ntrials = 6\ndata = 7\n",
+        'schema = "ropefric.campaign/1"\n',
+        'trials = "no.csv"\n',
+    ],
+)
+def test_a_campaign_file_that_is_wrong_throughout_is_told_in_words(tmp_path, text):
+    (tmp_path / "campaign.toml").write_text(text)
+    draft = Draft(tmp_path, tmp_path / "campaign.toml")
+    told = draft.propose(wish_of({"settings": {"": {"name": "Mine"}}}))
+    assert (told["n_rows"], told["said"]) == (0, ["the list of trials names no recording"])
+    assert errors_of(told)
+    if text.startswith("rope = 3"):
+        with pytest.raises(DataError, match="rope is a value where a table is needed"):
+            draft.propose(wish_of({"settings": {"rope": {"diameter": "9 mm"}}}))
+
+
 def test_a_folder_that_is_not_there_is_told(lab, tmp_path):
     with pytest.raises(DataError, match="no such folder"):
         Draft(tmp_path / "nowhere").propose(wish_of(asked(lab)))
@@ -161,7 +199,9 @@ def test_a_desk_begins_with_what_stands_there(lab, campaign):
 def written(lab, tmp_path):
     """A campaign that was written by the page, and then changed by its user in an editor."""
     draft = Draft(tmp_path)
-    path = draft.propose(corrected(lab, draft.propose(wish_of(asked(lab))))) and draft.write(overwrite=False)
+    path = draft.propose(corrected(lab, draft.propose(wish_of(asked(lab))))) and draft.write(
+        draft.shown, overwrite=False
+    )
     text = path.read_text(encoding="utf-8").replace('name   = "Mine"', "name   = 'Mine'  # of spring")
     text = text.replace("[protocol]\n", '[protocol]\nwrap_tolerance = "1 deg"\n')
     path.write_text(text, encoding="utf-8")
@@ -206,7 +246,7 @@ def test_a_campaign_that_is_there_is_changed_in_the_lines_that_were_asked_for(wr
         'end_tension  = "60 N"',
     }
     assert {"[tare]", 'interval = ["0 s", "0.35 s"]'} <= went
-    assert draft.write(overwrite=True) == written
+    assert draft.write(draft.shown, overwrite=True) == written
     after = written.read_text(encoding="utf-8")
     assert [one for one in check_campaign(written) if one.severity == "error"] == []
     for kept in (
@@ -229,8 +269,24 @@ def test_a_campaign_changed_by_somebody_else_meanwhile_is_not_written_over(writt
     theirs = written.read_bytes() + b"# theirs\n"
     written.write_bytes(theirs)
     with pytest.raises(DataError, match="somebody else") as refused:
-        draft.write(overwrite=True)
+        draft.write(draft.shown, overwrite=True)
     assert (refused.value.code, written.read_bytes()) == ("RF153", theirs)
+    # Nor is a change shown that would take theirs back.
+    with pytest.raises(DataError, match="somebody else"):
+        draft.propose(wish_of(tree))
+    assert Draft(written.parent, written).propose(wish_of(tree))["difference"].count("\n-") == 1
+
+
+def test_of_two_windows_each_writes_only_what_it_has_shown(written):
+    draft = Draft(written.parent, written)
+    tree, before = shown(draft), written.read_bytes()
+    tree["settings"][""]["name"] = "Mine too"
+    mine = draft.propose(wish_of(tree))
+    tree["settings"][""]["name"] = "Theirs"
+    draft.propose(wish_of(tree))
+    with pytest.raises(DataError, match="somebody else"):
+        draft.write(mine["shown"], overwrite=True)
+    assert written.read_bytes() == before
 
 
 def test_what_is_wrong_with_a_change_is_told_before_it_is_written(written):
@@ -250,7 +306,7 @@ def test_channels_that_were_found_out_are_all_stated_once_one_is_changed(written
     for name, one in tree["channels"].items():
         one["sensitivity"] = SENSITIVITIES.get(name, "")
     assert errors_of(draft.propose(wish_of(tree))) == []
-    draft.write(overwrite=True)
+    draft.write(draft.shown, overwrite=True)
     assert (
         written.read_text(encoding="utf-8").count("Zeit")
         + written.read_text(encoding="utf-8").count("Uhrzeit")
@@ -283,7 +339,7 @@ def test_force_cells_and_the_converter_are_stated_and_named_in_the_list(lab, tmp
         wish_of(tree | {"channels": channels, "settings": settings, "cells": {"cell": "K7", "end_cell": ""}})
     )
     assert (errors_of(told), told["header"][-1], {row[-1] for row in told["rows"]}) == ([], "cell", {"K7"})
-    path = draft.write(overwrite=False)
+    path = draft.write(draft.shown, overwrite=False)
     assert "[adc]\nbits = 12\n" in path.read_text(encoding="utf-8")
     assert not [one for one in check_campaign(path) if one.severity == "error"]
 
@@ -301,6 +357,39 @@ def test_a_cell_that_the_list_names_is_described_in_a_campaign_that_is_there(wri
     tree = shown(draft)
     tree["settings"]["cells.K2"] = {"full_scale": "1 kN", "zero_voltage": "0 V", "full_scale_voltage": "5 V"}
     assert errors_of(draft.propose(wish_of(tree))) == []
-    draft.write(overwrite=True)
+    draft.write(draft.shown, overwrite=True)
     assert tomllib.loads(written.read_text(encoding="utf-8"))["cells"] == {"K2": tree["settings"]["cells.K2"]}
     assert [one for one in check_campaign(written) if one.severity == "error"] == []
+
+
+def test_after_a_setting_is_changed_only_what_depends_on_it_is_picked_again(written, monkeypatch):
+    desk, extract, asked = Desk(written.parent, by="me"), review.extract_rows, []
+
+    def extract_rows(campaign, **options):
+        asked.append(len(campaign.trials))
+        return extract(campaign, **options)
+
+    monkeypatch.setattr(review, "extract_rows", extract_rows)
+    monkeypatch.setattr(review, "_answered", lambda *_: 1 / 0)
+
+    def done(name, **body):
+        desk.writes[name](body)
+        while (state := desk.work.state())["running"]:
+            time.sleep(0.005)
+        return state["result"]
+
+    done("open")
+    first = desk.review
+    desk.writes["begin"]({})
+    told = done(
+        "propose",
+        settings={"design": {"wheel_radius": "35 mm", "wrap_angle": "90 deg", "end_tension": "60 N"}},
+    )
+    assert desk.writes["write"]({"shown": told["shown"], "overwrite": True})["ready"]
+    done("open")
+    assert desk.review is first
+    assert desk.review.campaign.design is not None
+    assert asked[0] == 4
+    assert set(asked[1:]) == {1, 0}  # one is looked at in advance, none is picked again
+    assert asked.count(0) == 1
+    desk.close()

@@ -3,6 +3,9 @@
 import csv
 import gzip
 import io
+import shutil
+import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +16,7 @@ from ropefric.errors import DataError, InputError
 from ropefric.page import review as session
 from ropefric.page.review import decimated
 
+BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
 DOUBTFUL = ("c28-r03", "c35-r02")
 
 
@@ -103,7 +107,8 @@ def test_where_somebody_else_changed_list_or_decisions_nothing_is_written(begin,
         with pytest.raises(DataError, match="somebody else"):
             again()
     assert (path.read_bytes(), made.read_bytes()) == (theirs, content)
-    assert review.reload()["rows"]["c35-r03"]["excluded"] == "loud"
+    review.reload()
+    assert review.overview()["rows"]["c35-r03"]["excluded"] == "loud"
 
 
 def test_only_what_changed_is_extracted_again(begin, campaign, monkeypatch):
@@ -122,6 +127,48 @@ def test_only_what_changed_is_extracted_again(begin, campaign, monkeypatch):
     assert asked == [[f"c11-r0{i}" for i in range(1, 5)], ["c35-r01"], ["c35-r01"]]
 
 
+def test_recordings_that_changed_on_the_disk_are_read_again(begin, campaign, monkeypatch):
+    toml, folder = campaign / "campaign.toml", campaign / "own"
+    shutil.copytree(BENCH / "traces", folder / "traces")
+    toml.write_text(toml.read_text().replace(f'data = "{BENCH.as_posix()}"', 'data = "own"'))
+    review = begin()
+    paths = [review._spec(f"c35-r0{i}").path for i in (1, 3, 4)]
+    force_N = review.overview()["rows"]["c35-r03"]["force_N"]
+    extract, asked = session.extract_rows, []
+
+    def extract_rows(campaign, *, trusted=False, **options):
+        asked.append((sorted(row.trial for row in campaign.trials), trusted))
+        return extract(campaign, trusted=trusted, **options)
+
+    monkeypatch.setattr(session, "extract_rows", extract_rows)
+    paths[0].unlink()
+    for look in (review.preview, lambda trial, time_s: review.curve(trial, time_s, np.nan, 100)):
+        with pytest.raises(DataError, match="no such file") as refused:
+            look("c35-r01", 2.0)
+        assert "another place" not in refused.value.fix
+    asked.clear()
+    shutil.copy(paths[2], paths[1])
+    review.reload()
+    rows = review.overview()["rows"]
+    assert (rows["c35-r01"]["status"], rows["c35-r03"]["force_N"] == force_N) == ("unreadable", False)
+    # Nobody has read them as they are now, so another process does.
+    assert asked == [(["c35-r01", "c35-r03"], False)]
+    shutil.copy(paths[2], paths[0])
+    review.reload()
+    assert review.overview()["rows"]["c35-r01"]["force_N"] == rows["c35-r04"]["force_N"]
+
+
+def test_where_the_campaign_was_edited_nothing_is_written_before_it_is_read_again(begin, campaign):
+    review, toml = begin(), campaign / "campaign.toml"
+    toml.write_text(toml.read_text().replace('diameter = "9.8 mm"', 'diameter = "10.8 mm"'))
+    with pytest.raises(DataError, match="somebody else") as refused:
+        review.decide("c35-r01", "exclude", text="torn")
+    assert (refused.value.code, (campaign / "decisions.csv").exists()) == ("RF153", False)
+    review.reload()
+    assert review.campaign.rope.radius_m == pytest.approx(5.4e-3)
+    assert review.decide("c35-r01", "exclude", text="torn")["rows"]["c35-r01"]["excluded"] == "torn"
+
+
 @pytest.mark.parametrize("what", ["disk", "campaign"])
 def test_a_decision_that_cannot_be_kept_leaves_the_list_as_it_was(begin, campaign, monkeypatch, what):
     review, path = begin(), campaign / "decisions.csv"
@@ -132,10 +179,13 @@ def test_a_decision_that_cannot_be_kept_leaves_the_list_as_it_was(begin, campaig
         def refuse(*_, **__):
             raise DataError("cannot be written: no space left on device", code="RF105")
 
-        monkeypatch.setattr(session, "add_decision", refuse)
-    else:  # as the protocol would, where one decision cannot stand for several trials
-        toml = campaign / "campaign.toml"
-        toml.write_text(toml.read_text().replace('name = "breakaway"', 'name = "stick-slip"'))
+        monkeypatch.setattr(session, "add_decisions", refuse)
+    else:  # as a list would that somebody changes at this very moment
+
+        def refuse(*_, **__):
+            raise DataError("one decision cannot stand for several trials", code="RF111")
+
+        monkeypatch.setattr(session, "load_campaign", refuse)
     with pytest.raises(DataError, match=r"no space|several trials"):
         accept(review, "c28-r03")
     assert (path.read_bytes(), review.overview()["rows"]) == (before, overview)
@@ -248,3 +298,27 @@ def test_decimation_keeps_every_extreme(data, n, columns):
         of_shown = shown["time_s"][int(np.argmax(shown["high_N"]))]
         top = np.argmax(np.where(inside, force_N, -np.inf))
         assert max(shown["high_N"]) > high * (1 + 1e-7) or abs(of_shown - time_s[top]) <= width_s
+
+
+def test_nobody_who_looks_waits_while_a_decision_is_measured(begin, monkeypatch):
+    review = begin()
+    extract, measuring, go_on = session.extract_rows, threading.Event(), threading.Event()
+
+    def extract_rows(campaign, **options):
+        measuring.set()
+        assert go_on.wait(60)
+        return extract(campaign, **options)
+
+    monkeypatch.setattr(session, "extract_rows", extract_rows)
+    done = threading.Thread(target=review.decide, args=("c35-r01", "exclude"), kwargs={"text": "torn"})
+    done.start()
+    assert measuring.wait(60)
+    seen, looks = [], (review.overview, review.answer, lambda: review.trial("c35-r01"))
+    looking = threading.Thread(target=lambda: seen.extend(look() for look in looks))
+    looking.start()
+    looking.join(60)
+    assert len(seen) == 3
+    assert seen[0]["rows"]["c35-r01"]["excluded"] == ""
+    go_on.set()
+    done.join(60)
+    assert review.overview()["rows"]["c35-r01"]["excluded"] == "torn"

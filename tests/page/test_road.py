@@ -5,7 +5,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from browser import complaints, driven, shown_as
+from browser import complaints, driven, shown_as, unnamed
 from newcomer import write_daq
 
 from ropefric.cli.app import main
@@ -13,7 +13,9 @@ from ropefric.page.desk import Desk
 from ropefric.page.server import PageServer
 
 pytest.importorskip("selenium.webdriver")
-from road import Road
+from road import DESIGN, FIELDS, Road
+from selenium.webdriver import ActionChains
+from selenium.webdriver.common.keys import Keys
 
 pytestmark = pytest.mark.slow
 
@@ -112,3 +114,77 @@ def test_from_a_folder_to_a_report_as_the_commands_do(road, tmp_path, call, monk
     found = call("predict", "--fit", f"out/fits/{law}.json", *wheel)[1]
     assert lift["lift_force_N"] == pytest.approx(found["lift_force_N"], rel=1e-6)
     assert lift["interval_N"] == pytest.approx(found["interval_N"], rel=1e-4)
+
+
+def test_the_road_by_keys_alone_and_the_focus_is_never_lost(road, tmp_path):
+    driver, keys = road.driver, Keys
+
+    def on():
+        return driver.execute_script("return document.activeElement.id || document.activeElement.tagName")
+
+    def press(*given, held=None):
+        chain = ActionChains(driver)
+        chain = (
+            chain.send_keys(*given) if held is None else chain.key_down(held).send_keys(*given).key_up(held)
+        )
+        chain.perform()
+        assert on() != "BODY", given
+
+    def tab_to(name):
+        for _ in range(150):
+            if on() == name:
+                return
+            press(keys.TAB)
+        raise AssertionError(f"no way to {name} by keys")
+
+    road.wait(lambda: road.one("r-more").is_displayed())
+    road.settled()
+    road.one("r-folder").click()
+    # In the order of the page: behind its last control a browser leaves it.
+    fields = {"r-pattern": PATTERN, "r-from": "0 s", "r-until": "0.3 s"} | FIELDS | DESIGN
+    placed = driver.execute_script("return [...document.querySelectorAll('input')].map((one) => one.id)")
+    for name, words in sorted(fields.items(), key=lambda item: placed.index(item[0])):
+        tab_to(name)
+        press("a", held=keys.CONTROL)
+        press(words, keys.TAB)
+        road.settled()
+        assert on() != "BODY", name
+    tab_to("r-write")
+    press(keys.ENTER)
+    road.wait(lambda: driver.execute_script("return document.body.dataset.step") == "picks")
+    road.wait(lambda: on() == "list")
+    road.picks()
+    tab_to("do-clear")
+    press(keys.ENTER)
+    road.wait(lambda: "left to the picker again" in road.text("said"))
+    assert (on(), road.can("do-clear")) == ("do-clear", False)
+    press(keys.ENTER)  # it can do nothing now, and says so
+    press("3", held=keys.ALT)
+    road.wait(lambda: road.one("l-all").is_displayed() and road.text("l-law"))
+
+    def label():
+        return driver.execute_script("return document.activeElement.textContent")
+
+    tab_to("l-series")
+    press(keys.TAB)
+    while label() != "constant-offset":
+        press(keys.TAB)
+    press(keys.ENTER)
+    road.wait(lambda: road.text("l-law") == "constant-offset")
+    assert label() == "constant-offset"
+    while not label().startswith("Switch off"):
+        press(keys.TAB)
+    press(keys.ENTER)
+    press("wet rope", keys.ENTER)
+    road.wait(lambda: label() == "Switch on")
+    press(keys.ENTER)
+    road.wait(lambda: label().startswith("Switch off"))
+    press("5", held=keys.ALT)
+    tab_to("p-make")
+    press(keys.ENTER)
+    road.wait(lambda: road.one("p-frame").is_displayed())
+    assert on() == "p-make"
+    assert (tmp_path / "out" / "report.html").exists()
+    # What finds controls without a name does find one.
+    driver.execute_script("document.getElementById('p-make').textContent = ''")
+    assert len(unnamed(driver)) == 1

@@ -81,7 +81,7 @@ def test_whoever_lacks_the_token_or_names_this_address_otherwise_gets_nothing(as
 
 def test_another_page_cannot_write(ask, served):
     path, body = (
-        served.desk.review.trial_list.parent,
+        served.desk.review.campaign_file.parent,
         {"trial": "c35-r01", "action": "exclude", "text": "torn"},
     )
     before = sorted(one.name for one in path.iterdir())
@@ -93,7 +93,7 @@ def test_another_page_cannot_write(ask, served):
     assert sorted(one.name for one in path.iterdir()) == before
     done, tree, _ = ask("/api/decide", body)
     assert ((done, tree["rows"]["c35-r01"]["excluded"]), ask("/api/undo", {})[0]) == ((200, "torn"), 200)
-    assert len(served.desk.review.decisions.read_text().splitlines()) == 3
+    assert len(served.desk.review.campaign.decisions.read_text().splitlines()) == 3
 
 
 def test_requests_that_make_no_sense_are_answered_in_words(ask):
@@ -114,6 +114,11 @@ def test_requests_that_make_no_sense_are_answered_in_words(ask):
         status, tree, _ = ask("/api/decide", {}, raw=raw)
         assert status in {400, 409}, raw
         assert tree["error"]["message"]
+    for name, body in (("propose", {"channels": []}), ("propose", {"settings": {"rope": 7}}),
+        ("propose", {"channels": {"force": {"column": 5}}}), ("solve", {"name": "hoist", "values": [1]}),
+        ("decide", {"trial": "c35-r01", "action": ["pick"]}), ("use-law", {}), ("write", {})):  # fmt: skip
+        assert ask(f"/api/{name}", body)[0] == 400, (name, body)
+    assert ask("/api/curve?trial=c35-r01&start_s=1e999&stop_s=nan&columns=1e9")[0] == 400
     status, tree, _ = ask("/api/decide", {}, raw="[" * 65_000)
     assert (status, tree["error"]["code"]) == (400, "RF110")
     assert ask("/api/decide", {}, raw="x" * (MOST_BYTES + 1))[0] == 413
@@ -155,6 +160,11 @@ def test_what_is_dropped_is_bounded_stays_in_its_folder_and_replaces_nothing(ask
     assert (status, tree["error"]["code"]) == (409, "RF150")
     for name in ("../campaign.toml", "a/b.csv", "..", ".hidden", "a\\b.csv", "a\nb.csv", ""):
         assert drop(name, "x")[0] in {400, 409}, name
+    # Also of a large one all is taken off the line, else no browser reads the answer.
+    assert drop("pull 1.csv", "x" * 2**22)[1]["error"]["code"] == "RF150"
+    (folder / "link.csv").symlink_to(folder / "nowhere.csv")
+    assert drop("link.csv", "x")[1]["error"]["code"] == "RF150"
+    (folder / "link.csv").unlink()
     assert drop("large.csv", "x", Content_Length=str(MOST_OF_A_FILE + 1))[0] == 413
     assert drop("plain.csv", "x", Content_Type="text/csv")[0] == 415
     assert [one.name for one in folder.iterdir()] == ["pull 1.csv"]

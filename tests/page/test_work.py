@@ -10,9 +10,9 @@ from ropefric.page.desk import Work
 
 
 def ended(work):
-    while work.told()["running"]:
+    while work.state()["running"]:
         time.sleep(0.005)
-    return work.told()
+    return work.state()
 
 
 def test_it_tells_how_far_it_is_and_what_came_of_it():
@@ -23,12 +23,12 @@ def test_it_tells_how_far_it_is_and_what_came_of_it():
         go.wait(20)
         return {"done": True}
 
-    assert work.begin("reading", do)["running"]
-    while work.told()["done"] < 1:
+    assert work.begin("reading", do)["work"]["running"]
+    while work.state()["done"] < 1:
         time.sleep(0.005)
     with pytest.raises(InputError, match="reading has not finished yet"):
         work.begin("other", do)
-    told = work.told()
+    told = work.state()
     assert (told["done"], told["total"], told["item"]) == (1, 3, "first")
     go.set()
     assert ended(work)["result"] == {"done": True}

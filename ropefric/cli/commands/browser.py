@@ -59,7 +59,8 @@ def app(
     n_jobs = options.parse_jobs(jobs, options.SERIAL_BELOW)
     desk = desks.Desk(place, by=by.strip() or _login_name(), jobs=n_jobs)
     _serve(out, desk, port, "Ctrl-C ends the page", open_page=open_page)
-    data = {"campaign": desk.campaign, "out": desk.out, "n_decisions": _n_decisions(desk)}
+    n_decisions = 0 if desk.review is None else desk.review.n_written
+    data = {"campaign": desk.campaign, "out": desk.out, "n_decisions": n_decisions}
     said = f"the campaign is in {desk.campaign}" if desk.campaign else "no campaign was written"
     return Answer(data, [section.Section(title="", lines=(said,), verbatim=True)])
 
@@ -94,13 +95,17 @@ def review(
         reviewed = reviews.Review(path, by=by, progress=progress.update, **how)
     results = folder if folder.is_dir() else None
     desk = desks.Desk(path, by=by, out=results, review=reviewed, jobs=n_jobs)
-    said = f"decisions go into {reviewed.decisions}; Ctrl-C ends the review"
+    said = f"decisions go into {reviewed.campaign.decisions}; Ctrl-C ends the review"
     _serve(out, desk, port, said, open_page=open_page)
     written = counted(reviewed.n_written, "decision")
     more = f"; `ropefric report {folder}` brings the results up to date" if reviewed.n_written else ""
-    data = {"trial_list": reviewed.trial_list, "decisions": reviewed.decisions, "by": reviewed.by}
+    data = {
+        "trial_list": reviewed.campaign.trial_list,
+        "decisions": reviewed.campaign.decisions,
+        "by": reviewed.by,
+    }
     data |= {"n_decisions": reviewed.n_written}
-    said = f"{written} written to {reviewed.decisions}{more}"
+    said = f"{written} written to {reviewed.campaign.decisions}{more}"
     return Answer(data, [section.Section(title="", lines=(said,), verbatim=True)])
 
 
@@ -119,10 +124,6 @@ def _campaign_of(folder: Path, campaign: Path | None) -> tuple[Path, str]:
     if (folder / "campaign.toml").is_file():
         why, fix = "this is the folder of a campaign, which has no results", "name campaign.toml itself, or "
     raise DataError(why, path=folder, fix=f"{fix}name the campaign: --campaign CAMPAIGN.toml")
-
-
-def _n_decisions(desk: "Desk") -> int:
-    return 0 if desk.review is None else desk.review.n_written
 
 
 def _serve(out: Output, desk: "Desk", port: int, said: str, *, open_page: bool) -> None:

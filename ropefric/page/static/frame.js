@@ -52,9 +52,24 @@ export function tableRow(cells, tag = "td") {
   made.append(...cells.map((cell) => cell instanceof Node ? cell : make(tag, cell)));
   return made;
 }
+// A button that can do nothing now stays in reach: one that is `disabled` would lose the focus.
+export const enable = (button, is) => button.setAttribute("aria-disabled", String(!is));
+export const isEnabled = (button) => button.getAttribute("aria-disabled") !== "true";
+addEventListener("click", (event) => {
+  const button = event.target.closest("button");
+  if (button && !isEnabled(button)) { event.preventDefault(); event.stopImmediatePropagation(); }
+}, true);
+
+const CONTROLS = "button, input, select, a[href]";
+// New content for a place of the page; the control that has the focus keeps it, by its id or else by its place.
+export function redraw(place, ...content) {
+  const on = document.activeElement, n = place.contains(on) ? [...place.querySelectorAll(CONTROLS)].indexOf(on) : -1;
+  place.replaceChildren(...content);
+  if (n >= 0) (on.id && $(on.id) || place.querySelectorAll(CONTROLS)[n])?.focus({ preventScroll: true });
+}
 export function fill(table, head, rows) {
   table.tHead.replaceChildren(tableRow(head, "th"));
-  table.tBodies[0].replaceChildren(...rows.map((cells) => cells instanceof Node ? cells : tableRow(cells)));
+  redraw(table.tBodies[0], ...rows.map((cells) => cells instanceof Node ? cells : tableRow(cells)));
 }
 export const listed = (list, words) => list.replaceChildren(...words.map((one) => make("li", one)));
 
@@ -62,7 +77,7 @@ export function fail(error) {
   if (error.status === 403) return askToken(error.message);
   $("why").textContent = `${error.code ? `${error.code}: ` : ""}${error.message || error}`;
   $("fix").textContent = error.fix ? `Remedy: ${error.fix}` : "";
-  $("do-reload").hidden = error.code !== "RF153";
+  $("do-reload").hidden = error.code !== "RF153" || !reloads[now];
   $("error").hidden = false;
   return null;
 }
@@ -99,11 +114,19 @@ $("work-stop").onclick = () => call("stop", {}, {}).catch(fail);
 
 // --- the steps ---
 
-const opens = {};
+const opens = {}, reloads = {};
 let now = "";
 export const state = {};
 export const shown = () => now;
-export const step = (name, open) => { opens[name] = open; };
+export const step = (name, open, reload) => { opens[name] = open; reloads[name] = reload; };
+$("do-reload").onclick = async () => {  // what somebody else has changed
+  try { calm(); await reloads[now](); } catch (error) { fail(error); }
+};
+export async function readAgain() {
+  await work("open", {});
+  await refresh();
+  await opens[now]();
+}
 
 export async function refresh() {
   Object.assign(state, await call("state"));
@@ -130,6 +153,7 @@ async function open() {
     $(`step-${one.hash.slice(1)}`).hidden = one !== link;
   }
   document.body.dataset.step = now;
+  if (!document.activeElement.closest("nav, dialog")) $(`step-${now}`).focus({ preventScroll: true });  // what had the focus is hidden
   try { await opens[now](); } catch (error) { fail(error); }
 }
 addEventListener("hashchange", open);

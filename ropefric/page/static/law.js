@@ -1,5 +1,5 @@
 // Step 3: the law that the trials support, its fit, open questions, and conditions switched on and off.
-import { $, call, calm, fail, fill, listed, make, plain, shown, step, tableRow, unit, withStd, work } from "./frame.js";
+import { $, call, calm, fail, fill, listed, make, plain, readAgain, shown, step, tableRow, unit, withStd, work } from "./frame.js";
 import { chart } from "./canvas.js";
 
 export const L = { told: null };
@@ -102,4 +102,4 @@ $("l-plan").onclick = async () => {
 $("l-series").onchange = draw;
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
 new ResizeObserver(() => { if (shown() === "law") draw(); }).observe($("l-plot"));
-step("law", load);
+step("law", load, readAgain);

@@ -1,8 +1,8 @@
 // Step 2: recordings one by one, the pick of each, and what a person decides about it.
-import { $, call, calm, fail as failed, known, make, plain, shown, step as declare, tableRow, unit, withEnds, withStd } from "./frame.js";
+import { $, call, calm, enable, fail as failed, isEnabled, known, make, plain, readAgain, redraw, shown, step as declare, tableRow, unit, withEnds, withStd } from "./frame.js";
 import { EDGE, penOf, ticks } from "./canvas.js";
 
-const ROW = 46, BEYOND = 6;
+const ROW = 46, BEYOND = 8;
 const SIGNS = { ask: "?", "without a force": "–", rejected: "r", excluded: "✕", kept: "✓" };
 export const S = { rows: new Map(), order: [], shown: [], trial: "", info: null, curve: null, view: null, draft: null, preview: null,
   slack: false, undo: 0, answer: {} };
@@ -15,6 +15,7 @@ function write(path, body, words) {
       calm();
       say(words);
       if (found.order) take(found);
+      else if (found.number !== S.answer.number + 1) take(await call("overview"));  // another window has decided too
       for (const [name, row] of Object.entries(found.rows)) S.rows.set(name, row);
       S.undo = found.undo;
       count(found.counts);
@@ -96,10 +97,17 @@ function filter() {
   drawList();
 }
 
+// The rows that are seen, and some beyond them, so that a list that is scrolled a little stays as it is drawn.
+let drawn = [0, 0];
+function drawSeen() {
+  const list = $("list"), first = Math.floor(list.scrollTop / ROW), last = Math.ceil((list.scrollTop + list.clientHeight) / ROW);
+  if (first < drawn[0] || Math.min(last, S.shown.length) > drawn[1]) drawList();
+}
 function drawList() {
   const list = $("list"), first = Math.max(0, Math.floor(list.scrollTop / ROW) - BEYOND);
   const last = Math.min(S.shown.length, Math.ceil((list.scrollTop + list.clientHeight) / ROW) + BEYOND);
   const rows = [];
+  drawn = [first, last];
   for (let place = first; place < last; place++) {
     const name = S.shown[place], row = S.rows.get(name), kind = kindOf(row);
     const made = make("div", "", `row${kind === "ask" ? " ask" : kind === "excluded" || kind === "rejected" ? " out" : ""}`);
@@ -171,8 +179,8 @@ function showInfo() {
   showPlaces();
   fillEvents($("candidates"), info.candidates, true);
   fillEvents($("events"), info.events, false);
-  $("do-clear").disabled = !(row.decision || row.why || (row.excluded && row.by));
-  $("do-undo").disabled = !S.undo;
+  enable($("do-clear"), row.decision || row.why || (row.excluded && row.by));
+  enable($("do-undo"), S.undo);
 }
 
 const REASONS = { "no-breakaway": "no break-away", "no-peak": "no peak", saturated: "a peak that is not to be seen", doubtful: "a damaged file" };
@@ -196,7 +204,7 @@ function fillEvents(panel, events, asks) {
     ["probability", (e) => known(e.probability) ? e.probability.toFixed(2) : "–"], ["fall", (e) => unit(e.drop_N, "N", 3)],
     ["evidence", (e) => e.evidence]].filter(([name]) => some({ at: "time_s", force: "force_N", fall: "drop_N" }[name] ?? name));
   head.replaceChildren(tableRow([asks ? "" : "kind", ...columns.map(([name]) => name)], "th"));
-  body.replaceChildren(...events.slice(0, 200).map((event, place) => {
+  redraw(body, ...events.slice(0, 200).map((event, place) => {
     let first = event.kind;
     if (asks) {
       first = make("td");
@@ -217,7 +225,7 @@ function showAnswer(found) {
   const { change, before, now, first } = found, rows = [];
   const law = (one) => !one ? "…" : one.error ? "none" : `${one.law} (${one.verdict})`;
   const lift = (one) => !one ? "…" : one.error ? one.error.message : one.lift
-    ? withEnds(one.lift.force_N, [one.lift.low_N, one.lift.high_N])
+    ? withEnds(one.lift.lift_force_N, one.lift.interval_N)
     : one.parameters.map(([name, value, std]) => `${name} = ${plain(value)} ± ${plain(std, 2)}`).join(", ");
   const some = now || before || first, last = some && !some.error && !some.lift ? "Parameters" : "Lift force";
   const level = some && some.lift ? `, ${plain(100 * some.lift.level, 3)} % interval` : "";
@@ -465,9 +473,8 @@ function answerAsked() {
 }
 const exclude = () => ask("exclude", `Why is ${S.trial} excluded?`, S.rows.get(S.trial).excluded);
 const comment = () => ask("comment", `Comment on ${S.trial}`, S.rows.get(S.trial).why.replace(/^review: /, ""));
-const clear = () => !$("do-clear").disabled && write("decide", { trial: S.trial, action: "clear" }, `${S.trial}: left to the picker again`);
+const clear = () => isEnabled($("do-clear")) && write("decide", { trial: S.trial, action: "clear" }, `${S.trial}: left to the picker again`);
 const undo = () => write("undo", {}, "undone: what held before holds again");
-const reload = () => write("reload", {}, "the list was read again");
 
 // --- keys, mouse, fingers ---
 
@@ -486,7 +493,7 @@ addEventListener("keydown", (event) => {
   event.preventDefault();
   act(event);
 });
-for (const [id, act] of Object.entries({ accept, exclude, comment, clear, undo, reload, zoom: zoomAtPeak, whole, previous: () => step(-1),
+for (const [id, act] of Object.entries({ accept, exclude, comment, clear, undo, zoom: zoomAtPeak, whole, previous: () => step(-1),
   next: () => step(1), left: () => nudge(-1), right: () => nudge(1) }))
   $(`do-${id}`).onclick = () => act();
 $("ask-yes").onclick = answerAsked;
@@ -495,7 +502,7 @@ $("ask-text").onkeydown = (event) => { if (event.key === "Enter") { event.preven
 for (const id of ["by-status", "by-condition"]) $(id).onchange = filter;
 $("by-order").onchange = () => { arrange(); filter(); };
 $("by-text").oninput = filter;
-$("list").onscroll = drawList;
+$("list").onscroll = drawSeen;
 $("list").onclick = (event) => { const row = event.target.closest(".row"); if (row) choose(row.dataset.trial); };
 const plot = $("plot");
 let held = null;
@@ -527,4 +534,4 @@ declare("picks", async () => {
   const name = S.shown.includes(S.trial) ? S.trial : S.shown[0];
   if (name) await choose(name);
   $("list").focus({ preventScroll: true });
-});
+}, async () => { await readAgain(); say("the list was read again"); });

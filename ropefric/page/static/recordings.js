@@ -1,11 +1,11 @@
 // Step 1: a folder of recordings becomes a campaign, seen and corrected before it is written.
-import { $, call, calm, fail, fill, go, listed, make, plain, refresh, shown, state, step, work } from "./frame.js";
+import { $, call, calm, enable, fail, fill, go, listed, make, plain, redraw as renew, refresh, shown, state, step, work } from "./frame.js";
 import { chart } from "./canvas.js";
 
 const ROLES = { time: "time", force: "force", end_tension: "end tension", counts: "counts", end_tension_counts: "counts of the end tension" };
 const CELL = { full_scale: "1 kN", zero_voltage: "0 V", full_scale_voltage: "5 V", rated_output: "2 mV/V" };
 // `data` are the settings of the campaign as its file states them; `campaign` is that file, "" for a new one.
-const R = { told: null, scales: null, data: {}, campaign: null };
+const R = { told: null, names: null, scales: null, data: {}, campaign: null };
 const text = (id) => $(id).value.trim();
 const sizeOf = (round) => round?.radius !== undefined ? "radius" : "diameter";
 const rateOf = () => R.data.sampling ? ["sampling", "rate"] : ["import", "sampling_rate"];
@@ -98,9 +98,8 @@ export function look() {  // one look after the other; only the last result is s
 // --- the result ---
 
 function show() {
-  const told = R.told, found = told.found, here = document.activeElement?.id;
+  const told = R.told, found = told.found, names = told.files.map((file) => file.split("/").pop());
   $("r-more").hidden = false;
-  const names = told.rows.map((row) => row[told.header.indexOf("file")].split("/").pop());
   if (!isPattern() && names.length) $("r-pattern").value = names[0].replace(/\.gz$/, "").replace(/\.[^.]*$/, "");
   showRows(told);
   $("r-read").textContent = found ? [found.file, found.read || found.stopped].filter(Boolean).join(": ") : told.said.join("; ");
@@ -135,26 +134,26 @@ function show() {
   choose(recording, chosen);
   if (found) fill($("r-first"), found.columns.map((one) => one.name || `(${one.number})`), found.first_rows);
   const which = $("r-which"), at = which.value || "0";
-  which.replaceChildren(...names.map((name, place) => new Option(name, place)));
+  if (names.join("/") !== R.names) which.replaceChildren(...names.map((name, place) => new Option(name, place)));
+  R.names = names.join("/");
   which.value = names[at] ? at : "0";
   showWheels([...new Set([...Object.keys(R.data.wheels ?? {}), ...told.wheels])]);
   showProblems(told.problems);
   const editing = !$("r-there").hidden, there = `${text("r-home")} has ${told.there.join(" and ")} already. You will see the changed lines before they are written.`;
   $("r-where").textContent = editing ? (told.difference ? "You will see the changed lines before they are written." : "No setting is changed.")
     : told.there.length ? there : `campaign.toml and trials.csv will be written into ${text("r-home")}.`;
-  if (editing && !told.difference) $("r-write").disabled = true;
-  if (here) $(here)?.focus({ preventScroll: true });  // a field that was made anew
+  enable($("r-write"), (!editing || told.difference) && !told.problems.some((one) => one.severity === "error"));
   drawTrace();
 }
 
-function showRows(told) {
-  fill($("r-rows"), told.header, told.rows.slice(0, 200));
-  $("r-told").textContent = [`${told.n_rows} trials${told.n_rows > 200 ? ", the first 200 are shown" : ""}`, told.told].filter(Boolean).join("; ");
+function showRows({ header, rows, n_rows }, missed = "") {
+  fill($("r-rows"), header, rows);
+  $("r-told").textContent = [`${n_rows} trials${n_rows > rows.length ? `, the first ${rows.length} are shown` : ""}`, missed].filter(Boolean).join("; ");
 }
 
 function showWheels(wheels) {
   const fields = $("r-wheels"), before = Object.fromEntries([...fields.querySelectorAll("input")].map((one) => [one.dataset.wheel, one.value]));
-  fields.replaceChildren(...wheels.map((name) => {
+  renew(fields, ...wheels.map((name) => {
     const own = R.data.wheels?.[name], size = own ? sizeOf(own) : "radius";
     const label = make("label", `${size === "radius" ? "Radius" : "Diameter"} of wheel ${name} `), field = make("input");
     field.dataset.wheel = name;
@@ -188,7 +187,6 @@ function showProblems(problems) {
   }));
   if (problems.some((one) => /in counts|\[adc\]|\[cells\./.test(one.message + one.fix))) $("r-electric").open = true;
   if (!problems.length) $("r-problems").replaceChildren(make("li", "none"));
-  $("r-write").disabled = problems.some((one) => one.severity === "error");
 }
 
 // --- the names ---
@@ -199,7 +197,8 @@ $("r-pattern").oninput = () => {
   if (!isPattern()) return;
   settling = setTimeout(async () => {
     try {
-      showRows(await call("names", { recordings: text("r-folder"), pattern: text("r-pattern") }));
+      const found = await call("names", { recordings: text("r-folder"), pattern: text("r-pattern") });
+      showRows(found, found.said);
       calm();
     } catch (error) { $("r-told").textContent = error.message; }
   }, 150);
@@ -261,6 +260,7 @@ export async function upload(files) {
   let done = 0;
   try {
     for (const file of files) {
+      if (file.size > state.largest_file) throw { message: `${file.name} is larger than ${state.largest_file / 2 ** 20} MB`, fix: "name the folder of the recordings instead" };
       $("r-dropped").textContent = `${done} of ${files.length} files, ${file.name}`;
       $("r-folder").value = (await call("upload", { name: file.name }, file)).recordings;
       done += 1;
@@ -283,9 +283,9 @@ async function write() {
   try {
     await look();
     if (!R.told || R.told.problems.some((one) => one.severity === "error")) return;
-    const { there, difference } = R.told;
+    const { there, difference, shown: seen } = R.told;
     if (there.length && !await mayReplace(there, difference)) return;
-    await call("write", {}, { overwrite: there.length > 0 });
+    await call("write", {}, { shown: seen, overwrite: there.length > 0 });
     R.campaign = null;  // it is read again when this step is shown again
     await work("open", {});
     await refresh();
@@ -326,4 +326,4 @@ step("recordings", async () => {
   $("r-folder").value ||= state.recordings;
   if (R.campaign !== state.campaign) await begin(false);
   if ((state.recordings || state.campaign) && !R.told) look(); else if (R.told) redraw();
-});
+}, async () => { await begin(false); await look(); });

@@ -1,5 +1,5 @@
 // Step 5: the report that `ropefric report` makes, shown in place.
-import { $, fail, refresh, state, step, token, work } from "./frame.js";
+import { $, enable, fail, refresh, state, step, token, work } from "./frame.js";
 
 const WORDS = { "report.html": "the report", "summary.txt": "the short summary", "report.pdf": "the PDF" };
 
@@ -20,13 +20,13 @@ function frame() {
   if (!seen.hidden) seen.src = link.href;
 }
 $("p-make").onclick = async () => {
-  $("p-make").disabled = true;
+  enable($("p-make"), false);
   try {
     await work("report", { pdf: $("p-pdf").checked, short: $("p-length").value === "short" });
     await refresh();
     show();
   } catch (error) { fail(error); }
-  $("p-make").disabled = false;
+  enable($("p-make"), true);
 };
 $("p-which").onchange = frame;
 step("report", async () => { await refresh(); show(); });

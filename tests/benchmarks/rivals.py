@@ -1,4 +1,4 @@
-"""What is timed beside ropefric in `peers.py`: a fit, a lift force, a blade and a press, as its users would write them."""
+"""What `peers.py` times beside ropefric: a fit, a lift force, a blade and a press, as users would write them."""
 
 import math
 

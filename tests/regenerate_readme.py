@@ -217,7 +217,7 @@ def write_blocks(only: list[str]) -> list[str]:
         text = page.read_text(encoding="utf-8")
         wanted = [
             name for name in only or [*makers][:-1] if f"<!-- {name} -->" in text
-        ]  # the last takes hours
+        ]  # the last takes half an hour
         if "cost" in wanted:
             write_pictures(FOLDER)
         if wanted:

@@ -1,8 +1,7 @@
 """Whether 95 % intervals hold the truth in 95 of 100 small campaigns, and how often a verdict is wrong.
 
 Campaigns with known truth: of laws, numbers of conditions and repeats, scatter between them; of constant data and of
-data with one effect. `docs/accuracy.md` shows what is counted here: `python tests/regenerate_readme.py uncertainty`, and
-`verdicts`, which takes hours.
+data with one effect. `docs/accuracy.md` shows what `python tests/regenerate_readme.py uncertainty verdicts` counts.
 """
 
 from dataclasses import replace
@@ -190,7 +189,7 @@ def uncertainty_block(designs=DESIGNS):
 
 
 def verdicts_block():
-    """Return how often constant data support another law, design by design, and effects are found; it takes hours."""
+    """Return how often constant data support another law, design by design, and effects are found, in half an hour."""
     columns = list(dict.fromkeys(key[1:] for key in JUDGED))
     heads = " | ".join(f"× {repeats}, {100 * between:.0f} %" for repeats, between in columns)
     lines = [f"| conditions | campaigns | {heads} |", f"|---|---{len(columns) * '|---'}|"]

@@ -41,19 +41,18 @@ def test_a_share_has_its_binomial_interval():
     assert found == ["0 % (0 to 31 %)", "30 % (7 to 65 %)", "70 % (35 to 93 %)", "100 % (69 to 100 %)"]
 
 
-@pytest.mark.hours
+@pytest.mark.release
 def test_printed_intervals_hold_the_mean_and_a_pull_in_93_to_97_of_100():
-    """Of 300 campaigns: the limits, and two standard errors of a share."""
+    """Of 300 campaigns: the limits, and two standard errors of a share (1.3 % each)."""
     room = 2 * np.sqrt(0.95 * 0.05 / 300)
-    designs = Design("constant", 8, 5), Design("coupled", 36, 5), Design("wrap-power", 12, 5, special="gain")
-    for design in designs:
+    for design in (Design("coupled", 36, 5), Design("wrap-power", 12, 5, special="gain")):
         found = coverage(design, 300)
         for name in ("mean", "pull"):
             assert 0.93 - room < found[name] < 0.97 + room, (design.name, name)
 
 
-@pytest.mark.hours
-@pytest.mark.parametrize("special", ["", "t3", "t5", "outlier"])
+@pytest.mark.release
+@pytest.mark.parametrize("special", ["t3", "outlier"])
 def test_intervals_hold_a_pull_of_heavy_tailed_scatter(special):
     """Of 400 campaigns: 93 to 97.5 % at 95 %, 97.5 to 99.7 % at 99 %, and two standard errors of a share."""
     for level, low, high in ((0.95, 0.93, 0.975), (0.99, 0.975, 0.997)):
@@ -71,29 +70,28 @@ def test_printed_intervals_hold_the_mean_and_a_pull_quick():
         assert found["dof"] < 4.0 if special == "three ropes" else found["dof"] > 8.0
 
 
-@pytest.mark.hours
+@pytest.mark.release
 def test_the_true_law_is_supported_where_the_data_suffice():
+    """Of 40 campaigns: a share of 70 % has a standard error of 7 %."""
     for design in (Design("wrap-power", 20, 5), Design("wrap-power", 12, 5, 0.0), Design("coupled", 36, 5)):
-        assert coverage(design, 100)["supported"] >= 0.7, design.name
+        assert coverage(design, 40)["supported"] >= 0.7, design.name
 
 
-@pytest.mark.hours
-@pytest.mark.parametrize("design", [*JUDGED.values()][1::14], ids=lambda one: one.name)
-def test_constant_data_rarely_support_another_law(design):
-    """Of 60 campaigns, at a true share of 5 %: 8 and more are seen once in 100 times."""
-    found = verdicts(design, 60)
-    assert found["law"] <= 7 / 60
-    assert found["effect"] <= 7 / 60
+@pytest.mark.release
+def test_constant_data_support_another_law_in_a_twentieth_of_campaigns_at_most():
+    """Of 15 campaigns at each of 40 designs: 5 % of all and two standard errors (0.9 % each).
+
+    At a true share of 5 %, 5 of the 15 of one design are seen once in 1600 times.
+    """
+    found = [verdicts(design, 15) for design in JUDGED.values()]
+    room = 2.0 * np.sqrt(0.05 * 0.95 / (15 * len(found)))
+    for name in ("law", "effect"):
+        shares = [one[name] for one in found]
+        assert np.mean(shares) <= 0.05 + room, name
+        assert max(shares) < 5 / 15, name
 
 
-@pytest.mark.hours
-@pytest.mark.parametrize("design", JUDGED.values(), ids=lambda one: one.name)
-def test_constant_data_support_another_law_in_a_twentieth_of_campaigns_at_most(design):
-    """Of 1000 campaigns at each of the 40 designs: 5 % and two standard errors of that share."""
-    assert verdicts(design, 1000)["law"] <= 0.05 + 2.0 * np.sqrt(0.05 * 0.95 / 1000)
-
-
-@pytest.mark.hours
+@pytest.mark.release
 def test_a_clear_effect_is_found_in_most_campaigns():
     """A fifth of μ over all wheels or loads, 12 conditions of 5: nearly always; over the wraps an offset may do too."""
     for effect, least in (("size effect", 0.9), ("load dependence", 0.9), ("wrap effect", 0.3)):

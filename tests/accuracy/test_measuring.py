@@ -216,7 +216,7 @@ def test_an_interrupted_study_goes_on_with_the_same_points(tmp_path, monkeypatch
     assert assessed == [0, 1, 2, 3, 4, 0, 1, 2, 3, 4]
 
 
-LONG = {"picks": pytest.mark.hours, "scenes": pytest.mark.slow}
+LONG = {"picks": pytest.mark.release, "scenes": pytest.mark.slow}
 
 
 @pytest.mark.parametrize("study",

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ropefric.accuracy.measure import enough, error_table
+from ropefric.accuracy.studies import STUDIES, press_transient
 
 WRAP = 9.4
 
@@ -55,3 +56,20 @@ def test_the_string_is_off_by_twice_the_boundary_layer():
 def test_an_analytic_jacobian_takes_fewer_evaluations_for_the_same_error():
     work = {way: enough("fit", 1e-6, method=f"{way} Jacobian").evaluations for way in ("analytic", "2-point")}
     assert work["analytic"] < 0.6 * work["2-point"]
+
+
+def test_the_exponential_has_no_error_of_discretisation(errors):
+    for case in press_transient.BELTS:
+        (row,) = error_table("press-transient", case, method="exact")
+        assert row.error < 1e-11
+        assert row.evaluations == 0
+
+
+def test_a_stiff_belt_takes_an_explicit_method_far_more_steps_at_every_tolerance():
+    """Stability and not accuracy sets the step: the tolerance hardly changes the work."""
+    settings = {(s.method, s.setting): s for s in STUDIES["press-transient"].case("stiff").settings()}
+    rough, fine = (settings["dop853", f"tolerance {t}"].assess() for t in ("0.001", "1e-05"))
+    assert fine.evaluations < 1.2 * rough.evaluations
+    radau = settings["radau", "tolerance 0.0001"].assess()
+    assert radau.evaluations < 0.1 * fine.evaluations
+    assert radau.error < fine.error

@@ -86,45 +86,6 @@ def test_minimisers(case):
     assert all(agrees(stored, exact) for stored, exact in zip(fit.BEST[case], theta, strict=True))
 
 
-def wave_numbers(w, stiffness, speed):
-    """The roots of ε²k⁴ + (1 − V²)k² − 2Vωk − ω², from floats by Newton's method."""
-    net, turn = 1 - speed**2, 2 * speed * w
-    waves = []
-    for start in np.roots([complex(value) for value in (stiffness, 0, net, -turn, -(w**2))]):
-        k = mp.mpc(start)
-        for _ in range(12):
-            k -= (((stiffness * k**2 + net) * k - turn) * k - w**2) / (
-                (4 * stiffness * k**2 + 2 * net) * k - turn
-            )
-        waves.append(k)
-    return waves
-
-
-def clamped_determinant(w, stiffness, speed):
-    """Of w = w' = 0 at both ends in the four waves e^(ikx), over their differences, which it vanishes with."""
-    waves = wave_numbers(w, stiffness, speed)
-    rows = mp.matrix(4, 4)
-    for j, k in enumerate(waves):
-        start = mp.exp(-1j * k) if mp.im(k) < 0 else mp.mpf(1)  # so that no wave grows
-        end = start * mp.exp(1j * k)
-        rows[0, j], rows[1, j], rows[2, j], rows[3, j] = start, k * start, end, k * end
-    return mp.det(rows) / mp.fprod(waves[i] - waves[j] for i in range(4) for j in range(i))
-
-
-def test_frequencies():
-    for stiffness, stored in (
-        (e, w) for e, frequencies in blade_modes.FREQUENCIES.items() for w in frequencies
-    ):
-        near = mp.mpf(stored)
-        found = mp.findroot(lambda w, stiffness=stiffness: clamped_determinant(
-                                w, mp.mpf(stiffness), mp.mpf(blade_modes.SPEED)
-                            ),
-                            (near, near * (1 + mp.mpf(10) ** -9)), solver="secant", tol=mp.mpf(10) ** -30,
-                            verify=False)  # fmt: skip
-        assert abs(mp.im(found)) < mp.mpf(10) ** -25
-        assert agrees(stored, mp.re(found))
-
-
 def test_frequencies_are_those_the_field_prints():
     """Scaled reference of band_saw.md, clamped, eps² = 1e-2, V = 0.5."""
     printed = (3.445561083223, 8.337819919385)

@@ -16,11 +16,25 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from rivals import (
+    BEAM,
+    LAW,
+    STD,
+    TIMES_S,
+    TRUTH,
+    designs,
+    hermite,
+    lift_by_quadrature,
+    lift_force_N,
+    lmfit_fit,
+    machine,
+    smallest,
+    smallest_hermite,
+    spectral,
+    tensions,
+)
 from scipy.integrate import solve_ivp
 from scipy.signal import find_peaks
-from test_bandsaw_speed import BEAM, hermite, smallest, smallest_hermite, spectral
-from test_fitting_speed import LAW, STD, TRUTH, designs, lift_by_quadrature, lift_force_N, lmfit_fit
-from test_press_transient_speed import TIMES_S, machine, tensions
 
 import ropefric as rf
 from ropefric.fitting.problem import FitProblem, batched_fit

@@ -51,21 +51,6 @@ def test_words_say_fate_worth_and_reason(call):
     assert done.err == ""
 
 
-def test_without_measuring_no_clock_is_read(call):
-    texts = {call("explain", SCENES / "fast-belt-press.toml").out for _ in range(2)}
-    assert len(texts) == 1
-    assert call("explain", SCENES / "climbing-hoist.toml", "--json").json()["measured"] is None
-
-
-def test_a_bad_scene_is_refused(call, tmp_path):
-    path = tmp_path / "scene.toml"
-    text = (SCENES / "hoist.toml").read_text(encoding="utf-8")
-    path.write_text(text.replace("540 deg", "540 mm"), encoding="utf-8")
-    done = call("explain", path, "--json")
-    assert done.code == 3
-    assert done.json()["error"]["where"].startswith(f"{path}:8 wheel.wrap")
-
-
 def test_without_a_start_up_its_effects_ask_for_one_and_nothing_else(call):
     done = call("explain", SCENES / "belt-press.toml", "--json")
     missing = {one["name"]: one["missing"] for one in done.json()["effects"]}

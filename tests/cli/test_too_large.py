@@ -74,7 +74,7 @@ def test_scenes_that_cannot_be_are_refused(call, tmp_path):
         refused(call, tmp_path, name)
 
 
-@pytest.mark.hours
+@pytest.mark.release
 def test_a_start_up_without_end_is_refused(call, tmp_path):
     """Until it has changed its state 3000 times it runs half a minute."""
     refused(call, tmp_path, "damping")

@@ -164,7 +164,7 @@ def test_citations_of_the_paper_are_in_its_list():
         re.MULTILINE))  # fmt: skip
 
 
-@pytest.mark.hours
+@pytest.mark.release
 def test_the_site_is_built_without_a_warning_and_loads_nothing_from_elsewhere(tmp_path):
     for name in ("sphinx", "myst_parser", "furo", "latex2mathml"):
         pytest.importorskip(name)

@@ -71,18 +71,6 @@ def test_every_command_tells_a_pipe_or_device(fifo, monkeypatch, capfd):
 
 
 @POSIX
-def test_a_pipe_from_the_shell_is_told(capfd):
-    """What `<(command)` stands for."""
-    reading, writing = os.pipe()
-    try:
-        assert main(["inspect", f"/dev/fd/{reading}"]) == 3
-    finally:
-        os.close(reading)
-        os.close(writing)
-    assert PIPE in capfd.readouterr().err
-
-
-@POSIX
 def test_a_pipe_among_stored_fits_or_in_a_scene(fifo, monkeypatch, capfd):
     monkeypatch.chdir(fifo.parent)
     fits = fifo.parent / "fits"

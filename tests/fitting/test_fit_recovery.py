@@ -54,7 +54,7 @@ def test_errors_are_right_where_conditions_scatter():
     assert 0.75 < pulls("constant", range(30), between=0.03).std(ddof=1) < 1.3
 
 
-@pytest.mark.hours
+@pytest.mark.release
 @pytest.mark.parametrize("law", TRUTH)
 def test_pulls_of_every_law(law):
     z = pulls(law, range(400))
@@ -63,7 +63,7 @@ def test_pulls_of_every_law(law):
     assert z.std(axis=0, ddof=1).max() < 1.15
 
 
-@pytest.mark.hours
+@pytest.mark.release
 @pytest.mark.parametrize("law", ["constant", "coupled"])
 def test_clustered_pulls(law):
     z = pulls(law, range(400), between=0.01)

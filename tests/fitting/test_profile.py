@@ -152,14 +152,14 @@ def test_95_percent_intervals_hold_the_truth_quick(bench_problem, name):
     assert (share >= 0.95 - chance).all(), share
 
 
-@pytest.mark.hours
+@pytest.mark.release
 @EVERY_LAW
 def test_95_percent_intervals_hold_the_truth(bench_problem, law):
     share = coverage(bench_problem, law, 400)
     assert ((share >= 0.92) & (share <= 0.98)).all(), share
 
 
-@pytest.mark.hours
+@pytest.mark.release
 @pytest.mark.parametrize("distance", [0.0, 0.5, 1.5])
 @pytest.mark.parametrize(("name", "theta", "index"),
     [("constant-offset", [0.2, 0.0], 1), ("wrap-power", [0.2, -0.4, 0.0], 2)])  # fmt: skip

@@ -10,6 +10,8 @@ from ropefric.fitting.intervals import with_intervals
 from ropefric.fitting.predict import predict
 from ropefric.fitting.store import load_fit, verify_fits
 from ropefric.friction.condition import Conditions, one_condition
+from ropefric.report.campaign import write_report
+from ropefric.report.page import Wish
 from ropefric.trials.table import read_trial_table
 
 pytestmark = pytest.mark.slow  # the run of all 432 recordings
@@ -44,6 +46,11 @@ def test_three_unseen_wheels_within_one_per_cent_and_within_their_intervals(benc
     assert (found.interval_N[:, 0] <= true_N).all()
     assert (true_N <= found.interval_N[:, 1]).all()
     assert not found.extrapolated.any()
+
+
+def test_the_report_of_432_recordings_is_a_small_file(bench_run, tmp_path):
+    write_report(bench_run[0], tmp_path, Wish())
+    assert (tmp_path / "report.html").stat().st_size < 3_000_000
 
 
 def test_the_design_of_the_campaign_is_predicted(bench_run, bench_truth):

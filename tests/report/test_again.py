@@ -1,7 +1,6 @@
 """`report`: the same bytes again, from its folder or another, and what it says where there is nothing."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -12,13 +11,8 @@ from ropefric.fitting.compare import choose_law
 from ropefric.fitting.predict import predict
 from ropefric.fitting.result import Verdict
 from ropefric.friction.condition import one_condition
-from ropefric.pipeline import run_campaign
 from ropefric.report.campaign import write_report
 from ropefric.report.page import Wish
-from ropefric.trials.campaign import load_campaign
-
-LARGEST_BYTES = 3_000_000
-BENCH = Path(__file__).parents[2] / "data" / "prth-bench"
 
 
 def files(folder):
@@ -102,15 +96,3 @@ def test_a_folder_without_results_is_3(tmp_path, capfd):
     assert "no results stand here" in capfd.readouterr().err
     assert main(["report", str(tmp_path / "nowhere.toml")]) == 3
     assert main(["report", str(tmp_path), "--out", str(tmp_path)]) == 2
-
-
-@pytest.mark.hours
-def test_the_bench_of_432_recordings_makes_a_small_file(tmp_path):
-    runs = []
-    for name, jobs in (("one", 1), ("two", 2)):
-        folder = tmp_path / name
-        run = run_campaign(load_campaign(BENCH / "campaign.toml"), folder, jobs=jobs)
-        write_report(run, folder, Wish())
-        runs.append(files(folder))
-    assert runs[0] == runs[1]
-    assert len(runs[0]["report.html"]) < LARGEST_BYTES

@@ -53,18 +53,6 @@ def test_what_is_given_is_said_and_nothing_is_made_up(run, without_figures):
     assert "<dt>Customer</dt>" not in without_figures(run)
 
 
-def test_a_language_is_refused_by_name(campaign, tmp_path, capfd):
-    copy = tmp_path / "c"
-    shutil.copytree(campaign, copy, ignore=shutil.ignore_patterns("traces"))
-    (copy / "traces").symlink_to(campaign / "traces")
-    listed = copy / "campaign.toml"
-    listed.write_text(listed.read_text(encoding="utf-8") + '[report]\nlanguage = "de"\n', encoding="utf-8")
-    assert main(["check", str(copy)]) == 3
-    said = " ".join(capfd.readouterr().err.split())
-    assert "there is no 'language' in [report] any more" in said
-    assert "decimal commas in lists and recordings are still read" in said
-
-
 @pytest.mark.slow
 def test_it_is_printed_short_with_page_numbers_alike_each_time(five, handed):
     written = {path.name for path in (five / "out" / "figures").iterdir()}

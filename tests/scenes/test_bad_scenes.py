@@ -1,7 +1,5 @@
 """Press and saw scenes with mistakes in them: each is refused with its line, its key and a remedy."""
 
-import re
-
 import pytest
 
 from ropefric.errors import DataError, RopefricError
@@ -90,13 +88,6 @@ def test_a_mistake_is_refused_with_line_key_and_remedy(texts, scene_file):
         assert told is not None, mistake
         assert words in f"{told.message} {told.fix}", mistake
         assert told.line == line_of(text, there), mistake
-
-
-def test_an_accuracy_that_is_none_is_refused(texts, scene_file):
-    for accuracy in ("0", "-0.1", "1.5", "inf", '"1 %"'):
-        text = re.sub(r"accuracy = [\d.]+", f"accuracy = {accuracy}", texts["hoist"])
-        (told,) = check_scene(scene_file(text))
-        assert (told.key, told.line) == ("accuracy", line_of(text, "accuracy")), accuracy
 
 
 @pytest.mark.parametrize(

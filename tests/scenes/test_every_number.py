@@ -124,12 +124,10 @@ def test_every_number_of_some_saws(scene_of):
     assert spared
 
 
-@pytest.mark.parametrize(
-    "count", [pytest.param(200, marks=pytest.mark.slow), pytest.param(2000, marks=pytest.mark.hours)]
-)
-def test_every_number_of_many_saws(count, scene_of):
-    solved, spared = check_many(saw, scene_of, count, 21)
-    assert solved > 0.45 * count
+@pytest.mark.slow
+def test_every_number_of_many_saws(scene_of):
+    solved, spared = check_many(saw, scene_of, 200, 21)
+    assert solved > 90
     assert spared
 
 
@@ -246,8 +244,3 @@ def test_of_a_start_up_the_exact_moments_of_slip_are_left_out(scene_of):
     assert named["exact-switching"].worth < 1e-7 < named["exact-switching"].bound
     assert math.isnan(named["arc-inertia"].worth), "a belt without mass has no answer where it slips"
     assert named["transient-friction"].worth == 0.0
-
-
-@pytest.mark.hours
-def test_sixty_planned_start_ups_near_what_decides(scene_of):
-    assert sum(check_start_up(scene_of, seed) for seed in range(120, 180)) > 50

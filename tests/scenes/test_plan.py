@@ -104,17 +104,6 @@ def test_a_list_is_as_far_from_everything_as_it_is_found_to_be(loaded, scene_of)
     )
 
 
-def test_each_number_of_a_press_is_off_by_a_share_of_its_own(loaded, scene_of):
-    """Roller 2 of the paper carries the weight alone: without that it uses nothing, which is 100 % off."""
-    tree = loaded("belt-press").document.data
-    listed, whole = (
-        solve_scene(scene_of(**tree | {"effects": one})) for one in (["squeeze-load", "belt-inertia"], "all")
-    )
-    for solution in (listed, whole):
-        assert (solution.to_dict()["slip"]["2"]["utilisation"] == 0.0) == (solution is listed)
-    assert listed.plan.error_bound >= 1.0
-
-
 def test_an_effect_is_added_by_one_declaration():
     """Beside what the mechanics do with it: planner, bounds and sums know it from its registry alone."""
 

@@ -70,13 +70,6 @@ def test_what_is_wrong_has_its_line_its_code_and_its_remedy(scene_file):
             assert (told.line, told.code) == (line, code), old
 
 
-def test_everything_is_said_at_once(scene_file):
-    text = GOOD.replace('"40 mm"', "40").replace('"540 deg"', '"540 m"').replace("mu = 0.2", "my = 0.2")
-    text = text.replace('"auto"', '["sise"]')
-    problems = check_scene(scene_file(text))
-    assert [problem.line for problem in problems] == [3, 5, 6, 14]
-
-
 def test_a_file_without_system_says_which_there_are(scene_file):
     with pytest.raises(DataError, match="hoist"):
         load_scene(scene_file("accuracy = 0.01\n"))

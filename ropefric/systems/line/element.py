@@ -160,10 +160,6 @@ class Passage(NamedTuple):
         """Return +1 or −1 for the side from which the tension is known, and for the motion of the rope."""
         return (1.0 if self.is_forward else -1.0), (1.0 if self.is_pulled else -1.0)
 
-    def turned(self) -> Self:
-        """Return the same passage, with the tension known on the other side."""
-        return self._replace(is_forward=not self.is_forward)
-
     def limp(self) -> Self:
         """Return the same passage of a rope that bends by itself."""
         effects = self.model.effects - {"bending-stiffness"}

@@ -6,11 +6,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from ropefric.errors import InputError, RopefricError
+from ropefric.errors import InputError
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.plan import make_plan
@@ -208,67 +206,3 @@ def test_the_bound_of_bending_is_the_stiffness_itself_for_thin_blades():
 def test_bending_whose_layers_fill_the_span_has_no_bound():
     assert math.isinf(bending_bound(CLAMPED, 0.5, 0.0, 1))
     assert math.isinf(bending_bound(CLAMPED, 0.05, 0.999, 1))
-
-
-# --- random saws ---
-
-
-GRIPS = (None, WrapFriction.constant(0.2),
-         WrapFriction(law=ALL_LAWS["wrap-power"], theta=np.array([0.15, -0.4, 0.05]),
-                      reference=one_condition(0.35, 4.5e-4, 3.0, 100.0)))  # fmt: skip
-
-
-@st.composite
-def saws(draw):
-    """From a thread to a bar, at rest to nearly critical, on any mounting; some do not say all of it."""
-    preload = draw(st.floats(200.0, 2e4))
-    rho = draw(st.floats(0.05, 2.0))
-    length = draw(st.floats(0.3, 3.0))
-    pull = draw(st.floats(0.0, 1.6)) * preload if draw(st.booleans()) else draw(st.floats(0.0, 0.1)) * preload
-    slack = preload - 0.5 * pull
-    gap = 10.0 ** draw(st.floats(-3.0, 0.0))  # of the speed to the slack side's critical one
-    speed = (1.0 - gap) * math.sqrt(slack / rho)
-    if draw(st.booleans()):
-        speed *= 0.1
-    problem = SawProblem(free_span_m=length, linear_density_kg_m=rho, preload_N=preload,
-                         n_modes=draw(st.integers(1, 8)), wheel_radius_m=0.35,
-                         wheel_speed_rad_s=speed / 0.35, tension_difference_N=pull,
-                         mounting_factor=draw(st.floats(0.0, 1.0)),
-                         bending_stiffness_N_m2=10.0 ** draw(st.floats(-7.0, -0.5)) * preload * length**2,
-                         ends=draw(st.sampled_from([PINNED, CLAMPED])), section=STEEL_85_09,
-                         friction=draw(st.sampled_from(GRIPS)))  # fmt: skip
-    optional = ("tension_difference_N", "mounting_factor", "bending_stiffness_N_m2", "section")
-    left_away = draw(st.sampled_from([None, None, None, *optional]))
-    return problem if left_away is None else replace(problem, **{left_away: None})
-
-
-@settings(deadline=None, max_examples=15, derandomize=True)
-@given(problem=saws(), accuracy=st.sampled_from([0.3, 0.05, 0.01, 1e-3]))
-def test_the_promise_holds_for_random_saws(problem, accuracy):
-    plan, model = make_plan(SYSTEM, problem, accuracy=accuracy, effects="auto")
-    _, full = make_plan(SYSTEM, problem, accuracy=accuracy, effects="all")
-    try:
-        everything = SYSTEM.solve(full, SYSTEM.method(full, 1e-9))
-    except RopefricError:
-        assume(condition=False)
-    difference = SYSTEM.distance(SYSTEM.solve(model, plan.method), everything, everything)
-    assert difference <= min(accuracy, plan.error_bound) + 2e-9
-    assert plan.keeps_accuracy
-
-
-@settings(deadline=None, max_examples=15)
-@given(
-    problem=saws(), others=st.sets(st.sampled_from(["tension-difference", "wheel-inertia-tension", "travel"]))
-)
-def test_the_stiffness_is_worth_no_more_than_its_bound(problem, others):
-    """The stiffness's worth, with whatever others are in, stays below its bound."""
-    if SYSTEM.effects["bending"].needs(problem) or math.isinf(bound := float(bound_of(problem).max())):
-        return
-    others = {name for name in others if not SYSTEM.effects[name].needs(problem)}
-    try:
-        pair = [solved(problem, names, accuracy=1e-8) for names in (others | {"bending"}, others)]
-    except RopefricError:
-        assume(condition=False)
-    for side in Side:
-        with_it, without = (one.sides[side].frequencies_Hz for one in pair)
-        assert np.abs(np.log(with_it / without)).max() <= bound + 3e-8, side

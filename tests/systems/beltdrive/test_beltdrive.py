@@ -57,17 +57,6 @@ def test_a_flat_belt_at_its_best_speed():
     assert around.argmax() == 1
 
 
-def test_two_v_belts():
-    """23.562 m/s are 1500 rpm of 300 mm; each belt bears 5250 N and weighs 0.9 kg/m."""
-    belts = problem_of(
-        0.12, wrap_angle_rad=math.pi, tension_N=5250.0, belt_count=2.0, linear_density_kg_m=0.9,
-        groove_angle_rad=math.radians(30.0), speed_rad_s=1500.0 * RPM,
-    )  # fmt: skip
-    assert belts.belt_speed_m_s[0] == pytest.approx(23.562, abs=5e-4)
-    assert solved(belts).full_power_W[0] == pytest.approx(171_690.0, abs=5.0)
-    assert best_speed_m_s(belts)[0] / 0.15 / RPM == pytest.approx(2807.0, abs=0.5)
-
-
 def test_what_a_textbook_of_machine_design_prints_of_its_belts():
     """Examples 20-1, 20-2 and 21-1 of its companion, to the last digit that it prints."""
     flat = {"linear_density_kg_m": 1.95, "speed_rad_s": 20.0 / 0.15, "driven_radius_m": 0.45,

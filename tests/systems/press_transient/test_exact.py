@@ -46,33 +46,6 @@ def test_a_step_of_one_equation_by_hand(rate):
     assert start @ made.integrals(form, t)[0] @ start == pytest.approx(float(square), rel=1e-8)
 
 
-@pytest.mark.parametrize(("EA_N", "eta_s"), [(2e6, 0.0), (2e6, 1e-3), (1e8, 0.1)])
-def test_a_start_up_in_many_digits(kit, EA_N, eta_s):
-    """The state after 1.3 s on the cubic run-up, by mpmath's exponential of the whole linear system."""
-    problem = kit.problem(kit.small(EA_N=EA_N, eta_s=eta_s), kit.run_up(speed_m_s=1.0))
-    n, rows = problem.n_state, problem.motion.derivative
-    taylor = problem.inputs.taylor[0]
-    powers = taylor.shape[1]
-    whole = np.zeros((n + powers, n + powers))
-    whole[:n, :n], whole[:n, n:] = rows[:, :n], rows[:, n:] @ taylor
-    whole[n:, n:] = np.eye(powers, k=-1)
-    with mp.workdps(60):
-        start = mp.matrix([*problem.start.tolist(), 1.0, *[0.0] * (powers - 1)])
-        # Squaring costs digits in proportion to the norm, and 60 are enough for 1e9.
-        scaled = mp.matrix(whole.tolist()) * mp.mpf("1.3")
-        halvings = 34
-        step = scaled / 2**halvings
-        flow, term = mp.eye(n + powers), mp.eye(n + powers)
-        for k in range(1, 14):
-            term = term * step / k
-            flow += term
-        for _ in range(halvings):
-            flow = flow * flow
-        exact = np.array([float(x) for x in flow * start])[:n]
-    mine = kit.solve(problem, [1.3])[0, :n]
-    np.testing.assert_allclose(mine, exact, rtol=1e-9, atol=1e-12 * np.abs(exact).max())
-
-
 @given(st.lists(st.floats(0.01, 4.0), min_size=2, max_size=6, unique=True))
 @settings(max_examples=10, deadline=None)
 def test_the_answer_does_not_depend_on_the_grid(kit, times):

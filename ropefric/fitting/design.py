@@ -18,7 +18,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.intervals import Rising, rising_root
-from ropefric.fitting.predict import half_width, new_rope_std, outside_range
+from ropefric.fitting.predict import Method, lift_ends, new_rope_std, outside_range
 from ropefric.fitting.problem import Rows
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions, as_floats
@@ -38,6 +38,8 @@ _FORCES = ("required_N", "lift_force_N", "lower_bound_N")
 # A wrap of zero has no slope in some laws; this much wrap lifts nothing.
 _LEAST_WRAP_RAD = 1e-9
 _SCAN = 24
+# Searches until the distance of the profile from the linear bound stays the same, in ln F_A.
+_ROUNDS, _SETTLED = 10, 1e-7
 _MEAN_LAW = "the mean law (--on-average, None in Python)"
 
 
@@ -161,7 +163,7 @@ class LiftBound:
             fix = f"repeat some trials and fit again, or design for {_MEAN_LAW}"
             raise InputError(text, key="probability", fix=fix)
 
-    def evaluate(self, conditions: Conditions) -> tuple[FloatArray, FloatArray]:
+    def evaluate(self, conditions: Conditions, method: Method = "auto") -> tuple[FloatArray, FloatArray]:
         """Return ln F_A of the mean law and of the bound, shape (n,); NaN where the law has no answer."""
         eta, bound = np.full((2, len(conditions)), np.nan)
         some = self.law.answers(self.theta, conditions)
@@ -170,7 +172,7 @@ class LiftBound:
             eta[some] = bound[some] = self.law.log_lift(self.theta, chosen)
             if self.probability is not None:
                 model = LiftModel(law=self.law)
-                bound[some] -= half_width(self.fit, model, chosen, self.probability)
+                bound[some] = lift_ends(self.fit, model, chosen, self.probability, method).pull[:, 0]
         return eta, bound
 
 
@@ -189,7 +191,9 @@ def design(
     """Return the smallest wrap, wheel radius or end tension that lifts a load, for n designs at once.
 
     ln F_A rises with each of the three, so the mean law has one crossing, found in brackets by Chandrupatla's method.
-    The bound may fall again where extrapolation widens it; the first crossing above that of the mean is taken.
+    The bound may fall again where extrapolation widens it; the first crossing above that of the mean is taken. It is
+    the lower end of `predict`'s interval of one pull, along the profile for curved laws and 100 designs at most: the
+    linear bound is searched, and corrected by how far the profile lies from it at what was found.
     """
     given, load_N, (low, high) = _checked(
         fit, solve_for, limits,
@@ -197,12 +201,19 @@ def design(
         end_tension_N=end_tension_N,
     )  # fmt: skip
     bounds, log_load = (LiftBound(fit, None), LiftBound(fit, probability)), np.log(load_N)
-    x, status = _search(bounds, solve_for, (low, high), given, log_load)
-    reached, target = status <= DesignStatus.LOWER_LIMIT, QUANTITIES[solve_for][0]
-    # The designs, and the upper limit where there is none.
-    at = Conditions(**given, **{target: np.where(reached, x, high)})
+    target, beyond_linear = QUANTITIES[solve_for][0], np.zeros(load_N.size)
+    for _ in range(_ROUNDS):
+        x, status = _search(bounds, (log_load, log_load - beyond_linear), solve_for, (low, high), given)
+        reached = status <= DesignStatus.LOWER_LIMIT
+        # The designs, and the upper limit where there is none.
+        at = Conditions(**given, **{target: np.where(reached, x, high)})
+        mean, bound = bounds[1].evaluate(at)
+        before = beyond_linear
+        beyond_linear = np.nan_to_num(bound - bounds[1].evaluate(at, "linear")[1])
+        if np.abs(beyond_linear - before).max(initial=0.0) < _SETTLED:
+            break
     with np.errstate(over="ignore"):
-        forces_N = np.exp(bounds[1].evaluate(at))
+        forces_N = np.exp([mean, bound])
     lift_N, bound_N, limit_lift_N, limit_bound_N = (
         np.where(mask, row, np.nan) for mask in (reached, ~reached) for row in forces_N
     )
@@ -279,27 +290,28 @@ def _same_length(arrays: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
 
 def _search(
     bounds: tuple[LiftBound, LiftBound],
+    needed: tuple[FloatArray, FloatArray],
     solve_for: SolveFor,
     limits: tuple[float, float],
     given: Mapping[str, FloatArray],
-    load: FloatArray,
 ) -> tuple[FloatArray, npt.NDArray[np.int8]]:
-    """Return value and status of designs for ln loads.
+    """Return value and status of designs: where the mean and the linear bound reach the ln forces needed of each.
 
     The search moves in the wrap itself, and in the logarithm of a radius or an end tension.
     """
-    (mean, bound), n, wrap = bounds, load.size, solve_for == "wrap"
+    n, wrap, mean, bound = needed[0].size, solve_for == "wrap", 0, 1
     target = QUANTITIES[solve_for][0]
     low, high = (max(end, _LEAST_WRAP_RAD) if wrap else math.log(end) for end in limits)
 
-    def above(by: LiftBound, some: Rows) -> Rising:
-        """Return how far above the loads of some designs ln F_A is; −inf where the law has no answer."""
+    def above(by: int, some: Rows) -> Rising:
+        """Return how far above what some designs need ln F_A is; −inf where the law has no answer."""
 
         def function(x: FloatArray, i: Rows) -> FloatArray:
             rows = some[i]
             tried = {name: values[rows] for name, values in given.items()}
             tried[target] = x if wrap else np.exp(x)
-            return np.nan_to_num(by.evaluate(Conditions(**tried))[1] - load[rows], nan=-np.inf)
+            found = bounds[by].evaluate(Conditions(**tried), "linear")[1]
+            return np.nan_to_num(found - needed[by][rows], nan=-np.inf)
 
         return function
 
@@ -312,7 +324,7 @@ def _search(
     root = lows[rows]
     below = np.flatnonzero(above(mean, rows)(root, np.arange(rows.size)) < 0.0)
     root[below] = rising_root(above(mean, rows[below]), root[below], highs[rows[below]])
-    if bound.probability is not None:
+    if bounds[bound].probability is not None:
         left, right = first_crossing(above(bound, rows), root, highs[rows])
         held = ~np.isnan(right)
         status[rows[~held]] = DesignStatus.TOO_UNCERTAIN

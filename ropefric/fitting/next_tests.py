@@ -32,6 +32,7 @@ from ropefric.fitting.resolution import (
     one_factor_plan,
 )
 from ropefric.fitting.result import CommonError, FitResult
+from ropefric.fitting.scatter import CONDITION
 from ropefric.fitting.statistics import combined_dof, decomposed
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
@@ -66,6 +67,30 @@ _UNTESTED = Conditions(**dict.fromkeys(SETTINGS, np.zeros(0)))
 # ---- what is known of a law ----
 
 
+class LevelScatter(NamedTuple):
+    """Scatter between the levels of a group, such as ropes with a μ of their own, that several tested means share.
+
+    Its standard deviation, of μ relative to itself, of ln F_A for conditions; its degrees of freedom; the level of each
+    tested mean (k,); what the levels are called.
+    """
+
+    name: str
+    std: float
+    dof: float
+    level: IntArray
+    labels: tuple[str, ...]
+
+    def effects(self, rise: FloatArray) -> dict[str, FloatArray]:
+        """Return how one standard deviation of each level moves ln F_A of the tested means, shape (k,)."""
+        size = self.std * (np.ones_like(rise) if self.name == CONDITION else rise)
+        return {name: np.where(self.level == i, size, 0.0) for i, name in enumerate(self.names)}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Return the names of the levels' errors."""
+        return tuple(f"{self.name} {label}" for label in self.labels)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlannedLaw:
     """A law at the parameters of a plan, with prior knowledge of them."""
@@ -78,6 +103,7 @@ class PlannedLaw:
     tested_repeats: npt.ArrayLike = 1.0
     common: tuple[CommonError, ...] = ()
     chain: str = _CHAIN
+    levels: tuple[LevelScatter, ...] = ()
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -101,7 +127,12 @@ class PlannedLaw:
         log_lift = self.law.log_lift(self.theta, self.tested)
         chain = {name: size for name, size in self._effects(self.tested, log_lift).items() if name == _CHAIN}
         named = {item.name: np.array(item.effect) for item in self.common if item.effect}
-        return self._evidence(self.tested, self.tested_repeats, chain | named)
+        for group in self.levels:
+            named |= group.effects(log_lift - self.tested.log_end_tension)
+        own2 = self.scatter.variance(self.tested_repeats)
+        if any(group.name == CONDITION for group in self.levels):
+            own2 = own2 - self.scatter.between**2
+        return self._evidence(self.tested, own2, chain | named)
 
     def gradients(self, conditions: Conditions) -> FloatArray:
         """Return ∂ ln F_A/∂θ by the free parameters, shape (n, q)."""
@@ -109,14 +140,18 @@ class PlannedLaw:
 
     def evidence(self, conditions: Conditions, repeats: npt.ArrayLike) -> "Evidence":
         """Return the information of condition means, each weighted by its scatter and its shared errors."""
-        log_lift = self.law.log_lift(self.theta, conditions)
-        return self._evidence(conditions, repeats, self._effects(conditions, log_lift))
+        log_lift, effects = self.law.log_lift(self.theta, conditions), dict[str, FloatArray]()
+        for group in self.levels:
+            if group.name != CONDITION:  # pulled with all ropes in turn
+                each = group.std * (log_lift - conditions.log_end_tension) / len(group.labels)
+                effects |= dict.fromkeys(group.names, each)
+        effects |= self._effects(conditions, log_lift)
+        return self._evidence(conditions, self.scatter.variance(repeats), effects)
 
     def _evidence(
-        self, conditions: Conditions, repeats: npt.ArrayLike, effects: Mapping[str, FloatArray]
+        self, conditions: Conditions, own2: FloatArray, effects: Mapping[str, FloatArray]
     ) -> "Evidence":
-        slopes = self.law.jacobian(self.theta, conditions)
-        own2 = self.scatter.variance(repeats) + np.zeros(len(conditions))
+        slopes, own2 = self.law.jacobian(self.theta, conditions), own2 + np.zeros(len(conditions))
         std = np.sqrt(sum((effect**2 for effect in effects.values()), own2))
         rows = slopes[:, self.free] / std[:, None]
         return Evidence(rows, np.sqrt(own2) / std, {name: effect / std for name, effect in effects.items()})
@@ -210,6 +245,12 @@ def planned_fit(
     held = [item.name for item in fit.parameters if item.vary and item.at_bound]
     if held:
         notes.append(f"{', '.join(held)} lies on a bound in the fit and is held there")
+    levels = _levels_of(fit, scatter.between)
+    notes += [
+        f"new tests are taken to be pulled with the {len(one.labels)} {one.name}s of the trials in turn"
+        for one in levels
+        if one.name != CONDITION
+    ]
     return PlannedLaw(
         law=fit.friction_law,
         theta=fit.theta,
@@ -219,8 +260,25 @@ def planned_fit(
         tested_repeats=columns["n"],
         common=fit.common_errors,
         chain=_chain_of(fit),
+        levels=levels,
         notes=tuple(notes),
     )
+
+
+def _levels_of(fit: FitResult, between: float) -> tuple[LevelScatter, ...]:
+    """Return the groups that a fit knows a scatter of, and the conditions where these have several means each."""
+    model, found = fit.scatter, []
+    for name, variance, spread in zip(model.names, model.variance, np.diag(model.covariance), strict=True):
+        if name in model.groups and variance > 0.0:
+            level, labels = np.array(fit.trials[name], np.int64), model.labels[name]
+            dof = max(float(2.0 * variance**2 / spread), 1.0)
+            found.append(LevelScatter(name, math.sqrt(variance), dof, level, labels))
+    condition = np.array(fit.trials.get("condition", ()), np.int64)
+    n = np.unique(condition).size
+    if n < condition.size and between:
+        labels = tuple(map(str, range(1, n + 1)))
+        found.append(LevelScatter(CONDITION, between, max(n - int(fit.shown.sum()), 1), condition, labels))
+    return tuple(found)
 
 
 def _scatter_of(
@@ -374,23 +432,24 @@ def best_plan(exchange: Exchange, n: int, *, starts: int = 10, seed: int = 0) ->
 
 
 class Outlook(NamedTuple):
-    """How certain predictions are expected to be."""
+    """How certain predictions are expected to be.
+
+    Standard deviations of ln F_A (t,), the parts of them by errors that tests share, how many means there are beyond the
+    parameters, the degrees of freedom of each variance (t,), and the level of intervals.
+    """
 
     std_log: FloatArray
     shared_log: FloatArray
     dof: int
+    effective_dof: FloatArray
     level: float
 
     @property
     def half_width_log(self) -> FloatArray:
-        """Return half the width of the interval of each ln F_A, t · std; infinite without degrees of freedom.
-
-        These are more than `dof` where a part of the variance is that of shared errors, which is known for sure.
-        """
+        """Return half the width of the interval of each ln F_A, t · std; infinite without degrees of freedom."""
         if not self.dof:
             return np.full_like(self.std_log, np.inf)
-        dof = combined_dof(self.std_log**2, self.shared_log**2, float(self.dof))
-        return self.std_log * [quantile(0.5 + 0.5 * self.level, nu) for nu in dof.tolist()]
+        return self.std_log * [quantile(0.5 + 0.5 * self.level, nu) for nu in self.effective_dof.tolist()]
 
     def to_dict(self, lift_N: FloatArray) -> list[dict[str, Any]]:
         """Return standard error and interval [N] about lift forces."""
@@ -581,9 +640,7 @@ def plan_tests(
     both = known.joined(planned.evidence(plan, repeats))
 
     def outlook(at: Conditions, often: int = repeats) -> Outlook:
-        found = known.joined(planned.evidence(at, often))
-        (std, shared), dof = found.errors(along), max(len(found.rows) - planned.n_free, 0)
-        return Outlook(std_log=std, shared_log=np.linalg.norm(shared, axis=1), dof=dof, level=level)
+        return _outlook(planned, known.joined(planned.evidence(at, often)), along, level)
 
     spread = []
     if repeats > 1 and 2 * n_conditions <= places.size:
@@ -631,21 +688,51 @@ def plan_tests(
             *spread,
             *_told(planned, plan, repeats),
             *_on_trust(planned, limits, wanted, plan),
-            *_of_shared(both, along),
+            *_of_shared(planned, both, along),
         ),
     )
 
 
-def _of_shared(found: Evidence, along: FloatArray) -> list[str]:
+def _outlook(planned: PlannedLaw, found: Evidence, along: FloatArray, level: float) -> Outlook:
+    """Return how certain predictions with slopes `along` (t, q) are by some evidence."""
+    total, parts = _variances(planned, found, along)
+    dof = max(len(found.rows) - planned.n_free, 0)
+    own = total - sum(parts.values(), np.zeros_like(total))
+    groups = [(parts[one.name], one.dof) for one in planned.levels]
+    effective = combined_dof(total, [(own, float(dof)), *groups] if dof else [])
+    shared = sum((part for name, part in parts.items() if name != CONDITION), np.zeros_like(total))
+    return Outlook(np.sqrt(total), np.sqrt(shared), dof, effective, level)
+
+
+def _variances(
+    planned: PlannedLaw, found: Evidence, along: FloatArray
+) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Return the variances of predictions (t,), and the parts by errors in common and by all levels of a group."""
+    std, shared = found.errors(along)
+    group_of = {name: one.name for one in planned.levels for name in one.names}
+    parts = {one.name: np.zeros_like(std) for one in planned.levels}
+    for name, column in zip(found.shares, shared.T, strict=True):
+        key = group_of.get(name, name)
+        parts[key] = parts.get(key, 0.0) + column**2
+    return std**2, parts
+
+
+def _of_shared(planned: PlannedLaw, found: Evidence, along: FloatArray) -> list[str]:
     """Return that more pulls do not help any more, where what all of them share is most of the expected variance."""
-    total, shared = found.errors(along)
-    part = (shared**2).sum(axis=1) / total**2
+    total, parts = _variances(planned, found, along)
+    parts.pop(CONDITION, None)
+    part = sum(parts.values(), np.zeros_like(total)) / total
     worst = int(np.argmax(part))
     if not part[worst] > _MOSTLY:
         return []
-    name = [*found.shares][int(np.argmax(shared[worst] ** 2))]
-    text = f"{part[worst]:.0%} of the expected variance comes from errors that tests share, mainly the {name}"
-    return [f"{text}: reduce that error, more pulls would not narrow the interval much"]
+    name = max(parts, key=lambda name: float(parts[name][worst]))
+    what, remedy = f"errors that tests share, mainly the {name}", "reduce that error, more pulls"
+    for group in planned.levels:
+        if group.name == name:
+            what = f"errors that tests share, mainly the differences between {len(group.labels)} {name}s"
+            remedy = f"test more {name}s, more pulls with these"
+    text = f"{part[worst]:.0%} of the expected variance comes from {what}"
+    return [f"{text}: {remedy} would not narrow the interval much"]
 
 
 def _told(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:

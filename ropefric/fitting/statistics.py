@@ -4,7 +4,7 @@ Everything about a Jacobian comes from one decomposition, `decomposed`.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, nan, sqrt
 from typing import NamedTuple
@@ -113,11 +113,15 @@ def plain_covariance(jacobian: FloatArray, weights: FloatArray | None = None) ->
     return np.asarray(half @ half.T)
 
 
-def combined_dof(variance: npt.ArrayLike, known: npt.ArrayLike, dof: float) -> FloatArray:
-    """Return Welch and Satterthwaite's degrees of freedom of a variance of which a part is known for sure."""
+def combined_dof(variance: FloatArray, parts: Iterable[tuple[FloatArray, float]]) -> FloatArray:
+    """Return Welch and Satterthwaite's degrees of freedom of variances (t,).
+
+    Of each part (t,) the degrees of freedom are given; the rest is known for sure.
+    """
+    unsure = sum((part**2 / dof for part, dof in parts), np.zeros_like(variance))
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.asarray(variance) / np.maximum(np.asarray(variance) - known, 0.0)
-    return np.where(np.isnan(share), dof, dof * np.maximum(share, 1.0) ** 2)
+        found = variance**2 / unsure
+    return np.where(found > 0.0, found, inf)
 
 
 def rounded_covariance(covariance: FloatArray) -> FloatArray:

@@ -7,14 +7,14 @@ campaigns are usually made.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.plain_text import csv_text, rounded_tree
 from ropefric.fitting.exchange import Criterion, Evidence, Exchange, best_plan
@@ -55,25 +55,14 @@ _UNTESTED = Conditions(**dict.fromkeys(SETTINGS, np.zeros(0)))
 class LevelScatter(NamedTuple):
     """Scatter between the levels of a group, such as ropes with a μ of their own, that several tested means share.
 
-    Its standard deviation, of μ relative to itself, of ln F_A for conditions; its degrees of freedom; the level of each
-    tested mean (k,); what the levels are called.
+    Its standard deviation, of μ relative to itself, of ln F_A for conditions; its degrees of freedom; and by the name of
+    each level what one standard deviation does to ln F_A of the tested means (k,).
     """
 
     name: str
     std: float
     dof: float
-    level: IntArray
-    labels: tuple[str, ...]
-
-    def effects(self, rise: FloatArray) -> dict[str, FloatArray]:
-        """Return how one standard deviation of each level moves ln F_A of the tested means, shape (k,)."""
-        size = self.std * (np.ones_like(rise) if self.name == CONDITION else rise)
-        return {name: np.where(self.level == i, size, 0.0) for i, name in enumerate(self.names)}
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Return the names of the levels' errors."""
-        return tuple(f"{self.name} {label}" for label in self.labels)
+    effects: dict[str, FloatArray]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -113,7 +102,7 @@ class PlannedLaw:
         chain = {name: size for name, size in self._effects(self.tested, log_lift).items() if name == _CHAIN}
         named = {item.name: np.array(item.effect) for item in self.common if item.effect}
         for group in self.levels:
-            named |= group.effects(log_lift - self.tested.log_end_tension)
+            named |= group.effects
         own2 = self.scatter.variance(self.tested_repeats)
         if any(group.name == CONDITION for group in self.levels):
             own2 = own2 - self.scatter.between**2
@@ -128,8 +117,8 @@ class PlannedLaw:
         log_lift, effects = self.law.log_lift(self.theta, conditions), dict[str, FloatArray]()
         for group in self.levels:
             if group.name != CONDITION:  # pulled with all ropes in turn
-                each = group.std * (log_lift - conditions.log_end_tension) / len(group.labels)
-                effects |= dict.fromkeys(group.names, each)
+                each = group.std * (log_lift - conditions.log_end_tension) / len(group.effects)
+                effects |= dict.fromkeys(group.effects, each)
         effects |= self._effects(conditions, log_lift)
         return self._evidence(conditions, self.scatter.variance(repeats), effects)
 
@@ -187,9 +176,10 @@ def planned_fit(
     held = [item.name for item in fit.parameters if item.vary and item.at_bound]
     if held:
         notes.append(f"{', '.join(held)} lies on a bound in the fit and is held there")
-    levels = _levels_of(fit, scatter.between)
+    tested = Conditions(**{name: columns[name] for name in SETTINGS})
+    levels = _levels_of(fit, tested, scatter.between)
     notes += [
-        f"new tests are taken to be pulled with the {len(one.labels)} {one.name}s of the trials in turn"
+        f"new tests are taken to be pulled with the {len(one.effects)} {one.name}s of the trials in turn"
         for one in levels
         if one.name != CONDITION
     ]
@@ -198,7 +188,7 @@ def planned_fit(
         theta=fit.theta,
         free=fit.shown,
         scatter=scatter,
-        tested=Conditions(**{name: columns[name] for name in SETTINGS}),
+        tested=tested,
         tested_repeats=columns["n"],
         common=fit.common_errors,
         chain=_chain_of(fit),
@@ -207,19 +197,24 @@ def planned_fit(
     )
 
 
-def _levels_of(fit: FitResult, between: float) -> tuple[LevelScatter, ...]:
+def _levels_of(fit: FitResult, tested: Conditions, between: float) -> tuple[LevelScatter, ...]:
     """Return the groups that a fit knows a scatter of, and the conditions where these have several means each."""
-    model, found = fit.scatter, []
-    for name, variance, spread in zip(model.names, model.variance, np.diag(model.covariance), strict=True):
-        if name in model.groups and variance > 0.0:
-            level, labels = np.array(fit.trials[name], np.int64), model.labels[name]
-            dof = max(float(2.0 * variance**2 / spread), 1.0)
-            found.append(LevelScatter(name, math.sqrt(variance), dof, level, labels))
-    condition = np.array(fit.trials.get("condition", ()), np.int64)
-    n = np.unique(condition).size
-    if n < condition.size and between:
-        labels = tuple(map(str, range(1, n + 1)))
-        found.append(LevelScatter(CONDITION, between, max(n - int(fit.shown.sum()), 1), condition, labels))
+    model, rise = fit.scatter, fit.friction_law.log_lift(fit.theta, tested) - tested.log_end_tension
+    columns = {name: np.array(values) for name, values in fit.trials.items()}
+    n = np.unique(columns.get("condition", np.zeros(0))).size
+
+    def levels(name: str, std: float, dof: float, labels: Iterable[object], size: FloatArray) -> LevelScatter:
+        named = {f"{name} {word}": std * size * (columns[name] == i) for i, word in enumerate(labels)}
+        return LevelScatter(name, std, max(dof, 1.0), named)
+
+    found = [
+        levels(name, math.sqrt(variance), float(2.0 * variance**2 / spread), model.labels[name], rise)
+        for name, variance, spread in zip(model.names, model.variance, np.diag(model.covariance), strict=True)
+        if name in model.groups and variance > 0.0
+    ]
+    if between and 0 < n < rise.size:
+        dof = float(n - fit.shown.sum())
+        found.append(levels(CONDITION, between, dof, range(n), np.ones_like(rise)))
     return tuple(found)
 
 
@@ -497,6 +492,8 @@ def plan_tests(
         outlook(grid.select(one_factor_plan(possible, centre, n_conditions)))
         for centre in (nearest_to(possible), nearest_to(possible, tuple(map(float, spots))))
     )
+    remarks = [*_told(planned, plan, repeats), *_on_trust(planned, limits, wanted, plan)]
+    remarks += _of_shared(planned, both, along)
     return LabPlan(
         planned=planned,
         conditions=plan,
@@ -516,14 +513,7 @@ def plan_tests(
         starts=starts,
         agreeing_starts=agreeing,
         seed=seed,
-        notes=(
-            *planned.notes,
-            *notes,
-            *spread,
-            *_told(planned, plan, repeats),
-            *_on_trust(planned, limits, wanted, plan),
-            *_of_shared(planned, both, along),
-        ),
+        notes=(*planned.notes, *notes, *spread, *remarks),
     )
 
 
@@ -543,7 +533,7 @@ def _variances(
 ) -> tuple[FloatArray, dict[str, FloatArray]]:
     """Return the variances of predictions (t,), and the parts by errors in common and by all levels of a group."""
     std, shared = found.errors(along)
-    group_of = {name: one.name for one in planned.levels for name in one.names}
+    group_of = {name: one.name for one in planned.levels for name in one.effects}
     parts = {one.name: np.zeros_like(std) for one in planned.levels}
     for name, column in zip(found.shares, shared.T, strict=True):
         key = group_of.get(name, name)
@@ -560,12 +550,13 @@ def _of_shared(planned: PlannedLaw, found: Evidence, along: FloatArray) -> list[
     if not part[worst] > _MOSTLY:
         return []
     name = max(parts, key=lambda name: float(parts[name][worst]))
-    what, remedy = f"errors that tests share, mainly the {name}", "reduce that error, more pulls"
-    for group in planned.levels:
-        if group.name == name:
-            what = f"errors that tests share, mainly the differences between {len(group.labels)} {name}s"
-            remedy = f"test more {name}s, more pulls with these"
-    text = f"{part[worst]:.0%} of the expected variance comes from {what}"
+    what, remedy = f"the {name}", "reduce that error, more pulls"
+    if counts := [len(group.effects) for group in planned.levels if group.name == name]:
+        what, remedy = (
+            f"the differences between {counts[0]} {name}s",
+            f"test more {name}s, more pulls with these",
+        )
+    text = f"{part[worst]:.0%} of the expected variance comes from errors that tests share, mainly {what}"
     return [f"{text}: {remedy} would not narrow the interval much"]
 
 

@@ -24,7 +24,7 @@ from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.intervals import is_curved, profile_lift
 from ropefric.fitting.problem import law_named
 from ropefric.fitting.result import FitResult, FitStatus, Verdict
-from ropefric.fitting.scatter import REPEAT, ScatterModel, measured_level
+from ropefric.fitting.scatter import CONDITION, REPEAT, ScatterModel, measured_level
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw, LiftModel
 from ropefric.registry import did_you_mean
@@ -363,27 +363,17 @@ def _of_rope(
 
     def of_rival(rival: FitResult, law: LiftModel, places: Conditions) -> tuple[FloatArray, ...]:
         found = _measured_rope(rival, law, places, rope, probability)
-        return () if found is None else found.ends
+        return () if found is None else (found.interval_N, found.prediction_interval_N)
 
-    mean, pull = _with_rivals(fit, model, conditions, own.ends, of_rival)
-    with np.errstate(over="ignore"):
-        force_N, mean_N, pull_N = np.exp(own.log_lift), np.exp(mean), np.exp(pull)
-    return RopePrediction(rope, force_N, force_N * own.std_log, mean_N, pull_N, own.dof)
-
-
-class _MeasuredRope(NamedTuple):
-    """ln F_A with a rope of the trials at n conditions: its standard deviation and dof, ends of its mean and a pull."""
-
-    log_lift: FloatArray
-    std_log: FloatArray
-    dof: FloatArray
-    ends: tuple[FloatArray, FloatArray]
+    ends_N = own.interval_N, own.prediction_interval_N
+    mean_N, pull_N = _with_rivals(fit, model, conditions, ends_N, of_rival)
+    return own._replace(interval_N=mean_N, prediction_interval_N=pull_N)
 
 
 def _measured_rope(
     fit: FitResult, model: LiftModel, conditions: Conditions, rope: str, probability: float
-) -> _MeasuredRope | None:
-    """Return ln F_A with a rope of the trials; None where the fit has no component for it."""
+) -> RopePrediction | None:
+    """Return the lift forces with a rope by the law alone; None where the fit has no component for it."""
     scatter, cells = fit.scatter, fit.cells()
     if cells is None or rope not in scatter.labels.get("rope", ()):
         return None
@@ -401,8 +391,10 @@ def _measured_rope(
         tails = _by_tails(scatter, probability, variance, more)
         reach.append(scatter.reach(probability, none, own, found.known) * stds[-1] * tails)
     log_lift, signs = model.log_lift(fit.theta, conditions) + found.shift, np.array([-1.0, 1.0])
-    mean, pull = (log_lift[:, None] + signs * x[:, None] for x in (reach[0], np.fmax(*reach)))
-    return _MeasuredRope(log_lift, stds[0], dofs[0], (mean, pull))
+    with np.errstate(over="ignore"):
+        force_N = np.exp(log_lift)
+        mean_N, pull_N = (np.exp(log_lift[:, None] + signs * x[:, None]) for x in (reach[0], np.fmax(*reach)))
+    return RopePrediction(rope, force_N, force_N * stds[0], mean_N, pull_N, dofs[0])
 
 
 def _with_rivals(
@@ -460,8 +452,8 @@ def _spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> Spread:
 
 def _wide(fit: FitResult, spread: Spread, probability: float) -> FloatArray:
     """Return how far ln F_A of one pull, or of one rope, may lie to one side, with a probability, shape (n,)."""
-    scatter, found = fit.scatter, fit.statistics
-    if not (math.isfinite(found.scatter_within) or math.isfinite(found.scatter_between)) or not scatter.names:
+    scatter = fit.scatter
+    if math.isnan(new_rope_std(fit)):
         return np.full_like(spread.law, np.nan)
     # A component below zero is one that the data do not show: a new rope brings nothing by it.
     own = spread.own * (scatter.variance > 0.0)
@@ -515,12 +507,12 @@ def new_rope_std(fit: FitResult, rise: float = 0.0, log_lift: float | None = Non
     `rise` is ln(F_A/F_B) there: a new rope of the kind, mounting or operator has a μ of its own. `log_lift` is ln F_A,
     with which the others may grow.
     """
-    parts = [fit.statistics.scatter_within, fit.statistics.scatter_between]
-    uneven = fit.scatter.uneven
-    size = float(uneven.factor(np.array(uneven.centre if log_lift is None else log_lift))) ** 0.5
-    known = [size * part for part in parts if math.isfinite(part)]
-    groups = [rise * fit.scatter.std(name) for name in fit.scatter.groups]
-    return math.hypot(*known, *groups) if known else math.nan
+    model = fit.scatter
+    if not {CONDITION, REPEAT} & {*model.names}:
+        return math.nan
+    force = model.uneven.centre if log_lift is None else log_lift
+    own = model.one_pull(np.array([force]), np.array([rise]))
+    return math.sqrt(float((own @ np.maximum(model.variance, 0.0))[0]))
 
 
 def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftModel:

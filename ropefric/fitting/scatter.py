@@ -24,6 +24,7 @@ from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import SETTINGS, Conditions
 
+Known = FloatArray | float
 CONDITION, REPEAT = "condition", "repeat"
 ALL = "all"
 """The one component of the parameters' covariance in a fit stored before there was a model of scatter."""
@@ -293,9 +294,7 @@ class ScatterModel:
         own = [rise**2 if name in self.groups else single * (name != ALL) for name in self.names]
         return np.array(own).reshape(len(own), rise.size).T
 
-    def dof(
-        self, rows: FloatArray, own: FloatArray | None = None, known: FloatArray | float = 0.0
-    ) -> FloatArray:
+    def dof(self, rows: FloatArray, own: FloatArray | None = None, known: Known = 0.0) -> FloatArray:
         """Return the degrees of freedom of variances, shape (r,), one at least: Satterthwaite's 2 v²/Var(v).
 
         v = j C jᵀ for combinations j of parameters in `rows` (r, p), plus Σ σ_i² of the components in `own` (r, m),
@@ -304,11 +303,7 @@ class ScatterModel:
         return np.maximum(self._satterthwaite(rows, own, known), 1.0)
 
     def reach(
-        self,
-        probability: float,
-        rows: FloatArray,
-        own: FloatArray | None = None,
-        known: FloatArray | float = 0.0,
+        self, probability: float, rows: FloatArray, own: FloatArray | None = None, known: Known = 0.0
     ) -> FloatArray:
         """Return how many standard deviations an interval reaches with a probability to one side, shape (r,).
 
@@ -323,9 +318,7 @@ class ScatterModel:
         normal = float(ndtri(probability))
         return np.where(np.isinf(whole), normal, student) * np.clip(dof, _LEAST_KNOWN, 1.0) ** -0.25
 
-    def _satterthwaite(
-        self, rows: FloatArray, own: FloatArray | None, known: FloatArray | float
-    ) -> FloatArray:
+    def _satterthwaite(self, rows: FloatArray, own: FloatArray | None, known: Known) -> FloatArray:
         slopes = np.einsum("rp,mpq,rq->rm", rows, self.slopes, rows, optimize=True)
         slopes = slopes if own is None else slopes + own
         variance = slopes @ self.variance + known

@@ -93,9 +93,8 @@ class Decomposition(NamedTuple):
         return self.rows.T[:, seen] / self.values[seen] / self.length[:, None], self.left[:, seen]
 
 
-def decomposed(jacobian: FloatArray, weights: FloatArray | None = None) -> Decomposition:
-    """Return the decomposition of J, or of √W J, shape (n, q)."""
-    J = jacobian if weights is None else jacobian * np.sqrt(weights)[:, None]
+def decomposed(J: FloatArray) -> Decomposition:
+    """Return the decomposition of J, shape (n, q)."""
     n, q = J.shape
     length = np.linalg.norm(J, axis=0)
     seen = length > _NOT_SEEN
@@ -107,9 +106,9 @@ def decomposed(jacobian: FloatArray, weights: FloatArray | None = None) -> Decom
     return Decomposition(length=length, left=left[:n], values=values, rows=rows, lost=lost)
 
 
-def plain_covariance(jacobian: FloatArray, weights: FloatArray | None = None) -> FloatArray:
-    """Return (Jᵀ W J)⁻¹, shape (q, q), the pseudo-inverse where combinations of parameters are not seen."""
-    half, _ = decomposed(jacobian, weights).root()
+def plain_covariance(J: FloatArray) -> FloatArray:
+    """Return (JᵀJ)⁻¹, shape (q, q), the pseudo-inverse where combinations of parameters are not seen."""
+    half, _ = decomposed(J).root()
     return np.asarray(half @ half.T)
 
 

@@ -208,7 +208,7 @@ def design(
     target, beyond_linear = QUANTITIES[solve_for][0], np.zeros(load_N.size)
     for _ in range(_ROUNDS):
         needed = np.stack([log_load, log_load - beyond_linear])
-        x, status = _search(linear, needed, solve_for, (low, high), given, has_bound=probability is not None)
+        x, status = _search(linear, needed, solve_for, (low, high), given)
         reached = status <= DesignStatus.LOWER_LIMIT
         # The designs, and the upper limit where there is none.
         at = Conditions(**given, **{target: np.where(reached, x, high)})

@@ -314,7 +314,8 @@ def _search(
             rows = some[i]
             tried = {name: values[rows] for name, values in given.items()}
             tried[target] = x if wrap else np.exp(x)
-            return np.nan_to_num(lift_and_bound(Conditions(**tried))[by] - needed[by, rows], nan=-np.inf)
+            found = lift_and_bound(Conditions(**tried))[by]
+            return np.asarray(np.nan_to_num(found - needed[by, rows], nan=-np.inf))
 
         return function
 

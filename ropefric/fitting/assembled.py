@@ -244,7 +244,7 @@ def _of_rest(found: Found, trends: Iterable[stats.Trend]) -> Iterator[Finding]:
 
 
 def _parameters(found: Found, std: FloatArray, reach: FloatArray) -> tuple[FittedParameter, ...]:
-    """Return the parameters with intervals of so many standard errors; none where the scatter is unknown (NaN)."""
+    """Return the parameters, each interval `reach` (p,) standard errors long on either side; none where that is NaN."""
     problem = found.problem
     parameters = []
     given = (problem.lower, problem.upper, found.at_bound, problem.vary)

@@ -24,7 +24,7 @@ from ropefric.errors import (
     Kind,
 )
 from ropefric.files.folder import Folder
-from ropefric.fitting import budgets, next_tests, resolution
+from ropefric.fitting import budgets, exchange, next_tests, resolution
 from ropefric.fitting.compare import Comparison, compare_laws
 from ropefric.fitting.design import Design, SolveFor
 from ropefric.fitting.design import design as find_design
@@ -942,7 +942,7 @@ def plan_tests(
     largest_force_N: Given = None,
     n_conditions: int = 12,
     repeats: int = 12,
-    criterion: next_tests.Criterion = "v",
+    criterion: exchange.Criterion = "v",
     level: float = 0.95,
     starts: int = 10,
     seed: int = 0,

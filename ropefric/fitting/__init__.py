@@ -8,6 +8,6 @@ verifies fits.
 Its quality: `compare` ranks laws by their fits to condition means (`standing`) and chooses one, `diagnose` says why a
 rope does not obey the capstan equation. Its use: `predict` gives the lift force of a wheel, and laws for simulators and
 lmfit, `design` the wheel for a lift force; `budgets` states uncertainty after the GUM, of a measurement and of a
-predicted lift force; `next_tests` plans the next measurements, and `resolution` says what a list of conditions can
-determine.
+predicted lift force; `next_tests` plans the next measurements with the search of `exchange`, and `resolution` says what
+a list of conditions can determine.
 """

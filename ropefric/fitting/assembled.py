@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
-from math import inf, isfinite, log, nan, sqrt
+from math import inf, isfinite, isnan, log, nan, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,7 +33,6 @@ from ropefric.friction.condition import SETTINGS, Conditions, distinct
 from ropefric.friction.law import FrictionLaw
 from ropefric.glossary import counted
 from ropefric.trials.table import TrialTable
-from ropefric.uncertainty.budget import quantile
 
 # Repeats of one value have a standard deviation of this or less, by rounding.
 _RESIDUE = 1e-14
@@ -106,18 +105,15 @@ def assemble(found: Found, table: TrialTable, settings: FitSettings) -> FitResul
     has_scatter = bool(errors.model.names)
     trends = stats.find_trends(errors.weighted, slopes[:, shown], -residuals) if has_scatter else ()
     findings = _findings(found, seen, std, trends)
-    dof = errors.model.dof(np.eye(std.size)) if has_scatter else np.zeros(std.size)
-    dof = np.array([significant(x) if isfinite(x) else x for x in dof.tolist()])
+    dof = float(errors.model.dof(np.eye(std.size)[free]).min(initial=inf)) if has_scatter else 0.0
     trials = _trial_level(found)
     ranges = ((name, getattr(problem.conditions, name)) for name in _REGRESSORS)
     return FitResult(
         law=problem.law.name,
-        parameters=_parameters(found, std, dof),
+        parameters=_parameters(found, std, errors.model.reach(0.975, np.eye(std.size))),
         covariance=covariance,
-        covariance_kind="clustered" if layout.spare else "scaled",
-        statistics=_statistics(
-            found, trials, errors.model, float(dof[free].min(initial=inf)) if has_scatter else 0.0, trends
-        ),
+        covariance_kind="clustered" if layout.repeated else "scaled",
+        statistics=_statistics(found, trials, errors.model, dof, trends),
         scatter=errors.model,
         status=findings[0][0] if findings else FitStatus.OK,
         advice=tuple(text for _, text in findings),
@@ -186,7 +182,7 @@ def _errors(found: Found, free: BoolArray) -> tuple[scatter.Estimate, str]:
     """Return the errors of the parameters by the scatter, and a note; no intervals where the scatter is unknown."""
     layout, q = found.layout, int(free.sum())
     if (best := scatter.estimated(layout, found.theta, free, found.effects)) is not None:
-        note = _NOTES["clustered" if layout.spare else "scaled"]
+        note = _NOTES["clustered" if layout.repeated else "scaled"]
         counts = zip(best.model.names, best.model.levels, strict=True)
         if named := ", ".join(f"{n} {name}s" for name, n in counts if name in best.model.groups):
             note += f"; the trials have {named}, each of which may have a μ of its own"
@@ -215,9 +211,7 @@ def _statistics(
     found: Found, problem: FitProblem, model: scatter.ScatterModel, dof: float, trends: Sequence[stats.Trend]
 ) -> stats.FitStatistics:
     layout, n, q = found.layout, problem.n_points, problem.n_varying
-    within = layout.within
-    if not layout.spare and not layout.nested and scatter.REPEAT in model.names:
-        within = model.std(scatter.REPEAT)
+    within = layout.within if layout.spare else model.std(scatter.REPEAT)
     residuals = problem.residuals(found.theta)
     chi2 = float(residuals @ residuals)
     # −2 ln L of equal, unknown scatters, without the n (1 + ln 2π) that all laws share.
@@ -232,7 +226,7 @@ def _statistics(
         bic=significant(stats.bic(deviance, n, q + 1)),
         scatter_within=significant(within),
         scatter_between=significant(model.std(scatter.CONDITION)),
-        interval_dof=dof,
+        interval_dof=significant(dof) if isfinite(dof) else dof,
         lack_of_fit_p=significant(min((trend.p_value for trend in trends), default=nan)),
     )
 
@@ -249,23 +243,25 @@ def _of_rest(found: Found, trends: Iterable[stats.Trend]) -> Iterator[Finding]:
             yield FitStatus.RESIDUAL_STRUCTURE, text
 
 
-def _parameters(found: Found, std: FloatArray, dof: FloatArray) -> tuple[FittedParameter, ...]:
-    """Return the parameters with Student's intervals; none where the scatter is unknown."""
+def _parameters(found: Found, std: FloatArray, reach: FloatArray) -> tuple[FittedParameter, ...]:
+    """Return the parameters, each interval `reach` (p,) standard errors long on either side; none where that is NaN."""
     problem = found.problem
     parameters = []
     given = (problem.lower, problem.upper, found.at_bound, problem.vary)
-    columns = (found.theta, std, *given, dof)
+    columns = (found.theta, std, *given, reach)
     for name, *row in zip(problem.law.parameter_names, *(column.tolist() for column in columns), strict=True):
-        value, error, low, high, at_bound, vary, nu = row
-        error = error if nu > 0.0 or not vary else inf
-        half = quantile(0.975, nu) * error if 0.0 < error < inf else error
+        value, error, low, high, at_bound, vary, errors = row
+        error = inf if isnan(errors) and vary else error
+        half = significant(errors) * error if 0.0 < error < inf else error
         # Rounded, but never past the estimate itself, which may have more digits than a tiny error has room for.
         near, far = min(to_share(value - half, error), value), max(to_share(value + half, error), value)
         interval = (max(near, low), min(far, high)) if vary else (value, value)
+        if (at_bound or isnan(errors)) and vary and not 0.0 < error < inf:
+            interval = (nan, nan)
         parameters.append(
             FittedParameter(
                 name=name, value=value, std=nan if at_bound else error, lower=low, upper=high, at_bound=at_bound,
-                ci95=(nan, nan) if (at_bound or not nu) and vary and not 0.0 < error < inf else interval, vary=vary,
+                ci95=interval, vary=vary,
             )
         )  # fmt: skip
     return tuple(parameters)

@@ -6,9 +6,10 @@ suffices.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.intervals import Rising, rising_root
-from ropefric.fitting.predict import half_width, new_rope_std, outside_range
+from ropefric.fitting.predict import Method, lift_ends, new_rope_std, outside_range
 from ropefric.fitting.problem import Rows
 from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import SETTINGS, Conditions, as_floats
@@ -38,6 +39,8 @@ _FORCES = ("required_N", "lift_force_N", "lower_bound_N")
 # A wrap of zero has no slope in some laws; this much wrap lifts nothing.
 _LEAST_WRAP_RAD = 1e-9
 _SCAN = 24
+# Searches until the distance of the profile from the linear bound stays the same, in ln F_A.
+_ROUNDS, _SETTLED = 10, 1e-7
 _MEAN_LAW = "the mean law (--on-average, None in Python)"
 
 
@@ -145,33 +148,35 @@ class Design(Shown):
         return dict(rounded_tree(tree, None))
 
 
-class LiftBound:
-    """ln F_A of a fitted law and what one new rope exceeds with a probability; the mean law itself for None."""
+def _check_probability(fit: FitResult, probability: float | None) -> None:
+    """Refuse a probability that is none, or that a fit cannot give."""
+    if probability is None:
+        return
+    if not 0.5 <= probability < 1.0:
+        text = f"the probability is {probability:g}"
+        fix = f"give 0.5 or more and less than 1; or take {_MEAN_LAW}"
+        raise InputError(text, key="probability", fix=fix)
+    if not (math.isfinite(new_rope_std(fit)) and np.isfinite(fit.covariance).all()):
+        text = f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability"
+        fix = f"repeat some trials and fit again, or design for {_MEAN_LAW}"
+        raise InputError(text, key="probability", fix=fix)
 
-    def __init__(self, fit: FitResult, probability: float | None) -> None:
-        self.fit, self.law, self.theta, self.probability = fit, fit.friction_law, fit.theta, probability
-        if probability is None:
-            return
-        if not 0.5 <= probability < 1.0:
-            text = f"the probability is {probability:g}"
-            fix = f"give 0.5 or more and less than 1; or take {_MEAN_LAW}"
-            raise InputError(text, key="probability", fix=fix)
-        if not (math.isfinite(new_rope_std(fit)) and np.isfinite(fit.covariance).all()):
-            text = f"the fit of {fit.law} knows no scatter, or no finite errors, so it gives no probability"
-            fix = f"repeat some trials and fit again, or design for {_MEAN_LAW}"
-            raise InputError(text, key="probability", fix=fix)
 
-    def evaluate(self, conditions: Conditions) -> tuple[FloatArray, FloatArray]:
-        """Return ln F_A of the mean law and of the bound, shape (n,); NaN where the law has no answer."""
-        eta, bound = np.full((2, len(conditions)), np.nan)
-        some = self.law.answers(self.theta, conditions)
-        if some.any():
-            chosen = conditions if some.all() else conditions.select(some)
-            eta[some] = bound[some] = self.law.log_lift(self.theta, chosen)
-            if self.probability is not None:
-                model = LiftModel(law=self.law)
-                bound[some] -= half_width(self.fit, model, chosen, self.probability)
-        return eta, bound
+def _lift_and_bound(
+    fit: FitResult, probability: float | None, conditions: Conditions, method: Method = "auto"
+) -> FloatArray:
+    """Return ln F_A of the mean law and of what one new rope exceeds, shape (2, n); NaN where the law has no answer.
+
+    The bound is the mean law itself for None.
+    """
+    found, law = np.full((2, len(conditions)), np.nan), LiftModel(law=fit.friction_law)
+    some = law.law.answers(fit.theta, conditions)
+    if some.any():
+        chosen = conditions if some.all() else conditions.select(some)
+        found[:, some] = law.log_lift(fit.theta, chosen)
+        if probability is not None:
+            found[1, some] = lift_ends(fit, law, chosen, probability, method).pull[:, 0]
+    return found
 
 
 def design(
@@ -189,20 +194,30 @@ def design(
     """Return the smallest wrap, wheel radius or end tension that lifts a load, for n designs at once.
 
     ln F_A rises with each of the three, so the mean law has one crossing, found in brackets by Chandrupatla's method.
-    The bound may fall again where extrapolation widens it; the first crossing above that of the mean is taken.
+    The bound may fall again where extrapolation widens it; the first crossing above that of the mean is taken. It is
+    the lower end of `predict`'s interval of one pull, along the profile for curved laws and 100 designs at most: the
+    linear bound is searched, and corrected by how far the profile lies from it at what was found.
     """
     given, load_N, (low, high) = _checked(
         fit, solve_for, limits,
         lift_N=lift_N, rope_radius_m=rope_radius_m, wheel_radius_m=wheel_radius_m, wrap_angle_rad=wrap_angle_rad,
         end_tension_N=end_tension_N,
     )  # fmt: skip
-    bounds, log_load = (LiftBound(fit, None), LiftBound(fit, probability)), np.log(load_N)
-    x, status = _search(bounds, solve_for, (low, high), given, log_load)
-    reached, target = status <= DesignStatus.LOWER_LIMIT, QUANTITIES[solve_for][0]
-    # The designs, and the upper limit where there is none.
-    at = Conditions(**given, **{target: np.where(reached, x, high)})
+    _check_probability(fit, probability)
+    log_load, linear = np.log(load_N), partial(_lift_and_bound, fit, probability, method="linear")
+    target, beyond_linear = QUANTITIES[solve_for][0], np.zeros(load_N.size)
+    for _ in range(_ROUNDS):
+        needed = np.stack([log_load, log_load - beyond_linear])
+        x, status = _search(linear, needed, solve_for, (low, high), given)
+        reached = status <= DesignStatus.LOWER_LIMIT
+        # The designs, and the upper limit where there is none.
+        at = Conditions(**given, **{target: np.where(reached, x, high)})
+        forces, before = _lift_and_bound(fit, probability, at), beyond_linear
+        beyond_linear = np.nan_to_num((forces - linear(at))[1])
+        if np.abs(beyond_linear - before).max(initial=0.0) < _SETTLED:
+            break
     with np.errstate(over="ignore"):
-        forces_N = np.exp(bounds[1].evaluate(at))
+        forces_N = np.exp(forces)
     lift_N, bound_N, limit_lift_N, limit_bound_N = (
         np.where(mask, row, np.nan) for mask in (reached, ~reached) for row in forces_N
     )
@@ -278,28 +293,29 @@ def _same_length(arrays: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
 
 
 def _search(
-    bounds: tuple[LiftBound, LiftBound],
+    lift_and_bound: Callable[[Conditions], FloatArray],
+    needed: FloatArray,
     solve_for: SolveFor,
     limits: tuple[float, float],
     given: Mapping[str, FloatArray],
-    load: FloatArray,
 ) -> tuple[FloatArray, npt.NDArray[np.int8]]:
-    """Return value and status of designs for ln loads.
+    """Return value and status of designs: where the mean law and the bound reach the ln forces needed (2, n).
 
     The search moves in the wrap itself, and in the logarithm of a radius or an end tension.
     """
-    (mean, bound), n, wrap = bounds, load.size, solve_for == "wrap"
+    n, wrap, mean, bound = needed.shape[1], solve_for == "wrap", 0, 1
     target = QUANTITIES[solve_for][0]
     low, high = (max(end, _LEAST_WRAP_RAD) if wrap else math.log(end) for end in limits)
 
-    def above(by: LiftBound, some: Rows) -> Rising:
-        """Return how far above the loads of some designs ln F_A is; −inf where the law has no answer."""
+    def above(by: int, some: Rows) -> Rising:
+        """Return how far above what some designs need ln F_A is; −inf where the law has no answer."""
 
         def function(x: FloatArray, i: Rows) -> FloatArray:
             rows = some[i]
             tried = {name: values[rows] for name, values in given.items()}
             tried[target] = x if wrap else np.exp(x)
-            return np.nan_to_num(by.evaluate(Conditions(**tried))[1] - load[rows], nan=-np.inf)
+            found = lift_and_bound(Conditions(**tried))[by]
+            return np.asarray(np.nan_to_num(found - needed[by, rows], nan=-np.inf))
 
         return function
 
@@ -312,13 +328,11 @@ def _search(
     root = lows[rows]
     below = np.flatnonzero(above(mean, rows)(root, np.arange(rows.size)) < 0.0)
     root[below] = rising_root(above(mean, rows[below]), root[below], highs[rows[below]])
-    if bound.probability is not None:
-        left, right = first_crossing(above(bound, rows), root, highs[rows])
-        held = ~np.isnan(right)
-        status[rows[~held]] = DesignStatus.TOO_UNCERTAIN
-        rows = rows[held]
-        root = rising_root(above(bound, rows), left[held], right[held])
-    x[rows] = root
+    left, right = first_crossing(above(bound, rows), root, highs[rows])
+    held = ~np.isnan(right)
+    status[rows[~held]] = DesignStatus.TOO_UNCERTAIN
+    rows = rows[held]
+    x[rows] = rising_root(above(bound, rows), left[held], right[held])
     return np.where(x <= _LEAST_WRAP_RAD, limits[0], x) if wrap else np.exp(x), status
 
 
@@ -352,8 +366,9 @@ def design_chart(
     conditions = Conditions(wheel_radius_m=grid[0].ravel(), wrap_angle_rad=grid[1].ravel(), **given)
     shape = grid[0].shape
     outside = outside_range(fit.validity, conditions).any(axis=1)
+    _check_probability(fit, probability)
     with np.errstate(over="ignore"):
-        lift_N, bound_N = np.exp(LiftBound(fit, probability).evaluate(conditions))
+        lift_N, bound_N = np.exp(_lift_and_bound(fit, probability, conditions))
     return DesignChart(
         wheel_radius_m=radii,
         wrap_angle_rad=wraps,

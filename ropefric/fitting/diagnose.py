@@ -460,8 +460,9 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
     """Return whether μ differs between groups of trials, within conditions or between them."""
     name, experiment = _GROUPS[title]
     words = np.array(table.labels.get(name) or ("",) * len(table))[table.used].tolist()
-    x, why = _columns_of(name, words)
-    tests = {} if why else _group_tests(x * problem.conditions.wrap_angle_rad[:, None], problem, trends)
+    (x, why), is_number = _columns_of(name, words), name in _NUMERIC
+    x = x * problem.conditions.wrap_angle_rad[:, None]
+    tests = {} if why else _group_tests(x, problem, trends, signed=is_number)
     n_levels = len(set(words))
     if not tests:
         why = why or (
@@ -482,6 +483,9 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
     supported = next(word for applies, word in rules if applies)
     what = "from its lowest value to its highest" if name in _NUMERIC else f"between {n_levels} groups"
     change = f"{_percent(low)} to {_percent(high)} {what}"
+    change = (
+        f"up to {_percent(high)} {what}" if n_levels > 2 and low < 0.0 and name not in _NUMERIC else change
+    )
     seen = f"a change of μ by {change} would not have been detected"
     seen = f"μ changes by {change}" if supported == "yes" else seen
     text = f"{where} conditions {seen} (95 % each; p = {p_value:.2g})"
@@ -490,18 +494,24 @@ def _grouped(title: str, table: TrialTable, problem: FitProblem, trends: _Trends
     )
 
 
-def _group_tests(x: FloatArray, problem: FitProblem, trends: _Trends) -> dict[str, tuple[float, ...]]:
+def _group_tests(
+    x: FloatArray, problem: FitProblem, trends: _Trends, *, signed: bool
+) -> dict[str, tuple[float, ...]]:
     """Return what columns of trials, which change ln F_A, explain within conditions and between them."""
     rise, group = problem.log_lift - problem.conditions.log_end_tension, problem.group
     mean = np.stack([stats.group_means(column, group) for column in x.T], axis=-1)
     about = rise - stats.group_means(rise, group)[group]
     weight = (trends.means.std.mean() / trends.means.std)[:, None]
     full = trends.matrix(trends.columns) * weight
+    own, none = _beyond_rounding(x - mean[group], x), np.zeros((rise.size, 0))
+    # Each level against each other; the first has no column.
+    levels = np.vstack([np.zeros(x.shape[1]), np.eye(x.shape[1])])
+    pairs = np.array([one - other for other, one in combinations(levels, 2)])
     tests = {
-        "within": _explained(
-            np.zeros((rise.size, 0)), _beyond_rounding(x - mean[group], x), about, rise.size - len(mean)
+        "within": _explained(none, own, about, rise.size - len(mean), pairs, signed=signed),
+        "between": _explained(
+            full, mean * weight, trends.rise * weight[:, 0], len(mean), pairs, signed=signed
         ),
-        "between": _explained(full, mean * weight, trends.rise * weight[:, 0], len(mean)),
     }
     return {where: test for where, test in tests.items() if test is not None}
 
@@ -512,10 +522,13 @@ def _beyond_rounding(columns: FloatArray, whole: FloatArray) -> FloatArray:
     return np.where(is_rounding, 0.0, columns)
 
 
-def _explained(base: FloatArray, extra: FloatArray, rise: FloatArray, n: int) -> tuple[float, ...] | None:
-    """Return the p-value of columns beside others, and the limits of the largest of their effects on ln F_A.
+def _explained(
+    base: FloatArray, extra: FloatArray, rise: FloatArray, n: int, contrasts: FloatArray, *, signed: bool
+) -> tuple[float, ...] | None:
+    """Return the p-value of columns beside others, and the limits of the largest of some contrasts (m, q) of theirs.
 
     `n` counts the independent observations. None where the columns hold nothing of their own, or leave nothing over.
+    Without a sign, which would hang on the names of the levels, unless they are numbers.
     """
     left, rest = _beside(base, extra), _beside(base, rise)
     own = np.linalg.norm(left, axis=0) > 1e-3 * np.maximum(np.linalg.norm(extra, axis=0), 1e-300)
@@ -525,8 +538,10 @@ def _explained(base: FloatArray, extra: FloatArray, rise: FloatArray, n: int) ->
     slope = np.linalg.lstsq(left, rest, rcond=None)[0]
     chi2 = float(((rest - left @ slope) ** 2).sum())
     p_value = stats.f_test(float(rest @ rest), chi2, n=n - base.shape[1], p_simpler=0, p_fuller=q)[2]
-    reach = float(stdtrit(dof, _LEVEL)) * np.sqrt(np.diag(np.linalg.inv(left.T @ left)) * chi2 / dof)
-    return p_value, float((slope - reach).min()), float((slope + reach).max())
+    covariance = np.linalg.inv(left.T @ left) * chi2 / dof
+    reach = float(stdtrit(dof, _LEVEL)) * np.sqrt(((contrasts @ covariance) * contrasts).sum(axis=1))
+    change = contrasts @ slope if signed else np.abs(contrasts @ slope)
+    return p_value, float((change - reach).max()), float((change + reach).max())
 
 
 # ---- what else ----

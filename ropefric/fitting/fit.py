@@ -161,13 +161,8 @@ def stated_errors(
     return tuple(found), np.stack(effects, axis=-1) if effects else np.zeros((len(at), 0))
 
 
-_SETTING_OF = {
-    "rig": "",
-    "cell": "",
-    "wheel": "wheel_radius_m",
-    "rope": "rope_radius_m",
-    "rope_id": "rope_radius_m",
-}
+_SETTING_OF = {"rig": "", "cell": "", "wheel": "wheel_radius_m"}
+_SETTING_OF |= dict.fromkeys(("rope", "rope_id"), "rope_radius_m")
 
 
 def at_level(kind: str, by: str, at: Conditions) -> FloatArray:

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize.elementwise import find_root
-from scipy.special import gammaincinv
+from scipy.special import gammaincinv, ndtri
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
@@ -22,7 +22,6 @@ from ropefric.fitting.result import FitResult, FitStatus
 from ropefric.fitting.statistics import plain_covariance
 from ropefric.friction.condition import Conditions
 from ropefric.registry import did_you_mean
-from ropefric.uncertainty.budget import quantile
 
 EndKind = Literal["crossing", "bound", "open", "edge"]
 
@@ -289,9 +288,8 @@ def profile_of(fit: FitResult) -> ProfileResult:
     ratio = np.where(shown & np.isfinite(variance) & (plain > 0.0), variance / plain, 0.0)
     # Of a parameter on its bound no variance is known, but the scatter is the same for all.
     ratio = np.where(ratio > 0.0, ratio, ratio.max(initial=0.0) or 1.0)
-    dof = np.minimum(fit.scatter.dof(np.eye(variance.size)), 1e9)
-    dof = np.where(shown, dof, dof[shown].min(initial=inf))
-    reach = np.array([quantile(0.975, nu) for nu in dof.tolist()]) / quantile(0.975, inf)
+    reach = fit.scatter.reach(0.975, np.eye(variance.size)) / float(ndtri(0.975))
+    reach = np.where(shown, reach, reach[shown].max(initial=1.0))
     return profile_intervals(problem, fit.theta, scale=ratio * reach**2)
 
 

@@ -2,22 +2,22 @@
 
 In: the knowledge of a law (`planned_fit`, or `planned_guess` before the first test) and what the rig can set. Out: a
 `LabPlan` with how certain the wanted lift forces are expected to be before and after, and with the usual plan instead.
-The best plan is found by exchange of conditions against candidates until no exchange helps (Fedorov 1972); the plan to
-compare with varies one factor at a time about a centre, as such campaigns are usually made.
+The best plan is found by `exchange`; the plan to compare with varies one factor at a time about a centre, as such
+campaigns are usually made.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
-from functools import partial
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ropefric.arrays import BoolArray, FloatArray, IntArray
+from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 from ropefric.files.plain_text import csv_text, rounded_tree
+from ropefric.fitting.exchange import Criterion, Evidence, Exchange, best_plan
 from ropefric.fitting.fit import at_level, error_name, error_slopes
 from ropefric.fitting.predict import REGRESSORS, outside_words
 from ropefric.fitting.problem import FitSettings, check_settings
@@ -32,6 +32,7 @@ from ropefric.fitting.resolution import (
     one_factor_plan,
 )
 from ropefric.fitting.result import CommonError, FitResult
+from ropefric.fitting.scatter import CONDITION
 from ropefric.fitting.statistics import combined_dof, decomposed
 from ropefric.friction.condition import SETTINGS, Conditions, condition_groups
 from ropefric.friction.law import FrictionLaw
@@ -40,21 +41,6 @@ from ropefric.uncertainty.budget import quantile
 
 SCHEMA = "ropefric.test-plan/1"
 
-Criterion = Literal["v", "d"]
-"""Make the variance of the wanted predictions small, or the volume of the parameters' ellipsoid."""
-
-BALANCE = 0.3
-"""Weight of the parameters' ellipsoid in a plan for a prediction [-]; it costs that prediction a few per cent."""
-
-# Keeps the inverse finite while a plan of few conditions has one taken out; a whitened plan has eigenvalues near 1.
-_RIDGE = 1e-13
-_TINY = float(np.finfo(np.float64).tiny)
-_WORTHWHILE = 1e-9
-# Part of a mean's error that is its own, at least: of none, two means would tell their shared error without any.
-_LEAST_OWN = 1e-4
-_MAX_PASSES = 100
-# Half a per cent of a standard error.
-_AS_GOOD = 0.01
 # Of an interval: what twice the conditions must make of it to be worth a word.
 _NARROWER = 0.9
 # Share of the variance above which more pulls do not narrow an interval much.
@@ -64,6 +50,19 @@ _UNTESTED = Conditions(**dict.fromkeys(SETTINGS, np.zeros(0)))
 
 
 # ---- what is known of a law ----
+
+
+class LevelScatter(NamedTuple):
+    """Scatter between the levels of a group, such as ropes with a μ of their own, that several tested means share.
+
+    Its standard deviation, of μ relative to itself, of ln F_A for conditions; its degrees of freedom; and by the name of
+    each level what one standard deviation does to ln F_A of the tested means (k,).
+    """
+
+    name: str
+    std: float
+    dof: float
+    effects: dict[str, FloatArray]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -78,6 +77,7 @@ class PlannedLaw:
     tested_repeats: npt.ArrayLike = 1.0
     common: tuple[CommonError, ...] = ()
     chain: str = _CHAIN
+    levels: tuple[LevelScatter, ...] = ()
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -96,27 +96,36 @@ class PlannedLaw:
         return tuple(np.array(self.law.parameter_names)[self.free].tolist())
 
     @property
-    def known(self) -> "Evidence":
+    def known(self) -> Evidence:
         """Return what was tested before; of common errors, by what they did to the fit."""
         log_lift = self.law.log_lift(self.theta, self.tested)
         chain = {name: size for name, size in self._effects(self.tested, log_lift).items() if name == _CHAIN}
         named = {item.name: np.array(item.effect) for item in self.common if item.effect}
-        return self._evidence(self.tested, self.tested_repeats, chain | named)
+        for group in self.levels:
+            named |= group.effects
+        own2 = self.scatter.variance(self.tested_repeats)
+        if any(group.name == CONDITION for group in self.levels):
+            own2 = own2 - self.scatter.between**2
+        return self._evidence(self.tested, own2, chain | named)
 
     def gradients(self, conditions: Conditions) -> FloatArray:
         """Return ∂ ln F_A/∂θ by the free parameters, shape (n, q)."""
         return np.asarray(self.law.jacobian(self.theta, conditions)[:, self.free])
 
-    def evidence(self, conditions: Conditions, repeats: npt.ArrayLike) -> "Evidence":
+    def evidence(self, conditions: Conditions, repeats: npt.ArrayLike) -> Evidence:
         """Return the information of condition means, each weighted by its scatter and its shared errors."""
-        log_lift = self.law.log_lift(self.theta, conditions)
-        return self._evidence(conditions, repeats, self._effects(conditions, log_lift))
+        log_lift, effects = self.law.log_lift(self.theta, conditions), dict[str, FloatArray]()
+        for group in self.levels:
+            if group.name != CONDITION:  # pulled with all ropes in turn
+                each = group.std * (log_lift - conditions.log_end_tension) / len(group.effects)
+                effects |= dict.fromkeys(group.effects, each)
+        effects |= self._effects(conditions, log_lift)
+        return self._evidence(conditions, self.scatter.variance(repeats), effects)
 
     def _evidence(
-        self, conditions: Conditions, repeats: npt.ArrayLike, effects: Mapping[str, FloatArray]
-    ) -> "Evidence":
-        slopes = self.law.jacobian(self.theta, conditions)
-        own2 = self.scatter.variance(repeats) + np.zeros(len(conditions))
+        self, conditions: Conditions, own2: FloatArray, effects: Mapping[str, FloatArray]
+    ) -> Evidence:
+        slopes, own2 = self.law.jacobian(self.theta, conditions), own2 + np.zeros(len(conditions))
         std = np.sqrt(sum((effect**2 for effect in effects.values()), own2))
         rows = slopes[:, self.free] / std[:, None]
         return Evidence(rows, np.sqrt(own2) / std, {name: effect / std for name, effect in effects.items()})
@@ -143,49 +152,6 @@ class PlannedLaw:
         return {name: effect for name, effect in found.items() if effect.any()}
 
 
-class Evidence(NamedTuple):
-    """Information of the means of conditions about the free parameters.
-
-    Gradients over the standard deviation that a mean is weighed by (n, q), and of that standard deviation the part that
-    is a mean's own scatter (n,) and those of errors that conditions share, by name (n,).
-    """
-
-    rows: FloatArray
-    own: FloatArray
-    shares: dict[str, FloatArray]
-
-    def joined(self, other: "Evidence") -> "Evidence":
-        """Return both together: an error of the same name is the same one."""
-        none, no_other = np.zeros(len(self.rows)), np.zeros(len(other.rows))
-        names = self.shares | other.shares
-        shares = {
-            name: np.append(self.shares.get(name, none), other.shares.get(name, no_other)) for name in names
-        }
-        return Evidence(np.vstack([self.rows, other.rows]), np.append(self.own, other.own), shares)
-
-    @property
-    def table(self) -> FloatArray:
-        """Return the parts of shared errors as columns, shape (n, b)."""
-        return np.array([*self.shares.values()]).reshape(len(self.shares), len(self.rows)).T
-
-    def errors(self, gradients: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the standard errors of generalised least squares along gradients (t, q), and their shared parts.
-
-        Shapes (t,) and (t, b), a column an error. Infinite where the rows do not determine the requested value.
-        """
-        table = self.table
-        root = np.linalg.inv(
-            np.linalg.cholesky(np.diag(np.maximum(self.own, _LEAST_OWN) ** 2) + table @ table.T)
-        )
-        svd = decomposed(root @ self.rows)
-        half, left = svd.root()
-        turned = (gradients / svd.length) @ svd.rows.T
-        needed = np.abs(turned[:, svd.lost]) > 1e-6 * np.linalg.norm(turned, axis=1)[:, None]
-        along = gradients @ half
-        shared, total = along @ (left.T @ root @ table), np.linalg.norm(along, axis=1)
-        return np.where(needed.any(axis=1), np.inf, total), shared
-
-
 def planned_guess(
     law: FrictionLaw, guess: Mapping[str, float], scatter: MeanScatter, *, fixed: tuple[str, ...] = ()
 ) -> PlannedLaw:
@@ -210,17 +176,46 @@ def planned_fit(
     held = [item.name for item in fit.parameters if item.vary and item.at_bound]
     if held:
         notes.append(f"{', '.join(held)} lies on a bound in the fit and is held there")
+    tested = Conditions(**{name: columns[name] for name in SETTINGS})
+    levels = _levels_of(fit, tested, scatter.between)
+    notes += [
+        f"new tests are taken to be pulled with the {len(one.effects)} {one.name}s of the trials in turn"
+        for one in levels
+        if one.name != CONDITION
+    ]
     return PlannedLaw(
         law=fit.friction_law,
         theta=fit.theta,
         free=fit.shown,
         scatter=scatter,
-        tested=Conditions(**{name: columns[name] for name in SETTINGS}),
+        tested=tested,
         tested_repeats=columns["n"],
         common=fit.common_errors,
         chain=_chain_of(fit),
+        levels=levels,
         notes=tuple(notes),
     )
+
+
+def _levels_of(fit: FitResult, tested: Conditions, between: float) -> tuple[LevelScatter, ...]:
+    """Return the groups that a fit knows a scatter of, and the conditions where these have several means each."""
+    model, rise = fit.scatter, fit.friction_law.log_lift(fit.theta, tested) - tested.log_end_tension
+    columns = {name: np.array(values) for name, values in fit.trials.items()}
+    n = np.unique(columns.get("condition", np.zeros(0))).size
+
+    def levels(name: str, std: float, dof: float, labels: Iterable[object], size: FloatArray) -> LevelScatter:
+        named = {f"{name} {word}": std * size * (columns[name] == i) for i, word in enumerate(labels)}
+        return LevelScatter(name, std, max(dof, 1.0), named)
+
+    found = [
+        levels(name, math.sqrt(variance), float(2.0 * variance**2 / spread), model.labels[name], rise)
+        for name, variance, spread in zip(model.names, model.variance, np.diag(model.covariance), strict=True)
+        if name in model.groups and variance > 0.0
+    ]
+    if between and 0 < n < rise.size:
+        dof = float(n - fit.shown.sum())
+        found.append(levels(CONDITION, between, dof, range(n), np.ones_like(rise)))
+    return tuple(found)
 
 
 def _scatter_of(
@@ -262,135 +257,28 @@ def allowed_conditions(
     return log_lift <= math.log(most_N), notes
 
 
-# ---- the search ----
-
-
-class Exchange:
-    """A criterion on a choice of candidates: values of plans, and of all exchanges of one condition.
-
-    It is made of the covariance of generalised least squares, as a fit has it: errors that means share stand beside
-    the parameters, each with a prior variance of one, and a mean is one row (g, shares)/own of both.
-    """
-
-    def __init__(
-        self,
-        candidates: Evidence,
-        known: Evidence,
-        targets: FloatArray,
-        *,
-        criterion: Criterion,
-        balance: float = BALANCE,
-    ) -> None:
-        """Turn to coordinates in which candidates and prior knowledge have unit size.
-
-        Both criteria keep their order in them.
-        """
-        both = known.joined(candidates)
-        n_known, length = len(known.rows), np.linalg.norm(both.rows, axis=0)
-        triangle = np.linalg.qr(both.rows / length, mode="r") / np.sqrt(len(candidates.rows))
-        turn = np.linalg.inv(triangle) / length[:, None]
-        self.q, errors = len(turn), both.table
-        whole = np.hstack([both.rows @ turn, errors]) / np.maximum(both.own, _LEAST_OWN)[:, None]
-        self.known, self.rows = whole[:n_known], whole[n_known:]
-        self.targets = np.hstack([targets @ turn, np.zeros((len(targets), errors.shape[1]))])
-        self.prior = np.diag(np.append(np.zeros(self.q), np.ones(errors.shape[1])))
-        self.criterion, self.balance = criterion, balance
-
-    def _information(self, plan: IntArray) -> FloatArray:
-        """Return the information of a plan and of prior knowledge, on parameters and errors together."""
-        rows = np.concatenate([self.known, self.rows[plan]])
-        M = rows.T @ rows
-        return np.asarray(M + self.prior + max(1.0, float(np.trace(M))) * _RIDGE * np.eye(len(M)))
-
-    def _criterion(self, log_det: npt.ArrayLike, variance: npt.ArrayLike) -> FloatArray:
-        """Return the criterion to minimise, from ln det V and the sum of the targets' variances."""
-        if self.criterion == "d":
-            return np.asarray(log_det)
-        mean = np.maximum(variance, _TINY) / len(self.targets)
-        return np.asarray(np.log(mean) + self.balance * np.asarray(log_det) / self.q)
-
-    def value(self, plan: IntArray) -> float:
-        """Return the criterion of a plan."""
-        M, q = self._information(plan), self.q
-        log_det = np.linalg.slogdet(M[q:, q:])[1] - np.linalg.slogdet(M)[1]
-        variance = float((self.targets * np.linalg.solve(M, self.targets.T).T).sum())
-        return float(self._criterion(log_det, variance))
-
-    def with_each(self, rest: IntArray) -> FloatArray:
-        """Return the criterion of a plan with each candidate added in turn, shape (N,): an update of rank one each."""
-        M, q, rows, dots = self._information(rest), self.q, self.rows, partial(np.einsum, "ni,ni->n")
-        inverse, errors = np.linalg.inv(M), rows[:, q:]
-        more = 1.0 + np.maximum(dots(rows @ inverse, rows), 0.0)
-        by_error = 1.0 + np.maximum(dots(errors @ np.linalg.inv(M[q:, q:]), errors), 0.0)
-        log_det = np.linalg.slogdet(M[q:, q:])[1] - np.linalg.slogdet(M)[1] + np.log(by_error) - np.log(more)
-        less = rows @ inverse @ self.targets.T
-        before = float(np.einsum("ti,ij,tj->", self.targets, inverse, self.targets))
-        return self._criterion(log_det, before - (less**2).sum(axis=1) / more)
-
-    def improved(self, plan: IntArray) -> IntArray:
-        """Return a plan that no exchange of a single condition improves, sorted."""
-        current = self.value(plan)
-        for _ in range(_MAX_PASSES):
-            before = current
-            for place in range(plan.size):
-                rest = np.delete(plan, place)
-                values = self.with_each(rest)
-                values[rest] = np.inf  # a condition set up twice is one condition with more repeats
-                best = int(np.argmin(values))
-                # The values of exchanges carry the rounding of an inverse; only the plan's own value decides.
-                changed = np.append(rest, best)
-                value = self.value(changed)
-                if value < current - _WORTHWHILE:
-                    plan, current = changed, value
-            if before - current < _WORTHWHILE:
-                break
-        return np.sort(plan)
-
-    def greedy(self, n: int) -> IntArray:
-        """Return n candidates taken one by one, each the best of its turn."""
-        plan = np.zeros(0, dtype=np.int64)
-        for _ in range(n):
-            values = self.with_each(plan)
-            values[plan] = np.inf
-            plan = np.append(plan, int(np.argmin(values)))
-        return plan
-
-
-def best_plan(exchange: Exchange, n: int, *, starts: int = 10, seed: int = 0) -> tuple[IntArray, int]:
-    """Return the best plan of n different candidates from several starts, and how many starts found it.
-
-    The first start takes the best candidate one by one; the others are drawn at random. The same arguments give the
-    same plan.
-    """
-    rng = np.random.default_rng(seed)
-    drawn = (rng.choice(len(exchange.rows), size=n, replace=False) for _ in range(starts - 1))
-    found = [exchange.improved(plan) for plan in (exchange.greedy(n), *drawn)]
-    values = np.array([exchange.value(plan) for plan in found])
-    best = int(np.argmin(values))
-    return found[best], int(np.count_nonzero(values <= values[best] + _AS_GOOD))
-
-
 # ---- what comes out ----
 
 
 class Outlook(NamedTuple):
-    """How certain predictions are expected to be."""
+    """How certain predictions are expected to be.
+
+    Standard deviations of ln F_A (t,), the parts of them by errors that tests share, how many means there are beyond the
+    parameters, the degrees of freedom of each variance (t,), and the level of intervals.
+    """
 
     std_log: FloatArray
     shared_log: FloatArray
     dof: int
+    effective_dof: FloatArray
     level: float
 
     @property
     def half_width_log(self) -> FloatArray:
-        """Return half the width of the interval of each ln F_A, t · std; infinite without degrees of freedom.
-
-        These are more than `dof` where a part of the variance is that of shared errors, which is known for sure.
-        """
+        """Return half the width of the interval of each ln F_A, t · std; infinite without degrees of freedom."""
         if not self.dof:
             return np.full_like(self.std_log, np.inf)
-        dof = combined_dof(self.std_log**2, self.shared_log**2, float(self.dof))
-        return self.std_log * [quantile(0.5 + 0.5 * self.level, nu) for nu in dof.tolist()]
+        return self.std_log * [quantile(0.5 + 0.5 * self.level, nu) for nu in self.effective_dof.tolist()]
 
     def to_dict(self, lift_N: FloatArray) -> list[dict[str, Any]]:
         """Return standard error and interval [N] about lift forces."""
@@ -581,9 +469,7 @@ def plan_tests(
     both = known.joined(planned.evidence(plan, repeats))
 
     def outlook(at: Conditions, often: int = repeats) -> Outlook:
-        found = known.joined(planned.evidence(at, often))
-        (std, shared), dof = found.errors(along), max(len(found.rows) - planned.n_free, 0)
-        return Outlook(std_log=std, shared_log=np.linalg.norm(shared, axis=1), dof=dof, level=level)
+        return _outlook(planned, known.joined(planned.evidence(at, often)), along, level)
 
     spread = []
     if repeats > 1 and 2 * n_conditions <= places.size:
@@ -606,6 +492,8 @@ def plan_tests(
         outlook(grid.select(one_factor_plan(possible, centre, n_conditions)))
         for centre in (nearest_to(possible), nearest_to(possible, tuple(map(float, spots))))
     )
+    remarks = [*_told(planned, plan, repeats), *_on_trust(planned, limits, wanted, plan)]
+    remarks += _of_shared(planned, both, along)
     return LabPlan(
         planned=planned,
         conditions=plan,
@@ -625,27 +513,51 @@ def plan_tests(
         starts=starts,
         agreeing_starts=agreeing,
         seed=seed,
-        notes=(
-            *planned.notes,
-            *notes,
-            *spread,
-            *_told(planned, plan, repeats),
-            *_on_trust(planned, limits, wanted, plan),
-            *_of_shared(both, along),
-        ),
+        notes=(*planned.notes, *notes, *spread, *remarks),
     )
 
 
-def _of_shared(found: Evidence, along: FloatArray) -> list[str]:
+def _outlook(planned: PlannedLaw, found: Evidence, along: FloatArray, level: float) -> Outlook:
+    """Return how certain predictions with slopes `along` (t, q) are by some evidence."""
+    total, parts = _variances(planned, found, along)
+    dof = max(len(found.rows) - planned.n_free, 0)
+    own = total - sum(parts.values(), np.zeros_like(total))
+    groups = [(parts[one.name], one.dof) for one in planned.levels]
+    effective = combined_dof(total, [(own, float(dof)), *groups] if dof else [])
+    shared = sum((part for name, part in parts.items() if name != CONDITION), np.zeros_like(total))
+    return Outlook(np.sqrt(total), np.sqrt(shared), dof, effective, level)
+
+
+def _variances(
+    planned: PlannedLaw, found: Evidence, along: FloatArray
+) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Return the variances of predictions (t,), and the parts by errors in common and by all levels of a group."""
+    std, shared = found.errors(along)
+    group_of = {name: one.name for one in planned.levels for name in one.effects}
+    parts = {one.name: np.zeros_like(std) for one in planned.levels}
+    for name, column in zip(found.shares, shared.T, strict=True):
+        key = group_of.get(name, name)
+        parts[key] = parts.get(key, 0.0) + column**2
+    return std**2, parts
+
+
+def _of_shared(planned: PlannedLaw, found: Evidence, along: FloatArray) -> list[str]:
     """Return that more pulls do not help any more, where what all of them share is most of the expected variance."""
-    total, shared = found.errors(along)
-    part = (shared**2).sum(axis=1) / total**2
+    total, parts = _variances(planned, found, along)
+    parts.pop(CONDITION, None)
+    part = sum(parts.values(), np.zeros_like(total)) / total
     worst = int(np.argmax(part))
     if not part[worst] > _MOSTLY:
         return []
-    name = [*found.shares][int(np.argmax(shared[worst] ** 2))]
-    text = f"{part[worst]:.0%} of the expected variance comes from errors that tests share, mainly the {name}"
-    return [f"{text}: reduce that error, more pulls would not narrow the interval much"]
+    name = max(parts, key=lambda name: float(parts[name][worst]))
+    what, remedy = f"the {name}", "reduce that error, more pulls"
+    if counts := [len(group.effects) for group in planned.levels if group.name == name]:
+        what, remedy = (
+            f"the differences between {counts[0]} {name}s",
+            f"test more {name}s, more pulls with these",
+        )
+    text = f"{part[worst]:.0%} of the expected variance comes from errors that tests share, mainly {what}"
+    return [f"{text}: {remedy} would not narrow the interval much"]
 
 
 def _told(planned: PlannedLaw, plan: Conditions, repeats: int) -> list[str]:

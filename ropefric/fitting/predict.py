@@ -7,16 +7,16 @@ and plots of one's own; ropefric itself fits without lmfit.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from inspect import Parameter, Signature
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
-from scipy.special import ndtr, ndtri, stdtrit
+from scipy.special import ndtr, ndtri
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, UnknownNameError
@@ -24,7 +24,7 @@ from ropefric.files.plain_text import rounded_tree
 from ropefric.fitting.intervals import is_curved, profile_lift
 from ropefric.fitting.problem import law_named
 from ropefric.fitting.result import FitResult, FitStatus, Verdict
-from ropefric.fitting.scatter import REPEAT, ScatterModel, measured_level
+from ropefric.fitting.scatter import CONDITION, REPEAT, ScatterModel, measured_level
 from ropefric.friction.condition import SETTINGS, Conditions
 from ropefric.friction.law import FrictionLaw, LiftModel
 from ropefric.registry import did_you_mean
@@ -264,42 +264,24 @@ def predict(
         text = f"ln F_A = {log_lift[worst]:.6g} at {conditions.describe(worst)}: the force overflows"
         raise InputError(text, code="RF420", fix="use a smaller wrap; in Python, law.log_lift stays finite")
     spread, probability = _spread(fit, model, conditions), 0.5 + 0.5 * level
-    half = _quantiles(probability, spread.dof) * np.sqrt(spread.law)
-    signs, at = np.array([-1.0, 1.0]), log_lift[:, None]
-    by_profile = _takes_profile(fit, model.pressing(conditions), method)
-    ends = _profiled(fit, model, conditions, half, log_lift) if by_profile else at + signs * half[:, None]
-    sides = np.abs(ends - log_lift[:, None])
-    groups = np.array([name in fit.scatter.groups for name in fit.scatter.names], np.bool_)
-    pull, new = (
-        np.sqrt(np.maximum(_wide(fit, one, probability) ** 2 - half**2, 0.0)[:, None] + sides**2)
-        for one in (spread, spread._replace(own=spread.own * groups))
-    )
-    # One pull of few degrees of freedom may seem to be known better than the mean of its rope.
-    pull = np.fmax(pull, new)
-    outside = outside_range(fit.validity, conditions)
-    beyond = np.asarray(outside.any(axis=1))
-    every = [ends, at + signs * pull, at + signs * new]
-    this = None if rope is None else _of_rope(fit, spread, log_lift, rope, probability)
-    every += [] if this is None else [np.log(this.interval_N), np.log(this.prediction_interval_N)]
-    every = _with_rivals(fit, conditions, every, beyond, {"level": level, "rope": rope})
+    ends = lift_ends(fit, model, conditions, probability, method)
+    this = None if rope is None else _of_rope(fit, model, conditions, rope, probability)
     with np.errstate(over="ignore"):
-        lift, ends_N = np.exp(log_lift), [np.exp(one) for one in every]
-        if this is not None:
-            this = this._replace(interval_N=ends_N[3], prediction_interval_N=ends_N[4])
+        lift_N, mean_N, pull_N, rope_N = (np.exp(one) for one in (log_lift, *ends))
         return Prediction(
             law=fit.law,
             conditions=conditions,
             log_lift=log_lift,
             std_log=np.sqrt(spread.law),
-            lift_force_N=lift,
-            std_N=lift * np.sqrt(spread.law),
-            interval_N=ends_N[0],
-            prediction_interval_N=ends_N[1],
-            rope_interval_N=ends_N[2] if fit.scatter.groups else None,
+            lift_force_N=lift_N,
+            std_N=lift_N * np.sqrt(spread.law),
+            interval_N=mean_N,
+            prediction_interval_N=pull_N,
+            rope_interval_N=rope_N if fit.scatter.groups else None,
             level=level,
             dof=spread.dof,
-            method="profile" if by_profile else "linear",
-            outside=outside,
+            method="profile" if _takes_profile(fit, model.pressing(conditions), method) else "linear",
+            outside=outside_range(fit.validity, conditions),
             validity=fit.validity,
             judged=fit.verdict_on(conditions),
             of=fit.of,
@@ -307,6 +289,45 @@ def predict(
             trials=fit.trials,
             tail_dof=fit.scatter.tail_dof,
         )
+
+
+class LiftEnds(NamedTuple):
+    """Ends of intervals of ln F_A at n conditions, shape (n, 2): of the mean law, one pull, the mean of one new rope."""
+
+    mean: FloatArray
+    pull: FloatArray
+    rope: FloatArray
+
+
+def lift_ends(
+    fit: FitResult, model: LiftModel, conditions: Conditions, probability: float, method: Method = "auto"
+) -> LiftEnds:
+    """Return the intervals of ln F_A that end with a probability on either side.
+
+    Outside what was tested they include those of all rivals.
+    """
+    own = _own_ends(fit, model, conditions, probability, method)
+    return LiftEnds(*_with_rivals(fit, model, conditions, own, partial(_own_ends, probability=probability)))
+
+
+def _own_ends(
+    fit: FitResult, model: LiftModel, conditions: Conditions, probability: float, method: Method = "auto"
+) -> LiftEnds:
+    """Return `lift_ends` of the law itself."""
+    spread, at = _spread(fit, model, conditions), model.log_lift(fit.theta, conditions)[:, None]
+    reach = fit.scatter.reach(probability, spread.rows, known=spread.known)
+    half, signs = reach * np.sqrt(spread.law), np.array([-1.0, 1.0])
+    mean = at + signs * half[:, None]
+    if _takes_profile(fit, model.pressing(conditions), method):
+        mean = _profiled(fit, model, conditions, half)
+    groups = np.array([name in fit.scatter.groups for name in fit.scatter.names], np.bool_)
+    # What one pull adds to the linear interval of the law is added to its profile as well.
+    pull, new = (
+        np.sqrt(np.maximum(_wide(fit, one, probability) ** 2 - half**2, 0.0)[:, None] + (mean - at) ** 2)
+        for one in (spread, spread._replace(own=spread.own * groups))
+    )
+    # One pull of few degrees of freedom may seem to be known better than the mean of its rope.
+    return LiftEnds(mean, at + signs * np.fmax(pull, new), at + signs * new)
 
 
 def _takes_profile(fit: FitResult, conditions: Conditions, method: Method) -> bool:
@@ -318,21 +339,46 @@ def _takes_profile(fit: FitResult, conditions: Conditions, method: Method) -> bo
     return asked and has_interval(fit) and fit.weighted() is not None and is_curved(fit, conditions)
 
 
+def _profiled(fit: FitResult, model: LiftModel, conditions: Conditions, half: FloatArray) -> FloatArray:
+    """Return the ends of ln F_A along its profile, shape (n, 2), of a rope at rest or running."""
+    pressing = model.pressing(conditions)
+    # Of a running rope only F_A − ρv² depends on the parameters.
+    share = np.exp(model.law.log_lift(fit.theta, pressing) - model.log_lift(fit.theta, conditions))
+    ends = profile_lift(fit, pressing, half / share)
+    return ends if model.inertia_N == 0.0 else np.logaddexp(math.log(model.inertia_N), ends)
+
+
 def _of_rope(
-    fit: FitResult, spread: "Spread", log_lift: FloatArray, rope: str, probability: float
+    fit: FitResult, model: LiftModel, conditions: Conditions, rope: str, probability: float
 ) -> RopePrediction:
     """Return the lift forces with a rope of the trials by its name."""
-    scatter, cells = fit.scatter, fit.cells()
-    names = scatter.labels.get("rope", ())
-    if not names or cells is None:
+    own, names = _measured_rope(fit, model, conditions, rope, probability), fit.scatter.labels.get("rope", ())
+    if own is None and rope in (names or (rope,)):
         text = f"the fit of {fit.law} has no component of scatter by rope"
         fix = "fit trials with a column rope_id, in which each rope was pulled at several conditions"
         raise InputError(text, key="rope", fix=fix)
-    if rope not in names:
+    if own is None:
         text = f"no trial of the fit was made with the rope {rope!r}"
         raise UnknownNameError(text, key="rope", fix=did_you_mean(rope, names))
-    of, none = ("rope", names.index(rope)), np.zeros_like(spread.rows)
-    layout, errors = cells
+
+    def of_rival(rival: FitResult, law: LiftModel, places: Conditions) -> tuple[FloatArray, ...]:
+        found = _measured_rope(rival, law, places, rope, probability)
+        return () if found is None else (found.interval_N, found.prediction_interval_N)
+
+    ends_N = own.interval_N, own.prediction_interval_N
+    mean_N, pull_N = _with_rivals(fit, model, conditions, ends_N, of_rival)
+    return own._replace(interval_N=mean_N, prediction_interval_N=pull_N)
+
+
+def _measured_rope(
+    fit: FitResult, model: LiftModel, conditions: Conditions, rope: str, probability: float
+) -> RopePrediction | None:
+    """Return the lift forces with a rope by the law alone; None where the fit has no component for it."""
+    scatter, cells = fit.scatter, fit.cells()
+    if cells is None or rope not in scatter.labels.get("rope", ()):
+        return None
+    spread, (layout, errors) = _spread(fit, model, conditions), cells
+    of, none = ("rope", scatter.labels["rope"].index(rope)), np.zeros_like(spread.rows)
     found = measured_level(layout, scatter, fit.theta, errors, of, spread.rows, spread.rise)
     # One pull with this rope: what is not the rope's comes new.
     new = spread.own * ((scatter.variance > 0.0) & (np.array(scatter.names) != "rope"))
@@ -343,51 +389,31 @@ def _of_rope(
         stds.append(np.sqrt(np.where(has_interval(fit), variance, np.nan)))
         dofs.append(scatter.dof(none, own, found.known))
         tails = _by_tails(scatter, probability, variance, more)
-        reach.append(_quantiles(probability, dofs[-1]) * stds[-1] * tails)
-    half, pull = reach
-    at, signs = (log_lift + found.shift)[:, None], np.array([-1.0, 1.0])
+        reach.append(scatter.reach(probability, none, own, found.known) * stds[-1] * tails)
+    log_lift, signs = model.log_lift(fit.theta, conditions) + found.shift, np.array([-1.0, 1.0])
     with np.errstate(over="ignore"):
-        force_N = np.exp(at[:, 0])
-        mean_N, pull_N = (np.exp(at + signs * x[:, None]) for x in (half, np.fmax(pull, half)))
+        force_N = np.exp(log_lift)
+        mean_N, pull_N = (np.exp(log_lift[:, None] + signs * x[:, None]) for x in (reach[0], np.fmax(*reach)))
     return RopePrediction(rope, force_N, force_N * stds[0], mean_N, pull_N, dofs[0])
-
-
-def _profiled(
-    fit: FitResult, model: LiftModel, conditions: Conditions, half: FloatArray, log_lift: FloatArray
-) -> FloatArray:
-    """Return the ends of ln F_A along its profile, shape (n, 2), of a rope at rest or running."""
-    pressing = model.pressing(conditions)
-    at_rest = model.law.log_lift(fit.theta, pressing)
-    # Of a running rope only F_A − ρv² depends on the parameters.
-    share = np.exp(at_rest - log_lift)
-    ends = profile_lift(fit, pressing, half / share)
-    return ends if model.inertia_N == 0.0 else np.logaddexp(math.log(model.inertia_N), ends)
 
 
 def _with_rivals(
     fit: FitResult,
+    model: LiftModel,
     conditions: Conditions,
-    ends: list[FloatArray],
-    outside: BoolArray,
-    asked: Mapping[str, Any],
+    ends: Sequence[FloatArray],
+    of_rival: Callable[[FitResult, LiftModel, Conditions], Sequence[FloatArray]],
 ) -> list[FloatArray]:
-    """Return ends of intervals of ln F_A which, outside what was tested, hold those of all rivals, asked the same."""
-    if not outside.any():
-        return ends
-    places, wider = np.flatnonzero(outside), [one.copy() for one in ends]
-    for rival in fit.rivals:
-        try:
-            rope = asked["rope"] if "rope" in rival.scatter.labels else None
-            other = predict(rival, conditions.select(places), **dict(asked) | {"rope": rope})
-        except InputError:
-            continue
-        theirs = [other.interval_N, other.prediction_interval_N, other.rope_interval_N]
-        theirs += [] if other.this_rope is None else other.this_rope[3:5]
-        for own, more_N in zip(wider, theirs, strict=False):
-            if more_N is not None:
-                more = np.log(more_N)
-                own[places, 0] = np.fmin(own[places, 0], more[:, 0])
-                own[places, 1] = np.fmax(own[places, 1], more[:, 1])
+    """Return ends of intervals (n, 2) which, outside what was tested, include those that `of_rival` gives of rivals."""
+    outside, wider = outside_range(fit.validity, conditions).any(axis=1), [one.copy() for one in ends]
+    for rival in fit.rivals if outside.any() else ():
+        law, places = replace(model, law=rival.friction_law), np.flatnonzero(outside)
+        places = places[law.law.answers(rival.theta, law.pressing(conditions.select(places)))]
+        if places.size:
+            theirs = of_rival(rival, law, conditions.select(places))
+            for own, other in zip(wider, theirs, strict=False):
+                own[places, 0] = np.fmin(own[places, 0], other[:, 0])
+                own[places, 1] = np.fmax(own[places, 1], other[:, 1])
     return wider
 
 
@@ -426,14 +452,14 @@ def _spread(fit: FitResult, model: LiftModel, conditions: Conditions) -> Spread:
 
 def _wide(fit: FitResult, spread: Spread, probability: float) -> FloatArray:
     """Return how far ln F_A of one pull, or of one rope, may lie to one side, with a probability, shape (n,)."""
-    scatter, found = fit.scatter, fit.statistics
-    if not (math.isfinite(found.scatter_within) or math.isfinite(found.scatter_between)) or not scatter.names:
+    scatter = fit.scatter
+    if math.isnan(new_rope_std(fit)):
         return np.full_like(spread.law, np.nan)
     # A component below zero is one that the data do not show: a new rope brings nothing by it.
     own = spread.own * (scatter.variance > 0.0)
-    dof, variance = scatter.dof(spread.rows, own, spread.known), spread.law + own @ scatter.variance
-    tails = _by_tails(scatter, probability, variance, own)
-    return np.asarray(_quantiles(probability, dof) * np.sqrt(variance) * tails)
+    variance = spread.law + own @ scatter.variance
+    reach = scatter.reach(probability, spread.rows, own, spread.known)
+    return np.asarray(reach * np.sqrt(variance) * _by_tails(scatter, probability, variance, own))
 
 
 def _by_tails(scatter: ScatterModel, probability: float, variance: FloatArray, own: FloatArray) -> FloatArray:
@@ -468,31 +494,6 @@ def _reach_of_tails(dof: float, probability: float) -> FloatArray:
     return quantile / float(ndtri(probability))
 
 
-def _quantiles(probability: float, dof: FloatArray) -> FloatArray:
-    """Return Student's t quantiles, shape (n,); NaN without a degree of freedom."""
-    finite = stdtrit(np.where((dof > 0.0) & np.isfinite(dof), dof, 1.0), probability)
-    return np.where(dof > 0.0, np.where(np.isinf(dof), ndtri(probability), finite), np.nan)
-
-
-def half_width(fit: FitResult, model: LiftModel, conditions: Conditions, probability: float) -> FloatArray:
-    """Return how far ln F_A of one pull with a new rope may lie below the law, with a probability, shape (n,).
-
-    Outside what was tested down to where a rival law puts it, if that is further.
-    """
-    spread = _spread(fit, model, conditions)
-    half = _wide(fit, spread, probability)
-    outside = np.flatnonzero(outside_range(fit.validity, conditions).any(axis=1))
-    own = model.log_lift(fit.theta, conditions)
-    for rival in fit.rivals if outside.size else ():
-        law = replace(model, law=rival.friction_law)
-        places = outside[law.law.answers(rival.theta, conditions.select(outside))]
-        if places.size:
-            some = conditions.select(places)
-            lower = law.log_lift(rival.theta, some) - half_width(rival, law, some, probability)
-            half[places] = np.fmax(half[places], own[places] - lower)
-    return half
-
-
 def degrees_of_freedom(fit: FitResult) -> float:
     """Return the degrees of freedom behind a fit's covariance, the fewest of its parameters; infinite where known."""
     dof = fit.statistics.interval_dof
@@ -506,12 +507,12 @@ def new_rope_std(fit: FitResult, rise: float = 0.0, log_lift: float | None = Non
     `rise` is ln(F_A/F_B) there: a new rope of the kind, mounting or operator has a μ of its own. `log_lift` is ln F_A,
     with which the others may grow.
     """
-    parts = [fit.statistics.scatter_within, fit.statistics.scatter_between]
-    uneven = fit.scatter.uneven
-    size = float(uneven.factor(np.array(uneven.centre if log_lift is None else log_lift))) ** 0.5
-    known = [size * part for part in parts if math.isfinite(part)]
-    groups = [rise * fit.scatter.std(name) for name in fit.scatter.groups]
-    return math.hypot(*known, *groups) if known else math.nan
+    model = fit.scatter
+    if not {CONDITION, REPEAT} & {*model.names}:
+        return math.nan
+    force = model.uneven.centre if log_lift is None else log_lift
+    own = model.one_pull(np.array([force]), np.array([rise]))
+    return math.sqrt(float((own @ np.maximum(model.variance, 0.0))[0]))
 
 
 def _model(fit: FitResult, density: float | None, speed: float | None) -> LiftModel:

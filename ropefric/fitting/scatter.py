@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import chdtrc, gammaln, psi, zeta
+from scipy.special import chdtrc, gammaln, ndtri, psi, stdtrit, zeta
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import InputError
@@ -24,6 +24,7 @@ from ropefric.fitting import statistics as stats
 from ropefric.fitting.problem import FitProblem
 from ropefric.friction.condition import SETTINGS, Conditions
 
+Known = FloatArray | float
 CONDITION, REPEAT = "condition", "repeat"
 ALL = "all"
 """The one component of the parameters' covariance in a fit stored before there was a model of scatter."""
@@ -42,6 +43,8 @@ _SETTLED, _CLOSE = 1e-9, 1e-10
 _SEPARABLE = 1e-3
 _MOST_CELLS = 3000
 _TINY = 1e-300
+# Degrees of freedom of a variance that is zero.
+_LEAST_KNOWN = 1e-60
 
 
 class Uneven(NamedTuple):
@@ -99,6 +102,11 @@ class Layout(NamedTuple):
     def nested(self) -> bool:
         """Return whether conditions have several cells."""
         return int(self.condition.max()) + 1 < self.condition.size
+
+    @property
+    def repeated(self) -> bool:
+        """Return whether any condition has several trials, with one rope or with several."""
+        return self.spare > 0 or self.nested
 
     @property
     def level_counts(self) -> dict[str, int]:
@@ -286,20 +294,37 @@ class ScatterModel:
         own = [rise**2 if name in self.groups else single * (name != ALL) for name in self.names]
         return np.array(own).reshape(len(own), rise.size).T
 
-    def dof(
-        self, rows: FloatArray, own: FloatArray | None = None, known: FloatArray | float = 0.0
-    ) -> FloatArray:
-        """Return Satterthwaite's degrees of freedom of variances, shape (r,): 2 v²/Var(v).
+    def dof(self, rows: FloatArray, own: FloatArray | None = None, known: Known = 0.0) -> FloatArray:
+        """Return the degrees of freedom of variances, shape (r,), one at least: Satterthwaite's 2 v²/Var(v).
 
         v = j C jᵀ for combinations j of parameters in `rows` (r, p), plus Σ σ_i² of the components in `own` (r, m),
         what one pull brings beside the law, plus `known` (r,), which is sure.
         """
+        return np.maximum(self._satterthwaite(rows, own, known), 1.0)
+
+    def reach(
+        self, probability: float, rows: FloatArray, own: FloatArray | None = None, known: Known = 0.0
+    ) -> FloatArray:
+        """Return how many standard deviations an interval reaches with a probability to one side, shape (r,).
+
+        Student's t of `dof`. A variance v that comes out with ν < 1 is too small to believe, as where that of a group
+        is estimated below zero: the one with Var(v) and one degree of freedom is v/√ν, and takes its place.
+        """
+        if not self.names:
+            return np.full(len(rows), np.nan)
+        dof = self._satterthwaite(rows, own, known)
+        whole = np.maximum(dof, 1.0)
+        student = stdtrit(np.where(np.isinf(whole), 1.0, whole), probability)
+        normal = float(ndtri(probability))
+        return np.where(np.isinf(whole), normal, student) * np.clip(dof, _LEAST_KNOWN, 1.0) ** -0.25
+
+    def _satterthwaite(self, rows: FloatArray, own: FloatArray | None, known: Known) -> FloatArray:
         slopes = np.einsum("rp,mpq,rq->rm", rows, self.slopes, rows, optimize=True)
         slopes = slopes if own is None else slopes + own
         variance = slopes @ self.variance + known
         spread = np.einsum("rm,mn,rn->r", slopes, self.covariance, slopes)
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(spread > 0.0, np.maximum(2.0 * variance**2 / spread, 1.0), np.inf)
+            return np.where(spread > 0.0, 2.0 * variance**2 / spread, np.inf)
 
     def rounded(self) -> "ScatterModel":
         """Return the model to the digits that mean something."""

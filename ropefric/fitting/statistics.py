@@ -4,7 +4,7 @@ Everything about a Jacobian comes from one decomposition, `decomposed`.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, nan, sqrt
 from typing import NamedTuple
@@ -93,9 +93,8 @@ class Decomposition(NamedTuple):
         return self.rows.T[:, seen] / self.values[seen] / self.length[:, None], self.left[:, seen]
 
 
-def decomposed(jacobian: FloatArray, weights: FloatArray | None = None) -> Decomposition:
-    """Return the decomposition of J, or of √W J, shape (n, q)."""
-    J = jacobian if weights is None else jacobian * np.sqrt(weights)[:, None]
+def decomposed(J: FloatArray) -> Decomposition:
+    """Return the decomposition of J, shape (n, q)."""
     n, q = J.shape
     length = np.linalg.norm(J, axis=0)
     seen = length > _NOT_SEEN
@@ -107,17 +106,21 @@ def decomposed(jacobian: FloatArray, weights: FloatArray | None = None) -> Decom
     return Decomposition(length=length, left=left[:n], values=values, rows=rows, lost=lost)
 
 
-def plain_covariance(jacobian: FloatArray, weights: FloatArray | None = None) -> FloatArray:
-    """Return (Jᵀ W J)⁻¹, shape (q, q), the pseudo-inverse where combinations of parameters are not seen."""
-    half, _ = decomposed(jacobian, weights).root()
+def plain_covariance(J: FloatArray) -> FloatArray:
+    """Return (JᵀJ)⁻¹, shape (q, q), the pseudo-inverse where combinations of parameters are not seen."""
+    half, _ = decomposed(J).root()
     return np.asarray(half @ half.T)
 
 
-def combined_dof(variance: npt.ArrayLike, known: npt.ArrayLike, dof: float) -> FloatArray:
-    """Return Welch and Satterthwaite's degrees of freedom of a variance of which a part is known for sure."""
+def combined_dof(variance: FloatArray, parts: Iterable[tuple[FloatArray, float]]) -> FloatArray:
+    """Return Welch and Satterthwaite's degrees of freedom of variances (t,).
+
+    Of each part (t,) the degrees of freedom are given; the rest is known for sure.
+    """
+    unsure = sum((part**2 / dof for part, dof in parts), np.zeros_like(variance))
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.asarray(variance) / np.maximum(np.asarray(variance) - known, 0.0)
-    return np.where(np.isnan(share), dof, dof * np.maximum(share, 1.0) ** 2)
+        found = variance**2 / unsure
+    return np.where(found > 0.0, found, inf)
 
 
 def rounded_covariance(covariance: FloatArray) -> FloatArray:

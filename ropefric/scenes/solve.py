@@ -23,7 +23,7 @@ from ropefric.scenes.scene import FrictionSource, Scene, placed, value_at
 from ropefric.shown import Shown, in_words
 from ropefric.systems.effect import assemble
 from ropefric.systems.friction import WrapFriction
-from ropefric.uncertainty.budget import check_level, directions, quantile
+from ropefric.uncertainty.budget import check_level, directions
 
 _STEP = 1e-3
 """Of a standard error, for the derivative along a direction: its square is the error of a central difference."""
@@ -297,8 +297,7 @@ def _spreads(
 
     def spread(along: FloatArray) -> tuple[FloatArray, FloatArray]:
         variance, known = (along**2).sum(axis=0), ((common.T @ along) ** 2).sum(axis=0)
-        dof = fit.scatter.dof(along.T @ back, known=known)
-        return np.sqrt(variance), np.array([quantile(0.5 + 0.5 * level, nu) for nu in dof.tolist()])
+        return np.sqrt(variance), fit.scatter.reach(0.5 + 0.5 * level, along.T @ back, known=known)
 
     return spread
 

@@ -20,6 +20,7 @@ from ropefric.friction.laws import LAWS
 from ropefric.trials.table import TrialTable
 
 WITHIN, GAIN, OUTLIER, ROPES, SET_WRONG = 0.02, 0.03, 0.15, 0.04, pi / 90
+LOADS_N = np.array([10.0, 40.0, 120.0, 20.0, 80.0, 15.0, 60.0, 30.0, 100.0])
 TRUTH = {"constant": (0.2,), "wrap-power": (0.25, -0.4, 0.1), "coupled": (0.46, -0.22, -0.3, -0.48, 0.055)}
 # Inside what is tested, and at none of its conditions.
 WHEEL = Conditions(wheel_radius_m=np.array([0.035]), rope_radius_m=np.array([0.0049]),
@@ -30,6 +31,10 @@ EFFECTS = {"no effect": ("", "wrap_angle_rad", 8.0, 0.0),
            "wrap effect": ("wrap-dependence", "wrap_angle_rad", 8.0, -0.2),
            "size effect": ("size", "wheel_radius_m", 4.0, 0.25),
            "load dependence": ("end-tension", "end_tension_N", 12.0, -0.2)}  # fmt: skip
+# What no law describes: by what the mean coefficient is multiplied at some conditions.
+MISFITS = {"bend in wrap": lambda at: 1.0 + 0.5 * np.maximum(1.0 - 2.0 * pi / at.wrap_angle_rad, 0.0),
+           "threshold in size": lambda at: np.where(at.wheel_radius_m < 0.025, 1.25, 1.0),
+           "saturating size": lambda at: np.minimum(at.wheel_radius_m / 0.03, 1.0)}  # fmt: skip
 # Repeats that follow Student's t with so many degrees of freedom.
 TAILS = "t3", "t5"
 # Campaigns of constant data, and of each effect, that the docs show at so many conditions.
@@ -64,17 +69,17 @@ class Design(NamedTuple):
 
     def table(self, seed):
         """Return the trials of one campaign, and ln F_A of one pull on `WHEEL` with a new rope."""
-        k, judged = self.conditions, self.special in EFFECTS
+        k, judged = self.conditions, self.special in {*EFFECTS, *MISFITS}
         rng = np.random.default_rng([seed, k, self.repeats, round(1e3 * self.between)] if judged else seed)
         size = np.full(k, self.repeats)
         if self.special == "uneven":
             size = np.array([1, 5, 9])[np.arange(k) % 3]
-        # Every wrap at every load; all but the laws without a size effect go round the wheels with them.
+        # Every wrap at every load, so that no condition comes twice; laws with a size effect go round the wheels too.
         wheels = np.arange(k) % 5 if self.law == "coupled" or judged else k * [2]
         at = Conditions(wheel_radius_m=np.array([0.015, 0.02, 0.03, 0.04, 0.06])[wheels],
                         rope_radius_m=np.full(k, 0.0049),
                         wrap_angle_rad=pi * np.array([0.5, 1.0, 2.0, 4.0])[np.arange(k) % 4],
-                        end_tension_N=np.array([10.0, 40.0, 120.0])[(np.arange(k) // 4) % 3])  # fmt: skip
+                        end_tension_N=LOADS_N[np.arange(k) // 4])  # fmt: skip
         group = np.repeat(np.arange(k), size)
         law, gain = LAWS[self.law], GAIN if self.special == "gain" else 0.0
         wrap_rad = SET_WRONG if self.special == "wrap by rig" else 0.0
@@ -87,11 +92,13 @@ class Design(NamedTuple):
 
         pulled = replace(at, wrap_angle_rad=at.wrap_angle_rad + set_wrong)
         log_lift = law.log_lift(self.theta, pulled)
-        if judged:
+        if self.special in EFFECTS:
             _, setting, span, change = EFFECTS[self.special]
             level = getattr(at, setting)
             more = (level / level.min()) ** (log1p(change) / log(span)) - 1.0
             log_lift += self.theta[0] * at.wrap_angle_rad * more
+        elif self.special in MISFITS:
+            log_lift += self.theta[0] * at.wrap_angle_rad * (MISFITS[self.special](at) - 1.0)
         # From 0.3 to 1.8 times as much, with the force.
         before, grown = log_lift, self.special == "growing scatter"
         ends = [before.min(), before.max()]

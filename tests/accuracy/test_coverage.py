@@ -3,7 +3,20 @@
 import numpy as np
 import pytest
 import small_campaigns
-from small_campaigns import EFFECTS, GAIN, JUDGED, WITHIN, Design, coverage, verdicts, with_interval
+from small_campaigns import (
+    DESIGNS,
+    EFFECTS,
+    GAIN,
+    JUDGED,
+    MISFITS,
+    WITHIN,
+    Design,
+    coverage,
+    verdicts,
+    with_interval,
+)
+
+from ropefric.fitting.compare import choose_law, compare_laws
 
 
 def test_campaigns_scatter_as_designed():
@@ -22,6 +35,12 @@ def test_campaigns_scatter_as_designed():
     )
     assert not np.isclose(first.peak_N, more.peak_N[::3], rtol=1e-3).any()
     assert not np.isclose(first.peak_N, even.peak_N, rtol=1e-4).all()
+
+
+def test_a_design_has_as_many_conditions_as_its_name_says():
+    """On one wheel there were twelve at most, so that 20 and 36 were the same ones again."""
+    for design in (*DESIGNS, *JUDGED.values()):
+        assert design.table(0)[0].group().max() + 1 == design.conditions, design.name
 
 
 def test_a_true_effect_is_as_large_as_stated_over_its_setting(monkeypatch):
@@ -96,3 +115,21 @@ def test_a_clear_effect_is_found_in_most_campaigns():
     """A fifth of μ over all wheels or loads, 12 conditions of 5: nearly always; over the wraps an offset may do too."""
     for effect, least in (("size effect", 0.9), ("load dependence", 0.9), ("wrap effect", 0.3)):
         assert verdicts(Design("constant", 12, 5, special=effect), 20)["effect"] >= least, effect
+
+
+def supported_of(design, n):
+    """In how many campaigns any law is supported."""
+    return sum(choose_law(compare_laws(design.table(seed)[0])).verdict.supported for seed in range(n))
+
+
+@pytest.mark.parametrize("misfit", MISFITS)
+def test_what_no_law_describes_is_not_supported_quick(misfit):
+    assert not supported_of(Design("constant", 12, 5, special=misfit), 1)
+
+
+@pytest.mark.hours
+@pytest.mark.parametrize("misfit", MISFITS)
+def test_what_no_law_describes_is_supported_in_a_twentieth_of_campaigns_at_most(misfit):
+    """A bend in the wrap, a threshold in the wheel radius, a size effect that ends, each far beyond the scatter."""
+    for k, between in ((12, WITHIN), (12, 0.0), (20, WITHIN), (20, 0.0), (36, WITHIN)):
+        assert supported_of(Design("constant", k, 5, between, misfit), 60) <= 3, k

@@ -338,9 +338,11 @@ def test_a_fit_with_ropes_predicts_the_same_from_its_file():
 
 
 def test_a_part_that_is_known_for_sure_raises_the_degrees_of_freedom():
-    assert combined_dof(2.0, 1.0, 4.0) == pytest.approx(16.0)  # u_c⁴/(u⁴/ν)
-    assert combined_dof(2.0, 0.0, 4.0) == 4.0
-    assert np.isinf(combined_dof(2.0, 2.0, 4.0))
+    variance, half, none = np.array([2.0]), np.array([1.0]), np.zeros(1)
+    assert combined_dof(variance, [(half, 4.0)]) == pytest.approx(16.0)  # u_c⁴/(u⁴/ν)
+    assert combined_dof(variance, [(variance, 4.0)]) == 4.0
+    assert combined_dof(variance, [(half, 4.0), (half, 2.0)]) == pytest.approx(4 / (1 / 4 + 1 / 2))
+    assert np.isinf(combined_dof(variance, [(none, 4.0)]))
 
 
 def test_nothing_is_shared_that_nobody_said():

@@ -11,6 +11,7 @@ from ropefric.errors import InputError
 from ropefric.fitting.budgets import lift_model
 from ropefric.fitting.fit import fit_law
 from ropefric.fitting.predict import predict
+from ropefric.fitting.scatter import ALL
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.uncertainty.budget import directions, linear_budget, propagate, state_uncertainty
@@ -97,8 +98,8 @@ def test_what_cannot_be_stated_is_told(wrap_fit):
     two = Conditions(wheel_radius_m=0.04, rope_radius_m=0.005, wrap_angle_rad=[1, 2], end_tension_N=20)
     with pytest.raises(InputError, match="a budget is of one"):
         lift_model(wrap_fit, two, UNSURE)
-    unknown = dataclasses.replace(wrap_fit.statistics, scatter_within=math.nan, scatter_between=math.nan)
-    lost = dataclasses.replace(wrap_fit, statistics=unknown)
+    unknown = dataclasses.replace(wrap_fit.scatter, names=tuple(ALL for _ in wrap_fit.scatter.names))
+    lost = dataclasses.replace(wrap_fit, scatter=unknown)
     with pytest.raises(InputError, match="knows no scatter"):
         lift_model(lost, WHEEL, UNSURE, one_pull=True)
     with pytest.raises(InputError, match="the level is 1"):

@@ -41,15 +41,15 @@ def test_round_trip(request, fixture, solve_for):
         return
     x = np.linspace(*{"wrap": (2, 20), "radius": (0.012, 0.06), "end_tension": (2, 90)}[solve_for], 7)
     at = Conditions(**{name: np.array(value) for name, value in (FIXED | {TARGET[solve_for]: x}).items()})
-    truth = predict(fit, at, level=0.9, method="linear")
+    truth = predict(fit, at, level=0.9)
     mean = find(fit, solve_for, truth.lift_force_N, probability=None)
     np.testing.assert_allclose(mean.value, x, rtol=1e-9)
     # The lower end of a two-sided 90 % interval is exceeded with 95 %.
     safe = find(fit, solve_for, truth.prediction_interval_N[:, 0], probability=0.95)
-    np.testing.assert_allclose(safe.value, x, rtol=1e-8)
-    np.testing.assert_allclose(safe.lower_bound_N, safe.required_N, rtol=1e-10)
-    again = predict(fit, conditions_of(safe), level=0.9, method="linear")
-    np.testing.assert_allclose(again.prediction_interval_N[:, 0], safe.required_N, rtol=1e-10)
+    np.testing.assert_allclose(safe.value, x, rtol=1e-6)
+    np.testing.assert_allclose(safe.lower_bound_N, safe.required_N, rtol=1e-6)
+    again = predict(fit, conditions_of(safe), level=0.9)
+    np.testing.assert_allclose(again.prediction_interval_N[:, 0], safe.lower_bound_N, rtol=1e-9)
 
 
 def test_constant_law_on_paper(constant_fit):
@@ -135,12 +135,14 @@ def test_extrapolated_designs_are_flagged(wrap_fit):
     assert found.extrapolated.tolist() == [False, True]
 
 
-def test_many_designs_at_once_equal_one_by_one(wrap_fit):
-    loads = np.geomspace(25, 4000, 4000)
-    found = find(wrap_fit, "wrap", loads)
-    for i in (0, 1700, 3999):
-        assert find(wrap_fit, "wrap", loads[i]).value[0] == pytest.approx(found.value[i], rel=1e-11)
-    assert (np.diff(found.value) > 0).all()
+def test_many_designs_at_once_equal_one_by_one(constant_fit, wrap_fit):
+    """Of a curved law as near as its profile is found, and beyond 100 designs by the linear interval."""
+    for fit, n, rtol in ((constant_fit, 4000, 1e-11), (wrap_fit, 60, 1e-6), (wrap_fit, 4000, 1e-3)):
+        loads = np.geomspace(25, 4000, n)
+        found = find(fit, "wrap", loads)
+        for i in (0, n // 2, n - 1):
+            assert find(fit, "wrap", loads[i]).value[0] == pytest.approx(found.value[i], rel=rtol)
+        assert (np.diff(found.value) > 0).all()
 
 
 def test_bad_arguments(wrap_fit):
@@ -161,7 +163,7 @@ def test_chart_is_the_prediction_on_a_grid(coupled_fit):
     chart = design_chart(coupled_fit, radii, wraps, 20.0, rope_radius_m=0.005)
     assert chart.lift_force_N.shape == (3, 2)
     at = Conditions(wheel_radius_m=0.05, rope_radius_m=0.005, wrap_angle_rad=9.0, end_tension_N=20.0)
-    one = predict(coupled_fit, at, level=0.9, method="linear")
+    one = predict(coupled_fit, at, level=0.9)
     assert chart.lift_force_N[1, 1] == pytest.approx(one.lift_force_N[0])
     assert chart.lower_bound_N[1, 1] == pytest.approx(one.prediction_interval_N[0, 0])
     assert chart.extrapolated.tolist() == [[False, False], [False, False], [True, True]]

@@ -14,7 +14,8 @@ from scipy import optimize, stats
 
 from ropefric.errors import InputError
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.predict import half_width, new_rope_std, predict
+from ropefric.fitting.predict import lift_ends, new_rope_std, predict
+from ropefric.fitting.scatter import ALL
 from ropefric.fitting.store import load_fit
 from ropefric.friction.condition import Conditions
 from ropefric.friction.law import LiftModel
@@ -34,9 +35,9 @@ def test_outside_what_was_tested_a_rival_law_lowers_the_bound_of_one_pull():
     lower = []
     for wheel_m in (0.04, 0.3):
         at = replace(pulls((6.0, 9.0), load=60.0, wheel=wheel_m), rope_radius_m=0.0049)
-        own = law.log_lift(fit.theta, at) - half_width(fit, law, at, 0.95)
-        with_rival = law.log_lift(fit.theta, at) - half_width(replace(fit, rivals=(rival,)), law, at, 0.95)
-        of_rival = other.log_lift(rival.theta, at) - half_width(rival, other, at, 0.95)
+        own = lift_ends(fit, law, at, 0.95).pull[:, 0]
+        with_rival = lift_ends(replace(fit, rivals=(rival,)), law, at, 0.95).pull[:, 0]
+        of_rival = lift_ends(rival, other, at, 0.95).pull[:, 0]
         lower.append((own, with_rival, np.minimum(own, of_rival)))
     (own, with_rival, _), (alone, outside, both) = lower
     np.testing.assert_array_equal(own, with_rival)
@@ -161,8 +162,8 @@ def test_prediction_interval_covers_new_ropes(campaign):
 
 
 def test_unknown_scatter_gives_no_prediction_interval(constant_fit):
-    statistics = replace(constant_fit.statistics, scatter_within=math.nan, scatter_between=math.nan)
-    bare = replace(constant_fit, statistics=statistics)
+    model = constant_fit.scatter
+    bare = replace(constant_fit, trials={}, scatter=replace(model, names=tuple(ALL for _ in model.names)))
     assert math.isnan(new_rope_std(bare))
     found = predict(bare, pulls([6.0]))
     assert np.isnan(found.prediction_interval_N).all()

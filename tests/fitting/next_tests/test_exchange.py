@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ropefric.fitting.next_tests import Evidence, Exchange, best_plan
+from ropefric.fitting.exchange import Evidence, Exchange, best_plan
 from ropefric.fitting.resolution import nearest_to, one_factor_plan
 
 

@@ -7,8 +7,9 @@ import pytest
 from pulled import table_at
 from thinned import thinned
 
+from ropefric.fitting.exchange import Exchange, best_plan
 from ropefric.fitting.fit import fit_law
-from ropefric.fitting.next_tests import Exchange, allowed_conditions, best_plan, plan_tests
+from ropefric.fitting.next_tests import allowed_conditions, plan_tests
 from ropefric.fitting.predict import predict
 from ropefric.fitting.resolution import MeanScatter
 

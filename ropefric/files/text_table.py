@@ -47,11 +47,15 @@ _NUMBER_SHAPED = re.compile(
     r"|[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?|[1-9]\d{0,2}(?:\.\d{3})+(?:,\d*)?)",
     re.ASCII,
 )
-_UNITS = {
-    *SUFFIX_UNITS, *SUFFIX_UNITS.values(),
-    *("-", "1", "sec", "msec", "count", "counts", "%", "°", "°C", "C", "K", "l/min", "rpm", "mm/s", "mm/min"),
-    *("µm", "µs", "Nm", "mbar", "N/mm", "N/mm^2", "daN"),
-}  # fmt: skip
+_UNITS = (
+    *("m", "g", "s", "N", "Nm", "Nmm", "Ncm", "Pa", "V", "A", "W", "J", "Hz", "K", "C", "°C", "°F", "bar", "psi"),
+    *("rpm", "rad", "deg", "°", "turn", "min", "h", "in", "ft", "lbf", "lb", "kgf", "gf", "ozf", "Ohm", "Ω", "l", "L"),
+    *("%", "-", "1", "count", "counts"),
+)
+_UNIT = re.compile(
+    rf"(?:[nuµμmcdkMG]|da)?(?:{'|'.join(map(re.escape, _UNITS))})(?:(?:\^|\*\*)?[-+]?[1-4]|[⁻¹²³]+)?"
+)
+_BETWEEN_UNITS = re.compile(r"[*·⋅/ ]")
 _WIDE_BLANK, _BEFORE_BRACKET = re.compile(r" {2,}+|\t"), re.compile(r" ++(?=[\[(])")
 _NO_SEPARATOR = frozenset("0123456789+-.eE\"'\r\n\0")
 _MOST_LINES = 400
@@ -159,8 +163,10 @@ def bare_unit(text: str) -> str:
 
 
 def is_unit(cell: str) -> bool:
-    """Return whether a cell looks like a unit."""
-    return bare_unit(cell) in _UNITS
+    """Return whether a cell is written like a unit: a known one with a prefix and a power, or a product of such."""
+    unit = bare_unit(cell)
+    factors = map(spelled_unit, _BETWEEN_UNITS.split(unit))
+    return unit in SUFFIX_UNITS or all(_UNIT.fullmatch(factor) for factor in factors)
 
 
 def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Dialect:
@@ -371,7 +377,7 @@ def _first_data_row(
 
     A row above a line of words, or above `key=value`, is no data: the table begins further down.
     """
-    is_numeric = [is_value(cell) for cell in typical]
+    is_numeric = [is_value(cell) or not cell for cell in typical]  # no word where nothing is, either
     for place, number in enumerate(below):
         row, after = rows[number - 1], rows[below[place + 1] - 1] if place + 1 < len(below) else ()
         is_typical = len(row) == len(typical) and _holds_numbers(row, is_numeric, layout.no_value)

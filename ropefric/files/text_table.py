@@ -48,14 +48,54 @@ _NUMBER_SHAPED = re.compile(
     re.ASCII,
 )
 _UNITS = (
-    *("m", "g", "s", "N", "Nm", "Nmm", "Ncm", "Pa", "V", "A", "W", "J", "Hz", "K", "C", "°C", "°F", "bar", "psi"),
-    *("rpm", "rad", "deg", "°", "turn", "min", "h", "in", "ft", "lbf", "lb", "kgf", "gf", "ozf", "Ohm", "Ω", "l", "L"),
+    *(
+        "m",
+        "g",
+        "s",
+        "N",
+        "Nm",
+        "Nmm",
+        "Ncm",
+        "Pa",
+        "V",
+        "A",
+        "W",
+        "J",
+        "Hz",
+        "K",
+        "C",
+        "°C",
+        "°F",
+        "bar",
+        "psi",
+    ),
+    *(
+        "rpm",
+        "rad",
+        "deg",
+        "°",
+        "turn",
+        "min",
+        "h",
+        "in",
+        "ft",
+        "lbf",
+        "lb",
+        "kgf",
+        "gf",
+        "ozf",
+        "Ohm",
+        "Ω",
+        "l",
+        "L",
+    ),
     *("%", "-", "1", "count", "counts"),
 )
 _UNIT = re.compile(
     rf"(?:[nuµμmcdkMG]|da)?(?:{'|'.join(map(re.escape, _UNITS))})(?:(?:\^|\*\*)?[-+]?[1-4]|[⁻¹²³]+)?"
 )
 _BETWEEN_UNITS = re.compile(r"[*·⋅/ ]")
+_WITH_UNIT = re.compile(r"[+-]?\d[\d.,]*+\s*+([^\s\d]\D*)")
 _WIDE_BLANK, _BEFORE_BRACKET = re.compile(r" {2,}+|\t"), re.compile(r" ++(?=[\[(])")
 _NO_SEPARATOR = frozenset("0123456789+-.eE\"'\r\n\0")
 _MOST_LINES = 400
@@ -124,6 +164,12 @@ class Dialect:
     def n_cells(self) -> int:
         """Return the number of cells of the first data row."""
         return len(self.first_row)
+
+    @property
+    def cell_units(self) -> tuple[str, ...]:
+        """Return the unit that stands behind the number in the cells of each column, "" where none does."""
+        found = (_WITH_UNIT.fullmatch(cell) for cell in self.first_row)
+        return tuple(match[1] if match and is_unit(match[1]) else "" for match in found)
 
     @property
     def stamps(self) -> frozenset[int]:
@@ -427,8 +473,12 @@ def _words_above(
     if not above or not is_header(above[-1]):
         return 0, units_row
     are_units = all(map(is_unit, over_data(above[-1])))
-    if are_units and not units_row and len(above) > 1 and is_header(above[-2]):
-        return above[-2], above[-1]
+    if are_units and not units_row and len(above) > 1:
+        names, units, data = (rows[number - 1] for number in (*above[-2:], data_row))
+        # Right above units even numbers are names, those of an oscilloscope's channels.
+        is_named = len(names) == len(units) == len(data) and not all(map(is_value, names))
+        if is_header(above[-2]) or (is_named and above[-2] == above[-1] - 1):
+            return above[-2], above[-1]
     return above[-1], units_row
 
 
@@ -446,7 +496,7 @@ ORDERS = {"ymd": "year, month, day", "dmy": "day, month, year", "mdy": "month, d
 
 _SEPARATORS = re.compile(r"[-/.]")
 _STAMP = re.compile(
-    r"(?:(?P<date>\d{4}([-/.])\d{1,2}\2\d{1,2}|\d{1,2}([-/.])\d{1,2}\3(?:\d{4}|\d\d))(?:T|,?\s++|,))?"
+    r"(?:(?P<date>\d{4}([-/.])\d{1,2}\2\d{1,2}|\d{1,2}([-/.])\d{1,2}\3(?:\d{4}|\d\d))(?:T|,?\s++|[-_,]))?"
     r"(?P<hour>\d{1,3}):(?P<minute>[0-5]\d)(?::(?P<second>[0-5]\d|60)(?:[.,:](?P<part>\d{1,30}))?)?"
     r"(?:\s*+(?P<half>[AaPp])\.?[Mm]\.?)?(?:\s*+(?P<zone>Z|UTC|GMT|[+-]\d\d(?::?\d\d)?))?",
     re.ASCII,

@@ -56,7 +56,7 @@ def _by_ending(path: str | PurePath, shown: str, *, is_plain: bool) -> Reader:
     """Return the first reader that knows the end of a file's name; of any other text, the one of plain tables."""
     name = PurePath(path).name.lower()
     for reader in READERS.values():
-        if name.endswith(reader.suffixes):
+        if name.endswith(reader.suffixes) and not (is_plain and reader is excel.READER):  # text called .xls
             return reader
     if is_plain:
         return DELIMITED

@@ -24,7 +24,7 @@ from ropefric.traces.readers.table import Reader, Table, bad_cell, stamp_column
 
 _NEWLINE = 10
 _PIECE = 65536
-_MOST_FOOTER = 20
+MOST_FOOTER = 20
 _BLANKS = (9, 32)
 
 
@@ -46,7 +46,7 @@ def _cut_end(dialect: Dialect, data: bytes, is_ended: bool) -> bytes:  # noqa: F
 
     Without a stated number of lines, a footer is lines of words, in another number of cells than the data have.
     """
-    n_most = max(dialect.layout.skip_footer, _MOST_FOOTER)
+    n_most = max(dialect.layout.skip_footer, MOST_FOOTER)
     ends = [len(data)]  # of the last lines, backwards
     while ends[-1] and len(ends) <= n_most + 2:
         ends.append(data.rfind(b"\n", 0, ends[-1] - 1) + 1)
@@ -62,23 +62,23 @@ def _cut_end(dialect: Dialect, data: bytes, is_ended: bool) -> bytes:  # noqa: F
 
 def _footer(lines: Sequence[str], rows: Sequence[Sequence[str]], dialect: Dialect) -> list[int]:
     """Return the places of the footer's lines among the last lines of a text, the last line first."""
-    n_footer, no_value, first = dialect.layout.skip_footer, dialect.layout.no_value, dialect.first_row[:1]
-    # Where rows begin with words, one that is cut looks like a footer.
-    may_be = not any(first) or is_value(first[0])
-
-    def is_footer(cells: Sequence[str]) -> bool:
-        word = "".join(cells[:1])
-        is_word = any(c.isalpha() for c in word) and not word[0].isdigit() and word not in no_value
-        return may_be and is_word and len(cells) != dialect.n_cells
-
+    n_footer = dialect.layout.skip_footer
     footer: list[int] = []
     for place, cells in enumerate(rows[:-1]):
         if not lines[place]:
             continue
-        if len(footer) == n_footer if n_footer else not is_footer(cells):
+        is_footer = len(cells) != dialect.n_cells and begins_with_word(cells, dialect)
+        if len(footer) == n_footer if n_footer else not is_footer:
             break
         footer.append(place)
     return footer
+
+
+def begins_with_word(cells: Sequence[str], dialect: Dialect) -> bool:
+    """Return whether a row begins with a word, where the first row of data does not."""
+    word, first = "".join(cells[:1]), "".join(dialect.first_row[:1])
+    is_word = any(c.isalpha() for c in word) and not word[0].isdigit() and word not in dialect.layout.no_value
+    return is_word and (not first or is_value(first))
 
 
 def _breaks_off(rows: Sequence[Sequence[str]]) -> bool:
@@ -114,6 +114,8 @@ def text_table(
     units, stamps = (*dialect.units, *[""] * len(names))[: len(names)], dialect.stamps
     if len(names) == 1 and not any(units):
         units = (dialect.facts.unit,)
+    in_cells = (*dialect.cell_units, *[""] * len(names))
+    units = tuple(unit or in_cell for unit, in_cell in zip(units, in_cells, strict=False))
     units = _with_unit_columns(text, dialect, names, units)
 
     def values(indices: Sequence[int]) -> list[FloatArray]:
@@ -351,13 +353,15 @@ def _parse_rows(
     block: Block, dialect: Dialect, names: Sequence[str], indices: Sequence[int], source: Source
 ) -> list[FloatArray]:
     """Return columns of text lines, cell by cell: the definition that the fast way must agree with."""
-    found, no_value = [], dialect.layout.no_value
+    found, no_value, in_cells = [], dialect.layout.no_value, dialect.cell_units
     for number, line in block.lines():
         if is_blank_line(line, dialect.separator):
             continue
         cells, row = split_line(line, dialect.separator), []
         for index in indices:
             cell = cells[index] if index < len(cells) else ""
+            if index < len(in_cells) and in_cells[index]:
+                cell = cell.removesuffix(in_cells[index]).rstrip()
             value = math.nan if cell in no_value else number_of(cell, dialect.decimal, dialect.thousands)
             if math.isinf(value):
                 name = names[index] if index < len(names) and names[index] else f"column {index + 1}"

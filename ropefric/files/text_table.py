@@ -48,49 +48,10 @@ _NUMBER_SHAPED = re.compile(
     re.ASCII,
 )
 _UNITS = (
-    *(
-        "m",
-        "g",
-        "s",
-        "N",
-        "Nm",
-        "Nmm",
-        "Ncm",
-        "Pa",
-        "V",
-        "A",
-        "W",
-        "J",
-        "Hz",
-        "K",
-        "C",
-        "°C",
-        "°F",
-        "bar",
-        "psi",
-    ),
-    *(
-        "rpm",
-        "rad",
-        "deg",
-        "°",
-        "turn",
-        "min",
-        "h",
-        "in",
-        "ft",
-        "lbf",
-        "lb",
-        "kgf",
-        "gf",
-        "ozf",
-        "Ohm",
-        "Ω",
-        "l",
-        "L",
-    ),
-    *("%", "-", "1", "count", "counts"),
-)
+    *("m", "g", "s", "N", "Nm", "Nmm", "Ncm", "Pa", "V", "A", "W", "J", "Hz", "K", "C", "°C", "°F", "bar", "psi"),
+    *("rad", "deg", "°", "turn", "min", "h", "in", "ft", "lbf", "lb", "kgf", "gf", "ozf", "Ohm", "Ω", "l", "L", "%"),
+    *("-", "1", "count", "counts", "rpm"),
+)  # fmt: skip
 _UNIT = re.compile(
     rf"(?:[nuµμmcdkMG]|da)?(?:{'|'.join(map(re.escape, _UNITS))})(?:(?:\^|\*\*)?[-+]?[1-4]|[⁻¹²³]+)?"
 )

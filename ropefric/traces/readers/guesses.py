@@ -206,7 +206,11 @@ def _names_channels(of: NDArray[np.str_], clock: FloatArray) -> bool:
 
 def _footer_lines(text: Text, dialect: Dialect) -> int:
     """Return how many of the last lines begin with a word, unlike the first row of data, and from there on all."""
-    rows = deque(text.rows_from(dialect.rows.data_row, dialect.separator), MOST_FOOTER + 1) if text.is_whole else ()
+    rows = (
+        deque(text.rows_from(dialect.rows.data_row, dialect.separator), MOST_FOOTER + 1)
+        if text.is_whole
+        else ()
+    )
     data = [place for place, (_, row) in enumerate(rows) if not begins_with_word(row, dialect)]
     return len(rows) - 1 - data[-1] if data else 0
 

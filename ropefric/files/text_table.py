@@ -56,7 +56,8 @@ _UNIT = re.compile(
     rf"(?:[nuµμmcdkMG]|da)?(?:{'|'.join(map(re.escape, _UNITS))})(?:(?:\^|\*\*)?[-+]?[1-4]|[⁻¹²³]+)?"
 )
 _BETWEEN_UNITS = re.compile(r"[*·⋅/ ]")
-_WITH_UNIT = re.compile(r"[+-]?\d[\d.,]*+\s*+([^\s\d]\D*)")
+WITH_UNIT = re.compile(r"[+-]?\d[\d.,]*+\s*+([^\s\d]\D*)")
+"""A number with something behind it, perhaps its unit."""
 _WIDE_BLANK, _BEFORE_BRACKET = re.compile(r" {2,}+|\t"), re.compile(r" ++(?=[\[(])")
 _NO_SEPARATOR = frozenset("0123456789+-.eE\"'\r\n\0")
 _MOST_LINES = 400
@@ -125,12 +126,6 @@ class Dialect:
     def n_cells(self) -> int:
         """Return the number of cells of the first data row."""
         return len(self.first_row)
-
-    @property
-    def cell_units(self) -> tuple[str, ...]:
-        """Return the unit that stands behind the number in the cells of each column, "" where none does."""
-        found = (_WITH_UNIT.fullmatch(cell) for cell in self.first_row)
-        return tuple(match[1] if match and is_unit(match[1]) else "" for match in found)
 
     @property
     def stamps(self) -> frozenset[int]:
@@ -350,7 +345,7 @@ def _find_rows(lines: Sequence[str], separator: str, layout: TableLayout, source
     What the user says holds. Left open, the data start at the first row of numbers, and the header is the nearest
     row of words above it, with a row of units allowed between. Rows further up are a preamble.
     """
-    last = [split_line(line, separator) for line in lines[-_N_SAMPLE:] if line.strip()]
+    last = [split_line(line, separator) for line in [*filter(str.strip, lines)][-_N_SAMPLE:]]
     few = max(layout.last_head_row, layout.data_row) + _N_SAMPLE  # a clean file has its data in line 2
     for n_lines in (few, len(lines)):
         rows = [split_line(line, separator) for line in lines[:n_lines]]
@@ -448,8 +443,12 @@ def _no_data(rows: Sequence[Sequence[str]], layout: TableLayout, source: Source)
         last = max((number for number, row in enumerate(rows, start=1) if any(row)), default=0)
         why = f"data_row = {layout.data_row}, but the last line with content is {last}"
         return source.error(why, key="[import] data_row", fix="give the line of the first data row")
-    fix = "record it again, or set [import] data_row, separator and decimal"
-    return source.error("there are no data rows: no line below the header holds a number", fix=fix)
+    fix = "record it again, write numbers without labels, or set [import] data_row, separator and decimal"
+    last = next((" ".join(row) for row in reversed(rows) if any(row)), "")
+    why = (
+        f"there are no data rows: no line below the header has a cell that is a number; one is {last[:60]!r}"
+    )
+    return source.error(why, fix=fix)
 
 
 ORDERS = {"ymd": "year, month, day", "dmy": "day, month, year", "mdy": "month, day, year"}

@@ -161,6 +161,8 @@ def _inspect_text(
     found: list[Inspection] = []
     errors: list[DataError] = []
     for layout, assumed in layouts(text, dialect, profile):
+        if found and dialect.rows.header_row and not layout.header_row:
+            break  # a header that opens is not left out: it may contradict the cells
         reader = find_reader(
             source.path, replace(layout, format="delimited" if layout.format == "auto" else layout.format)
         )
@@ -291,8 +293,8 @@ def _load(table: Table) -> tuple[list[FloatArray | None], list[str]]:
         except DataError as error:
             if len(indices) > 1:
                 return [array for index in indices for array in load([index])]
-            begins_well = 0 < table.first_line < (error.problem.line or 0)  # with numbers
-            doubts.extend([str(error)] if begins_well or indices[0] in table.stamps else [])
+            is_explained = "; " in error.problem.message  # the cell is nearly a number, not just a word
+            doubts.extend([str(error)] if is_explained or indices[0] in table.stamps else [])
             return [None]
 
     return load(range(len(table.names))), doubts

@@ -78,6 +78,8 @@ def test_a_unit_behind_the_number_in_every_cell(write):
         channels={"time": Channel(column="time_s"), "force": Channel(column="Tension")},
     )
     assert (error.code, error.where) == ("RF102", "run:3 Tension")
+    found = inspect_file(write("Time (s),Pull [N]\n" + pull("{t},{f}.5 kN")))
+    assert ("cannot read '0.5 kN'" in " ".join(found.doubts), found.read) == (True, "")
 
 
 def test_a_column_that_breaks_off_says_where(write):
@@ -112,6 +114,19 @@ def test_units_as_r_writes_them():
     assert [split_unit_suffix(name) for name in ("Load.N.", "Time..s.", "No.", "v1.2.")] == [
         *(("Load", "N"), ("Time", "s"), ("No.", ""), ("v1.2.", ""))
     ]
+
+
+def test_empty_rows_at_the_end_are_no_samples(write):
+    head, rows = "# sampling rate: 25 Hz\nNo.,Load (N)\n", pull("{i},{f}")
+    (trace,) = read(write(head + rows + ",\n" * 300), channels={"force": Channel(column=2)})
+    assert (trace.force_N.size, trace.force_N[-1]) == (40, 78)
+    blank = rows.replace("20,40\n", "20,40\n" + "\n" * 500)
+    assert seen(inspect_file(write(head + blank)))[1] == PULL
+
+
+def test_a_cut_row_is_named_where_rows_end_with_a_separator(write):
+    error = refused(write("Time (s);Load (N);Way\n" + pull("{t};{f};1.5;") + "1.60;8"))
+    assert (error.code, error.where) == ("RF103", "run:42")
 
 
 # --- which column is what ---

@@ -56,8 +56,7 @@ _UNIT = re.compile(
     rf"(?:[nuµμmcdkMG]|da)?(?:{'|'.join(map(re.escape, _UNITS))})(?:(?:\^|\*\*)?[-+]?[1-4]|[⁻¹²³]+)?"
 )
 _BETWEEN_UNITS = re.compile(r"[*·⋅/ ]")
-WITH_UNIT = re.compile(r"[+-]?\d[\d.,]*+\s*+([^\s\d]\D*)")
-"""A number with something behind it, perhaps its unit."""
+_WITH_UNIT = re.compile(r"[+-]?\d[\d.,]*+\s*+([^\s\d]\D*)")
 _WIDE_BLANK, _BEFORE_BRACKET = re.compile(r" {2,}+|\t"), re.compile(r" ++(?=[\[(])")
 _NO_SEPARATOR = frozenset("0123456789+-.eE\"'\r\n\0")
 _MOST_LINES = 400
@@ -169,6 +168,12 @@ def is_unit(cell: str) -> bool:
     unit = bare_unit(cell)
     factors = map(spelled_unit, _BETWEEN_UNITS.split(unit))
     return unit in SUFFIX_UNITS or all(_UNIT.fullmatch(factor) for factor in factors)
+
+
+def unit_behind(cell: str) -> str:
+    """Return the unit behind the number of a cell, "" where there is none."""
+    found = _WITH_UNIT.fullmatch(cell)
+    return found[1] if found and is_unit(found[1]) else ""
 
 
 def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Dialect:

@@ -18,13 +18,13 @@ from ropefric.files.disk import FileChangedError
 from ropefric.files.head_facts import UNIT_WORDS
 from ropefric.files.text import Block, Source, Text, is_blank_line, load_text, split_line
 from ropefric.files.text_table import (
-    WITH_UNIT,
     Dialect,
     bare_unit,
     find_dialect,
     is_unit,
     is_value,
     number_of,
+    unit_behind,
 )
 from ropefric.glossary import counted
 from ropefric.quantities import split_unit_suffix
@@ -126,10 +126,8 @@ def text_table(
     units, stamps = (*dialect.units, *[""] * len(names))[: len(names)], dialect.stamps
     if len(names) == 1 and not any(units):
         units = (dialect.facts.unit,)
-    units = tuple(
-        unit or in_cells for unit, in_cells in zip(units, _units_in_cells(dialect, names), strict=True)
-    )
-    units = _with_unit_columns(text, dialect, names, units)
+    pairs = zip(units, _units_in_cells(dialect, names), strict=True)
+    units = _with_unit_columns(text, dialect, names, [unit or behind for unit, behind in pairs])
 
     def values(indices: Sequence[int]) -> list[FloatArray]:
         numbers = iter(_parse_columns(text, dialect, names, [i for i in indices if i not in stamps], n_rows))
@@ -152,13 +150,12 @@ def text_table(
 
 
 def _units_in_cells(dialect: Dialect, names: Sequence[str]) -> list[str]:
-    """Return the unit behind the number in the cells of each column, "" for none, and where the head states another."""
+    """Return the unit behind the numbers of each column, "" for none, and where the head states another."""
     found = [""] * len(names)
     for at, (name, cell) in enumerate(zip(names, dialect.first_row, strict=False)):
-        match = WITH_UNIT.fullmatch(cell)
-        stated = "".join(dialect.units[at : at + 1]) or split_unit_suffix(name)[1]
-        if match and is_unit(match[1]) and bare_unit(stated) in ("", bare_unit(match[1])):
-            found[at] = match[1]
+        stated = bare_unit("".join(dialect.units[at : at + 1])) or split_unit_suffix(name)[1]
+        unit = unit_behind(cell)
+        found[at] = unit if stated in ("", bare_unit(unit)) else ""
     return found
 
 

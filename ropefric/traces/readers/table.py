@@ -14,15 +14,7 @@ from ropefric.arrays import FloatArray, frozen_array, sealed
 from ropefric.errors import DataError, InputError
 from ropefric.files.head_facts import NO_FACTS, Facts
 from ropefric.files.text import Source
-from ropefric.files.text_table import (
-    THOUSANDS,
-    WITH_UNIT,
-    Dialect,
-    bare_unit,
-    is_number,
-    is_unit,
-    read_stamps,
-)
+from ropefric.files.text_table import THOUSANDS, Dialect, bare_unit, is_number, read_stamps, unit_behind
 from ropefric.quantities import is_unit_of, same_unit, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.traces.readers.profile import Channel, ImportProfile, RawRecording
@@ -301,11 +293,8 @@ def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | 
     elif is_number(cell, other):
         mark = "comma" if other == "," else "point"
         why, fix = f"it looks like a decimal {mark}", f'[import] decimal = "{other}"'
-    elif (found := WITH_UNIT.fullmatch(cell)) and is_unit(found[1]):
-        why, fix = (
-            f"it is in {found[1]}, other cells or the header are not",
-            "write one unit, into the header",
-        )
+    elif unit := unit_behind(cell):
+        why, fix = f"it is in {unit}, other cells or the header are not", "write one unit, into the header"
     elif _GROUPS.fullmatch(cell):
         mark = next(mark for mark in THOUSANDS if mark in cell)
         why, fix = "it looks like a thousands separator", f'[import] thousands = "{mark}"'

@@ -435,9 +435,9 @@ def _words_above(
         return 0, units_row
     are_units = all(map(is_unit, over_data(above[-1])))
     if are_units and not units_row and len(above) > 1:
-        names, units, data = (rows[number - 1] for number in (*above[-2:], data_row))
+        names, data = rows[above[-2] - 1], rows[data_row - 1]
         # Right above units even numbers are names, those of an oscilloscope's channels.
-        is_named = len(names) == len(units) == len(data) and not all(map(is_value, names))
+        is_named = len(names) == len(data) and not all(map(is_value, names))
         if is_header(above[-2]) or (is_named and above[-2] == above[-1] - 1):
             return above[-2], above[-1]
     return above[-1], units_row
@@ -449,9 +449,9 @@ def _no_data(rows: Sequence[Sequence[str]], layout: TableLayout, source: Source)
         why = f"data_row = {layout.data_row}, but the last line with content is {last}"
         return source.error(why, key="[import] data_row", fix="give the line of the first data row")
     fix = "record it again, write numbers without labels, or set [import] data_row, separator and decimal"
-    last = next((" ".join(row) for row in reversed(rows) if any(row)), "")
+    line = next((" ".join(row) for row in reversed(rows) if any(row)), "")
     why = (
-        f"there are no data rows: no line below the header has a cell that is a number; one is {last[:60]!r}"
+        f"there are no data rows: no line below the header has a cell that is a number; one is {line[:60]!r}"
     )
     return source.error(why, fix=fix)
 

@@ -304,12 +304,16 @@ def _rank_of_time(table: Table, index: int, array: FloatArray) -> int | None:
         return 1 if is_named else 2
     if is_named:
         return 4
-    steps = np.diff(present)
-    is_counter = (present == np.floor(present)).all() and steps.min() == steps.max()
+    # Where the head states the rate, what rises may be a path.
+    return 5 if not table.facts.rate_Hz and _may_be_time(present, table.names[index].strip()) else None
+
+
+def _may_be_time(rising: FloatArray, name: str) -> bool:
+    """Return whether a rising column may be the time: it counts no rows, and rises evenly where it has another name."""
+    steps = np.diff(rising)
+    is_counter = (rising == np.floor(rising)).all() and steps.min() == steps.max()
     is_even = (np.abs(steps - np.median(steps)) <= _EVEN * np.median(steps)).all()
-    # A path or a strain may rise too, above all where the head states the rate, or the column has a name.
-    is_other = table.facts.rate_Hz or (table.names[index].strip() and not is_even)
-    return None if is_counter or is_other else 5
+    return not is_counter and bool(is_even or not name)
 
 
 def _side(name: str) -> str:

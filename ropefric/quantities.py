@@ -88,6 +88,8 @@ _LONGEST_SYMBOL = 4
 """A name of more letters may be the word for a unit."""
 _TORQUE = re.compile(r"\b([mkM]?N)([cm]?m)\b")
 """Nm as engineers write it; to pint it is a unit of yarn."""
+_BETWEEN_POINTS = re.compile(r"(.+?)\.{1,2}([^.]{1,12})\.")
+"""`Load..N.`, as R writes `Load (N)`."""
 _FULL_SCALE = re.compile(r"%\s*+(?:of\s++)?(?:FS|F\.S\.|full scale)")
 
 
@@ -101,7 +103,8 @@ def _registry() -> "pint.UnitRegistry[Any]":
 def split_unit_suffix(name: str) -> tuple[str, str]:
     """Return a name without its unit suffix, and the unit, empty where there is none.
 
-    Recognises `wrap_angle_deg`, `Force (kN)`, `Force [kN]`, `Time.(s)`, `F/N`, `Force, N`, `Kraft in N`, `Newtons`.
+    Recognises `wrap_angle_deg`, `Force (kN)`, `Force [kN]`, `Time.(s)`, `Load..N.`, `F/N`, `Force, N`, `Kraft in N`
+    and `Newtons`.
     """
     text = name.strip()
     if text.endswith((")", "]")):
@@ -111,6 +114,9 @@ def split_unit_suffix(name: str) -> tuple[str, str]:
         if opened >= max(start, 1):  # with something before it, and not closed before
             stem = body[:opened]
             return stem.rstrip(" \t\r\n\v\f._") or stem[:1], spelled_unit(body[opened + 1 :].strip())
+    points = _BETWEEN_POINTS.fullmatch(text)
+    if points and spelled_unit(points[2]) in SUFFIX_UNITS.values():
+        return points[1], spelled_unit(points[2])
     inside = _UNIT_INSIDE.fullmatch(text)
     if inside and spelled_unit(inside[2]) in SUFFIX_UNITS.values():
         return f"{inside[1].rstrip()} {inside[3].lstrip()}", spelled_unit(inside[2])

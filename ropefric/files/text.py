@@ -337,12 +337,17 @@ def _clean_blocks(blocks: Iterable[bytes], encoding: str, source: Source) -> Ite
 
 
 def _without_zeros(data: bytes, line: int, source: Source) -> bytes:
+    """Return lines without the zero that ends a line's string in C; any other zero is refused."""
+    data = data.replace(b"\0\n", b"\n")
     at = data.find(b"\0")
     if at >= 0:
+        why = "this is not a text file: a byte is zero"
         encoding = 'the encoding ([import] encoding = "utf-16-le") where it is text'
         fix = f'name the format ([import] format = "matlab", "tdms" or "excel"), or {encoding}'
         line += data.count(b"\n", 0, at)
-        raise source.error("this is not a text file: a byte is zero", line=line, fix=fix)
+        if line > HEAD_LINES:
+            why, fix = "from here on bytes are zero: the logger or a copy lost them", "copy the file again"
+        raise source.error(why, line=line, fix=fix)
     return data
 
 

@@ -47,11 +47,16 @@ _NUMBER_SHAPED = re.compile(
     r"|[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?|[1-9]\d{0,2}(?:\.\d{3})+(?:,\d*)?)",
     re.ASCII,
 )
-_UNITS = {
-    *SUFFIX_UNITS, *SUFFIX_UNITS.values(),
-    *("-", "1", "sec", "msec", "count", "counts", "%", "°", "°C", "C", "K", "l/min", "rpm", "mm/s", "mm/min"),
-    *("µm", "µs", "Nm", "mbar", "N/mm", "N/mm^2", "daN"),
-}  # fmt: skip
+_UNITS = (
+    *("m", "g", "s", "N", "Nm", "Nmm", "Ncm", "Pa", "V", "A", "W", "J", "Hz", "K", "C", "°C", "°F", "bar", "psi"),
+    *("rad", "deg", "°", "turn", "min", "h", "in", "ft", "lbf", "lb", "kgf", "gf", "ozf", "Ohm", "Ω", "l", "L", "%"),
+    *("-", "1", "count", "counts", "rpm"),
+)  # fmt: skip
+_UNIT = re.compile(
+    rf"(?:[nuµμmcdkMG]|da)?(?:{'|'.join(map(re.escape, _UNITS))})(?:(?:\^|\*\*)?[-+]?[1-4]|[⁻¹²³]+)?"
+)
+_BETWEEN_UNITS = re.compile(r"[*·⋅/ ]")
+_WITH_UNIT = re.compile(r"[+-]?\d[\d.,]*+\s*+([^\s\d]\D*)")
 _WIDE_BLANK, _BEFORE_BRACKET = re.compile(r" {2,}+|\t"), re.compile(r" ++(?=[\[(])")
 _NO_SEPARATOR = frozenset("0123456789+-.eE\"'\r\n\0")
 _MOST_LINES = 400
@@ -159,8 +164,16 @@ def bare_unit(text: str) -> str:
 
 
 def is_unit(cell: str) -> bool:
-    """Return whether a cell looks like a unit."""
-    return bare_unit(cell) in _UNITS
+    """Return whether a cell is written like a unit: a known one with a prefix and a power, or a product of such."""
+    unit = bare_unit(cell)
+    factors = map(spelled_unit, _BETWEEN_UNITS.split(unit))
+    return unit in SUFFIX_UNITS or all(_UNIT.fullmatch(factor) for factor in factors)
+
+
+def unit_behind(cell: str) -> str:
+    """Return the unit behind the number of a cell, "" where there is none."""
+    found = _WITH_UNIT.fullmatch(cell)
+    return found[1] if found and is_unit(found[1]) else ""
 
 
 def find_dialect(text: Text, layout: TableLayout, *, last_column: int = 0) -> Dialect:
@@ -337,7 +350,7 @@ def _find_rows(lines: Sequence[str], separator: str, layout: TableLayout, source
     What the user says holds. Left open, the data start at the first row of numbers, and the header is the nearest
     row of words above it, with a row of units allowed between. Rows further up are a preamble.
     """
-    last = [split_line(line, separator) for line in lines[-_N_SAMPLE:] if line.strip()]
+    last = [split_line(line, separator) for line in [*filter(str.strip, lines)][-_N_SAMPLE:]]
     few = max(layout.last_head_row, layout.data_row) + _N_SAMPLE  # a clean file has its data in line 2
     for n_lines in (few, len(lines)):
         rows = [split_line(line, separator) for line in lines[:n_lines]]
@@ -371,7 +384,7 @@ def _first_data_row(
 
     A row above a line of words, or above `key=value`, is no data: the table begins further down.
     """
-    is_numeric = [is_value(cell) for cell in typical]
+    is_numeric = [is_value(cell) or not cell for cell in typical]  # no word where nothing is, either
     for place, number in enumerate(below):
         row, after = rows[number - 1], rows[below[place + 1] - 1] if place + 1 < len(below) else ()
         is_typical = len(row) == len(typical) and _holds_numbers(row, is_numeric, layout.no_value)
@@ -421,8 +434,12 @@ def _words_above(
     if not above or not is_header(above[-1]):
         return 0, units_row
     are_units = all(map(is_unit, over_data(above[-1])))
-    if are_units and not units_row and len(above) > 1 and is_header(above[-2]):
-        return above[-2], above[-1]
+    if are_units and not units_row and len(above) > 1:
+        names, data = rows[above[-2] - 1], rows[data_row - 1]
+        # Right above units even numbers are names, those of an oscilloscope's channels.
+        is_named = len(names) == len(data) and not all(map(is_value, names))
+        if is_header(above[-2]) or (is_named and above[-2] == above[-1] - 1):
+            return above[-2], above[-1]
     return above[-1], units_row
 
 
@@ -431,8 +448,12 @@ def _no_data(rows: Sequence[Sequence[str]], layout: TableLayout, source: Source)
         last = max((number for number, row in enumerate(rows, start=1) if any(row)), default=0)
         why = f"data_row = {layout.data_row}, but the last line with content is {last}"
         return source.error(why, key="[import] data_row", fix="give the line of the first data row")
-    fix = "record it again, or set [import] data_row, separator and decimal"
-    return source.error("there are no data rows: no line below the header holds a number", fix=fix)
+    fix = "record it again, write numbers without labels, or set [import] data_row, separator and decimal"
+    line = next((" ".join(row) for row in reversed(rows) if any(row)), "")
+    why = (
+        f"there are no data rows: no line below the header has a cell that is a number; one is {line[:60]!r}"
+    )
+    return source.error(why, fix=fix)
 
 
 ORDERS = {"ymd": "year, month, day", "dmy": "day, month, year", "mdy": "month, day, year"}
@@ -440,7 +461,7 @@ ORDERS = {"ymd": "year, month, day", "dmy": "day, month, year", "mdy": "month, d
 
 _SEPARATORS = re.compile(r"[-/.]")
 _STAMP = re.compile(
-    r"(?:(?P<date>\d{4}([-/.])\d{1,2}\2\d{1,2}|\d{1,2}([-/.])\d{1,2}\3(?:\d{4}|\d\d))(?:T|,?\s++|,))?"
+    r"(?:(?P<date>\d{4}([-/.])\d{1,2}\2\d{1,2}|\d{1,2}([-/.])\d{1,2}\3(?:\d{4}|\d\d))(?:T|,?\s++|[-_,]))?"
     r"(?P<hour>\d{1,3}):(?P<minute>[0-5]\d)(?::(?P<second>[0-5]\d|60)(?:[.,:](?P<part>\d{1,30}))?)?"
     r"(?:\s*+(?P<half>[AaPp])\.?[Mm]\.?)?(?:\s*+(?P<zone>Z|UTC|GMT|[+-]\d\d(?::?\d\d)?))?",
     re.ASCII,

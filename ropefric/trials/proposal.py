@@ -5,6 +5,7 @@ import glob
 import os
 from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -61,6 +62,11 @@ def propose_campaign(
     if isinstance(found, str):
         return Proposal(trials, "", (*of_names, f"{alike[0].name} cannot be read: {found}"))
     samples, unread = _samples_of(paths, found.profile, limits or Limits(), progress)
+    if unread and all(isinstance(channel.column, str) for channel in found.profile.channels.values()):
+        by_names = replace(found.profile, header_row=-1, units_row=0, data_row=0)  # heads differ in length
+        again, less = _samples_of(paths, by_names, limits or Limits(), progress)
+        if len(less) < len(unread):
+            samples, unread, found = again, less, replace(found, profile=by_names)
     read = f"read {found.read}, from {found.file}" if found.read else f"{found.file}: {found.stopped}"
     said = (read, *(f"assumed: {doubt}" for doubt in found.doubts), *unread)
     comments = [f"# {line}" for line in said]

@@ -120,3 +120,14 @@ def test_what_does_not_match_is_helped_with(call, tmp_path, monkeypatch):
         assert call(*words, wrong).code == 3
     assert call("init", "mine", "--pattern", "{wheel}").code == 3
     assert not (tmp_path / "mine").exists()
+
+
+def test_heads_of_several_lengths_are_one_campaign(call, tmp_path):
+    (tmp_path / "daq").mkdir()
+    rows = "".join(f"{i / 25:.2f},{2 * i}\n" for i in range(60))
+    for name, head in (("a", ""), ("b", "Rate,60,mm/min\n\n"), ("c", "Specimen 7\nOperator: me\n\n")):
+        (tmp_path / "daq" / f"{name}.csv").write_text(f"{head}Time,Load\n(s),(N)\n{rows}", encoding="utf-8")
+    done = call("init", tmp_path / "mine", "--from", tmp_path / "daq")
+    assert (done.code, "not read" in done.err) == (0, False)
+    section = (tmp_path / "mine" / "campaign.toml").read_text(encoding="utf-8").partition("[import]")[2]
+    assert ("data_row" in section, 'force = "Load"' in section) == (False, True)

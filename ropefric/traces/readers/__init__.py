@@ -17,22 +17,13 @@ from ropefric.traces.readers.delimited import DELIMITED
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 from ropefric.traces.readers.table import Reader
 
-TEXT_FORMATS = (DELIMITED.name, several.WIDE.name, several.STACKED.name, several.LONG.name)
+_TABLES = (DELIMITED, several.WIDE, several.STACKED, several.LONG)
+TEXT_FORMATS = tuple(reader.name for reader in _TABLES)
+_WITH_ONE = (vernier, matlab, hdf5, tdms, excel)
 
 READERS: Registry[Reader] = Registry(
     "file format",
-    [
-        *(
-            DELIMITED,
-            several.WIDE,
-            several.STACKED,
-            several.LONG,
-            labview.READER,
-            headed.NI,
-            headed.MITSUBISHI,
-        ),
-        *(vernier.READER, matlab.READER, hdf5.READER, tdms.READER, excel.READER),
-    ],
+    [*_TABLES, labview.READER, headed.NI, headed.MITSUBISHI, *(module.READER for module in _WITH_ONE)],
 )
 """Every reader by name."""
 
@@ -56,7 +47,7 @@ def _by_ending(path: str | PurePath, shown: str, *, is_plain: bool) -> Reader:
     """Return the first reader that knows the end of a file's name; of any other text, the one of plain tables."""
     name = PurePath(path).name.lower()
     for reader in READERS.values():
-        if name.endswith(reader.suffixes):
+        if name.endswith(reader.suffixes) and not (is_plain and reader is excel.READER):  # text called .xls
             return reader
     if is_plain:
         return DELIMITED

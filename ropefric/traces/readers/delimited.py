@@ -17,14 +17,23 @@ from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.files.disk import FileChangedError
 from ropefric.files.head_facts import UNIT_WORDS
 from ropefric.files.text import Block, Source, Text, is_blank_line, load_text, split_line
-from ropefric.files.text_table import Dialect, find_dialect, is_unit, is_value, number_of
+from ropefric.files.text_table import (
+    Dialect,
+    bare_unit,
+    find_dialect,
+    is_unit,
+    is_value,
+    number_of,
+    unit_behind,
+)
 from ropefric.glossary import counted
+from ropefric.quantities import split_unit_suffix
 from ropefric.traces.readers.profile import ImportProfile
 from ropefric.traces.readers.table import Reader, Table, bad_cell, stamp_column
 
 _NEWLINE = 10
 _PIECE = 65536
-_MOST_FOOTER = 20
+MOST_FOOTER = 20
 _BLANKS = (9, 32)
 
 
@@ -42,11 +51,13 @@ def without_footer(text: Text, dialect: Dialect) -> Text:
 
 
 def _cut_end(dialect: Dialect, data: bytes, is_ended: bool) -> bytes:  # noqa: FBT001
-    """Return the end of a text without its footer, and without a last row that breaks off within a number.
+    """Return the end of a text without empty rows, footer, and a last row that breaks off within a number.
 
     Without a stated number of lines, a footer is lines of words, in another number of cells than the data have.
     """
-    n_most = max(dialect.layout.skip_footer, _MOST_FOOTER)
+    filled = data.find(b"\n", len(data.rstrip(b" \t\n" + dialect.separator.encode()))) + 1
+    data, is_ended = data[:filled], is_ended or filled < len(data)
+    n_most = max(dialect.layout.skip_footer, MOST_FOOTER)
     ends = [len(data)]  # of the last lines, backwards
     while ends[-1] and len(ends) <= n_most + 2:
         ends.append(data.rfind(b"\n", 0, ends[-1] - 1) + 1)
@@ -62,23 +73,24 @@ def _cut_end(dialect: Dialect, data: bytes, is_ended: bool) -> bytes:  # noqa: F
 
 def _footer(lines: Sequence[str], rows: Sequence[Sequence[str]], dialect: Dialect) -> list[int]:
     """Return the places of the footer's lines among the last lines of a text, the last line first."""
-    n_footer, no_value, first = dialect.layout.skip_footer, dialect.layout.no_value, dialect.first_row[:1]
-    # Where rows begin with words, one that is cut looks like a footer.
-    may_be = not any(first) or is_value(first[0])
-
-    def is_footer(cells: Sequence[str]) -> bool:
-        word = "".join(cells[:1])
-        is_word = any(c.isalpha() for c in word) and not word[0].isdigit() and word not in no_value
-        return may_be and is_word and len(cells) != dialect.n_cells
-
+    n_footer = dialect.layout.skip_footer
     footer: list[int] = []
     for place, cells in enumerate(rows[:-1]):
         if not lines[place]:
             continue
-        if len(footer) == n_footer if n_footer else not is_footer(cells):
+        is_footer = len(cells) != dialect.n_cells and begins_with_word(cells, dialect)
+        if len(footer) == n_footer if n_footer else not is_footer:
             break
         footer.append(place)
     return footer
+
+
+def begins_with_word(cells: Sequence[str], dialect: Dialect) -> bool:
+    """Return whether a row begins with a word, where the first row of data does not."""
+    word, first = "".join(cells[:1]), "".join(dialect.first_row[:1])
+    is_number = word.lstrip("+-.,")[:1].isdigit()  # or was one before it was damaged
+    is_word = any(c.isalpha() for c in word) and not is_number and word not in dialect.layout.no_value
+    return is_word and (not first or is_value(first))
 
 
 def _breaks_off(rows: Sequence[Sequence[str]]) -> bool:
@@ -114,7 +126,8 @@ def text_table(
     units, stamps = (*dialect.units, *[""] * len(names))[: len(names)], dialect.stamps
     if len(names) == 1 and not any(units):
         units = (dialect.facts.unit,)
-    units = _with_unit_columns(text, dialect, names, units)
+    pairs = zip(units, _units_in_cells(dialect, names), strict=True)
+    units = _with_unit_columns(text, dialect, names, [unit or behind for unit, behind in pairs])
 
     def values(indices: Sequence[int]) -> list[FloatArray]:
         numbers = iter(_parse_columns(text, dialect, names, [i for i in indices if i not in stamps], n_rows))
@@ -134,6 +147,16 @@ def text_table(
         facts=dialect.facts,
         notes=dialect.notes,
     )
+
+
+def _units_in_cells(dialect: Dialect, names: Sequence[str]) -> list[str]:
+    """Return the unit behind the numbers of each column, "" for none, and where the head states another."""
+    found = [""] * len(names)
+    for at, (name, cell) in enumerate(zip(names, dialect.first_row, strict=False)):
+        stated = bare_unit("".join(dialect.units[at : at + 1])) or split_unit_suffix(name)[1]
+        unit = unit_behind(cell)
+        found[at] = unit if stated in ("", bare_unit(unit)) else ""
+    return found
 
 
 def _with_unit_columns(
@@ -174,7 +197,7 @@ def _column_names(text: Text, dialect: Dialect) -> tuple[tuple[str, ...], str, i
 def ends_empty(text: Text, dialect: Dialect, surplus: int) -> bool:
     """Return whether the last cells of every data row are empty: trailing separators."""
     rows = text.rows_from(dialect.rows.data_row, dialect.separator)
-    return not any(any(row[-surplus:]) for _, row in rows)
+    return not any(any(row[dialect.n_cells - surplus :]) for _, row in rows)
 
 
 def _check_rows(
@@ -351,13 +374,14 @@ def _parse_rows(
     block: Block, dialect: Dialect, names: Sequence[str], indices: Sequence[int], source: Source
 ) -> list[FloatArray]:
     """Return columns of text lines, cell by cell: the definition that the fast way must agree with."""
-    found, no_value = [], dialect.layout.no_value
+    found, no_value, in_cells = [], dialect.layout.no_value, _units_in_cells(dialect, names)
     for number, line in block.lines():
         if is_blank_line(line, dialect.separator):
             continue
         cells, row = split_line(line, dialect.separator), []
         for index in indices:
             cell = cells[index] if index < len(cells) else ""
+            cell = cell.removesuffix(in_cells[index]).rstrip()
             value = math.nan if cell in no_value else number_of(cell, dialect.decimal, dialect.thousands)
             if math.isinf(value):
                 name = names[index] if index < len(names) and names[index] else f"column {index + 1}"

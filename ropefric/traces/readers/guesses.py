@@ -1,5 +1,7 @@
 """The layout of an unknown file: arrangement of its recordings, column of the time, column of the force."""
 
+import re
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -11,6 +13,7 @@ from ropefric.arrays import BoolArray, FloatArray
 from ropefric.files.text import Text, split_line
 from ropefric.files.text_table import Dialect, is_number, is_unit, is_value
 from ropefric.quantities import split_unit_suffix
+from ropefric.traces.readers.delimited import MOST_FOOTER, begins_with_word
 from ropefric.traces.readers.profile import Channel, ImportProfile
 from ropefric.traces.readers.several import blocks_of_header, stacked_parts
 from ropefric.traces.readers.table import Table, guess_channels, is_time
@@ -21,8 +24,11 @@ _SLACKS = ("slack", "end_tension", "gegen", "halte", "lose", "endkraft", "f_b", 
 """Parts of names that show on which side of the wheel a force was measured, the slack one first."""
 _MOST_LABELS, _FEWEST_ROWS = 64, 10
 """A column that labels rows has at most this many words, and each occurs in at least this many rows."""
-_MOST_FOOTER = 20
 _LONGEST_S = 4 * 3600.0
+_EVEN = 0.1
+"""How far the steps of a time of any name may be from their median [-]."""
+_SET_VALUES = re.compile(r"(?:^|[\s_./])(?:set|goal|target|soll|nominal|preload|vorlast|command|cmd|limit)")
+"""Words of values that a machine is set to, beside those that it measures."""
 
 _WEIGHTS = {"lb": "lbf", "kg": "kgf", "g": "gf"}
 """Units of mass that gauges write for the weight of it."""
@@ -33,23 +39,41 @@ Values = Sequence[FloatArray | None]
 # --- how recordings stand in a text ---
 
 
-def layouts(text: Text, dialect: Dialect, profile: ImportProfile) -> Iterator[ImportProfile]:
-    """Yield the profiles that a text may be read by: those of several recordings that it shows, then one of a table."""
+def layouts(
+    text: Text, dialect: Dialect, profile: ImportProfile
+) -> Iterator[tuple[ImportProfile, list[str]]]:
+    """Yield the profiles that a text may be read by, and what each assumes.
+
+    First those of several recordings that it shows, then one of a table, with other rows as its header, or none.
+    """
     plain = replace(profile, **dialect.rows._asdict())
     if profile.format == "auto" and not profile.block_columns:
         if wide := _side_by_side(text, dialect, profile):
-            yield wide
+            yield wide, []
             return
         if text.is_whole and dialect.rows.header_row and len(stacked_parts(text, dialect)) > 1:
-            yield replace(plain, format="stacked")
+            yield replace(plain, format="stacked"), []
             return
         if text.is_whole and (long := _in_rows(text, dialect, plain)):
             yield long
     if not plain.skip_footer and (n_footer := _footer_lines(text, dialect)):
-        yield replace(plain, skip_footer=n_footer)
-    yield plain
+        yield replace(plain, skip_footer=n_footer), []
+    yield plain, []
+    for header_row, units_row in _other_headers(text, dialect) if profile.header_row < 0 else ():
+        yield replace(plain, header_row=header_row, units_row=units_row), []
     if dialect.rows.header_row:
-        yield replace(plain, header_row=0, units_row=0)
+        yield replace(plain, header_row=0, units_row=0), []
+
+
+def _other_headers(text: Text, dialect: Dialect) -> Iterator[tuple[int, int]]:
+    """Yield the rows right above the header that are as wide as the data, and the row of units below each, or 0."""
+    below = split_line(text.line(dialect.rows.header_row), dialect.separator)
+    for line in range(dialect.rows.header_row - 1, 0, -1):
+        cells = split_line(text.line(line), dialect.separator)
+        if len(cells) != dialect.n_cells or not any(cells):
+            return
+        yield line, line + 1 if any(map(is_unit, filter(None, below))) else 0
+        below = cells
 
 
 def _side_by_side(text: Text, dialect: Dialect, profile: ImportProfile) -> ImportProfile | None:
@@ -101,8 +125,11 @@ def _steps(cells: Sequence[str], n: int) -> int:
     return step if step > 1 and n % step == 0 and filled == list(range(0, n, step)) else 0
 
 
-def _in_rows(text: Text, dialect: Dialect, plain: ImportProfile) -> ImportProfile | None:
-    """Return the profile of a table whose rows belong to recordings, or channels, that a column names."""
+def _in_rows(text: Text, dialect: Dialect, plain: ImportProfile) -> tuple[ImportProfile, list[str]] | None:
+    """Return the profile of a table whose rows belong to recordings, or channels, that a column names.
+
+    Channels need the unit of the time, which is assumed where the file does not state it.
+    """
     columns = _whole_columns(text, dialect)
     time, clock = _clock_of(dialect, columns)
     if time < 0:
@@ -110,14 +137,22 @@ def _in_rows(text: Text, dialect: Dialect, plain: ImportProfile) -> ImportProfil
     labels = {i: np.array(cells) for i, cells in enumerate(columns) if _are_labels(cells)}
     back = np.diff(clock) < 0
     found: dict[str, Any] = {}
+    doubts: list[str] = []
     channel, value = _channel_and_value(columns, labels, time, clock)
     if channel >= 0:
         found = {f"{key}_column": _named(dialect, at) for key, at in (("channel", channel), ("value", value))}
         back &= _stays(labels.pop(channel))  # back to the begin of another channel is no other recording
+        if not plain.channels and not _states_unit(dialect, time):
+            unit = _assumed_unit(np.unique(clock), doubts)
+            found["channels"] = {"time": Channel(column=_named(dialect, time), unit=unit)}
     recordings = [i for i, of in labels.items() if not (back & _stays(of)).any()] if back.any() else []
     if recordings:
         found["recording_column"] = _named(dialect, recordings[0])
-    return replace(plain, format="long", **found) if found else None
+    return (replace(plain, format="long", **found), doubts) if found else None
+
+
+def _states_unit(dialect: Dialect, index: int) -> bool:
+    return any(dialect.units[index : index + 1]) or bool(split_unit_suffix(dialect.header[index])[1])
 
 
 def _named(dialect: Dialect, index: int) -> str | int:
@@ -170,17 +205,14 @@ def _names_channels(of: NDArray[np.str_], clock: FloatArray) -> bool:
 
 
 def _footer_lines(text: Text, dialect: Dialect) -> int:
-    """Return how many of the last lines hold words where the first row of data holds numbers."""
-    if not text.is_whole:
-        return 0
-    numeric = [is_value(cell) for cell in dialect.first_row]
-    rows = [row for _, row in text.rows_from(dialect.rows.data_row, dialect.separator)][-_MOST_FOOTER - 1 :]
-    fits = [
-        len(row) == len(numeric)
-        and all(is_value(c) or not n or not c for c, n in zip(row, numeric, strict=True))
-        for row in rows
-    ]
-    return fits[::-1].index(True) if True in fits and not fits[-1] else 0
+    """Return how many of the last lines begin with a word, unlike the first row of data, and from there on all."""
+    rows = (
+        deque(text.rows_from(dialect.rows.data_row, dialect.separator), MOST_FOOTER + 1)
+        if text.is_whole
+        else ()
+    )
+    data = [place for place, (_, row) in enumerate(rows) if not begins_with_word(row, dialect)]
+    return len(rows) - 1 - data[-1] if data else 0
 
 
 # --- what the columns of a table mean ---
@@ -270,12 +302,18 @@ def _rank_of_time(table: Table, index: int, array: FloatArray) -> int | None:
         return None
     if unit:
         return 1 if is_named else 2
-    steps = np.diff(present)
-    is_counter = (present == np.floor(present)).all() and steps.min() == steps.max()
     if is_named:
         return 4
     # Where the head states the rate, what rises may be a path.
-    return None if is_counter or table.facts.rate_Hz else 5
+    return 5 if not table.facts.rate_Hz and _may_be_time(present, table.names[index].strip()) else None
+
+
+def _may_be_time(rising: FloatArray, name: str) -> bool:
+    """Return whether a rising column may be the time: it counts no rows, and rises evenly where it has another name."""
+    steps = np.diff(rising)
+    is_counter = (rising == np.floor(rising)).all() and steps.min() == steps.max()
+    is_even = (np.abs(steps - np.median(steps)) <= _EVEN * np.median(steps)).all()
+    return not is_counter and bool(is_even or not name)
 
 
 def _side(name: str) -> str:
@@ -303,7 +341,7 @@ def _forces(
         found["force"] = _by_name(table, force)
         doubts.append(f"column {force + 1} is taken as the force because it {why}")
         units.pop(force, None)
-    if "end_tension" not in channels and not known.channels:
+    if "end_tension" not in channels and known.channels.keys() <= {"time"}:
         found |= _end_tension(table, units, doubts)
     return found
 
@@ -311,14 +349,15 @@ def _forces(
 def _free_columns(table: Table, values: Values, channels: Mapping[str, Channel]) -> list[int]:
     """Return the columns of numbers that no channel has, those that change if any do.
 
-    A gauge writes its peak and its limits beside every reading.
+    A gauge writes its peak and its limits beside every reading, a machine the force that it is set to.
     """
     taken = {index_of(table, channel) for channel in channels.values()}
     columns = {i: array for i, array in enumerate(values) if array is not None and i not in taken}
     lively = [
         i for i, some in columns.items() if np.nanmax(some, initial=-np.inf) > np.nanmin(some, initial=np.inf)
     ]
-    return lively or [*columns]
+    measured = [i for i in lively if not _SET_VALUES.search(table.names[i].strip().lower())]
+    return measured or lively or [*columns]
 
 
 def _unit_of_force(table: Table, index: int) -> str:
@@ -377,10 +416,10 @@ def _with_unit(name: str, table: Table, values: Values, channel: Channel, doubts
     """Return a channel with its unit, a likely one where the file has none, and say what to add."""
     unit = unit_of(table, channel)
     if name == "time":
-        likely = None if unit else _likely_unit(table, values, channel)
-        if likely is not None:
-            doubts.append(f"the file does not state the unit of the time; {likely[0]} is taken, {likely[1]}")
-            return replace(channel, unit=likely[0])
+        index = index_of(table, channel)
+        array = None if index is None else values[index]
+        if not unit and array is not None and np.isfinite(array).sum() > 2:
+            return replace(channel, unit=_assumed_unit(array[np.isfinite(array)], doubts))
     else:
         of_head = table.facts.unit
         if not unit and is_of(name, _WEIGHTS.get(of_head, of_head)):
@@ -404,13 +443,8 @@ def _doubts_of(name: str, unit: str, channel: Channel) -> Iterator[str]:
         yield f"the {name} is in {unit}, which is no unit of it; derive it in [import.derived]"
 
 
-def _likely_unit(table: Table, values: Values, channel: Channel) -> tuple[str, str] | None:
-    """Return the unit that makes a recording of a time, and why: loggers write whole milliseconds, parts of seconds."""
-    index = index_of(table, channel)
-    array = None if index is None else values[index]
-    if array is None or np.isfinite(array).sum() < 3:
-        return None
-    present = array[np.isfinite(array)]
+def _assumed_unit(present: FloatArray, doubts: list[str]) -> str:
+    """Return the unit that makes a recording of a time: loggers write whole milliseconds, parts of seconds."""
     span, step = float(present[-1] - present[0]), float(np.median(np.diff(present)))
     units = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
     if (present == np.floor(present)).all():
@@ -420,4 +454,6 @@ def _likely_unit(table: Table, values: Values, channel: Channel) -> tuple[str, s
     )
     unit = next(fitting, "ms")
     rate_Hz = 1.0 / (step * units[unit]) if step else 0.0
-    return unit, f"as that makes {rate_Hz:.4g} Hz over {span * units[unit]:.4g} s"
+    why = f"as that makes {rate_Hz:.4g} Hz over {span * units[unit]:.4g} s"
+    doubts.append(f"the file does not state the unit of the time; {unit} is taken, {why}")
+    return unit

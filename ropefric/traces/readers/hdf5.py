@@ -107,7 +107,8 @@ def _table(columns: Mapping[str, _Column], source: Source, said: str) -> Table:
 def _sets(group: Any, path: str, h5py: Any, above: tuple[Any, ...] = ()) -> Iterator[tuple[str, Any]]:
     """Yield path and data set of all there is below a group, through links too; other files are not opened."""
     for name in group:
-        if isinstance(group.get(name, getlink=True), h5py.ExternalLink):
+        is_index = name.startswith(("_i_", "_p_"))  # of PyTables and pandas
+        if is_index or isinstance(group.get(name, getlink=True), h5py.ExternalLink):
             continue
         item = group.get(name)
         if isinstance(item, h5py.Dataset) and not (item.is_virtual or item.external):

@@ -160,7 +160,9 @@ def _inspect_text(
         text, dialect = open_text(source, profile)
     found: list[Inspection] = []
     errors: list[DataError] = []
-    for layout in layouts(text, dialect, profile):
+    for layout, assumed in layouts(text, dialect, profile):
+        if found and dialect.rows.header_row and not layout.header_row:
+            break  # a header that opens is not left out: it may contradict the cells
         reader = find_reader(
             source.path, replace(layout, format="delimited" if layout.format == "auto" else layout.format)
         )
@@ -188,7 +190,7 @@ def _inspect_text(
                 thousands=dialect.thousands,
                 encoding="" if text.encoding in {"utf-8", "utf-8-sig"} else text.encoding,
             ),
-            doubts=(*doubts, *map(str, errors)),
+            doubts=(*doubts, *map(str, errors), *assumed),
         )
         found.append(_tried(_summarise(seen, tables, end), source))
         if not found[-1].stopped:
@@ -282,7 +284,7 @@ def _joined(begin: Sequence[FloatArray | None], end: Sequence[FloatArray | None]
 
 
 def _load(table: Table) -> tuple[list[FloatArray | None], list[str]]:
-    """Return every column, None where it holds something else than numbers, and why time stamps cannot be read."""
+    """Return every column, None where it holds something else than numbers, and which cell of some numbers is none."""
     doubts: list[str] = []
 
     def load(indices: Sequence[int]) -> list[FloatArray | None]:
@@ -291,7 +293,8 @@ def _load(table: Table) -> tuple[list[FloatArray | None], list[str]]:
         except DataError as error:
             if len(indices) > 1:
                 return [array for index in indices for array in load([index])]
-            doubts.extend([str(error)] if indices[0] in table.stamps else [])
+            is_explained = "; " in error.problem.message  # the cell is nearly a number, not just a word
+            doubts.extend([str(error)] if is_explained or indices[0] in table.stamps else [])
             return [None]
 
     return load(range(len(table.names))), doubts
@@ -317,7 +320,7 @@ def _clock(
     """Return sampling rate, whether the steps are even, and the error of the clock."""
     try:
         time_s = _clock_s(table, channels)
-        if "time" in channels:
+        if "time" in channels and not table.brings_time:
             index, unit = index_of(table, channels["time"]), unit_of(table, channels["time"])
             array = values[index] if index is not None else None
             time_s = array * si_scale("time", unit)[0] if array is not None and unit else None

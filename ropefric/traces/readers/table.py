@@ -14,7 +14,7 @@ from ropefric.arrays import FloatArray, frozen_array, sealed
 from ropefric.errors import DataError, InputError
 from ropefric.files.head_facts import NO_FACTS, Facts
 from ropefric.files.text import Source
-from ropefric.files.text_table import Dialect, bare_unit, is_number, read_stamps
+from ropefric.files.text_table import THOUSANDS, Dialect, bare_unit, is_number, read_stamps, unit_behind
 from ropefric.quantities import is_unit_of, same_unit, split_unit_suffix, unit_factor
 from ropefric.registry import did_you_mean
 from ropefric.traces.readers.profile import Channel, ImportProfile, RawRecording
@@ -30,7 +30,7 @@ _TIME_WORDS = frozenset((
     "time", "t", "zeit", "temps", "tiempo", "tempo", "tijd", "seconds", "elapsed", "elapsed_time", "test_time",
     "time_stamp", "timestamp", "laufzeit", "messzeit",
 ))  # fmt: skip
-_DIGITS_AND_MARKS = re.compile(r"[+-]?[\d.,]++")
+_GROUPS = re.compile(rf"[+-]?\d+(?:[{''.join(THOUSANDS)}]\d+)+")
 _DATE = re.compile(r"\d[-/:.]\d++[-/:.]\d")
 _BETWEEN_WORDS = re.compile(r"[\s_.\d]++")
 _NAMED_MISSING = frozenset(
@@ -288,13 +288,15 @@ def bad_cell(cell: str, name: str, decimal: str, source: Source, *, line: int | 
     why, fix = "", "mend or remove the cell, list its text in [import] missing, or skip_footer the last lines"
     if is_number(cell, decimal):
         why, fix = "it is too large for a float", "mend the cell"
-    elif cell.lower().lstrip("+-") in ("inf", "infinity"):
+    elif cell.lower().lstrip("+-") in ("inf", "infinity", "∞"):
         why = "an infinite value is no measurement"
     elif is_number(cell, other):
         mark = "comma" if other == "," else "point"
         why, fix = f"it looks like a decimal {mark}", f'[import] decimal = "{other}"'
-    elif "," in cell and _DIGITS_AND_MARKS.fullmatch(cell):
-        mark = next(mark for mark in ",." if mark in cell)
+    elif unit := unit_behind(cell):
+        why, fix = f"it is in {unit}, other cells or the header are not", "write one unit, into the header"
+    elif _GROUPS.fullmatch(cell):
+        mark = next(mark for mark in THOUSANDS if mark in cell)
         why, fix = "it looks like a thousands separator", f'[import] thousands = "{mark}"'
     elif cell.lower() in _NAMED_MISSING:
         why, fix = "it looks like a mark for a missing value", f'[import] missing = ["{cell}"]'

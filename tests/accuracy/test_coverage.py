@@ -127,7 +127,7 @@ def test_what_no_law_describes_is_not_supported_quick(misfit):
     assert not supported_of(Design("constant", 12, 5, special=misfit), 1)
 
 
-@pytest.mark.hours
+@pytest.mark.release
 @pytest.mark.parametrize("misfit", MISFITS)
 def test_what_no_law_describes_is_supported_in_a_twentieth_of_campaigns_at_most(misfit):
     """A bend in the wrap, a threshold in the wheel radius, a size effect that ends, each far beyond the scatter."""

@@ -377,6 +377,7 @@ tempfile._get_default_tempdir = none
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no folder that is read-only for root too")
+@pytest.mark.slow
 def test_without_a_place_for_what_is_temporary_or_for_the_result_the_files_are_written(tmp_path):
     """The figure is drawn without a place for settings; a result that cannot be told is no fault of ours."""
     with Path("/dev/full").open("w") as full:

@@ -362,6 +362,7 @@ def test_a_cell_that_the_list_names_is_described_in_a_campaign_that_is_there(wri
     assert [one for one in check_campaign(written) if one.severity == "error"] == []
 
 
+@pytest.mark.slow
 def test_after_a_setting_is_changed_only_what_depends_on_it_is_picked_again(written, monkeypatch):
     desk, extract, asked = Desk(written.parent, by="me"), review.extract_rows, []
 

@@ -107,13 +107,8 @@ def split_unit_suffix(name: str) -> tuple[str, str]:
     and `Newtons`.
     """
     text = name.strip()
-    if text.endswith((")", "]")):
-        body = text[:-1]
-        start = max(body.rfind(")"), body.rfind("]")) + 1
-        opened = max(body.rfind("("), body.rfind("["))
-        if opened >= max(start, 1):  # with something before it, and not closed before
-            stem = body[:opened]
-            return stem.rstrip(" \t\r\n\v\f._") or stem[:1], spelled_unit(body[opened + 1 :].strip())
+    if in_brackets := _in_brackets(text):
+        return in_brackets
     points = _BETWEEN_POINTS.fullmatch(text)
     if points and spelled_unit(points[2]) in SUFFIX_UNITS.values():
         return points[1], spelled_unit(points[2])
@@ -129,6 +124,16 @@ def split_unit_suffix(name: str) -> tuple[str, str]:
         is_compound = "/" in text and of_unit[1] in SUFFIX_UNITS.values()  # mm/s
         return (name, "") if is_compound else (of_unit[1], unit)
     return name, _SPELT.get(text.lower(), "") if len(text) > _LONGEST_SYMBOL else ""
+
+
+def _in_brackets(text: str) -> tuple[str, str] | None:
+    """Return name and unit of a text that ends with something in brackets; None if it does not."""
+    body = text[:-1]
+    closed, opened = max(body.rfind(")"), body.rfind("]")), max(body.rfind("("), body.rfind("["))
+    if not text.endswith((")", "]")) or opened < max(closed + 1, 1):  # with a name before it
+        return None
+    stem = body[:opened]
+    return stem.rstrip(" \t\r\n\v\f._") or stem[:1], spelled_unit(body[opened + 1 :].strip())
 
 
 def unit_factor(unit: str, si_unit: str, *, name: str = "quantity") -> float:

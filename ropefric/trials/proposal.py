@@ -61,12 +61,8 @@ def propose_campaign(
     of_names = (missed,) if missed else ()
     if isinstance(found, str):
         return Proposal(trials, "", (*of_names, f"{alike[0].name} cannot be read: {found}"))
-    samples, unread = _samples_of(paths, found.profile, limits or Limits(), progress)
-    if unread and all(isinstance(channel.column, str) for channel in found.profile.channels.values()):
-        by_names = replace(found.profile, header_row=-1, units_row=0, data_row=0)  # heads differ in length
-        again, less = _samples_of(paths, by_names, limits or Limits(), progress)
-        if len(less) < len(unread):
-            samples, unread, found = again, less, replace(found, profile=by_names)
+    samples, unread, profile = _read_by(paths, found.profile, limits or Limits(), progress)
+    found = replace(found, profile=profile)
     read = f"read {found.read}, from {found.file}" if found.read else f"{found.file}: {found.stopped}"
     said = (read, *(f"assumed: {doubt}" for doubt in found.doubts), *unread)
     comments = [f"# {line}" for line in said]
@@ -91,6 +87,19 @@ def _with_samples(
 def files_of(recordings: str) -> str:
     """Return the glob pattern of a folder's files, or the one that is given."""
     return f"{glob.escape(recordings.rstrip('/'))}/*" if Path(recordings).is_dir() else recordings
+
+
+def _read_by(
+    paths: Sequence[Path], profile: ImportProfile, limits: Limits, progress: Progress | None
+) -> tuple[list[tuple[str, ...]], list[str], ImportProfile]:
+    """Return what `_samples_of` does and the profile, without its row numbers if more files are read by names alone."""
+    samples, unread = _samples_of(paths, profile, limits, progress)
+    if unread and all(isinstance(channel.column, str) for channel in profile.channels.values()):
+        by_names = replace(profile, header_row=-1, units_row=0, data_row=0)  # heads differ in length
+        again, less = _samples_of(paths, by_names, limits, progress)
+        if len(less) < len(unread):
+            return again, less, by_names
+    return samples, unread, profile
 
 
 def _samples_of(

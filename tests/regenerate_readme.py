@@ -11,7 +11,7 @@ import math
 import re
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
@@ -173,11 +173,13 @@ def with_blocks(text: str, blocks: dict[str, str]) -> str:
     return text
 
 
-def write_pictures(folder: Path, *, quick: bool = False) -> tuple[Path, ...]:
+def write_pictures(
+    folder: Path, pictures: Mapping[str, str] = PICTURES, *, quick: bool = False
+) -> tuple[Path, ...]:
     """Measure the shown case of each study and draw it, small; return the files."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
-    for name, case in PICTURES.items():
+    for name, case in pictures.items():
         study = replace(STUDIES[name], cases=(STUDIES[name].case(case),)) if case else STUDIES[name]
         (result,) = measure_studies([study], quick=quick)
         drawn = draw_work_precision(result)
@@ -220,6 +222,8 @@ def write_blocks(only: list[str]) -> list[str]:
         ]  # the last takes half an hour
         if "cost" in wanted:
             write_pictures(FOLDER)
+        if "picks" in wanted:
+            write_pictures(FOLDER, {"picks": ""})
         if wanted:
             blocks = {name: makers[name]() for name in wanted}
             page.write_text(with_blocks(text, blocks), encoding="utf-8", newline="\n")

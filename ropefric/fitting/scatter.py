@@ -321,7 +321,10 @@ class ScatterModel:
     def _satterthwaite(self, rows: FloatArray, own: FloatArray | None, known: Known) -> FloatArray:
         slopes = np.einsum("rp,mpq,rq->rm", rows, self.slopes, rows, optimize=True)
         slopes = slopes if own is None else slopes + own
-        variance = slopes @ self.variance + known
+        # Of a parameter that is hardly known the square overflows; a power of two loses no digit.
+        scale = np.ldexp(1.0, np.frexp(np.abs(slopes).max(axis=1, initial=0.0))[1])
+        slopes = slopes / scale[:, None]
+        variance = slopes @ self.variance + known / scale
         spread = np.einsum("rm,mn,rn->r", slopes, self.covariance, slopes)
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(spread > 0.0, 2.0 * variance**2 / spread, np.inf)

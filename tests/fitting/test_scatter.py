@@ -140,6 +140,7 @@ def test_where_all_have_as_many_repeats_it_is_the_straight_line_through_the_mean
     assert math.sqrt(found.covariance[0, 0]) == pytest.approx(line.stderr, rel=1e-6)
     assert math.sqrt(found.covariance[1, 1]) == pytest.approx(line.intercept_stderr, rel=1e-6)
     assert found.model.dof(np.eye(2)) == pytest.approx([4.0, 4.0], rel=1e-5)
+    assert found.model.dof(1e100 * np.eye(2)) == pytest.approx([4.0, 4.0], rel=1e-5)  # no square overflows
 
 
 def test_ropes_crossed_with_conditions_are_the_analysis_of_variance():

@@ -368,14 +368,14 @@ def _names_like(patterns: Sequence[str], folder: Path) -> list[str]:
 
 
 def _busy(holder: Mapping[str, Any], folder: Path) -> DataError:
-    command = f"`{holder['command']}`, " if holder.get("command") else ""
+    command = f": `{holder['command']}`" if holder.get("command") else ""  # last, for it may be long and cut
     since = f", since {holder['started']}" if "started" in holder else ""
     host = holder.get("host", platform.node())
     where = "" if host == platform.node() else f" on {host}"
     fix = "wait until it has ended, or choose another folder"
     if where:
         fix += f"; if it ended without removing its lock, delete {(folder / OWN / 'lock').as_posix()}"
-    why = f"another run works in this folder: {command}process {holder.get('pid', '?')}{where}{since}"
+    why = f"another run works in this folder, process {holder.get('pid', '?')}{where}{since}{command}"
     return disk.not_written(folder, why, fix, "RF152")
 
 

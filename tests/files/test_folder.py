@@ -347,7 +347,7 @@ def holder(out):
 
 
 def test_a_second_run_is_told_of_the_first(out, holder):
-    with pytest.raises(DataError, match=f"ropefric run that`, process {holder.pid}, since 20") as caught:
+    with pytest.raises(DataError, match=rf"process {holder.pid}, since 20.*: `ropefric run that`") as caught:
         put(out, {"a.txt": "new"}, force=True)
     assert caught.value.code == "RF152"
     holder.communicate("")
@@ -394,6 +394,14 @@ def test_a_lock_of_another_machine_says_how_to_remove_it(out):
     assert f"delete {(out / OWN / 'lock').as_posix()}" in caught.value.fix
     (out / OWN / "lock").unlink()
     put(out, {"a.txt": "new"})
+
+
+def test_a_long_command_leaves_process_and_fix_to_be_read(out):
+    leave_lock(
+        out, host="elsewhere", pid=1, command="ropefric " + "x" * 3000, started="2026-01-01T00:00:00+00:00"
+    )
+    with pytest.raises(DataError, match="process 1 on elsewhere, since 2026"):
+        put(out, {"a.txt": "new"})
 
 
 def test_where_the_system_knows_no_locks_the_process_is_looked_for(out, monkeypatch):

@@ -131,5 +131,6 @@ def test_what_no_law_describes_is_not_supported_quick(misfit):
 @pytest.mark.parametrize("misfit", MISFITS)
 def test_what_no_law_describes_is_supported_in_a_twentieth_of_campaigns_at_most(misfit):
     """A bend in the wrap, a threshold in the wheel radius, a size effect that ends, each far beyond the scatter."""
-    for k, between in ((12, WITHIN), (12, 0.0), (20, WITHIN), (20, 0.0), (36, WITHIN)):
-        assert supported_of(Design("constant", k, 5, between, misfit), 60) <= 3, k
+    designs = ((12, WITHIN), (12, 0.0), (20, WITHIN), (20, 0.0), (36, WITHIN))
+    found = {key: supported_of(Design("constant", key[0], 5, key[1], misfit), 20) for key in designs}
+    assert sum(found.values()) <= 5, found

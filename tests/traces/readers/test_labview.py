@@ -104,6 +104,14 @@ def test_the_only_x_column_is_not_lent_to_channels_with_other_steps(write):
     assert "no time channel" in str(refused(write(text, "run.lvm")))
 
 
+def test_blocks_with_one_x_column_go_on_by_their_dates(write):
+    rows = [["0", "1"], ["0.01", "1.5"]]
+    parts = (block(["X_Value", "Force", "Comment"], rows, time=f"10:00:{start}") for start in ("00", "00.02"))
+    (trace,) = read(write(general(columns="One") + "".join(parts), "run.lvm"))
+    np.testing.assert_allclose(trace.time_s, [0.0, 0.01, 0.02, 0.03], atol=1e-12)
+    assert trace.force_N.tolist() == [1, 1.5, 1, 1.5]
+
+
 def blocks(*starts):
     parts = (block(["X_Value", "Force", "Comment"], [["", f"{k}"], ["", f"{k}.5"]], time=f"10:00:{start}")
         for k, start in enumerate(starts, start=1))  # fmt: skip

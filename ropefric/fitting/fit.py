@@ -376,6 +376,9 @@ def _rounded(problem: FitProblem, best: FloatArray, at_bound: BoolArray) -> Floa
     """
     theta = best.copy()
     free = problem.vary & ~at_bound & (problem.jacobian(theta) != 0.0).any(axis=0)
+    # Of one without any effect, as an exponent of nothing, the search leaves what it will.
+    for i in np.flatnonzero(problem.vary & ~at_bound & ~free):
+        theta[i] = significant(float(theta[i]), 4)
     while np.count_nonzero(free) > 1:
         index, std, ratio = _least_known(problem, theta, free)
         if ratio < _TRADED:

@@ -173,3 +173,14 @@ def test_copies_of_a_trial_say_nothing_of_how_repeats_scatter():
     assert twice.statistics.scatter_between == pytest.approx(once.statistics.scatter_between, rel=1e-6)
     assert twice["mu"].value == pytest.approx(once["mu"].value, rel=1e-6)
     assert twice["mu"].std == pytest.approx(once["mu"].std, rel=1e-3)
+
+
+def test_an_exponent_of_nothing_has_few_digits():
+    """μ that grows with the wrap leaves a = 0, and b without effect: processors differ in where its search stops."""
+    wrap_rad = np.repeat([1.0, 2.0, 4.0, 6.0, 9.0, 12.0], 2)
+    mu = 0.15 + 0.002 * wrap_rad + 0.001 * np.tile([1.0, -1.0], 6)
+    at = Conditions(wheel_radius_m=0.03, rope_radius_m=0.005, wrap_angle_rad=wrap_rad, end_tension_N=20.0)
+    table = table_at(at, np.log(20.0) + mu * wrap_rad)
+    a, b, _ = fit_law(table, "wrap-power").parameters
+    assert a.at_bound
+    assert b.value == float(f"{b.value:.4g}")

@@ -23,7 +23,7 @@ def that_slip(rig, **given):
     return made
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_a_chain_of_one_friction_slides_at_the_force_of_its_elements():
     """On each element it is friction times the mean of the tensions beside it: (1 + μθ/2) / (1 - μθ/2).
 
@@ -35,7 +35,7 @@ def test_a_chain_of_one_friction_slides_at_the_force_of_its_elements():
         assert one.force_N[-1] == pytest.approx(20.0 * ((1.0 + half) / (1.0 - half)) ** ELEMENTS, rel=5e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_a_chain_breaks_away_between_its_kinetic_and_its_static_friction():
     friction = {"static": (0.2, 0.2), "weakening": (0.7, 0.7), "roughness": (1e-9, 1e-9)}
     for one in that_slip(chains, **friction):
@@ -62,7 +62,7 @@ def test_junctions_slide_at_half_of_what_they_keep_and_what_they_break_at():
         assert np.log(after_N.mean() / 20.0) / 3.0 == pytest.approx(mu, rel=0.02)
 
 
-@pytest.mark.parametrize("rig", [pytest.param(chains, marks=pytest.mark.slow), contacts])
+@pytest.mark.parametrize("rig", [pytest.param(chains, marks=pytest.mark.release), contacts])
 def test_recordings_of_a_seed_are_the_same_and_their_truth_is_in_them(rig):
     first, again = (list(pulls(np.random.default_rng(5), 4, rig)) for _ in range(2))
     assert len(first) >= 3

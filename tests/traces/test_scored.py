@@ -80,8 +80,13 @@ def test_stated_probabilities_are_the_shares_of_right_answers():
     assert np.mean(stated) == pytest.approx(np.mean(right), abs=0.03)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("rig", "share"), [(chains, 0.9), (contacts, 0.95)])
+@pytest.mark.parametrize(
+    ("rig", "share"),
+    [
+        pytest.param(chains, 0.9, marks=pytest.mark.release),
+        pytest.param(contacts, 0.95, marks=pytest.mark.slow),
+    ],
+)
 def test_pulls_of_further_rigs_are_picked(rig, share):
     """Of the fourth, with its many junctions, nothing was trained on. The tension at rest is known to be no error."""
     counts = Counter()

@@ -158,14 +158,18 @@ def _of_first_rig(seed: int, piece: int) -> Labelled:
 
 
 def _of_second_rig(seed: int, piece: int) -> Labelled:
-    for n, one in enumerate(recordings(10_000 * seed + piece, per_family=PIECE // len(FAMILIES))):
-        rng = np.random.default_rng([seed, piece, n, 2])
-        yield _perhaps_damaged(labelled_stranger(one), rng), rng
+    made = recordings(10_000 * seed + piece, per_family=PIECE // len(FAMILIES))
+    return _each_with_its_own(map(labelled_stranger, made), seed, piece, 2)
 
 
 def _of_third_rig(seed: int, piece: int) -> Labelled:
-    for n, one in enumerate(pulls(np.random.default_rng([seed, piece, 3]), PIECE, chains)):
-        rng = np.random.default_rng([seed, piece, n, 3])
+    return _each_with_its_own(pulls(np.random.default_rng([seed, piece, 3]), PIECE, chains), seed, piece, 3)
+
+
+def _each_with_its_own(made: Iterable[LabelledRecording], seed: int, piece: int, rig: int) -> Labelled:
+    """Yield the recordings of a rig, perhaps damaged, each with a generator of its own."""
+    for n, one in enumerate(made):
+        rng = np.random.default_rng([seed, piece, n, rig])
         yield _perhaps_damaged(one, rng), rng
 
 

@@ -5,7 +5,7 @@ peak_N, exclude, why and by; a line without a decision takes back the one before
 one piece: lines in the file, also those that others append meanwhile, are never written again.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from ropefric.files.disk import append_file, kind_of_file, read_file
 from ropefric.files.plain_text import csv_text, to_spreadsheet
 from ropefric.quantities import unit_factor
 from ropefric.trials.campaign_model import TrialSpec
-from ropefric.trials.cells import CellTable, Quantity, given_numbers, read_cells
+from ropefric.trials.cells import CellTable, Column, Quantity, given_numbers, read_cells
 
 _NUMBERS: dict[str, Quantity] = {"pick": ("pick_s", "s", 1.0), "peak": ("peak_N", "N", 1.0)}
 _TEXTS = ("trial", "exclude", "why", "by", "when", "file")
@@ -91,23 +91,24 @@ def add_decisions(path: Path, decisions: Sequence[Decision], before: bytes) -> b
         ) from None
     head = [] if before else [table.header]
     ended = "\n" if before and not before.endswith(b"\n") else ""
-    rows = [_row(table, one) for one in decisions]
+    columns, _, _ = table.bind(_NUMBERS, _TEXTS)
+    mark = table.decimal_mark(columns)
+    rows = [_row(columns, mark, len(table.header), one) for one in decisions]
     added = (ended + csv_text([*head, *rows], separator=table.separator)).encode()
     append_file(path, added, is_new=not before)
     return added
 
 
-def _row(table: CellTable, decision: Decision) -> list[str]:
-    """Return the line of a decision, with the columns and the decimal mark of a table."""
-    columns, _, _ = table.bind(_NUMBERS, _TEXTS)
-    row = [""] * len(table.header)
+def _row(columns: Mapping[str, Column], decimal_mark: str, width: int, decision: Decision) -> list[str]:
+    """Return the line of a decision, with the columns and the decimal mark of a table of this many columns."""
+    row = [""] * width
     for name, column in columns.items():
         value = getattr(decision, name)
         if isinstance(value, str):
             row[column.index] = to_spreadsheet(" ".join(value.split()))
         elif value is not None:
             number = value / unit_factor(column.unit, column.si_unit)
-            row[column.index] = f"{number:.12g}".replace(".", table.decimal_mark(columns))
+            row[column.index] = f"{number:.12g}".replace(".", decimal_mark)
     return row
 
 

@@ -167,7 +167,7 @@ def _rest(story: _Story) -> None:
     """Begin with a long or very short rest, with or without weights that hang already."""
     rng = story.rng
     if maybe(rng, 0.2):
-        story.level = rng.uniform(0.01, 0.5)
+        story.level = rng.uniform(0.01, 0.95 if maybe(rng, 0.3) else 0.5)
     lasting_s = (
         min(spread(rng, 0.02, 6.0), 40.0 * story.climb_s) if maybe(rng, 0.72) else 0.02 * story.climb_s
     )
@@ -385,7 +385,7 @@ def _strokes(story: _Story) -> None:
     """Go back and forth afterwards, one to thirty times, with peaks of their own or without."""
     rng, forth = story.rng, story.level
     back, peak, size = rng.uniform(-1.2, 0.8), rng.choice((0.0, rng.uniform(0.0, 0.4))), rng.uniform(0.8, 1.2)
-    lasting_s = story.climb_s * spread(rng, 0.5, 40.0)
+    lasting_s = story.climb_s * spread(rng, 0.5, 100.0)
     for _ in range(int(rng.integers(1, 30))):
         for level in (back * rng.uniform(0.9, 1.1), forth * size * rng.uniform(0.95, 1.05)):
             story.line(State.LOADING, story.climb_s * rng.uniform(0.3, 2.0), level * (1.0 + peak))

@@ -246,7 +246,8 @@ def write_blocks(only: list[str]) -> list[str]:
             write_pictures(FOLDER, {"picks": ""})
         if wanted:
             blocks = {name: makers[name]() for name in wanted}
-            page.write_text(with_blocks(text, blocks), encoding="utf-8", newline="\n")
+            text = with_blocks(page.read_text(encoding="utf-8"), blocks)  # it may have been edited meanwhile
+            page.write_text(text, encoding="utf-8", newline="\n")
             written += wanted
     return written
 

@@ -5,6 +5,7 @@ import signal
 import sys
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from itertools import count, islice
+from multiprocessing import parent_process
 
 import pytest
 
@@ -12,15 +13,13 @@ from ropefric import executors
 from ropefric.errors import DataError, InputError
 from ropefric.executors import AHEAD, cluster, software, spread, usable_cores
 
-HERE = os.getpid()
-
 
 def square(number):
     return number * number
 
 
 def fatal_elsewhere(number):
-    if number == 7 and os.getpid() != HERE:
+    if number == 7 and parent_process() is not None:
         os.kill(os.getpid(), signal.SIGKILL if sys.platform != "win32" else signal.SIGTERM)
     return number * number
 

@@ -239,11 +239,11 @@ class StartUpTable(kind.Table):
     tolerance: Annotated[float, PlainValidator(kind.positive)] = 1e-6
 
     def _check(self) -> None:
-        if self.slip and self.integrator not in {"exact", "rk4"}:
+        if self.slip and self.integrator != "exact":
             reject(
                 "RF111",
                 f"{self.integrator} solves a start-up without slip only",
-                fix='write slip = false, or integrator = "exact" or "rk4"',
+                fix='write slip = false, or integrator = "exact"',
                 key="integrator",
             )
         if self.law == "table" and (self.times is None or self.speeds is None):

@@ -105,18 +105,6 @@ def rk4_limit_s(eigenvalues: np.ndarray) -> float:
     return float(min(limits, default=np.inf))
 
 
-def check_stable(step_s: float, eigenvalues: np.ndarray, where: str = " for this press") -> None:
-    """Refuse a step at which the classical Runge-Kutta method amplifies a motion; return quietly otherwise."""
-    limit_s = rk4_limit_s(eigenvalues)
-    if not 0.0 < step_s <= limit_s:
-        raise SolverError(
-            f"the step of {step_s:.6g} s is not within RK4's limit of stability, {limit_s:.6g} s{where}",
-            code="RF524",
-            key="step_s",
-            fix=f"take {limit_s:.4g} s or less, or the integrator 'exact'",
-        )
-
-
 def _border(direction: complex) -> float:
     # |R|² − 1 is a polynomial in the distance; its root at 0 is divided out.
     series = direction ** np.arange(5) / np.array([1.0, 1.0, 2.0, 6.0, 24.0])
@@ -129,8 +117,15 @@ def _rk4(
     problem: LinearStartUp, times_s: FloatArray, *, step_s: float | None = None, **_: object
 ) -> FloatArray:
     """Take the classical Runge-Kutta method with a fixed step, the paper's; an unstable step is refused."""
-    step_s = 0.1 * rk4_limit_s(problem.eigenvalues) if step_s is None else step_s
-    check_stable(step_s, problem.eigenvalues)
+    limit_s = rk4_limit_s(problem.eigenvalues)
+    step_s = 0.1 * limit_s if step_s is None else step_s
+    if not 0.0 < step_s <= limit_s:
+        raise SolverError(
+            f"the step of {step_s:.6g} s is not within RK4's limit of stability, {limit_s:.6g} s for this press",
+            code="RF524",
+            key="step_s",
+            fix=f"take {limit_s:.4g} s or less, or the integrator 'exact'",
+        )
     check_steps(float(times_s[-1]) / step_s)
 
     def advance(piece: int, start: float, stops: FloatArray, y: FloatArray) -> FloatArray:

@@ -158,7 +158,6 @@ def test_strings_among_beams_and_the_scaled_form():
     beam = scaled_beams(mixed.select([2]), CLAMPED)[0]
     assert beam.net == pytest.approx(1 - beam.speed**2, rel=1e-14)
     assert beam.margin == pytest.approx(beam.net + CLAMPED.buckling * beam.stiffness, rel=1e-14)
-    assert beam.critical_speed > 1.0
 
 
 @pytest.mark.parametrize("ends", [CLAMPED, pytest.param(PINNED, marks=pytest.mark.slow)])
@@ -193,8 +192,6 @@ def test_many_beams_are_read_off_between_a_few_and_each_is_what_it_is_alone(ends
 
 def test_refusals():
     for call, error, words in [
-        (lambda: ScaledBeam.at_speed(0.0, 0.5, PINNED), InputError, "without stiffness is a string"),
-        (lambda: ScaledBeam.at_speed(1e-2, 1.05, PINNED), InputError, "not below the critical 1.04818703"),
         (lambda: order_for(ScaledBeam.at_speed(1e-2, 0.5, PINNED), 600, 1e-6), SolverError, "above 400"),
         (lambda: chebyshev_frequencies(ScaledBeam.at_speed(1e-2, 0.5, PINNED), 10, 6), InputError,
          "16 or more")

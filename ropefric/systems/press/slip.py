@@ -130,16 +130,19 @@ class SlipTable:
         return np.where(idle, 0.0, measure)
 
     @cached_property
+    def _logs(self) -> FloatArray:
+        """Return ln(T'_tight/T'_slack)."""
+        return np.log1p(_ratio(self.contacts.pull_N, self.contacts.slack_N))
+
+    @cached_property
     def log(self) -> FloatArray:
         """Return ln(T'_tight/T'_slack)/M."""
-        logs = np.log1p(_ratio(self.contacts.pull_N, self.contacts.slack_N))
-        return self._held(_ratio(logs, np.broadcast_to(self.exponent, logs.shape)))
+        return self._held(_ratio(self._logs, np.broadcast_to(self.exponent, self._logs.shape)))
 
     @cached_property
     def mu_required(self) -> FloatArray:
         """Return the coefficient needed."""
-        logs = np.log1p(_ratio(self.contacts.pull_N, self.contacts.slack_N))
-        return np.asarray(logs / self.contacts.wrap_angle_rad)
+        return np.asarray(self._logs / self.contacts.wrap_angle_rad)
 
     @cached_property
     def as_printed(self) -> FloatArray:

@@ -6,8 +6,10 @@ from scipy.integrate import solve_ivp
 from thinned import thinned
 
 from ropefric.errors import SolverError
-from ropefric.systems.press.transient.drives import DRIVE_LAWS
-from ropefric.systems.press.transient.start_up import start_up
+from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
+from ropefric.systems.press.transient.exact import HybridSolver
+from ropefric.systems.press.transient.motion import ElasticPress
+from ropefric.systems.press.transient.start_up import Energies, start_up
 
 
 def drive_of(law, speed_m_s=1.0, duration_s=0.3):
@@ -148,8 +150,12 @@ def test_a_linear_press_that_its_loads_drive_is_refused_and_the_time_named(kit):
     press = kit.small(load_N_m=60.0, eta_s=1e-5, C1=0.0)
     speed = DRIVE_LAWS["table"](time_s=[0.0, 0.1, 0.2], speed_m_s=[0.0, 1.0, 0.01])
     question = {"speed": speed, "time_s": np.linspace(0.0, 0.5, 501), "loads": "constant"}
+    model = ElasticPress(press)
+    solver = HybridSolver(model, press_inputs(model.overspeed, speed, "constant"), None, drags=False)
+    motions, states, works = solver.run(question["time_s"])
+    energy = Energies(motions[0], np.hstack([states, solver.inputs.at(question["time_s"])]), works)
     with pytest.raises(SolverError, match=r"the loads drive the press: from t = 0\.[23]\d* s on") as caught:
-        start_up(press, integrator="rk4", **question)
+        energy.check(question["time_s"], 1e-3, loads_take=True)
     assert caught.value.problem.code == "RF524"
     account_is_physical(start_up(press, friction=5.0, **question))
     account_is_physical(start_up(press, **question))

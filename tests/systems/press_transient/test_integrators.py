@@ -87,17 +87,7 @@ def test_the_tensioners_damping_alone_leaves_motions_that_hardly_decay(kit):
     assert np.abs(decay_rates_1_s(kit.paper(), **bare)).max() < 1e-9 * np.abs(undamped).max()
 
 
-def test_the_jacobian_is_the_derivative_of_the_rate(case, random_state):
-    problem, _ = case
-    y = np.concatenate([1e-3 * random_state.standard_normal(problem.n_state), np.zeros(6)])
-    u = problem.inputs.at(0.4, 0)
-    rows = 1e-5 * np.eye(len(y))
-    columns = [(problem.rate(y + row, u) - problem.rate(y - row, u)) / 2e-5 for row in rows]
-    scale = np.abs(columns).max()
-    np.testing.assert_allclose(problem.jacobian(y, u), np.array(columns).T, rtol=1e-6, atol=1e-8 * scale)
-
-
-@pytest.mark.parametrize("name", ["exact", "radau", "lsoda"])
+@pytest.mark.parametrize("name", ["radau", "lsoda"])
 def test_the_stiff_case_needs_no_tuning(kit, name):
     """EA = 1e8 N and η = 0.1 s: decay rates from 10 to 1e6 1/s."""
     problem = kit.problem(kit.small(EA_N=1e8, eta_s=0.1), kit.run_up("ramp", 1.0, 1.0))
@@ -105,7 +95,7 @@ def test_the_stiff_case_needs_no_tuning(kit, name):
     assert rates.max() / rates.min() > 1e4
     exact = kit.solve(problem, TIMES_S)
     found = kit.solve(problem, TIMES_S, name, tolerance=1e-7)
-    w, wanted = (np.hstack([s[:, :-6], problem.inputs.at(TIMES_S)]) for s in (found, exact))
+    w, wanted = (np.hstack([s, problem.inputs.at(TIMES_S)]) for s in (found, exact))
     # Ways of a micrometre carry the tensions here, so the tensions are the honest measure.
     np.testing.assert_allclose(
         (w @ problem.motion.tension_N.T)[2:], (wanted @ problem.motion.tension_N.T)[2:], rtol=1e-4

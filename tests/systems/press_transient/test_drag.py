@@ -161,11 +161,10 @@ def test_a_linear_press_that_its_loads_drive_is_refused_and_the_time_named(kit):
     account_is_physical(start_up(press, **question))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "loads", "mu"),
-                         [("table", "with-speed", 0.3),
-                          pytest.param("ramp", "with-speed", 0.2, marks=pytest.mark.slow),
-                          pytest.param("s-curve", "constant", 0.15, marks=pytest.mark.slow),
-                          pytest.param("constant", "with-speed", 0.25, marks=pytest.mark.slow)])  # fmt: skip
+                         [("table", "with-speed", 0.3), ("ramp", "with-speed", 0.2),
+                          ("s-curve", "constant", 0.15), ("constant", "with-speed", 0.25)])  # fmt: skip
 def test_the_paper_s_machine_coded_on_its_graph_slips_and_holds_alike(kit, law, loads, mu):
     press, times_s = kit.paper(force_N=1100.0), np.linspace(0.02, 0.28, 14)
     speed = drive_of(law, kit.speed_m_s, 0.25)

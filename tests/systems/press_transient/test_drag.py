@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from thinned import thinned
 
 from ropefric.errors import SolverError
 from ropefric.systems.press.transient.drives import DRIVE_LAWS, press_inputs
@@ -130,19 +129,6 @@ def test_a_press_that_its_drivers_cannot_pull_stands(kit, mu, loads):
     turned = found.relative_angle_rad * press.radius_m + np.trapezoid(found.drive_speed_m_s, found.time_s)
     assert found.roller_speed_rad_s[-1].min() > -1e-6
     assert turned[-1].min() > -0.01
-
-
-@pytest.mark.parametrize("law", thinned(["ramp", "constant", "s-curve", "table"], 4))
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 6))])
-def test_any_paper_machine_keeps_its_account(kit, law, seed):
-    rng = np.random.default_rng([seed, len(law)])
-    press = kit.paper(
-        force_N=rng.uniform(500.0, 3000.0), EA_N=10.0 ** rng.uniform(6.0, 7.0), load=rng.uniform(0.2, 1.5)
-    )
-    found = start_up(press, speed=drive_of(law, kit.speed_m_s, 10.0 ** rng.uniform(-0.5, 0.3)),
-                     time_s=np.linspace(0.0, 0.6, 61), friction=rng.uniform(0.05, 0.3),
-                     loads=("with-speed", "constant")[seed % 2])  # fmt: skip
-    account_is_physical(found)
 
 
 def test_a_linear_press_that_its_loads_drive_is_refused_and_the_time_named(kit):

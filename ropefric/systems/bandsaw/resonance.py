@@ -146,7 +146,7 @@ def find_crossings(
     pairs = np.arange(modes.size)
 
     def above_Hz(speed_m_s: FloatArray) -> FloatArray:
-        return curve(speed_m_s)[pairs, modes] - _excited_Hz(excitations, speed_m_s)[pairs, cause]
+        return np.asarray(curve(speed_m_s)[pairs, modes] - _excited_Hz(excitations, speed_m_s)[pairs, cause])
 
     meeting = roots_of_cases(above_Hz, *(np.full(modes.size, end) for end in ends))
     meeting_Hz = _excited_Hz(excitations, meeting)[pairs, cause]

@@ -313,13 +313,10 @@ def steady_state(
         (speed_shift_kg_m(statics, tensioner), speed**2),
         (statics.by_preload @ shared, preload),
     ]
-    # Constant parts are summed beforehand.
-    base_N = base_N + sum(share * float(acting) for share, acting in shares if not acting.ndim)
     spans = (-1, *(1,) * len(shape))
     by_span = np.broadcast_to(base_N.reshape(spans), (len(base_N), *shape))
     for share, acting in shares:
-        if acting.ndim:
-            by_span = by_span + share.reshape(spans) * acting
+        by_span = by_span + share.reshape(spans) * acting
     moving = speed**2 * (tensioner != "floating")
     kept_N = at_kept_lengths_N(
         press,

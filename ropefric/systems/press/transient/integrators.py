@@ -59,7 +59,7 @@ class LinearStartUp:
 
     def rate(self, y: FloatArray, u: FloatArray) -> FloatArray:
         """Return dy/dt, shape (n_state,)."""
-        return self.motion.derivative @ np.concatenate([y, u])
+        return np.asarray(self.motion.derivative @ np.concatenate([y, u]))
 
 
 def _exact(problem: LinearStartUp, times_s: FloatArray) -> FloatArray:

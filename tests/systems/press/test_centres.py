@@ -271,7 +271,7 @@ def test_a_force_of_its_own_comes_before_the_preload_of_all(tmp_path):
     assert found[2]["13"] > found[0]["13"]
 
 
-@pytest.mark.parametrize("seed", thinned(range(8)))
+@pytest.mark.parametrize("seed", thinned([3, 0, 1, 2, 6, 4, 5, 7], 4))
 def test_any_machine_of_one_fixed_belt_says_where_it_slips(seed):
     """Stiff or soft belts, short or long spans, little or much grip; the reserve is spent where it says so."""
     rng = np.random.default_rng([11, seed])

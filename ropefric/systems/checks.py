@@ -11,36 +11,26 @@ import numpy.typing as npt
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError
 
-Rule = Literal["positive", "zero or more", "any"]
+Rule = Literal["positive", "zero or more", "any", "from 0 to 1"]
 
-_LOWEST = {"positive": np.nextafter(0.0, 1.0), "zero or more": 0.0, "any": -np.inf}
-_LARGEST, _SMALLEST = 1e30, 1e-30
+_RANGES = {
+    "positive": (1e-30, 1e30, "finite and positive, from 1e-30 to 1e30 in SI units"),
+    "zero or more": (0.0, 1e30, "finite and zero or more, up to 1e30 in SI units"),
+    "any": (-1e30, 1e30, "finite, up to 1e30 in SI units"),
+    "from 0 to 1": (0.0, 1.0, "from 0 to 1"),
+}
+"""No machine has other numbers, and their squares and quotients are no floats."""
 
 
 def checked(name: str, values: npt.ArrayLike, rule: Rule = "positive") -> FloatArray:
-    """Return numbers that are finite and keep to a rule; refuse any others by name."""
-    array = np.asarray(values, dtype=np.float64)
-    wrong = ~((array >= _LOWEST[rule]) & np.isfinite(array))
+    """Return numbers that keep to a rule; refuse others by name."""
+    array, (low, high, wanted) = np.asarray(values, dtype=np.float64), _RANGES[rule]
+    wrong = ~((array >= low) & (array <= high))
     if wrong.any():
-        wanted = "finite" if rule == "any" else f"finite and {rule}"
         raise InputError(
-            f"{name} is {array[wrong].ravel()[0]:g}; it must be {wanted}", key=name, fix="correct this value"
-        )
-    return array
-
-
-def in_scale(name: str, values: npt.ArrayLike, rule: Rule = "positive") -> FloatArray:
-    """Return numbers that keep to a rule and are at most 1e30 in amount, and at least 1e-30 where they are positive.
-
-    No machine has any others, and squares and quotients of them are no floats.
-    """
-    array = checked(name, values, rule)
-    beyond = (np.abs(array) > _LARGEST) | ((array < _SMALLEST) & (rule == "positive"))
-    if beyond.any():
-        raise InputError(
-            f"{name} is {array[beyond].ravel()[0]:g}, beyond anything from {_SMALLEST:g} to {_LARGEST:g} in SI units",
+            f"{name} is {array[wrong].ravel()[0]:g}; it must be {wanted}",
             key=name,
-            fix="check the unit it was given in",
+            fix="correct this value, or the unit it was given in",
         )
     return array
 
@@ -60,6 +50,7 @@ def refuse(wrong: BoolArray, words: str, *, key: str, fix: str = "", code: str =
 Positive = Annotated[FloatArray, "positive"]
 ZeroOrMore = Annotated[FloatArray, "zero or more"]
 AnyNumber = Annotated[FloatArray, "any"]
+Share = Annotated[FloatArray, "from 0 to 1"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)  # no slots: those who have it as base need none
@@ -71,7 +62,7 @@ class Cases:
     def __post_init__(self) -> None:
         rules = rules_of(type(self))  # type: ignore[arg-type]  # a class is hashable
         values = {name: getattr(self, name) for name in rules if getattr(self, name) is not None}
-        given = {name: np.atleast_1d(in_scale(name, one, rules[name])) for name, one in values.items()}
+        given = {name: np.atleast_1d(checked(name, one, rules[name])) for name, one in values.items()}
         try:
             shape = np.broadcast_shapes(*(array.shape for array in given.values()))
         except ValueError:

@@ -133,17 +133,29 @@ def closed_form_system(
 
 
 def law_effects(
-    wheel: str, rope: str, needs: Callable[[Any], tuple[str, ...]], cost: float = 0.0
+    wheel: str,
+    rope: str,
+    needs: Callable[[Any], tuple[str, ...]] = lambda problem: (),  # noqa: ARG005  (needs nothing)
+    cost: float = 0.0,
+    *,
+    tension: str = "",
 ) -> tuple[Effect, ...]:
-    """Return the effects of a law's regressors on a wheel, by the names of the wheel and of the rope."""
+    """Return the effects of a law's regressors on a wheel, by the names of the wheel and of the rope.
+
+    Where the tension is an effect by itself, `tension` names it; else it goes with the wrap.
+    """
     words = {
-        "wrap-dependence": (
-            "a coefficient that depends on wrap and tension",
-            "its average at the reference wrap and tension",
-        ),
+        "wrap-dependence": ("wrap and tension", "its average at the reference wrap and tension"),
         "size": (
-            f"a coefficient that depends on the {wheel}'s radius over the {rope}'s",
+            f"the {wheel}'s radius over the {rope}'s",
             "the coefficient at the reference wheel and rope",
         ),
     }
-    return tuple(Effect(name, *said, needs=needs, cost=cost) for name, said in words.items())
+    if tension:
+        whole = f"how far the {rope} wraps", "its average at the reference wrap, over the whole wrap"
+        words |= {"wrap-dependence": whole}
+        words |= {"end-tension": (tension, "the coefficient at the reference end tension")}
+    return tuple(
+        Effect(name, f"a coefficient that depends on {what}", instead, needs=needs, cost=cost)
+        for name, (what, instead) in words.items()
+    )

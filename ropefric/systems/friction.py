@@ -166,14 +166,14 @@ def _of_cases(wrong: BoolArray, places: int) -> BoolArray:
 _LARGEST_EXPONENT = 300.0
 
 
-def refuse_no_ratio(exponent: FloatArray) -> None:
-    """Refuse an M for which e^M, the ratio of the tensions, is too large to be squared."""
-    wrong = exponent > _LARGEST_EXPONENT
+def refuse_no_ratio(exponent: FloatArray, *, key: str = "wrap_angle_rad", places: int = 0) -> None:
+    """Refuse an M for which e^M, the ratio of the tensions, is too large to be squared; `places` as in `exponent`."""
+    wrong = ~(exponent <= _LARGEST_EXPONENT)
     if wrong.any():
         raise InputError(
             f"the friction lets the tensions differ by e^{exponent[wrong].max():.4g}, which is no ratio of tensions",
             code="RF420",
-            key="wrap_angle_rad",
+            key=key,
             fix="check the wrap and the coefficient",
-            cases=_of_cases(wrong, 0),
+            cases=_of_cases(wrong, places),
         )

@@ -167,7 +167,7 @@ def hoists_of_extreme_data_answer_or_refuse():
     assert answered > 15
     for value in (-1e31, 1e31, 1e160, 1.7e308):
         call = partial(HoistProblem, friction=friction, **parts | {"speed_m_s": value})
-        refused(call, "speed_m_s is .*, beyond anything from 1e-30 to 1e")
+        refused(call, "speed_m_s is .*, up to 1e30 in SI units")
 
 
 LOAD_WRAP, DRIVE_WRAP = 2.0, 3.0
@@ -231,7 +231,7 @@ def stiff_belts():
         true = true_tensions(problem, 1.3)
         for times_s in ([1.3], np.linspace(0.0, 1.3, 131)):
             states = INTEGRATORS["exact"](problem, np.array(times_s))
-            found = tensions(problem, states[-1, : problem.n_state], 1.3)
+            found = tensions(problem, states[-1], 1.3)
             worst = max(worst, float((np.abs(found - true) / true).max()))
     return worst
 

@@ -1,7 +1,6 @@
 """A travelling blade near its critical speed, without stiffness, without tension; its truth in many digits."""
 
 import math
-from dataclasses import replace
 from functools import partial
 
 import mpmath as mp
@@ -205,13 +204,10 @@ def critical_beam():
 def beams_at_their_critical_speed_and_above():
     for ends in ENDS.values():
         critical = math.sqrt((PRELOAD + ends.buckling * STIFFNESS / LENGTH**2) / DENSITY)
-        scaled = math.sqrt(1.0 + ends.buckling * 1e-2)
         for above in (0.0, 1e-12, 1e-3, 10.0):
             more = (1.0 + above) * (1.0 + 1e-15)
             span = Span(**STIFF, travel_speed_m_s=critical * more)
             yield partial(beam_frequencies_Hz, span, ends, 1), f"its critical speed is {critical:.9g} m/s"
-            at_speed = partial(ScaledBeam.at_speed, 1e-2, scaled * more, ends)
-            yield at_speed, f"not below the critical {scaled:.9g}"
 
 
 @regime("κ → 1", 1e-12, f"{STRING}; {CHARACTERISTIC}",
@@ -247,7 +243,7 @@ def mountings_beyond_constant_force_and_speeds_above_the_critical():
         yield partial(string_frequencies_Hz, fast, 1), said
     for kappa in (math.nextafter(1.0, 2.0), 2.0, math.nan):
         call = partial(Span, **PULLED, mounting_factor=kappa)
-        yield call, r"mounting_factor is .*from 0 \(fixed wheel axles\) to 1"
+        yield call, "mounting_factor is .*from 0 to 1"
 
 
 def spans_all_but_slack():
@@ -355,22 +351,16 @@ def _judge_order(beam):
 
 @refusals
 def beams_without_stiffness():
-    """A blade of none is the string to the last bit; a stiffness of which no float is left is refused."""
+    """A blade of none, or of one of which no float is left, is the string to the last bit."""
     blade = BLADE | {"travel_speed_m_s": 35.0}
     string = string_frequencies_Hz(Span(**blade), 6)
     for ends in ENDS.values():
         np.testing.assert_array_equal(beam_frequencies_Hz(Span(**blade), ends, 6), string)
-        faint = beam_frequencies_Hz(Span(**blade, bending_stiffness_N_m2=[1e-30, 1e-300]), ends, 6)
-        np.testing.assert_allclose(faint, np.repeat(string, 2, axis=0), rtol=1e-12)
-    beam = ScaledBeam.at_speed(1e-6, 0.5, PINNED)
-    for stiffness in (0.0, -1e-6, math.nan, math.inf):
-        said = "the stiffness ratio is .*a blade without stiffness is a string"
-        yield partial(replace, beam, stiffness=stiffness), said
+        faint = beam_frequencies_Hz(Span(**blade, bending_stiffness_N_m2=[1e-30, 1e-300, 5e-324]), ends, 6)
+        np.testing.assert_allclose(faint, np.repeat(string, 3, axis=0), rtol=1e-12)
     for stiffness in (-1e-300, math.nan):
         said = "bending_stiffness_N_m2 is .* it must be finite and zero or more"
         yield partial(Span, **BLADE, bending_stiffness_N_m2=stiffness), said
-    nothing = Span(**BLADE, bending_stiffness_N_m2=5e-324)
-    yield partial(beam_frequencies_Hz, nothing, CLAMPED, 1), "a blade without stiffness is a string"
 
 
 @fact
@@ -392,4 +382,4 @@ def blades_of_extreme_data_answer_or_refuse():
     assert answered > 8
     for name in ("pull_N", "travel_speed_m_s"):
         for value in (-1e31, 1e31, 1e160, 1.7e308):
-            refused(partial(Span, **parts | {name: value}), f"{name} is .*, beyond anything from 1e-30 to 1e")
+            refused(partial(Span, **parts | {name: value}), f"{name} is .* in SI units")

@@ -50,7 +50,9 @@ MISTAKES = {
         ("mu = 1.2", 'mu = 1.2\nfit = "x.json"', "x.json", "friction.fit", "keep one")
     ],
     "press-start-up": [('inertia = "0.852 kg*m^2"', "", "effects  =", "effects", "rollers.9.inertia"),
-                       ('duration = "4 s"', "", 'law = "s-curve"', "start_up.law", "needs a duration")],
+                       ('duration = "4 s"', "", 'law = "s-curve"', "start_up.law", "needs a duration"),
+                       ('duration = "4 s"', 'duration = "4 s"\nintegrator = "rk4"', "rk4", "start_up.integrator",
+                        "remove it; a start-up is solved exactly")],
     "band-saw-fixed-axles": [('"970 rpm"', '"2100 rpm"', "2100", "wheel.speed", "critical speed")],
     "band-saw": [
         ("mounting_factor = 1.0", "mounting_factor = 1.2", "1.2", "tension.mounting_factor", "0 to 1"),

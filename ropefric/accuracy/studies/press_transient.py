@@ -87,7 +87,7 @@ def start_up(case: str) -> LinearStartUp:
 def tensions_N(problem: LinearStartUp, integrator: str, settings: dict[str, float]) -> FloatArray:
     """Return the tensions of all spans at `TIMES_S`, shape (3, 4) [N]."""
     times_s = np.array(TIMES_S)
-    states = INTEGRATORS[integrator](problem, times_s, **settings)[:, : problem.n_state]
+    states = INTEGRATORS[integrator](problem, times_s, **settings)
     rows = np.hstack([states, problem.inputs.at(times_s)])
     return np.asarray(rows @ problem.motion.tension_N.T)
 

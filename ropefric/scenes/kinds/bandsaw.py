@@ -351,8 +351,6 @@ def _contacts(problem: SawProblem) -> Mapping[str, FloatArray]:
 
 
 _NEAREST = 10
-_SHARE = 0.1
-"""Of the blade's accuracy, for what may resonate: a margin is the difference of two frequencies."""
 _SPEEDS = 200
 _FASTEST = 0.98
 """Of the critical speed: up to where crossings are looked for."""
@@ -367,7 +365,7 @@ def _tree(answer: SawAnswer, problem: SawProblem) -> dict[str, Any]:
         tree["feed"] = {"force_N": float(problem.feed_force_N[0])}
     saw = _saw(answer, problem)
     if saw is not None and problem.excitations:
-        tree["resonance"] = _resonance(saw, problem, _SHARE * answer.accuracy)
+        tree["resonance"] = _resonance(saw, problem)
     return tree
 
 
@@ -382,28 +380,27 @@ def _saw(answer: SawAnswer, problem: SawProblem) -> Saw | None:
     return replace(whole, bending_stiffness_N_m2=0.0)
 
 
-def _recommended(saw: Saw, problem: SawProblem, accuracy: float) -> dict[str, Any] | None:
+def _recommended(saw: Saw, problem: SawProblem) -> dict[str, Any] | None:
     """Return the preload that keeps the margin wanted, with advice; why there is none; None where none is asked for."""
     if problem.margin_wanted is None or problem.preload_range_N is None:
         return None
     wanted: dict[str, Any] = {"margin": problem.margin_wanted, "range_N": problem.preload_range_N}
-    wanted |= {"n_modes": problem.n_modes, "accuracy": accuracy}
     try:
-        found = resonance.recommend_preload(saw, problem.excitations, **wanted)
+        found = resonance.recommend_preload(saw, problem.excitations, n_modes=problem.n_modes, **wanted)
     except RopefricError as error:
         return {"status": "not possible", "advice": error.problem.message}
     numbers = {"preload_N": found.preload_N, "margin": found.margin, "forbidden_N": found.forbidden_N}
     return numbers | {"status": found.status.value, "advice": found.status.advice}
 
 
-def _resonance(saw: Saw, problem: SawProblem, accuracy: float) -> dict[str, Any]:
+def _resonance(saw: Saw, problem: SawProblem) -> dict[str, Any]:
     shakes, n_modes, crossings = problem.excitations, problem.n_modes, list[resonance.Crossing]()
     for side in _RUNNING:
         speeds = _speeds_m_s(saw, side)
-        crossings += resonance.find_crossings(saw, side, shakes, speeds, n_modes, accuracy=accuracy)
+        crossings += resonance.find_crossings(saw, side, shakes, speeds, n_modes)
     nearest = resonance.margins(saw, _RUNNING, shakes, n_modes)[:_NEAREST]
     return {
-        "recommended_preload": _recommended(saw, problem, accuracy),
+        "recommended_preload": _recommended(saw, problem),
         "nearest": [one._asdict() for one in nearest],
         "crossings": [one._asdict() | {"speed_margin": kind.finite(one.speed_margin)} for one in crossings],
     }

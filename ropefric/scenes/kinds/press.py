@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from inspect import signature
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field, PlainValidator
@@ -28,7 +28,6 @@ from ropefric.systems.press.machine import (
 from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.statics import CLOSURES, solve_statics, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
-from ropefric.systems.press.transient.integrators import INTEGRATORS
 from ropefric.systems.press.transient.motion import settled_press
 from ropefric.systems.press.transient.start_up import StartUp
 
@@ -221,9 +220,6 @@ class StartUpTable(kind.Table):
     points : Times at which the answer is written down.
     slip : Whether rollers may slip and belts go slack.
     loads : Whether the sludge's torques grow with the speed or are whole from the start.
-    integrator : How the equations of motion are solved.
-    step : Of an integrator with fixed steps.
-    tolerance : Relative, of an integrator that chooses its steps.
     """
 
     law: Annotated[str, PlainValidator(choice(lambda: DRIVE_LAWS))] = "s-curve"
@@ -234,18 +230,12 @@ class StartUpTable(kind.Table):
     points: Annotated[int, PlainValidator(whole_number(2, 200_000))] = 2001
     slip: bool = True
     loads: Annotated[str, PlainValidator(choice(lambda: ("with-speed", "constant")))] = "with-speed"
-    integrator: Annotated[str, PlainValidator(choice(lambda: INTEGRATORS))] = "exact"
-    step: Annotated[float | None, kind.key("s", "1 ms")] = None
-    tolerance: Annotated[float, PlainValidator(kind.positive)] = 1e-6
+    gone: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("integrator", "step", "tolerance"),
+        "remove it; a start-up is solved exactly between changes of contact",
+    )
 
     def _check(self) -> None:
-        if self.slip and self.integrator not in {"exact", "rk4"}:
-            reject(
-                "RF111",
-                f"{self.integrator} solves a start-up without slip only",
-                fix='write slip = false, or integrator = "exact" or "rk4"',
-                key="integrator",
-            )
         if self.law == "table" and (self.times is None or self.speeds is None):
             reject(
                 "RF121", "a drive law from a table needs times and speeds", fix="add both lists", key="law"
@@ -345,9 +335,6 @@ def _task(table: StartUpTable, speed_m_s: float) -> dict[str, Any]:
         "time_s": np.linspace(0.0, table.simulate, table.points),
         "slip": table.slip,
         "loads": table.loads,
-        "integrator": table.integrator,
-        "tolerance": table.tolerance,
-        "step_s": table.step,
     }
 
 

@@ -28,7 +28,7 @@ from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.resonance import Excitation
 from ropefric.systems.bandsaw.saw import Saw, Section, Side
 from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
-from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
+from ropefric.systems.checks import Cases, Positive, Share, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
 from ropefric.systems.friction import WrapFriction
 
@@ -44,7 +44,7 @@ class SawProblem(Cases):
     wheel_radius_m: Positive | None = None
     wheel_speed_rad_s: ZeroOrMore | None = None
     tension_difference_N: ZeroOrMore | None = None
-    mounting_factor: ZeroOrMore | None = None
+    mounting_factor: Share | None = None
     bending_stiffness_N_m2: ZeroOrMore | None = None
     ends: Ends = CLAMPED
     section: Section | None = None

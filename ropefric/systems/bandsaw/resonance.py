@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import BarycentricInterpolator
 
-from ropefric.arrays import FloatArray, IntArray, frozen_array
+from ropefric.arrays import FloatArray, frozen_array
 from ropefric.files.plain_text import significant
 from ropefric.glossary import AdvisedStatus
-from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz, roots_between
+from ropefric.systems.bandsaw.saw import Saw, Side, frequencies_Hz
+from ropefric.systems.roots import roots_of_cases
 
 _SIDES = (Side.TIGHT, Side.SLACK)
 
@@ -57,59 +58,47 @@ def _excited_Hz(excitations: tuple[Excitation, ...], speed_m_s: npt.ArrayLike) -
 
 
 _MOST_NODES = 128
-_SAFE = 0.1
-_FINE = 1e-10
-"""Accuracy at the ends of a range, and if no other is asked for."""
+_SQUARED_ERROR = 1e-11
+"""Of an interpolated f²: a tenth of the accuracy of the frequencies that it is made from."""
 
 
 def modes_over(
-    saw: Saw,
-    side: Side,
-    n_modes: int,
-    what: str,
-    *,
-    ends: tuple[float, float],
-    accuracy: float = _FINE,
-    at_ends_Hz: FloatArray | None = None,
+    saw: Saw, side: Side, n_modes: int, what: str, *, ends: tuple[float, float]
 ) -> Callable[[FloatArray], FloatArray]:
     """Return the frequencies as a function of "speed_m_s" or "preload_N" between two ends, shape (m, n_modes) [Hz].
-
-    At the ends themselves, where a yes or no depends on them, they have ten digits; they may be known.
 
     A string's have a closed form. For a beam f² is a smooth function of v² and of F_0, up to the critical speed and
     through it, so it is interpolated at Chebyshev's points; their number is doubled until that changes nothing.
     """
 
-    def exact(at: FloatArray, accuracy: float) -> FloatArray:
+    def exact(at: FloatArray) -> FloatArray:
         given: dict[str, Any] = {what: at}
-        return frequencies_Hz(saw, side, n_modes, accuracy=accuracy, **given)
+        return frequencies_Hz(saw, side, n_modes, **given)
 
     if saw.bending_stiffness_N_m2 == 0.0 or not ends[0] < ends[1]:
-        return lambda at: exact(at, _FINE)
-    power, accuracy = 2.0 if what == "speed_m_s" else 1.0, max(accuracy, 1e-12)
+        return exact
+    power = 2.0 if what == "speed_m_s" else 1.0
     low, high = (end**power for end in ends)
 
     def squared(turns: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return where shares of a half turn lead on the way from end to end, and what f² is there."""
-        places = low + (high - low) * (0.5 - 0.5 * np.cos(np.pi * turns))
-        return places, exact(np.clip(places ** (1.0 / power), *ends), 0.1 * accuracy) ** 2
+        share = 0.5 - 0.5 * np.cos(np.pi * turns)
+        places = (1.0 - share) * low + share * high
+        return places, exact(np.clip(places ** (1.0 / power), *ends)) ** 2
 
-    if at_ends_Hz is None:
-        at_ends_Hz = exact(np.array(ends), min(accuracy, _FINE))
-    places, (middle, between) = np.array([low, high]), squared(np.array([0.5]))
-    places, table, error = np.insert(places, 1, middle), np.insert(at_ends_Hz**2, 1, between, axis=0), np.inf
+    (places, table), error = squared(np.array([0.0, 0.5, 1.0])), np.inf
     while len(table) <= _MOST_NODES:
         weights = (-1.0) ** np.arange(len(table))
         weights[[0, -1]] *= 0.5
         curve = BarycentricInterpolator(places, table, wi=weights)
         # To double the points squares what is missing.
-        if error**2 <= _SAFE * accuracy:
+        if error**2 <= _SQUARED_ERROR:
             return lambda at: np.asarray(np.sqrt(curve(np.asarray(at) ** power)))
         new, between = squared((np.arange(len(table) - 1) + 0.5) / (len(table) - 1))
         error = float(np.abs(curve(new) / between - 1.0).max())
         after = np.arange(1, len(table))
         places, table = np.insert(places, after, new), np.insert(table, after, between, axis=0)
-    return lambda at: exact(at, accuracy)
+    return exact
 
 
 class Crossing(NamedTuple):
@@ -136,54 +125,36 @@ class Margin(NamedTuple):
     margin: float
 
 
-_CLOSE, _STEP = 0.1, 1e-4
-
-
 def find_crossings(
     saw: Saw,
     side: Side,
     excitations: tuple[Excitation, ...],
     speeds_m_s: npt.ArrayLike,
     n_modes: int = 6,
-    *,
-    accuracy: float = _FINE,
 ) -> tuple[Crossing, ...]:
     """Return all crossings between the first and the last of some speeds, by speed.
 
     A mode's frequency falls with the speed and an excitation's does not, so a pair crosses at most once, and its ends
     show whether it does.
     """
-    ends = np.asarray(speeds_m_s, dtype=np.float64)[[0, -1]]
-    of_modes, causes = frequencies_Hz(saw, side, n_modes, speed_m_s=ends), _harmonics(excitations)
-    above = of_modes[:, np.newaxis] > _excited_Hz(excitations, ends)[..., np.newaxis]
+    ends, causes = np.asarray(speeds_m_s, dtype=np.float64)[[0, -1]], _harmonics(excitations)
+    curve = modes_over(saw, side, n_modes, "speed_m_s", ends=(float(ends[0]), float(ends[1])))
+    above = curve(ends)[:, np.newaxis] > _excited_Hz(excitations, ends)[..., np.newaxis]
     cause, modes = np.nonzero(above[0] & ~above[1])
     if not modes.size:
         return ()
-    most = int(modes.max()) + 1
-    constant_Hz, per_metre = np.array([(h * one.constant_Hz, h * one.per_metre) for one, h in causes])[
-        cause
-    ].T
-    first, last = ends.tolist()
-    known: dict[str, Any] = {"accuracy": accuracy, "at_ends_Hz": of_modes[:, :most]}
-    curve = modes_over(saw, side, most, "speed_m_s", ends=(first, last), **known)
+    pairs = np.arange(modes.size)
 
-    def above_Hz(speed: FloatArray, cases: IntArray, all_Hz: FloatArray | None = None) -> FloatArray:
-        own_Hz = (curve(speed) if all_Hz is None else all_Hz)[np.arange(cases.size), modes[cases]]
-        return np.asarray(own_Hz - constant_Hz[cases] - per_metre[cases] * speed)
+    def above_Hz(speed_m_s: FloatArray) -> FloatArray:
+        return np.asarray(curve(speed_m_s)[pairs, modes] - _excited_Hz(excitations, speed_m_s)[pairs, cause])
 
-    low, high = (np.full(modes.size, end) for end in ends)
-    meeting = roots_between(above_Hz, low, high)
-    # How far a crossing is from the speed at work is the small difference of two speeds.
-    close = np.flatnonzero(np.abs(meeting - saw.speed_m_s) < _CLOSE * saw.speed_m_s)
-    if accuracy > _FINE and saw.bending_stiffness_N_m2 and close.size:
-        at = meeting[close]
-        fine_Hz = frequencies_Hz(saw, side, most, speed_m_s=at, accuracy=_FINE)
-        apart_Hz = above_Hz(at * (1.0 + _STEP), close) - above_Hz(at * (1.0 - _STEP), close)
-        meeting[close] = at - above_Hz(at, close, fine_Hz) / (apart_Hz / (2.0 * _STEP * at))
+    meeting = roots_of_cases(above_Hz, *(np.full(modes.size, end) for end in ends))
+    meeting_Hz = _excited_Hz(excitations, meeting)[pairs, cause]
     found = []
-    for which, mode, speed in zip(cause.tolist(), (modes + 1).tolist(), meeting.tolist(), strict=True):
+    for which, mode, speed, meets_Hz in zip(
+        cause.tolist(), (modes + 1).tolist(), meeting.tolist(), meeting_Hz.tolist(), strict=True
+    ):
         excitation, harmonic = causes[which]
-        meets_Hz = harmonic * (excitation.constant_Hz + excitation.per_metre * speed)
         apart = speed / saw.speed_m_s - 1.0 if saw.speed_m_s > 0.0 else np.inf
         found.append(Crossing(side, mode, excitation.name, harmonic, speed, meets_Hz, apart))
     return in_order(found)
@@ -197,23 +168,16 @@ def in_order(crossings: list[Crossing]) -> tuple[Crossing, ...]:
 def margins(
     saw: Saw, sides: tuple[Side, ...], excitations: tuple[Excitation, ...], n_modes: int = 6
 ) -> tuple[Margin, ...]:
-    """Return how far every mode is from every excitation at the speed at work, the nearest first.
-
-    However roughly all else is asked for: a margin is the small difference of two frequencies.
-    """
+    """Return how far every mode is from every excitation at the speed at work, the nearest first."""
     excited_Hz, found = _excited_Hz(excitations, saw.speed_m_s).tolist(), []
     for side in sides:
-        modes_Hz = frequencies_Hz(saw, side, n_modes, accuracy=_FINE)[0].tolist()
+        modes_Hz = frequencies_Hz(saw, side, n_modes)[0].tolist()
         for (mode, own_Hz), ((cause, harmonic), its_Hz) in product(
             enumerate(modes_Hz, start=1), zip(_harmonics(excitations), excited_Hz, strict=True)
         ):
             if its_Hz > 0.0:
                 found.append(Margin(side, mode, cause.name, harmonic, own_Hz, its_Hz, own_Hz / its_Hz - 1.0))
     return tuple(sorted(found, key=lambda one: (significant(abs(one.margin)), one.mode, one.harmonic)))
-
-
-_DRAWN = 1e-6
-"""Accuracy of charts."""
 
 
 class SawChart(NamedTuple):
@@ -233,8 +197,8 @@ def saw_chart(
     speeds, found, modes_Hz = frozen_array(speeds_m_s), list[Crossing](), {}
     ends = (float(speeds[0]), float(speeds[-1]))
     for side in _SIDES:
-        found += find_crossings(saw, side, excitations, speeds, n_modes, accuracy=_DRAWN)
-        modes_Hz[side] = modes_over(saw, side, n_modes, "speed_m_s", ends=ends, accuracy=_DRAWN)(speeds)
+        found += find_crossings(saw, side, excitations, speeds, n_modes)
+        modes_Hz[side] = modes_over(saw, side, n_modes, "speed_m_s", ends=ends)(speeds)
     return SawChart(saw, speeds, modes_Hz, excitations, in_order(found))
 
 
@@ -268,24 +232,17 @@ def recommend_preload(
     margin: float,
     range_N: tuple[float, float],
     n_modes: int = 6,
-    accuracy: float = _FINE,
 ) -> StrainAdvice:
     """Return the preload nearest to the present one at which all modes of both sides keep a margin.
 
     Every frequency rises with the preload, so a mode and an excitation forbid one interval of it, whose ends are
-    found by inversion; preloads outside all intervals are allowed. Two ends whose order the accuracy cannot decide
-    are found again to ten digits.
+    found by inversion; preloads outside all intervals are allowed.
     """
     low_N, high_N = range_N
     excited_Hz = _excited_Hz(excitations, saw.speed_m_s)
-    curves = [modes_over(saw, side, n_modes, "preload_N", ends=range_N, accuracy=accuracy) for side in _SIDES]
+    curves = [modes_over(saw, side, n_modes, "preload_N", ends=range_N) for side in _SIDES]
     intervals_N = np.concatenate([_forbidden(curve, excited_Hz, margin, range_N) for curve in curves])
     present_N, (starts_N, stops_N) = min(max(saw.preload_N, low_N), high_N), intervals_N.T
-    # What is cut at an end of the range begins or ends there however accurate.
-    apart_N = np.subtract.outer(starts_N[starts_N > low_N], np.append(stops_N[stops_N < high_N], present_N))
-    near_N = np.abs(np.append(apart_N, stops_N - present_N))
-    if accuracy > _FINE and (near_N <= _UNSURE * accuracy * high_N).any():
-        return recommend_preload(saw, excitations, margin=margin, range_N=range_N, n_modes=n_modes)
     # Where an interval begins beyond all that end before it, a new one of their union does.
     starts_N, stops_N = np.sort(starts_N), np.maximum.accumulate(stops_N[np.argsort(starts_N, kind="stable")])
     first = np.append(True, starts_N[1:] > stops_N[:-1])[: starts_N.size]
@@ -329,10 +286,6 @@ def _best(nearest: Callable[[FloatArray], FloatArray], range_N: tuple[float, flo
     return ends[int(np.argmax(nearest(np.array(ends))))]
 
 
-_UNSURE = 10.0
-"""Ends of intervals are unsure by this much of the accuracy; a preload goes with the square of a frequency."""
-
-
 def _forbidden(
     curve: Callable[[FloatArray], FloatArray],
     excited_Hz: FloatArray,
@@ -347,10 +300,9 @@ def _forbidden(
     found_N = np.where(edges_Hz < least_Hz, range_N[0] - past_N, range_N[1] + past_N)
     inside = (least_Hz <= edges_Hz) & (edges_Hz <= most_Hz)
     wanted_Hz, mode = edges_Hz[inside], np.nonzero(inside)[1]
-
-    def surplus_Hz(preload_N: FloatArray, cases: IntArray) -> FloatArray:
-        return np.asarray(curve(preload_N)[np.arange(cases.size), mode[cases]] - wanted_Hz[cases])
-
     if mode.size:
-        found_N[inside] = roots_between(surplus_Hz, *(np.full(mode.size, end) for end in range_N))
+        found_N[inside] = roots_of_cases(
+            lambda preload_N: curve(preload_N)[np.arange(mode.size), mode] - wanted_Hz,
+            *(np.full(mode.size, end) for end in range_N),
+        )
     return found_N[(found_N[..., 0] < range_N[1]) & (found_N[..., 1] > range_N[0])]

@@ -1,17 +1,15 @@
 """A band saw: one blade on two wheels, what it is made of, what drives it, and the frequencies of its two sides."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, fields
 from enum import StrEnum
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize.elementwise import find_root
 
-from ropefric.arrays import FloatArray, IntArray
-from ropefric.errors import InputError, SolverError
+from ropefric.arrays import FloatArray
+from ropefric.errors import InputError
 from ropefric.systems.bandsaw.beam import beam_frequencies_Hz
 from ropefric.systems.bandsaw.span import CLAMPED, Ends, Span
 from ropefric.systems.checks import checked
@@ -136,14 +134,3 @@ def frequencies_Hz(
     """
     span = span_of(saw, side, speed_m_s=speed_m_s, preload_N=preload_N)
     return beam_frequencies_Hz(span, saw.ends, n_modes, accuracy=accuracy)
-
-
-def roots_between(
-    function: Callable[[FloatArray, IntArray], FloatArray], low: FloatArray, high: FloatArray
-) -> FloatArray:
-    """Return the root of each case to 11 digits; `function(x, cases)` differs in sign at its two ends."""
-    cases = np.arange(low.size)
-    found = find_root(function, (low, high), args=(cases,), tolerances={"xatol": 0.0, "xrtol": 1e-11})
-    if not found.success.all():
-        raise SolverError("the roots do not settle", fix="use a larger accuracy")
-    return np.asarray(found.x, dtype=np.float64)

@@ -12,9 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError
 from ropefric.registry import Registry
-from ropefric.systems.checks import AnyNumber, Cases, Positive, ZeroOrMore, in_scale, refuse
+from ropefric.systems.checks import AnyNumber, Cases, Positive, Share, ZeroOrMore, checked, refuse
 
 _PI_SQUARED = (9.869604401089358, 6.265295508739711e-16)
 
@@ -106,19 +105,6 @@ def _split(a: FloatArray) -> tuple[FloatArray, FloatArray]:
     return high, a - high
 
 
-def refuse_mounting(factor: npt.ArrayLike) -> None:
-    """Refuse a mounting factor that is not from 0 to 1: above, the wheels would add more than the inertia tension."""
-    factors = np.atleast_1d(np.asarray(factor, dtype=np.float64))
-    wrong = ~((factors >= 0.0) & (factors <= 1.0))
-    if wrong.any():
-        raise InputError(
-            f"mounting_factor is {factors[wrong][0]:g}; it must be from 0 (fixed wheel axles) to 1 (constant-force "
-            "mounting)",
-            key="mounting_factor",
-            fix="give 0 for fixed wheel axles, 1 for a constant-force mounting, or a number between",
-        )
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Span(Cases):
     """A span of blade between two wheels, n cases side by side.
@@ -132,13 +118,12 @@ class Span(Cases):
     linear_density_kg_m: Positive
     preload_N: AnyNumber
     pull_N: AnyNumber = 0.0  # type: ignore[assignment]  # spread in __post_init__
-    mounting_factor: AnyNumber = 0.0  # type: ignore[assignment]
+    mounting_factor: Share = 0.0  # type: ignore[assignment]
     wheel_speed_m_s: AnyNumber = 0.0  # type: ignore[assignment]
     travel_speed_m_s: AnyNumber = 0.0  # type: ignore[assignment]
     bending_stiffness_N_m2: ZeroOrMore = 0.0  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
-        refuse_mounting(self.mounting_factor)
         Cases.__post_init__(self)
         refuse(
             self.tension_N <= 0.0,
@@ -151,7 +136,7 @@ class Span(Cases):
             preload_N=self.preload_N,
             pull_N=self.pull_N,
         )
-        in_scale("tension_N", self.tension_N)
+        checked("tension_N", self.tension_N)
 
     @cached_property
     def tension_N(self) -> FloatArray:

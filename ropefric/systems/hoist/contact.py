@@ -174,15 +174,6 @@ def _exponent(model: HoistModel, slack_N: FloatArray) -> partial[FloatArray]:
     )
 
 
-def _under_payload_N(model: HoistModel) -> tuple[FloatArray, FloatArray, BoolArray]:
-    """Return c + E, what presses on the slack and the tight side, shape (2, n) [N], and where both do press."""
-    end_N, circling_N, stiff_N = _tensions_N(model)
-    payload_N = GRAVITY_M_S2 * model.problem.product("payload_kg")
-    sides_N = np.stack([end_N, payload_N]) - (circling_N + stiff_N)
-    touching = np.asarray((sides_N > 0.0).all(axis=0))
-    return circling_N + stiff_N, np.where(touching, np.sort(sides_N, axis=0), 1.0), touching
-
-
 def _arcs(model: HoistModel) -> Arcs:
     """Return how far the rope slips before it as a whole does: M(θ) = |ln(P_W/P_B)|, P_W of the payload's weight.
 
@@ -191,8 +182,10 @@ def _arcs(model: HoistModel) -> Arcs:
     wheel turns θ lies where the rope leaves it. A coefficient that depends on the wrap counts it from the slack
     side's tension on, wherever θ lies: a wrap is but a tension (eqs. (5)-(11)). NaN where the payload presses nothing.
     """
-    problem, stiff_N = model.problem, _tensions_N(model)[2]
-    _, (slack_N, tight_N), touching = _under_payload_N(model)
+    problem, (end_N, circling_N, stiff_N) = model.problem, _tensions_N(model)
+    sides_N = np.stack([end_N, GRAVITY_M_S2 * problem.product("payload_kg")]) - (circling_N + stiff_N)
+    touching = (sides_N > 0.0).all(axis=0)
+    slack_N, tight_N = np.where(touching, np.sort(sides_N, axis=0), 1.0)
     lifted = [lifted_arc_rad(stiff_N / (one + stiff_N)) for one in (slack_N, tight_N)]
     contact = np.maximum(problem.wrap_angle_rad - lifted[0] - lifted[1], 0.0)
     needed = np.log(tight_N / slack_N)

@@ -6,7 +6,7 @@ from ropefric.arrays import FloatArray
 from ropefric.friction.laws.bending import lifted_arc_rad
 from ropefric.registry import Registry
 from ropefric.systems.checks import lean
-from ropefric.systems.effect import Effect, System, closed_form_system, missing
+from ropefric.systems.effect import Effect, System, closed_form_system, law_effects, missing
 from ropefric.systems.hoist.contact import HoistProblem, Lift, solve_lift
 
 
@@ -42,22 +42,6 @@ def stiffness_bound(problem: HoistProblem, answer: Lift | None = None) -> FloatA
     return np.where(np.isnan(bound), np.inf, bound)
 
 
-def rope_law_effects(wheel: str, tension: str, cost: float = 0.0) -> tuple[Effect, ...]:
-    """Return the effects of a law's regressors on a rope, each by itself, by the names of the wheel and the tension."""
-    words = {
-        "wrap-dependence": (
-            "how far the rope wraps",
-            "its average at the reference wrap, over the whole wrap",
-        ),
-        "size": (f"the {wheel}'s radius over the rope's", "the coefficient at the reference wheel and rope"),
-        "end-tension": (tension, "the coefficient at the reference end tension"),
-    }
-    return tuple(
-        Effect(name, f"a coefficient that depends on {what}", instead, cost=cost)
-        for name, (what, instead) in words.items()
-    )
-
-
 def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
     if "bending-stiffness" in problem.friction.law.effects:
         return ("friction.law (bending has the stiffness in it already)",)
@@ -67,7 +51,7 @@ def _stiffness_needs(problem: HoistProblem) -> tuple[str, ...]:
 EFFECTS: Registry[Effect] = Registry(
     "effect of a hoist",
     (
-        *rope_law_effects("wheel", "the end tension (as equivalent wrap)", 1e-7),
+        *law_effects("wheel", "rope", cost=1e-7, tension="the end tension (as equivalent wrap)"),
         Effect(
             name="rope-weight",
             adds="the weight of the rope that hangs from the slack side, on top of the end tension",

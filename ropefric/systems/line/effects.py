@@ -3,8 +3,7 @@
 from collections.abc import Callable
 
 from ropefric.registry import Registry
-from ropefric.systems.effect import Effect, System, closed_form_system
-from ropefric.systems.hoist.effects import rope_law_effects
+from ropefric.systems.effect import Effect, System, closed_form_system, law_effects
 from ropefric.systems.line.element import LineProblem
 from ropefric.systems.line.line import distance, solve_line
 
@@ -51,7 +50,7 @@ EFFECTS: Registry[Effect] = Registry(
             instead="wheels that turn freely",
             needs=_needs("bearing", "efficiency"),
         ),
-        *rope_law_effects("bend", "the slack side's tension"),
+        *law_effects("bend", "rope", tension="the slack side's tension"),
         Effect(
             name="stretch",
             adds="the elongation of the rope, and the stroke that it takes",

@@ -10,14 +10,13 @@ import numpy as np
 from scipy.special import exprel
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError, RopefricError, SolverError
+from ropefric.errors import RopefricError, SolverError
 from ropefric.friction.laws.bending import bending_N
 from ropefric.systems.checks import Cases, Positive, ZeroOrMore, refuse
 from ropefric.systems.effect import Model
-from ropefric.systems.friction import WrapFriction, own_regressors
+from ropefric.systems.friction import WrapFriction, own_regressors, refuse_no_ratio
 from ropefric.systems.hoist.contact import GRAVITY_M_S2, contact_arc_rad
 
-_LARGEST_EXPONENT = 300.0
 _MAX_STEPS = 200
 _SETTLED = 1e-15
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
@@ -193,13 +192,7 @@ class Passage(NamedTuple):
             else:
                 regressors -= {"size"}
             found = problem.friction.exponent(sizes[0], sizes[1], wrap_rad, slack_N, regressors=regressors)
-        if (found > _LARGEST_EXPONENT).any():
-            raise InputError(
-                f"friction would raise the tension by e^{float(found.max()):.4g} in one element",
-                code="RF420",
-                key="elements",
-                fix="check the angle, the length, the wobble and the coefficient",
-            )
+        refuse_no_ratio(found, key="elements")
         return found
 
     def round_bend(self, known_N: FloatArray, bend: "Contact") -> FloatArray:

@@ -33,49 +33,38 @@ class PressProblem(Cases):
     start_up: Mapping[str, Any] | None = None
 
 
-def operated(
-    press: Press, *, gravity: float = 1.0, squeeze: float = 1.0, preload_N: float | None = None
-) -> Press:
-    """Return a press with scaled loads on its rollers and a scaled preload of its tensioners."""
-    rollers = []
-    for one in press.rollers:
-        own: dict[str, Any] = {"gravity_torque_N_m": gravity * one.gravity_torque_N_m}
-        own["squeeze_torque_N_m"] = squeeze * one.squeeze_torque_N_m
-        carrier = one.tensioner
-        if carrier is not None and carrier.is_shared and preload_N is not None:
-            carrier = replace(carrier, force_N=preload_N)
-        rollers.append(replace(one, tensioner=carrier, **own))
-    return replace(press, rollers=tuple(rollers))
-
-
 class PressModel(Model[PressProblem]):
     """A press with the effects that are in it; without any: no loads or mass, locked tensioners, one coefficient."""
 
-    def _operated(self, load_factor: float, preload_N: float | None) -> Press:
+    def _machine(self, load_factor: float = 1.0, preload_N: float | None = None) -> Press:
+        """Return the machine with the loads that are in, scaled, and another preload where tensioners share one."""
         gravity, squeeze = (load_factor * (name in self.effects) for name in ("gravity-load", "squeeze-load"))
-        return operated(self.problem.press, gravity=gravity, squeeze=squeeze, preload_N=preload_N)
+        rollers = []
+        for one in self.problem.press.rollers:
+            own: dict[str, Any] = {"gravity_torque_N_m": gravity * one.gravity_torque_N_m}
+            own["squeeze_torque_N_m"] = squeeze * one.squeeze_torque_N_m
+            if one.tensioner is not None and one.tensioner.is_shared and preload_N is not None:
+                own["tensioner"] = replace(one.tensioner, force_N=preload_N)
+            rollers.append(replace(one, **own))
+        return replace(self.problem.press, rollers=tuple(rollers))
 
     @cached_property
     def press(self) -> Press:
         """Return the machine with the loads that are in."""
-        return self._operated(1.0, None)
+        return self._machine()
 
     @cached_property
     def as_operated(self) -> Press:
         """Return the machine with the preload and the loads of its operating point."""
-        preload_N, load_factor = self.problem.preload_N, float(self.problem.load_factor[0])
-        return self._operated(load_factor, None if preload_N is None else float(preload_N[0]))
+        preload_N = self.problem.preload_N
+        return self._machine(
+            float(self.problem.load_factor[0]), None if preload_N is None else float(preload_N[0])
+        )
 
     @property
     def regressors(self) -> frozenset[str]:
         """Return the regressors that the law gets from a contact."""
         return regressors_of(self.effects)
-
-    @property
-    def asked(self) -> dict[str, Any]:
-        """Return the settings of a start-up: effects and friction."""
-        asked = {"friction": self.problem.friction, "effects": self.effects, "regressors": self.regressors}
-        return asked | {"follows": "transient-friction" in self.effects}
 
     @property
     def start_up(self) -> Mapping[str, Any] | None:
@@ -119,6 +108,10 @@ def take_up(effects: Collection[str]) -> TakeUp:
     return "elastic" if springs else "locked"
 
 
+_SWITCHES = {"exact_switching": "exact-switching", "follows": "transient-friction"}
+"""Settings of a start-up by the effects that set them."""
+
+
 def solve_press(model: PressModel) -> PressAnswer:
     """Return tensions and slip of a model, and its start-up where it has one."""
     problem, task = model.problem, model.start_up
@@ -133,13 +126,14 @@ def solve_press(model: PressModel) -> PressAnswer:
     at: dict[str, Any] = {"preload_N": problem.preload_N, "load_factor": problem.load_factor}
     # Where the steady run has a slack span the start-up still has an answer, with belts that lift off.
     at |= {"tensioner": take_up(model.effects), "on_slack": "refuse" if task is None else "flag"}
-    at |= {"friction": problem.friction, "regressors": model.regressors}
+    law: dict[str, Any] = {"friction": problem.friction, "regressors": model.regressors}
+    at |= law
     state, still = (steady_state(statics, speed_m_s=way * problem.speed_m_s, **at) for way in (1.0, 0.0))
     moved = None
     if task is not None:
-        how = {"exact_switching": "exact-switching" in model.effects, **model.asked}
-        moved = start_up(model.as_operated, **how, **task)
-    slip = SlipTable(model.press, state.effective_tension_N, problem.friction, regressors=model.regressors)
+        switches = {name: effect in model.effects for name, effect in _SWITCHES.items()}
+        moved = start_up(model.as_operated, effects=model.effects, **switches, **law, **task)
+    slip = SlipTable(model.press, state.effective_tension_N, **law)
     return PressAnswer(model, statics, state, still.effective_tension_N, slip, moved)
 
 

@@ -70,7 +70,7 @@ EFFECTS: Registry[Effect] = Registry(
             "rims that all run at the speed of the drivers",
             needs=partial(_lacking, part="axial_stiffness"),
         ),
-        *law_effects("roller", "belt", lambda problem: (), 1e-6),  # noqa: ARG005  (needs nothing)
+        *law_effects("roller", "belt", cost=1e-6),
         _moving("belt-damping", "the material damping of the belts", "belts that do not damp"),
         _moving("tensioner-damping", "the dampers of the tensioners", "tensioners without dampers"),
         _moving(
@@ -114,19 +114,10 @@ _FOLLOWING_ERROR = 1e-3
 
 
 def _method(model: PressModel, budget: float) -> Method:  # noqa: ARG001  (the signature of `System.method`)
-    task = model.start_up
-    if task is None:
+    if model.start_up is None:
         return _DIRECT
-    integrator = task.get("integrator", "exact")
-    if integrator == "exact":
-        follows = "transient-friction" in model.effects and model.problem.friction.follows_tension
-        return _EXACT._replace(error=_FOLLOWING_ERROR) if follows else _EXACT
-    return Method(
-        name=f"direct solution and {integrator}",
-        settings={name: task[name] for name in ("tolerance", "step_s") if task.get(name) is not None},
-        error=np.inf,
-        why="asked for by name; its error is not bounded beforehand",
-    )
+    follows = "transient-friction" in model.effects and model.problem.friction.follows_tension
+    return _EXACT._replace(error=_FOLLOWING_ERROR) if follows else _EXACT
 
 
 _ROUNDING = 1e-12

@@ -37,7 +37,7 @@ import numpy.typing as npt
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, Problem, raise_problems
 from ropefric.registry import did_you_mean
-from ropefric.systems.checks import checked, in_scale, rules_of
+from ropefric.systems.checks import checked, rules_of
 
 Role = Literal["driver", "driven", "tensioner"]
 Positive = Annotated[float, "positive"]
@@ -295,7 +295,7 @@ def _numbers(press: Press) -> Said:
             value = getattr(part, name)
             for one in value if isinstance(value, tuple) else () if value is None else (value,):
                 try:
-                    in_scale(where + name, one, rule)
+                    checked(where + name, one, rule)
                 except InputError as error:
                     yield True, where + name, error.problem.message, error.problem.fix
 

@@ -11,14 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import InputError
 from ropefric.systems.checks import checked
-from ropefric.systems.friction import EVERYTHING, WrapFriction
+from ropefric.systems.friction import EVERYTHING, WrapFriction, refuse_no_ratio
 from ropefric.systems.press.machine import Press
 
 # Below 1 N no wrap stands for the slack side, and the law's angle starts from zero.
 LEAST_SLACK_N = 1.0
-_LARGEST_EXPONENT = 500.0
 NO_TORQUE = 1e-9
 """A pull this small beside the tension is rounding: the roller carries no torque."""
 
@@ -58,16 +56,8 @@ class Contacts(NamedTuple):
         exponent = friction.exponent(
             self.radius_m, self.half_thickness_m, wrap_rad, slack_N, regressors=regressors, places=1
         )
-        bad = ~((exponent >= 0.0) & (exponent < _LARGEST_EXPONENT))
-        if bad.any():
-            wrong, roller = (np.broadcast_to(one, bad.shape)[bad][0] for one in (exponent, self.roller))
-            raise InputError(
-                f"M = {wrong:.4g} is more than {_LARGEST_EXPONENT:g}, and e^M no number to reckon with",
-                code="RF420",
-                key=f"roller {roller}",
-                fix="check the coefficient or the law's parameters",
-                cases=bad.any(axis=-1),
-            )
+        largest = np.argmax(exponent) % len(self.roller)
+        refuse_no_ratio(exponent, key=f"roller {self.roller[largest]}", places=1)
         return exponent
 
 
@@ -130,16 +120,19 @@ class SlipTable:
         return np.where(idle, 0.0, measure)
 
     @cached_property
+    def _logs(self) -> FloatArray:
+        """Return ln(T'_tight/T'_slack)."""
+        return np.log1p(_ratio(self.contacts.pull_N, self.contacts.slack_N))
+
+    @cached_property
     def log(self) -> FloatArray:
         """Return ln(T'_tight/T'_slack)/M."""
-        logs = np.log1p(_ratio(self.contacts.pull_N, self.contacts.slack_N))
-        return self._held(_ratio(logs, np.broadcast_to(self.exponent, logs.shape)))
+        return self._held(_ratio(self._logs, np.broadcast_to(self.exponent, self._logs.shape)))
 
     @cached_property
     def mu_required(self) -> FloatArray:
         """Return the coefficient needed."""
-        logs = np.log1p(_ratio(self.contacts.pull_N, self.contacts.slack_N))
-        return np.asarray(logs / self.contacts.wrap_angle_rad)
+        return np.asarray(self._logs / self.contacts.wrap_angle_rad)
 
     @cached_property
     def as_printed(self) -> FloatArray:

@@ -32,7 +32,7 @@ import numpy.typing as npt
 
 from ropefric.arrays import BoolArray, FloatArray
 from ropefric.errors import InputError, SolverError
-from ropefric.systems.checks import in_scale
+from ropefric.systems.checks import checked
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.centres import at_kept_lengths_N, level_rows
 from ropefric.systems.press.creep import belts_alone, tension_row
@@ -305,7 +305,7 @@ def steady_state(
         "load_factor": load_factor,
         "preload_N": 0.0 if preload_N is None else preload_N,
     }
-    speed, load, preload = (in_scale(name, values, "zero or more") for name, values in asked.items())
+    speed, load, preload = (checked(name, values, "zero or more") for name, values in asked.items())
     shape = np.broadcast_shapes(speed.shape, load.shape, preload.shape)
     base_N = statics.given_N + statics.by_preload @ (press.preload_N * ~shared)
     shares = [
@@ -313,13 +313,10 @@ def steady_state(
         (speed_shift_kg_m(statics, tensioner), speed**2),
         (statics.by_preload @ shared, preload),
     ]
-    # Constant parts are summed beforehand.
-    base_N = base_N + sum(share * float(acting) for share, acting in shares if not acting.ndim)
     spans = (-1, *(1,) * len(shape))
     by_span = np.broadcast_to(base_N.reshape(spans), (len(base_N), *shape))
     for share, acting in shares:
-        if acting.ndim:
-            by_span = by_span + share.reshape(spans) * acting
+        by_span = by_span + share.reshape(spans) * acting
     moving = speed**2 * (tensioner != "floating")
     kept_N = at_kept_lengths_N(
         press,

@@ -138,7 +138,7 @@ def groove_factors(problem: TractionProblem) -> FloatArray:
     hard = wedge_factor(gamma)
     if problem.groove == "v-hardened":
         return np.stack([hard] * 4)
-    worn = 4.0 * (1.0 - np.sin(0.5 * beta)) / (np.pi - beta - np.sin(beta))
+    worn = round_factor(np.zeros_like(gamma), beta)
     return np.stack([worn, worn, worn, hard])
 
 

@@ -54,7 +54,7 @@ def test_closed_forms_at_rest():
 
 
 @BOTH
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(log_stiffness=st.floats(-5, 0), speed=st.floats(0, 0.98))
 def test_two_discretisations_agree(ends, log_stiffness, speed):
     beam = ScaledBeam.at_speed(10.0**log_stiffness, speed, ends)
@@ -158,7 +158,6 @@ def test_strings_among_beams_and_the_scaled_form():
     beam = scaled_beams(mixed.select([2]), CLAMPED)[0]
     assert beam.net == pytest.approx(1 - beam.speed**2, rel=1e-14)
     assert beam.margin == pytest.approx(beam.net + CLAMPED.buckling * beam.stiffness, rel=1e-14)
-    assert beam.critical_speed > 1.0
 
 
 @pytest.mark.parametrize("ends", [CLAMPED, pytest.param(PINNED, marks=pytest.mark.slow)])
@@ -172,7 +171,7 @@ def test_many_beams_are_read_off_between_a_few_and_each_is_what_it_is_alone(ends
 
     monkeypatch.setattr("ropefric.systems.bandsaw.beam.solve_beam", counted)
     between = 0
-    for accuracy, width in [(2.5e-4, 0.1), (2.5e-4, 3.0), (2.5e-6, 0.02), (2.5e-8, 0.3), (2.5e-10, 0.01)]:
+    for accuracy, width in [(2.5e-4, 3.0), (2.5e-6, 0.02), (2.5e-10, 0.01)]:
         for fast in (0.0, 0.4, 0.93):
             n = 60
             stiff = 10.0 ** rng.uniform(-6.0, 2.0) * np.exp(width * rng.random(n))
@@ -185,7 +184,7 @@ def test_many_beams_are_read_off_between_a_few_and_each_is_what_it_is_alone(ends
             for i in range(0, n, 29):
                 alone = beam_frequencies_Hz(many.select([i]), ends, 4, accuracy=1e-2 * accuracy)[0]
                 np.testing.assert_allclose(found[i], alone, rtol=2.0 * accuracy)
-    assert between >= 8
+    assert between >= 4
     calls.clear()
     beam_frequencies_Hz(many.select(range(9)), ends, 4)
     assert len(calls) == 9, "of few each is solved"
@@ -193,8 +192,6 @@ def test_many_beams_are_read_off_between_a_few_and_each_is_what_it_is_alone(ends
 
 def test_refusals():
     for call, error, words in [
-        (lambda: ScaledBeam.at_speed(0.0, 0.5, PINNED), InputError, "without stiffness is a string"),
-        (lambda: ScaledBeam.at_speed(1e-2, 1.05, PINNED), InputError, "not below the critical 1.04818703"),
         (lambda: order_for(ScaledBeam.at_speed(1e-2, 0.5, PINNED), 600, 1e-6), SolverError, "above 400"),
         (lambda: chebyshev_frequencies(ScaledBeam.at_speed(1e-2, 0.5, PINNED), 10, 6), InputError,
          "16 or more")
@@ -203,7 +200,7 @@ def test_refusals():
             call()
 
 
-@pytest.mark.parametrize("ends", ENDS.values(), ids=list(ENDS))
+@pytest.mark.parametrize("ends", [CLAMPED, pytest.param(PINNED, marks=pytest.mark.slow)])
 def test_many_modes_settle(ends):
     modes = solve_beam(ScaledBeam.at_speed(1e-6, 0.6, ends), 40, accuracy=1e-9)
     other = solve_beam(ScaledBeam.at_speed(1e-6, 0.6, ends), 40, accuracy=1e-12)
@@ -225,7 +222,7 @@ def drawn_beams(count, seed):
 
 def test_every_mode_is_as_accurate_as_its_own_estimate_says():
     """No mode of drawn beams uses half of the accuracy, against 14 orders more."""
-    for beam, n_modes, accuracy in drawn_beams(20, 3):
+    for beam, n_modes, accuracy in drawn_beams(12, 3):
         found = solve_beam(beam, n_modes, accuracy=accuracy)
         order = int(found.orders.max())
         wanted = galerkin_modes(beam, widths_for(beam, order), order + 14, n_modes).frequencies
@@ -234,7 +231,7 @@ def test_every_mode_is_as_accurate_as_its_own_estimate_says():
 
 def test_the_estimate_of_a_mode_is_its_error():
     """Of the mode that errs most to a third; one that errs by next to nothing errs by three times that at most."""
-    for beam, n_modes, _ in drawn_beams(15, 5):
+    for beam, n_modes, _ in drawn_beams(8, 5):
         order = order_for(beam, n_modes, 1e-3)
         widths = widths_for(beam, order)
         rough = galerkin_modes(beam, widths, order, n_modes, 3)

@@ -117,7 +117,7 @@ def test_what_cannot_be_had_is_refused_with_the_best_there_is(saw):
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 12))])
-def test_a_rough_answer_is_that_of_a_dense_search_of_the_stiff_blade(saw, stiffness, seed):
+def test_what_resonates_is_that_of_a_dense_search_of_the_stiff_blade(saw, stiffness, seed):
     """Margins, crossings near the speed at work and the preload, against frequencies at twelve digits on grids."""
     rng = np.random.default_rng([7, seed])
     stiff = replace(saw, bending_stiffness_N_m2=stiffness * 10.0 ** rng.uniform(-1.0, 1.0),
@@ -125,10 +125,10 @@ def test_a_rough_answer_is_that_of_a_dense_search_of_the_stiff_blade(saw, stiffn
     own_Hz = float(frequencies_Hz(stiff, S, 2, accuracy=1e-12)[0, 1])
     shakes = (fixed_frequency("near", own_Hz * (1.0 + 10.0 ** rng.uniform(-5.0, -2.0))),
               wheel_rotation(0.35, (1,)))  # fmt: skip
-    rough = margins(stiff, (S,), shakes, 2)[0]
-    assert rough.margin == pytest.approx(own_Hz / rough.excitation_Hz - 1.0, rel=1e-3)
+    first = margins(stiff, (S,), shakes, 2)[0]
+    assert first.margin == pytest.approx(own_Hz / first.excitation_Hz - 1.0, rel=1e-3)
     speeds = np.linspace(0.0, 1.2 * stiff.speed_m_s, 3)
-    for one in find_crossings(stiff, S, shakes, speeds, 2, accuracy=1e-3):
+    for one in find_crossings(stiff, S, shakes, speeds, 2):
         ends = one.speed_m_s * (
             1.0 + np.array([-1e-3, 1e-3]) * (abs(one.speed_margin) if one.speed_margin > -0.1 else 1.0)
         )
@@ -136,13 +136,13 @@ def test_a_rough_answer_is_that_of_a_dense_search_of_the_stiff_blade(saw, stiffn
         shaken = next(shake for shake in shakes if shake.name == one.excitation)
         apart = at_ends - shaken.frequencies_Hz(ends)[:, one.harmonic - 1]
         assert apart[0] > 0.0 > apart[1]
-    found = recommend_preload(stiff, shakes, margin=0.04, range_N=(2500.0, 6000.0), n_modes=2, accuracy=1e-3)
+    found = recommend_preload(stiff, shakes, margin=0.04, range_N=(2500.0, 6000.0), n_modes=2)
     dense = np.linspace(2500.0, 6000.0, 71)
     of_modes = np.hstack([frequencies_Hz(stiff, side, 2, preload_N=dense, accuracy=1e-8) for side in (T, S)])
     excited = np.concatenate([shake.frequencies_Hz(stiff.speed_m_s) for shake in shakes])
     allowed = np.abs(of_modes[..., np.newaxis] / excited - 1.0).min(axis=(1, 2)) >= 0.04
     inside = np.array([any(start < at < stop for start, stop in found.forbidden_N) for at in dense])
-    assert (inside == ~allowed).mean() >= 1.0 - 4.0 / dense.size  # a grid point may lie on an edge, to 1e-3
+    assert (inside == ~allowed).mean() >= 1.0 - 4.0 / dense.size  # a grid point may lie on an edge
     assert (
         abs(found.preload_N - stiff.preload_N)
         <= min(abs(at - stiff.preload_N) for at in dense[allowed].tolist()) + 2e-3 * 6000.0
@@ -170,34 +170,21 @@ def test_refusals(saw):
             call(saw)
 
 
-def test_frequencies_over_a_range_are_those_of_the_blade_at_every_place(saw, stiffness):
-    for what in ["speed_m_s", "preload_N"]:
-        for accuracy in [1e-2, 1e-5, 1e-9]:
-            stiff = replace(saw, bending_stiffness_N_m2=40.0 * stiffness, mounting_factor=0.3)
-            ends = {"speed_m_s": (0.0, 88.0), "preload_N": (700.0, 9000.0)}[what]
-            curve = modes_over(stiff, S, 5, what, ends=ends, accuracy=accuracy)
-            at = np.linspace(*ends, 23)
-            exact = frequencies_Hz(stiff, S, 5, **{what: at}, accuracy=1e-12)
-            assert exact[:, 0].max() > 4.0 * exact[:, 0].min(), "the range comes near to the critical speed"
-            assert np.abs(curve(at) / exact - 1.0).max() <= accuracy, (what, accuracy)
+@pytest.mark.parametrize(("what", "ends"), [("speed_m_s", (0.0, 88.0)), ("preload_N", (700.0, 9000.0))])
+def test_frequencies_over_a_range_are_those_of_the_blade_at_every_place(saw, stiffness, what, ends):
+    stiff = replace(saw, bending_stiffness_N_m2=40.0 * stiffness, mounting_factor=0.3)
+    curve, at = modes_over(stiff, S, 5, what, ends=ends), np.linspace(*ends, 23)
+    exact = frequencies_Hz(stiff, S, 5, **{what: at}, accuracy=1e-12)
+    assert exact[:, 0].max() > 4.0 * exact[:, 0].min(), "the range comes near to the critical speed"
+    assert np.abs(curve(at) / exact - 1.0).max() <= 1e-9
 
 
-def advice_at(saw, accuracy, margin):
-    once = (wheel_rotation(0.35, (1, 2)),)
-    return recommend_preload(saw, once, margin=margin, range_N=(2500.0, 7000.0), n_modes=2, accuracy=accuracy)
+def test_a_preload_at_the_edge_of_what_is_forbidden_is_decided(saw, stiffness):
+    def advice_at(saw):
+        once = (wheel_rotation(0.35, (1, 2)),)
+        return recommend_preload(saw, once, margin=0.15, range_N=(2500.0, 7000.0), n_modes=2)
 
-
-def test_a_rough_advice_is_the_fine_one_within_its_accuracy(saw, stiffness):
-    for margin in [0.02, 0.05, 0.1, 0.15, 0.2, 0.25]:
-        stiff = replace(saw, bending_stiffness_N_m2=stiffness)
-        rough, fine = (advice_at(stiff, accuracy, margin) for accuracy in (1e-3, 1e-10))
-        assert rough.status is fine.status, margin
-        assert rough.preload_N == pytest.approx(fine.preload_N, rel=2e-3), margin
-        assert len(rough.forbidden_N) == len(fine.forbidden_N), margin
-
-
-def test_a_preload_at_the_edge_of_what_is_forbidden_is_decided_by_more_digits(saw, stiffness):
     stiff = replace(saw, bending_stiffness_N_m2=stiffness)
-    edge_N = advice_at(stiff, 1e-10, 0.15).preload_N
-    for off, status in ((-1e-5, StrainStatus.CHANGE), (1e-5, StrainStatus.KEEP)):
-        assert advice_at(replace(stiff, preload_N=edge_N * (1.0 + off)), 1e-3, 0.15).status is status
+    edge_N = advice_at(stiff).preload_N
+    for off, status in ((-1e-8, StrainStatus.CHANGE), (1e-8, StrainStatus.KEEP)):
+        assert advice_at(replace(stiff, preload_N=edge_N * (1.0 + off))).status is status

@@ -388,6 +388,7 @@ def test_what_an_element_makes_of_the_tension_is_said_at_its_line(tmp_path):
         solve_scene(load_scene(path))
 
 
+@pytest.mark.slow
 def test_a_stranger_adds_a_kind_of_element_by_one_file(tmp_path):
     """A copy of the package with one file more knows the element, its key, its unit and its meaning."""
     import shutil

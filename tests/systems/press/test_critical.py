@@ -85,17 +85,17 @@ def utilisations(statics, friction, change, value):
 
 
 def test_the_first_and_the_last_are_those_of_a_scan_from_today(paper_press):
-    """A thousand operating points on the way: all hold, or some slip, up to the value; after it, not."""
+    """Four hundred operating points on the way: all hold, or some slip, up to the value; after it, not."""
     for closure in ["share", "equal", "equal-torque"]:
         for change in CALLS:
-            for mu in [0.25, 0.35, 0.55, 0.8, 1.2]:
+            for mu in [0.25, 0.55, 1.2]:
                 statics = solve_statics(paper_press, closure=closure)
                 today = {"preload": 2000.0, "speed": paper_press.speed_m_s, "load": 1.0}[change]
                 found = critical(statics, mu, change)
                 holds = bool(utilisations(statics, mu, change, today).max() <= 1.0)
                 assert (found.state == "holds") == holds, (closure, change, mu)
-                ways = {"rises": np.linspace(today, 5.0 * today, 1001),
-                        "falls": np.linspace(today, 0.05 * today, 1001)}  # fmt: skip
+                ways = {"rises": np.linspace(today, 5.0 * today, 401),
+                        "falls": np.linspace(today, 0.05 * today, 401)}  # fmt: skip
                 for way, places in ways.items():
                     some_slip = utilisations(statics, mu, change, places).max(axis=-1) > 1.0
                     turns = np.flatnonzero(some_slip == holds)

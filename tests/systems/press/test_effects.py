@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
@@ -214,11 +213,3 @@ def test_a_start_up_asks_for_every_mass_and_stiffness_at_once(paper_problem):
         assert {"belts.upper.axial_stiffness", "belts.lower.span_lengths", "rollers.2.inertia",
                 "rollers.3.tensioner.mass"} <= set(missing), name  # fmt: skip
         assert "rollers.1.inertia" not in missing, "a driver's speed is given"
-
-
-def test_every_subset_of_effects_can_be_assembled_and_solved(paper_problem):
-    """No subset is special: 2⁶ of them, none of which depends on another being there."""
-    names = [name for name in STEADY if not SYSTEM.effects[name].needs(paper_problem)]
-    for chosen in product((False, True), repeat=len(names)):
-        kept = [name for name, wanted in zip(names, chosen, strict=True) if wanted]
-        assert (tensions(paper_problem, kept) > 0.0).all()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ropefric.errors import DataError
-from ropefric.systems.press.machine import Belt, Press, Roller, Tensioner
+from ropefric.systems.press.machine import Press, Roller
 
 
 def with_roller(press, which, **changes):
@@ -45,21 +45,6 @@ def test_the_graph_writes_the_balances_of_the_paper(paper_press, paper_data):
 def test_belts_weigh_in_every_span_they_run_in(paper_press):
     np.testing.assert_allclose(paper_press.density_kg_m, [15.0] * 4 + [30.0] * 4 + [15.0] * 6)
     np.testing.assert_array_equal(paper_press.carried.sum(axis=1), [9, 9])
-
-
-def test_three_belts_may_share_a_roller():
-    data = {"linear_density_kg_m": 1.0, "thickness_m": 0.005, "width_m": 1.0}
-    spring = Tensioner(spring_N_m=0.0, travel_m=0.0, force_N=100.0)
-    rollers = [Roller(name="x", radius_m=0.1, wrap_angle_rad=3.0)]
-    for k in "abc":
-        rollers.append(Roller(name=f"d{k}", radius_m=0.1, wrap_angle_rad=3.0, role="driver"))
-        rollers.append(
-            Roller(name=f"t{k}", radius_m=0.1, wrap_angle_rad=3.0, role="tensioner", tensioner=spring)
-        )
-    belts = tuple(Belt(name=k, loop=("x", f"d{k}", f"t{k}"), **data) for k in "abc")
-    press = Press(rollers=tuple(rollers), belts=belts, speed_m_s=1.0)
-    assert len(press.spans) == 9
-    assert press.incidence[0].tolist() == [1, 0, -1] * 3
 
 
 WRONG = {

@@ -134,21 +134,6 @@ def test_a_law_sees_radius_thickness_and_slack_tension_of_each_roller(paper_pres
     np.testing.assert_allclose(found, law.log_lift(theta, at) - np.log(slack), rtol=1e-12)
 
 
-def test_blocks_of_points_are_the_points(paper_press):
-    statics = solve_statics(paper_press)
-    preload = np.linspace(1500, 3000, 70_001)
-    tension_N = steady_state(statics, preload_N=preload).effective_tension_N
-    whole = SlipTable(paper_press, tension_N, 1.2).utilisation
-    assert whole.shape == (70_001, 13)
-    some = [0, 16383, 16384, 32768, 70_000]
-    np.testing.assert_allclose(
-        whole[some], SlipTable(paper_press, tension_N[some], 1.2).utilisation, rtol=1e-14, atol=1e-15
-    )
-    np.testing.assert_allclose(
-        whole, SlipTable(paper_press, tension_N, 1.2).utilisation, rtol=1e-14, atol=1e-15
-    )
-
-
 def test_a_coefficient_is_positive(paper_press):
     for mu in [0.0, -1.0, float("nan"), float("inf")]:
         with pytest.raises(InputError, match="mu is"):

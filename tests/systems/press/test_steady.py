@@ -226,6 +226,8 @@ def test_three_belts_need_two_statements():
         )
     belts = tuple(Belt(name=k, loop=("x", f"d{k}", f"t{k}"), **CROSS_SECTION) for k in "abc")
     press = Press(rollers=tuple(rollers), belts=belts, speed_m_s=0.0)
+    assert len(press.spans) == 9
+    assert press.incidence[0].tolist() == [1, 0, -1] * 3
     statics = solve_statics(press)
     assert len(statics.undetermined) == 2
     T = steady_state(statics)

@@ -6,7 +6,6 @@ import pytest
 from ropefric.errors import InputError, SolverError
 from ropefric.systems.press.transient.integrators import rk4_limit_s
 from ropefric.systems.press.transient.motion import MOVING
-from ropefric.systems.press.transient.start_up import start_up
 
 TIMES_S = np.linspace(0.0, 1.5, 16)
 
@@ -88,17 +87,7 @@ def test_the_tensioners_damping_alone_leaves_motions_that_hardly_decay(kit):
     assert np.abs(decay_rates_1_s(kit.paper(), **bare)).max() < 1e-9 * np.abs(undamped).max()
 
 
-def test_the_jacobian_is_the_derivative_of_the_rate(case, random_state):
-    problem, _ = case
-    y = np.concatenate([1e-3 * random_state.standard_normal(problem.n_state), np.zeros(6)])
-    u = problem.inputs.at(0.4, 0)
-    rows = 1e-5 * np.eye(len(y))
-    columns = [(problem.rate(y + row, u) - problem.rate(y - row, u)) / 2e-5 for row in rows]
-    scale = np.abs(columns).max()
-    np.testing.assert_allclose(problem.jacobian(y, u), np.array(columns).T, rtol=1e-6, atol=1e-8 * scale)
-
-
-@pytest.mark.parametrize("name", ["exact", "radau", "lsoda"])
+@pytest.mark.parametrize("name", ["radau", "lsoda"])
 def test_the_stiff_case_needs_no_tuning(kit, name):
     """EA = 1e8 N and η = 0.1 s: decay rates from 10 to 1e6 1/s."""
     problem = kit.problem(kit.small(EA_N=1e8, eta_s=0.1), kit.run_up("ramp", 1.0, 1.0))
@@ -106,7 +95,7 @@ def test_the_stiff_case_needs_no_tuning(kit, name):
     assert rates.max() / rates.min() > 1e4
     exact = kit.solve(problem, TIMES_S)
     found = kit.solve(problem, TIMES_S, name, tolerance=1e-7)
-    w, wanted = (np.hstack([s[:, :-6], problem.inputs.at(TIMES_S)]) for s in (found, exact))
+    w, wanted = (np.hstack([s, problem.inputs.at(TIMES_S)]) for s in (found, exact))
     # Ways of a micrometre carry the tensions here, so the tensions are the honest measure.
     np.testing.assert_allclose(
         (w @ problem.motion.tension_N.T)[2:], (wanted @ problem.motion.tension_N.T)[2:], rtol=1e-4
@@ -119,27 +108,3 @@ def test_bad_settings_are_refused(kit, case):
         kit.solve(problem, [1.0], "radau", tolerance=0.0)
     with pytest.raises(SolverError, match="limit of stability"):
         kit.solve(problem, [1.0], "rk4", step_s=-1.0)
-
-
-def test_rk4_with_slip_is_the_exact_start_up_with_slip(kit):
-    """Paper's method where its rollers slip: the same slips, tensions that come nearer as the step becomes shorter."""
-    press, times = kit.paper(eta_s=2e-3, C1=5e3, force_N=1100.0), np.linspace(0.0, 0.4, 21)
-    question = {"speed": kit.run_up("s-curve", duration_s=0.4), "time_s": times, "friction": 0.6}
-    exact = start_up(press, **question)
-    assert exact.slips
-    off = []
-    for step_s in (3e-4, 1.5e-4):
-        found = start_up(press, **question, integrator="rk4", step_s=step_s)
-        assert {one.roller for one in found.slips} == {one.roller for one in exact.slips}
-        off.append(np.abs(found.tension_N - exact.tension_N).max() / exact.tension_N.max())
-    assert off[0] < 5e-3
-    assert off[1] < 0.5 * off[0]
-
-
-def test_rk4_with_slip_refuses_a_step_that_a_slipping_belt_does_not_bear(kit):
-    press, times = kit.paper(eta_s=2e-3, C1=5e3, force_N=1100.0), np.linspace(0.0, 1.5, 76)
-    question = {"speed": kit.run_up("s-curve", duration_s=1.0), "friction": 0.6, "integrator": "rk4"}
-    with pytest.raises(SolverError, match=r"limit of stability, .* while the belt slips on roller"):
-        start_up(press, time_s=times, step_s=2e-3, **question)
-    with pytest.raises(InputError, match="evenly spaced"):
-        start_up(press, time_s=[0.0, 0.1, 0.3], **question)

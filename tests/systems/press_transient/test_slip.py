@@ -7,6 +7,7 @@ import mpmath
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from thinned import slow, thinned
 
 from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import LAWS
@@ -115,7 +116,7 @@ def test_energies_add_up_with_slip(request, name):
         assert (np.diff(part) >= -1e-9 * found.energy.drive[-1]).all() or part is found.energy.load
 
 
-@pytest.mark.parametrize(("load", "rtol"), [(0.0, 1e-8), (1.0, 2e-5)])
+@pytest.mark.parametrize(("load", "rtol"), [slow((0.0, 1e-8)), (1.0, 2e-5)])
 def test_friction_that_suffices_changes_nothing(kit, load, rtol):
     """But for the first moments, in which drag holds the rollers that the linear model's loads push backward."""
     question = {"speed": kit.run_up(), "time_s": np.linspace(0.0, 2.5, 51), "friction": 1.2}
@@ -170,8 +171,8 @@ def local_mu(friction, slack_N):
 def test_utilisation_is_one_at_the_limit_of_the_belt_element(kit):
     """The belt element dT/dφ = ρAR²θ'' − F with F at its greatest everywhere, integrated directly."""
     for friction in [0.8, LAW]:
-        for inertia_N in [0.0, 3.0, -3.0, 60.0]:
-            for alpha in [0.5, 2.5, 5.0]:
+        for inertia_N in [0.0, -3.0, 60.0]:
+            for alpha in [0.5, 5.0]:
                 model = ElasticPress(kit.small(wrap_rad=alpha))
                 slack_N = float(model.preload_N[0])
                 mu = local_mu(friction, slack_N)
@@ -209,20 +210,21 @@ def test_the_share_of_inertia_is_exact_where_the_coefficient_is_steep(kit, b):
     assert friction_limit(model, friction).share[1] == pytest.approx(float(1 / (1 + swell)), rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    "seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 12))]
-)
+@pytest.mark.parametrize("seed", thinned(range(18), 6))
 def test_any_start_keeps_to_physics(kit, seed):
     """Random machines, drives and friction: energy adds up, belts do not push, friction stays within its limit."""
     rng = np.random.default_rng(seed)
-    press = kit.small(EA_N=10.0 ** rng.uniform(5.0, 8.0), eta_s=rng.choice([1e-4, 1e-3, 1e-2, 0.1]),
-                      load_N_m=rng.uniform(0.0, 60.0), k1=10.0 ** rng.uniform(2.0, 6.0))  # fmt: skip
-    found = start_up(press,
-                     speed=kit.run_up(rng.choice(["s-curve", "ramp", "constant"]), 0.9,
-                                      10.0 ** rng.uniform(-1.5, 0.0)),
-                     time_s=np.linspace(0.0, 0.3, 61), friction=rng.uniform(0.05, 1.0),
+    if seed % 4 == 0:
+        press = kit.paper(force_N=rng.uniform(500.0, 3000.0), EA_N=10.0 ** rng.uniform(6.0, 7.0),
+                          load=rng.uniform(0.2, 1.5))  # fmt: skip
+    else:
+        press = kit.small(EA_N=10.0 ** rng.uniform(5.0, 8.0), eta_s=rng.choice([1e-4, 1e-3, 1e-2, 0.1]),
+                          load_N_m=rng.uniform(0.0, 60.0), k1=10.0 ** rng.uniform(2.0, 6.0))  # fmt: skip
+    drive = kit.run_up(rng.choice(["s-curve", "ramp", "constant"]), 0.9, 10.0 ** rng.uniform(-1.5, 0.0))
+    found = start_up(press, speed=drive, time_s=np.linspace(0.0, 0.3, 61), friction=rng.uniform(0.05, 1.0),
                      loads=str(rng.choice(["with-speed", "constant"])))  # fmt: skip
     assert found.energy.relative_residual < 1e-8
     assert found.tension_N.min() >= 0.0
     assert found.utilisation.max() <= 1.0 + 1e-6
-    assert (np.diff(found.energy.slip) >= -1e-9 * np.abs(found.energy.drive).max()).all()
+    for taken in (found.energy.slip, found.energy.load, found.energy.belt, found.energy.tensioner):
+        assert (np.diff(taken) >= -1e-9 * found.energy.scale_J).all()

@@ -10,7 +10,6 @@ from functools import cached_property, lru_cache
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import eigvals
 
 from ropefric.arrays import BoolArray, FloatArray, IntArray
 from ropefric.errors import SolverError
@@ -26,7 +25,6 @@ from ropefric.systems.press.transient.exact import (
     lowest_between,
     near_zero,
 )
-from ropefric.systems.press.transient.integrators import check_stable
 from ropefric.systems.press.transient.motion import Mode, Motion, power_rows
 
 _UNITS = 2**42
@@ -44,8 +42,6 @@ _BLOCK, _KEPT = 32, 64
 class _GridPhase(Phase):
     """One mode during one piece of the drive, with its steps of a grid."""
 
-    terms = TAYLOR_TERMS
-
     @lru_cache(maxsize=1)  # noqa: B019  (a phase lives as long as its start-up)
     def flows(self, step_s: float, longest_s: float) -> tuple[int, list[FloatArray]]:
         """Return how often the step is halved first, and the matrices of that part, half of it, and so on."""
@@ -54,21 +50,18 @@ class _GridPhase(Phase):
         last = max(first + _LEVELS, math.ceil(math.log2(max(turned, _TURNED) / _TURNED)))
         if 2**last > _UNITS:
             raise SolverError("no grid is fine enough for the fastest motion", code="RF524")
-        return first, self._halvings(step_s, first, last)
-
-    def _halvings(self, step_s: float, first: int, last: int) -> list[FloatArray]:
         flows = [self.step(step_s / 2**last)]
         while len(flows) <= last - first:
             flows.insert(0, flows[0] @ flows[0])
-        return flows
+        return first, flows
 
     def along(self, z: FloatArray, within_s: float) -> Along:
         """Return z as a function of the time from now on, within a part so short that its Taylor series is exact."""
         generator, weights = self._balanced
         rows = [z / weights]
-        for order in range(1, self.terms):
+        for order in range(1, TAYLOR_TERMS):
             rows.append((within_s / order) * (generator @ rows[-1]))
-        series, orders = weights[:, np.newaxis] * np.transpose(rows), np.arange(self.terms)
+        series, orders = weights[:, np.newaxis] * np.transpose(rows), np.arange(TAYLOR_TERMS)
         return lambda tau_s: np.asarray(series @ (tau_s / within_s) ** orders)
 
     @cached_property
@@ -112,40 +105,17 @@ class _GridPhase(Phase):
         return (forces, speeds), (forces @ self.rate, speeds @ self.rate), starts
 
 
-class _RK4Phase(_GridPhase):
-    """One mode whose steps are those of the classical Runge-Kutta method, each part of a step by a step of its own."""
-
-    terms = 5
-
-    def step(self, length_s: float) -> FloatArray:
-        """Return the matrix of one step, 1 + hG + … + (hG)⁴/24; a step that amplifies is refused."""
-        slipping = np.flatnonzero(self.motion.mode.contact)
-        names = ", ".join(self.motion.model.press.rollers[i].name for i in slipping)
-        check_stable(length_s, eigvals(self.state), names and f" while the belt slips on roller {names}")
-        generator, weights = self._balanced
-        flow = term = np.eye(len(generator))
-        for order in range(1, self.terms):
-            term = (length_s / order) * term @ generator
-            flow = flow + term
-        return np.asarray(weights[:, None] * flow / weights)
-
-    def _halvings(self, step_s: float, first: int, last: int) -> list[FloatArray]:
-        return [self.step(step_s / 2**level) for level in range(first, last + 1)]
-
-
 class GridSolver(HybridSolver):
     """A start-up at evenly spaced times."""
 
-    phase_type: type[_GridPhase] = _GridPhase
-    steps: int | None = None
-    """From one time to the next, where that is asked for."""
+    phase_type = _GridPhase
 
     def run(self, times_s: FloatArray) -> tuple[list[Motion], FloatArray, FloatArray]:
         """Return motions, states and works at evenly spaced times from 0 on."""
         mode, y = self.begin()
         self._longest_s: dict[Mode, float] = {}
         gaps = len(times_s) - 1
-        steps = self.steps or math.ceil(float(times_s[-1]) / gaps / self._longest(self.phase(mode, 0))) or 1
+        steps = max(1, math.ceil(float(times_s[-1]) / gaps / self._longest(self.phase(mode, 0))))
         check_steps(float(gaps * steps))
         self._step_s = float(times_s[-1]) / (gaps * steps)
         self._unit_s, self._each = self._step_s / _UNITS, steps * _UNITS
@@ -178,7 +148,7 @@ class GridSolver(HybridSolver):
         """Return the longest step of a mode; tangents of its friction do not change that."""
         mode = phase.motion.mode
         if mode not in self._longest_s:
-            self._longest_s[mode] = np.inf if self.steps else _LONGER * phase.step_s
+            self._longest_s[mode] = _LONGER * phase.step_s
         return self._longest_s[mode]
 
     def _until_change(
@@ -259,9 +229,3 @@ class GridSolver(HybridSolver):
                     self._kept.append((phase.motion, states[i, : len(phase.state)], work))
             self.works = works[-1]
         self._path, self._places = [states[-1:]], self._places[-1:]
-
-
-class RK4Solver(GridSolver):
-    """The same with the classical Runge-Kutta method between the changes of contacts."""
-
-    phase_type = _RK4Phase

@@ -15,73 +15,65 @@ from ropefric.systems.press.transient.exact import HybridSolver, check_steps
 from ropefric.systems.press.transient.motion import (
     ElasticPress,
     Motion,
-    power_forms,
     starting_state,
     sticking,
 )
 
 
 class LinearStartUp:
-    """A start-up in which no belt slips or goes slack: dy/dt = A y + B u(t), and powers that are squares of it.
+    """A start-up in which no belt slips or goes slack: dy/dt = A y + B u(t).
 
     Attributes
     ----------
     n_state, start
         Size of the state y = (q, dq/dt), and y at t = 0.
-    forms
-        The powers, shape (6, n_w, n_w), see `power_forms`.
     scale
-        What counts as large for each state and work, for absolute tolerances, shape (n_state + 6,).
+        What counts as large for each state, for absolute tolerances, shape (n_state,).
     tension_scale
-        What changes a tension by as much as there is at rest, for each state; infinite for works. The tension is
-        T_0 + k (e + η de/dt): on a stiff, damped belt a speed that is small beside the drive's is a large tension, so
-        that an error of the states alone says little of the tensions.
+        What changes a tension by as much as there is at rest, for each state. The tension is T_0 + k (e + η de/dt): on
+        a stiff, damped belt a speed that is small beside the drive's is a large tension, so that an error of the states
+        alone says little of the tensions.
     """
 
     def __init__(self, model: ElasticPress, inputs: Inputs) -> None:
         self.model, self.inputs = model, inputs
         self.motion = Motion(model, sticking(model))
-        self.forms, self.start = power_forms(self.motion), starting_state(self.motion, inputs)
-        self.n_state, n_q = len(self.start), self.motion.n_coordinates
+        self.start = starting_state(self.motion, inputs)
+        self.n_state = len(self.start)
         way = float((model.preload_N / model.stiffness_N_m).max())
         speed = max(float(np.abs(inputs.taylor[:, SPEED, 0]).max()), 1e-3)
-        mass = float(model.roller_mass_kg.sum() + model.arc_mass_kg.sum())
-        self.scale = np.repeat([way, speed, 0.5 * mass * speed**2], [n_q, n_q, 6])
+        self.scale = np.repeat([way, speed], self.motion.n_coordinates)
         with np.errstate(divide="ignore"):
             ways = model.preload_N[:, np.newaxis] / np.abs(self.motion.tension_N[:, : self.n_state])
-        self.tension_scale = np.concatenate([ways.min(axis=0), np.full(6, np.inf)])
+        self.tension_scale = ways.min(axis=0)
+
+    @property
+    def matrix(self) -> FloatArray:
+        """Return A [1/s], shape (n_state, n_state)."""
+        return self.motion.derivative[:, : self.n_state]
 
     @property
     def eigenvalues(self) -> np.ndarray:
         """Return the eigenvalues of A [1/s]."""
-        return np.linalg.eigvals(self.motion.derivative[:, : self.n_state])
+        return np.linalg.eigvals(self.matrix)
 
     def rate(self, y: FloatArray, u: FloatArray) -> FloatArray:
-        """Return d(state, works)/dt, shape (n_state + 6,)."""
-        w = np.concatenate([y[: self.n_state], u])
-        return np.concatenate([self.motion.derivative @ w, (self.forms @ w) @ w])
-
-    def jacobian(self, y: FloatArray, u: FloatArray) -> FloatArray:
-        """Return the derivative of `rate` by (state, works), shape (n_state + 6, n_state + 6)."""
-        n = self.n_state
-        by_state = np.vstack(
-            [self.motion.derivative[:, :n], 2.0 * (self.forms @ np.concatenate([y[:n], u]))[:, :n]]
-        )
-        return np.pad(by_state, ((0, 0), (0, 6)))
+        """Return dy/dt, shape (n_state,)."""
+        return np.asarray(self.motion.derivative @ np.concatenate([y, u]))
 
 
-def _exact(problem: LinearStartUp, times_s: FloatArray, **_: object) -> FloatArray:
+def _exact(problem: LinearStartUp, times_s: FloatArray) -> FloatArray:
     """Take matrix exponentials: no error of discretisation at any stiffness, at the times asked for only."""
-    return np.hstack(HybridSolver(problem.model, problem.inputs, None, drags=False).run(times_s)[1:])
+    return HybridSolver(problem.model, problem.inputs, None, drags=False).run(times_s)[1]
 
 
 Advance = Callable[[int, float, FloatArray, FloatArray], FloatArray]
-"""(piece of the drive, its start, stops inside it, state and works at its start) to those at the stops."""
+"""(piece of the drive, its start, stops inside it, state at its start) to the states at the stops."""
 
 
 def _piece_by_piece(problem: LinearStartUp, times_s: FloatArray, advance: Advance) -> FloatArray:
-    """Carry state and works through the pieces of the drive, and return them at sorted times."""
-    y = np.concatenate([problem.start, np.zeros(6)])
+    """Carry the state through the pieces of the drive, and return it at sorted times."""
+    y = problem.start
     states = np.zeros((len(times_s), len(y)))
     states[times_s == 0.0] = y
     starts = problem.inputs.starts_s
@@ -105,18 +97,6 @@ def rk4_limit_s(eigenvalues: np.ndarray) -> float:
     return float(min(limits, default=np.inf))
 
 
-def check_stable(step_s: float, eigenvalues: np.ndarray, where: str = " for this press") -> None:
-    """Refuse a step at which the classical Runge-Kutta method amplifies a motion; return quietly otherwise."""
-    limit_s = rk4_limit_s(eigenvalues)
-    if not 0.0 < step_s <= limit_s:
-        raise SolverError(
-            f"the step of {step_s:.6g} s is not within RK4's limit of stability, {limit_s:.6g} s{where}",
-            code="RF524",
-            key="step_s",
-            fix=f"take {limit_s:.4g} s or less, or the integrator 'exact'",
-        )
-
-
 def _border(direction: complex) -> float:
     # |R|² − 1 is a polynomial in the distance; its root at 0 is divided out.
     series = direction ** np.arange(5) / np.array([1.0, 1.0, 2.0, 6.0, 24.0])
@@ -125,12 +105,16 @@ def _border(direction: complex) -> float:
     return float(real[real > 1.5].min()) if (real > 1.5).any() else 2.0 * np.sqrt(2.0)
 
 
-def _rk4(
-    problem: LinearStartUp, times_s: FloatArray, *, step_s: float | None = None, **_: object
-) -> FloatArray:
+def _rk4(problem: LinearStartUp, times_s: FloatArray, *, step_s: float) -> FloatArray:
     """Take the classical Runge-Kutta method with a fixed step, the paper's; an unstable step is refused."""
-    step_s = 0.1 * rk4_limit_s(problem.eigenvalues) if step_s is None else step_s
-    check_stable(step_s, problem.eigenvalues)
+    limit_s = rk4_limit_s(problem.eigenvalues)
+    if not 0.0 < step_s <= limit_s:
+        raise SolverError(
+            f"the step of {step_s:.6g} s is not within RK4's limit of stability, {limit_s:.6g} s for this press",
+            code="RF524",
+            key="step_s",
+            fix=f"take {limit_s:.4g} s or less",
+        )
     check_steps(float(times_s[-1]) / step_s)
 
     def advance(piece: int, start: float, stops: FloatArray, y: FloatArray) -> FloatArray:
@@ -164,10 +148,9 @@ def _adaptive(
     times_s: FloatArray,
     *,
     method: Literal["DOP853", "Radau", "LSODA"],
-    tolerance: float = 1e-6,
-    **_: object,
+    tolerance: float,
 ) -> FloatArray:
-    """Take a method of scipy; the implicit ones with the analytic Jacobian.
+    """Take a method of scipy; the implicit ones with A as their Jacobian.
 
     Steps are such that the tensions, too, are off by no more than some times the tolerance, however stiff the belt;
     where nothing damps it, errors add up over the periods.
@@ -186,7 +169,7 @@ def _adaptive(
 
         options: dict[str, Any] = {}
         if method != "DOP853":
-            options["jac"] = lambda t, y: problem.jacobian(y, problem.inputs.at(t, piece))
+            options["jac"] = lambda t, y: problem.matrix  # noqa: ARG005  (it is constant)
         found = solve_ivp(
             rate,
             (start, float(stops[-1])),
@@ -201,7 +184,7 @@ def _adaptive(
             raise SolverError(
                 f"{method} gave up at t = {found.t[-1] if found.t.size else start:.6g} s: {found.message}",
                 code="RF524",
-                fix="take the integrator 'exact'",
+                fix="take another method",
             )
         return np.asarray(found.y.T)
 
@@ -217,4 +200,4 @@ INTEGRATORS: dict[str, Callable[..., FloatArray]] = {
     "radau": partial(_adaptive, method="Radau"),  # implicit, fifth order: stiff, damped belts
     "lsoda": partial(_adaptive, method="LSODA"),  # multistep, changes between stiff and non-stiff by itself
 }
-"""Return states beside works at sorted times, shape (n_times, n_state + 6); each takes the settings it knows."""
+"""Return states at sorted times, shape (n_times, n_state)."""

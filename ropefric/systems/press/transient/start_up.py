@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,14 +14,12 @@ from scipy.interpolate import PPoly
 
 from ropefric.arrays import FloatArray
 from ropefric.errors import InputError, SolverError
-from ropefric.systems.checks import checked
 from ropefric.systems.friction import EVERYTHING, WrapFriction
 from ropefric.systems.press.machine import Press
 from ropefric.systems.press.slip import contacts_of, factor_in_motion
-from ropefric.systems.press.transient.capture import GridSolver, RK4Solver
+from ropefric.systems.press.transient.capture import GridSolver
 from ropefric.systems.press.transient.drives import SPEED, Inputs, Loads, press_inputs
-from ropefric.systems.press.transient.exact import Guard, HybridSolver, check_steps
-from ropefric.systems.press.transient.integrators import INTEGRATORS, LinearStartUp
+from ropefric.systems.press.transient.exact import Guard, HybridSolver
 from ropefric.systems.press.transient.motion import (
     MOVING,
     STICK,
@@ -49,7 +47,7 @@ class SlipInterval(NamedTuple):
 class Energies:
     """Works since the start and energies, each of shape (n_times,) [J], from states w and works (n_times, 6).
 
-    `residual` is what does not add up since the first time, zero but for rounding and the integrator's error;
+    `residual` is what does not add up since the first time, zero but for rounding and the solver's error;
     `relative_residual` its greatest over the greatest of all works and changes of energy [-].
     """
 
@@ -87,8 +85,8 @@ class Energies:
                 f"{worst}: from t = {times_s[broken[0]]:.6g} s on, by {wrong[worst].max():.3g} J"
                 f" of {self.scale_J:.3g} J",
                 code="RF524",
-                key="start_up.integrator",
-                fix="take the integrator 'exact' with slip, where drag opposes the motion and holds at rest",
+                key="start_up",
+                fix="check the loads, the drive and the masses, or simulate a shorter time",
             )
 
 
@@ -162,18 +160,16 @@ def start_up(
     slip: bool = True,
     loads: Loads = "with-speed",
     effects: Collection[str] = MOVING,
-    integrator: str = "exact",
     exact_switching: bool = True,
     regressors: frozenset[str] = EVERYTHING,
     follows: bool = False,
-    **settings: float | None,
 ) -> StartUp:
     """Return the start-up of a press from rest, eqs. (10)-(22) closed by elastic belts.
 
     The drivers follow `speed` exactly; span tensions are T_0 + Σ EA/L (e + η de/dt). Without friction no belt slips
-    and none goes slack, and the problem is linear, which is all that DOP853, Radau and LSODA solve. With
-    friction and `slip` a belt does not push, a roller takes no more than T'_tight = T'_slack e^M with what accelerating
-    the belt adds, and drag opposes the motion and holds at rest; between two changes of these the solution is exact.
+    and none goes slack, and the problem is linear. With friction and `slip` a belt does not push, a roller takes no
+    more than T'_tight = T'_slack e^M with what accelerating the belt adds, and drag opposes the motion and holds at
+    rest; between two changes of these the solution is exact.
     Without slip that is so where the linear model would let its loads drive the press by a thousandth of the energy. A
     start-up in which something that only takes energy drives the press is refused.
     """
@@ -181,28 +177,23 @@ def start_up(
     model = ElasticPress(press, effects=effects)
     inputs = press_inputs(model.overspeed, speed, loads)
     limit = None if friction is None else friction_limit(model, friction, regressors)
-    slips = limit is not None and slip and integrator in {"exact", "rk4"}
+    slips = limit is not None and slip
     if slips:
         _refuse_light_belts(model)
 
     following = _following(model, friction, regressors) if follows else None
     exponents, follow = following or (None, None)
-    how: dict[str, Any] = {"limit": limit if slips else None, "follow": follow, **settings}
-    *attempts, last = (
-        _ways(model, inputs, times, integrator, in_grid=not exact_switching, **how)
-        if slips or integrator == "exact"
-        else [(partial(_stepped, model, inputs, times, integrator, **settings), _LINEAR_CLOSES)]
-    )
+    solvers = _solvers(model, inputs, times, limit if slips else None, follow, in_grid=not exact_switching)
 
-    def made(solve: Callable[[], Solved], share: float) -> StartUp:
-        found = _histories(model, inputs, limit, times, solve(), exponents=exponents)
+    def made(solver: HybridSolver, share: float) -> StartUp:
+        found = _histories(limit, times, solver, exponents=exponents)
         found.energy.check(times, share, loads_take=bool((press.rim_load_N[model.driven] >= 0.0).all()))
         return found
 
-    for solve, share in attempts:
+    for solver, share in solvers[:-1]:
         with suppress(SolverError):
-            return made(solve, share)
-    return made(*last)
+            return made(solver, share)
+    return made(*solvers[-1])
 
 
 def _refuse_light_belts(model: ElasticPress) -> None:
@@ -214,47 +205,24 @@ def _refuse_light_belts(model: ElasticPress) -> None:
         )
 
 
-_Way: TypeAlias = tuple[Callable[[], "Solved"], float]
-"""A way of solving a start-up, and the share of the energy that may be missing from what it finds."""
-
-
-def _ways(
+def _solvers(
     model: ElasticPress,
     inputs: Inputs,
     times_s: FloatArray,
-    integrator: str,
-    *,
-    in_grid: bool,
     limit: FrictionLimit | None,
     follow: Callable[[FloatArray], FrictionLimit] | None,
-    **settings: float | None,
-) -> list[_Way]:
-    """Return the ways of solving a start-up, the quickest first; the last one settles it."""
-    if integrator == "rk4":
-        stepped = RK4Solver(model, inputs, limit, follow=follow)
-        stepped.steps = _rk4_steps(times_s, settings.get("step_s"))
-        return [(partial(_solved, stepped, times_s), GRID_ERROR)]
-    found: list[_Way] = []
+    *,
+    in_grid: bool,
+) -> list[tuple[HybridSolver, float]]:
+    """Return the solvers to try, the quickest first, and the share of the energy that each may miss."""
+    found: list[tuple[HybridSolver, float]] = []
     if limit is None:
         # The linear model, as long as no load drives it.
-        linear = HybridSolver(model, inputs, None, drags=False)
-        found.append((partial(_solved, linear, times_s), _LINEAR_CLOSES))
+        found.append((HybridSolver(model, inputs, None, drags=False), _LINEAR_CLOSES))
     elif in_grid and _even(times_s):
         # Where no grid is fine enough, or what it finds does not add up, the exact moments are searched for.
-        grid = GridSolver(model, inputs, limit, follow=follow)
-        found.append((partial(_solved, grid, times_s), GRID_ERROR))
-    exact = HybridSolver(model, inputs, limit, follow=follow)
-    return [*found, (partial(_solved, exact, times_s), _CLOSES)]
-
-
-def _stepped(
-    model: ElasticPress, inputs: Inputs, times_s: FloatArray, integrator: str, **settings: float | None
-) -> "Solved":
-    """Return the motion of the linear model by an integrator that knows no changes of contact."""
-    problem = LinearStartUp(model=model, inputs=inputs)
-    found = INTEGRATORS[integrator](problem, times_s, **settings)
-    states, works = np.split(found, [problem.n_state], axis=1)
-    return [problem.motion] * len(times_s), states, works, []
+        found.append((GridSolver(model, inputs, limit, follow=follow), GRID_ERROR))
+    return [*found, (HybridSolver(model, inputs, limit, follow=follow), _CLOSES)]
 
 
 def _following(
@@ -271,13 +239,10 @@ def _following(
     return exponents, partial(friction_limit, model, friction, regressors)
 
 
-Solved: TypeAlias = tuple[list[Motion], FloatArray, FloatArray, Sequence[tuple[float, Guard]]]
-
-
-def _solved(solver: HybridSolver, times_s: FloatArray) -> Solved:
+def _solved(solver: HybridSolver, times_s: FloatArray) -> tuple[list[Motion], FloatArray, FloatArray]:
     try:
         with np.errstate(over="raise", invalid="raise"):
-            return (*solver.run(times_s), solver.changes)
+            return solver.run(times_s)
     except FloatingPointError:
         raise SolverError(
             "the motion grows beyond all numbers",
@@ -289,19 +254,6 @@ def _solved(solver: HybridSolver, times_s: FloatArray) -> Solved:
 
 GRID_ERROR = 5e-3
 """Largest effect of contact changes that are caught on a grid."""
-
-
-def _rk4_steps(times_s: FloatArray, step_s: float | None) -> int:
-    """Return how many steps of the classical Runge-Kutta method, no longer than asked for, lead from time to time."""
-    if not _even(times_s):
-        message = "RK4 with slip needs evenly spaced times from 0 on"
-        raise InputError(message, key="time_s", fix="take the integrator 'exact'")
-    step_s = _RK4_STEP_S if step_s is None else float(checked("step_s", step_s))
-    check_steps(float(times_s[-1]) / step_s)
-    return math.ceil(float(times_s[1]) / step_s * (1.0 - 1e-9))
-
-
-_RK4_STEP_S = 2e-4
 
 
 def _even(times_s: FloatArray) -> bool:
@@ -344,16 +296,15 @@ def largest_difference(found: StartUp, other: StartUp) -> float:
 
 
 def _histories(
-    model: ElasticPress,
-    inputs: Inputs,
     limit: FrictionLimit | None,
     times: FloatArray,
-    solution: Solved,
+    solver: HybridSolver,
     *,
     exponents: Callable[[FloatArray], FloatArray] | None,
 ) -> StartUp:
     """Return what states and modes at the times asked for mean for the press; `exponents` where friction follows."""
-    press, (motions, states, works, changes) = model.press, solution
+    (motions, states, works), model, inputs = _solved(solver, times), solver.model, solver.inputs
+    press = model.press
     slips = motions[0].limit is not None
     w = np.hstack([states, inputs.at(times)])
     chosen: dict[Motion, list[int]] = defaultdict(list)
@@ -414,7 +365,7 @@ def _histories(
         utilisation=utilisation,
         as_printed=as_printed,
         energy=Energies(first, w, works),
-        slips=_slip_intervals([roller.name for roller in press.rollers], changes, float(times[-1])),
+        slips=_slip_intervals([roller.name for roller in press.rollers], solver.changes, float(times[-1])),
         settled=None if at_end.any() else settled(model, final_m_s, slip_m[-1]),
         at_end=at_end,
     )

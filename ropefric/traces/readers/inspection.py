@@ -103,7 +103,7 @@ def inspect_file(
 
     def look(file: InputFile) -> Inspection:
         source = Source(path=Path(path), shown=shown, file=file)
-        reader = find_reader(source.path, known, shown_as=shown, source=source)
+        reader = find_reader(source.path, known, source)
         if reader.name not in TEXT_FORMATS:
             found = Inspection(file=shown, format=reader.name, profile=replace(known, format=reader.name))
             return _tried(_summarise(found, reader.tables(source, known)), source)
@@ -183,7 +183,7 @@ def _tried(found: Inspection, source: Source) -> Inspection:
         return found
     profile, signals = as_signals(found.profile)
     try:
-        raws = find_reader(source.path, profile, source=source).read(source, profile)
+        raws = find_reader(source.path, profile, source).read(source, profile)
         traces = [trace_as_it_is(raw, profile) for raw in raws]
     except DataError as error:
         fix = f" ({error.fix})" if error.fix else ""

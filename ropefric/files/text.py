@@ -68,8 +68,7 @@ class Source:
             fix = "rename the file without .gz, or copy it again"
             raise self.error("the name ends in .gz, but the content is not gzip", fix=fix)
         if self.most_bytes:
-            size = min(abs(self.most_bytes), self.file.size)
-            return iter((self.file.part(0 if self.most_bytes > 0 else self.file.size - size, size),))
+            return iter((self.file.part(0, min(self.most_bytes, self.file.size)),))
         return self.file.blocks()
 
     def _gunzipped(self) -> Iterator[bytes]:
@@ -331,7 +330,7 @@ def _clean_blocks(blocks: Iterable[bytes], encoding: str, source: Source) -> Ite
         if whole:
             yield Block(line, _without_zeros(whole, line, source), 0)
             line += whole.count(b"\n")
-    if rest and source.most_bytes <= 0:  # where a part ends, a line is cut
+    if rest and not source.most_bytes:  # where a part ends, a line is cut
         last = rest.removesuffix(b"\r") + (b"\n" if rest.endswith(b"\r") else b"")
         yield Block(line, _without_zeros(last, line, source), 0)
 

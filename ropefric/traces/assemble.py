@@ -68,12 +68,6 @@ def assemble_trace(
         raise refuse(problem.message, problem.code, problem.key or "counts", problem.fix) from None
     pull, slack = found[_PULL], found[_SLACK]
     assert pull is not None  # noqa: S101  (there is a force, or it was refused)
-    end: dict[str, Any] = {}
-    if slack is not None:
-        end = {
-            "end_tension_N": placed(slack.signal, pull.signal.time_s),
-            "end_calibration": slack.calibration,
-        }
     return ForceTrace(
         time_s=sealed(pull.signal.time_s),
         force_N=sealed(pull.signal.values),
@@ -83,7 +77,8 @@ def assemble_trace(
         tare_N=pull.tare_N,
         doubts=tuple(replace(doubt, path=raw.source) for doubt in doubts),
         calibration=pull.calibration,
-        **end,
+        end_tension_N=None if slack is None else placed(slack.signal, pull.signal.time_s),
+        end_calibration=None if slack is None else slack.calibration,
         **pull.more,
     )
 

@@ -365,15 +365,11 @@ def tare_from_interval(
     if not start_s < end_s:
         message = f"the tare interval from {start_s:g} s to {end_s:g} s is empty"
         raise InputError(message, code="RF212", key="tare", fix="write its start before its end")
-    time_s = np.asarray(time_s, dtype=np.float64)
     slack_s = 0.1 * (end_s - start_s)
-    if time_s.size == 0 or start_s < time_s[0] - slack_s or end_s > time_s[-1] + slack_s:
-        covered = f"{time_s[0]:g} s to {time_s[-1]:g} s" if time_s.size else "which is empty"
+    if start_s < time_s[0] - slack_s or end_s > time_s[-1] + slack_s:
+        covered = f"{time_s[0]:g} s to {time_s[-1]:g} s"
         message = f"the tare interval from {start_s:g} s to {end_s:g} s is not in the recording, {covered}"
         raise DataError(message, code="RF212", key="tare", fix="name an interval inside the recording")
-    counts = np.asarray(counts)
-    if counts.shape != time_s.shape:
-        raise InputError(f"{counts.size} counts for {time_s.size} time stamps", code="RF212")
     first, stop = np.searchsorted(time_s, start_s, side="left"), np.searchsorted(time_s, end_s, side="right")
     return calibration.with_tare(counts[first:stop])
 
@@ -422,27 +418,14 @@ def chain_quantities(force_N: float, calibration: Calibration) -> tuple[Quantity
     # Half a count, u = LSB/√12. Averaging reduces it only where noise dithers the converter, and a peak is
     # no place to rely on that: it stays whole.
     if calibration.adc:
-        named: dict[str, Any] = {"name": "resolution", "symbol": "δ_q", "unit": "N", "estimate": 0.0}
-        step: dict[str, Any] = {"divisor": math.sqrt(12.0), "distribution": "rectangular"}
-        found.append(Quantity(**named, stated=calibration.lsb_N, **step))
+        step_N, width = calibration.lsb_N, math.sqrt(12.0)
+        found.append(Quantity("resolution", "δ_q", "N", step_N, divisor=width, distribution="rectangular"))
     if line.n:
-        std_N, dof = 0.0, math.inf
-        if line.n > 2:
-            # The line saw the rope rig's untared reading, not the force after the tare.
-            distance_N = force_N + calibration.tare_N - line.mean_N
-            std_N = line.scatter_N * math.sqrt(1.0 + 1.0 / line.n + distance_N**2 / line.squares_N2)
-            dof = line.dof
-        found.append(
-            Quantity(
-                name="calibration line",
-                symbol="δ_cal",
-                unit="N",
-                estimate=0.0,
-                stated=std_N,
-                type="A",
-                dof=dof,
-            )
-        )
+        # The line saw the rope rig's untared reading, not the force after the tare.
+        distance_N = force_N + calibration.tare_N - line.mean_N
+        std_N = line.scatter_N * math.sqrt(1.0 + 1.0 / line.n + distance_N**2 / line.squares_N2)
+        dof = line.dof if line.n > 2 else math.inf
+        found.append(Quantity("calibration line", "δ_cal", "N", std_N, type="A", dof=dof))
     return tuple(found)
 
 

@@ -4,8 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ropefric.arrays import BoolArray, FloatArray
+from ropefric.arrays import BoolArray, FloatArray, median
 from ropefric.errors import DataError
+from ropefric.glossary import counted
 
 GAP_STEPS = 5.0
 """A step longer than this many median steps is a gap [-]."""
@@ -75,16 +76,20 @@ def mend_clock(
             twice[1:] &= (before == after) | (np.isnan(before) & np.isnan(after))
         # In an idle stretch even rounded stamps meet equal values; copies are copies only if all of them are.
         if others and twice.sum() == np.count_nonzero(steps_s == 0):
-            notes.append(f"{_samples(int(twice.sum()))} written twice; the copies were dropped")
+            notes.append(f"{counted(int(twice.sum()), 'sample')} written twice; the copies were dropped")
             index = index[~twice]
     mended_s = time_s[index]
     repeated = np.concatenate(([False], np.diff(mended_s) == 0))
     n_repeated = int(repeated.sum())
     if n_repeated > MAX_REPEATED_SHARE * index.size:
         mended_s = _spread(mended_s, repeated, lambda at, *text, **fix: refuse(int(index[at]), *text, **fix))
-        notes.append(f"{_samples(n_repeated)} with a rounded time stamp; spread evenly between the stamps")
+        notes.append(
+            f"{counted(n_repeated, 'sample')} with a rounded time stamp; spread evenly between the stamps"
+        )
     elif n_repeated:
-        notes.append(f"{_samples(n_repeated)} with a repeated time stamp; only the first of each was kept")
+        notes.append(
+            f"{counted(n_repeated, 'sample')} with a repeated time stamp; only the first of each was kept"
+        )
         index, mended_s = index[~repeated], mended_s[~repeated]
     keep = np.zeros(time_s.size, dtype=np.bool_)
     keep[index] = True
@@ -120,7 +125,7 @@ def _spread(time_s: FloatArray, repeated: BoolArray, refuse: Callable[..., DataE
     if not steps_s.size or not on_lattice or sizes[longest] > _MAX_GROUP * sizes.mean() + 1:
         raise refuse(
             int(starts[longest]),
-            f"shares its time stamp {stamps_s[longest]:.9g} s with {_samples(int(sizes[longest]) - 1)}; "
+            f"shares its time stamp {stamps_s[longest]:.9g} s with {counted(int(sizes[longest]) - 1, 'sample')}; "
             f"{int(repeated.sum())} of {time_s.size} stamps repeat, and not as rounding would repeat them",
             fix=_BY_RATE,
         )
@@ -136,6 +141,11 @@ def _spread(time_s: FloatArray, repeated: BoolArray, refuse: Callable[..., DataE
     return mended_s
 
 
+def mean_step_s(steps_s: FloatArray) -> float:
+    """Return the mean step of a clock without its gaps [s]; rounded stamps do not change it."""
+    return float(steps_s[steps_s <= GAP_STEPS * median(steps_s)].mean())
+
+
 def _gap_notes(time_s: FloatArray, steps_s: FloatArray) -> tuple[str, ...]:
     # The median is at least the minimum, so this cheap test can only say "perhaps".
     if steps_s.size < 2 or steps_s.max() <= GAP_STEPS * steps_s.min():
@@ -145,9 +155,4 @@ def _gap_notes(time_s: FloatArray, steps_s: FloatArray) -> tuple[str, ...]:
         return ()
     longest = int(gaps[np.argmax(steps_s[gaps])])
     gap_s, after_s = steps_s[longest], time_s[longest]
-    number = f"{gaps.size} gap{'s' if gaps.size > 1 else ''}"
-    return (f"{number} in time; the longest is {gap_s:.4g} s after {after_s:.6g} s",)
-
-
-def _samples(n: int) -> str:
-    return f"{n} sample{'s' if n != 1 else ''}"
+    return (f"{counted(gaps.size, 'gap')} in time; the longest is {gap_s:.4g} s after {after_s:.6g} s",)

@@ -209,24 +209,8 @@ def find_stuck(values: FloatArray, step: float, noise: float) -> IntArray:
         return runs
     changed = np.diff(values, prepend=values[0])
     longest = np.sort(np.argsort(runs[:, 0] - runs[:, 1], kind="stable")[:_MOST])
-    candidates = runs[longest][_may_be_stuck(runs[longest], changed)]
-    stuck = [run for run in candidates if _is_stuck(values, changed, runs, run, (step, noise))]
+    stuck = [run for run in runs[longest] if _is_stuck(values, changed, runs, run, (step, noise))]
     return np.asarray(np.array(stuck, dtype=np.int64).reshape(-1, 2))
-
-
-def _may_be_stuck(runs: IntArray, changed: FloatArray) -> BoolArray:
-    """Return which runs are long, or too long for the liveliest of their two sides: a quick look at all of them."""
-    so_far = np.concatenate([[0], np.cumsum(changed != 0.0)])
-    start, stop = runs.T
-    n_around = np.maximum(_AROUND, stop - start)
-    before, after = np.maximum(0, start - n_around), np.minimum(changed.size, stop + n_around)
-    shares = (
-        (so_far[start] - so_far[before]) / np.maximum(1, start - before),
-        (so_far[after] - so_far[np.minimum(stop + 1, after)]) / np.maximum(1, after - stop - 1),
-    )
-    share = np.clip(np.maximum(*shares), 0.0, 0.95)
-    chance = changed.size * (1.0 - share**2) ** (stop - start)
-    return np.asarray((stop - start >= _FEWEST) | ((share >= _LIVELY) & (chance < _CHANCE)))
 
 
 def _is_stuck(

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ropefric.arrays import FloatArray, median
-from ropefric.errors import InputError
 from ropefric.traces.breakaway import Breakaway, Phase, PickSettings, Status
 from ropefric.traces.clock import GAP_STEPS
 from ropefric.traces.segments import TINY, Prepared, Sliding, kinetic
@@ -311,8 +310,7 @@ def window_bias_N(loading_rate_N_s: float, window_s: float, step_s: float) -> fl
     The window that lies wholly on the ramp and ends at its top has its mean half a window earlier:
     −rate (w − step)/2, to first order. Zero for a window of one sample.
     """
-    rate, beyond_s = max(float(loading_rate_N_s), 0.0), max(float(window_s) - float(step_s), 0.0)
-    return _finite(-rate * (beyond_s / 2.0), "bias", rate, beyond_s)
+    return -max(loading_rate_N_s, 0.0) * (max(window_s - step_s, 0.0) / 2.0)
 
 
 def choose_window(loading_rate_N_s: float, noise_std_N: float, step_s: float, *, longest_s: float) -> float:
@@ -320,20 +318,8 @@ def choose_window(loading_rate_N_s: float, noise_std_N: float, step_s: float, *,
 
     Minimises (rate·w/2)² + σ²·step/w, whose minimum is at w³ = 2 σ² step / rate².
     """
-    if not (0 < step_s < math.inf and 0 <= noise_std_N < math.inf):
-        why = f"a step of {step_s} s with noise of {noise_std_N} N makes no sense"
-        raise InputError(why, code="RF220", fix="give a positive step and a noise of zero or more")
-    rate = max(float(loading_rate_N_s), 0.0)
     wanted_s = longest_s
-    if rate > 0:
-        noise_s = float(noise_std_N) / rate  # squares of the two alone may leave the range of a float
-        wanted_s = min(longest_s, math.cbrt(2.0 * noise_s * noise_s * float(step_s)))
-    return _finite(window_samples(wanted_s, step_s) * float(step_s), "window", wanted_s, step_s)
-
-
-def _finite(value: float, what: str, *of: float) -> float:
-    if not math.isfinite(value):
-        numbers = " and ".join(f"{number:g}" for number in of)
-        why = f"the {what} is {value:g}: {numbers} are beyond what a float holds"
-        raise InputError(why, code="RF220", fix="check the units")
-    return value
+    if loading_rate_N_s > 0:
+        noise_s = noise_std_N / loading_rate_N_s  # squares of the two alone may leave the range of a float
+        wanted_s = min(longest_s, math.cbrt(2.0 * noise_s * noise_s * step_s))
+    return window_samples(wanted_s, step_s) * step_s

@@ -8,7 +8,7 @@ import numpy as np
 from ropefric.arrays import FloatArray, IntArray, median, sealed
 from ropefric.errors import DataError, InputError
 from ropefric.quantities import is_unit_of, scaled_by, si_unit_of, unit_factor
-from ropefric.traces.clock import GAP_STEPS, mend_clock
+from ropefric.traces.clock import mean_step_s, mend_clock
 from ropefric.traces.formulas import evaluate_derived
 from ropefric.traces.readers.profile import ImportProfile, RawRecording
 
@@ -166,8 +166,7 @@ def _compare_rates(time_s: FloatArray, raw: RawRecording, profile: ImportProfile
     stated_Hz, steps_s = profile.sampling_rate_Hz or raw.rate_Hz, np.diff(time_s)
     if not stated_Hz or not steps_s.size:
         return
-    # The mean step sees through rounded stamps, but a gap would spoil it.
-    found_Hz = 1.0 / float(steps_s[steps_s <= GAP_STEPS * median(steps_s)].mean())
+    found_Hz = 1.0 / mean_step_s(steps_s)
     if abs(found_Hz / stated_Hz - 1.0) <= RATE_TOLERANCE:
         return
     where, key = "the profile", "[import] sampling_rate"

@@ -15,8 +15,6 @@ from ropefric.errors import InputError
 from ropefric.shown import Shown
 from ropefric.traces.trace import ForceTrace
 
-_LARGEST = 1e290
-"""The sum of 10^18 such numbers is still a float."""
 _MOST_SAMPLES = 2**52
 _PIECE = 2**22
 _SUCH_AS = 'give a window such as "10 ms"'
@@ -47,7 +45,9 @@ class SmoothedForce(Shown):
 
 def window_samples(window_s: float, step_s: float) -> int:
     """Return the odd number of samples that lie within half a window of their middle."""
-    _refuse_window(window_s, step_s)
+    if not (0 <= window_s < np.inf and 0 < step_s < np.inf):
+        why = f"a smoothing window of {window_s} s at a step of {step_s} s makes no sense"
+        raise InputError(why, code="RF220", fix=_SUCH_AS)
     n_half = float(window_s) / float(step_s) / 2 if step_s >= 1e-300 else np.inf
     if not n_half < _MOST_SAMPLES:
         why = f"a smoothing window of {window_s:g} s holds too many steps of {step_s:g} s to be counted"
@@ -56,23 +56,17 @@ def window_samples(window_s: float, step_s: float) -> int:
 
 
 def average_over_samples(values: npt.ArrayLike, n_window: int) -> FloatArray:
-    """Return the centred mean over `n_window` samples.
+    """Return the centred mean over `n_window` samples, an odd number.
 
     Near the ends the window shrinks on both sides alike, so a straight line stays a straight line up to its last
     sample; nothing is padded. Missing samples (NaN) are left out of the means.
     """
     values = np.asarray(values, dtype=np.float64)
-    if n_window < 1 or n_window % 2 == 0:
-        why = f"a window of {n_window} samples is not odd and positive"
-        raise InputError(why, code="RF220", fix="use 1, 3, 5, …")
-    _refuse_infinite(values)
-    if n_window == 1 or values.size == 0:
-        return values.copy()
     missing = np.isnan(values)
+    if n_window == 1 or missing.all():
+        return values.copy()
     if not missing.any():
         return _centred_mean(values, n_window)
-    if missing.all():
-        return values.copy()
     # The mean of what is there = smoothed values / smoothed presence; relative to a level, so that large common
     # offsets do not eat the digits.
     level = float(values[~missing][0])
@@ -107,29 +101,16 @@ def _centred_mean(values: FloatArray, n_window: int) -> FloatArray:
     return result
 
 
-def average_over_time(time_s: npt.ArrayLike, values: npt.ArrayLike, window_s: float) -> FloatArray:
-    """Return the centred mean over a time window, for samples at irregular times.
+def average_over_time(time_s: FloatArray, values: FloatArray, window_s: float) -> FloatArray:
+    """Return the centred mean over a time window, for samples at irregular times, which increase.
 
     A window that would reach beyond the first or last sample shrinks on both sides alike.
     """
-    time_s = np.asarray(time_s, dtype=np.float64)
-    values = np.asarray(values, dtype=np.float64)
-    _refuse_infinite(values)
-    _refuse_window(window_s)
-    _refuse_infinite(time_s)
-    if time_s.shape != values.shape or not (np.diff(time_s) >= 0).all() or np.isnan(time_s).any():
-        why = f"{time_s.shape} times for {values.shape} samples"
-        fix = "sort and mend the time stamps first (in Python: ropefric.traces.clock.mend_clock)"
-        raise InputError(
-            f"{why}: as many times as samples, increasing, are needed", code="RF202", key="time_s", fix=fix
-        )
-    if values.size == 0:
-        return values.copy()
-    half = np.minimum(window_s / 2, np.minimum(time_s - time_s[0], time_s[-1] - time_s))
-    half *= 1 + 1e-9  # stamps that lie on the window's edge up to rounding belong to it
     missing = np.isnan(values)
     if missing.all():
         return values.copy()
+    half = np.minimum(window_s / 2, np.minimum(time_s - time_s[0], time_s[-1] - time_s))
+    half *= 1 + 1e-9  # stamps that lie on the window's edge up to rounding belong to it
     level = float(values[~missing][0])
     first = np.searchsorted(time_s, time_s - half, side="left")
     stop = np.searchsorted(time_s, time_s + half, side="right")
@@ -164,18 +145,3 @@ def is_uniform(time_s: FloatArray) -> bool:
     steps_s = np.diff(time_s)
     mean_s = float(time_s[-1] - time_s[0]) / steps_s.size
     return bool(steps_s.max() < 1.5 * mean_s and steps_s.min() > 0.5 * mean_s)
-
-
-def _refuse_window(window_s: float, step_s: float = 1.0) -> None:
-    if not (0 <= window_s < np.inf and 0 < step_s < np.inf):
-        why = f"a smoothing window of {window_s} s at a step of {step_s} s makes no sense"
-        raise InputError(why, code="RF220", fix=_SUCH_AS)
-
-
-def _refuse_infinite(values: FloatArray) -> None:
-    too_large = (values > _LARGEST) | (values < -_LARGEST)
-    if too_large.any():
-        index = int(np.argmax(too_large))
-        what = "infinite" if np.isinf(values[index]) else f"{values[index]:g}: sums of such numbers overflow"
-        why = f"sample {index} (the first is 0) is {what}"
-        raise InputError(why, code="RF221", fix="mark it as missing (NaN)")

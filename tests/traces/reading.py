@@ -1,6 +1,4 @@
-"""Files read to traces, refused ones, and packages that are not there."""
-
-import builtins
+"""Files read to traces, and refused ones."""
 
 import pytest
 
@@ -21,15 +19,3 @@ def refused(path, **keys):
     with pytest.raises(DataError) as caught:
         read(path, **keys)
     return caught.value
-
-
-def hide(monkeypatch, packages):
-    """Let some packages not be installed."""
-    real = builtins.__import__
-
-    def importing(name, *args, **kwargs):
-        if name.split(".")[0] in packages:
-            raise ImportError(name)
-        return real(name, *args, **kwargs)
-
-    monkeypatch.setattr(builtins, "__import__", importing)

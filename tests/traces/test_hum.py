@@ -35,7 +35,7 @@ def test_hum_is_found_and_taken_out(mains_Hz):
         assert np.sqrt(np.mean((found.force_N - force_N) ** 2)) < 0.12 * amplitude_N
 
 
-@pytest.mark.parametrize("amplitude_N", [0.3, 1.0, 3.0])
+@pytest.mark.parametrize("amplitude_N", [0.3, 3.0])
 def test_the_force_is_right_whatever_the_phase_of_the_hum(amplitude_N):
     """The crest of the hum was picked: three newtons too much of a hundred, with an uncertainty of a tenth."""
     errors = []

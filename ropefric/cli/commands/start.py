@@ -124,7 +124,7 @@ def inspect(
     write_profile: Path | None = option("PATH", "Write the suggested [import] section there."),
     force: bool = flag("--force", "Write over a file that is already there."),
     profile_file: Path | None = option("PATH", "Try the [import] section of this TOML file.", "--profile"),
-    everything: bool = flag("--all", "Read a large text whole, not only its first and last megabyte."),
+    everything: bool = flag("--all", "Read a large text whole, not only its first megabyte."),
     memory: Number = quantity("--memory", "byte", "Most memory that reading it may take [2 GB]."),
     time: Number = quantity("--time", "s", "Most time that reading it may take [120 s]."),
 ) -> Answer:

@@ -28,14 +28,12 @@ READERS: Registry[Reader] = Registry(
 """Every reader by name."""
 
 
-def find_reader(
-    path: str | PurePath, profile: ImportProfile, *, shown_as: str = "", source: Source | None = None
-) -> Reader:
+def find_reader(path: str | PurePath, profile: ImportProfile, source: Source | None = None) -> Reader:
     """Return the reader of a file: the profile's format, else by the end of its name, and among texts by its head."""
     if profile.format != "auto":
         reader = READERS[profile.format]
     else:
-        reader = _by_ending(path, shown_as or str(path), is_plain=source is not None and is_text(source))
+        reader = _by_ending(path, source)
         if reader is DELIMITED and source is not None:
             head = first_lines(source)
             knowing = (other for other in READERS.values() if other.recognises and other.recognises(head))
@@ -43,9 +41,9 @@ def find_reader(
     return several.WIDE if reader is DELIMITED and profile.block_columns > 0 else reader
 
 
-def _by_ending(path: str | PurePath, shown: str, *, is_plain: bool) -> Reader:
+def _by_ending(path: str | PurePath, source: Source | None) -> Reader:
     """Return the first reader that knows the end of a file's name; of any other text, the one of plain tables."""
-    name = PurePath(path).name.lower()
+    name, is_plain = PurePath(path).name.lower(), source is not None and is_text(source)
     for reader in READERS.values():
         if name.endswith(reader.suffixes) and not (is_plain and reader is excel.READER):  # text called .xls
             return reader
@@ -54,7 +52,8 @@ def _by_ending(path: str | PurePath, shown: str, *, is_plain: bool) -> Reader:
     endings = ", ".join(suffix for reader in READERS.values() for suffix in reader.suffixes)
     why = f"no reader is known for files that end in {PurePath(path).suffix or 'nothing'!r}"
     fix = f'name the format, for example format = "delimited"; known: {", ".join(READERS)}'
-    raise DataError(f"{why}; known endings: {endings}", path=shown, key="[import] format", fix=fix)
+    where = source.shown if source else str(path)
+    raise DataError(f"{why}; known endings: {endings}", path=where, key="[import] format", fix=fix)
 
 
 def read_recordings(
@@ -65,6 +64,6 @@ def read_recordings(
 
     def read(opened: InputFile) -> tuple[RawRecording, ...]:
         source = Source(path=Path(path), shown=shown, file=opened)
-        return find_reader(path, profile, shown_as=shown, source=source).read(source, profile)
+        return find_reader(path, profile, source).read(source, profile)
 
     return use_file(path, read, shown=shown) if file is None else read(file)

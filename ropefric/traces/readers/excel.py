@@ -3,8 +3,6 @@
 import csv
 import datetime as dt
 import io
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -18,12 +16,9 @@ from ropefric.traces.readers.table import (
     Table,
     check_choice,
     foreign,
-    needs_package,
+    package,
     recordings_among,
 )
-
-ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!")
-"""Cells whose formula failed; they hold no value, and python-calamine shows them empty."""
 
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
@@ -68,9 +63,11 @@ def _grids(source: Source, table: str = "") -> dict[str, _Grid]:
     raw = io.BytesIO(source.raw_bytes())
     fix = "save it again as .xlsx or .csv, or name its format in [import] format"
     with foreign(source, "this is not a readable sheet", fix):
-        sheets, rows_of = _open(raw, source)
-        check_choice(table, sheets, "sheet", source)
-        grids = {name: [list(row) for row in rows_of(name)] for name in ([table] if table else sheets)}
+        book = package("python_calamine", "sheets", source).CalamineWorkbook.from_filelike(raw)
+        check_choice(table, book.sheet_names, "sheet", source)
+        sheets = {name: book.get_sheet_by_name(name) for name in ([table] if table else book.sheet_names)}
+        # From the first row on, so that row numbers are those the sheet shows; a formula that failed is an empty cell.
+        grids = {name: sheet.to_python(skip_empty_area=False) for name, sheet in sheets.items()}
     for grid in grids.values():
         while grid and not any(map(_text, grid[-1])):
             grid.pop()
@@ -97,23 +94,7 @@ def _with_clock(cell: Any) -> Any:
 
 
 def _text(cell: Any) -> str:
-    return "" if cell is None or cell in ERRORS else str(cell).strip()
-
-
-def _open(raw: io.BytesIO, source: Source) -> tuple[Sequence[str], Callable[[str], Iterable[Sequence[Any]]]]:
-    """Return the names of a book's sheets, and a way to the rows of each, by whichever package there is."""
-    with suppress(ImportError):
-        from python_calamine import CalamineWorkbook  # noqa: PLC0415  (an extra that is not always there)
-
-        book = CalamineWorkbook.from_filelike(raw)
-        # From the first row on, so that row numbers are those the sheet shows.
-        return book.sheet_names, lambda name: book.get_sheet_by_name(name).to_python(skip_empty_area=False)
-    try:
-        from openpyxl import load_workbook  # noqa: PLC0415  (an extra that is not always there)
-    except ImportError:
-        raise needs_package("sheets needs the package python-calamine or openpyxl", source) from None
-    pages = load_workbook(raw, read_only=True, data_only=True)
-    return pages.sheetnames, lambda name: pages[name].iter_rows(values_only=True)
+    return "" if cell is None else str(cell).strip()
 
 
 READER = Reader(

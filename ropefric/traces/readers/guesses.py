@@ -243,10 +243,8 @@ def guess_meaning(table: Table, values: Values, known: ImportProfile) -> Guess:
 
 def index_of(table: Table, channel: Channel) -> int | None:
     """Return the column of a channel, None where there is not exactly one."""
-    if isinstance(channel.column, int):
-        return channel.column - 1 if 1 <= channel.column <= len(table.names) else None
-    names = [name.strip() for name in table.names]
-    return names.index(channel.column.strip()) if names.count(channel.column.strip()) == 1 else None
+    hits = table.hits(channel.column)
+    return hits[0] if len(hits) == 1 else None
 
 
 def unit_of(table: Table, channel: Channel) -> str:

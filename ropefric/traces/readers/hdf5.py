@@ -1,7 +1,7 @@
 """HDF5: data sets as columns, called by their paths; needs the extra `lab`."""
 
 import io
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ from ropefric.traces.readers.table import (
     array_table,
     check_choice,
     foreign,
-    needs_package,
+    package,
     recordings_among,
     seconds_from_first,
 )
@@ -43,10 +43,7 @@ class _Column(NamedTuple):
 
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return the data sets of the group that the profile names, else all."""
-    try:
-        import h5py  # noqa: PLC0415  (an extra that is not always there)
-    except ImportError:
-        raise needs_package("HDF5 needs the package h5py", source) from None
+    h5py = package("h5py", "HDF5", source)
     named = {channel.column for channel in profile.channels.values()}
     raw, fix = source.raw_bytes(), "copy it again, or name its format in [import] format"
     with foreign(source, "this is not a readable HDF5 file", fix), h5py.File(io.BytesIO(raw)) as file:
@@ -130,25 +127,16 @@ def _once(sets: Mapping[str, Any], named: Container[str | int], h5py: Any) -> di
 
 def _columns(item: Any, path: str) -> Iterator[tuple[str, np.ndarray[Any, Any]]]:
     """Yield path and values of every column of a data set: a vector, the fields of records, or a matrix."""
-    for name, values in _vectors(item):
-        yield f"{path}/{name}" if name else path, values
-
-
-def _vectors(item: Any) -> Iterable[tuple[str, np.ndarray[Any, Any]]]:
-    """Return the columns of a data set with their names, "" for a vector."""
     kind, n_axes = item.dtype, sum(size > 1 for size in item.shape or ())
     if kind.names and n_axes == 1:
-        return [(name, np.ravel(item[name])) for name in kind.names if kind[name].kind in "iuf"]
-    if kind.kind not in "iuf" or n_axes not in (1, 2):
-        return ()
-    values = np.squeeze(item[()])
-    return [("", values.ravel())] if n_axes == 1 else _of_matrix(values)
-
-
-def _of_matrix(values: np.ndarray[Any, Any]) -> list[tuple[str, np.ndarray[Any, Any]]]:
-    """Return the columns of a matrix, which has more samples than channels, with their numbers."""
-    columns = values.T if values.shape[0] > values.shape[1] else values
-    return [(str(number), column) for number, column in enumerate(columns, start=1)]
+        numeric = [name for name in kind.names if kind[name].kind in "iuf"]
+        yield from ((f"{path}/{name}", np.ravel(item[name])) for name in numeric)
+    elif kind.kind in "iuf" and n_axes == 1:
+        yield path, np.ravel(item[()])
+    elif kind.kind in "iuf" and n_axes == 2:
+        values = np.squeeze(item[()])
+        columns = values.T if values.shape[0] > values.shape[1] else values  # more samples than channels
+        yield from ((f"{path}/{number}", column) for number, column in enumerate(columns, start=1))
 
 
 def _attributes(item: Any, file: Any) -> tuple[str, float | np.datetime64, float, str]:

@@ -15,9 +15,9 @@ from ropefric.files.text import WHOLE_BYTES, Source, split_line
 from ropefric.glossary import counted
 from ropefric.traces.assemble import assemble_trace
 from ropefric.traces.calibration import Adc, Calibration, ForceCell
-from ropefric.traces.clock import GAP_STEPS, mend_clock
+from ropefric.traces.clock import mean_step_s, mend_clock
 from ropefric.traces.noise import runs_of
-from ropefric.traces.readers import READERS, TEXT_FORMATS, find_reader
+from ropefric.traces.readers import TEXT_FORMATS, find_reader
 from ropefric.traces.readers.delimited import open_text
 from ropefric.traces.readers.guesses import guess_meaning, index_of, layouts, unit_of
 from ropefric.traces.readers.profile import Channel, ImportProfile, RawRecording, profile_to_toml
@@ -27,11 +27,10 @@ from ropefric.traces.trace import ForceTrace
 
 N_FIRST_ROWS = 5
 PART_BYTES = 2**20
-"""Of a text of more than `WHOLE_BYTES`, this much of the beginning and of the end is looked at."""
+"""Of a text of more than `WHOLE_BYTES`, this much of the beginning is looked at."""
 MIN_RUN = 3
 """Samples in a row at a converter's limit that make a hint."""
 
-_TAIL_ENCODINGS = ("utf-8", "utf-8-sig", "cp1252")
 _FULL_SCALES = {2**bits - 1: bits for bits in (8, 10, 12, 14, 16, 18, 20, 24)}
 _UNIFORM = 0.05
 _TOP = 2.0**32 - 1.0
@@ -104,48 +103,26 @@ def inspect_file(
 
     def look(file: InputFile) -> Inspection:
         source = Source(path=Path(path), shown=shown, file=file)
-        reader = find_reader(source.path, known, shown_as=shown, source=source)
+        reader = find_reader(source.path, known, source)
         if reader.name not in TEXT_FORMATS:
             found = Inspection(file=shown, format=reader.name, profile=replace(known, format=reader.name))
             return _tried(_summarise(found, reader.tables(source, known)), source)
         sizes = accumulate(map(len, source.unpacked())) if source.is_packed else (source.file.size,)
         is_small = everything or all(size <= WHOLE_BYTES for size in sizes)
-        return _inspect_text(source, known) if is_small else _inspect_ends(source, known)
+        return _inspect_text(source, known) if is_small else _inspect_beginning(source, known)
 
     return use_file(path, look, shown=shown)
 
 
-def _inspect_ends(source: Source, profile: ImportProfile) -> Inspection:
-    """Return the findings from the beginning and the end of a large text."""
-    size = PART_BYTES
-    found = _inspect_text(replace(source, most_bytes=size), profile)
-    while not found.n_rows and size < WHOLE_BYTES:  # pragma: no cover - a head of megabytes
-        size *= 2
-        found = _inspect_text(replace(source, most_bytes=size), profile)
-    n_about = found.n_rows if source.is_packed else round(found.n_rows * source.file.size / size)
-    parts = "first megabyte was" if source.is_packed else "first and last megabytes were"
-    doubts = [f"only the {parts} read: numbers of rows and ranges are at least these; --all reads everything"]
-    if not source.is_packed and found.encoding in _TAIL_ENCODINGS:
-        try:
-            found = _inspect_text(replace(source, most_bytes=size), profile, _end_of(found, source))
-        except DataError as error:
-            doubts.append(f"near the end of the file: {error.problem.message}")
-    return replace(found, n_rows_about=n_about, doubts=(*found.doubts, *doubts))
+def _inspect_beginning(source: Source, profile: ImportProfile) -> Inspection:
+    """Return the findings from the beginning of a large text."""
+    found = _inspect_text(replace(source, most_bytes=PART_BYTES), profile)
+    n_about = found.n_rows if source.is_packed else round(found.n_rows * source.file.size / PART_BYTES)
+    doubt = "only the first megabyte was read: there are more rows, and ranges may be wider; --all reads everything"
+    return replace(found, n_rows_about=n_about, doubts=(*found.doubts, doubt))
 
 
-def _end_of(found: Inspection, source: Source) -> list[FloatArray | None]:
-    """Return the columns of the last lines."""
-    known = replace(found.profile, format="delimited", channels={}, decimal=found.decimal)
-    known = replace(known, header_row=0, units_row=0, block_names_row=0, data_row=2)  # the first line is cut
-    (table, *_) = READERS["delimited"].tables(replace(source, most_bytes=-PART_BYTES), known)
-    if len(table.names) != len(found.columns):
-        raise source.error(f"there are {len(table.names)} columns, not {len(found.columns)}")
-    return _load(table)[0]
-
-
-def _inspect_text(
-    source: Source, profile: ImportProfile, end: Sequence[FloatArray | None] = ()
-) -> Inspection:
+def _inspect_text(source: Source, profile: ImportProfile) -> Inspection:
     """Return what the first profile that reads a text makes of it, or where none does, the first that opens it."""
     doubts = []
     decimal_is_open = False
@@ -192,7 +169,7 @@ def _inspect_text(
             ),
             doubts=(*doubts, *map(str, errors), *assumed),
         )
-        found.append(_tried(_summarise(seen, tables, end), source))
+        found.append(_tried(_summarise(seen, tables), source))
         if not found[-1].stopped:
             return found[-1]
     if not found:
@@ -206,7 +183,7 @@ def _tried(found: Inspection, source: Source) -> Inspection:
         return found
     profile, signals = as_signals(found.profile)
     try:
-        raws = find_reader(source.path, profile, source=source).read(source, profile)
+        raws = find_reader(source.path, profile, source).read(source, profile)
         traces = [trace_as_it_is(raw, profile) for raw in raws]
     except DataError as error:
         fix = f" ({error.fix})" if error.fix else ""
@@ -219,12 +196,15 @@ def _tried(found: Inspection, source: Source) -> Inspection:
 
 def as_signals(profile: ImportProfile) -> tuple[ImportProfile, dict[str, str]]:
     """Return a profile that reads forces of an unknown meaning in their own unit, and that unit by channel."""
-    signals = {name: unit for name, one in profile.channels.items() if (unit := _open_signal(name, one))}
-    channels = {
-        name: replace(one, sensitivity=f"1 N/{signals[name]}") if name in signals else one
-        for name, one in profile.channels.items()
+    signals = {
+        name: channel.unit
+        for name, channel in profile.channels.items()
+        if name in FORCES and not channel.sensitivity and signal_unit(name, channel.unit) == "V"
     }
-    return replace(profile, channels=channels), signals
+    known = {
+        name: replace(profile.channels[name], sensitivity=f"1 N/{unit}") for name, unit in signals.items()
+    }
+    return replace(profile, channels={**profile.channels, **known}), signals
 
 
 def trace_as_it_is(raw: RawRecording, profile: ImportProfile) -> ForceTrace:
@@ -243,30 +223,21 @@ def _summary_of(traces: Sequence[ForceTrace], unit: str) -> str:
     return f"{counted(len(traces), 'recording')} of {size} samples, {rates}, {span}"
 
 
-def _open_signal(name: str, channel: Channel) -> str:
-    """Return the unit of a force that is a signal of which nothing says what it means, else ""."""
-    is_open = name in FORCES and not channel.sensitivity and signal_unit(name, channel.unit) == "V"
-    return channel.unit if is_open else ""
-
-
-def _summarise(
-    found: Inspection, tables: Sequence[Table], end: Sequence[FloatArray | None] = ()
-) -> Inspection:
-    """Return an inspection completed by what the columns of the first recording hold, and by those of its end."""
+def _summarise(found: Inspection, tables: Sequence[Table]) -> Inspection:
+    """Return an inspection completed by what the columns of the first recording hold."""
     table = tables[0]
     values, wrong_stamps = _load(table)
-    whole = _joined(values, end) if end else values
-    columns = tuple(_column(table, index, array) for index, array in enumerate(whole))
+    columns = tuple(_column(table, index, array) for index, array in enumerate(values))
     guess = guess_meaning(table, values, found.profile)
     rate_Hz, is_uniform, clock_doubts = _clock(table, values, guess.channels)
     samples = tuple(table.sample for table in tables if table.sample)
     several = "name one recording in the column 'sample' of the list of trials, or write '*' for all"
     doubts = (*found.doubts, *wrong_stamps, *guess.doubts, *clock_doubts)
-    hints = chain.from_iterable(map(_at_limits, columns, whole))
+    hints = chain.from_iterable(map(_at_limits, columns, values))
     return replace(
         found,
         columns=columns,
-        n_rows=max((array.size for array in whole if array is not None), default=0),
+        n_rows=max((array.size for array in values if array is not None), default=0),
         samples=samples,
         sampling_rate_Hz=rate_Hz or guess.rate_Hz,
         is_uniform=is_uniform or bool(guess.rate_Hz),
@@ -275,12 +246,6 @@ def _summarise(
         profile=replace(found.profile, channels=guess.channels, sampling_rate_Hz=guess.rate_Hz),
         doubts=(*doubts, several) if samples else doubts,
     )
-
-
-def _joined(begin: Sequence[FloatArray | None], end: Sequence[FloatArray | None]) -> list[FloatArray | None]:
-    """Return the columns of the beginning with those of the end; None where either holds no numbers."""
-    pairs = zip(begin, end, strict=True)
-    return [None if a is None or b is None else np.append(a, b) for a, b in pairs]
 
 
 def _load(table: Table) -> tuple[list[FloatArray | None], list[str]]:
@@ -333,8 +298,7 @@ def _clock(
     steps_s = np.diff(mended_s)
     if not steps_s.size:
         return None, False, notes
-    # The mean step sees through rounded stamps, but a gap would spoil it.
-    step_s = float(steps_s[steps_s <= GAP_STEPS * np.median(steps_s)].mean())
+    step_s = mean_step_s(steps_s)
     is_uniform = bool((np.abs(steps_s - step_s) <= _UNIFORM * step_s).all())
     return float(f"{1.0 / step_s:.6g}"), is_uniform, notes
 

@@ -16,12 +16,8 @@ _HDF5 = b"\x89HDF\r\n\x1a\n"
 def _tables(source: Source, profile: ImportProfile) -> tuple[Table, ...]:
     """Return the file's one table: a matrix, a struct of vectors, or the vectors of the workspace."""
     variables = _load(source)
-    if profile.table:
-        check_choice(profile.table, variables, "variable", source)
-        chosen = variables[profile.table]
-        columns = _fields(chosen) if chosen.dtype.names else _matrix_or_vector(profile.table, chosen)
-    else:
-        columns = _first(variables)
+    check_choice(profile.table, variables, "variable", source)
+    columns = _columns(profile.table, variables[profile.table]) if profile.table else _first(variables)
     if not columns:
         why = f"no variable holds columns of numbers; the file has {', '.join(variables) or 'no variables'}"
         fix = "save vectors, a matrix, or a struct of vectors; a MATLAB table by table2struct(T, 'ToScalar', true)"
@@ -52,23 +48,17 @@ def _first(variables: Mapping[str, np.ndarray[Any, Any]]) -> dict[str, np.ndarra
     vectors = {name: value.ravel() for name, value in variables.items() if _is_vector(value)}
     if len(vectors) > 1:
         return vectors
-    for value in variables.values():
-        if value.dtype.names and _fields(value):
-            return _fields(value)
-    for name, value in variables.items():
-        if _is_numeric(value) and value.ndim == 2 and min(value.shape) > 1:
-            return _matrix_or_vector(name, value)
-    return vectors
+    structs = {name: value for name, value in variables.items() if value.dtype.names}
+    matrices = {name: value for name, value in variables.items() if min(value.shape, default=0) > 1}
+    found = (_columns(name, value) for name, value in (*structs.items(), *matrices.items()))
+    return next(filter(None, found), vectors)
 
 
-def _fields(struct: np.ndarray[Any, Any]) -> dict[str, np.ndarray[Any, Any]]:
-    if struct.size != 1 or not struct.dtype.names:
-        return {}
-    values = {name: np.asarray(struct[name].item()) for name in struct.dtype.names}
-    return {name: value.ravel() for name, value in values.items() if _is_vector(value)}
-
-
-def _matrix_or_vector(name: str, value: np.ndarray[Any, Any]) -> dict[str, np.ndarray[Any, Any]]:
+def _columns(name: str, value: np.ndarray[Any, Any]) -> dict[str, np.ndarray[Any, Any]]:
+    """Return the columns of a struct of vectors, a vector or a matrix; none of anything else."""
+    if value.dtype.names:
+        fields = {key: np.asarray(value[key].item()) for key in value.dtype.names if value.size == 1}
+        return {key: field.ravel() for key, field in fields.items() if _is_vector(field)}
     if _is_vector(value):
         return {name: value.ravel()}
     if not _is_numeric(value) or value.ndim != 2 or value.size == 0:

@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from importlib import import_module
 from pathlib import PurePath
 from typing import Any
 
@@ -76,31 +77,33 @@ class Table:
 
     def find(self, wanted: str | int, source: Source, key: str) -> int:
         """Return the index of a column by its number or name."""
+        hits = self.hits(wanted)
+        if len(hits) == 1:
+            return hits[0]
         if isinstance(wanted, int):
-            n = len(self.names)
-            if 1 <= wanted <= n:
-                return wanted - 1
-            why, fix = f"column {wanted} was asked for; {self.listed}", f"give a column number from 1 to {n}"
+            why = f"column {wanted} was asked for; {self.listed}"
+            fix = f"give a column number from 1 to {len(self.names)}"
         elif not self.has_header:
             why = f"column {wanted!r} was asked for by name, but the columns have no names; {self.listed}"
             name = key.rpartition(" ")[2]
             fix = f"give its number, for example {name} = {{ column = 1 }}, or set header_row"
+        elif hits:
+            why = f"several columns are called {wanted!r}: numbers {', '.join(str(hit + 1) for hit in hits)}"
+            fix = f"give the number of the one you mean, for example {{ column = {hits[0] + 1} }}"
         else:
-            names = [header.strip() for header in self.names]
-            for candidates in (names, [split_unit_suffix(header)[0] for header in names]):
-                hits = [index for index, header in enumerate(candidates) if header == wanted.strip()]
-                if len(hits) == 1:
-                    return hits[0]
-                if hits:
-                    break
-            why, fix = (
-                f"there is no column {wanted!r}; {self.listed}",
-                did_you_mean(wanted, filter(None, names)),
-            )
-            if hits:
-                why = f"several columns are called {wanted!r}: numbers {', '.join(str(hit + 1) for hit in hits)}"
-                fix = f"give the number of the one you mean, for example {{ column = {hits[0] + 1} }}"
+            why = f"there is no column {wanted!r}; {self.listed}"
+            fix = did_you_mean(wanted, filter(None, map(str.strip, self.names)))
         raise source.error(why, code="RF105", key=key, fix=fix)
+
+    def hits(self, wanted: str | int) -> list[int]:
+        """Return the indices of the columns with a number or name; a name may lack its unit."""
+        if isinstance(wanted, int):
+            return [wanted - 1] if 1 <= wanted <= len(self.names) else []
+        names = [header.strip() for header in self.names]
+        for candidates in (names, [split_unit_suffix(header)[0] for header in names]):
+            if found := [index for index, header in enumerate(candidates) if header == wanted.strip()]:
+                return found
+        return []
 
     @property
     def listed(self) -> str:
@@ -129,14 +132,15 @@ class Reader:
 
 def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecording:
     picks = _pick_columns(table, profile, source)
-    own_time = _own_times(table, picks, profile.channels, source)
-    wanted = [*(index for index, _ in picks.values()), *dict.fromkeys(own_time.values())]
-    arrays = [frozen_array(sealed(values)) for values in table.values(wanted)]
-    columns, of_time = dict(zip(picks, arrays, strict=False)), slice(len(picks), None)
-    seconds = {
-        index: _in_seconds(index, values, table, picks, source)
-        for index, values in zip(wanted[of_time], arrays[of_time], strict=True)
+    own_time = {
+        name: table.find(channel.time, source, f"[import.channels] {name}.time")
+        for name, channel in profile.channels.items()
+        if name in picks and channel.time
     }
+    wanted = [*dict.fromkeys((*(index for index, _ in picks.values()), *own_time.values()))]
+    loaded = {i: frozen_array(sealed(one)) for i, one in zip(wanted, table.values(wanted), strict=True)}
+    columns = {name: loaded[index] for name, (index, _) in picks.items()}
+    seconds = {i: _in_seconds(i, loaded[i], table, picks, source) for i in own_time.values()}
     has_time = "time" in columns or profile.sampling_rate_Hz is not None
     clocks = {} if has_time else _own_clocks(table, picks)
     clocks |= {name: seconds[index] for name, index in own_time.items()}
@@ -156,17 +160,6 @@ def _recording(table: Table, profile: ImportProfile, source: Source) -> RawRecor
         clocks=clocks,
         rate_Hz=rate_Hz,
     )
-
-
-def _own_times(
-    table: Table, picks: Iterable[str], channels: Mapping[str, Channel], source: Source
-) -> dict[str, int]:
-    """Return the columns of the times that the profile names for single channels."""
-    return {
-        name: table.find(channels[name].time, source, f"[import.channels] {name}.time")
-        for name in picks
-        if name in channels and channels[name].time
-    }
 
 
 def _check_lengths(
@@ -344,9 +337,13 @@ def check_choice(name: str, known: Iterable[str], kind: str, source: Source) -> 
         raise source.error(f"there is no {kind} {name!r}", code="RF105", key="[import] table", fix=fix)
 
 
-def needs_package(what: str, source: Source) -> DataError:
-    """Return the error for a format whose package is not installed."""
-    return source.error(f"reading {what}", code="RF107", fix='pip install "ropefric[lab]"')
+def package(name: str, kind: str, source: Source) -> Any:
+    """Return a package of the extra `lab`, which is loaded only for a file that needs it."""
+    try:
+        return import_module(name)
+    except ImportError:
+        why = f"reading {kind} needs the package {name}"
+        raise source.error(why, code="RF107", fix='pip install "ropefric[lab]"') from None
 
 
 def recordings_among(

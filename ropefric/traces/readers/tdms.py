@@ -2,7 +2,6 @@
 
 import io
 import logging
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from ropefric.traces.readers.table import (
     array_table,
     check_choice,
     foreign,
-    needs_package,
+    package,
     recordings_among,
     seconds_from_first,
 )
@@ -46,7 +45,7 @@ def _table(channels: Any, source: Source) -> Table:
             columns[channel.name] = np.asarray(channel[:])
         found = (channel.properties.get(key) for key in _UNIT_KEYS)
         units[channel.name] = next((str(unit) for unit in found if unit), "")
-    clocks = _waveform_times([channel.properties for channel in channels], [*map(len, channels)])
+    clocks = _waveform_times(channels)
     has_clock = any(clock is not None for clock in clocks)
     notes = ["the time is that of the waveforms"] if has_clock else []
     clock = clocks.__getitem__ if has_clock else None
@@ -54,28 +53,24 @@ def _table(channels: Any, source: Source) -> Table:
 
 
 def _load(source: Source) -> Any:
-    try:
-        from nptdms import TdmsFile  # noqa: PLC0415  (an extra that is not always there)
-    except ImportError:
-        raise needs_package("TDMS needs the package nptdms", source) from None
+    nptdms = package("nptdms", "TDMS", source)
     logging.getLogger("nptdms").setLevel(logging.CRITICAL)  # it writes damaged bytes to the terminal
     fix = "copy it again, or name its format in [import] format"
     with foreign(source, "this is not a readable TDMS file", fix):
-        return TdmsFile.read(io.BytesIO(source.raw_bytes()))
+        return nptdms.TdmsFile.read(io.BytesIO(source.raw_bytes()))
 
 
-def _waveform_times(properties: list[Mapping[str, Any]], sizes: list[int]) -> list[FloatArray | None]:
+def _waveform_times(channels: Any) -> list[FloatArray | None]:
     """Return the times of waveforms from the earliest start of them on, None for channels that are none.
 
     Relative on purpose: absolute starts carry time zones that writers and readers disagree about, within a file alike.
     """
     clocks: list[FloatArray | None] = []
-    for one, size, start_s in zip(
-        properties, sizes, seconds_from_first([one.get("wf_start_time") for one in properties]), strict=True
-    ):
-        step_s, offset_s = (one.get(f"wf_{key}", 0.0) for key in ("increment", "start_offset"))
+    starts_s = seconds_from_first([channel.properties.get("wf_start_time") for channel in channels])
+    for channel, start_s in zip(channels, starts_s, strict=True):
+        step_s, offset_s = (channel.properties.get(f"wf_{key}", 0.0) for key in ("increment", "start_offset"))
         is_clock = isinstance(step_s, float) and isinstance(offset_s, float) and 0 < step_s < np.inf
-        clocks.append(start_s + offset_s + step_s * np.arange(size) if is_clock else None)
+        clocks.append(start_s + offset_s + step_s * np.arange(len(channel)) if is_clock else None)
     return clocks
 
 

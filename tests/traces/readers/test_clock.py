@@ -1,14 +1,12 @@
-"""Clocks that repeat, jitter, run backwards or stop."""
+"""Clocks that repeat, jitter, run backwards or stop; any clock is in tests/fuzz."""
 
 from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from ropefric.errors import DataError, RopefricError
-from ropefric.traces.clock import MAX_REPEATED_SHARE, mend_clock
+from ropefric.errors import DataError
+from ropefric.traces.clock import mend_clock
 
 
 def test_a_clean_clock_is_passed_on_untouched_and_so_is_jitter():
@@ -109,28 +107,3 @@ def test_gaps_are_noted():
     time_s = np.arange(1000) * 0.01
     time_s[500:] += 2.0
     assert mend_clock(time_s)[2] == ("1 gap in time; the longest is 2.01 s after 4.99 s",)
-
-
-stamps = st.lists(
-    st.one_of(st.integers(0, 30), st.floats(allow_nan=True), st.just(float("nan"))), max_size=40
-)
-
-
-@settings(deadline=None)
-@given(stamps, st.booleans(), st.booleans())
-def test_any_clock_is_mended_or_refused(values, is_sorted, has_force):
-    time_s = np.array(sorted(values) if is_sorted else values, dtype=np.float64)
-    before = time_s.copy()
-    others = [np.arange(time_s.size, dtype=np.float64)] if has_force else []
-    try:
-        keep, mended_s, _ = mend_clock(time_s, others)
-    except RopefricError:
-        return
-    finally:
-        np.testing.assert_array_equal(time_s, before)
-    assert np.isfinite(mended_s).all()
-    assert (np.diff(mended_s) > 0).all()
-    assert time_s[keep].shape == mended_s.shape
-    if has_force:  # its values differ, so no row is a copy of another
-        n_lost = time_s.size - mended_s.size
-        assert n_lost <= MAX_REPEATED_SHARE * time_s.size

@@ -61,6 +61,7 @@ CORPUS = {
     "one or two columns": ("12,47\n13,01\n", "RF104", None, "two whole numbers", "separator"),
     "unknown columns": ("zeit_s,weg_mm\n0,1\n", "RF105", None, "zeit_s, weg_mm", "ropefric inspect"),
     "two forces": ("time_s,force_N,Force (V)\n0,1,2\n", "RF105", None, "meaning of the columns", ""),
+    "two columns in newtons": ("t/s,left/N,right/N\n0,1,2\n1,2,3\n", "RF105", None, "left/N, right/N", ""),
     "no header": ("0,1.5\n1,2.5\n", "RF105", None, "without names", "column = 1"),
 }  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Large files: read block by block to the same result, held as columns only, looked at from both ends."""
+"""Large files: read block by block to the same result, held as columns only, looked at from the beginning."""
 
 import gzip
 import subprocess
@@ -62,7 +62,7 @@ def in_blocks(monkeypatch):
 
 
 @pytest.mark.parametrize("packed", [False, True])
-@pytest.mark.parametrize("size", thinned([7, 1, 64, 1000]))
+@pytest.mark.parametrize("size", thinned([64, 1, 7, 1000]))
 def test_a_file_in_blocks_gives_what_it_gives_whole(write, in_blocks, size, packed):
     whole = {}
     for name, text_or_bytes in FILES.items():
@@ -89,8 +89,8 @@ def test_wide_files_in_blocks(write, in_blocks):
 
 
 def test_a_header_longer_than_the_head_is_seen(write):
-    n = 1500
-    names = ",".join(["time_s", "force_N", *(f"unused_{'x' * 80}_{i}_mm" for i in range(n))])
+    n = 150
+    names = ",".join(["time_s", "force_N", *(f"unused_{'x' * 900}_{i}_mm" for i in range(n))])
     assert len(names) > 2 * text.HEAD_BYTES
     lines = "".join(f"{t},{f}" + ",1" * n + "\n" for t, f in ROWS[:5])
     path = write(f"{names}\n{lines}")
@@ -127,8 +127,8 @@ print((peak_MB() - before_MB) / (int(sys.argv[3]) * 2 * 8 / 2**20))
 
 @pytest.fixture(scope="module")
 def pulls(tmp_path_factory):
-    """A short pull and one of two million samples, of 16-bit counts and of numbers that hardly come again."""
-    folder, n, rng = tmp_path_factory.mktemp("long"), 2_000_000, np.random.default_rng(1)
+    """A short pull and one of a million samples, of 16-bit counts and of numbers that hardly come again."""
+    folder, n, rng = tmp_path_factory.mktemp("long"), 1_000_000, np.random.default_rng(1)
     for name, decimals in (("coarse", "%.2f"), ("fine", "%.6f")):
         for length, size in (("short", 4_000), ("long", n)):
             time_s = np.linspace(0.0, 20.0, size)
@@ -141,11 +141,14 @@ def pulls(tmp_path_factory):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("work", "kind", "most"),
-    [(READ, "fine", 2.0), (PICK, "fine", 5.5), (PICK, "coarse", 7.5)],
+    [(READ, "fine", 2.5), (PICK, "fine", 5.5), (PICK, "coarse", 7.5)],
     ids=["reading", "picking", "picking of counts"],
 )
 def test_no_more_is_held_of_a_long_recording_than_a_few_times_its_samples(pulls, work, kind, most):
-    """The largest memory beyond that of a short recording, by the size of its two columns of floats."""
+    """The largest memory beyond that of a short recording, by the size of its two columns of floats, 16 MB.
+
+    The first 8 MB of a text are held beside them; one more copy of the columns would add 1.
+    """
     if sys.platform != "linux":
         pytest.skip("looks into /proc")
     folder, n = pulls
@@ -155,52 +158,27 @@ def test_no_more_is_held_of_a_long_recording_than_a_few_times_its_samples(pulls,
     assert float(done.stdout) < most
 
 
-# --- looked at from both ends --------------------------------------------------------------------------------------
+# --- looked at from the beginning ----------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def large(write, monkeypatch):
-    """A file that is large by smaller limits, whose middle holds the greatest force and whose end holds the least."""
+@pytest.mark.parametrize("packed", [False, True])
+def test_a_large_file_is_looked_at_from_its_beginning_and_says_so(write, monkeypatch, packed):
     monkeypatch.setattr(text, "WHOLE_BYTES", 2**18)
     monkeypatch.setattr(inspection, "WHOLE_BYTES", 2**18)
     monkeypatch.setattr(inspection, "PART_BYTES", 2**15)
     n = 25_000
-    force = ["12.5"] * n
-    force[n // 2], force[-1] = "99.0", "-7.0"
-    path = write(
-        "time_s,force_N\n" + "".join(f"{i / 1000:.3f},{f}\n" for i, f in enumerate(force)), "large.csv"
-    )
-    assert 2**18 < path.stat().st_size < 2**19
-    return path, n
-
-
-def test_a_large_file_is_looked_at_from_both_ends_and_says_so(large):
-    path, n = large
+    rows = "".join(f"{i / 1000:.3f},{99.0 if i == n // 2 else 12.5}\n" for i in range(n))
+    content = f"time_s,force_N\n{rows}".encode()
+    assert 2**18 < len(content) < 2**19
+    path = write(gzip.compress(content, 1) if packed else content, "large.csv.gz" if packed else "large.csv")
     found = inspect_file(path)
-    assert found.n_rows < n
-    assert found.n_rows_about == pytest.approx(n, rel=0.1)
-    assert "only the first and last megabytes were read" in found.doubts[-1]
-    assert (found.columns[1].minimum, found.columns[1].maximum) == (-7.0, 12.5)
-    assert (found.columns[0].maximum, found.sampling_rate_Hz) == (pytest.approx((n - 1) / 1000), 1000)
+    assert 0 < found.n_rows < n
+    assert found.n_rows_about == (found.n_rows if packed else pytest.approx(n, rel=0.1))
+    assert "only the first megabyte was read" in found.doubts[-1]
+    assert (found.columns[1].maximum, found.sampling_rate_Hz) == (12.5, 1000)
     whole = inspect_file(path, everything=True)
     assert (whole.n_rows, whole.n_rows_about, whole.columns[1].maximum) == (n, 0, 99.0)
-    assert whole.profile == found.profile
-    assert not whole.doubts
-
-
-def test_a_large_packed_file_is_looked_at_from_its_beginning(large):
-    path, n = large
-    packed = path.with_name("large.csv.gz")
-    packed.write_bytes(gzip.compress(path.read_bytes(), 1))
-    found = inspect_file(packed)
-    assert 0 < found.n_rows < n
-    assert "only the first megabyte was read" in found.doubts[-1]
-    assert inspect_file(packed, everything=True).n_rows == n
-
-
-def test_what_is_wrong_at_the_end_of_a_large_file_is_a_doubt(large, write):
-    path = write(large[0].read_bytes() + b"1,2,3\n")
-    assert any("near the end of the file" in doubt for doubt in inspect_file(path).doubts)
+    assert (whole.profile, whole.doubts) == (found.profile, ())
 
 
 def test_a_file_that_unpacks_without_end_is_refused(write, monkeypatch):

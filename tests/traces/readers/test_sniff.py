@@ -8,8 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ropefric.traces.assemble import assemble_trace
-from ropefric.traces.readers import read_recordings
 from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel, ImportProfile, profile_to_toml
 
@@ -51,16 +49,11 @@ def test_text_columns_and_a_bad_clock_are_shown(write):
     assert any("backwards" in doubt for doubt in found.doubts)
 
 
-def test_what_is_inspected_can_be_read(write):
-    path = write("# rig\nt_ms\tF_kN\n0\t0,5\n10\t0,75\n20\t1,5\n")
-    found = inspect_file(path)
-    trace = assemble_trace(read_recordings(path, found.profile)[0], found.profile)
-    assert trace.force_N.tolist() == [500, 750, 1500]
-
-
-def test_blocks_are_found_by_a_header_written_once(write):
-    found = inspect_file(write("t_s,F_N,,,,\n0,1,0,2,0,3\n1,1,1,2,1,3\n"))
-    assert (found.format, found.profile.block_columns, found.samples) == ("wide", 2, ("1", "2", "3"))
+def test_a_profile_may_name_columns_without_their_units(write):
+    path = write("t [ms],F [kN]\n" + "".join(f"{10 * i},{i}\n" for i in range(9)))
+    known = ImportProfile(channels={"time": Channel(column="t"), "force": Channel(column="F")})
+    found = inspect_file(path, known)
+    assert (found.sampling_rate_Hz, found.doubts, found.stopped) == (100, (), "")
 
 
 def test_the_inspection_is_json(write):
@@ -95,9 +88,3 @@ def test_a_profile_survives_toml(profile):
         entry = table["channels"][name]
         entry = entry if isinstance(entry, dict) else {"column": entry}
         assert Channel(**entry) == channel
-
-
-def test_a_measured_end_tension_is_said_not_to_be_used(tmp_path):
-    path = tmp_path / "a.csv"
-    path.write_text("time_s,force_N,End tension (N)\n" + "".join(f"{i},{i % 7},20\n" for i in range(60)))
-    assert any("column 3 looks like a measured end tension" in doubt for doubt in inspect_file(path).doubts)

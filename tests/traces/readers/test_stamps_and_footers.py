@@ -1,7 +1,5 @@
 """Recordings whose time is text, and whose end is no data."""
 
-import datetime as dt
-
 import numpy as np
 import pytest
 from reading import read as read_all
@@ -58,19 +56,6 @@ def test_the_order_of_american_dates_is_stated(write):
     assert "date_order" in refused(path).fix
     assert any("date_order" in doubt for doubt in inspect_file(path).doubts)
     assert read(path, date_order="mdy").time_s.tolist() == [0, 1]
-
-
-def test_dates_of_a_sheet(tmp_path):
-    openpyxl = pytest.importorskip("openpyxl")
-    book = openpyxl.Workbook()
-    start = dt.datetime(2024, 3, 5, 10, 0, 0)  # noqa: DTZ001  (loggers write local time)
-    for row in [["time", "force_N"], *([start + dt.timedelta(seconds=i), i * 1.5] for i in range(4))]:
-        book.active.append(row)
-    path = tmp_path / "run.xlsx"
-    book.save(path)
-    trace = read(path)
-    np.testing.assert_allclose(trace.time_s, [0, 1, 2, 3], atol=1e-6)
-    assert inspect_file(path).sampling_rate_Hz == 1
 
 
 # --- footers ---

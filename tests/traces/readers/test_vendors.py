@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from reading import hide, read, refused
+from reading import read, refused
 
 from ropefric.traces.readers.inspection import inspect_file
 from ropefric.traces.readers.profile import Channel
@@ -219,12 +219,6 @@ def test_hdf5_that_cannot_be_used(tmp_path, write):
         file["force"] = h5py.ExternalLink(outside.name, "force")
 
     assert refused(save_h5(tmp_path / "link.h5", link)).code == "RF101"  # other files are not opened
-
-
-def test_without_h5py_the_extra_is_named(tmp_path, monkeypatch):
-    path = save_h5(tmp_path / "run.h5", lambda file: file.create_dataset("force", data=np.arange(5.0)))
-    hide(monkeypatch, {"h5py"})
-    assert (refused(path).code, refused(path).fix) == ("RF107", 'pip install "ropefric[lab]"')
 
 
 def test_a_rate_is_a_positive_number(tmp_path):

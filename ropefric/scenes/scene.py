@@ -4,7 +4,6 @@ import math
 import os
 import re
 from collections.abc import Mapping
-from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -33,7 +32,7 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.plugins import load_named
 from ropefric.quantities import parse_fraction, parse_quantity, si_unit_of
 from ropefric.registry import did_you_mean
-from ropefric.scenes.kind import Kind, SceneTable, given
+from ropefric.scenes.kind import Kind, SceneTable, Table, given, value_at
 from ropefric.scenes.kinds import KINDS
 from ropefric.shown import Shown
 from ropefric.systems.friction import ScaleTo, WrapFriction
@@ -171,7 +170,7 @@ def load_scene(path: str | os.PathLike[str], changes: Mapping[str, Any] | None =
         The file.
     changes : mapping of str to value, optional
         What keys shall say, as TOML has it: `{"wheel.wrap": "720 deg"}`; None takes a key out. The parts of a list count
-        from 0: "measured.1.frequency".
+        from 0: "element.1.angle".
 
     Raises
     ------
@@ -197,28 +196,11 @@ def load_scene(path: str | os.PathLike[str], changes: Mapping[str, Any] | None =
     BY_NAME.check_given(changes=changes)
     document = read_toml(path, "scene file")
     if changes:
-        data = deepcopy(dict(document.data))
+        data: Any = document.data
         for key, value in changes.items():
-            _change(data, key, value)
+            data = replaced(data, key, value)
         document = replace(document, data=data)
     return read_scene(document, Path(path).parent)
-
-
-def _change(data: dict[str, Any], key: str, value: Any) -> None:
-    """Set a key of a TOML tree, or take it out; tables on the way are made where they are not there."""
-    *tables, last = key.split(".")
-    place: Any = data
-    for name in tables:
-        if isinstance(place, list) and name.isdecimal() and int(name) < len(place):
-            place = place[int(name)]
-        elif isinstance(place, dict):
-            place = place.setdefault(name, {})
-    if not isinstance(place, dict):
-        raise InputError(f"{key!r} is no key of the scene", key="changes", fix='write it like "wheel.wrap"')
-    if value is None:
-        place.pop(last, None)
-    else:
-        place[last] = value
 
 
 def check_scene(path: str | os.PathLike[str]) -> tuple[Problem, ...]:
@@ -356,23 +338,22 @@ def leaves(tree: Any, prefix: str = "") -> list[tuple[str, Any]]:
     return found
 
 
-def value_at(tree: Any, key: str) -> Any:
-    """Return the value at a key of a TOML tree or of the table made from it; None where there is none."""
-    for name in key.split("."):
-        if isinstance(tree, list):
-            tree = tree[int(name)] if name.isdecimal() and int(name) < len(tree) else None
-        else:
-            tree = tree.get(name) if isinstance(tree, dict) else getattr(tree, name, None)
-    return tree
-
-
 def replaced(tree: Any, key: str, value: Any) -> Any:
-    """Return a TOML tree, or the table made from it, with another value at a key; it is not checked again."""
+    """Return a TOML tree, or the table made from it, with another value at a key; it is not checked again.
+
+    In a tree None takes the key out, and tables on the way to it are made where they are missing.
+    """
     name, _, rest = key.partition(".")
-    inner = {name: replaced(value_at(tree, name), rest, value) if rest else value}
-    if isinstance(tree, list):
-        return [inner.get(str(place), one) for place, one in enumerate(tree)]
-    return {**tree, **inner} if isinstance(tree, dict) else tree.model_copy(update=inner)
+    if isinstance(tree, list) and name.isdecimal() and int(name) < len(tree):
+        place = int(name)
+        return [*tree[:place], replaced(tree[place], rest, value) if rest else value, *tree[place + 1 :]]
+    if not isinstance(tree, dict | Table):
+        raise InputError(f"{key!r} is no key of the scene", key="changes", fix='write it like "wheel.wrap"')
+    inner = value_at(tree, name)
+    inner = replaced({} if inner is None else inner, rest, value) if rest else value
+    if not isinstance(tree, dict):
+        return tree.model_copy(update={name: inner})
+    return {one: what for one, what in {**tree, name: inner}.items() if what is not None}
 
 
 def number_keys(document: TomlDocument, table: SceneTable) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ from ropefric.uncertainty.budget import check_level, joint_draws, symmetric_root
 MOST_DRAWS = 10_000_000
 FEWEST_DRAWS = 10
 KEPT_DRAWS = 200_000
-"""Whose numbers are held, for quantiles."""
+"""Whose numbers are held, for their statistics."""
 _OWN_PARAMETERS = "friction.parameters."
 
 
@@ -44,7 +44,6 @@ class _Draws(Points):
     """The cases of a scene that are drawn; see `points.Points`."""
 
     option = "--draws"
-    summed = True
     what = "draw"
     fix = "check the tolerances and the covariance of the fit"
 
@@ -158,8 +157,8 @@ class Draws(Answers):
     level : float
         Of the outer quantiles: at 0.95 those of 2.5 % and 97.5 %, beside the median.
     numbers : mapping of str to Drawn
-        Of each number of the answer: its value as the scene has it, mean and standard deviation of all draws, and
-        quantiles of at most 200 000 of them, spread evenly.
+        Of each number of the answer: its value as the scene has it, and mean, standard deviation and quantiles of at
+        most 200 000 draws, spread evenly.
     inputs : tuple of str
         What was drawn, as the table names it.
     columns : mapping of str to ndarray
@@ -258,20 +257,25 @@ def draw_scene(
         answer = solve_planned(scene, problem)[1]
         as_given = (*kind.quantities(answer, problem), *kind.outcomes(answer, problem))
         how: dict[str, Any] = {"progress": progress, "write": write, "executor": executor}
-        found, kept = solve_points(scene, points, keep=KEPT_DRAWS, **how)
+        found = solve_points(scene, points, keep=KEPT_DRAWS, **how)
     except RopefricError as error:
         raise placed(error, scene.document) from error
     values = {one.name: float(one.value[0]) for one in as_given}
     at = (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level)
     numbers = {}
-    for name, column in kept.columns.items():
+    for name, column in found["columns"].items():
         if name == EXTRAPOLATED:  # counted
             continue
         known = column[~np.isnan(column)]
-        _, mean, std = kept.moments(name)
-        with np.errstate(invalid="ignore"):  # between two that are infinite lies none
-            ends = np.quantile(known, at).tolist() if known.size else [np.nan] * 3
-        numbers[name] = Drawn(values.get(name, np.nan), mean, std, tuple(ends))
+        ends = (math.nan, math.nan, math.nan)
+        mean = std = math.nan
+        # Between two that are infinite lies no number, and the square of a very large one is no float.
+        with np.errstate(invalid="ignore", over="ignore"):
+            if known.size:
+                mean, ends = float(known.mean()), tuple(np.quantile(known, at).tolist())
+            if known.size > 1:
+                std = float(known.std(ddof=1))
+        numbers[name] = Drawn(values.get(name, math.nan), mean, std, ends)
     asked: dict[str, Any] = {"system": kind.name, "count": count, "seed": seed, "level": level}
     doubts = () if scene.source is None else scene.source.warnings
     return Draws(numbers=numbers, inputs=points.columns, doubts=doubts, **asked, **found)

@@ -150,14 +150,17 @@ def _with_method(off: float, method: Method) -> float:
     return off + method.error * (1.0 + off) if off < math.inf else math.inf
 
 
+def plan_scene(scene: Scene, problem: Any, effects: str | tuple[str, ...] = "") -> tuple[Plan, Any]:
+    """Return the plan of a scene for a problem of its kind, with its effects or others, and the model."""
+    kind, asked = scene.kind, effects or scene.effects
+    return make_plan(kind.system, problem, accuracy=scene.accuracy, effects=asked, kept=kind.kept(problem))
+
+
 def solve_planned(scene: Scene, problem: Any, effects: str | tuple[str, ...] = "") -> tuple[Plan, Any]:
     """Return the plan of a scene for a problem of its kind, with its effects or others, and the answer."""
-    system, asked = scene.kind.system, effects or scene.effects
-    plan, model = make_plan(
-        system, problem, accuracy=scene.accuracy, effects=asked, kept=scene.kind.kept(problem)
-    )
+    system, (plan, model) = scene.kind.system, plan_scene(scene, problem, effects)
     answer = system.solve(model, plan.method)
-    if isinstance(asked, tuple):
+    if isinstance(effects or scene.effects, tuple):
         plan = plan._replace(error_bound=_with_method(_off_by(system, problem, plan, answer), plan.method))
     return plan, answer
 

@@ -199,7 +199,7 @@ def sweep_scene(
             key="--sweep",
             fix="use fewer values of each key",
         )
-    found, _ = solve_points(scene, grid, progress=progress, write=write, keep=keep, executor=executor)
+    found = solve_points(scene, grid, progress=progress, write=write, keep=keep, executor=executor)
     found["failures"] = {words: n for words, n in found["failures"].items() if n}
     return Sweep(axes=axes, **found)
 

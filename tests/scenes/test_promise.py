@@ -1,7 +1,5 @@
 """The promise of a plan: it stays within the accuracy, and within the error bound that it states."""
 
-import math
-
 import pytest
 
 from ropefric.report.parts import solution_sections
@@ -15,14 +13,6 @@ def test_an_accuracy_below_rounding_is_not_promised(hoist_of):
     assert any(
         "the error of the method (closed form) is up to 1e-12" in warning for warning in solution.warnings
     )
-
-
-def test_an_integrator_asked_for_by_name_promises_nothing(scene_of, loaded):
-    tree = loaded("press-start-up").document.data
-    start_up = tree["start_up"] | {"integrator": "rk4", "slip": False, "simulate": "0.2 s", "points": 11}
-    solution = solve_scene(scene_of(**(tree | {"start_up": start_up})))
-    assert math.isinf(solution.plan.error_bound)
-    assert any("direct solution and rk4) is not known" in warning for warning in solution.warnings)
 
 
 @pytest.mark.parametrize(

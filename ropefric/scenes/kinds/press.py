@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from inspect import signature
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field, PlainValidator
@@ -28,7 +28,6 @@ from ropefric.systems.press.machine import (
 from ropefric.systems.press.slip import MEASURES
 from ropefric.systems.press.statics import CLOSURES, solve_statics, steady_state
 from ropefric.systems.press.transient.drives import DRIVE_LAWS
-from ropefric.systems.press.transient.integrators import INTEGRATORS
 from ropefric.systems.press.transient.motion import settled_press
 from ropefric.systems.press.transient.start_up import StartUp
 
@@ -209,9 +208,6 @@ class StartUpTable(kind.Table):
     points : Times at which the answer is written down.
     slip : Whether rollers may slip and belts go slack.
     loads : Whether the sludge's torques grow with the speed or are whole from the start.
-    integrator : How the equations of motion are solved.
-    step : Of an integrator with fixed steps.
-    tolerance : Relative, of an integrator that chooses its steps.
     """
 
     law: Annotated[str, PlainValidator(choice(lambda: DRIVE_LAWS))] = "s-curve"
@@ -222,18 +218,11 @@ class StartUpTable(kind.Table):
     points: Annotated[int, PlainValidator(whole_number(2, 200_000))] = 2001
     slip: bool = True
     loads: Annotated[str, PlainValidator(choice(lambda: ("with-speed", "constant")))] = "with-speed"
-    integrator: Annotated[str, PlainValidator(choice(lambda: INTEGRATORS))] = "exact"
-    step: Annotated[float | None, kind.key("s", "1 ms")] = None
-    tolerance: Annotated[float, PlainValidator(kind.positive)] = 1e-6
+    gone: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("integrator", "step", "tolerance"), "remove it; a start-up is solved by matrix exponentials"
+    )
 
     def _check(self) -> None:
-        if self.slip and self.integrator not in {"exact", "rk4"}:
-            reject(
-                "RF111",
-                f"{self.integrator} solves a start-up without slip only",
-                fix='write slip = false, or integrator = "exact" or "rk4"',
-                key="integrator",
-            )
         needed = {"table": ("times", "speeds"), "ramp": ("duration",), "s-curve": ("duration",)}
         for name in needed.get(self.law, ()):
             if getattr(self, name) is None:
@@ -329,9 +318,6 @@ def _task(table: StartUpTable, speed_m_s: float) -> dict[str, Any]:
         "time_s": np.linspace(0.0, table.simulate, table.points),
         "slip": table.slip,
         "loads": table.loads,
-        "integrator": table.integrator,
-        "tolerance": table.tolerance,
-        "step_s": table.step,
     }
 
 
@@ -511,23 +497,13 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
     return tree | {"start_up": answer.start_up.summary() | {"settles": settles(answer)}}
 
 
-_WAYS = {
-    ("preload", "falls"): "the mean preload falls to",
-    ("preload", "rises"): "the mean preload rises to",
-    ("speed", "falls"): "the belts run no faster than",
-    ("speed", "rises"): "the belts run as fast as",
-    ("load", "falls"): "all loads fall by the factor",
-    ("load", "rises"): "all loads grow by the factor",
-    ("friction", "falls"): "the coefficient falls to",
-    ("friction", "rises"): "the coefficient rises to",
+_CHANGES = {
+    "preload": ("the mean preload falls to", "the mean preload rises to", "no preload holds"),
+    "speed": ("the belts run no faster than", "the belts run as fast as", "no slower run of the belts holds"),
+    "load": ("all loads fall by the factor", "all loads grow by the factor", "no smaller loads hold"),
+    "friction": ("the coefficient falls to", "the coefficient rises to", "no coefficient holds"),
 }
-_NEVER = {
-    "preload": "no preload holds",
-    "speed": "no slower run of the belts holds",
-    "load": "no smaller loads hold",
-    "friction": "no coefficient holds",
-}
-"""Changes that lead to the first slip or end the last one, and the words if none does."""
+"""Changes that lead to the first slip or end the last one, by what changes: it falls, it rises, nothing ends it."""
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
@@ -573,13 +549,13 @@ def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
         lines = ["no roller carries a torque"]
     else:
         lines = [f"no roller slips; nearest to it is roller {tree['first_to_slip']}"]
-    for change, nothing in _NEVER.items():
+    for change, (falls, rises, never) in _CHANGES.items():
         one, slipping = tree["critical"][change], tree["critical"][change]["state"] == "slips"
         if one["value"] is None:
-            lines += [f"{nothing} {'it' if alone else 'them all'}"] * slipping
+            lines += [f"{never} {'it' if alone else 'them all'}"] * slipping
             continue
         unit = "" if one["unit"].startswith(("factor", "-")) else f" {one['unit']}"
-        at = f"{_WAYS[change, one['direction']]} {one['value']:.4g}{unit}"
+        at = f"{falls if one['direction'] == 'falls' else rises} {one['value']:.4g}{unit}"
         last = "it stops" if alone else f"the last of them, roller {one['roller']}, stops"
         lines.append(f"{last} where {at}" if slipping else f"if {at}, roller {one['roller']} slips first")
     return tuple(lines)

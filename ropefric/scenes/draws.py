@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
-from ropefric.errors import InputError, RopefricError
+from ropefric.errors import InputError
 from ropefric.fitting.predict import EXTRAPOLATED, degrees_of_freedom, has_interval
 from ropefric.scenes.kind import finite
 from ropefric.scenes.plan import solve_planned
@@ -253,13 +253,11 @@ def draw_scene(
             fix=f"choose {FEWEST_DRAWS} to {MOST_DRAWS} draws and a seed from 0",
         )
     kind, problem, points = scene.kind, scene.problem, _Draws(scene, count, seed)
-    try:
+    with placed(scene.document):
         answer = solve_planned(scene, problem)[1]
         as_given = (*kind.quantities(answer, problem), *kind.outcomes(answer, problem))
         how: dict[str, Any] = {"progress": progress, "write": write, "executor": executor}
         found = solve_points(scene, points, keep=KEPT_DRAWS, **how)
-    except RopefricError as error:
-        raise placed(error, scene.document) from error
     values = {one.name: float(one.value[0]) for one in as_given}
     at = (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level)
     numbers = {}

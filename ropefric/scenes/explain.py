@@ -94,7 +94,7 @@ def explain_scene(
     scene: Scene, *, measure: bool = False, clock: Callable[[], float] = time.perf_counter
 ) -> Explanation:
     """Return how a scene is solved, and the influence of each of its effects."""
-    try:
+    with placed(scene.document):
         try:
             plan, own = solve_planned(scene, scene.problem)
         except RopefricError:
@@ -104,16 +104,12 @@ def explain_scene(
             return Explanation(system=scene.kind.name, plan=plan_scene(scene, scene.problem)[0])
         explained = _weighed(scene, plan, own)
         return _timed(scene, explained, clock) if measure else explained
-    except RopefricError as error:
-        raise placed(error, scene.document) from error
 
 
 def explain_solution(solution: Solution) -> Explanation:
     """Return the influence of each effect on an answer that is known; the scene is not solved a second time."""
-    try:
+    with placed(solution.scene.document):
         return _weighed(solution.scene, solution.plan, solution.answer)
-    except RopefricError as error:
-        raise placed(error, solution.scene.document) from error
 
 
 def _runs(scene: Scene, plan: Plan) -> dict[str, Callable[[], Any]]:

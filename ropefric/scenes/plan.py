@@ -77,7 +77,9 @@ def make_plan(
     """
     known = applicable(system.effects, problem)
     spare = [one for one in worth_asking(known.values(), 1) if one.name not in kept]
-    bounds = {one.name: _largest(one, problem) for one in spare} if effects == "auto" else {}
+    bounds = {}
+    if effects == "auto":
+        bounds = {one.name: float(one.bound(problem, None).max()) for one in spare if one.bound}
     if isinstance(effects, tuple):
         _refuse_missing(system, problem, effects)
         simulated = known.keys() & set(effects)
@@ -91,10 +93,6 @@ def make_plan(
         _decided(one, problem, simulated, bounds, effects, kept) for one in system.effects.values()
     )
     return Plan(decisions, method, accuracy, _with_method(off, method)), model
-
-
-def _largest(effect: Effect, problem: Any) -> float:
-    return math.inf if effect.bound is None else float(effect.bound(problem, None).max())
 
 
 def _left_out(bounds: Mapping[str, float], room: float) -> set[str]:

@@ -40,19 +40,27 @@ Write = Callable[[Mapping[str, FloatArray], int], None]
 
 
 class Points(Protocol):
-    """Which cases of a scene are solved: values of its keys, and perhaps parameters of its friction behind them."""
+    """Which cases of a scene are solved: values of its keys, and perhaps parameters of its friction behind them.
+
+    Attributes
+    ----------
+    option : str
+        The option of the command behind them, for errors: --sweep.
+    what : str
+        One of them in words.
+    fix : str
+        Advice if none of them has an answer.
+    keys : tuple of str
+        Of the scene, that change.
+    shape : tuple of int
+        How many there are, along each axis.
+    """
 
     option: str
-    """The option that asked for them: --sweep."""
     what: str
-    """One of them in words."""
     fix: str
-    """Advice if none of them has an answer."""
-
     keys: tuple[str, ...]
-    """Of the scene, that change."""
     shape: tuple[int, ...]
-    """How many there are, along each axis."""
 
     def at(self, places: IntArray) -> list[FloatArray]:
         """Return the values of all keys at places in SI, and last the parameters if they differ, (n, p)."""

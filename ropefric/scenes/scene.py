@@ -3,7 +3,8 @@
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -221,28 +222,30 @@ def read_scene(document: TomlDocument, folder: Path) -> Scene:
     if table is None:  # pragma: no cover - no table without an error would be our own mistake
         raise DataError("the scene cannot be read", path=document.path)
     tolerances = _tolerances(document, table)
-    try:
+    with placed(document):
         source = source_of(kind, table, folder)
         problem = kind.problem(table, None if source is None else source.friction)
-    except RopefricError as error:
-        raise placed(error, document) from error
     read: dict[str, Any] = {"document": document, "folder": folder, "table": table, "tolerances": tolerances}
     return Scene(kind=kind, source=source, problem=problem, **read)
 
 
-def placed(error: RopefricError, document: TomlDocument) -> DataError:
-    """Return an error as one of the scene file, with the lines of the keys it names."""
-    named = KINDS[document.data["system"]].scene_key
-    problems = [
-        document.problem(
-            _path(document.data, named(problem.key)) if problem.key else (),
-            problem.code,
-            problem.message if not problem.path else f"{problem.where}: {problem.message}",
-            fix=problem.fix,
-        )
-        for problem in error.problems
-    ]
-    return data_error(problems)
+@contextmanager
+def placed(document: TomlDocument) -> Iterator[None]:
+    """Turn the errors of a block into those of the scene file, with the lines of the keys they name."""
+    try:
+        yield
+    except RopefricError as error:
+        named = KINDS[document.data["system"]].scene_key
+        problems = [
+            document.problem(
+                _path(document.data, named(problem.key)) if problem.key else (),
+                problem.code,
+                problem.message if not problem.path else f"{problem.where}: {problem.message}",
+                fix=problem.fix,
+            )
+            for problem in error.problems
+        ]
+        raise data_error(problems) from error
 
 
 def _path(tree: Any, key: str) -> tuple[str | int, ...]:

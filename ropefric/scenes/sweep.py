@@ -204,11 +204,6 @@ def sweep_scene(
     return Sweep(axes=axes, **found)
 
 
-def header_of(axes: tuple[Axis, ...], columns: Iterable[str]) -> tuple[str, ...]:
-    """Return the columns of a sweep's table: the swept keys with their units, then the numbers of the answer."""
-    return (*(axis.label for axis in axes), *columns)
-
-
 class SweepTable:
     """A sweep's table while it is written, one row a point, the last axis fastest: CSV, or Parquet by its name.
 
@@ -230,9 +225,12 @@ class SweepTable:
         if not self._names:
             self._names = tuple(columns)
             if self._parquet is None:
-                self._stream.write(csv_text([map(csv_cell, header_of(self._axes, columns))]).encode())
+                self._stream.write(csv_text([map(csv_cell, self._header(columns))]).encode())
         self._write_empty(self._waiting - count)
         self._write(np.stack([columns[name] for name in self._names], axis=-1))
+
+    def _header(self, names: Iterable[str]) -> list[str]:
+        return [*(axis.label for axis in self._axes), *names]
 
     def _write_empty(self, count: int) -> None:
         for start in range(0, count, BLOCK):
@@ -250,7 +248,7 @@ class SweepTable:
             return
         pyarrow, parquet = self._parquet
         arrays = [pyarrow.array(column, from_pandas=True) for column in (*swept, *values.T)]
-        group = pyarrow.table(arrays, names=list(header_of(self._axes, self._names)))
+        group = pyarrow.table(arrays, names=self._header(self._names))
         if self._writer is None:
             self._writer = parquet.ParquetWriter(self._stream, group.schema)
         self._writer.write_table(group)

@@ -217,30 +217,29 @@ def _quantities(answer: LineAnswer, problem: LineProblem) -> tuple[kind.Quantity
     """Return the tension that is not known first, then the others, then those of the elements."""
     ends = {"hand_tension_N": answer.tension_N[-1], "start_tension_N": answer.tension_N[0]}
     named = list(ends) if problem.start_tension_N is not None else list(ends)[::-1]
-    found = {name: ends[name] for name in named}
+    found: dict[str, FloatArray | None] = {name: ends[name] for name in named}
     if answer.load_N is not None:
         hand_N = answer.tension_N[-1]
-        found["load_N"] = answer.load_N
-        found["advantage"] = np.divide(
-            answer.load_N, hand_N, out=np.full_like(hand_N, np.nan), where=hand_N != 0.0
-        )
-    if answer.stretches:
-        found["elongation_m"] = _elongation_m(answer)
-    if answer.needed_end_N is not None:
-        found["needed_end_tension_N"] = answer.needed_end_N
-    if answer.cycle is not None and np.isfinite(answer.cycle.pulled_N).any():
-        found |= {f"cycle.{name}": value for name, value in _cycle(answer).items()}
+        per_hand = np.divide(answer.load_N, hand_N, out=np.full_like(hand_N, np.nan), where=hand_N != 0.0)
+        found |= {"load_N": answer.load_N, "advantage": per_hand}
+    found["elongation_m"] = _elongation_m(answer) if answer.stretches else None
+    found["needed_end_tension_N"] = answer.needed_end_N
+    cycle = answer.cycle
+    if cycle is not None and np.isfinite(cycle.pulled_N).any():
+        found["cycle.pull_tension_N"], found["cycle.pay_out_tension_N"] = cycle.pulled_N, cycle.paid_out_N
+        found["cycle.dead_band_N"] = cycle.pulled_N - cycle.paid_out_N
+        found["cycle.lost_stroke_m"] = cycle.lost_stroke_m if answer.stretches else None
     if answer.other_end is not None:
         found["from_other_end.hand_tension_N"] = answer.other_end[-1]
         found["from_other_end.start_tension_N"] = answer.other_end[0]
-    if answer.stressed is not None:
-        found["least_tension_N"] = answer.stressed.least_N
+    found["least_tension_N"] = None if answer.stressed is None else answer.stressed.least_N
     for place, numbers in enumerate(answer.numbers):
         found[f"elements.{place}.tension_out_N"] = answer.tension_N[place + 1]
         found |= {f"elements.{place}.{name}": value for name, value in numbers.items()}
     return tuple(
         kind.Quantity(name, value, positive=bool((value > 0.0).all()), is_main=name == named[0])
         for name, value in found.items()
+        if value is not None
     )
 
 
@@ -249,15 +248,6 @@ def _elongation_m(answer: LineAnswer) -> FloatArray:
     if answer.stressed is not None and stiffness_N is not None:
         return np.asarray(answer.stressed.elongation_N_m.sum(axis=0) / stiffness_N)
     return np.asarray(answer.stretch_m.sum(axis=0))
-
-
-def _cycle(answer: LineAnswer) -> dict[str, FloatArray]:
-    cycle = answer.cycle
-    if cycle is None:
-        return {}
-    found = {"pull_tension_N": cycle.pulled_N, "pay_out_tension_N": cycle.paid_out_N}
-    found["dead_band_N"] = cycle.pulled_N - cycle.paid_out_N
-    return found | ({} if not answer.stretches else {"lost_stroke_m": cycle.lost_stroke_m})
 
 
 def _failures(answer: LineAnswer, problem: LineProblem) -> tuple[kind.Failure, ...]:

@@ -79,10 +79,3 @@ def test_a_rope_that_lifts_off_is_refused_with_the_file(scene_file):
     scene = load_scene(scene_file(GOOD.replace('"0.3 m/s"', '"40 m/s"').replace('"auto"', '["centrifugal"]')))
     with pytest.raises(DataError, match=r"scene\.toml.*lifts off"):
         solve_scene(scene)
-
-
-def test_every_bundled_scene_is_in_order(scenes_folder):
-    files = sorted(scenes_folder.glob("*.toml"))
-    assert len(files) >= 4
-    for path in files:
-        assert check_scene(path) == (), path

@@ -1,17 +1,15 @@
 """Sweeps: the grid's answers are the scenes' own, one by one, whichever way they are reached."""
 
-import csv
 from itertools import product
 
 import numpy as np
 import pytest
 
 from ropefric.errors import DataError, InputError, UnknownNameError
-from ropefric.files.folder import Folder
 from ropefric.scenes.draws import draw_scene
 from ropefric.scenes.scene import load_scene, number_keys, replaced
 from ropefric.scenes.solve import solve_scene
-from ropefric.scenes.sweep import columns_text, parse_axis, sweep_scene, sweep_table
+from ropefric.scenes.sweep import columns_text, parse_axis, sweep_scene
 
 
 def test_ranges_and_lists_in_any_unit(hoist_of):
@@ -52,10 +50,10 @@ def test_what_can_be_swept_is_what_the_scene_gives(hoist_of):
 FIT = {"fit": "../../fits/prth-coupled.json"}
 SWEPT = {
     "hoist": ("wheel.wrap=200deg:2000deg:4", "rope.diameter=9.8mm,20mm"),
-    "belt-press": ("belts.upper.width=1m,1.2m", "press.preload=2000N,2500N"),  # point by point
+    "belt-press": ("belts.upper.width=1m,1.2m",),  # point by point
     "belt-drive": (
         "driving.wrap=30deg,180deg,700deg",
-        "tension.force=3000N,5250N",
+        "tension.force=5250N",
     ),
 }
 
@@ -99,24 +97,16 @@ def test_a_bare_coefficient_extrapolates_nowhere_and_draws_count_where_they_do(h
     assert drawn.to_dict()["extrapolated_in"] == {"wrap": 100}
 
 
-def test_points_without_answer_are_counted_and_left_empty(hoist_of, tmp_path):
+def test_points_without_answer_are_counted_and_left_empty(hoist_of):
     scene = hoist_of(effects="all")
     axes = (parse_axis(scene, "wheel.speed=1m/s:61m/s:61"), parse_axis(scene, "wheel.wrap=1turn,2turn"))
-    with sweep_table(axes, Folder(tmp_path / "deep"), "sweep.csv") as written:
-        swept = sweep_scene(scene, axes, write=written.add)
+    swept = sweep_scene(scene, axes)
     speed = np.repeat(axes[0].values, 2)
-    floating = (
-        80.0 - 0.062 * speed**2 < 1.0
-    )  # below F_0 = 1 N the law has no answer, below 0 N nothing presses
+    # Below F_0 = 1 N the law has no answer, below 0 N nothing presses.
+    floating = 80.0 - 0.062 * speed**2 < 1.0
     assert np.isnan(swept.columns["lift_force_N"]).tolist() == floating.tolist()
     assert swept.failed == floating.sum()
     assert "lifts off the wheel" in swept.first_failure
-    rows = list(csv.reader((tmp_path / "deep" / "sweep.csv").read_text(encoding="utf-8").splitlines()))
-    assert rows[0] == ["wheel.speed [m/s]", "wheel.wrap [turn]", "lift_force_N", "mu_average", "extrapolated"]
-    assert len(rows) == 1 + 122
-    assert rows[1][:2] == ["1", "1"]
-    assert float(rows[1][2]) == pytest.approx(swept.columns["lift_force_N"][0], rel=1e-8)
-    assert rows[-1][2:] == ["", "", ""]
 
 
 def test_columns_are_written_row_by_row_with_empty_cells_for_what_is_not_known():

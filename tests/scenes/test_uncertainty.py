@@ -14,16 +14,10 @@ DRAWS = 300
 
 
 @pytest.fixture(scope="module")
-def saw(scenes_folder, tmp_path_factory):
+def saw(scenes_folder):
     """The fast saw with a law of the rope laboratory on its wheel."""
-    folder = tmp_path_factory.mktemp("a") / "b" / "c"
-    folder.mkdir(parents=True)
-    text = (scenes_folder / "fast-band-saw.toml").read_text(encoding="utf-8")
-    head, _, _ = text.partition("[friction]")
-    fit = (scenes_folder / ".." / ".." / "fits" / "prth-coupled.json").resolve()
-    path = folder / "saw.toml"
-    path.write_text(head + f'[friction]\nfit = "{fit.as_posix()}"\n', encoding="utf-8")
-    return load_scene(path)
+    friction = {"fit": "../../fits/prth-coupled.json"}
+    return load_scene(scenes_folder / "fast-band-saw.toml", {"friction": friction})
 
 
 @pytest.mark.slow

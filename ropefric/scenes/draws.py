@@ -15,10 +15,10 @@ import numpy as np
 from ropefric.arrays import FloatArray, IntArray
 from ropefric.errors import InputError
 from ropefric.fitting.predict import EXTRAPOLATED, degrees_of_freedom, has_interval
-from ropefric.scenes.kind import finite
+from ropefric.scenes.kind import finite, value_at
 from ropefric.scenes.plan import solve_planned
 from ropefric.scenes.points import BLOCK, Answers, Points, Progress, Write, solve_points
-from ropefric.scenes.scene import Scene, placed, unit_of, value_at
+from ropefric.scenes.scene import Scene, placed, unit_of
 from ropefric.scenes.sweep import Axis, parse_axis
 from ropefric.uncertainty.budget import check_level, joint_draws, symmetric_root
 

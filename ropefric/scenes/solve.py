@@ -17,9 +17,9 @@ from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
 from ropefric.plugins import provenance
 from ropefric.quantities import split_unit_suffix
-from ropefric.scenes.kind import Quantity, finite
+from ropefric.scenes.kind import Quantity, finite, value_at
 from ropefric.scenes.plan import Plan, method_tree, nearly_whole, solve_planned
-from ropefric.scenes.scene import Scene, placed, value_at
+from ropefric.scenes.scene import Scene, placed
 from ropefric.shown import Shown, in_words
 from ropefric.systems.effect import assemble
 from ropefric.uncertainty.budget import check_level, directions

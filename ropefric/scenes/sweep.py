@@ -18,8 +18,9 @@ from ropefric.files.folder import Folder
 from ropefric.files.plain_text import arrow, csv_cell, csv_text
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
+from ropefric.scenes.kind import value_at
 from ropefric.scenes.points import BLOCK, Answers, Points, Progress, Write, solve_points
-from ropefric.scenes.scene import Scene, number_keys, read_scene, replaced, unit_of, value_at
+from ropefric.scenes.scene import Scene, number_keys, read_scene, replaced, unit_of
 
 MOST_POINTS = 10_000_000
 """Of an axis, and of a whole grid: some 2.5 GB."""

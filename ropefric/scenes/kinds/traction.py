@@ -130,8 +130,8 @@ def _failures(answer: TractionAnswer, problem: TractionProblem) -> tuple[kind.Fa
         if (given := getattr(problem, name)) is not None:
             value = np.degrees(given) if unit == "deg" else given
             beyond = value - limit if side == "at most" else limit - value
-            words = f"outside EN 81-50, which requires {side} {limit:g} {unit}"
-            outside.append(kind.Failure(words, what, value, beyond > 1e-9 * limit, limit))
+            needed = f"outside EN 81-50, which requires {side} {limit:g} {unit}"
+            outside.append(kind.Failure(needed, what, value, beyond > 1e-9 * limit, limit))
     held = [f"the ropes slip in the load case {case}" for case in CASES[:-1]]
     words = (*held, "the ropes do not slip when the car is stalled")
     uses = zip(words, answer.utilisation, strict=True)

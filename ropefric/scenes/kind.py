@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple, Self, get_args, get_ori
 
 import numpy as np
 from pydantic import BaseModel, Field, PlainValidator, model_validator
+from pydantic.fields import FieldInfo
 from pydantic_core import core_schema
 
 from ropefric.arrays import BoolArray, FloatArray
@@ -138,6 +139,12 @@ def _fields(schema: type[BaseModel]) -> list[tuple[str, Becomes]]:
     return [(name, one) for name, one in metadata if isinstance(one, Becomes) and one.field]
 
 
+def _tables(info: FieldInfo) -> list[type[StrictTable]]:
+    """Return the table that a key is, or that there are many of under it; none where it holds a value."""
+    types = (info.annotation, *get_args(info.annotation))
+    return [one for one in types if isinstance(one, type) and issubclass(one, StrictTable)]
+
+
 def becomes(schema: type[BaseModel], prefix: str = "", *, whole: bool = True) -> dict[str, Becomes]:
     """Return what the keys of a schema become, those of its tables included; friction has a reader of its own.
 
@@ -147,9 +154,8 @@ def becomes(schema: type[BaseModel], prefix: str = "", *, whole: bool = True) ->
     found = {before + name: replace(one, many=one.many and whole) for name, one in _fields(schema)}
     for name, info in schema.model_fields.items():
         single = whole and get_origin(info.annotation) not in {dict, list}
-        for table in (info.annotation, *get_args(info.annotation)):
-            if isinstance(table, type) and issubclass(table, StrictTable) and name != "friction":
-                found |= becomes(table, f"{before}{name}.", whole=single)
+        for table in _tables(info) if name != "friction" else ():
+            found |= becomes(table, f"{before}{name}.", whole=single)
     return found
 
 
@@ -206,15 +212,16 @@ def _gives(table: BaseModel, key: str) -> bool:
     return value is not None and value is not False
 
 
-def _advice(schema: Any, key: str) -> str:
+def _advice(schema: type[BaseModel], key: str) -> str:
     """Return how a key is added, with its example where it is a quantity."""
     owner, _, name = key.rpartition(".")
     for part in owner.split(".") if owner else ():
-        types = (schema.model_fields[part].annotation, *get_args(schema.model_fields[part].annotation))
-        schema = next(one for one in types if isinstance(one, type) and issubclass(one, StrictTable))
-    found = (one for one in schema.model_fields[name].metadata if isinstance(one, Key))
-    like = "".join(f' = "{one.like}"' for one in found)
-    return f"{name}{like} to [{owner}]" if owner else f"{name}{like}"
+        (schema,) = _tables(schema.model_fields[part])
+    info = schema.model_fields[name]
+    if _tables(info):
+        return f"add [{key}]"
+    like = "".join(f' = "{one.like}"' for one in info.metadata if isinstance(one, Key))
+    return f"add {name}{like} to [{owner}]" if owner else f"add {name}{like}"
 
 
 def one_of(*keys: str, fix: str = "") -> Rule:
@@ -223,7 +230,7 @@ def one_of(*keys: str, fix: str = "") -> Rule:
     def check(table: BaseModel) -> None:
         given = [key for key in keys if _gives(table, key)]
         if not given:
-            advice = fix or " or ".join(f"add {_advice(type(table), key)}" for key in keys)
+            advice = fix or " or ".join(_advice(type(table), key) for key in keys)
             reject("RF121", f"none of {', '.join(keys)} is given", fix=advice)
         if len(given) > 1:
             reject("RF111", f"{' and '.join(given)} are both given", fix="keep one of them", key=given[-1])
@@ -237,7 +244,7 @@ def needs(key: str, *others: str) -> Rule:
     def check(table: BaseModel) -> None:
         for other in others if _gives(table, key) else ():
             if not _gives(table, other):
-                reject("RF121", f"{key} needs {other}", fix=f"add {_advice(type(table), other)}", key=key)
+                reject("RF121", f"{key} needs {other}", fix=_advice(type(table), other), key=key)
 
     return check
 

@@ -364,7 +364,11 @@ def pieces_of_band(mu, wrap_rad, n=20_000):
 def test_a_wrap_beside_a_centre_distance_is_one_too_many(scene_of):
     tree = geometry(driving="450 mm", driven="200 mm", centre_distance="1.95 m")
     tree["driving"]["wrap"] = "180 deg"
-    with pytest.raises(DataError, match="driving.wrap and belt.centre_distance are both given"):
+    with pytest.raises(DataError, match=r"driving\.wrap and belt\.centre_distance are both given"):
+        scene_of(**tree)
+    tree = geometry(driving="450 mm", driven="200 mm", centre_distance="1.95 m")
+    tree["belt"]["span_length"] = "1 m"
+    with pytest.raises(DataError, match=r"centre_distance and belt\.span_length are both given"):
         scene_of(**tree)
     touching = geometry(driving="450 mm", driven="200 mm", centre_distance="0.3 m")
     with pytest.raises(DataError, match="lets the pulleys touch"):

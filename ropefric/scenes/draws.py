@@ -13,19 +13,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropefric.arrays import FloatArray, IntArray
-from ropefric.errors import InputError, RopefricError
+from ropefric.errors import InputError
 from ropefric.fitting.predict import EXTRAPOLATED, degrees_of_freedom, has_interval
-from ropefric.scenes.kind import finite
+from ropefric.scenes.kind import finite, value_at
 from ropefric.scenes.plan import solve_planned
 from ropefric.scenes.points import BLOCK, Answers, Points, Progress, Write, solve_points
-from ropefric.scenes.scene import Scene, placed, unit_of, value_at
+from ropefric.scenes.scene import Scene, placed, unit_of
 from ropefric.scenes.sweep import Axis, parse_axis
 from ropefric.uncertainty.budget import check_level, joint_draws, symmetric_root
 
 MOST_DRAWS = 10_000_000
 FEWEST_DRAWS = 10
 KEPT_DRAWS = 200_000
-"""Whose numbers are held, for quantiles."""
+"""Whose numbers are held, for their statistics."""
 _OWN_PARAMETERS = "friction.parameters."
 
 
@@ -44,7 +44,6 @@ class _Draws(Points):
     """The cases of a scene that are drawn; see `points.Points`."""
 
     option = "--draws"
-    summed = True
     what = "draw"
     fix = "check the tolerances and the covariance of the fit"
 
@@ -158,8 +157,8 @@ class Draws(Answers):
     level : float
         Of the outer quantiles: at 0.95 those of 2.5 % and 97.5 %, beside the median.
     numbers : mapping of str to Drawn
-        Of each number of the answer: its value as the scene has it, mean and standard deviation of all draws, and
-        quantiles of at most 200 000 of them, spread evenly.
+        Of each number of the answer: its value as the scene has it, and mean, standard deviation and quantiles of at
+        most 200 000 draws, spread evenly.
     inputs : tuple of str
         What was drawn, as the table names it.
     columns : mapping of str to ndarray
@@ -254,24 +253,27 @@ def draw_scene(
             fix=f"choose {FEWEST_DRAWS} to {MOST_DRAWS} draws and a seed from 0",
         )
     kind, problem, points = scene.kind, scene.problem, _Draws(scene, count, seed)
-    try:
+    with placed(scene.document):
         answer = solve_planned(scene, problem)[1]
         as_given = (*kind.quantities(answer, problem), *kind.outcomes(answer, problem))
         how: dict[str, Any] = {"progress": progress, "write": write, "executor": executor}
-        found, kept = solve_points(scene, points, keep=KEPT_DRAWS, **how)
-    except RopefricError as error:
-        raise placed(error, scene.document) from error
+        found = solve_points(scene, points, keep=KEPT_DRAWS, **how)
     values = {one.name: float(one.value[0]) for one in as_given}
     at = (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level)
     numbers = {}
-    for name, column in kept.columns.items():
+    for name, column in found["columns"].items():
         if name == EXTRAPOLATED:  # counted
             continue
         known = column[~np.isnan(column)]
-        _, mean, std = kept.moments(name)
-        with np.errstate(invalid="ignore"):  # between two that are infinite lies none
-            ends = np.quantile(known, at).tolist() if known.size else [np.nan] * 3
-        numbers[name] = Drawn(values.get(name, np.nan), mean, std, tuple(ends))
+        ends = (math.nan, math.nan, math.nan)
+        mean = std = math.nan
+        # Between two that are infinite lies no number, and the square of a very large one is no float.
+        with np.errstate(invalid="ignore", over="ignore"):
+            if known.size:
+                mean, ends = float(known.mean()), tuple(np.quantile(known, at).tolist())
+            if known.size > 1:
+                std = float(known.std(ddof=1))
+        numbers[name] = Drawn(values.get(name, math.nan), mean, std, ends)
     asked: dict[str, Any] = {"system": kind.name, "count": count, "seed": seed, "level": level}
     doubts = () if scene.source is None else scene.source.warnings
     return Draws(numbers=numbers, inputs=points.columns, doubts=doubts, **asked, **found)

@@ -6,12 +6,14 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from statistics import median, quantiles
 from typing import Any
 
+import numpy as np
+
+from ropefric.arrays import FloatArray
 from ropefric.errors import RopefricError
 from ropefric.scenes.kind import finite
-from ropefric.scenes.plan import Decision, Plan, make_plan, method_tree, solve_planned
+from ropefric.scenes.plan import Plan, method_tree, plan_scene, solve_planned
 from ropefric.scenes.scene import Scene, placed
 from ropefric.scenes.solve import Solution
 from ropefric.shown import Shown
@@ -92,29 +94,22 @@ def explain_scene(
     scene: Scene, *, measure: bool = False, clock: Callable[[], float] = time.perf_counter
 ) -> Explanation:
     """Return how a scene is solved, and the influence of each of its effects."""
-    try:
+    with placed(scene.document):
         try:
             plan, own = solve_planned(scene, scene.problem)
         except RopefricError:
             # What has no answer has a plan all the same, or says what is wrong with it.
             if measure:
                 raise
-            asked: dict[str, Any] = {"accuracy": scene.accuracy, "effects": scene.effects}
-            kept = scene.kind.kept(scene.problem)
-            plan, _ = make_plan(scene.kind.system, scene.problem, kept=kept, **asked)
-            return Explanation(system=scene.kind.name, plan=plan)
+            return Explanation(system=scene.kind.name, plan=plan_scene(scene, scene.problem)[0])
         explained = _weighed(scene, plan, own)
         return _timed(scene, explained, clock) if measure else explained
-    except RopefricError as error:
-        raise placed(error, scene.document) from error
 
 
 def explain_solution(solution: Solution) -> Explanation:
     """Return the influence of each effect on an answer that is known; the scene is not solved a second time."""
-    try:
+    with placed(solution.scene.document):
         return _weighed(solution.scene, solution.plan, solution.answer)
-    except RopefricError as error:
-        raise placed(error, solution.scene.document) from error
 
 
 def _runs(scene: Scene, plan: Plan) -> dict[str, Callable[[], Any]]:
@@ -148,36 +143,38 @@ def _weighed(scene: Scene, plan: Plan, own: Any) -> Explanation:
 def _timed(scene: Scene, explained: Explanation, clock: Callable[[], float]) -> Explanation:
     """Return an explanation with times: medians of runs that take turns, and how far these are apart."""
     system, plan, problem = scene.kind.system, explained.plan, scene.problem
+    solves = _runs(scene, plan)
     weighed = [one.name for one in plan.decisions if not math.isnan(one.worth)]
-    runs: dict[str, Callable[[], Any]] = {
-        "": lambda: system.solve(assemble(system, problem, plan.simulated), plan.method),
-        **{name: solve for name, solve in _runs(scene, plan).items() if name in weighed},
-        "planned": lambda: solve_planned(scene, problem),
-        "all": lambda: solve_planned(scene, problem, "all"),
-    }
-    times = _in_turn(runs, clock)
-
-    def timed(one: Decision) -> Decision:
-        if one.name not in weighed:
-            return one
-        sign = 1.0 if one.fate == "simulated" else -1.0
-        time_s, spread_s = _difference(
-            [sign * (a - b) for a, b in zip(times[""], times[one.name], strict=True)]
-        )
-        share = time_s / median(times[""]) if one.fate == "simulated" else math.nan
-        return one._replace(time_s=time_s, time_share=share, time_spread_s=spread_s)
-
-    apart = [a - b for a, b in zip(times["all"], times["planned"], strict=True)]
+    times_s = _in_turn(
+        {
+            "": lambda: system.solve(assemble(system, problem, plan.simulated), plan.method),
+            **{name: solves[name] for name in weighed},
+            "planned": lambda: solve_planned(scene, problem),
+            "all": lambda: solve_planned(scene, problem, "all"),
+        },
+        clock,
+    )
+    own_s, decisions = float(np.median(times_s[""])), []
+    for one in plan.decisions:
+        if one.name in weighed:
+            is_in = one.fate == "simulated"
+            apart_s = (times_s[""] - times_s[one.name]) * (1.0 if is_in else -1.0)
+            spread_s, time_s = _spread(apart_s), float(np.median(apart_s))
+            time_s = time_s if time_s > spread_s else math.nan
+            share = time_s / own_s if is_in else math.nan
+            one = one._replace(time_s=time_s, time_share=share, time_spread_s=spread_s)  # noqa: PLW2901
+        decisions.append(one)
     return replace(
         explained,
-        plan=plan._replace(decisions=tuple(map(timed, plan.decisions))),
-        planned_s=median(times["planned"]),
-        all_s=median(times["all"]),
-        spread_s=_spread(apart),
+        plan=plan._replace(decisions=tuple(decisions)),
+        planned_s=float(np.median(times_s["planned"])),
+        all_s=float(np.median(times_s["all"])),
+        spread_s=_spread(times_s["all"] - times_s["planned"]),
     )
 
 
-def _in_turn(runs: Mapping[str, Callable[[], Any]], clock: Callable[[], float]) -> dict[str, list[float]]:
+def _in_turn(runs: Mapping[str, Callable[[], Any]], clock: Callable[[], float]) -> dict[str, FloatArray]:
+    """Return the times of each run in every round."""
     times: dict[str, list[float]] = {name: [] for name in runs}
     began = clock()
     for rounds in range(_ROUNDS[1]):
@@ -187,15 +184,10 @@ def _in_turn(runs: Mapping[str, Callable[[], Any]], clock: Callable[[], float]) 
             start = clock()
             run()
             times[name].append(clock() - start)
-    return times
+    return {name: np.array(found) for name, found in times.items()}
 
 
-def _difference(apart_s: list[float]) -> tuple[float, float]:
-    """Return the median of differences and their spread; NaN where the spread is larger."""
-    found, spread_s = median(apart_s), _spread(apart_s)
-    return (found if found > spread_s else math.nan), spread_s
-
-
-def _spread(apart_s: list[float]) -> float:
-    low, _, high = quantiles(apart_s, n=4, method="inclusive")
-    return high - low
+def _spread(apart_s: FloatArray) -> float:
+    """Return the width of the middle half."""
+    low, high = np.quantile(apart_s, [0.25, 0.75])
+    return float(high - low)

@@ -75,11 +75,9 @@ def _scene_key(name: str, info: FieldInfo, text: str) -> SceneKey:
     if key.like and key in _declared(info.annotation):
         example = f"[{example}, …]"
     unit = key.si_unit or ("-" if {float, int} & {*_types(info.annotation)} else "")
-    # The range of a number is not for its reader to know where the mechanics checks it.
-    meaning, mark, rest = text.partition(" (zero or more)")
     choices = _choices(declared)
-    allowed = "zero or more" if mark else ", ".join(choices) or _range(info.annotation, key, declared)
-    return SceneKey(name, unit, example, default, allowed, meaning + rest, choices)
+    allowed = ", ".join(choices) or _range(info.annotation, key, declared)
+    return SceneKey(name, unit, example, default, allowed, text, choices)
 
 
 def _declared(annotation: typing.Any) -> list[typing.Any]:
@@ -101,7 +99,7 @@ def _choices(declared: Iterable[typing.Any]) -> tuple[str, ...]:
 def _range(annotation: typing.Any, key: Key, declared: Iterable[typing.Any]) -> str:
     """Return the range of a key, as its reader has it."""
     if key.like:
-        return "any" if key.above is None else f"more than {key.above:g}"
+        return key.range
     for read in _readers(declared):
         if read.__doc__ and not read.__doc__.startswith("Return"):
             return str(read.__doc__)

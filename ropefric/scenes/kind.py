@@ -4,10 +4,11 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Annotated, Any, NamedTuple, Self, get_args, get_origin
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel, Field, PlainValidator, model_validator
+from pydantic.fields import FieldInfo
 from pydantic_core import core_schema
 
 from ropefric.arrays import BoolArray, FloatArray
@@ -34,27 +35,25 @@ def number(value: object) -> float:
 
 
 def number_where(
-    holds: Callable[[float], bool], else_: str, fix: str, code: str = "RF110"
+    holds: Callable[[float], bool], allowed: str, fix: str = "", code: str = "RF110"
 ) -> Callable[[object], float]:
-    """Return a reader of bare numbers for which something holds; what they are else, with the number in its `{}`."""
+    """Return a reader of bare numbers for which something holds: those that are `allowed`, in words."""
 
     def read(value: object) -> float:
         found = number(value)
         if not holds(found):
-            reject(code, else_.format(got(value)), fix=fix)
+            reject(code, f"{got(value)} is not {allowed}", fix=fix or f"give a number that is {allowed}")
         return found
 
-    read.__doc__ = else_.partition("is not ")[2]  # for the documentation's page of keys
+    read.__doc__ = allowed  # for the documentation's page of keys
     return read
 
 
-positive = number_where(lambda one: one > 0.0, "{} is not more than 0", "give a positive number")
-zero_or_more = number_where(
-    lambda one: one >= 0.0, "{} is not zero or more", "give zero or a positive number"
-)
+positive = number_where(lambda one: one > 0.0, "more than 0")
+zero_or_more = number_where(lambda one: one >= 0.0, "zero or more")
 _accuracy = number_where(
     lambda one: 0.0 < one <= 1.0,
-    "an accuracy of {} is not above 0 and at most 1",
+    "above 0 and at most 1",
     "give the relative error you accept, such as 0.01 for 1 %",
     "RF501",
 )
@@ -101,27 +100,49 @@ class Key(Becomes):
         The unit it is read in, and an example.
     above : float or None
         What it must be more than; None for any number.
+    or_zero : bool
+        Whether it may be zero, too.
     """
 
     si_unit: str = ""
     like: str = ""
     above: float | None = 0.0
+    or_zero: bool = False
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
         """Return the reader of the value."""
-        return core_schema.no_info_plain_validator_function(
-            quantity(self.si_unit, self.like, above=self.above)
-        )
+        read = quantity(self.si_unit, self.like, above=None if self.or_zero else self.above)
+
+        def checked(value: object) -> float:
+            number = read(value)
+            if self.or_zero and number < 0.0:
+                reject("RF110", f"{got(value)} is not zero or more", fix=f'write it like "{self.like}"')
+            return number
+
+        return core_schema.no_info_plain_validator_function(checked)
+
+    @property
+    def range(self) -> str:
+        """Return the values that it may have, in words."""
+        if self.or_zero:
+            return "zero or more"
+        return "any" if self.above is None else f"more than {self.above:g}"
 
 
 def key(si_unit: str, like: str, field: str = "", **more: Any) -> Key:
-    """Return the annotation of a quantity; above 0, if nothing else is said."""
+    """Return the annotation of a quantity: by default a positive one."""
     return Key(field, si_unit=si_unit, like=like, **more)
 
 
 def _fields(schema: type[BaseModel]) -> list[tuple[str, Becomes]]:
     metadata = ((name, one) for name, info in schema.model_fields.items() for one in info.metadata)
     return [(name, one) for name, one in metadata if isinstance(one, Becomes) and one.field]
+
+
+def _tables(info: FieldInfo) -> list[type[StrictTable]]:
+    """Return the table that a key is, or that there are many of under it; none where it holds a value."""
+    types = (info.annotation, *get_args(info.annotation))
+    return [one for one in types if isinstance(one, type) and issubclass(one, StrictTable)]
 
 
 def becomes(schema: type[BaseModel], prefix: str = "", *, whole: bool = True) -> dict[str, Becomes]:
@@ -133,9 +154,8 @@ def becomes(schema: type[BaseModel], prefix: str = "", *, whole: bool = True) ->
     found = {before + name: replace(one, many=one.many and whole) for name, one in _fields(schema)}
     for name, info in schema.model_fields.items():
         single = whole and get_origin(info.annotation) not in {dict, list}
-        for table in (info.annotation, *get_args(info.annotation)):
-            if isinstance(table, type) and issubclass(table, StrictTable) and name != "friction":
-                found |= becomes(table, f"{before}{name}.", whole=single)
+        for table in _tables(info) if name != "friction" else ():
+            found |= becomes(table, f"{before}{name}.", whole=single)
     return found
 
 
@@ -173,14 +193,85 @@ def _effects(value: object) -> str | tuple[str, ...]:
     return tuple(value)
 
 
+def value_at(tree: Any, key: str) -> Any:
+    """Return the value at a key of a TOML tree or of the table made from it; None where there is none."""
+    for name in key.split("."):
+        if isinstance(tree, list):
+            tree = tree[int(name)] if name.isdecimal() and int(name) < len(tree) else None
+        else:
+            tree = tree.get(name) if isinstance(tree, dict) else getattr(tree, name, None)
+    return tree
+
+
+Rule = Callable[[BaseModel], None]
+"""Refuses a table whose keys do not go together; keys of its tables are named with them: "wheel.speed"."""
+
+
+def _gives(table: BaseModel, key: str) -> bool:
+    value = value_at(table, key)
+    return value is not None and value is not False
+
+
+def _advice(schema: type[BaseModel], key: str) -> str:
+    """Return how a key is added, with its example where it is a quantity."""
+    owner, _, name = key.rpartition(".")
+    for part in owner.split(".") if owner else ():
+        (schema,) = _tables(schema.model_fields[part])
+    info = schema.model_fields[name]
+    if _tables(info):
+        return f"add [{key}]"
+    like = "".join(f' = "{one.like}"' for one in info.metadata if isinstance(one, Key))
+    return f"add {name}{like} to [{owner}]" if owner else f"add {name}{like}"
+
+
+def one_of(*keys: str, fix: str = "") -> Rule:
+    """Return the rule that a table gives one of some keys, and no more of them."""
+
+    def check(table: BaseModel) -> None:
+        given = [key for key in keys if _gives(table, key)]
+        if not given:
+            advice = fix or " or ".join(_advice(type(table), key) for key in keys)
+            reject("RF121", f"none of {', '.join(keys)} is given", fix=advice)
+        if len(given) > 1:
+            reject("RF111", f"{' and '.join(given)} are both given", fix="keep one of them", key=given[-1])
+
+    return check
+
+
+def needs(key: str, *others: str) -> Rule:
+    """Return the rule that a key is given together with some others only."""
+
+    def check(table: BaseModel) -> None:
+        for other in others if _gives(table, key) else ():
+            if not _gives(table, other):
+                reject("RF121", f"{key} needs {other}", fix=_advice(type(table), other), key=key)
+
+    return check
+
+
+def excludes(key: str, *others: str) -> Rule:
+    """Return the rule that a key is given without each of some others."""
+
+    def check(table: BaseModel) -> None:
+        for other in others if _gives(table, key) else ():
+            if _gives(table, other):
+                reject("RF111", f"{key} and {other} are both given", fix="keep one of them", key=other)
+
+    return check
+
+
 class Table(StrictTable):
-    """A TOML table of a scene."""
+    """A TOML table of a scene; its `rules` say which keys go together."""
+
+    rules: ClassVar[tuple[Rule, ...]] = ()
 
     def _check(self) -> None:
-        """Refuse what does not go together."""
+        """Refuse what no rule covers."""
 
     @model_validator(mode="after")
     def _checked(self) -> Self:
+        for rule in type(self).rules:
+            rule(self)
         self._check()
         return self
 
@@ -233,19 +324,16 @@ class FrictionTable(Table):
     scale_to: ScaleTable | None = None
     reference: ReferenceTable = Field(default_factory=ReferenceTable)
 
+    rules = (
+        one_of("mu", "law", "fit", fix="add mu = 0.2, or law and parameters, or fit"),
+        needs("parameters", "law"),
+        excludes("mu", "scale_to"),
+    )
+
     def _check(self) -> None:
-        named = [name for name in ("mu", "law", "fit") if getattr(self, name) is not None]
-        if not named:
-            reject("RF121", "no friction is given", fix="add mu = 0.2, or law and parameters, or fit")
-        if len(named) > 1:
-            reject("RF111", f"{' and '.join(named)} are both given", fix="keep one of them", key=named[-1])
         if self.law is not None and self.parameters is None:
             names = ", ".join(f"{name} = …" for name in ALL_LAWS[self.law].parameter_names)
             reject("RF121", f"the law {self.law} has no parameters", fix=f"add parameters = {{ {names} }}")
-        if self.law is None and self.parameters is not None:
-            reject("RF111", "parameters are given without a law", fix="name the law", key="parameters")
-        if self.mu is not None and self.scale_to is not None:
-            reject("RF111", "a bare coefficient needs no scale_to", fix="remove scale_to", key="scale_to")
 
 
 class SceneTable(Table):

@@ -77,7 +77,9 @@ def make_plan(
     """
     known = applicable(system.effects, problem)
     spare = [one for one in worth_asking(known.values(), 1) if one.name not in kept]
-    bounds = {one.name: _largest(one, problem) for one in spare} if effects == "auto" else {}
+    bounds = {}
+    if effects == "auto":
+        bounds = {one.name: float(one.bound(problem, None).max()) for one in spare if one.bound}
     if isinstance(effects, tuple):
         _refuse_missing(system, problem, effects)
         simulated = known.keys() & set(effects)
@@ -91,10 +93,6 @@ def make_plan(
         _decided(one, problem, simulated, bounds, effects, kept) for one in system.effects.values()
     )
     return Plan(decisions, method, accuracy, _with_method(off, method)), model
-
-
-def _largest(effect: Effect, problem: Any) -> float:
-    return math.inf if effect.bound is None else float(effect.bound(problem, None).max())
 
 
 def _left_out(bounds: Mapping[str, float], room: float) -> set[str]:
@@ -150,14 +148,17 @@ def _with_method(off: float, method: Method) -> float:
     return off + method.error * (1.0 + off) if off < math.inf else math.inf
 
 
+def plan_scene(scene: Scene, problem: Any, effects: str | tuple[str, ...] = "") -> tuple[Plan, Any]:
+    """Return the plan of a scene for a problem of its kind, with its effects or others, and the model."""
+    kind, asked = scene.kind, effects or scene.effects
+    return make_plan(kind.system, problem, accuracy=scene.accuracy, effects=asked, kept=kind.kept(problem))
+
+
 def solve_planned(scene: Scene, problem: Any, effects: str | tuple[str, ...] = "") -> tuple[Plan, Any]:
     """Return the plan of a scene for a problem of its kind, with its effects or others, and the answer."""
-    system, asked = scene.kind.system, effects or scene.effects
-    plan, model = make_plan(
-        system, problem, accuracy=scene.accuracy, effects=asked, kept=scene.kind.kept(problem)
-    )
+    system, (plan, model) = scene.kind.system, plan_scene(scene, problem, effects)
     answer = system.solve(model, plan.method)
-    if isinstance(asked, tuple):
+    if isinstance(effects or scene.effects, tuple):
         plan = plan._replace(error_bound=_with_method(_off_by(system, problem, plan, answer), plan.method))
     return plan, answer
 

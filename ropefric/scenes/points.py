@@ -9,7 +9,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from itertools import chain, islice, tee
+from itertools import chain, islice
 from math import prod
 from typing import Any, NamedTuple, Protocol
 
@@ -40,22 +40,27 @@ Write = Callable[[Mapping[str, FloatArray], int], None]
 
 
 class Points(Protocol):
-    """Which cases of a scene are solved: values of its keys, and perhaps parameters of its friction behind them."""
+    """Which cases of a scene are solved: values of its keys, and perhaps parameters of its friction behind them.
+
+    Attributes
+    ----------
+    option : str
+        The option of the command behind them, for errors: --sweep.
+    what : str
+        One of them in words.
+    fix : str
+        Advice if none of them has an answer.
+    keys : tuple of str
+        Of the scene, that change.
+    shape : tuple of int
+        How many there are, along each axis.
+    """
 
     option: str
-    """The option that asked for them: --sweep."""
     what: str
-    """One of them in words."""
     fix: str
-    """Advice if none of them has an answer."""
-
-    summed: bool = False
-    """Whether means and standard deviations are asked for."""
-
     keys: tuple[str, ...]
-    """Of the scene, that change."""
     shape: tuple[int, ...]
-    """How many there are, along each axis."""
 
     def at(self, places: IntArray) -> list[FloatArray]:
         """Return the values of all keys at places in SI, and last the parameters if they differ, (n, p)."""
@@ -102,9 +107,9 @@ class Answers(Shown):
 
 def solve_points(
     scene: Scene, points: Points, *, progress: Progress | None, write: Write | None, keep: int, executor: Any
-) -> tuple[dict[str, Any], "Kept"]:
-    """Return the fields of `Answers` to many cases, and what was kept of their numbers: at most some `keep` of each."""
-    total, kept = prod(points.shape), Kept(points.shape, keep, summed=points.summed)
+) -> dict[str, Any]:
+    """Return the fields of `Answers` to many cases; of their numbers at most some `keep` of each are kept."""
+    total, kept = prod(points.shape), _Kept(points.shape, keep)
     run, tally = _Run(scene, points), _Tally()
     outcomes = run.spread(progress, executor)
     for start in range(0, total, BLOCK):
@@ -121,8 +126,7 @@ def solve_points(
             key=points.option,
             fix=points.fix,
         )
-    held = {name: getattr(kept, name) for name in ("columns", "steps", "ranges")}
-    return held | tally.fields(scene), kept
+    return {"columns": kept.columns, "steps": kept.steps, "ranges": kept.ranges} | tally.fields(scene)
 
 
 class _Tally:
@@ -170,59 +174,29 @@ class _Tally:
         }
 
 
-class Kept:
-    """The kept numbers: those of points spread evenly, and of all the range, mean and standard deviation."""
+class _Kept:
+    """The kept numbers: those of points spread evenly over the axes, and the range of all."""
 
-    def __init__(self, shape: tuple[int, ...], most: int, *, summed: bool = True) -> None:
+    def __init__(self, shape: tuple[int, ...], most: int) -> None:
         steps = np.ones(len(shape), dtype=np.int64)
         while prod(-(-np.array(shape) // steps)) > most:
             steps[np.argmax(shape // steps)] *= 2
         self.steps: tuple[int, ...] = () if (steps == 1).all() else tuple(steps.tolist())
+        kept = np.ix_(*(np.arange(0, size, step) for size, step in zip(shape, steps, strict=True)))
+        self._places = np.ravel_multi_index(kept, shape).ravel()
         self.columns: dict[str, FloatArray] = {}
         self.ranges: dict[str, tuple[float, float]] = {}
-        self._sums: dict[str, tuple[int, float, float]] = {}
-        self._summed = summed
-        self._shape, self._thinned = shape, tuple((-(-np.array(shape) // steps)).tolist())
 
     def add(self, block: Mapping[str, FloatArray], start: int, stop: int) -> None:
         """Take the numbers of points that follow each other."""
-        places: Any = slice(start, stop)
-        chosen: Any = slice(None)
-        if self.steps:
-            grid = np.unravel_index(np.arange(start, stop), self._shape)
-            chosen = np.all([one % step == 0 for one, step in zip(grid, self.steps, strict=True)], axis=0)
-            thinned = [one[chosen] // step for one, step in zip(grid, self.steps, strict=True)]
-            places = np.ravel_multi_index(thinned, self._thinned)
+        first, end = np.searchsorted(self._places, (start, stop))
         for name, values in block.items():
             if name not in self.columns:
-                self.columns[name] = np.full(prod(self._thinned), np.nan)
-            self.columns[name][places] = values[chosen]
-            unknown = np.isnan(values)
-            known = values[~unknown] if unknown.any() else values
+                self.columns[name] = np.full(self._places.size, np.nan)
+            self.columns[name][first:end] = values[self._places[first:end] - start]
             low, high = self.ranges.get(name, (math.nan, math.nan))
-            if known.size:
-                low, high = float(np.fmin(low, known.min())), float(np.fmax(high, known.max()))
-            self.ranges[name] = low, high
-            if self._summed:
-                self._sums[name] = _joined(self._sums.get(name, (0, 0.0, 0.0)), known)
-
-    def moments(self, name: str) -> tuple[int, float, float]:
-        """Return how many points have a number, and the mean and standard deviation of all of these."""
-        count, mean, squares = self._sums[name]
-        return count, mean, math.sqrt(squares / (count - 1)) if count > 1 else math.nan
-
-
-def _joined(sums: tuple[int, float, float], values: FloatArray) -> tuple[int, float, float]:
-    """Return count, mean and sum of squared deviations of what was summed before and of more values (Chan et al.)."""
-    if not values.size:
-        return sums
-    count, mean, squares = sums
-    # Among infinite numbers no deviation is one, and the square of a very large one is no float.
-    with np.errstate(invalid="ignore", over="ignore"):
-        more, total = values.mean(), count + values.size
-        apart = more - mean
-        squares += float(((values - more) ** 2).sum() + apart**2 * count * values.size / total)
-        return total, float(mean + apart * values.size / total), squares
+            lowest, highest = np.fmin.reduce(values), np.fmax.reduce(values)  # of those that are numbers
+            self.ranges[name] = float(np.fmin(low, lowest)), float(np.fmax(high, highest))
 
 
 class _Found(NamedTuple):
@@ -259,7 +233,8 @@ class _Run:
         self.by_array = None not in self.fields and self.kind.in_one_call(scene.problem)
         cost_s = sum(one.cost for one in applicable(self.kind.system.effects, scene.problem).values())
         # Of a dear machine few at once, so that people see how far it is.
-        self.size = min(BLOCK, max(1, int(_SEEN_S / max(cost_s, 1e-9)))) if self.by_array else 1
+        size = min(BLOCK, max(1, int(_SEEN_S / max(cost_s, 1e-9))))
+        self.size = size if self.by_array else _ONE_BY_ONE
         self.room = room_for_effects(scene.accuracy)
         self.gone: frozenset[str] = frozenset()
         if scene.effects == "auto" and self.by_array:
@@ -267,9 +242,9 @@ class _Run:
             with suppress(RopefricError):
                 self.gone = self._worth_leaving_out(prod(points.shape))
 
-    def build(self, values: list[FloatArray]) -> Any:
-        """Return the problem of some points from what `Points.at` gives there."""
-        scene, kind = self.scene, self.kind
+    def build(self, places: IntArray) -> Any:
+        """Return the problem of some points."""
+        scene, kind, values = self.scene, self.kind, self.points.at(places)
         thetas = values[len(self.fields) :]
         if self.by_array:
             pairs = zip(self.fields, values, strict=False)
@@ -295,9 +270,8 @@ class _Run:
         gone = frozenset(one.name for one in worth_asking(known.values(), total))
         if not gone:
             return gone
-        values = self.points.at(np.unique(np.linspace(0, total - 1, _LOOKED_AT).astype(np.int64)))
-        possible = self.kind.answerable(self.build(values))
-        some = self.build([value[possible] for value in values])
+        places = np.unique(np.linspace(0, total - 1, _LOOKED_AT).astype(np.int64))
+        some = self.build(places[self.kind.answerable(self.build(places))])
         # Of some it is known before anything is solved that they stay.
         might_go = self._bounds(some, gone) <= self.room
         if not might_go.any():
@@ -322,64 +296,52 @@ class _Run:
 
     def pieces(self, start: int, stop: int) -> list[tuple[int, int]]:
         """Return the first point of each piece of a block, and the one after its last."""
-        size = self.size if self.by_array else _ONE_BY_ONE
-        return [(first, min(first + size, stop)) for first in range(start, stop, size)]
+        return [(first, min(first + self.size, stop)) for first in range(start, stop, self.size)]
 
     def spread(self, progress: Progress | None, executor: Any) -> Iterator[list[Outcome]]:
         """Yield what the points of all pieces of all blocks give."""
-        total = prod(self.points.shape)
+        total, done = prod(self.points.shape), 0
         blocks = ((start, min(start + BLOCK, total)) for start in range(0, total, BLOCK))
-        one, other = tee(piece for block in blocks for piece in self.pieces(*block))
-        for (_, stop), found in zip(one, spread(self.outcomes, other, executor), strict=True):
+        pieces = (piece for block in blocks for piece in self.pieces(*block))
+        for found in spread(self.outcomes, pieces, executor):
+            done += sum(places.size for places, _ in found)
             if progress is not None:
-                progress(stop, total, self.points.what.split()[0] + "s")
+                progress(done, total, self.points.what.split()[0] + "s")
             yield found
 
     def outcomes(self, piece: tuple[int, int]) -> list[Outcome]:
         """Return what the points of a piece give; point by point where a key does not go in one call."""
-        return [
-            found
-            for first in range(*piece, self.size)
-            for found in self._outcomes(first, min(first + self.size, piece[1]))
-        ]
+        size = self.size if self.by_array else 1
+        parts = (np.arange(first, min(first + size, piece[1])) for first in range(*piece, size))
+        return [found for places in parts for found in self._outcomes(places)]
 
-    def _outcomes(self, start: int, stop: int) -> Iterator[Outcome]:
-        places = np.arange(start, stop)
-        values, problem, lost = self.points.at(places), None, np.zeros(1, dtype=np.bool_)
+    def _outcomes(self, places: IntArray) -> Iterator[Outcome]:
+        lost = np.zeros(places.size, dtype=np.bool_)
         if self.by_array:
             with suppress(RopefricError):  # some of them make no problem; halving them finds which
-                problem = self.build(values)
-                lost = ~self.kind.answerable(problem)
-        if lost.any():
-            yield from self._refused(places, values, lost)
-            problem, places, values = None, *_some(~lost, places, values)
-        if places.size:
-            yield from self._points(places, values, problem)
-
-    def _refused(self, places: IntArray, values: list[FloatArray], refused: BoolArray) -> Iterator[Outcome]:
-        """Yield what points without an answer give, of which one is solved, to hear why not."""
-        lost = np.flatnonzero(refused)
-        yield from self._points(*_some(lost[:1], places, values))
-        if lost.size > 1:
-            yield places[lost[1:]], InputError("there is no answer")
-
-    def _points(self, places: IntArray, values: list[FloatArray], problem: Any = None) -> Iterator[Outcome]:
-        """Yield what points give, with less than everything where that may be."""
-        if self.gone and (lessened := self._lessened(problem, values)) is not None:
+                lost = np.broadcast_to(~self.kind.answerable(self.build(places)), places.shape)
+        yield from self._refused(places[lost])
+        places = places[~lost]
+        if self.gone and places.size and (lessened := self._lessened(places)) is not None:
             less, found = lessened
             yield places[less], found
-            problem, places, values = None, *_some(~less, places, values)
-        yield from self._whole(places, values, problem)
+            places = places[~less]
+        yield from self._whole(places)
 
-    def _lessened(self, problem: Any, values: list[FloatArray]) -> tuple[BoolArray, _Found] | None:
+    def _refused(self, places: IntArray) -> Iterator[Outcome]:
+        """Yield what points without an answer give, of which one is solved, to hear why not."""
+        yield from self._whole(places[:1])
+        if places.size > 1:
+            yield places[1:], InputError("there is no answer")
+
+    def _lessened(self, places: IntArray) -> tuple[BoolArray, _Found] | None:
         """Return which points can be solved with less than everything, and what they give."""
         # What has no answer, or none without some effect, is left to everything.
         with suppress(RopefricError):
-            problem = self.build(values) if problem is None else problem
-            some = self._bounds(problem, self.gone) <= self.room
+            some = self._bounds(self.build(places), self.gone) <= self.room
             if not some.any():
                 return None
-            less = problem if some.all() else self.build([value[some] for value in values])
+            less = self.build(places[some])
             names = applicable(self.kind.system.effects, less).keys()
             found, answer = self._solved(less, names - self.gone)
             bounds = self._bounds(less, self.gone, answer)
@@ -387,35 +349,32 @@ class _Run:
             sure = (bounds <= self.room) & _is_settled(found, error, self.scene.accuracy)
             if sure.any():
                 most = float(error[sure].max())
-                if not sure.all():
-                    some[np.flatnonzero(some)[~sure]] = False
-                    found = found.at(sure)
                 bound = most + found.error_bound * (1.0 + most)
-                return some, found._replace(left_out=self.gone, error_bound=bound)
+                some[np.flatnonzero(some)[~sure]] = False
+                return some, found.at(sure)._replace(left_out=self.gone, error_bound=bound)
         return None
 
-    def _whole(self, places: IntArray, values: list[FloatArray], problem: Any = None) -> Iterator[Outcome]:
+    def _whole(self, places: IntArray) -> Iterator[Outcome]:
         """Yield what points give, solved in one call.
 
         Those without an answer are set apart if the error says which they are, and else halved down to single ones.
         """
-        while places.size:
-            try:
-                found = self._planned(self.build(values) if problem is None else problem)
-            except RopefricError as error:
-                refused = np.asarray(error.cases)
-                if places.size == 1:
-                    yield places, error
-                    return
-                if refused.shape != places.shape or not refused.any():
-                    for half in np.array_split(np.arange(places.size), 2):
-                        yield from self._whole(*_some(half, places, values))
-                    return
-                yield from self._refused(places, values, refused)
-                problem, places, values = None, *_some(~refused, places, values)
+        if not places.size:
+            return
+        try:
+            found = self._planned(self.build(places))
+        except RopefricError as error:
+            refused = np.asarray(error.cases)
+            if places.size == 1:
+                yield places, error
+            elif refused.shape == places.shape and refused.any():
+                yield from self._refused(places[refused])
+                yield from self._whole(places[~refused])
             else:
-                yield places, found
-                return
+                for half in np.array_split(places, 2):
+                    yield from self._whole(half)
+        else:
+            yield places, found
 
     def _planned(self, problem: Any) -> _Found:
         """Return what a problem gives as asked for; with everything where sweeps are planned as a whole."""
@@ -434,12 +393,6 @@ class _Run:
         if source is None or source.tested is None:
             return found
         return found._replace(outside=cases_outside(source.tested, kind.contacts(problem), problem.n))
-
-
-def _some(
-    some: BoolArray | IntArray, places: IntArray, values: list[FloatArray]
-) -> tuple[IntArray, list[FloatArray]]:
-    return places[some], [value[some] for value in values]
 
 
 def _is_settled(found: _Found, error: FloatArray, accuracy: float) -> BoolArray:

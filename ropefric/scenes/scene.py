@@ -3,8 +3,8 @@
 import math
 import os
 import re
-from collections.abc import Mapping
-from copy import deepcopy
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -33,7 +33,7 @@ from ropefric.friction.laws import ALL_LAWS
 from ropefric.plugins import load_named
 from ropefric.quantities import parse_fraction, parse_quantity, si_unit_of
 from ropefric.registry import did_you_mean
-from ropefric.scenes.kind import Kind, SceneTable, given
+from ropefric.scenes.kind import Kind, SceneTable, Table, given, value_at
 from ropefric.scenes.kinds import KINDS
 from ropefric.shown import Shown
 from ropefric.systems.friction import ScaleTo, WrapFriction
@@ -171,7 +171,7 @@ def load_scene(path: str | os.PathLike[str], changes: Mapping[str, Any] | None =
         The file.
     changes : mapping of str to value, optional
         What keys shall say, as TOML has it: `{"wheel.wrap": "720 deg"}`; None takes a key out. The parts of a list count
-        from 0: "measured.1.frequency".
+        from 0: "element.1.angle".
 
     Raises
     ------
@@ -197,28 +197,11 @@ def load_scene(path: str | os.PathLike[str], changes: Mapping[str, Any] | None =
     BY_NAME.check_given(changes=changes)
     document = read_toml(path, "scene file")
     if changes:
-        data = deepcopy(dict(document.data))
+        data: Any = document.data
         for key, value in changes.items():
-            _change(data, key, value)
+            data = replaced(data, key, value)
         document = replace(document, data=data)
     return read_scene(document, Path(path).parent)
-
-
-def _change(data: dict[str, Any], key: str, value: Any) -> None:
-    """Set a key of a TOML tree, or take it out; tables on the way are made where they are not there."""
-    *tables, last = key.split(".")
-    place: Any = data
-    for name in tables:
-        if isinstance(place, list) and name.isdecimal() and int(name) < len(place):
-            place = place[int(name)]
-        elif isinstance(place, dict):
-            place = place.setdefault(name, {})
-    if not isinstance(place, dict):
-        raise InputError(f"{key!r} is no key of the scene", key="changes", fix='write it like "wheel.wrap"')
-    if value is None:
-        place.pop(last, None)
-    else:
-        place[last] = value
 
 
 def check_scene(path: str | os.PathLike[str]) -> tuple[Problem, ...]:
@@ -239,28 +222,30 @@ def read_scene(document: TomlDocument, folder: Path) -> Scene:
     if table is None:  # pragma: no cover - no table without an error would be our own mistake
         raise DataError("the scene cannot be read", path=document.path)
     tolerances = _tolerances(document, table)
-    try:
+    with placed(document):
         source = source_of(kind, table, folder)
         problem = kind.problem(table, None if source is None else source.friction)
-    except RopefricError as error:
-        raise placed(error, document) from error
     read: dict[str, Any] = {"document": document, "folder": folder, "table": table, "tolerances": tolerances}
     return Scene(kind=kind, source=source, problem=problem, **read)
 
 
-def placed(error: RopefricError, document: TomlDocument) -> DataError:
-    """Return an error as one of the scene file, with the lines of the keys it names."""
-    named = KINDS[document.data["system"]].scene_key
-    problems = [
-        document.problem(
-            _path(document.data, named(problem.key)) if problem.key else (),
-            problem.code,
-            problem.message if not problem.path else f"{problem.where}: {problem.message}",
-            fix=problem.fix,
-        )
-        for problem in error.problems
-    ]
-    return data_error(problems)
+@contextmanager
+def placed(document: TomlDocument) -> Iterator[None]:
+    """Turn the errors of a block into those of the scene file, with the lines of the keys they name."""
+    try:
+        yield
+    except RopefricError as error:
+        named = KINDS[document.data["system"]].scene_key
+        problems = [
+            document.problem(
+                _path(document.data, named(problem.key)) if problem.key else (),
+                problem.code,
+                problem.message if not problem.path else f"{problem.where}: {problem.message}",
+                fix=problem.fix,
+            )
+            for problem in error.problems
+        ]
+        raise data_error(problems) from error
 
 
 def _path(tree: Any, key: str) -> tuple[str | int, ...]:
@@ -356,23 +341,22 @@ def leaves(tree: Any, prefix: str = "") -> list[tuple[str, Any]]:
     return found
 
 
-def value_at(tree: Any, key: str) -> Any:
-    """Return the value at a key of a TOML tree or of the table made from it; None where there is none."""
-    for name in key.split("."):
-        if isinstance(tree, list):
-            tree = tree[int(name)] if name.isdecimal() and int(name) < len(tree) else None
-        else:
-            tree = tree.get(name) if isinstance(tree, dict) else getattr(tree, name, None)
-    return tree
-
-
 def replaced(tree: Any, key: str, value: Any) -> Any:
-    """Return a TOML tree, or the table made from it, with another value at a key; it is not checked again."""
+    """Return a TOML tree, or the table made from it, with another value at a key; it is not checked again.
+
+    In a tree None takes the key out, and tables on the way to it are made where they are missing.
+    """
     name, _, rest = key.partition(".")
-    inner = {name: replaced(value_at(tree, name), rest, value) if rest else value}
-    if isinstance(tree, list):
-        return [inner.get(str(place), one) for place, one in enumerate(tree)]
-    return {**tree, **inner} if isinstance(tree, dict) else tree.model_copy(update=inner)
+    if isinstance(tree, list) and name.isdecimal() and int(name) < len(tree):
+        place = int(name)
+        return [*tree[:place], replaced(tree[place], rest, value) if rest else value, *tree[place + 1 :]]
+    if not isinstance(tree, dict | Table):
+        raise InputError(f"{key!r} is no key of the scene", key="changes", fix='write it like "wheel.wrap"')
+    inner = value_at(tree, name)
+    inner = replaced({} if inner is None else inner, rest, value) if rest else value
+    if not isinstance(tree, dict):
+        return tree.model_copy(update={name: inner})
+    return {one: what for one, what in {**tree, name: inner}.items() if what is not None}
 
 
 def number_keys(document: TomlDocument, table: SceneTable) -> tuple[str, ...]:

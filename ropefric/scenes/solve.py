@@ -17,12 +17,11 @@ from ropefric.fitting.result import FitResult
 from ropefric.friction.condition import Conditions
 from ropefric.plugins import provenance
 from ropefric.quantities import split_unit_suffix
-from ropefric.scenes.kind import Quantity, finite
+from ropefric.scenes.kind import Quantity, finite, value_at
 from ropefric.scenes.plan import Plan, method_tree, nearly_whole, solve_planned
-from ropefric.scenes.scene import FrictionSource, Scene, placed, value_at
+from ropefric.scenes.scene import Scene, placed
 from ropefric.shown import Shown, in_words
 from ropefric.systems.effect import assemble
-from ropefric.systems.friction import WrapFriction
 from ropefric.uncertainty.budget import check_level, directions
 
 _STEP = 1e-3
@@ -173,17 +172,10 @@ def _put(tree: Any, quantity: Uncertain) -> None:
 def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
     """Return the answer to a scene."""
     check_level(level)
-    kind, problem, source = scene.kind, scene.problem, scene.source
-    try:
+    kind, problem = scene.kind, scene.problem
+    with placed(scene.document):
         plan, answer = solve_planned(scene, problem)
-        quantities = kind.quantities(answer, problem)
-
-        def again(friction: WrapFriction) -> tuple[Quantity, ...]:
-            other = replace(problem, friction=friction)
-            model = assemble(kind.system, other, plan.simulated)
-            return kind.quantities(kind.system.solve(model, plan.method), other)
-
-        tree, error = kind.tree(answer, problem), plan.error_bound
+        quantities, error = kind.quantities(answer, problem), plan.error_bound
         failures = [one for one in kind.failures(answer, problem) if not one.counted]
         undecided: tuple[str, ...] = ()
         if plan.left_out and math.isfinite(error):
@@ -193,16 +185,14 @@ def solve_scene(scene: Scene, *, level: float = 0.95) -> Solution:
             scene=scene,
             plan=plan,
             answer=answer,
-            quantities=carry_through(source, again, quantities, level=level),
+            quantities=_uncertain(scene, plan, quantities, level),
             level=level,
             extrapolation=_extrapolation(scene),
             failures=tuple(one.text() for one in failures if one.fails.any()),
             undecided=undecided,
             own_bounds=_own_bounds(scene, plan, answer, quantities),
-            tree=tree,
+            tree=kind.tree(answer, problem),
         )
-    except RopefricError as error:
-        raise placed(error, scene.document) from error
 
 
 def _own_bounds(scene: Scene, plan: Plan, answer: Any, quantities: tuple[Quantity, ...]) -> dict[str, float]:
@@ -249,12 +239,8 @@ def _span(low: float, high: float) -> str:
     return f"{low:.4g}" if f"{low:.4g}" == f"{high:.4g}" else f"{low:.4g}–{high:.4g}"
 
 
-def carry_through(
-    source: FrictionSource | None,
-    solve: Callable[[WrapFriction], tuple[Quantity, ...]],
-    nominal: tuple[Quantity, ...],
-    *,
-    level: float,
+def _uncertain(
+    scene: Scene, plan: Plan, nominal: tuple[Quantity, ...], level: float
 ) -> tuple[Uncertain, ...]:
     """Return the answer's numbers with their uncertainty because the friction was fitted, to first order: g C gᵀ.
 
@@ -263,22 +249,26 @@ def carry_through(
     gives the number. Without a fit the numbers are certain;
     a covariance that is not known leaves every number without an error.
     """
+    kind, source, problem = scene.kind, scene.source, scene.problem
     if source is None or source.fit is None:
         return tuple(_with_std(one, np.zeros_like(one.value), 0.0) for one in nominal)
-    fit, friction, found = source.fit, source.friction, []
+    fit, friction = source.fit, source.friction
     unknown = tuple(_with_std(one, np.full_like(one.value, np.nan), np.nan) for one in nominal)
     if not (has_interval(fit) and np.isfinite(fit.covariance).all()):
         return unknown
     columns = directions(fit.covariance)
     columns = columns[:, columns.any(axis=0)]
+
+    def solved(change: FloatArray) -> tuple[Quantity, ...]:
+        other = replace(problem, friction=replace(friction, theta=friction.theta + change))
+        model = assemble(kind.system, other, plan.simulated)
+        return kind.quantities(kind.system.solve(model, plan.method), other)
+
     try:
-        ends = [
-            [solve(replace(friction, theta=friction.theta + way)) for way in (step, -step)]
-            for step in _STEP * columns.T
-        ]
+        ends = [(solved(step), solved(-step)) for step in _STEP * columns.T]
     except RopefricError:
         return unknown  # a law at the edge of where it has an answer has no slope there
-    spread_of = _spreads(fit, columns, level)
+    spread_of, found = _spreads(fit, columns, level), []
     for place, one in enumerate(nominal):
         slopes = [_slope(up[place], down[place]) for up, down in ends]
         std, reach = spread_of(np.array(slopes).reshape(len(ends), one.value.size))

@@ -18,8 +18,9 @@ from ropefric.files.folder import Folder
 from ropefric.files.plain_text import arrow, csv_cell, csv_text
 from ropefric.files.toml import TomlDocument
 from ropefric.registry import did_you_mean
+from ropefric.scenes.kind import value_at
 from ropefric.scenes.points import BLOCK, Answers, Points, Progress, Write, solve_points
-from ropefric.scenes.scene import Scene, number_keys, read_scene, replaced, unit_of, value_at
+from ropefric.scenes.scene import Scene, number_keys, read_scene, replaced, unit_of
 
 MOST_POINTS = 10_000_000
 """Of an axis, and of a whole grid: some 2.5 GB."""
@@ -199,14 +200,9 @@ def sweep_scene(
             key="--sweep",
             fix="use fewer values of each key",
         )
-    found, _ = solve_points(scene, grid, progress=progress, write=write, keep=keep, executor=executor)
+    found = solve_points(scene, grid, progress=progress, write=write, keep=keep, executor=executor)
     found["failures"] = {words: n for words, n in found["failures"].items() if n}
     return Sweep(axes=axes, **found)
-
-
-def header_of(axes: tuple[Axis, ...], columns: Iterable[str]) -> tuple[str, ...]:
-    """Return the columns of a sweep's table: the swept keys with their units, then the numbers of the answer."""
-    return (*(axis.label for axis in axes), *columns)
 
 
 class SweepTable:
@@ -230,9 +226,12 @@ class SweepTable:
         if not self._names:
             self._names = tuple(columns)
             if self._parquet is None:
-                self._stream.write(csv_text([map(csv_cell, header_of(self._axes, columns))]).encode())
+                self._stream.write(csv_text([map(csv_cell, self._header(columns))]).encode())
         self._write_empty(self._waiting - count)
         self._write(np.stack([columns[name] for name in self._names], axis=-1))
+
+    def _header(self, names: Iterable[str]) -> list[str]:
+        return [*(axis.label for axis in self._axes), *names]
 
     def _write_empty(self, count: int) -> None:
         for start in range(0, count, BLOCK):
@@ -250,7 +249,7 @@ class SweepTable:
             return
         pyarrow, parquet = self._parquet
         arrays = [pyarrow.array(column, from_pandas=True) for column in (*swept, *values.T)]
-        group = pyarrow.table(arrays, names=list(header_of(self._axes, self._names)))
+        group = pyarrow.table(arrays, names=self._header(self._names))
         if self._writer is None:
             self._writer = parquet.ParquetWriter(self._stream, group.schema)
         self._writer.write_table(group)

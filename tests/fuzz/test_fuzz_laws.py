@@ -55,7 +55,7 @@ def check_tendencies(name, places, wheel, rope, tension):
     assert force is None or np.isfinite(force).all()
 
 
-test_tendencies, test_tendencies_long = fuzzed(check_tendencies, short=150, share=0.13,
+test_tendencies, test_tendencies_long = fuzzed(check_tendencies, short=100, share=0.13,
     name=st.sampled_from(sorted(ALL_LAWS)), places=st.lists(PLACE, min_size=5, max_size=5),
     wheel=st.sampled_from([0.04, 0.04, 1e-12, 1e9]) | st.floats(0.005, 1.0),
     rope=st.sampled_from([0.005, 0.005, 1e-9]) | st.floats(0.0005, 0.05),

@@ -78,10 +78,10 @@ def check_bytes(file, data, profile):
 
 
 PROFILE = st.integers(0, len(PROFILES) - 1)
-test_spoilt_text, test_spoilt_text_long = fuzzed(check_spoilt_text, short=90, share=0.03,
+test_spoilt_text, test_spoilt_text_long = fuzzed(check_spoilt_text, short=60, share=0.03,
     which=st.integers(0, len(GOOD) - 1), edits=st.lists(st.tuples(st.integers(0, 900), st.integers(0, 30),
     st.sampled_from(JUNK)), max_size=6), name=st.sampled_from(["r.csv", "r.csv", "r.txt", "r.csv.gz"]),
     profile=PROFILE)  # fmt: skip
-test_bytes, test_bytes_long = fuzzed(check_bytes, short=90, share=0.03, file=st.sampled_from(FILES),
+test_bytes, test_bytes_long = fuzzed(check_bytes, short=60, share=0.03, file=st.sampled_from(FILES),
     data=st.binary(max_size=300) | st.text("0123456789.,;\t\n\r -+eE\"'#aN", max_size=200).map(str.encode),
     profile=PROFILE)  # fmt: skip

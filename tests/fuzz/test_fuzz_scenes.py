@@ -123,7 +123,7 @@ def check_scene_file(name, edits):
 
 test_scenes, test_scenes_long = fuzzed(
     check_scene_file,
-    short=40,
+    short=30,
     share=0.02,
     examples=tuple({"name": name, "edits": [(place, how, junk, power)]} for name, place, how, junk, power in (
         ("fast-band-saw", 10, "scaled", "0", -1),  # the bound a hair above the accuracy

@@ -66,11 +66,11 @@ def check_any_table(header, rows, mark, ending):
     judge(ending.join(mark.join(row) for row in [header, *rows]).encode("utf-8", "surrogatepass"))
 
 
-test_spoilt, test_spoilt_long = fuzzed(check_spoilt_table, short=70, share=0.04,
+test_spoilt, test_spoilt_long = fuzzed(check_spoilt_table, short=50, share=0.04,
     edits=st.lists(st.tuples(st.integers(0, 12), st.integers(0, 7), st.integers(0, len(CELLS) - 1)),
     max_size=5), junk=st.lists(st.tuples(st.integers(0, 700), st.integers(0, 20),
     st.sampled_from(["", ",", ";", "\n", '"', "\t", "\ufeff", "e"])), max_size=2))  # fmt: skip
-test_any, test_any_long = fuzzed(check_any_table, short=60, share=0.04,
+test_any, test_any_long = fuzzed(check_any_table, short=40, share=0.04,
     header=st.permutations(USUAL).map(tuple) | st.lists(st.sampled_from(HEADERS), max_size=10).map(tuple),
     rows=st.lists(st.lists(st.sampled_from(CELLS), min_size=1, max_size=10), max_size=5),
     mark=st.sampled_from(",;\t"), ending=st.sampled_from(["\n", "\r\n", "\r", "\n\n"]))  # fmt: skip

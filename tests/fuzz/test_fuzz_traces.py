@@ -123,13 +123,13 @@ def check_picking(*, protocol, window, ending, min_step, part, **recording):
             assert phase.start_s <= phase.end_s
 
 
-test_averages, test_averages_long = fuzzed(check_averages, short=60, share=0.14,
+test_averages, test_averages_long = fuzzed(check_averages, short=40, share=0.14,
     window=st.sampled_from(WINDOWS),
     **RECORDINGS)  # fmt: skip
-test_clock, test_clock_long = fuzzed(check_clock, short=60, share=0.43, **RECORDINGS)
+test_clock, test_clock_long = fuzzed(check_clock, short=40, share=0.43, **RECORDINGS)
 USUAL = {"window": None, "ending": "sliding", "min_step": None, "part": "all", "scale": 1.0}
 test_picking, test_picking_long = fuzzed(
-    check_picking, short=120, share=0.1,
+    check_picking, short=80, share=0.1,
     examples=[
         # A held plateau of two samples had no scatter: its second half was one sample.
         USUAL | {"protocol": "held", "shape": "pull", "n": 50, "step": 0.004, "offset": 0.0, "seed": 3,

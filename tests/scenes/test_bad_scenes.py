@@ -2,7 +2,7 @@
 
 import pytest
 
-from ropefric.errors import DataError, RopefricError
+from ropefric.errors import DataError
 from ropefric.scenes.scene import check_scene, load_scene
 from ropefric.scenes.solve import solve_scene
 
@@ -35,24 +35,24 @@ MISTAKES = {
         ('"131.8 deg"', '"361 deg"', "361 deg", "rollers.6.wrap", "after 360 deg"),
         ('preload  = "2000 N"', 'preload  = "20 N"', "20 N", "press.preload", "goes slack"),
         ('preload  = "2000 N"', "", "[rollers.3.tensioner]", "rollers.3.tensioner", "has no force"),
-        ('density = "1500 kg/m^3"', 'density = "1500 kg/m^3"\nlinear_density = "15 kg/m"', "[belts.upper]",
-         "belts.upper", "either density or linear_density"),
+        ('density = "1500 kg/m^3"', 'density = "1500 kg/m^3"\nlinear_density = "15 kg/m"', "linear_density",
+         "belts.upper.linear_density", "density and linear_density are both given"),
         ('"share"', '"shares"', '"shares"', "press.closure", "did you mean 'share'"),
         ('"share" ', '"speed-ratio" ', "[belts.upper]", "belts.upper.axial_stiffness", "speed-ratio"),
         ('"gravity-load"', '"gravity-lode"', "gravity-lode", "effects[0]", "did you mean 'gravity-load'"),
         ('"belt-inertia"', '"belt-elasticity"', "effects  =", "effects", "belts.upper.axial_stiffness"),
         ('"belt-inertia"', '"transient"', "effects  =", "effects", "without start_up"),
-        ('"50 rpm"', '"50 rpm"\nspeed = "1 m/s"', "[press]", "press", "either speed"),
-        ('"50 rpm"', '"-50 rpm"', "-50 rpm", "press.rotation", "negative"),
+        ('"50 rpm"', '"50 rpm"\nspeed = "1 m/s"', "1 m/s", "press.speed", "keep one"),
+        ('"50 rpm"', '"-50 rpm"', "-50 rpm", "press.rotation", "not zero or more"),
         ('role = "driver"', 'role = "drivn"', "drivn", "rollers.1.role", "did you mean"),
         ('role = "tensioner"', "", "[rollers.3]", "rollers.3.role", "table of its own"),
         ('"2 m"', '"2 kg"', "2 kg", "belts.upper.width", "not a unit of length"),
         ("mu = 1.2", 'mu = 1.2\nfit = "x.json"', "x.json", "friction.fit", "keep one")
     ],
     "press-start-up": [('inertia = "0.852 kg*m^2"', "", "effects  =", "effects", "rollers.9.inertia"),
-                       ('duration = "4 s"', "", 'law = "s-curve"', "start_up.law", "needs a duration"),
+                       ('duration = "4 s"', "", 'law = "s-curve"', "start_up.law", "needs duration"),
                        ('duration = "4 s"', 'duration = "4 s"\nintegrator = "rk4"', "rk4", "start_up.integrator",
-                        "remove it; a start-up is solved exactly")],
+                        "solved by matrix exponentials")],
     "band-saw-fixed-axles": [('"970 rpm"', '"2100 rpm"', "2100", "wheel.speed", "critical speed")],
     "band-saw": [
         ("mounting_factor = 1.0", "mounting_factor = 1.2", "1.2", "tension.mounting_factor", "0 to 1"),
@@ -60,10 +60,10 @@ MISTAKES = {
         ('power = "7.5 kW"', 'tension_difference = "7000 N"', "preload", "tension.preload",
          "raise the preload above 3500 N"),
         ('speed = "970 rpm"', "", "[wheel]", "wheel.speed", 'add speed = "970 rpm"'),
-        ('"7.5 kW"', '"7.5 kW"\ntorque = "3 N*m"', "[drive]", "drive", "power and torque are given"),
-        ('linear_density = "0.5967 kg/m"', "", "[blade]", "blade", "mass is not known"),
+        ('"7.5 kW"', '"7.5 kW"\ntorque = "3 N*m"', "3 N*m", "drive.torque", "power and torque are both given"),
+        ('linear_density = "0.5967 kg/m"', "", "[blade]", "blade", 'add linear_density = "0.6 kg/m"'),
         ('linear_density = "0.5967 kg/m"', 'linear_density = "0.5967 kg/m"\ndensity = "7800 kg/m^3"',
-         "linear_density", "blade.linear_density", "keep one of them"),
+         "7800", "blade.density", "keep one of them"),
         ('"1.6 m"', '"1.6 s"', "1.6 s", "blade.free_span", "not a unit of length"),
         ('"clamped"', '"glued"', "glued", "blade.ends", "known: clamped, pinned"),
         ('"22 mm"', '"0 mm"', '"0 mm"', "excitation.tooth_pitch", "not more than 0"),
@@ -123,18 +123,3 @@ def test_all_data_that_a_start_up_lacks_are_named_together(texts, scene_file):
     (told,) = refused(scene_file(text))
     for key in ("rollers.5.inertia", "rollers.3.tensioner.mass", "belts.upper.axial_stiffness"):
         assert key in told.message
-
-
-def test_a_missing_line_never_ends_in_another_error(texts, scene_file):
-    """One line of a scene taken out at a time: it is solved, or refused by the house's own errors."""
-    refusals = []
-    for scene in ("hoist", "band-saw-fixed-axles"):
-        lines = texts[scene].splitlines()
-        for place in (i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")):
-            text = "\n".join(lines[:place] + lines[place + 1 :])
-            try:
-                solve_scene(load_scene(scene_file(text)))
-            except RopefricError as error:
-                refusals.append(error.problem.message)
-    assert len(refusals) > 15
-    assert all(refusals)

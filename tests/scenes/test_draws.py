@@ -22,7 +22,7 @@ from ropefric.friction.condition import one_condition
 from ropefric.friction.laws import ALL_LAWS
 from ropefric.scenes.draws import _Draws, draw_scene
 from ropefric.scenes.points import _Run
-from ropefric.scenes.scene import read_scene
+from ropefric.scenes.scene import read_scene, replaced
 from ropefric.scenes.solve import solve_scene
 from ropefric.scenes.sweep import sweep_table
 from ropefric.systems.beltdrive.drive import solve_drive
@@ -101,58 +101,36 @@ def test_what_errors_have_in_common_is_known_for_sure_and_normal(hoist_of):
     assert (found.quantiles[2] - found.quantiles[0]) / std == pytest.approx(2.0 * 1.645, rel=0.04)
 
 
-@pytest.mark.parametrize("name", ["hoist", "climbing-hoist"])
-def test_each_draw_is_the_scene_with_what_was_drawn(loaded, name):
-    scene = loaded(name)
-    table = scene.table.model_copy(update={"effects": "all"})
-    scene = replace(scene, table=table, tolerances={"wheel.wrap": 0.1, "rope.diameter": 1e-4})
-    assert_each_draw_alone(scene, 12, changes={"wheel.wrap": "rad", "rope.diameter": "m"})
-
-
-def assert_each_draw_alone(scene, count, changes):
-    """Compare draws with solving the scene, its file's text and its friction changed, draw by draw."""
-    written = []
-    drawn = draw_scene(scene, count, write=lambda columns, _: written.append(columns))
+@pytest.mark.parametrize(
+    ("name", "tolerances", "friction"),
+    [("hoist", {"wheel.wrap": 0.1, "rope.diameter": 1e-4}, None),
+     ("climbing-hoist", {"wheel.wrap": 0.1, "rope.diameter": 1e-4}, None),
+     ("fast-belt-press", {"press.preload": 20.0}, None),
+     ("belt-drive", {}, {**FIT, "scale_to": {"mu": 0.15, "wrap": "180 deg"}}),
+     ("traction", {}, {**FIT, "scale_to": {"mu": 0.15, "wrap": "180 deg"}})],
+)  # fmt: skip
+def test_each_draw_is_the_scene_with_what_was_drawn(loaded, scene_of, name, tolerances, friction):
+    """All draws are one call; friction that differs between them is that of each alone, wherever a rope slides."""
+    tree = loaded(name).document.data | {"effects": "all"}
+    tree |= {"friction": friction} if friction else {}
+    written, names = [], []
+    draw_scene(replace(scene_of(**tree), tolerances=tolerances), 10, write=lambda one, _: written.append(one))
     (columns,) = written
-    places = {one.partition(" [")[0]: one for one in columns}
-    for i in range(min(count, 3)):
-        text = {}
-        for key, unit in changes.items():
-            shown = places[key].partition("[")[2].removesuffix("]")
-            text[key] = f"{columns[places[key]][i]!r} {shown or unit}".replace("np.float64(", "").replace(
-                ")", ""
-            )
-        path = scene.folder / scene.document.path.rpartition("/")[2]
-        alone = rf.load_scene(path, text)
-        names = [one for one in columns if one.startswith("friction.")]
-        if names:
-            theta = np.array([columns[one][i] for one in names])
-            friction = replace(alone.source.friction, theta=theta)
-            alone = replace(alone, problem=replace(alone.problem, friction=friction), source=None)
-        alone = replace(alone, table=alone.table.model_copy(update={"effects": scene.effects}))
+    for i in range(3):
+        data, theta = tree, []
+        for column, values in columns.items():
+            key, _, unit = column.partition(" [")
+            if key in tolerances:
+                data = replaced(data, key, f"{float(values[i])!r} {unit.removesuffix(']')}")
+            elif key.startswith("friction."):
+                theta.append(values[i])
+        alone = scene_of(**data)
+        own = replace(alone.source.friction, theta=np.array(theta) if theta else alone.source.friction.theta)
+        alone = replace(alone, problem=replace(alone.problem, friction=own), source=None)
         for one in solve_scene(alone).quantities:
-            assert columns[one.name][i] == pytest.approx(one.value[0], rel=1e-9), (i, one.name)
-    return drawn
-
-
-def test_presses_belts_and_sheaves_are_drawn_in_one_call(loaded, scene_of):
-    """Friction that differs from case to case is that of each case alone, on every roller and in every load case."""
-    press = loaded("fast-belt-press")
-    assert_each_draw_alone(replace(press, tolerances={"press.preload": 20.0}), 10, {"press.preload": "N"})
-    for name in ("belt-drive", "traction"):
-        scene = loaded(name)
-        data = {**scene.document.data, "friction": {**FIT, "scale_to": {"mu": 0.15, "wrap": "180 deg"}}}
-        assert_matches_one_by_one(scene_of(**data))
-
-
-def assert_matches_one_by_one(scene):
-    drawn, written = scene.source.friction, []
-    draw_scene(scene, 10, write=lambda columns, _: written.append(columns))
-    theta = np.stack([written[0][f"friction.{name}"] for name in drawn.law.parameter_names], axis=-1)
-    for i, own in enumerate(theta):
-        problem = replace(scene.problem, friction=replace(drawn, theta=own))
-        for one in solve_scene(replace(scene, problem=problem, source=None)).quantities:
-            assert written[0][one.name][i] == pytest.approx(one.value[0], rel=1e-9, nan_ok=True), one.name
+            names.append(one.name)
+            assert columns[one.name][i] == pytest.approx(one.value[0], rel=1e-9, nan_ok=True), (i, one.name)
+    assert names
 
 
 def test_every_law_takes_parameters_of_its_own_for_each_case():

@@ -19,16 +19,6 @@ from ropefric.scenes.solve import solve_scene
 from ropefric.systems.press.answer import settles
 from ropefric.systems.press.transient.start_up import largest_difference
 
-LAWS = {"constant": {"mu": (0.05, 0.5)}, "constant-offset": {"mu": (0.05, 0.4), "k": (0.0, 0.2)},
-        "size-power": {"mu_inf": (0.05, 0.3), "a": (0.0, 1.0), "b": (0.3, 2.0)},
-        "size-exponential": {"mu_inf": (0.1, 0.4), "a": (-0.4, -0.05), "b": (-1.0, 0.0)},
-        "wrap-exponential": {"a": (0.01, 0.4), "b": (-1.0, -0.02), "c": (0.02, 0.2)},
-        "wrap-power": {"a": (0.01, 0.4), "b": (-0.9, -0.05), "c": (0.02, 0.2)},
-        "coupled": {"mu_inf": (0.1, 0.5), "a": (-0.5, -0.05), "b": (-1.0, 0.0), "c": (-0.9, -0.05),
-                    "d": (0.02, 0.15)},
-        "thickness": {"mu": (0.05, 0.4)}, "bending": {"mu": (0.05, 0.4), "rigidity_N_m2": (1e-7, 1e-4)},
-        "howell": {"A": (0.1, 0.5), "n": (0.7, 0.99)},
-        "wrap-power-from-zero": {"a": (0.01, 0.4), "b": (-0.9, -0.05), "c": (0.02, 0.2)}}  # fmt: skip
 FITS = ("constant", "size-exponential", "wrap-power", "coupled", "howell")
 ABOUT_THE_PLAN = {"effects", "error_bound", "method", "accuracy"}
 
@@ -43,10 +33,7 @@ def with_unit(value, unit):
 
 
 def friction(rng):
-    if rng.random() < 0.3:
-        return {"fit": f"../../fits/prth-{rng.choice(FITS)}.json"}
-    name = str(rng.choice(sorted(LAWS)))
-    return {"law": name, "parameters": {key: float(rng.uniform(*ends)) for key, ends in LAWS[name].items()}}
+    return {"fit": f"../../fits/prth-{rng.choice(FITS)}.json"}
 
 
 def saw(rng, scene_of):

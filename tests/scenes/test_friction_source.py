@@ -16,13 +16,16 @@ def stored(scenes_folder):
     return load_fit(scenes_folder.parents[1] / "fits" / "prth-coupled.json")
 
 
-def test_a_fit_gives_the_lift_force_and_the_interval_that_predict_gives(hoist_of, stored):
-    solution = solve_scene(hoist_of(effects=["wrap-dependence", "size", "end-tension"]))
-    told = predict(stored, one_condition(0.04, 0.0049, 3.0 * np.pi, 80.0), method="linear")
+@pytest.mark.parametrize("speed_m_s", [None, 5.0])
+def test_a_fit_gives_the_lift_force_and_the_interval_that_predict_gives(hoist_of, stored, speed_m_s):
+    running = {} if speed_m_s is None else {"linear_density_kg_m": 0.062, "speed_m_s": speed_m_s}
+    speed = speed_m_s and f"{speed_m_s} m/s"
+    solution = solve_scene(hoist_of(effects="all", wheel={"speed": speed}))
+    told = predict(stored, one_condition(0.04, 0.0049, 3.0 * np.pi, 80.0), method="linear", **running)
     lift = solution.quantities[0]
-    assert lift.value[0] == pytest.approx(told.lift_force_N[0], rel=1e-12)
+    assert lift.value[0] == pytest.approx(told.lift_force_N[0], rel=1e-10)
     assert lift.std[0] == pytest.approx(told.std_N[0], rel=1e-5)
-    assert lift.interval[0].tolist() == pytest.approx(told.interval_N[0].tolist(), rel=1e-7)
+    assert lift.interval[0].tolist() == pytest.approx(told.interval_N[0].tolist(), rel=1e-6)
 
 
 def fit_of(gain, wraps=(1.0, 2.0, 4.0, 6.0, 9.0), law="constant"):
@@ -60,14 +63,6 @@ def test_a_fit_that_leaves_nothing_to_estimate_an_interval_from_gives_none(hoist
     assert np.isnan(solution.quantities[0].interval).all()
 
 
-def test_the_interval_of_a_running_rope_is_that_of_predict_too(hoist_of, stored):
-    solution = solve_scene(hoist_of(effects="all", wheel={"speed": "5 m/s"}))
-    told = predict(
-        stored, one_condition(0.04, 0.0049, 3.0 * np.pi, 80.0), linear_density_kg_m=0.062, speed_m_s=5.0
-    )
-    assert solution.quantities[0].std[0] == pytest.approx(told.std_N[0], rel=1e-5)
-
-
 def test_a_number_or_a_bare_law_has_no_uncertainty(hoist_of):
     tree = solve_scene(hoist_of(friction={"mu": 0.2})).to_dict()
     assert "std_N" not in tree
@@ -96,12 +91,7 @@ def test_the_reference_of_a_fit_lies_amid_its_tests(hoist_of, stored):
 
 def test_a_doubtful_fit_says_so(hoist_of):
     solution = solve_scene(hoist_of(friction={"fit": "../../fits/prth-constant.json"}))
-    source = solution.scene.source
-    assert bool(source.warnings) == (load_status("prth-constant") != "ok")
-    assert set(source.warnings) <= set(solution.warnings)
-
-
-def load_status(name):
-    from pathlib import Path
-
-    return load_fit(Path(__file__).parents[2] / "fits" / f"{name}.json").status.value
+    warnings = solution.scene.source.warnings
+    assert warnings[0] == "the fit's status is residual-structure"
+    assert set(warnings) <= set(solution.warnings)
+    assert not solution.stands

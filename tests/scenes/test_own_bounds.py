@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from ropefric.scenes.scene import value_at
+from ropefric.scenes.kind import value_at
 from ropefric.scenes.solve import solve_scene
 
 

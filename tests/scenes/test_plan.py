@@ -32,33 +32,28 @@ def planned(bounds, accuracy, effects="auto", **options):
     return make_plan(toy(bounds, **options), None, accuracy=accuracy, effects=effects)[0]
 
 
-def test_the_smallest_effects_go_first_and_their_sum_stays_in_the_budget():
-    plan = planned({"a": 0.004, "b": 0.02, "c": 0.003, "d": 0.003}, 0.01)
-    assert plan.left_out == (
-        "c",
-        "d",
-    )  # all three would be 0.01 together, more than nine tenths of the accuracy
-    assert plan.error_bound == pytest.approx(math.expm1(0.006))
+@pytest.mark.parametrize(
+    ("bounds", "accuracy", "left_out", "error", "budget"),
+    [
+        # All three small ones would be 0.01 together, more than nine tenths of the accuracy.
+        ({"a": 0.004, "b": 0.02, "c": 0.003, "d": 0.003}, 0.01, ("c", "d"), 0.006, None),
+        ({"a": 0.004, "b": 0.02}, 0.01, ("a",), 0.004, (0.01 - math.expm1(0.004)) / math.exp(0.004)),
+        ({"a": 0.02}, 0.01, (), 0.0, 0.01),
+        ({"a": 0.0, "b": 1e-15}, 1e-300, ("a",), 0.0, None),
+        ({"a": math.inf, "b": 0.1}, 1.0, ("b",), 0.1, None),
+    ],
+)
+def test_the_smallest_effects_go_first_and_the_method_gets_what_they_leave(
+    bounds, accuracy, left_out, error, budget
+):
+    plan = planned(bounds, accuracy)
+    assert plan.left_out == left_out
+    assert plan.error_bound == pytest.approx(math.expm1(error), rel=1e-12)
+    assert budget is None or plan.method.settings["budget"] == pytest.approx(budget)
 
 
-def test_an_effect_of_no_influence_is_left_out_whatever_the_accuracy():
-    plan = planned({"a": 0.0, "b": 1e-15}, 1e-300)
-    assert plan.left_out == ("a",)
-
-
-def test_an_effect_without_known_bound_is_never_left_out_by_itself():
-    plan = planned({"a": math.inf, "b": 0.1}, 1.0)
-    assert plan.simulated == ("a",)
-    assert planned({"a": 0.1}, 1.0, effects=()).error_bound == math.inf, "not known before it is solved"
-
-
-def test_the_method_gets_what_the_effects_left_of_the_budget():
-    plan = planned({"a": 0.004, "b": 0.02}, 0.01)
-    assert plan.method.settings["budget"] == pytest.approx((0.01 - math.expm1(0.004)) / math.exp(0.004))
-    assert planned({"a": 0.02}, 0.01).method.settings["budget"] == pytest.approx(0.01)
-
-
-def test_the_methods_own_error_is_part_of_the_bound():
+def test_a_list_has_no_bound_before_it_is_solved_and_the_methods_error_is_part_of_a_bound():
+    assert planned({"a": 0.1}, 1.0, effects=()).error_bound == math.inf
     plan = planned({"a": 0.004}, 0.01, method_error=0.001)
     assert plan.error_bound == pytest.approx(math.expm1(0.004) + 0.001 * math.exp(0.004))
 

@@ -3,23 +3,8 @@
 import pytest
 
 from ropefric.report.parts import solution_sections
-from ropefric.scenes.plan import make_plan
 from ropefric.scenes.solve import solve_scene
 from ropefric.section import as_text
-
-
-@pytest.mark.parametrize("accuracy", [0.3, 0.05, 0.01, 1e-3])
-@pytest.mark.parametrize("name", ["band-saw", "fast-band-saw"])
-def test_the_promise_holds_for_the_bundled_machines(loaded, name, accuracy):
-    scene = loaded(name)
-    system = scene.kind.system
-    plan, model = make_plan(system, scene.problem, accuracy=accuracy, effects="auto")
-    full_plan, full = make_plan(system, scene.problem, accuracy=accuracy, effects="all")
-    everything = system.solve(full, system.method(full, 1e-10))
-    difference = system.distance(system.solve(model, plan.method), everything, everything)
-    assert difference <= min(accuracy, plan.error_bound)
-    assert plan.keeps_accuracy
-    assert full_plan.left_out == ()
 
 
 def test_an_accuracy_below_rounding_is_not_promised(hoist_of):

@@ -21,7 +21,7 @@ from ropefric.systems.hoist.contact import solve_lift
 from ropefric.systems.hoist.effects import SYSTEM, stiffness_bound
 
 STIFF = {"linear_density": "62 g/m", "hanging_length": "5 m", "bending_stiffness": "1e-4 N*m^2"}
-AXES = ("wheel.wrap=90deg:1440deg:200", "load.end_tension=10N:500N:150")
+AXES = ("wheel.wrap=90deg:1440deg:100", "load.end_tension=10N:500N:60")
 
 
 def compared(make, *axes, **changes):
@@ -47,7 +47,7 @@ def compared(make, *axes, **changes):
 
 def test_a_stiffness_that_matters_nowhere_much_goes_where_its_own_bound_lets_it(hoist_of):
     planned = compared(hoist_of, *AXES, accuracy=0.02, rope=STIFF)
-    assert 20_000 < planned.left_out["bending-stiffness"] < 30_000
+    assert 4_000 < planned.left_out["bending-stiffness"] < 6_000
     assert "bending-stiffness" in planned.simulated, "not at every point"
 
 
@@ -60,16 +60,10 @@ def test_whether_a_hoist_lifts_is_never_left_open(hoist_of):
 
 
 def test_where_the_box_ends_at_lift_off_the_bounds_hold_for_what_still_has_an_answer(hoist_of):
-    axes = ("wheel.speed=0.1m/s:40m/s:200", "load.end_tension=5N:100N:150")
+    axes = ("wheel.speed=0.1m/s:40m/s:100", "load.end_tension=5N:100N:60")
     planned = compared(hoist_of, *axes, accuracy=0.1, rope=STIFF)
     assert planned.failed > 0
-    assert 0 < planned.left_out["bending-stiffness"] < 30_000 - planned.failed
-
-
-def test_a_box_without_any_answer_is_told_of_by_its_points(hoist_of):
-    scene = hoist_of(accuracy=0.5, rope=STIFF)
-    with pytest.raises(InputError, match=r"no point of the sweep has an answer; the first says: rho v\^2"):
-        sweep_scene(scene, (parse_axis(scene, "wheel.speed=60m/s:90m/s:30000"),))
+    assert 0 < planned.left_out["bending-stiffness"] < 6_000 - planned.failed
 
 
 def test_a_small_sweep_is_solved_whole(hoist_of):
@@ -93,7 +87,7 @@ def test_random_sweeps_keep_the_promise(hoist_of):
             "constant-offset": {"a": (0.05, 0.4), "b": (0.0, 0.2)},
             "howell": {"a": (0.1, 0.5), "b": (0.7, 0.99)}}  # fmt: skip
     spared = 0
-    for part in range(10):
+    for part in range(8):
         rng = np.random.default_rng([1, part])
         name = str(rng.choice(sorted(laws)))
         bounds = list(laws[name].values())

@@ -58,21 +58,7 @@ class BladeTable(kind.Table):
     ends: Annotated[str, PlainValidator(choice(lambda: ENDS))] = "clamped"
     modes: Annotated[int, PlainValidator(whole_number(1, 40))] = 6
 
-    def _check(self) -> None:
-        section = (self.width, self.thickness, self.density)
-        if self.linear_density is None and None in section:
-            reject(
-                "RF121",
-                "the blade's mass is not known",
-                fix='add linear_density = "0.6 kg/m", or width, thickness and density',
-            )
-        if self.linear_density is not None and None not in section:
-            reject(
-                "RF111",
-                "linear_density and density with the section are both given",
-                fix="keep one of them",
-                key="linear_density",
-            )
+    rules = (kind.one_of("linear_density", "density"), kind.needs("density", "width", "thickness"))
 
 
 class WheelTable(kind.Table):
@@ -82,25 +68,21 @@ class WheelTable(kind.Table):
     ----
     radius : R; or give the diameter.
     diameter : 2R; or give the radius.
-    speed : Rotation n, which makes the blade's speed v = ωR (zero or more).
+    speed : Rotation n, which makes the blade's speed v = ωR.
     wrap : Over which the blade lies on a wheel; for the friction it needs.
     """
 
     radius: Annotated[float | None, kind.key("m", "0.35 m", "wheel_radius_m", many=False)] = None
     diameter: Annotated[float | None, kind.key("m", "0.7 m", "wheel_radius_m", factor=0.5, many=False)] = None
-    speed: Annotated[float, kind.key("rad/s", "970 rpm", "wheel_speed_rad_s", many=False, above=None)] = 0.0
+    speed: Annotated[float, kind.key("rad/s", "970 rpm", "wheel_speed_rad_s", many=False, or_zero=True)] = 0.0
     wrap: Annotated[float, kind.key("rad", "180 deg", "wheel_wrap_rad", many=False)] = np.pi
 
-    def _check(self) -> None:
-        if (self.radius is None) == (self.diameter is None):
-            reject("RF121", "give either radius or diameter of the wheels", fix='write diameter = "0.7 m"')
-        if self.speed < 0.0:
-            reject("RF110", "a wheel's speed is counted without sign", fix="remove the minus", key="speed")
+    rules = (kind.one_of("radius", "diameter"),)
 
 
 _share = kind.number_where(
     lambda one: 0.0 <= one <= 1.0,
-    "a mounting factor of {} is not from 0 to 1",
+    "from 0 to 1",
     "give 0 for fixed wheel axles, 1 for a constant-force mounting",
 )
 
@@ -123,34 +105,23 @@ class DriveTable(kind.Table):
 
     Keys
     ----
-    power : P at the wheel; or give torque or tension_difference (zero or more).
-    torque : M at the wheel; or give power or tension_difference (zero or more).
-    tension_difference : ΔF = F_1 - F_2; or give power or torque (zero or more).
+    power : P at the wheel; or give torque or tension_difference.
+    torque : M at the wheel; or give power or tension_difference.
+    tension_difference : ΔF = F_1 - F_2; or give power or torque.
     printed_factor : Whether M = 9549 P/n is taken as printed, with the rounded factor.
     """
 
-    power: Annotated[float | None, kind.key("W", "7.5 kW", above=None)] = None
-    torque: Annotated[float | None, kind.key("N*m", "73.8 N*m", above=None)] = None
+    power: Annotated[float | None, kind.key("W", "7.5 kW", or_zero=True)] = None
+    torque: Annotated[float | None, kind.key("N*m", "73.8 N*m", or_zero=True)] = None
     tension_difference: Annotated[
-        float | None, kind.key("N", "211 N", "tension_difference_N", above=None)
+        float | None, kind.key("N", "211 N", "tension_difference_N", or_zero=True)
     ] = None
     printed_factor: bool = False
 
-    def _check(self) -> None:
-        names = ("power", "torque", "tension_difference")
-        said = [name for name in names if getattr(self, name) is not None]
-        fix = f"give one of {', '.join(names)}"
-        if not said:
-            reject("RF121", "the drive gives nothing", fix=fix)
-        if len(said) > 1:
-            reject("RF111", f"{' and '.join(said)} are given", fix=fix)
-        if getattr(self, said[0]) < 0.0:
-            reject("RF110", f"{said[0]} is negative", fix="give it zero or more", key=said[0])
+    rules = (kind.one_of("power", "torque", "tension_difference"),)
 
 
-_margin = kind.number_where(
-    lambda one: 0.0 < one < 1.0, "a margin of {} is not between 0 and 1", "write 0.1 for 10 %"
-)
+_margin = kind.number_where(lambda one: 0.0 < one < 1.0, "between 0 and 1", "write 0.1 for 10 %")
 
 
 class ExcitationTable(kind.Table):
@@ -171,16 +142,11 @@ class ExcitationTable(kind.Table):
     margin: Annotated[float | None, PlainValidator(_margin)] = None
     preload_range: list[Annotated[float, kind.key("N", "3000 N")]] | None = None
 
+    rules = (kind.needs("margin", "preload_range"), kind.needs("preload_range", "margin"))
+
     def _check(self) -> None:
-        if (self.margin is None) != (self.preload_range is None):
-            reject(
-                "RF121",
-                "a recommended preload needs both the margin wanted and the range of preloads",
-                fix='add margin = 0.1 and preload_range = ["2000 N", "6000 N"]',
-            )
-        if self.preload_range is not None and (
-            len(self.preload_range) != 2 or not self.preload_range[0] < self.preload_range[1]
-        ):
+        ends = self.preload_range
+        if ends is not None and (len(ends) != 2 or not ends[0] < ends[1]):
             reject("RF110", "a range is two preloads, the lower first", key="preload_range")
 
 
@@ -210,22 +176,15 @@ class SawScene(kind.SceneTable):
         "measured": "remove it; compare the frequencies of the answer with the measured ones"
     }
 
+    rules = (
+        kind.needs("drive", "wheel"),
+        kind.needs("feed", "blade.width", "blade.thickness", "blade.youngs_modulus", "blade.shear_modulus"),
+    )
+
     def _check(self) -> None:
-        if self.drive is not None and self.wheel is None:
-            reject("RF121", "a drive needs a wheel", fix="add [wheel] with diameter and speed", key="drive")
-        if self.feed is not None:
-            for name in ("width", "thickness", "youngs_modulus", "shear_modulus"):
-                if getattr(self.blade, name) is None:
-                    fix = f"add {name} to [blade]"
-                    reject("RF121", "what feed a blade bears depends on its section", fix=fix, key="feed")
-        needs_speed = self.drive is not None and self.drive.power is not None
-        if needs_speed and (self.wheel is None or not self.wheel.speed):
-            reject(
-                "RF121",
-                "a power says nothing about the tensions without the wheel's speed",
-                fix='add speed = "970 rpm" to [wheel]',
-                key="wheel.speed",
-            )
+        if self.drive is not None and self.drive.power is not None and not (self.wheel and self.wheel.speed):
+            fix = 'add speed = "970 rpm" to [wheel]'
+            reject("RF121", "drive.power needs wheel.speed", fix=fix, key="wheel.speed")
 
 
 _UNKNOWN_THICKNESS_M = 1e-3

@@ -34,12 +34,12 @@ class DrivingTable(kind.Table):
     ----
     diameter : Of the driving pulley, drum or capstan, where the belt lies on it.
     wrap : Over which the belt lies on it; left out where it follows from the centre distance.
-    speed : Its rotation (zero or more).
+    speed : Its rotation.
     """
 
     diameter: Annotated[float, kind.key("m", "300 mm", "wheel_radius_m", factor=0.5)]
     wrap: Annotated[float | None, kind.key("rad", "180 deg", "wrap_angle_rad")] = None
-    speed: Annotated[float | None, kind.key("rad/s", "1500 rpm", "speed_rad_s", above=None)] = None
+    speed: Annotated[float | None, kind.key("rad/s", "1500 rpm", "speed_rad_s", or_zero=True)] = None
 
 
 class DrivenTable(kind.Table):
@@ -83,14 +83,7 @@ class BeltTable(kind.Table):
     stress: Annotated[float | None, kind.key("Pa", "2 MPa", "stress_Pa")] = None
     density: Annotated[float | None, kind.key("kg/m^3", "1000 kg/m^3", "density_kg_m3")] = None
 
-    def _check(self) -> None:
-        if self.density is not None and (self.linear_density is not None or self.stress is None):
-            reject(
-                "RF111",
-                "a density is for the width that follows from a stress, in place of a mass per length",
-                fix="add stress and leave out linear_density, or leave out density",
-                key="density",
-            )
+    rules = (kind.needs("density", "stress"), kind.excludes("density", "linear_density"))
 
 
 class TensionTable(kind.Table):
@@ -145,59 +138,27 @@ class DriveScene(kind.SceneTable):
     load: LoadTable | None = None
     friction: kind.FrictionTable
 
+    rules = (
+        kind.one_of("driving.wrap", "belt.centre_distance"),
+        kind.excludes("belt.centre_distance", "belt.span_length", "driven.wrap"),
+        kind.excludes("brake", "driven", "load"),
+        kind.needs("belt.centre_distance", "driven"),
+        kind.needs("belt.span_length", "driven"),
+        kind.needs("belt.crossed", "belt.centre_distance"),
+        kind.needs("load.power", "driving.speed"),
+    )
+
     def _check(self) -> None:
-        if (self.driving.speed or 0.0) < 0.0:
-            reject("RF110", "the speed is negative", fix="give it zero or more", key="driving.speed")
-        if self.load is not None and self.load.power is not None and self.driving.speed is None:
-            reject(
-                "RF121",
-                "a power says nothing about the tensions without the speed",
-                fix='add speed = "1500 rpm" to [driving]',
-                key="driving.speed",
-            )
-        self._check_geometry()
-        self._check_brake()
-        wrap = self.driving.wrap or 0.0
-        if self.driven is not None and self.driven.wrap is None and not wrap < _TURN:
+        if (self.brake is not None) != (self.tension.closure == "lever"):
+            fix = 'write closure = "lever" and [brake], or neither'
+            reject("RF121", "the closure lever is that of a band brake", fix=fix, key="tension.closure")
+        if self.driven is not None and self.driven.wrap is None and (self.driving.wrap or 0.0) >= _TURN:
             reject(
                 "RF121",
                 "the driven pulley's wrap does not follow from a belt that goes round more than once",
                 fix='add wrap = "180 deg" to [driven]',
-                key="driven.wrap",
+                key="driven",
             )
-
-    def _check_brake(self) -> None:
-        if (self.brake is not None) != (self.tension.closure == "lever"):
-            reject(
-                "RF121",
-                "the closure lever is that of a band brake with a table of its own",
-                fix='write closure = "lever" and [brake], or neither',
-                key="tension.closure",
-            )
-        if self.brake is not None and (self.driven is not None or self.load is not None):
-            key = "driven" if self.driven is not None else "load"
-            reject("RF111", f"a band brake has no [{key}]", fix="leave it out", key=key)
-
-    def _check_geometry(self) -> None:
-        belt, driven = self.belt, self.driven
-        apart = belt.centre_distance is not None
-        both = {
-            "belt.span_length": belt.span_length,
-            "driving.wrap": self.driving.wrap,
-            "driven.wrap": driven.wrap if driven is not None else None,
-        }
-        for key, value in both.items():
-            if apart and value is not None:
-                reject("RF111", f"{key} follows from the centre distance", fix="keep one of them", key=key)
-        if not apart and self.driving.wrap is None:
-            fix = 'add wrap = "180 deg" to [driving], or centre_distance = "1.2 m" to [belt]'
-            reject("RF121", "the wrap is not given", fix=fix, key="driving.wrap")
-        if driven is None and (apart or belt.span_length is not None):
-            key = "belt.centre_distance" if apart else "belt.span_length"
-            reject("RF121", "a single drum has no other pulley", fix="add [driven], or leave it out", key=key)
-        if belt.crossed and not apart:
-            fix = 'add centre_distance = "1.2 m"'
-            reject("RF121", "crossed says nothing without the centre distance", fix=fix, key="belt.crossed")
 
 
 def _problem(table: DriveScene, friction: WrapFriction) -> DriveProblem:

@@ -28,8 +28,8 @@ class LineTable(kind.Table):
     Keys
     ----
     direction : Whether the rope is pulled from start to end, or paid out, so that friction helps the hand at the end.
-    start_tension : Before the first element (zero or more).
-    end_tension : Behind the last element, at the hand (zero or more).
+    start_tension : Before the first element.
+    end_tension : Behind the last element, at the hand.
     pull : Effective pull of all drums that have a share of it.
     both_ends : Whether a tendon is stressed from both ends.
     anchorage_slip : w, by which the anchorage lets a stressed tendon back.
@@ -37,17 +37,12 @@ class LineTable(kind.Table):
     """
 
     direction: Annotated[str, PlainValidator(choice(lambda: _DIRECTIONS))] = "pull"
-    start_tension: Annotated[float | None, kind.key("N", "90 lbf", "start_tension_N", above=None)] = None
-    end_tension: Annotated[float | None, kind.key("N", "200 N", "end_tension_N", above=None)] = None
+    start_tension: Annotated[float | None, kind.key("N", "90 lbf", "start_tension_N", or_zero=True)] = None
+    end_tension: Annotated[float | None, kind.key("N", "200 N", "end_tension_N", or_zero=True)] = None
     pull: Annotated[float | None, kind.key("N", "20 kN", "pull_N")] = None
     both_ends: bool = False
     anchorage_slip: Annotated[float | None, kind.key("m", "6 mm", "anchorage_slip_m")] = None
     tension_limit: Annotated[float | None, kind.key("N", "10 kN", "tension_limit_N")] = None
-
-    def _check(self) -> None:
-        for name in ("start_tension", "end_tension"):
-            if (getattr(self, name) or 0.0) < 0.0:
-                reject("RF110", f"{name} is negative: a rope cannot push", fix="give zero or more", key=name)
 
 
 class RopeTable(kind.Table):
@@ -93,12 +88,10 @@ def _annotation(given: Given, field: str, its_type: Any) -> Any:
         return Annotated[bool | None, kind.Becomes(field)]
     if given.si_unit:
         return Annotated[float | None, kind.key(given.si_unit, given.like, field, above=given.above)]
-    low = f"{'zero or more' if given.or_zero else 'more than 0'}"
-    allowed = f"{low}{f' and at most {given.at_most:g}' if given.at_most < math.inf else ''}"
+    allowed = "zero or more" if given.or_zero else "more than 0"
+    allowed += f" and at most {given.at_most:g}" if given.at_most < math.inf else ""
     read = kind.number_where(
-        lambda one: (one >= 0.0 if given.or_zero else one > 0.0) and one <= given.at_most,
-        f"{{}} is not {allowed}",
-        f"give {allowed}",
+        lambda one: (one >= 0.0 if given.or_zero else one > 0.0) and one <= given.at_most, allowed
     )
     return Annotated[float | None, PlainValidator(read), kind.Becomes(field)]
 
@@ -159,14 +152,23 @@ class LineScene(kind.SceneTable):
     line: LineTable
     rope: RopeTable = Field(default_factory=RopeTable)
     element: list[ElementTable]
+    rules = (kind.needs("line.anchorage_slip", "rope.axial_stiffness"),)
 
     def _check(self) -> None:
         elements = [one.element(place) for place, one in enumerate(self.element)]
         if not elements:
             reject("RF121", "the line has no element", fix="add a table [[element]]", key="element")
-        drums = [one for one in elements if isinstance(one, Drum)]
-        self._check_ends(has_pull=any(one.is_set for one in drums))
-        self._check_pull(is_shared=any(one.share is not None for one in drums))
+        line, drums = self.line, [one for one in elements if isinstance(one, Drum)]
+        if line.start_tension is not None and line.end_tension is not None and not line.both_ends:
+            fix = "keep the one that is known, or add both_ends = true for a tendon"
+            reject("RF111", "start_tension and end_tension are both given", fix=fix, key="line.end_tension")
+        is_known = line.start_tension is not None or line.end_tension is not None
+        if not is_known and not any(one.is_set for one in drums):
+            fix = 'add start_tension = "90 N", before the first element, or end_tension, behind the last'
+            reject("RF121", "the tension is known at neither end", fix=fix, key="line.start_tension")
+        if (line.pull is not None) != any(one.share is not None for one in drums):
+            fix = 'give pull = "20 kN" to [line] and a share to its drums, or neither'
+            reject("RF121", "a pull needs drums with a share of it", fix=fix, key="line.pull")
         self._check_tendon(elements)
         for place, one in enumerate(elements) if self.friction is None else ():
             if one.slides and getattr(one, "mu", None) is None and (one.kind != "run" or self._rubs(one)):
@@ -177,52 +179,15 @@ class LineScene(kind.SceneTable):
                     key=f"element.{place}",
                 )
 
-    def _check_ends(self, *, has_pull: bool) -> None:
-        line = self.line
-        ends = (line.start_tension is not None) + (line.end_tension is not None)
-        if ends == 2 and not line.both_ends:
-            reject(
-                "RF111",
-                "start_tension and end_tension are both given",
-                fix="keep the one that is known, or add both_ends = true for a tendon",
-                key="line.end_tension",
-            )
-        if not ends and not has_pull:
-            reject(
-                "RF121",
-                "the tension is known at neither end",
-                fix='add start_tension = "90 N", before the first element, or end_tension, behind the last',
-                key="line.start_tension",
-            )
-
-    def _check_pull(self, *, is_shared: bool) -> None:
-        if is_shared == (self.line.pull is not None):
-            return
-        words, fix = "a pull needs drums with a share of it", "add share to a drum"
-        if is_shared:
-            words, fix = "a share of a pull needs the pull of all drums", 'add pull = "20 kN" to [line]'
-        reject("RF121", words, fix=fix, key="line.pull")
-
     def _rubs(self, run: Any) -> bool:
         return self.rope.linear_density is not None or run.wobble_1_m is not None
 
     def _check_tendon(self, elements: list[Element]) -> None:
         line, friction = self.line, self.friction
-        if line.anchorage_slip is not None and self.rope.axial_stiffness is None:
-            reject(
-                "RF121",
-                "an anchorage slip needs the axial stiffness",
-                fix='add axial_stiffness = "30 MN" to [rope]',
-                key="line.anchorage_slip",
-            )
-        if line.anchorage_slip is None and not line.both_ends:
-            return
+        is_tendon = line.both_ends or line.anchorage_slip is not None
         alike = friction is None or friction.mu is not None
-        if (
-            not alike
-            or self.rope.linear_density is not None
-            or any(isinstance(one, Drum) for one in elements)
-        ):
+        has_drum = any(isinstance(one, Drum) for one in elements)
+        if is_tendon and (not alike or self.rope.linear_density is not None or has_drum):
             reject(
                 "RF111",
                 "both_ends and anchorage_slip are for a tendon: one coefficient, no weight, no drums",
@@ -252,30 +217,29 @@ def _quantities(answer: LineAnswer, problem: LineProblem) -> tuple[kind.Quantity
     """Return the tension that is not known first, then the others, then those of the elements."""
     ends = {"hand_tension_N": answer.tension_N[-1], "start_tension_N": answer.tension_N[0]}
     named = list(ends) if problem.start_tension_N is not None else list(ends)[::-1]
-    found = {name: ends[name] for name in named}
+    found: dict[str, FloatArray | None] = {name: ends[name] for name in named}
     if answer.load_N is not None:
         hand_N = answer.tension_N[-1]
-        found["load_N"] = answer.load_N
-        found["advantage"] = np.divide(
-            answer.load_N, hand_N, out=np.full_like(hand_N, np.nan), where=hand_N != 0.0
-        )
-    if answer.stretches:
-        found["elongation_m"] = _elongation_m(answer)
-    if answer.needed_end_N is not None:
-        found["needed_end_tension_N"] = answer.needed_end_N
-    if answer.cycle is not None and np.isfinite(answer.cycle.pulled_N).any():
-        found |= {f"cycle.{name}": value for name, value in _cycle(answer).items()}
+        per_hand = np.divide(answer.load_N, hand_N, out=np.full_like(hand_N, np.nan), where=hand_N != 0.0)
+        found |= {"load_N": answer.load_N, "advantage": per_hand}
+    found["elongation_m"] = _elongation_m(answer) if answer.stretches else None
+    found["needed_end_tension_N"] = answer.needed_end_N
+    cycle = answer.cycle
+    if cycle is not None and np.isfinite(cycle.pulled_N).any():
+        found["cycle.pull_tension_N"], found["cycle.pay_out_tension_N"] = cycle.pulled_N, cycle.paid_out_N
+        found["cycle.dead_band_N"] = cycle.pulled_N - cycle.paid_out_N
+        found["cycle.lost_stroke_m"] = cycle.lost_stroke_m if answer.stretches else None
     if answer.other_end is not None:
         found["from_other_end.hand_tension_N"] = answer.other_end[-1]
         found["from_other_end.start_tension_N"] = answer.other_end[0]
-    if answer.stressed is not None:
-        found["least_tension_N"] = answer.stressed.least_N
+    found["least_tension_N"] = None if answer.stressed is None else answer.stressed.least_N
     for place, numbers in enumerate(answer.numbers):
         found[f"elements.{place}.tension_out_N"] = answer.tension_N[place + 1]
         found |= {f"elements.{place}.{name}": value for name, value in numbers.items()}
     return tuple(
         kind.Quantity(name, value, positive=bool((value > 0.0).all()), is_main=name == named[0])
         for name, value in found.items()
+        if value is not None
     )
 
 
@@ -284,15 +248,6 @@ def _elongation_m(answer: LineAnswer) -> FloatArray:
     if answer.stressed is not None and stiffness_N is not None:
         return np.asarray(answer.stressed.elongation_N_m.sum(axis=0) / stiffness_N)
     return np.asarray(answer.stretch_m.sum(axis=0))
-
-
-def _cycle(answer: LineAnswer) -> dict[str, FloatArray]:
-    cycle = answer.cycle
-    if cycle is None:
-        return {}
-    found = {"pull_tension_N": cycle.pulled_N, "pay_out_tension_N": cycle.paid_out_N}
-    found["dead_band_N"] = cycle.pulled_N - cycle.paid_out_N
-    return found | ({} if not answer.stretches else {"lost_stroke_m": cycle.lost_stroke_m})
 
 
 def _failures(answer: LineAnswer, problem: LineProblem) -> tuple[kind.Failure, ...]:
@@ -380,8 +335,6 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
 
 def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
     hand_N = tree["tension_N"][-1]
-    if "load_N" in tree and tree["advantage"] is not None:
-        yield f"the hand's {hand_N:.5g} N carry {tree['load_N']:.5g} N: advantage {tree['advantage']:.4g}"
     if "from_other_end" in tree:
         ends_N = [tree["from_other_end"][name] for name in ("start_tension_N", "hand_tension_N")]
         if None not in ends_N and not np.allclose(
@@ -398,8 +351,6 @@ def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
             f"against {tree['tension_N'][0]:.5g} N at the start the hand pulls with {cycle['pull_tension_N']:.5g} N and "
             f"pays out with {cycle['pay_out_tension_N']:.5g} N: dead band {cycle['dead_band_N']:.5g} N{lost}"
         )
-    if tree.get("needed_end_tension_N") is not None:
-        yield f"the drums need at least {tree['needed_end_tension_N']:.5g} N behind the last element"
     if "both_ends" in tree:
         both = tree["both_ends"]
         yield f"least tension {tree['least_tension_N']:.5g} N, {both['least_at_m']:.4g} m from the start"

@@ -45,20 +45,20 @@ class TensionerTable(kind.Table):
 
     Keys
     ----
-    spring : Stiffness k_1 that presses the roller into the belt (zero or more).
+    spring : Stiffness k_1 that presses the roller into the belt.
     travel : x, compression of its spring in the given position.
     force : Its own preload F, in place of that of all.
     mass : Of the roller with what moves with it; for a start-up.
-    damping : C_1 of its travel; for a start-up (zero or more).
+    damping : C_1 of its travel; for a start-up.
     upstream_angle : Between its travel and the span that arrives.
     downstream_angle : Between its travel and the span that leaves.
     """
 
-    spring: Annotated[float, kind.key("N/m", "20 N/mm", "spring_N_m", above=None)] = 0.0
+    spring: Annotated[float, kind.key("N/m", "20 N/mm", "spring_N_m", or_zero=True)] = 0.0
     travel: Annotated[float, kind.key("m", "30 mm", "travel_m", above=None)] = 0.0
     force: Annotated[float | None, kind.key("N", "2000 N", "force_N")] = None
     mass: Annotated[float | None, kind.key("kg", "121 kg", "mass_kg")] = None
-    damping: Annotated[float, kind.key("N*s/m", "500 N*s/m", "damping_N_s_m", above=None)] = 0.0
+    damping: Annotated[float, kind.key("N*s/m", "500 N*s/m", "damping_N_s_m", or_zero=True)] = 0.0
     upstream_angle: Annotated[float, kind.key("rad", "56.7 deg", "upstream_angle_rad", above=None)] = 0.0
     downstream_angle: Annotated[float, kind.key("rad", "19.9 deg", "downstream_angle_rad", above=None)] = 0.0
 
@@ -107,7 +107,7 @@ class BeltTable(kind.Table):
     density : Of the belt; or give its mass per length.
     linear_density : Mass per length; or give its density.
     axial_stiffness : EA; for creep and start-up, and between fixed centres.
-    damping : Ratio of damping to stiffness of its spans; for a start-up (zero or more).
+    damping : Ratio of damping to stiffness of its spans; for a start-up.
     span_lengths : Of its spans, in the order of the loop; for a start-up, and between fixed centres.
     pretension : Set at rest without loads between fixed centres, in place of a tensioner: the belt keeps its length.
     """
@@ -118,15 +118,13 @@ class BeltTable(kind.Table):
     density: Annotated[float | None, kind.key("kg/m^3", "1500 kg/m^3")] = None
     linear_density: Annotated[float | None, kind.key("kg/m", "15 kg/m", "linear_density_kg_m")] = None
     axial_stiffness: Annotated[float | None, kind.key("N", "2000 kN", "axial_stiffness_N")] = None
-    damping: Annotated[float, kind.key("s", "1 ms", "damping_s", above=None)] = 0.0
+    damping: Annotated[float, kind.key("s", "1 ms", "damping_s", or_zero=True)] = 0.0
     span_lengths: Annotated[
         list[Annotated[float, kind.key("m", "1.2 m")]] | None, kind.Becomes("span_lengths_m")
     ] = None
     pretension: Annotated[float | None, kind.key("N", "1500 N", "pretension_N")] = None
 
-    def _check(self) -> None:
-        if (self.density is None) == (self.linear_density is None):
-            reject("RF121", "give either density or linear_density", fix='add density = "1500 kg/m^3"')
+    rules = (kind.one_of("density", "linear_density"),)
 
 
 class MachineTable(kind.Table):
@@ -134,30 +132,20 @@ class MachineTable(kind.Table):
 
     Keys
     ----
-    speed : Of the belts; or give the rotation (zero or more).
-    rotation : Of the first driver; or give the speed (zero or more).
+    speed : Of the belts; or give the rotation.
+    rotation : Of the first driver; or give the speed.
     preload : F of all tensioners that have no force of their own.
-    load_factor : Times which the torques of the sludge are taken (zero or more).
+    load_factor : Times which the torques of the sludge are taken.
     closure : Condition that divides the load between the drivers, where the balances leave it open.
     """
 
-    speed: Annotated[float | None, kind.key("m/s", "0.92 m/s", "speed_m_s", above=None)] = None
-    rotation: Annotated[float | None, kind.key("rad/s", "50 rpm", above=None)] = None
+    speed: Annotated[float | None, kind.key("m/s", "0.92 m/s", "speed_m_s", or_zero=True)] = None
+    rotation: Annotated[float | None, kind.key("rad/s", "50 rpm", or_zero=True)] = None
     preload: Annotated[float | None, kind.key("N", "2000 N", "preload_N")] = None
-    load_factor: Annotated[float, PlainValidator(kind.number), kind.Becomes("load_factor")] = 1.0
+    load_factor: Annotated[float, PlainValidator(kind.zero_or_more), kind.Becomes("load_factor")] = 1.0
     closure: Annotated[str, PlainValidator(choice(lambda: CLOSURES))] = "share"
 
-    def _check(self) -> None:
-        if (self.speed is None) == (self.rotation is None):
-            reject(
-                "RF121",
-                "give either speed, of the belts, or rotation, of the first driver",
-                fix='add rotation = "50 rpm"',
-            )
-        for name in ("speed", "rotation", "load_factor"):
-            value = getattr(self, name)
-            if value is not None and value < 0.0:
-                reject("RF110", f"{name} is negative", fix="give it zero or more", key=name)
+    rules = (kind.one_of("rotation", "speed"),)
 
 
 class GravityTable(kind.Table):
@@ -187,7 +175,7 @@ class SqueezeTable(kind.Table):
     width : Of the belt.
     compression : Δh, by which the sludge is squeezed.
     strength : σ_c of the sludge.
-    poisson_ratio : μ_c of the sludge (zero or more).
+    poisson_ratio : μ_c of the sludge.
     youngs_modulus : E_c of the sludge.
     units : How many units of squeezing each roller carries.
     """
@@ -195,7 +183,7 @@ class SqueezeTable(kind.Table):
     width: Annotated[float, kind.key("m", "2 m", "belt_width_m")]
     compression: Annotated[float, kind.key("m", "10 mm", "compression_m")]
     strength: Annotated[float, kind.key("Pa", "30 kPa", "strength_Pa")]
-    poisson_ratio: Annotated[float, PlainValidator(kind.number), kind.Becomes("poisson_ratio")]
+    poisson_ratio: Annotated[float, PlainValidator(kind.zero_or_more), kind.Becomes("poisson_ratio")]
     youngs_modulus: Annotated[float, kind.key("Pa", "300 kPa", "youngs_modulus_Pa")]
     units: Annotated[dict[str, float], kind.by_name(kind.positive, '"5" = 2, "6" = 1')]
 
@@ -231,19 +219,14 @@ class StartUpTable(kind.Table):
     slip: bool = True
     loads: Annotated[str, PlainValidator(choice(lambda: ("with-speed", "constant")))] = "with-speed"
     gone: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("integrator", "step", "tolerance"),
-        "remove it; a start-up is solved exactly between changes of contact",
+        ("integrator", "step", "tolerance"), "remove it; a start-up is solved by matrix exponentials"
     )
 
     def _check(self) -> None:
-        if self.law == "table" and (self.times is None or self.speeds is None):
-            reject(
-                "RF121", "a drive law from a table needs times and speeds", fix="add both lists", key="law"
-            )
-        if self.law in {"ramp", "s-curve"} and self.duration is None:
-            reject(
-                "RF121", f"the drive law {self.law} needs a duration", fix='add duration = "5 s"', key="law"
-            )
+        needed = {"table": ("times", "speeds"), "ramp": ("duration",), "s-curve": ("duration",)}
+        for name in needed.get(self.law, ()):
+            if getattr(self, name) is None:
+                reject("RF121", f"the drive law {self.law} needs {name}", fix=f"add {name}", key="law")
 
 
 class PressScene(kind.SceneTable):
@@ -514,23 +497,13 @@ def _tree(answer: PressAnswer, _: PressProblem) -> dict[str, Any]:
     return tree | {"start_up": answer.start_up.summary() | {"settles": settles(answer)}}
 
 
-_WAYS = {
-    ("preload", "falls"): "the mean preload falls to",
-    ("preload", "rises"): "the mean preload rises to",
-    ("speed", "falls"): "the belts run no faster than",
-    ("speed", "rises"): "the belts run as fast as",
-    ("load", "falls"): "all loads fall by the factor",
-    ("load", "rises"): "all loads grow by the factor",
-    ("friction", "falls"): "the coefficient falls to",
-    ("friction", "rises"): "the coefficient rises to",
+_CHANGES = {
+    "preload": ("the mean preload falls to", "the mean preload rises to", "no preload holds"),
+    "speed": ("the belts run no faster than", "the belts run as fast as", "no slower run of the belts holds"),
+    "load": ("all loads fall by the factor", "all loads grow by the factor", "no smaller loads hold"),
+    "friction": ("the coefficient falls to", "the coefficient rises to", "no coefficient holds"),
 }
-_NEVER = {
-    "preload": "no preload holds",
-    "speed": "no slower run of the belts holds",
-    "load": "no smaller loads hold",
-    "friction": "no coefficient holds",
-}
-"""Changes that lead to the first slip or end the last one, and the words if none does."""
+"""Changes that lead to the first slip or end the last one, by what changes: it falls, it rises, nothing ends it."""
 
 
 def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
@@ -576,13 +549,13 @@ def _slip_lines(tree: Mapping[str, Any]) -> tuple[str, ...]:
         lines = ["no roller carries a torque"]
     else:
         lines = [f"no roller slips; nearest to it is roller {tree['first_to_slip']}"]
-    for change, nothing in _NEVER.items():
+    for change, (falls, rises, never) in _CHANGES.items():
         one, slipping = tree["critical"][change], tree["critical"][change]["state"] == "slips"
         if one["value"] is None:
-            lines += [f"{nothing} {'it' if alone else 'them all'}"] * slipping
+            lines += [f"{never} {'it' if alone else 'them all'}"] * slipping
             continue
         unit = "" if one["unit"].startswith(("factor", "-")) else f" {one['unit']}"
-        at = f"{_WAYS[change, one['direction']]} {one['value']:.4g}{unit}"
+        at = f"{falls if one['direction'] == 'falls' else rises} {one['value']:.4g}{unit}"
         last = "it stops" if alone else f"the last of them, roller {one['roller']}, stops"
         lines.append(f"{last} where {at}" if slipping else f"if {at}, roller {one['roller']} slips first")
     return tuple(lines)

@@ -15,8 +15,7 @@ from ropefric.systems.traction.effects import SYSTEM
 from ropefric.systems.traction.sheave import CASES, GROOVES, TractionAnswer, TractionProblem, answerable
 
 _NO_CERTIFICATE = "a check after EN 81-50, 5.11, and no certificate: lifts are approved by notified bodies"
-_LARGEST_UNDERCUT_RAD = math.radians(106.0)
-_LEAST_DECELERATION_M_S2 = 0.5
+_LARGEST_UNDERCUT_DEG = 106.0
 _UNDERCUT = {"undercut", "v"}
 
 
@@ -60,15 +59,9 @@ class SheaveTable(kind.Table):
     undercut: Annotated[float | None, kind.key("rad", "90 deg", "undercut_rad")] = None
 
     def _check(self) -> None:
-        if self.groove in _UNDERCUT and self.undercut is None:
-            reject("RF121", f"the groove {self.groove} has no undercut", fix='add undercut = "90 deg"')
-        if self.groove not in _UNDERCUT and self.undercut is not None:
-            reject(
-                "RF111",
-                f"the groove {self.groove} has no undercut",
-                fix='remove it, or write groove = "undercut"',
-                key="undercut",
-            )
+        if (self.groove in _UNDERCUT) != (self.undercut is not None):
+            fix = 'add undercut = "90 deg" to the grooves undercut and v, remove it from others'
+            reject("RF121", f"undercut does not fit the groove {self.groove}", fix=fix, key="groove")
 
 
 class RopesTable(kind.Table):
@@ -79,15 +72,15 @@ class RopesTable(kind.Table):
     count : Ropes side by side.
     diameter : Of one rope.
     linear_density : Mass per length of one rope.
-    above_car : Rope between the car at the highest stop and the sheave (zero or more).
-    above_counterweight : Rope between the counterweight at its highest and the sheave (zero or more).
+    above_car : Rope between the car at the highest stop and the sheave.
+    above_counterweight : Rope between the counterweight at its highest and the sheave.
     """
 
     count: Annotated[int, PlainValidator(whole_number(1, 100)), kind.Becomes("rope_count", many=False)]
     diameter: Annotated[float, kind.key("m", "10 mm", "rope_radius_m", factor=0.5)]
     linear_density: Annotated[float | None, kind.key("kg/m", "0.336 kg/m", "linear_density_kg_m")] = None
-    above_car: Annotated[float, kind.key("m", "2 m", "above_car_m", above=None)] = 0.0
-    above_counterweight: Annotated[float, kind.key("m", "2 m", "above_counterweight_m", above=None)] = 0.0
+    above_car: Annotated[float, kind.key("m", "2 m", "above_car_m", or_zero=True)] = 0.0
+    above_counterweight: Annotated[float, kind.key("m", "2 m", "above_counterweight_m", or_zero=True)] = 0.0
 
 
 class PulleysTable(kind.Table):
@@ -126,27 +119,19 @@ def _quantities(answer: TractionAnswer, problem: TractionProblem) -> tuple[kind.
 
 
 def _failures(answer: TractionAnswer, problem: TractionProblem) -> tuple[kind.Failure, ...]:
-    # What EN 81-50, 5.11 has its formulae for: β at most 106°, γ at least 25° (V: 35°), a braking of 0.5 m/s2 at least.
-    limits = [
-        (
-            "groove_angle_rad",
-            "groove angle",
-            25.0 if problem.is_round else 35.0,
-            -1.0,
-            math.degrees(1.0),
-            "deg",
-        )
-    ]
-    limits += [
-        ("undercut_rad", "undercut", math.degrees(_LARGEST_UNDERCUT_RAD), 1.0, math.degrees(1.0), "deg")
-    ]
-    limits += [("deceleration_m_s2", "deceleration", _LEAST_DECELERATION_M_S2, -1.0, 1.0, "m/s2")]
+    # What EN 81-50, 5.11 has its formulae for; a V groove has at least 35 deg.
+    limits = (
+        ("groove_angle_rad", "groove angle", "at least", 25.0 if problem.is_round else 35.0, "deg"),
+        ("undercut_rad", "undercut", "at most", _LARGEST_UNDERCUT_DEG, "deg"),
+        ("deceleration_m_s2", "deceleration", "at least", 0.5, "m/s2"),
+    )
     outside = []
-    for name, what, limit, way, factor, unit in limits:
+    for name, what, side, limit, unit in limits:
         if (given := getattr(problem, name)) is not None:
-            value, ends = factor * given, f"{'at most' if way > 0 else 'at least'} {limit:g} {unit}"
-            said, fails = f"outside EN 81-50, which requires {ends}", way * (value - limit) > 1e-9 * limit
-            outside.append(kind.Failure(said, what, value, fails, limit))
+            value = np.degrees(given) if unit == "deg" else given
+            beyond = value - limit if side == "at most" else limit - value
+            needed = f"outside EN 81-50, which requires {side} {limit:g} {unit}"
+            outside.append(kind.Failure(needed, what, value, beyond > 1e-9 * limit, limit))
     held = [f"the ropes slip in the load case {case}" for case in CASES[:-1]]
     words = (*held, "the ropes do not slip when the car is stalled")
     uses = zip(words, answer.utilisation, strict=True)
@@ -188,7 +173,7 @@ def _sections(tree: Mapping[str, Any]) -> tuple[Section, ...]:
         undercut = tree.get("needed_undercut_rad")
         if undercut:
             wrap += f", or an undercut of at least {math.degrees(undercut):.1f} deg"
-            if undercut > _LARGEST_UNDERCUT_RAD:
+            if math.degrees(undercut) > _LARGEST_UNDERCUT_DEG:
                 wrap += " (the standard ends at 106 deg)"
         lines.append(f"changes that would make it hold: {wrap}")
     if not cases["stalled"]["passes"]:

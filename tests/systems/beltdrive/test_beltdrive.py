@@ -231,7 +231,7 @@ def test_the_charts_show_power_and_arcs(tmp_path):
 def test_bad_keys_are_refused_by_name(tmp_path):
     for old, new, words in [
         ('closure = "limit"', 'closure = "limt"', "did you mean 'limit'"),
-        ('speed    = "1500 rpm"', "", "a power says nothing about the tensions without the speed"),
+        ('speed    = "1500 rpm"', "", "load.power needs driving.speed"),
         ('"5250 N"', "5250", '"5250 N"'),
         ("count           = 2", "count = 2.5", "whole number from 1 to 1000"),
         ("groove_angle ", "grove_angle ", "did you mean 'groove_angle'"),
@@ -364,7 +364,11 @@ def pieces_of_band(mu, wrap_rad, n=20_000):
 def test_a_wrap_beside_a_centre_distance_is_one_too_many(scene_of):
     tree = geometry(driving="450 mm", driven="200 mm", centre_distance="1.95 m")
     tree["driving"]["wrap"] = "180 deg"
-    with pytest.raises(DataError, match="follows from the centre distance"):
+    with pytest.raises(DataError, match=r"driving\.wrap and belt\.centre_distance are both given"):
+        scene_of(**tree)
+    tree = geometry(driving="450 mm", driven="200 mm", centre_distance="1.95 m")
+    tree["belt"]["span_length"] = "1 m"
+    with pytest.raises(DataError, match=r"centre_distance and belt\.span_length are both given"):
         scene_of(**tree)
     touching = geometry(driving="450 mm", driven="200 mm", centre_distance="0.3 m")
     with pytest.raises(DataError, match="lets the pulleys touch"):

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 import pytest
 
 from ropefric.files.toml import TomlDocument
-from ropefric.scenes.scene import read_scene, value_at
+from ropefric.scenes.kind import value_at
+from ropefric.scenes.scene import read_scene
 from ropefric.scenes.solve import solve_scene
 
 LB, FT, KSI = 4.4482216152605, 0.3048, 6.894757e6

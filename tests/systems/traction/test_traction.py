@@ -149,8 +149,8 @@ def test_ropes_without_weight_leave_nothing_to_hold_when_stalled(tmp_path):
 def test_bad_keys_are_refused_by_name(tmp_path):
     for old, new, words in [
         ('groove       = "undercut"', 'groove = "undercutt"', "did you mean 'undercut'"),
-        ('undercut     = "90 deg"', "", "the groove undercut has no undercut"),
-        ('groove       = "undercut"', 'groove = "v-hardened"', "the groove v-hardened has no undercut"),
+        ('undercut     = "90 deg"', "", "undercut does not fit the groove undercut"),
+        ('groove       = "undercut"', 'groove = "v-hardened"', "undercut does not fit the groove v-hardened"),
         ('"700 kg"', "700", '"700 kg"'),
         ("count          = 4", "count = 0", "whole number from 1 to 100"),
         ("above_car ", "abov_car ", "did you mean 'above_car'"),

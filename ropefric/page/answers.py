@@ -15,9 +15,8 @@ from typing import Any
 import numpy as np
 
 from ropefric.arrays import FloatArray
-from ropefric.errors import RopefricError
 from ropefric.files.plain_text import GIVEN_DIGITS, rounded_tree
-from ropefric.fitting.compare import ComparisonEntry, choose_law
+from ropefric.fitting.compare import choose_law
 from ropefric.fitting.design import QUANTITIES, design
 from ropefric.fitting.predict import predict
 from ropefric.fitting.result import FitResult
@@ -25,7 +24,7 @@ from ropefric.fitting.statistics import condition_means
 from ropefric.fitting.store import save_fit
 from ropefric.friction.condition import Conditions, one_condition
 from ropefric.page.review import Review
-from ropefric.pipeline import CampaignAnswer, CampaignRun, plan_for_design
+from ropefric.pipeline import CampaignRun, plan_for_design
 from ropefric.report import parts
 from ropefric.scenes.explain import explain_solution
 from ropefric.scenes.keys import scene_keys
@@ -44,26 +43,18 @@ _APART = 0.03
 
 @lru_cache(maxsize=1)
 def law_of(review: Review, run: CampaignRun) -> dict[str, Any]:
-    """Return the answer as `ropefric run` has it, a verdict on each law, the conditions, and the law as it is drawn."""
+    """Return the answer as `ropefric run` has it, a verdict on each fitted law, the conditions, and the curves."""
     answer = run.answer
     tree = answer.to_dict() | {
         "asked": review.law,
         "how": answer.winner.how,
         "equation": answer.fit.friction_law.equation,
-        "verdicts": {one.law: _verdict(answer, one) for one in answer.comparison.ranking},
+        "verdicts": {fit.law: choose_law(answer.comparison, fit.law).verdict.word for fit in answer.fits},
         "conditions": review.conditions_of(run),
         "series": [*_series(answer.fit)],
         "rope_radius_m": run.campaign.rope.radius_m,
     }
     return dict(_plain(tree))
-
-
-def _verdict(answer: CampaignAnswer, entry: ComparisonEntry) -> str:
-    """Return the verdict on a law, as if a person had chosen it."""
-    try:
-        return choose_law(answer.comparison, entry.law).verdict.word if entry.fit is not None else "–"
-    except RopefricError:
-        return "–"
 
 
 def _series(fit: FitResult) -> Iterator[dict[str, Any]]:

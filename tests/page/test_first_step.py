@@ -164,8 +164,8 @@ def test_a_law_of_five_thousand_trials_has_a_row_for_each_condition(opened, tmp_
     curve = {"line": [[90, 20], [180, 40]], "band": [[90, 19, 21], [180, 38, 42]]}
     curve |= {"points": [[90, 20, 19, 21]], "residuals": [[90, 1, 0, 2]]}
     law = {"law": "constant", "asked": "", "how": "", "equation": "mu", "verdict": {"word": "", "reason": ""}}
-    law |= {"fit": {"parameters": {}}, "ranking": [], "doubts": [], "prediction": None, "computing": ""}
-    law |= {"diagnosis": {"summary": "", "causes": []}, "conditions": conditions}
+    law |= {"fit": {"parameters": {}}, "ranking": [], "verdicts": {}, "doubts": [], "prediction": None}
+    law |= {"computing": "", "diagnosis": {"summary": "", "causes": []}, "conditions": conditions}
     law["series"] = [{"name": f"R {i} mm"} | curve for i in range(40)]
     answered(road, law=law)
     road.driver.execute_script("""

@@ -35,7 +35,7 @@ function show() {
     button.title = one.law === told.asked ? "leave the choice to the comparison" : "use this law";
     cell.append(button);
     const error = one.loco_error === null ? "–" : `${plain(100 * one.loco_error, 3)} %`;
-    const made = tableRow([cell, told.verdicts[one.law] === "–" ? one.status : told.verdicts[one.law], plain(one.delta_aicc, 3), plain(one.weight, 2), String(one.k), error, one.note]);
+    const made = tableRow([cell, told.verdicts[one.law] ?? one.status, plain(one.delta_aicc, 3), plain(one.weight, 2), String(one.k), error, one.note]);
     if (one.law === told.law) made.className = "used";
     return made;
   }));
